@@ -1,0 +1,139 @@
+!> What an element shows to the rest of the program: one row of the table of elements.
+module element_type
+  use base_kinds, only: wp
+  use basis_type, only: basis_t
+  use material_type, only: material_t
+  implicit none
+  private
+  public :: element_t, cell_t, topology_t, rule_t, form_report_t
+  public :: element_rule_i, element_functions_i, element_topology_i, element_form_i
+  public :: element_batch_i, element_modes_i
+
+  integer, parameter, public :: NB = 8 !! elements in a batch, side by side in the vector registers
+
+  !> The member of a family: degrees and, for spline functions, Bezier extraction and weights.
+  type :: cell_t
+    integer :: degree(3) = 1            !! degrees in the element's own directions
+    real(wp), allocatable :: c1(:, :)   !! (p+1, p+1) extraction operator of direction 1: N = C B; not allocated: Lagrange
+    real(wp), allocatable :: c2(:, :)   !! direction 2
+    real(wp), allocatable :: c3(:, :)   !! direction 3 (tri-variate elements only)
+    real(wp), allocatable :: w(:)       !! weights of the control points; not allocated: all one
+  end type cell_t
+
+  !> Integration rule on the parent cell.
+  type :: rule_t
+    integer :: nq = 0
+    real(wp), allocatable :: xi(:, :)  !! (3, nq)
+    real(wp), allocatable :: wgt(:)    !! (nq)
+  end type rule_t
+
+  !> Faces and picture of a member. Faces of a hexahedral parent are numbered
+  !! xi-, xi+, eta-, eta+, zeta-, zeta+ (1 to 6).
+  type :: topology_t
+    integer :: nen = 0
+    integer :: nface = 0
+    integer, allocatable :: first(:)  !! (nface+1) where a face's nodes begin in `node`
+    integer, allocatable :: node(:)   !! local nodes of the faces, one after the other
+    integer :: vtk = 0                !! VTK cell type (12 Q1, 79 Bezier, 10 tetrahedron)
+    integer, allocatable :: vtk_node(:) !! local node of each VTK point; not allocated for Bezier cells
+  end type topology_t
+
+  !> What happened in an element.
+  type :: form_report_t
+    logical :: ok = .true.          !! .false.: inverted, or the condensation is singular: cut the step
+    integer :: negative = 0         !! negative eigenvalues of the condensed block
+    real(wp) :: enhanced = 0.0_wp   !! |r_a . K_aa^-1 r_a|: energy of the enhanced residual [F L]
+  end type form_report_t
+
+  !> An element type. It has no state: properties and history are arrays.
+  type :: element_t
+    character(16) :: name = ''       !! e.g. Q1E9
+    character(100) :: source = ''    !! formulation and reference, for the log
+    logical :: spline = .false.      !! functions need extraction (cell%c1, ...)
+    integer :: nmode = 0             !! enhanced modes; three parameters each, condensed
+    procedure(element_rule_i), pointer, nopass :: rule => null()
+    procedure(element_functions_i), pointer, nopass :: functions => null()
+    procedure(element_topology_i), pointer, nopass :: topology => null()
+    procedure(element_modes_i), pointer, nopass :: modes => null()
+    !> One of the two; the batch wins where both are there.
+    procedure(element_form_i), pointer, nopass :: form => null()
+    procedure(element_batch_i), pointer, nopass :: form_batch => null()
+  end type element_t
+
+  abstract interface
+    !> Integration rule: q points in the plane and qz across; 0 means the type's default.
+    subroutine element_rule_i(cell, q, qz, rule)
+      import :: cell_t, rule_t
+      implicit none
+      type(cell_t), intent(in) :: cell
+      integer, intent(in) :: q, qz
+      type(rule_t), intent(out) :: rule
+    end subroutine element_rule_i
+
+    !> Functions and parent derivatives at a point.
+    pure subroutine element_functions_i(cell, xi, shp, dshp)
+      import :: cell_t, wp
+      implicit none
+      type(cell_t), intent(in) :: cell
+      real(wp), intent(in) :: xi(3)       !! in [-1,1]^3
+      real(wp), intent(out) :: shp(:)     !! (nen)
+      real(wp), intent(out) :: dshp(:, :) !! (3, nen)
+    end subroutine element_functions_i
+
+    subroutine element_topology_i(cell, topology)
+      import :: cell_t, topology_t
+      implicit none
+      type(cell_t), intent(in) :: cell
+      type(topology_t), intent(out) :: topology
+    end subroutine element_topology_i
+
+    !> Parent covectors of the enhanced modes at a point: zero mean over the parent cell.
+    pure subroutine element_modes_i(xi, mode)
+      import :: wp
+      implicit none
+      real(wp), intent(in) :: xi(3)
+      real(wp), intent(out) :: mode(:, :) !! (3, nmode)
+    end subroutine element_modes_i
+
+    !> Residual and consistent tangent of one element, enhanced modes condensed.
+    !!
+    !! History of an element with nmode > 0 (length history_length(nen, nmode) of solid_form):
+    !! the parameters a at (u - du), the vector m = K_aa^-1 r_a and the matrix L = K_aa^-1 K_au there.
+    !! The kernel sets a_new = a - scale*m - L du, forms, and returns a_new, m_new, L_new.
+    pure subroutine element_form_i(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
+      import :: basis_t, material_t, form_report_t, wp
+      implicit none
+      type(basis_t), intent(in) :: basis
+      type(material_t), intent(in) :: material
+      real(wp), intent(in) :: prop(:)     !! (nprop) properties of the material
+      real(wp), intent(in) :: xr(:, :)    !! (3, nen) reference positions [L]
+      real(wp), intent(in) :: u(:, :)     !! (3, nen) trial displacements [L]
+      real(wp), intent(in) :: du(:, :)    !! (3, nen) u minus the displacements h_old belongs to
+      real(wp), intent(in) :: scale       !! share of the Newton step in du: 0 at the start of a step, 1 full, less in a line search
+      real(wp), intent(in) :: h_old(:)    !! (nhist)
+      real(wp), intent(out) :: h_new(:)   !! (nhist)
+      real(wp), intent(out) :: r(:, :)    !! (3, nen) internal force [F]
+      real(wp), intent(out) :: k(:, :)    !! (3*nen, 3*nen) dr/du [F/L]
+      type(form_report_t), intent(out) :: report
+    end subroutine element_form_i
+
+    !> The same for NB elements of one class; the first index is the element.
+    pure subroutine element_batch_i(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
+      import :: basis_t, material_t, form_report_t, wp, NB
+      implicit none
+      type(basis_t), intent(in) :: basis
+      type(material_t), intent(in) :: material
+      real(wp), intent(in) :: prop(:)
+      real(wp), intent(in) :: xr(:, :, :)    !! (NB, 3, nen)
+      real(wp), intent(in) :: u(:, :, :)
+      real(wp), intent(in) :: du(:, :, :)
+      real(wp), intent(in) :: scale
+      real(wp), intent(in) :: h_old(:, :)    !! (nhist, NB)
+      real(wp), intent(out) :: h_new(:, :)
+      real(wp), intent(out) :: r(:, :, :)    !! (NB, 3, nen)
+      real(wp), intent(out) :: k(:, :, :, :, :) !! (NB, 3, 3, nen, nen): dr(i,a)/du(j,b) at (:, i, j, a, b)
+      type(form_report_t), intent(out) :: report(NB)
+    end subroutine element_batch_i
+  end interface
+
+end module element_type

@@ -1,0 +1,82 @@
+!> The mesh: nodes, blocks of elements, spline patches and named surfaces.
+module mesh
+  use base_kinds, only: wp
+  use base_error, only: place_t
+  use basis_type, only: basis_t
+  use element_type, only: element_t, cell_t, rule_t
+  implicit none
+  private
+  public :: mesh_t, block_t, extraction_t, operator_t, body_t, body_face_t, block_cell
+
+  !> Bezier extraction operator of one knot span.
+  type :: operator_t
+    real(wp), allocatable :: c(:, :) !! (p+1, p+1): N = C B
+  end type operator_t
+
+  !> Spline data of a block: each distinct operator is stored once.
+  type :: extraction_t
+    integer :: degree(3) = 1
+    type(operator_t), allocatable :: op(:)  !! distinct operators; not allocated: Lagrange functions
+    integer, allocatable :: iop(:, :)       !! (3, nelem) operator of each direction; 0: none
+    real(wp), allocatable :: w(:, :)        !! (ncp, nelem) weights; not allocated: all one
+  end type extraction_t
+
+  !> Elements of one type, one material and one number of nodes.
+  type :: block_t
+    character(16) :: name = ''     !! as reported: Q1, Q1E9, Q1N2.1, IGA2, ...
+    type(element_t) :: row
+    integer :: material = 0        !! index into the model's materials
+    integer :: body = 0            !! index into mesh%body; 0: FEAP mesh
+    integer :: nen = 0, nelem = 0
+    integer, allocatable :: conn(:, :)   !! (nen, nelem) nodes; a node may stand twice (collapsed prisms)
+    integer, allocatable :: number(:)    !! (nelem) element number shown to the user
+    type(extraction_t) :: ext
+    type(rule_t) :: rule
+    type(basis_t), allocatable :: basis(:) !! distinct classes
+    integer, allocatable :: ibasis(:)      !! (nelem) class of each element
+  end type block_t
+
+  !> One face of a body: the element faces that make it up.
+  type :: body_face_t
+    integer, allocatable :: block(:)   !! block of each element face
+    integer, allocatable :: elem(:)    !! element in the block
+    integer, allocatable :: side(:)    !! local face of that element (element_type, topology_t)
+  end type body_face_t
+
+  !> A body made by PATCh. Face f = 1 to 6 is 1- 1+ 2- 2+ 3- 3+.
+  type :: body_t
+    character(:), allocatable :: name
+    type(place_t) :: place
+    integer, allocatable :: node(:)    !! nodes and control points of the body
+    integer, allocatable :: mask(:)    !! bit f-1 is set where node(i) lies on face f
+    type(body_face_t) :: face(6)
+  end type body_t
+
+  !> Nodes and everything that stands on them.
+  type :: mesh_t
+    integer :: nnode = 0
+    real(wp), allocatable :: xr(:, :)      !! (3, nnode) reference positions of nodes and control points [L]
+    logical, allocatable :: is_control(:)  !! (nnode) a control point (its position is a coefficient)
+    logical, allocatable :: used(:)        !! (nnode) belongs to an element
+    type(block_t), allocatable :: block(:)
+    type(body_t), allocatable :: body(:)
+  end type mesh_t
+
+contains
+
+  !> The member of the family that element e of a block is.
+  subroutine block_cell(block, e, cell)
+    type(block_t), intent(in) :: block
+    integer, intent(in) :: e
+    type(cell_t), intent(out) :: cell
+
+    cell%degree = block%ext%degree
+    if (allocated(block%ext%op)) then
+      if (block%ext%iop(1, e) > 0) cell%c1 = block%ext%op(block%ext%iop(1, e))%c
+      if (block%ext%iop(2, e) > 0) cell%c2 = block%ext%op(block%ext%iop(2, e))%c
+      if (block%ext%iop(3, e) > 0) cell%c3 = block%ext%op(block%ext%iop(3, e))%c
+    end if
+    if (allocated(block%ext%w)) cell%w = block%ext%w(:, e)
+  end subroutine block_cell
+
+end module mesh

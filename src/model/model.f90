@@ -1,0 +1,60 @@
+!> The two aggregates: what is analysed (fixed once built) and where it is now.
+module model
+  use base_kinds, only: wp
+  use base_error, only: place_t
+  use material_type, only: material_t, MAX_PROP
+  use mesh, only: mesh_t
+  use boundary, only: boundary_t
+  use curve_type, only: curve_t
+  use load_curve, only: load_table_t
+  implicit none
+  private
+  public :: model_t, state_t, material_set_t
+
+  !> One MATErial of the deck.
+  type :: material_set_t
+    integer :: number = 0                !! the user's number
+    type(material_t) :: row
+    real(wp) :: prop(MAX_PROP) = 0.0_wp
+    real(wp) :: density = 0.0_wp         !! [M/L^3]
+    real(wp) :: body_force(3) = 0.0_wp   !! [F/L^3] at factor 1
+    integer :: body_table = 0
+    logical :: enhanced = .false.        !! ENHAnced (ELEM and BLOC meshes)
+    logical :: given_formulation = .false. !! DISPlacement or ENHAnced was said (an error in a PATCh)
+    integer :: nurbs_points(3) = 0       !! NURB interp q1 q2 q3
+    type(place_t) :: place
+  end type material_set_t
+
+  !> What is analysed: intent(in) after set-up.
+  type :: model_t
+    character(:), allocatable :: title
+    type(mesh_t) :: mesh
+    type(material_set_t), allocatable :: material(:)
+    type(boundary_t) :: bc
+    type(curve_t), allocatable :: curve(:)
+    !> Equations of the free dofs: equation number, or 0 where prescribed.
+    integer, allocatable :: eq(:, :)     !! (3, nnode)
+    integer :: neq = 0
+    integer :: ndof = 0                  !! all dofs of nodes in use, prescribed ones too
+  end type model_t
+
+  !> History of one block, see element_form_i.
+  type, public :: history_t
+    real(wp), allocatable :: step(:, :)  !! (nparam, nelem) parameters at the start of the step
+    real(wp), allocatable :: iter(:, :)  !! (nhist, nelem) at the last iteration
+    real(wp), allocatable :: trial(:, :) !! (nhist, nelem) at the trial
+  end type history_t
+
+  !> Where the analysis is.
+  type :: state_t
+    integer :: step = 0
+    real(wp) :: time = 0.0_wp, dt = 0.0_wp
+    real(wp), allocatable :: u(:, :)      !! (3, nnode) displacements [L]
+    real(wp), allocatable :: u_step(:, :) !! at the start of the step
+    real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; free dofs: the residual
+    real(wp), allocatable :: factor(:)    !! factor of each load table
+    type(load_table_t), allocatable :: table(:)
+    type(history_t), allocatable :: history(:) !! one a block
+  end type state_t
+
+end module model
