@@ -3,15 +3,65 @@ module load_curve
   use base_kinds, only: wp
   implicit none
   private
-  public :: load_table_t
+  public :: load_table_t, table_factor, load_factor
 
-  !> Factor over time. Kind 1: FEAP's formula; kind 2: straight lines between pairs.
+  !> Factor over time. Kind 0: p = t (a blank record alone); kind 1: FEAP's formula;
+  !! kind 2: straight lines between pairs, constant beyond both ends.
   type :: load_table_t
-    integer :: kind = 0                !! 0: p = t (a blank record alone)
+    integer :: kind = 0
     integer :: power = 1
     real(wp) :: tmin = 0.0_wp, tmax = 0.0_wp
     real(wp) :: a(5) = 0.0_wp
-    real(wp), allocatable :: t(:), p(:)
+    real(wp), allocatable :: t(:), p(:) !! (n) pairs, t increasing
   end type load_table_t
+
+contains
+
+  !> Factor of one table at a time.
+  pure function table_factor(table, time) result(factor)
+    type(load_table_t), intent(in) :: table
+    real(wp), intent(in) :: time
+    real(wp) :: factor
+    real(wp) :: s
+    integer :: i, n
+
+    factor = 0.0_wp
+    select case (table%kind)
+    case (0)
+      factor = time
+    case (1)
+      if (time < table%tmin .or. time > table%tmax) return
+      s = time - table%tmin
+      factor = table%a(1) + table%a(2)*s &
+        + table%a(3)*sin(table%a(4)*s + table%a(5))**max(table%power, 1)
+    case (2)
+      n = size(table%t)
+      factor = table%p(n)
+      do i = 1, n
+        if (time >= table%t(i)) cycle
+        factor = table%p(i)
+        if (i > 1) factor = table%p(i - 1) + (table%p(i) - table%p(i - 1)) &
+          *((time - table%t(i - 1))/(table%t(i) - table%t(i - 1)))
+        exit
+      end do
+    end select
+  end function table_factor
+
+  !> Factor of a load number: 0 takes the sum of all tables (FEAP); without any table it is 1.
+  pure function load_factor(factor, number) result(f)
+    real(wp), intent(in) :: factor(:)  !! (ntable) factors now
+    integer, intent(in) :: number
+    real(wp) :: f
+
+    if (size(factor) == 0) then
+      f = 1.0_wp
+    else if (number == 0) then
+      f = sum(factor)
+    else if (number > size(factor)) then
+      f = 0.0_wp
+    else
+      f = factor(number)
+    end if
+  end function load_factor
 
 end module load_curve

@@ -1,0 +1,65 @@
+!> Points on a face of a hexahedral parent cell.
+module face_rule
+  use base_kinds, only: wp
+  use quadrature, only: gauss
+  implicit none
+  private
+  public :: face_points, face_normal, face_directions
+
+contains
+
+  !> Gauss points of local face `side` (xi-, xi+, eta-, eta+, zeta-, zeta+), exact for the pressure
+  !! integral of a polynomial face: degree 3p - 1 in each direction.
+  subroutine face_points(degree, side, xi, w)
+    integer, intent(in) :: degree(3)               !! of the cell
+    integer, intent(in) :: side
+    real(wp), allocatable, intent(out) :: xi(:, :) !! (3, nq)
+    real(wp), allocatable, intent(out) :: w(:)     !! (nq)
+    real(wp), allocatable :: x1(:), w1(:), x2(:), w2(:)
+    integer :: d, a, b, i, j, n1, n2, q
+
+    call face_directions(side, d, a, b)
+    n1 = (3*degree(a) + 1)/2
+    n2 = (3*degree(b) + 1)/2
+    allocate (x1(n1), w1(n1), x2(n2), w2(n2), xi(3, n1*n2), w(n1*n2))
+    call gauss(n1, x1, w1)
+    call gauss(n2, x2, w2)
+    q = 0
+    do j = 1, n2
+      do i = 1, n1
+        q = q + 1
+        xi(d, q) = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
+        xi(a, q) = x1(i)
+        xi(b, q) = x2(j)
+        w(q) = w1(i)*w2(j)
+      end do
+    end do
+  end subroutine face_points
+
+  !> Normal direction d of a face and its two tangents, (a, b, d) right-handed.
+  pure subroutine face_directions(side, d, a, b)
+    integer, intent(in) :: side
+    integer, intent(out) :: d, a, b
+
+    d = (side + 1)/2
+    a = mod(d, 3) + 1
+    b = mod(d + 1, 3) + 1
+  end subroutine face_directions
+
+  !> Outward normal times the area per parent area; also the two tangents.
+  pure subroutine face_normal(side, x, dshp, area, ta, tb)
+    integer, intent(in) :: side
+    real(wp), intent(in) :: x(:, :)    !! (3, nen) positions [L]
+    real(wp), intent(in) :: dshp(:, :) !! (3, nen) parent derivatives
+    real(wp), intent(out) :: area(3)   !! [L^2]
+    real(wp), intent(out) :: ta(3), tb(3)
+    integer :: d, a, b
+
+    call face_directions(side, d, a, b)
+    ta = matmul(x, dshp(a, :))
+    tb = matmul(x, dshp(b, :))
+    area = [ta(2)*tb(3) - ta(3)*tb(2), ta(3)*tb(1) - ta(1)*tb(3), ta(1)*tb(2) - ta(2)*tb(1)]
+    if (mod(side, 2) == 1) area = -area
+  end subroutine face_normal
+
+end module face_rule

@@ -1,0 +1,104 @@
+!> Shape functions of every block at its integration points, each distinct class once.
+module model_basis
+  use base_kinds, only: wp
+  use base_sort, only: sort_index
+  use basis_type, only: basis_t
+  use element_type, only: cell_t
+  use mesh, only: mesh_t, block_t, block_cell
+  implicit none
+  private
+  public :: tabulate_basis, tabulate_block
+
+contains
+
+  !> Fill rule, basis and ibasis of all blocks that have none yet.
+  subroutine tabulate_basis(mesh)
+    type(mesh_t), intent(inout) :: mesh
+    integer :: b
+
+    do b = 1, size(mesh%block)
+      if (.not. allocated(mesh%block(b)%ibasis)) call tabulate_block(mesh%block(b))
+    end do
+  end subroutine tabulate_basis
+
+  !> Classes of one block. Elements share a class where their extraction operators are the same and
+  !! they have no weights; a rational element is a class of its own.
+  subroutine tabulate_block(block)
+    type(block_t), intent(inout) :: block
+    type(cell_t) :: cell
+    integer :: e, class
+    integer, allocatable :: first(:)
+
+    allocate (block%ibasis(block%nelem))
+    call find_classes(block, block%ibasis, first)
+    if (block%rule%nq == 0) then
+      call block_cell(block, 1, cell)
+      call block%row%rule(cell, 0, 0, block%rule)
+    end if
+    allocate (block%basis(size(first)))
+    do class = 1, size(first)
+      e = first(class)
+      call block_cell(block, e, cell)
+      call tabulate(block, cell, block%basis(class))
+    end do
+  end subroutine tabulate_block
+
+  !> Class of each element and the first element of each class.
+  subroutine find_classes(block, class, first)
+    type(block_t), intent(in) :: block
+    integer, intent(out) :: class(:)             !! (nelem)
+    integer, allocatable, intent(out) :: first(:) !! (nclass)
+    integer, allocatable :: key(:), order(:)
+    integer :: e, n, nop
+
+    if (allocated(block%ext%w)) then
+      class = [(e, e=1, block%nelem)]
+      first = class
+      return
+    end if
+    if (.not. allocated(block%ext%op)) then
+      class = 1
+      first = [1]
+      return
+    end if
+    nop = size(block%ext%op) + 1
+    allocate (key(block%nelem), order(block%nelem), first(block%nelem))
+    key = block%ext%iop(1, :) + nop*(block%ext%iop(2, :) + nop*block%ext%iop(3, :))
+    call sort_index(key, order)
+    n = 0
+    do e = 1, block%nelem
+      if (e == 1) then
+        n = 1
+        first(n) = order(e)
+      else if (key(order(e)) /= key(order(e - 1))) then
+        n = n + 1
+        first(n) = order(e)
+      end if
+      class(order(e)) = n
+    end do
+    first = first(:n)
+  end subroutine find_classes
+
+  !> One class: functions, modes and weights at the points of the block's rule.
+  subroutine tabulate(block, cell, basis)
+    type(block_t), intent(in) :: block
+    type(cell_t), intent(in) :: cell
+    type(basis_t), intent(out) :: basis
+    real(wp), allocatable :: shp(:)
+    integer :: q
+
+    basis%nen = block%nen
+    basis%nq = block%rule%nq
+    basis%nmode = block%row%nmode
+    allocate (basis%shp(basis%nen, basis%nq), basis%dshp(3, basis%nen, basis%nq))
+    allocate (basis%mode(3, basis%nmode, basis%nq))
+    basis%wgt = block%rule%wgt
+    do q = 1, basis%nq
+      call block%row%functions(cell, block%rule%xi(:, q), basis%shp(:, q), basis%dshp(:, :, q))
+      if (basis%nmode > 0) call block%row%modes(block%rule%xi(:, q), basis%mode(:, :, q))
+    end do
+    allocate (basis%dshp0(3, basis%nen), shp(basis%nen))
+    call block%row%functions(cell, [0.0_wp, 0.0_wp, 0.0_wp], shp, basis%dshp0)
+  end subroutine tabulate
+
+end module model_basis

@@ -1,0 +1,76 @@
+!> Prescribed displacements: DISP values and rigid motions at the factors of now.
+module prescribed
+  use base_kinds, only: wp
+  use load_curve, only: load_factor
+  use model, only: model_t
+  use boundary, only: motion_t
+  implicit none
+  private
+  public :: prescribed_values
+
+contains
+
+  !> Displacement of every prescribed dof; zero elsewhere.
+  !! The rotations of a node act on its reference position in deck order, then its translations add up.
+  subroutine prescribed_values(model, factor, up)
+    type(model_t), intent(in) :: model
+    real(wp), intent(in) :: factor(:)  !! (ntable)
+    real(wp), intent(out) :: up(:, :)  !! (3, nnode) [L]
+    integer :: i, m, n
+
+    up = 0.0_wp
+    do n = 1, model%mesh%nnode
+      do i = 1, 3
+        if (model%bc%fixed(i, n) /= 0 .and. model%bc%value(i, n) /= 0.0_wp) &
+          up(i, n) = model%bc%value(i, n)*load_factor(factor, model%bc%table(i, n))
+      end do
+    end do
+    do m = 1, size(model%bc%motion)
+      if (model%bc%motion(m)%rotates) &
+        call rotate(model%bc%motion(m), model%mesh%xr, load_factor(factor, model%bc%motion(m)%table), up)
+    end do
+    do m = 1, size(model%bc%motion)
+      if (.not. model%bc%motion(m)%rotates) &
+        call translate(model%bc%motion(m), load_factor(factor, model%bc%motion(m)%table), up)
+    end do
+  end subroutine prescribed_values
+
+  subroutine translate(motion, factor, up)
+    type(motion_t), intent(in) :: motion
+    real(wp), intent(in) :: factor
+    real(wp), intent(inout) :: up(:, :)
+    integer :: j, n
+
+    do j = 1, size(motion%node)
+      n = motion%node(j)
+      where (motion%acts) up(:, n) = up(:, n) + factor*motion%vector
+    end do
+  end subroutine translate
+
+  !> Rodrigues' formula about the axis through motion%vector.
+  subroutine rotate(motion, xr, factor, up)
+    type(motion_t), intent(in) :: motion
+    real(wp), intent(in) :: xr(:, :)  !! (3, nnode)
+    real(wp), intent(in) :: factor
+    real(wp), intent(inout) :: up(:, :)
+    real(wp) :: c, s, d(3), x(3)
+    integer :: j, n
+
+    c = 2.0_wp*sin(0.5_wp*factor*motion%angle)**2  ! 1 - cos, without cancellation
+    s = sin(factor*motion%angle)
+    do j = 1, size(motion%node)
+      n = motion%node(j)
+      x = xr(:, n) + up(:, n) - motion%vector
+      d = cross(motion%axis, x)
+      up(:, n) = up(:, n) + s*d + c*cross(motion%axis, d)
+    end do
+  end subroutine rotate
+
+  pure function cross(a, b) result(c)
+    real(wp), intent(in) :: a(3), b(3)
+    real(wp) :: c(3)
+
+    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+  end function cross
+
+end module prescribed
