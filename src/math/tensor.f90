@@ -1,0 +1,113 @@
+!> Small tensors and matrices: pure kernels without allocation.
+module tensor
+  use base_kinds, only: wp
+  implicit none
+  private
+  public :: det3, inv3, cross, from_voigt, to_voigt, ldl_factor, ldl_solve
+
+  !> Voigt order 11 22 33 12 23 31.
+  integer, parameter, public :: VOIGT(2, 6) = reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 3, 1], [2, 6])
+  integer, parameter, public :: VOIGT_OF(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+
+contains
+
+  pure real(wp) function det3(a)
+    real(wp), intent(in) :: a(3, 3)
+
+    det3 = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
+      - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) &
+      + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
+  end function det3
+
+  !> Inverse and determinant; `b` is not to be used where det = 0.
+  pure subroutine inv3(a, b, det)
+    real(wp), intent(in) :: a(3, 3)
+    real(wp), intent(out) :: b(3, 3)
+    real(wp), intent(out) :: det
+    real(wp) :: r
+
+    b(1, 1) = a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)
+    b(2, 1) = a(2, 3)*a(3, 1) - a(2, 1)*a(3, 3)
+    b(3, 1) = a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1)
+    b(1, 2) = a(1, 3)*a(3, 2) - a(1, 2)*a(3, 3)
+    b(2, 2) = a(1, 1)*a(3, 3) - a(1, 3)*a(3, 1)
+    b(3, 2) = a(1, 2)*a(3, 1) - a(1, 1)*a(3, 2)
+    b(1, 3) = a(1, 2)*a(2, 3) - a(1, 3)*a(2, 2)
+    b(2, 3) = a(1, 3)*a(2, 1) - a(1, 1)*a(2, 3)
+    b(3, 3) = a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1)
+    det = a(1, 1)*b(1, 1) + a(1, 2)*b(2, 1) + a(1, 3)*b(3, 1)
+    r = 0.0_wp
+    if (abs(det) > 0.0_wp) r = 1.0_wp/det
+    b = b*r
+  end subroutine inv3
+
+  pure function cross(a, b) result(c)
+    real(wp), intent(in) :: a(3), b(3)
+    real(wp) :: c(3)
+
+    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+  end function cross
+
+  pure function from_voigt(v) result(a)
+    real(wp), intent(in) :: v(6)
+    real(wp) :: a(3, 3)
+
+    a = reshape([v(1), v(4), v(6), v(4), v(2), v(5), v(6), v(5), v(3)], [3, 3])
+  end function from_voigt
+
+  !> The symmetric part.
+  pure function to_voigt(a) result(v)
+    real(wp), intent(in) :: a(3, 3)
+    real(wp) :: v(6)
+
+    v = [a(1, 1), a(2, 2), a(3, 3), 0.5_wp*(a(1, 2) + a(2, 1)), 0.5_wp*(a(2, 3) + a(3, 2)), &
+      0.5_wp*(a(3, 1) + a(1, 3))]
+  end function to_voigt
+
+  !> Factors L D L^T of a symmetric matrix, in place (lower part); the number of negative
+  !! entries of D is that of negative eigenvalues (Sylvester).
+  pure subroutine ldl_factor(n, a, negative, ok)
+    integer, intent(in) :: n
+    real(wp), intent(inout) :: a(n, n) !! out: unit lower factor, D on the diagonal
+    integer, intent(out) :: negative
+    logical, intent(out) :: ok         !! .false.: it or a leading minor is singular to rounding
+    real(wp) :: scale(n), v
+    integer :: i, j
+
+    negative = 0
+    ok = .true.
+    do j = 1, n
+      scale(j) = abs(a(j, j))
+    end do
+    do j = 1, n
+      if (abs(a(j, j)) <= n*epsilon(1.0_wp)*scale(j)) then
+        ok = .false.
+        return
+      end if
+      if (a(j, j) < 0.0_wp) negative = negative + 1
+      do i = j + 1, n
+        v = a(i, j)/a(j, j)
+        a(i:n, i) = a(i:n, i) - v*a(i:n, j)
+      end do
+      a(j + 1:n, j) = a(j + 1:n, j)/a(j, j)
+    end do
+  end subroutine ldl_factor
+
+  !> Solves with the factors of ldl_factor, in place.
+  pure subroutine ldl_solve(n, a, m, b)
+    integer, intent(in) :: n, m
+    real(wp), intent(in) :: a(n, n)
+    real(wp), intent(inout) :: b(n, m) !! right-hand sides, then solutions
+    integer :: i, j
+
+    do j = 1, m
+      do i = 1, n - 1
+        b(i + 1:n, j) = b(i + 1:n, j) - a(i + 1:n, i)*b(i, j)
+      end do
+      do i = n, 1, -1
+        b(i, j) = b(i, j)/a(i, i) - dot_product(a(i + 1:n, i), b(i + 1:n, j))
+      end do
+    end do
+  end subroutine ldl_solve
+
+end module tensor
