@@ -1,0 +1,33 @@
+"""Figures and comparisons from the files that bezel writes.
+
+Four commands, each a module with the same name that can be used as a library:
+
+=============  ==============================================================  ======================
+command        what it does                                                    needs
+=============  ==============================================================  ======================
+curve          draws columns of curve files over one another                   numpy, matplotlib
+convergence    draws relative errors over degrees of freedom, prints slopes    numpy, matplotlib
+field          renders a step of a result file without a screen                h5py, matplotlib, vtk
+diff           compares two runs, or a run and a reference                     numpy (h5py for fields)
+=============  ==============================================================  ======================
+
+The package reads result files only, never a deck. Nothing heavy is imported until it is used:
+
+>>> import post
+>>> post.diff.compare.__name__
+'compare'
+"""
+
+import importlib
+
+from post._error import Unreadable
+
+COMMANDS = ("curve", "convergence", "field", "diff")
+__all__ = [*COMMANDS, "Unreadable"]
+
+
+def __getattr__(name):
+    """Import a command's module when it is first asked for."""
+    if name in COMMANDS:
+        return importlib.import_module(f"post.{name}")
+    raise AttributeError(f"module 'post' has no attribute {name!r}")

@@ -1,0 +1,49 @@
+"""`python -m post COMMAND ...`: hands over to the module of that name."""
+
+import difflib
+import importlib
+import sys
+
+from post import COMMANDS
+from post._error import Unreadable
+
+USAGE = """usage: python -m post COMMAND ...
+
+  curve        FILE.dat [FILE2 ...] -x disp -y force -o fig.png
+  convergence  TABLE.csv [--where test=compression] -o fig.png
+  field        RUN.vtkhdf --step last --scalar mises -o fig.png
+  diff         A B [--rel 1e-6] [--expect expect.toml] [--json F] [--junit F] [--update]
+
+`python -m post COMMAND --help` lists the options of a command."""
+
+
+def main(argv=None):
+    """Run one command; returns its exit code (2: a file or an option that cannot be used)."""
+    argv = sys.argv[1:] if argv is None else argv
+    if not argv or argv[0] in ("-h", "--help"):
+        print(USAGE)
+        return 0 if argv else 2
+    if argv[0] not in COMMANDS:
+        near = difflib.get_close_matches(argv[0], COMMANDS, 1)
+        hint = f"did you mean '{near[0]}'?" if near else "known commands: " + " ".join(COMMANDS)
+        print(f"post: error: unknown command '{argv[0]}'\nhint: {hint}", file=sys.stderr)
+        return 2
+    try:
+        return importlib.import_module(f"post.{argv[0]}").main(argv[1:])
+    except Unreadable as error:
+        print(f"post {argv[0]}: error: {error}", file=sys.stderr)
+        return 2
+    except ModuleNotFoundError as error:
+        print(
+            f"post {argv[0]}: error: the Python package '{error.name}' is not installed\n"
+            "hint: python3 -m venv .venv && .venv/bin/pip install -r post/requirements.txt",
+            file=sys.stderr,
+        )
+        return 2
+    except BrokenPipeError:  # the reader of our output has gone, as in `| head`
+        sys.stderr.close()
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

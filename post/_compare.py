@@ -1,0 +1,128 @@
+"""Two tables, column by column: what differs, by how much, and where most."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from post._error import Unreadable
+from post._pair import pair_rows
+from post._tolerance import Tolerance, matches
+
+
+@dataclass
+class ColumnResult:
+    """One column: how many rows were compared, how many failed, and the worst of them."""
+
+    name: str
+    rows: int
+    failed: int
+    tolerance: Tolerance
+    where: str = ""  # the worst row
+    got: object = None
+    want: object = None
+    difference: float = 0.0  # |got - want| there
+    note: str = ""  # what a number cannot say: NaN, words
+    changes: dict = field(default_factory=dict)  # {row of b: new value} of all that failed
+
+    @property
+    def ok(self):
+        return self.failed == 0
+
+
+@dataclass
+class TableResult:
+    """One pair of tables: results of its columns, and what is missing on one side."""
+
+    name: str
+    columns: list = field(default_factory=list)
+    problems: list = field(default_factory=list)  # differences
+    notes: list = field(default_factory=list)  # said, but no difference
+    a: object = None
+    b: object = None
+
+    @property
+    def ok(self):
+        return not self.problems and bool(self.columns) and all(c.ok for c in self.columns)
+
+
+def compare_tables(a, b, tolerances, interpolate=None, key=None, only=None, ignore=None):
+    """Compare table `a` (got) with table `b` (wanted); returns a TableResult.
+
+    Columns match by name. Rows match by position, or by the columns in `key`, or `a` is interpolated
+    linearly to the rows of `b` over the column `interpolate`. A column that only `b` has is a difference;
+    one that only `a` has is too, unless `b` is a .csv file, which may select.
+    """
+    result = TableResult(b.name, a=a, b=b)
+    special = set(key or ()) | ({interpolate} if interpolate else set())
+    names = _common(result, special, only, ignore, interpolate)
+    if not names:
+        result.problems.append("no column to compare is common to both")
+        return result
+    rows = pair_rows(result, interpolate, key, names)
+    if rows.count == 0:
+        result.problems.append("no row to compare is common to both")
+        return result
+    for name in names:
+        got, want = rows.got(name), rows.want(name)
+        tolerance = tolerances.of(b.name, name)
+        compare = _words if want.dtype.kind == "U" else _numbers
+        result.columns.append(compare(name, got, want, tolerance, b, rows.of_b))
+    return result
+
+
+def _common(result, special, only, ignore, interpolate):
+    """Names to compare, in the order of b; what is missing goes into the result."""
+    a, b = result.a, result.b
+    chosen = lambda n: not only or any(matches(p, b.name, n) for p in only)
+    dropped = lambda n: any(matches(p, b.name, n) for p in ignore or ())
+    names = []
+    for name in b.columns:
+        if name in special or not chosen(name):
+            continue
+        if dropped(name):
+            result.notes.append(f"'{name}' is ignored")
+        elif interpolate and name in ("step", "iterations", "cutbacks", "converged"):
+            result.notes.append(f"'{name}' is not compared: it means nothing between steps")
+        elif name not in a.columns:
+            result.problems.append(f"column '{name}' is missing in {a.path or a.name}")
+        elif (a.columns[name].dtype.kind == "U") != (b.columns[name].dtype.kind == "U"):
+            raise Unreadable(
+                f"column '{name}' holds numbers in one of '{a.path or a.name}' and '{b.path or b.name}', words in the other"
+            )
+        else:
+            names.append(name)
+    extra = [n for n in a.columns if n not in b.columns and n not in special and chosen(n) and not dropped(n)]
+    selects = b.path is not None and b.path.suffix.lower() == ".csv"
+    for name in extra:
+        line = f"column '{name}' is missing in {b.path or b.name}"
+        (result.notes if selects else result.problems).append(line)
+    return names
+
+
+def _words(name, got, want, tolerance, b, of_b):
+    bad = np.flatnonzero(got != want)
+    result = ColumnResult(name, len(want), len(bad), Tolerance())
+    if len(bad):
+        i = bad[0]
+        result.where, result.got, result.want = b.row_name(of_b[i]), str(got[i]), str(want[i])
+        result.changes = {int(of_b[i]): str(got[i]) for i in bad}
+    return result
+
+
+def _numbers(name, got, want, tolerance, b, of_b):
+    finite = np.isfinite(got) & np.isfinite(want)
+    sound = np.abs(want[np.isfinite(want)])
+    with np.errstate(invalid="ignore", over="ignore"):
+        difference = np.abs(got - want)
+        allowed = np.broadcast_to(tolerance.allowed(want, sound.max() if len(sound) else 0.0), want.shape)
+        failed = ~(finite & (difference <= allowed))
+        excess = np.where(allowed > 0, difference / np.where(allowed > 0, allowed, 1.0), difference)
+    # worst: first row that is no number, else the largest share of what is allowed
+    i = int(np.flatnonzero(~finite)[0]) if not finite.all() else int(np.argmax(excess))
+    result = ColumnResult(name, len(want), int(failed.sum()), tolerance, b.row_name(of_b[i]))
+    result.got, result.want, result.difference = float(got[i]), float(want[i]), float(difference[i])
+    if not finite.all():
+        sides = [s for s, v in (("the first", got), ("the second", want)) if not np.isfinite(v).all()]
+        result.note = f"NaN or infinity in {' and '.join(sides)}, {int((~finite).sum())} rows"
+    result.changes = {int(of_b[i]): float(got[i]) for i in np.flatnonzero(failed)}
+    return result

@@ -1,0 +1,108 @@
+"""Arrays of a `.vtkhdf` result file as tables, without VTK: for numbers, not for pictures."""
+
+import pathlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from post._error import Unreadable
+from post._table import Table
+
+#: Names of the components of an array, by their number.
+COMPONENTS = {3: ("1", "2", "3"), 6: ("11", "22", "33", "12", "23", "31")}
+GROUPS = {"PointData": "point", "CellData": "cell"}
+
+
+@dataclass
+class Fields:
+    """What a result file holds.
+
+    times: (nstep); points: (npoint, 3) reference positions, control points where a cell is a spline;
+    arrays: {name: (location, [nstep arrays of (n, ncomponent)])}, location 'point' or 'cell'.
+    """
+
+    path: pathlib.Path
+    times: np.ndarray
+    points: np.ndarray
+    topology: dict
+    arrays: dict
+
+
+def read_fields(path):
+    """Read a .vtkhdf file (UnstructuredGrid, one partition, a fixed mesh) into Fields.
+
+    >>> import post._fields
+    >>> post._fields.read_fields("cube.vtkhdf").arrays["displacement"][1][-1].shape  # doctest: +SKIP
+    (45, 3)
+    """
+    import h5py
+
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise Unreadable(f"'{path}' {'is not a regular file' if path.exists() else 'does not exist'}")
+    try:
+        with h5py.File(path, "r") as file:
+            return _read(path, file)
+    except OSError as error:
+        raise Unreadable(f"'{path}' is not a readable HDF5 file (truncated?): {str(error).splitlines()[0]}") from None
+    except (KeyError, IndexError, ValueError) as error:
+        raise Unreadable(f"'{path}' is not a complete VTKHDF file: {error}") from None
+
+
+def _read(path, file):
+    if "VTKHDF" not in file:
+        raise Unreadable(f"'{path}' has no group VTKHDF")
+    group = file["VTKHDF"]
+    steps = group.get("Steps")
+    times = steps["Values"][()] if steps is not None else np.zeros(1)
+    if len(times) == 0:
+        raise Unreadable(f"'{path}' holds no step")
+    count = {"point": int(group["NumberOfPoints"][0]), "cell": int(group["NumberOfCells"][0])}
+    arrays = {}
+    for kind, location in GROUPS.items():
+        for name, data in group.get(kind, {}).items():
+            offsets = steps.get(f"{kind}Offsets/{name}") if steps is not None else None
+            starts = offsets[()] if offsets is not None else np.zeros(len(times), int)
+            arrays[name] = (location, _slices(data, starts[: len(times)], count[location], name))
+    topology = {n: group[n][()] for n in ("Connectivity", "Types")}
+    return Fields(path, times, group["Points"][: count["point"]], topology, arrays)
+
+
+def _slices(data, starts, n, name):
+    """One (n, ncomponent) array a step; steps that share an offset share the array."""
+    if len(data) < max(starts) + n:
+        raise ValueError(f"array '{name}' ends early")
+    read = {int(s): data[int(s) : int(s) + n].reshape(n, -1) for s in set(starts.tolist())}
+    return [read[int(s)] for s in starts]
+
+
+def field_tables(path):
+    """Tables of a result file for `diff`: steps, mesh, and one of each array, all steps stacked."""
+    fields = read_fields(path)
+    mesh = lambda name, columns, label: Table(name, columns, fields.path, label=label)
+    tables = [
+        mesh("steps", {"time": fields.times}, lambda row: f"step {row + 1}"),
+        mesh("points", _columns("point", fields.points), lambda row: f"point {row}"),
+    ]
+    for name, values in fields.topology.items():
+        tables.append(mesh(name.lower(), {name.lower(): values.astype(float)}, lambda row: f"entry {row}"))
+    for name, (location, steps) in sorted(fields.arrays.items()):
+        fixed = all(s is steps[0] for s in steps)
+        values = steps[0] if fixed else np.concatenate(steps)
+        tables.append(mesh(name, _columns(name, values), _label(location, len(steps[0]), fixed)))
+    return tables
+
+
+def _label(location, n, fixed):
+    if fixed:
+        return lambda row: f"{location} {row}"
+    return lambda row: f"step {row // n + 1}, {location} {row % n}"
+
+
+def _columns(name, values):
+    """{name_component: (n)}: 'stress_11', or the bare name of a scalar."""
+    n = values.shape[1]
+    if n == 1:
+        return {name: values[:, 0].astype(float)}
+    names = COMPONENTS.get(n, range(1, n + 1))
+    return {f"{name}_{c}": values[:, i].astype(float) for i, c in enumerate(names)}

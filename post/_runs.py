@@ -1,0 +1,108 @@
+"""Runs on disk: a folder, a stem (`out/cube` for out/cube.report.json ...) or a single file, in parts."""
+
+import pathlib
+import re
+
+from post._error import Unreadable
+from post._fields import field_tables
+from post._report import read_report
+from post._table import read_table
+
+REPORT, FIELDS = ".report.json", ".vtkhdf"
+SUFFIXES = (".dat", ".csv", ".json", FIELDS)
+
+
+def parts(path):
+    """{part: file} of a run: 'report', 'fields', and each curve by its name.
+
+    Files of a folder with several runs are called 'stem/part'. A single file is its own only part.
+    """
+    path = pathlib.Path(path)
+    if path.is_file():
+        if path.suffix not in SUFFIXES:
+            raise Unreadable(f"'{path}' is none of {' '.join(SUFFIXES)}")
+        return {_kind(path.name) or path.stem: path}
+    folder = path if path.is_dir() else path.parent
+    if not folder.is_dir():
+        raise Unreadable(f"'{path}' does not exist")
+    if path.is_dir():
+        found = _of_folder(folder)
+    else:
+        found = _of_stem(folder, path.name)
+    if not found:
+        what = "holds no" if path.is_dir() else "is not the stem of any"
+        raise Unreadable(f"'{path}' {what} curve (.dat), report (.report.json) or field file (.vtkhdf)")
+    return found
+
+
+def _of_stem(folder, stem):
+    found = {}
+    for kind, suffix in (("report", REPORT), ("fields", FIELDS)):
+        if (folder / (stem + suffix)).is_file():
+            found[kind] = folder / (stem + suffix)
+    for file in sorted(folder.glob("*.dat")):
+        if file.name.startswith(stem + "_"):
+            found[file.stem[len(stem) + 1 :]] = file
+    return found
+
+
+def _of_folder(folder):
+    stems = sorted(f.name[: -len(s)] for s in (REPORT, FIELDS) for f in folder.glob("*" + s))
+    stems = list(dict.fromkeys(stems))
+    taken, found = set(), {}
+    for stem in sorted(stems, key=len, reverse=True):  # 'cube_2' before 'cube'
+        own = {k: f for k, f in _of_stem(folder, stem).items() if f not in taken}
+        taken.update(own.values())
+        found.update({k if len(stems) == 1 else f"{stem}/{k}": f for k, f in own.items()})
+    for pattern in ("*.dat", "*.csv", "*.json"):
+        for file in sorted(folder.glob(pattern)):
+            if file not in taken:
+                found[_kind(file.name) or file.stem] = file
+    return found
+
+
+def _kind(name):
+    """'report' or 'fields' by the file's name, None for a curve.
+
+    >>> _kind("cube.report.json"), _kind("ref.json"), _kind("a.vtkhdf"), _kind("a_force.dat")
+    ('report', 'report', 'fields', None)
+    """
+    suffix = pathlib.Path(name).suffix
+    return {".json": "report", FIELDS: "fields"}.get(suffix)
+
+
+def matched(a, b):
+    """Parts of two runs side by side: [(part, file of a or None, file of b or None)].
+
+    Where `b` is a single file, the part of `a` is chosen by kind and name.
+    """
+    in_a, in_b = parts(a), parts(b)
+    if len(in_b) == 1 and pathlib.Path(b).is_file() and list(in_a) != list(in_b):
+        name, file = next(iter(in_b.items()))
+        return [(name, _partner(a, in_a, file), file)]
+    names = list(in_b) + [n for n in in_a if n not in in_b]
+    return [(n, in_a.get(n), in_b.get(n)) for n in names]
+
+
+def _partner(a, in_a, reference):
+    """The part of a run that a single reference file belongs to."""
+    kind = _kind(reference.name)
+    pool = {n: f for n, f in in_a.items() if _kind(f.name) == kind}
+    named = [f for n, f in pool.items() if f.name == reference.name]
+    named = named or [f for n, f in pool.items() if re.search(rf"(^|_){re.escape(n.split('/')[-1])}$", reference.stem)]
+    found = named if named else list(pool.values())
+    if len(found) != 1:
+        what = {"report": "report", "fields": "field file"}.get(kind, "curve")
+        have = f"which of {' '.join(pool)}" if pool else f"it has no {what}"
+        raise Unreadable(f"no {what} of '{a}' belongs to '{reference}': {have}")
+    return found[0]
+
+
+def tables(file):
+    """Tables of a file, by kind."""
+    kind = _kind(file.name)
+    if kind == "report":
+        return [read_report(file)]
+    if kind == "fields":
+        return field_tables(file)
+    return [read_table(file)]

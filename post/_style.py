@@ -1,0 +1,113 @@
+"""The one place for colours, markers, sizes and fonts of every figure.
+
+Colours are Okabe and Ito's, which people with any kind of colour blindness tell apart; every series also has a
+marker and a line of its own, so that a print in grey stays readable.
+"""
+
+import contextlib
+
+#: Okabe and Ito 2008, dark enough for lines on white paper (their yellow is left out).
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+LINES = ("-", "--", "-.", ":")
+#: Widths of a figure in one and in two columns of a journal page [inch].
+COLUMN, PAGE = 3.5, 7.2
+
+#: Element types: the colour says the bulk, the marker the number of enriched faces, the line the enhancement.
+_BULK = {"Q1": COLOURS[0], "Q1E9": COLOURS[1], "Q2": COLOURS[2], "IGA2": COLOURS[6]}
+
+RC = {
+    "figure.dpi": 100, "savefig.dpi": 200, "savefig.bbox": "tight", "savefig.pad_inches": 0.04,
+    "font.family": "DejaVu Sans", "font.size": 8.5, "axes.titlesize": 9, "axes.labelsize": 9, "legend.fontsize": 7.5,
+    "axes.linewidth": 0.7, "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
+    "axes.grid": True, "grid.color": "#dddddd", "grid.linewidth": 0.5,
+    "lines.linewidth": 1.3, "lines.markersize": 4.5, "lines.markeredgewidth": 1.0,
+    "legend.frameon": False, "legend.handlelength": 2.6, "xtick.direction": "out", "ytick.direction": "out",
+    "figure.constrained_layout.use": True, "svg.hashsalt": "bezel", "pdf.fonttype": 42,
+}  # fmt: skip
+
+
+@contextlib.contextmanager
+def styled():
+    """matplotlib.pyplot with this style, off-screen; everything is put back afterwards.
+
+    >>> with styled() as plt:
+    ...     plt.rcParams["legend.frameon"]
+    False
+    """
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    with plt.rc_context(RC):
+        try:
+            yield plt
+        finally:
+            plt.close("all")
+
+
+def series(i):
+    """Line properties of the i-th series: colour and marker change together, then the line.
+
+    >>> series(0)["marker"], series(7)["linestyle"]
+    ('o', '--')
+    """
+    n = len(COLOURS)
+    return {"color": COLOURS[i % n], "marker": MARKERS[i % n], "linestyle": LINES[i // n % len(LINES)]}
+
+
+def element(name):
+    """Line properties of an element type as verification names it, such as 'Q1E9+Q1N2 on 1+ and 2+'.
+
+    >>> element("Q1")["marker"], element("Q1N2 on 1+")["marker"], element("Q1N2 on 1+ and 2+")["marker"]
+    ('o', 's', '^')
+    """
+    layer = name.split(" on ")[0].split("+")[-1]
+    bulk = name.split(" on ")[0].split("+")[0]
+    bulk = {"Q1N2": "Q1", "Q2N2": "Q2", "Q1E9N2": "Q1E9"}.get(bulk, bulk)
+    faces = 0 if " on " not in name else 2 if " and " in name else 1
+    enhanced_layer = faces > 0 and layer.startswith("Q1E9")
+    return {
+        "color": COLOURS[3] if enhanced_layer else _BULK.get(bulk, COLOURS[4]),
+        "marker": ("o", "s", "^")[faces] if bulk != "IGA2" else "D",
+        "linestyle": "-" if faces == 0 else ("--", ":")[faces - 1],
+        "markerfacecolor": "white" if faces else None,
+    }
+
+
+def is_element(name):
+    """Whether `element` knows the type.
+
+    >>> is_element("Q1N2 on 1+"), is_element("mesh 3")
+    (True, False)
+    """
+    return name.split(" on ")[0].split("+")[0] in {*_BULK, "Q1N2", "Q2N2", "Q1E9N2"}
+
+
+def element_label(name):
+    """A shorter name for legends.
+
+    >>> element_label("Q1E9+Q1N2 on 1+ and 2+"), element_label("Q2N2 on 1+"), element_label("Q1")
+    ('Q1E9+Q1N2, two faces', 'Q2N2, one face', 'Q1')
+    """
+    kind, _, faces = name.partition(" on ")
+    return kind + (", two faces" if " and " in faces else ", one face" if faces else "")
+
+
+def save(figure, path):
+    """Write a figure; the same data give the same file (no dates inside)."""
+    import pathlib
+
+    from post._error import Unreadable
+
+    path = pathlib.Path(path)
+    empty = {".png": {"Software": None}, ".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, metadata=empty.get(path.suffix.lower()))
+    except OSError as error:
+        raise Unreadable(f"'{path}' cannot be written: {error.strerror}") from None
+    except ValueError as error:
+        raise Unreadable(f"'{path}': {error}") from None
+    print(f"wrote {path}")

@@ -1,0 +1,100 @@
+"""From a grid of Bezier and Lagrange cells to smooth surfaces and curved element edges."""
+
+import numpy as np
+
+#: Arrays that say how a cell is to be read, not what came out.
+GEOMETRY = ("RationalWeights", "HigherOrderDegrees")
+
+
+def surface(grid, level=None):
+    """The outer surface as triangles (pyvista.PolyData), each curved face divided 2^level times in each direction.
+
+    Positions and point data are evaluated with the cell's own (rational) functions, so that a sphere is a sphere.
+    Default level: as fine as some 200,000 triangles allow, at most 4.
+    """
+    import pyvista
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+
+    filter_ = vtkDataSetSurfaceFilter()
+    filter_.SetInputData(grid)
+    filter_.PassThroughCellIdsOn()
+    filter_.SetNonlinearSubdivisionLevel(default_level(grid) if level is None else level)
+    filter_.Update()
+    return pyvista.PolyData(filter_.GetOutput()).triangulate()
+
+
+def default_level(grid):
+    """Subdivision level by the number of faces that can be seen.
+
+    >>> import types
+    >>> default_level(types.SimpleNamespace(n_cells=8)), default_level(types.SimpleNamespace(n_cells=100000))
+    (4, 1)
+    """
+    faces = 6.0 * grid.n_cells ** (2 / 3)
+    return int(np.clip(np.log2(200000 / (2 * faces)) // 2, 1, 4))
+
+
+def edges(grid, level=None):
+    """Edges of the elements on the outer surface as curves (pyvista.PolyData of lines)."""
+    import pyvista
+
+    level = default_level(grid) if level is None else level
+    points, lines, n = [], [], 0
+    for cell, edge in _outer_edges(grid):
+        curve = _curve(grid.GetCell(cell).GetEdge(edge), level)
+        points.append(curve)
+        lines.append(np.r_[len(curve), np.arange(n, n + len(curve))])
+        n += len(curve)
+    return pyvista.PolyData(np.concatenate(points), lines=np.concatenate(lines))
+
+
+def outline(grid, angle=25.0):
+    """Sharp edges of the outer surface (pyvista.PolyData of lines): the undeformed body in a picture."""
+    return surface(grid).clean().extract_feature_edges(
+        angle, boundary_edges=True, non_manifold_edges=False, manifold_edges=False
+    )
+
+
+def _outer_edges(grid):
+    """(cell, edge of the cell) of each edge of a face that only one cell has."""
+    faces = {}
+    for c in range(grid.n_cells):
+        cell = grid.GetCell(c)
+        for f in range(cell.GetNumberOfFaces()):
+            corners = _corners(cell.GetFace(f))
+            if len(set(corners)) > 2:
+                faces.setdefault(frozenset(corners), []).append((c, corners))
+    wanted = {}
+    for owners in faces.values():
+        if len(owners) == 1:
+            c, corners = owners[0]
+            for pair in zip(corners, corners[1:] + corners[:1]):
+                wanted.setdefault(frozenset(pair), c)
+    for c in sorted(set(wanted.values())):
+        cell = grid.GetCell(c)
+        ends = [frozenset(_corners(cell.GetEdge(e))) for e in range(cell.GetNumberOfEdges())]
+        for e, pair in enumerate(ends):
+            if len(pair) == 2 and wanted.get(pair) == c:
+                del wanted[pair]
+                yield c, e
+
+
+def _corners(part):
+    """Point numbers at the corners of a face or an edge; VTK lists the corners first."""
+    n = 2 if part.GetCellDimension() == 1 else part.GetNumberOfEdges()
+    ids = part.GetPointIds()
+    return [ids.GetId(i) for i in range(n)]
+
+
+def _curve(edge, level):
+    """(npoint, 3) points along an edge of a cell."""
+    if edge.IsLinear():
+        return np.array([edge.GetPoints().GetPoint(i) for i in range(2)])
+    from vtkmodules.vtkCommonCore import reference
+
+    weights, x, sub = [0.0] * edge.GetNumberOfPoints(), [0.0] * 3, reference(0)
+    curve = []
+    for t in np.linspace(0.0, 1.0, 2**level + 1):
+        edge.EvaluateLocation(sub, [t, 0.0, 0.0], x, weights)
+        curve.append(list(x))
+    return np.array(curve)

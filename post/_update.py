@@ -1,0 +1,145 @@
+"""`diff --update`: show old and new of each value that changed, then rewrite the reference."""
+
+import csv
+import io
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+
+from post._error import Unreadable
+from post._report import load
+from post._table import read_text
+
+SHOWN = 40  # changes printed of one table
+
+
+def update(comparison, b, settings):
+    """Print the changes and rewrite the files of the reference `b`; returns the exit code.
+
+    Values within tolerance keep their old digits. Nothing is written where the new side holds a NaN,
+    lacks a column that the reference has, or lacks a whole file.
+    """
+    for table in comparison.tables:
+        _refuse(table)
+    written = []
+    for file, tables in _by_file(comparison).items():
+        changed = [t for t in tables if not t.ok]
+        if not changed:
+            continue
+        for table in changed:
+            _show(table)
+        if file.suffix == ".vtkhdf":
+            _replace(file, lambda new, t=tables[0]: shutil.copyfile(t.a.path, new))
+        elif file.suffix == ".json":
+            _replace(file, lambda new, t=tables[0]: new.write_text(_report(t), encoding="utf-8"))
+        else:
+            _replace(file, lambda new, t=tables[0]: new.write_text(_rewritten(t, settings), encoding="utf-8"))
+        written.append(str(file))
+    print("updated: " + ", ".join(written) if written else f"nothing to update: '{b}' is the same")
+    return 0
+
+
+def _refuse(table):
+    for column in table.columns:
+        if any(isinstance(v, float) and not math.isfinite(v) for v in column.changes.values()):
+            raise Unreadable(f"'{column.name}' of {table.a.path} holds NaN or infinity: a reference never does; nothing was written")
+    if table.a is None or table.b is None:
+        raise Unreadable(f"{table.problems[0]}; nothing was written")
+    lost = [n for n in table.b.columns if n not in table.a.columns]
+    if lost:
+        raise Unreadable(f"{table.a.path} has no column {' '.join(lost)}; nothing was written")
+
+
+def _by_file(comparison):
+    files = {}
+    for table in comparison.tables:
+        files.setdefault(table.b.path, []).append(table)
+    return files
+
+
+def _show(table):
+    print(f"{table.name}: {table.b.path}")
+    for problem in table.problems:
+        print(f"  {problem}")
+    lines = [
+        f"  {column.name}, {table.b.row_name(row)}: {_text(table.b.columns[column.name][row])} -> {_text(new)}"
+        for column in table.columns
+        for row, new in column.changes.items()
+    ]
+    print("\n".join(lines[:SHOWN]))
+    if len(lines) > SHOWN:
+        print(f"  ... and {len(lines) - SHOWN} more")
+
+
+def _text(value):
+    """Shortest text that reads back as the same number.
+
+    >>> _text(0.1), _text(3.0), _text("Q1")
+    ('0.1', '3', 'Q1')
+    """
+    if isinstance(value, str):
+        return str(value)
+    value = float(value)
+    return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+
+
+def _report(table):
+    """The new report, whole: it is written by the program, so nothing of the old one is worth keeping."""
+    return json.dumps(load(table.a.path), indent=2) + "\n"
+
+
+def _rewritten(table, settings):
+    """Text of the reference with changed cells replaced, or with the rows of `a` where rows were gained or lost."""
+    a, b = table.a, table.b
+    same_rows = settings.get("key") or len(a) == len(b)
+    if not same_rows or any("is missing in" in p for p in table.problems):
+        return _whole(a, b)
+    return _cells(b, {column.name: column.changes for column in table.columns})
+
+
+def _cells(b, changes):
+    """The file's own text, with the cells of {column: {row: new}} replaced."""
+    comma = b.path.suffix.lower() == ".csv"
+    names, row, lines = list(b.columns), -1, []
+    for line in read_text(b.path).splitlines():
+        is_data = line.strip() and not line.lstrip().startswith("#")
+        row += bool(is_data)
+        at = row - comma  # a csv file's first data line holds the names
+        if is_data and at >= 0:
+            cells = next(csv.reader([line])) if comma else re.findall(r"\s*\S+", line)
+            for j, name in enumerate(names):
+                if at in changes.get(name, {}):
+                    new = _text(changes[name][at])
+                    cells[j] = new if comma else cells[j][: len(cells[j]) - len(cells[j].lstrip())] + new
+            line = _csv_line(cells) if comma else "".join(cells)
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+def _csv_line(cells):
+    out = io.StringIO()
+    csv.writer(out, lineterminator="").writerow(cells)
+    return out.getvalue()
+
+
+def _whole(a, b):
+    """The columns of the reference, the rows of the run."""
+    names = list(b.columns) if b.path.suffix.lower() == ".csv" else list(a.columns)
+    rows = [[_text(a.columns[n][i]) for n in names] for i in range(len(a))]
+    if b.path.suffix.lower() == ".csv":
+        return "\n".join([*b.comments, ",".join(names), *map(_csv_line, rows)]) + "\n"
+    return "\n".join(["# " + " ".join(names), *map(" ".join, rows)]) + "\n"
+
+
+def _replace(file, write):
+    """Write beside the file, then rename, so that no half-written reference is ever seen."""
+    new = file.with_name(file.name + ".new")
+    try:
+        write(new)
+        os.replace(new, file)
+    except OSError as error:
+        pathlib.Path(new).unlink(missing_ok=True)
+        raise Unreadable(f"'{file}' cannot be rewritten: {error.strerror}") from None

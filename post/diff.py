@@ -1,0 +1,159 @@
+"""Compare two runs, or a run and a reference: `python -m post diff A B`.
+
+A is what was got, B what is wanted; each is a folder, a stem or a file. Exit code: 0 same, 1 differs,
+2 unreadable. As a library:
+
+>>> import post
+>>> comparison = post.diff.compare("build/a", "build/b", post.diff.parse({"rel": ["1e-6"]}))  # doctest: +SKIP
+>>> comparison.same, [t.name for t in comparison.tables if not t.ok]  # doctest: +SKIP
+(True, [])
+"""
+
+import argparse
+import sys
+from dataclasses import dataclass, field
+
+from post import _emit, _runs, _update
+from post._compare import TableResult, compare_tables
+from post._error import Unreadable
+from post._expect import read_diff
+from post._tolerance import Tolerance, Tolerances, parse
+
+__all__ = ["Comparison", "compare", "compare_tables", "parse", "Tolerance", "Tolerances", "main"]
+
+SAME, DIFFERS, UNREADABLE = 0, 1, 2
+
+
+@dataclass
+class Comparison:
+    """The result of `compare`: one TableResult a table, and what was left out."""
+
+    tables: list = field(default_factory=list)
+    notes: list = field(default_factory=list)
+
+    @property
+    def same(self):
+        return bool(self.tables) and all(t.ok for t in self.tables)
+
+
+def compare(a, b, tolerances=None, interpolate=None, key=None, only=None, ignore=None):
+    """Compare what is at path `a` with the reference at path `b`.
+
+    tolerances: Tolerances, default relative 1e-9 or 1e-12 of the column's largest magnitude;
+    interpolate: name of the column over which `a` is interpolated to the rows of `b`;
+    key: names of the columns that say which rows belong together; only, ignore: column patterns.
+    Raises Unreadable where a side is missing, truncated, empty or not numbers, or a pattern names nothing.
+    """
+    tolerances = tolerances or Tolerances()
+    comparison = Comparison()
+    for part, file_a, file_b in _runs.matched(a, b):
+        if file_a is None or file_b is None:
+            there, lacks = (b, a) if file_a is None else (a, b)
+            comparison.tables.append(TableResult(part, problems=[f"'{part}' of '{there}' is missing in '{lacks}'"]))
+        elif interpolate and part.split("/")[-1] in ("report", "fields"):
+            comparison.notes.append(f"'{part}' is not compared: nothing to interpolate over {interpolate}")
+        else:
+            comparison.tables += _compare_files(part, file_a, file_b, tolerances, interpolate, key, only, ignore)
+    if not comparison.tables:
+        raise Unreadable(f"nothing in '{a}' and '{b}' can be compared")
+    _all_used(comparison, tolerances, only, ignore)
+    return comparison
+
+
+def _compare_files(part, file_a, file_b, tolerances, interpolate, key, only, ignore):
+    left = {t.name: t for t in _named(part, _runs.tables(file_a))}
+    right = {t.name: t for t in _named(part, _runs.tables(file_b))}
+    results = []
+    for name in list(right) + [n for n in left if n not in right]:
+        if name in left and name in right:
+            if only and not _any_chosen(right[name], only):
+                continue  # a table of which no column was asked for
+            results.append(compare_tables(left[name], right[name], tolerances, interpolate, key, only, ignore))
+        else:
+            lacks = file_a if name in right else file_b
+            results.append(TableResult(name, problems=[f"'{name}' is missing in '{lacks}'"]))
+    return results
+
+
+def _named(part, tables):
+    """Tables called after their part, so that the two sides match though their files differ in name."""
+    for table in tables:
+        table.name = part if len(tables) == 1 else f"{part}/{table.name}"
+    return tables
+
+
+def _any_chosen(table, only):
+    from post._tolerance import matches
+
+    return any(matches(p, table.name, n) for p in only for n in table.columns)
+
+
+def _all_used(comparison, tolerances, only, ignore):
+    """A pattern that names no column is a slip, and would make a comparison pass too easily."""
+    from post._tolerance import matches
+
+    names = [(t.name, n) for t in comparison.tables for side in (t.a, t.b) if side for n in side.columns]
+    for pattern in [*tolerances.named, *(only or ()), *(ignore or ())]:
+        if not any(matches(pattern, *name) for name in names):
+            have = " ".join(dict.fromkeys(n for _, n in names))
+            raise Unreadable(f"no column matches '{pattern}' (columns: {have})")
+
+
+def main(argv):
+    """The command; returns its exit code."""
+    options = _parser().parse_args(argv)
+    try:
+        settings = _settings(options)
+        comparison = compare(options.a, options.b, **settings)
+        if options.update:
+            return _update.update(comparison, options.b, settings)
+    except Unreadable as error:
+        print(f"post diff: unreadable: {error}", file=sys.stderr)
+        _emit.write_files(options, None, str(error))
+        return UNREADABLE
+    print(_emit.text(comparison, quiet=options.quiet))
+    _emit.write_files(options, comparison)
+    return SAME if comparison.same else DIFFERS
+
+
+def _settings(options):
+    """Arguments of `compare` from the command line, on top of those in --expect."""
+    given = {kind: getattr(options, kind) for kind in ("rel", "abs", "scaled")}
+    if options.exact:
+        given = {"rel": ["0"]}
+    settings = read_diff(options.expect) if options.expect else {}
+    if any(given.values()) or "tolerances" not in settings:
+        settings["tolerances"] = parse(given)
+    if options.interpolate:
+        settings["interpolate"] = options.interpolate
+    if options.key:
+        settings["key"] = options.key.split(",")
+    for name in ("only", "ignore"):
+        settings[name] = (settings.get(name) or []) + (getattr(options, name) or [])
+    if settings.get("interpolate") and (settings.get("key") or options.update):
+        raise Unreadable("--interpolate cannot go with " + ("--key" if settings.get("key") else "--update"))
+    return settings
+
+
+def _parser():
+    p = argparse.ArgumentParser(
+        prog="post diff", description="Compare two runs, or a run and a reference, column by column.",
+        epilog="exit code: 0 same, 1 differs, 2 unreadable (missing, truncated, not numbers)",
+    )
+    p.add_argument("a", help="what was got: a folder, a stem (out/cube), or a .dat .csv .json .vtkhdf file")
+    p.add_argument("b", help="what is wanted, the same")
+    for kind, what in (
+        ("rel", "of the wanted value"), ("abs", "in the column's own unit"), ("scaled", "of the column's largest magnitude"),
+    ):  # fmt: skip
+        p.add_argument(f"--{kind}", action="append", metavar="[COLUMN=]TOL", help=f"allowed difference {what}")
+    p.add_argument("--exact", action="store_true", help="no difference at all is allowed")
+    p.add_argument("--expect", metavar="FILE", help="take tolerances and columns from the [diff] table of an expect.toml")
+    p.add_argument("--interpolate", metavar="COLUMN", help="interpolate A to the rows of B over this column, such as time")
+    p.add_argument("--key", metavar="COL,COL", help="match rows by the values of these columns")
+    p.add_argument("--only", action="append", metavar="COLUMN", help="compare these columns only (beginning, or with *)")
+    p.add_argument("--ignore", action="append", metavar="COLUMN", help="leave these columns out")
+    p.add_argument("--json", metavar="FILE", help="write the result as JSON")
+    p.add_argument("--junit", metavar="FILE", help="write the result as JUnit XML")
+    p.add_argument("--update", action="store_true", help="show old and new of each changed value, then rewrite B")
+    p.add_argument("--quiet", action="store_true", help="print what differs, and the verdict")
+    return p
