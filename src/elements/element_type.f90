@@ -2,14 +2,13 @@
 module element_type
   use base_kinds, only: wp
   use basis_type, only: basis_t
-  use material_type, only: material_t
+  use material_type, only: material_t, NB
   implicit none
   private
   public :: element_t, cell_t, topology_t, rule_t, form_report_t
   public :: element_rule_i, element_functions_i, element_topology_i, element_form_i
   public :: element_batch_i, element_modes_i
-
-  integer, parameter, public :: NB = 8 !! elements in a batch, side by side in the vector registers
+  public :: NB
 
   !> The member of a family: degrees and, for spline functions, Bezier extraction and weights.
   type :: cell_t

@@ -7,7 +7,7 @@ module lapack
     dpotrs, dsyev
 
   interface
-    subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+    pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
       import :: wp
       implicit none
       character, intent(in) :: transa, transb

@@ -80,7 +80,7 @@ contains
       scale(j) = abs(a(j, j))
     end do
     do j = 1, n
-      if (abs(a(j, j)) <= n*epsilon(1.0_wp)*scale(j)) then
+      if (.not. abs(a(j, j)) > n*epsilon(1.0_wp)*scale(j)) then ! also where it is no number
         ok = .false.
         return
       end if

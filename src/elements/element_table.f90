@@ -1,0 +1,26 @@
+!> The one list of elements: a new element is a new file and a line here.
+module element_table
+  use element_type, only: element_t
+  implicit none
+  private
+  public :: load_elements
+
+contains
+
+  !> Rows of all elements.
+  subroutine load_elements(table)
+    type(element_t), allocatable, intent(out) :: table(:)
+
+    allocate (table(0))
+    block; use elmt_q1, only: describe; table = [table, describe()]; end block
+    block; use elmt_q1e9, only: describe; table = [table, describe()]; end block
+    block; use elmt_q2, only: describe; table = [table, describe()]; end block
+    block; use elmt_iga, only: describe; table = [table, describe()]; end block
+    block; use elmt_q1n2, only: describe; table = [table, describe()]; end block
+    block; use elmt_q1e9n2, only: describe; table = [table, describe()]; end block
+    block; use elmt_q1e9n2, only: describe_tapered; table = [table, describe_tapered()]; end block
+    block; use elmt_q2n2, only: describe; table = [table, describe()]; end block
+    block; use elmt_tet10, only: describe; table = [table, describe()]; end block
+  end subroutine load_elements
+
+end module element_table

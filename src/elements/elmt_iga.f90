@@ -1,0 +1,77 @@
+!> IGA: tri-variate B-spline or NURBS element of any degree.
+!!
+!! Nodes:  control points in tensor order, direction 1 fastest
+!! Rule:   (p+1) Gauss points in each direction
+!! Source: Corbett and Sauer 2015, section 2.2, eqs (8) and (11) to (14)
+module elmt_iga
+  use base_kinds, only: wp
+  use element_type, only: element_t, cell_t, rule_t, topology_t
+  use hexa_shape, only: spline, make_rational, tensor_rule, tensor_faces, MAX_DEGREE
+  use solid_form, only: form
+  implicit none
+  private
+  public :: describe
+
+  integer, parameter :: VTK_BEZIER_HEXAHEDRON = 79
+
+contains
+
+  !> Row of the table of elements.
+  function describe() result(row)
+    type(element_t) :: row
+
+    row%name = 'IGA'
+    row%source = 'tri-variate NURBS by Bezier extraction; Corbett and Sauer 2015, eqs (8) to (14)'
+    row%spline = .true.
+    row%rule => set_rule
+    row%functions => functions
+    row%topology => set_topology
+    row%form => form
+  end function describe
+
+  subroutine set_rule(cell, q, qz, rule)
+    type(cell_t), intent(in) :: cell
+    integer, intent(in) :: q, qz
+    type(rule_t), intent(out) :: rule
+
+    call tensor_rule(cell%degree + 1, q, qz, rule)
+  end subroutine set_rule
+
+  !> R_A = w_A N_A / W with N the product of three directions.
+  pure subroutine functions(cell, xi, shp, dshp)
+    type(cell_t), intent(in) :: cell
+    real(wp), intent(in) :: xi(3)
+    real(wp), intent(out) :: shp(:)     !! (ncp)
+    real(wp), intent(out) :: dshp(:, :) !! (3, ncp)
+
+    real(wp) :: f(MAX_DEGREE + 1, 3), d(MAX_DEGREE + 1, 3)
+    integer :: n(3), i, j, k, a
+
+    n = cell%degree + 1
+    call spline(cell%degree(1), cell%c1, xi(1), f(:, 1), d(:, 1))
+    call spline(cell%degree(2), cell%c2, xi(2), f(:, 2), d(:, 2))
+    call spline(cell%degree(3), cell%c3, xi(3), f(:, 3), d(:, 3))
+    a = 0
+    do k = 1, n(3)
+      do j = 1, n(2)
+        do i = 1, n(1)
+          a = a + 1
+          shp(a) = f(i, 1)*f(j, 2)*f(k, 3)
+          dshp(1, a) = d(i, 1)*f(j, 2)*f(k, 3)
+          dshp(2, a) = f(i, 1)*d(j, 2)*f(k, 3)
+          dshp(3, a) = f(i, 1)*f(j, 2)*d(k, 3)
+        end do
+      end do
+    end do
+    if (allocated(cell%w)) call make_rational(cell%w(:a), shp(:a), dshp(:, :a))
+  end subroutine functions
+
+  subroutine set_topology(cell, topology)
+    type(cell_t), intent(in) :: cell
+    type(topology_t), intent(out) :: topology
+
+    call tensor_faces(cell, topology)
+    topology%vtk = VTK_BEZIER_HEXAHEDRON
+  end subroutine set_topology
+
+end module elmt_iga

@@ -1,0 +1,34 @@
+!> Q1E9: eight-node hexahedron with nine enhanced modes, condensed in the element.
+!!
+!!   F = F_u + (j0/j) [sum_i a_i x xi_i e_i] J0^-1
+!!
+!! Nodes, functions, rule: as Q1
+!! History: nine parameters, then m and L (element_form_i)
+!! Source:  Simo and Armero 1992; Corbett and Sauer 2015, section 4.1
+!! Limits:  hourglasses in strong compression; negative pivots tell
+module elmt_q1e9
+  use element_type, only: element_t
+  use elmt_q1, only: set_rule, functions, set_topology
+  use hexa_shape, only: nine_modes
+  use solid_form, only: form
+  implicit none
+  private
+  public :: describe
+
+contains
+
+  !> Row of the table of elements.
+  function describe() result(row)
+    type(element_t) :: row
+
+    row%name = 'Q1E9'
+    row%source = 'tri-linear hexahedron, nine enhanced modes (Simo and Armero 1992)'
+    row%nmode = 3
+    row%rule => set_rule
+    row%functions => functions
+    row%topology => set_topology
+    row%modes => nine_modes
+    row%form => form
+  end function describe
+
+end module elmt_q1e9

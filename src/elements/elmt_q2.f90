@@ -1,0 +1,84 @@
+!> Q2: 27-node hexahedron, tri-quadratic Lagrange functions.
+!!
+!! Nodes:  tensor order, xi fastest, then eta, then zeta, each -1, 0, 1
+!! Rule:   3 x 3 x 3 Gauss points
+!! Source: Corbett and Sauer 2015, section 4.1
+module elmt_q2
+  use base_kinds, only: wp
+  use element_type, only: element_t, cell_t, rule_t, topology_t
+  use hexa_shape, only: quadratic, tensor_rule, tensor_faces
+  use solid_form, only: form
+  implicit none
+  private
+  public :: describe
+
+  integer, parameter :: VTK_BEZIER_HEXAHEDRON = 79
+
+contains
+
+  !> Row of the table of elements.
+  function describe() result(row)
+    type(element_t) :: row
+
+    row%name = 'Q2'
+    row%source = 'tri-quadratic Lagrange hexahedron, 27 nodes'
+    row%rule => set_rule
+    row%functions => functions
+    row%topology => set_topology
+    row%form => form
+  end function describe
+
+  subroutine set_rule(cell, q, qz, rule)
+    type(cell_t), intent(in) :: cell
+    integer, intent(in) :: q, qz
+    type(rule_t), intent(out) :: rule
+
+    associate (unused => cell); end associate
+    call tensor_rule([3, 3, 3], q, qz, rule)
+  end subroutine set_rule
+
+  !> Products of quadratic functions.
+  pure subroutine functions(cell, xi, shp, dshp)
+    type(cell_t), intent(in) :: cell
+    real(wp), intent(in) :: xi(3)
+    real(wp), intent(out) :: shp(:)     !! (27)
+    real(wp), intent(out) :: dshp(:, :) !! (3, 27)
+
+    real(wp) :: f(3, 3), d(3, 3)
+    integer :: i, j, k, a
+
+    associate (unused => cell); end associate
+    do i = 1, 3
+      call quadratic(xi(i), f(:, i), d(:, i))
+    end do
+    a = 0
+    do k = 1, 3
+      do j = 1, 3
+        do i = 1, 3
+          a = a + 1
+          shp(a) = f(i, 1)*f(j, 2)*f(k, 3)
+          dshp(1, a) = d(i, 1)*f(j, 2)*f(k, 3)
+          dshp(2, a) = f(i, 1)*d(j, 2)*f(k, 3)
+          dshp(3, a) = f(i, 1)*f(j, 2)*d(k, 3)
+        end do
+      end do
+    end do
+  end subroutine functions
+
+  !> vtk_node is for nodal values: corners, edges, faces, middle, as VTK numbers a
+  !! Lagrange or Bezier hexahedron of degree 2 (files of version 2.2 and later).
+  subroutine set_topology(cell, topology)
+    type(cell_t), intent(in) :: cell
+    type(topology_t), intent(out) :: topology
+
+    type(cell_t) :: tensor
+
+    associate (unused => cell); end associate
+    tensor%degree = 2
+    call tensor_faces(tensor, topology)
+    topology%vtk = VTK_BEZIER_HEXAHEDRON
+    topology%vtk_node = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, 10, 12, 18, 16, &
+      13, 15, 11, 17, 5, 23, 14]
+  end subroutine set_topology
+
+end module elmt_q2

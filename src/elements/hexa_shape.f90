@@ -1,0 +1,220 @@
+!> What hexahedral elements share: functions of one direction, tensor products, rules and faces.
+module hexa_shape
+  use base_kinds, only: wp
+  use bspline, only: bernstein
+  use element_type, only: cell_t, rule_t, topology_t
+  use quadrature, only: gauss
+  implicit none
+  private
+  public :: linear, quadratic, spline, surface_functions, tensor_rule, tensor_faces
+  public :: touches, join_faces, nine_modes, make_rational
+  public :: CORNER
+
+  integer, parameter, public :: MAX_DEGREE = 15 !! of a direction: gauss gives as many points
+
+  !> Signs of the corners, counter-clockwise from (-,-), lower plane first (FEAP and VTK order).
+  integer, parameter :: CORNER(3, 8) = reshape([ &
+    -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
+
+  !> Functions below this share of the largest are rounding of an extraction operator's zero.
+  real(wp), parameter :: ZERO_SHARE = 1.0e-12_wp
+
+contains
+
+  !> Linear Lagrange functions, eq. (17).
+  pure subroutine linear(x, f, df)
+    real(wp), intent(in) :: x
+    real(wp), intent(out) :: f(2), df(2)
+
+    f = [0.5_wp*(1.0_wp - x), 0.5_wp*(1.0_wp + x)]
+    df = [-0.5_wp, 0.5_wp]
+  end subroutine linear
+
+  !> Quadratic Lagrange functions of the nodes -1, 0, 1, eq. (18) in another order.
+  pure subroutine quadratic(x, f, df)
+    real(wp), intent(in) :: x
+    real(wp), intent(out) :: f(3), df(3)
+
+    f = [0.5_wp*x*(x - 1.0_wp), (1.0_wp - x)*(1.0_wp + x), 0.5_wp*x*(x + 1.0_wp)]
+    df = [x - 0.5_wp, -2.0_wp*x, x + 0.5_wp]
+  end subroutine quadratic
+
+  !> Spline functions of one direction of a span: N = C B, eq. (8).
+  pure subroutine spline(p, c, x, f, df)
+    integer, intent(in) :: p
+    real(wp), allocatable, intent(in) :: c(:, :) !! (p+1, p+1); not allocated: Bernstein polynomials
+    real(wp), intent(in) :: x
+    real(wp), intent(out) :: f(:), df(:) !! (p+1 or more)
+
+    real(wp) :: b(MAX_DEGREE + 1), db(MAX_DEGREE + 1)
+
+    if (.not. allocated(c)) then
+      call bernstein(p, x, f(:p + 1), df(:p + 1))
+    else
+      call bernstein(p, x, b(:p + 1), db(:p + 1))
+      f(:p + 1) = matmul(c, b(:p + 1))
+      df(:p + 1) = matmul(c, db(:p + 1))
+    end if
+  end subroutine spline
+
+  !> Functions of an isogeometric surface, eqs (10) to (12); first direction fastest.
+  pure subroutine surface_functions(cell, xi, f, df)
+    type(cell_t), intent(in) :: cell
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: f(:)     !! (ncp)
+    real(wp), intent(out) :: df(:, :) !! (2, ncp)
+
+    real(wp) :: f1(MAX_DEGREE + 1), f2(MAX_DEGREE + 1), d1(MAX_DEGREE + 1), d2(MAX_DEGREE + 1)
+    integer :: i, j, a, n1, n2
+
+    n1 = cell%degree(1) + 1
+    n2 = cell%degree(2) + 1
+    call spline(cell%degree(1), cell%c1, xi(1), f1, d1)
+    call spline(cell%degree(2), cell%c2, xi(2), f2, d2)
+    a = 0
+    do j = 1, n2
+      do i = 1, n1
+        a = a + 1
+        f(a) = f1(i)*f2(j)
+        df(1, a) = d1(i)*f2(j)
+        df(2, a) = f1(i)*d2(j)
+      end do
+    end do
+    if (allocated(cell%w)) call make_rational(cell%w(:a), f(:a), df(:, :a))
+  end subroutine surface_functions
+
+  !> Weighted functions over their sum, eqs (11) and (12).
+  pure subroutine make_rational(w, f, df)
+    real(wp), intent(in) :: w(:)         !! (n) weights
+    real(wp), intent(inout) :: f(:)      !! (n)
+    real(wp), intent(inout) :: df(:, :)  !! (ndirection, n)
+
+    real(wp) :: total, slope(size(df, 1))
+    integer :: a
+
+    total = 0.0_wp
+    slope = 0.0_wp
+    do a = 1, size(f)
+      f(a) = w(a)*f(a)
+      df(:, a) = w(a)*df(:, a)
+      total = total + f(a)
+      slope = slope + df(:, a)
+    end do
+    do a = 1, size(f)
+      f(a) = f(a)/total
+      df(:, a) = (df(:, a) - f(a)*slope)/total
+    end do
+  end subroutine make_rational
+
+  !> Nine enhanced modes as three covectors, each times a vector: (xi,0,0), (0,eta,0), (0,0,zeta).
+  pure subroutine nine_modes(xi, mode)
+    real(wp), intent(in) :: xi(3)
+    real(wp), intent(out) :: mode(:, :) !! (3, 3)
+
+    integer :: i
+
+    mode = 0.0_wp
+    do i = 1, 3
+      mode(i, i) = xi(i)
+    end do
+  end subroutine nine_modes
+
+  !> Gauss rule: `usual` points in the three directions, or q, q and qz where they are positive.
+  subroutine tensor_rule(usual, q, qz, rule)
+    integer, intent(in) :: usual(3), q, qz
+    type(rule_t), intent(out) :: rule
+
+    integer :: n(3)
+
+    n = usual
+    if (q > 0) n(:2) = q
+    if (qz > 0) n(3) = qz
+    call fill_rule(n, rule)
+  end subroutine tensor_rule
+
+  subroutine fill_rule(n, rule)
+    integer, intent(in) :: n(3)
+    type(rule_t), intent(inout) :: rule
+
+    real(wp) :: x1(n(1)), x2(n(2)), x3(n(3)), w1(n(1)), w2(n(2)), w3(n(3))
+    integer :: i, j, k, p
+
+    call gauss(n(1), x1, w1)
+    call gauss(n(2), x2, w2)
+    call gauss(n(3), x3, w3)
+    rule%nq = product(n)
+    allocate (rule%xi(3, rule%nq), rule%wgt(rule%nq))
+    p = 0
+    do k = 1, n(3)
+      do j = 1, n(2)
+        do i = 1, n(1)
+          p = p + 1
+          rule%xi(:, p) = [x1(i), x2(j), x3(k)]
+          rule%wgt(p) = w1(i)*w2(j)*w3(k)
+        end do
+      end do
+    end do
+  end subroutine fill_rule
+
+  !> Which functions of one direction are not zero at its two ends.
+  pure subroutine touches(p, c, low, high)
+    integer, intent(in) :: p
+    real(wp), allocatable, intent(in) :: c(:, :)
+    logical, intent(out) :: low(:), high(:) !! (p+1)
+
+    low = .false.
+    high = .false.
+    if (allocated(c)) then ! only the first and the last Bernstein polynomial live at the ends
+      low(:p + 1) = abs(c(:, 1)) > ZERO_SHARE*maxval(abs(c(:, 1)))
+      high(:p + 1) = abs(c(:, p + 1)) > ZERO_SHARE*maxval(abs(c(:, p + 1)))
+    else
+      low(1) = .true.
+      high(p + 1) = .true.
+    end if
+  end subroutine touches
+
+  !> Faces of a tensor-product element, first direction fastest.
+  subroutine tensor_faces(cell, topology)
+    type(cell_t), intent(in) :: cell
+    type(topology_t), intent(inout) :: topology
+
+    logical :: low(MAX_DEGREE + 1, 3), high(MAX_DEGREE + 1, 3)
+    logical, allocatable :: on(:, :)
+    integer :: n(3), i, j, k, a
+
+    n = cell%degree + 1
+    call touches(cell%degree(1), cell%c1, low(:, 1), high(:, 1))
+    call touches(cell%degree(2), cell%c2, low(:, 2), high(:, 2))
+    call touches(cell%degree(3), cell%c3, low(:, 3), high(:, 3))
+    allocate (on(product(n), 6))
+    a = 0
+    do k = 1, n(3)
+      do j = 1, n(2)
+        do i = 1, n(1)
+          a = a + 1
+          on(a, :) = [low(i, 1), high(i, 1), low(j, 2), high(j, 2), low(k, 3), high(k, 3)]
+        end do
+      end do
+    end do
+    call join_faces(on, topology)
+  end subroutine tensor_faces
+
+  !> Lists of nodes from marks: on(a, f) says that node a lies on face f.
+  subroutine join_faces(on, topology)
+    logical, intent(in) :: on(:, :) !! (nen, nface)
+    type(topology_t), intent(inout) :: topology
+
+    integer :: f, a
+
+    topology%nen = size(on, 1)
+    topology%nface = size(on, 2)
+    allocate (topology%first(topology%nface + 1))
+    topology%first(1) = 1
+    do f = 1, topology%nface
+      topology%first(f + 1) = topology%first(f) + count(on(:, f))
+    end do
+    topology%node = [((a, a=1, size(on, 1)), f=1, size(on, 2))]
+    topology%node = pack(topology%node, [on])
+  end subroutine join_faces
+
+end module hexa_shape

@@ -1,0 +1,81 @@
+!> Kinematics at a point of a solid: the map, the deformation gradient, the enhancement.
+module solid_point
+  use base_kinds, only: wp
+  use tensor, only: inv3
+  implicit none
+  private
+  public :: deform, centre_map, invert_map
+
+contains
+
+  !> Deformation gradient at a point of the parent cell.
+  !!
+  !! F = 1 + sum_a u_a x G_a + sum_i a_i x M_i,  G_a = J^-T dN_a,  M_i = (j0/j) J0^-T m_i
+  !! (Simo and Armero 1992; F0 drops out as the mode space is closed under left multiplication).
+  pure subroutine deform(nen, nmode, dshp, mode, xr, u, a, centre, jac0, dg, inverse, jac, m, ok)
+    integer, intent(in) :: nen, nmode
+    real(wp), intent(in) :: dshp(3, nen)   !! parent derivatives of the functions
+    real(wp), intent(in) :: mode(3, nmode) !! parent covectors of the modes
+    real(wp), intent(in) :: xr(3, nen)     !! reference positions [L]
+    real(wp), intent(in) :: u(3, nen)      !! displacements [L]
+    real(wp), intent(in) :: a(3, nmode)    !! enhanced parameters [L]
+    real(wp), intent(in) :: centre(3, 3)   !! J0^-1 [1/L]
+    real(wp), intent(in) :: jac0           !! j0 [L^3]
+    real(wp), intent(out) :: dg(3, 3)      !! deformation gradient [-]
+    real(wp), intent(out) :: inverse(3, 3) !! J^-1 = d xi / d X [1/L]
+    real(wp), intent(out) :: jac           !! j = det J [L^3]
+    real(wp), intent(out) :: m(3, nmode)   !! material covectors of the modes [1/L]
+    logical, intent(out) :: ok             !! .false.: the reference map is inverted here
+
+    real(wp) :: map(3, 3), h(3, 3)
+    integer :: n, j
+
+    map = 0.0_wp
+    h = 0.0_wp
+    do n = 1, nen
+      do j = 1, 3
+        map(:, j) = map(:, j) + xr(:, n)*dshp(j, n)
+        h(:, j) = h(:, j) + u(:, n)*dshp(j, n)
+      end do
+    end do
+    dg = 0.0_wp
+    m = 0.0_wp
+    call invert_map(map, inverse, jac, ok)
+    if (.not. ok) return
+    do j = 1, 3
+      dg(:, j) = h(:, 1)*inverse(1, j) + h(:, 2)*inverse(2, j) + h(:, 3)*inverse(3, j)
+    end do
+    do n = 1, nmode
+      do j = 1, 3
+        m(j, n) = (jac0/jac)*(centre(1, j)*mode(1, n) + centre(2, j)*mode(2, n) + centre(3, j)*mode(3, n))
+        dg(:, j) = dg(:, j) + a(:, n)*m(j, n)
+      end do
+    end do
+    do j = 1, 3
+      dg(j, j) = dg(j, j) + 1.0_wp
+    end do
+  end subroutine deform
+
+  !> Inverse and determinant of the reference map at the centre.
+  pure subroutine centre_map(nen, dshp0, xr, inverse, jac, ok)
+    integer, intent(in) :: nen
+    real(wp), intent(in) :: dshp0(3, nen)  !! parent derivatives at the centre
+    real(wp), intent(in) :: xr(3, nen)
+    real(wp), intent(out) :: inverse(3, 3) !! J0^-1 [1/L]
+    real(wp), intent(out) :: jac           !! j0 [L^3]
+    logical, intent(out) :: ok
+
+    call invert_map(matmul(xr, transpose(dshp0)), inverse, jac, ok)
+  end subroutine centre_map
+
+  !> Inverse of a map; ok only if its determinant is positive and finite.
+  pure subroutine invert_map(a, inverse, det, ok)
+    real(wp), intent(in) :: a(3, 3)
+    real(wp), intent(out) :: inverse(3, 3), det
+    logical, intent(out) :: ok
+
+    call inv3(a, inverse, det)
+    ok = det > 0.0_wp .and. det <= huge(det)
+  end subroutine invert_map
+
+end module solid_point

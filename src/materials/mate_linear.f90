@@ -1,0 +1,127 @@
+!> Linear isotropic elasticity at small strains.
+!!
+!!   sigma = Lam tr(eps) 1 + 2 mu eps,   eps = sym(F - 1)
+!!
+!! Deck:    SOLId / ELAStic ISOTropic E nu / SMALl
+!! History: none
+!! Source:  Hooke's law; Lame parameters as eq. (33) of Corbett and Sauer 2015
+!! Limits:  small strains and rotations
+module mate_linear
+  use base_kinds, only: wp
+  use material_type, only: material_t, E_MOD, NU, MU, LAMBDA, NB
+  implicit none
+  private
+  public :: describe
+
+contains
+
+  !> Row of the table of laws.
+  function describe() result(row)
+    type(material_t) :: row
+
+    row%name = 'ISOTropic'
+    row%usage = 'ELAStic ISOTropic E nu / SMALl'
+    row%source = 'linear isotropic, small strain: sigma = Lam tr(eps) 1 + 2 mu eps'
+    row%finite = .false.
+    row%nprop = LAMBDA
+    row%set => set
+    row%stress => stress
+    row%moduli => moduli
+    row%moduli_batch => moduli_batch
+    row%energy => energy
+  end function describe
+
+  !> E, nu to prop(:).
+  pure subroutine set(value, prop)
+    real(wp), intent(in) :: value(:) !! E, nu
+    real(wp), intent(out) :: prop(:)
+
+    prop = 0.0_wp
+    prop(E_MOD) = value(1)
+    prop(NU) = value(2)
+    prop(MU) = prop(E_MOD)/(2.0_wp*(1.0_wp + prop(NU)))
+    prop(LAMBDA) = 2.0_wp*prop(MU)*prop(NU)/(1.0_wp - 2.0_wp*prop(NU))
+  end subroutine set
+
+  !> Stress and constant tangent.
+  pure subroutine stress(prop, dg, tau, c, ok)
+    real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: dg(3, 3)
+    real(wp), intent(out) :: tau(6), c(6, 6)
+    logical, intent(out) :: ok
+
+    real(wp) :: lam, mus
+    integer :: i
+
+    call moduli(prop, dg, tau, lam, mus, ok)
+    c = 0.0_wp
+    c(1:3, 1:3) = lam
+    do i = 1, 3
+      c(i, i) = lam + 2.0_wp*mus
+      c(i + 3, i + 3) = mus
+    end do
+  end subroutine stress
+
+  !> Stress and the Lame parameters.
+  pure subroutine moduli(prop, dg, tau, lam, mus, ok)
+    real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: dg(3, 3)
+    real(wp), intent(out) :: tau(6), lam, mus
+    logical, intent(out) :: ok
+
+    real(wp) :: trace
+
+    lam = prop(LAMBDA)
+    mus = prop(MU)
+    trace = (dg(1, 1) - 1.0_wp) + (dg(2, 2) - 1.0_wp) + (dg(3, 3) - 1.0_wp)
+    tau(1) = lam*trace + 2.0_wp*mus*(dg(1, 1) - 1.0_wp)
+    tau(2) = lam*trace + 2.0_wp*mus*(dg(2, 2) - 1.0_wp)
+    tau(3) = lam*trace + 2.0_wp*mus*(dg(3, 3) - 1.0_wp)
+    tau(4) = mus*(dg(1, 2) + dg(2, 1))
+    tau(5) = mus*(dg(2, 3) + dg(3, 2))
+    tau(6) = mus*(dg(3, 1) + dg(1, 3))
+    ok = .true.
+  end subroutine moduli
+
+  !> `moduli` at NB points.
+  pure subroutine moduli_batch(prop, dg, tau, lam, mus, ok)
+    real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: dg(NB, 3, 3)
+    real(wp), intent(out) :: tau(NB, 6), lam(NB), mus(NB)
+    logical, intent(out) :: ok(NB)
+
+    real(wp) :: l, m, trace
+    integer :: n
+
+    l = prop(LAMBDA)
+    m = prop(MU)
+    !$omp simd private(trace)
+    do n = 1, NB
+      trace = (dg(n, 1, 1) - 1.0_wp) + (dg(n, 2, 2) - 1.0_wp) + (dg(n, 3, 3) - 1.0_wp)
+      tau(n, 1) = l*trace + 2.0_wp*m*(dg(n, 1, 1) - 1.0_wp)
+      tau(n, 2) = l*trace + 2.0_wp*m*(dg(n, 2, 2) - 1.0_wp)
+      tau(n, 3) = l*trace + 2.0_wp*m*(dg(n, 3, 3) - 1.0_wp)
+      tau(n, 4) = m*(dg(n, 1, 2) + dg(n, 2, 1))
+      tau(n, 5) = m*(dg(n, 2, 3) + dg(n, 3, 2))
+      tau(n, 6) = m*(dg(n, 3, 1) + dg(n, 1, 3))
+      lam(n) = l
+      mus(n) = m
+    end do
+    ok = .true.
+  end subroutine moduli_batch
+
+  !> Half of stress times strain.
+  pure function energy(prop, dg) result(w)
+    real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: dg(3, 3)
+    real(wp) :: w
+
+    real(wp) :: tau(6), lam, mus
+    logical :: ok
+
+    call moduli(prop, dg, tau, lam, mus, ok)
+    w = 0.5_wp*(tau(1)*(dg(1, 1) - 1.0_wp) + tau(2)*(dg(2, 2) - 1.0_wp) + tau(3)*(dg(3, 3) - 1.0_wp) &
+      + tau(4)*(dg(1, 2) + dg(2, 1)) + tau(5)*(dg(2, 3) + dg(3, 2)) + tau(6)*(dg(3, 1) + dg(1, 3)))
+  end function energy
+
+end module mate_linear
