@@ -72,12 +72,45 @@ $(B)/flags: FORCE
 	@mkdir -p $(B); echo '$(FC) $(WARN) $(OPT) $(INCLUDE)' > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 $(B)/depend.mk: FORCE
-	@mkdir -p $(B); awk -v b=$(B) -f src/depend.awk $(SOURCES) > $@.new
+	@mkdir -p $(B); awk -v b=$(B) -f src/depend.awk $(SOURCES) $(wildcard verification/unit/*/*.pf) > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 FORCE:
 ifneq ($(filter-out help clean setup,$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif
+
+# --- Unit tests: T= chooses those whose path has a word of it and builds no more than they need ---
+U      := $(B)/unit
+RUNNER := verification/unit/runner
+PF     := $(wildcard verification/unit/*/test_*.pf)
+PF     := $(if $(T),$(sort $(foreach t,$(T),$(foreach f,$(PF),$(if $(findstring $t,$f),$f)))),\
+          $(filter-out $(RUNNER)/%,$(PF)))
+TESTS  := $(patsubst %.pf,$(U)/%.o,$(notdir $(PF)))
+TESTF  := -std=gnu -g -Wall -Wno-maybe-uninitialized -Wno-uninitialized -Wno-unused-function \
+          -ffree-line-length-none
+vpath %.pf $(wildcard verification/unit/*)
+vpath funit%.f90 $(RUNNER)
+
+.PHONY: unit runner
+.PRECIOUS: $(U)/%.f90
+unit: $(U)/run
+	@$(U)/run $(ARGS)
+runner:
+	@$(MAKE) unit T=$(RUNNER) ARGS=-v | python3 $(RUNNER)/check.py
+$(U)/run: FORCE $(U)/driver.o $(TESTS) $(if $(T),,$(B)/libbezel.a)
+	@rm -f $(U)/lib.a; ar rcs $(U)/lib.a $$(ls $(B)/*.o | grep -v '/main\.o$$')
+	@$(FC) $(OPT) $(U)/driver.o $(TESTS) $(U)/funit.o $(U)/funit_value.o $(U)/lib.a $(LIBS) -o $@
+$(U)/driver.f90: FORCE
+	@mkdir -p $(U); python3 $(RUNNER)/pf.py driver $@.new $(PF)
+	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+$(U)/test_%.f90: test_%.pf $(RUNNER)/pf.py
+	@mkdir -p $(U); python3 $(RUNNER)/pf.py test $< $@
+$(U)/%.o: $(U)/%.f90 $(U)/funit.o
+	@$(FC) $(TESTF) $(OPT) $(INCLUDE) -I$(B) -J$(U) -c $< -o $@
+$(U)/driver.o: $(TESTS)
+$(U)/funit.o $(U)/funit_value.o: $(U)/%.o: $(RUNNER)/%.f90 $(B)/flags
+	@mkdir -p $(U); $(FC) $(TESTF) $(OPT) -J$(U) -c $< -o $@
+$(U)/funit.o: $(U)/funit_value.o
 
 help:
 	@sed -n 's/^#: //p' Makefile

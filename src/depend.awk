@@ -1,13 +1,13 @@
 # Module dependencies for make, and the layer gate: fails on a file that uses a module of a higher layer.
-# usage: awk -v b=BUILD_FOLDER -f depend.awk src/*/*.f90 > depend.mk
+# usage: awk -v b=BUILD_FOLDER -f depend.awk src/*/*.f90 [verification/unit/*/*.pf] > depend.mk
 BEGIN {
-  n = split("base math deck model materials elements contact algebra setup solution output commands main", order, " ")
+  n = split("base math deck model materials elements contact algebra setup solution output commands main test", order, " ")
   for (i = 1; i <= n; i++) level[order[i]] = i
   special["material_type"] = special["element_type"] = level["model"] - 0.5  # interfaces that the model refers to
 }
 FNR == 1 {
   n = split(FILENAME, part, "/"); object = part[n]; sub(/\.f90$/, "", object)
-  layer = part[n - 1]; if (!(layer in level)) complain("unknown layer '" layer "'")
+  layer = sub(/\.pf$/, "", object) ? "test" : part[n - 1]; if (!(layer in level)) complain("unknown layer '" layer "'")
   object_of[FILENAME] = object; layer_of[FILENAME] = layer
   level_of[FILENAME] = (object in special) ? special[object] : level[layer]
 }
@@ -35,7 +35,8 @@ END {
       FILENAME = file; complain("uses " name " from a higher layer (" layer_of[home[name]] ")")
     }
     suffix = (parent[object_of[file]] == name) ? ".o" : ".mod"
-    print b "/" object_of[file] ".o: " b "/" (suffix == ".o" ? object_of[home[name]] : name) suffix
+    folder = (layer_of[file] == "test") ? "/unit/" : "/"
+    print b folder object_of[file] ".o: " b "/" (suffix == ".o" ? object_of[home[name]] : name) suffix
     print b "/" name ".mod: " b "/" object_of[home[name]] ".o"
   }
   exit failed

@@ -1,0 +1,14 @@
+"""Check the runner itself: reads the output of its tests, each named for what it must do.
+
+usage: RUN test_funit -v | check.py
+"""
+
+import re
+import sys
+
+text = sys.stdin.read()
+started = re.findall(r"test_funit\.pf: (\w+)$", text, re.M)
+failed = set(re.findall(r"test_funit\.pf:\d+: (\w+): ", text))
+wrong = [name for name in started if name.startswith("fails_") != (name in failed)]
+if wrong or not started:
+    sys.exit(f"{text}\nthe runner judges wrongly: {' '.join(wrong) or 'nothing ran'}")

@@ -1,0 +1,135 @@
+"""Translate unit tests from pFUnit's language (.pf) to Fortran.
+
+usage: pf.py test IN.pf OUT.f90         one module of tests
+       pf.py join IN.pf OUT.pf          each assertion on one line, as pFUnit's own translator wants it
+       pf.py driver OUT.f90 IN.pf ...   the program that runs them all
+
+The subset: @test, @before, @after on a line of their own before a subroutine without arguments,
+and the assertions of funit.f90. Lines keep their numbers, so the compiler points at the .pf file.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+ASSERTIONS = {
+    word.lower(): word
+    for word in """True False Equal NotEqual LessThan LessThanOrEqual GreaterThan GreaterThanOrEqual
+    Any All None IsNaN IsFinite Fail""".split()
+}
+MARKS = ("test", "before", "after")
+
+
+class BadTest(Exception):
+    """The file is not in the subset; the text says where and why."""
+
+
+def without_comment(line):
+    """The line up to a `!` that is not inside quotes."""
+    quote = ""
+    for i, char in enumerate(line):
+        if quote:
+            quote = "" if char == quote else quote
+        elif char in "'\"":
+            quote = char
+        elif char == "!":
+            return line[:i].rstrip()
+    return line.rstrip()
+
+
+def joined(path):
+    """(number, text) of each line, assertions that are continued with & on their first line."""
+    lines = path.read_text().splitlines()
+    i = 0
+    while i < len(lines):
+        number, text = i + 1, lines[i]
+        if re.match(r"\s*@assert", text, re.I):
+            text = without_comment(text)
+            while text.endswith("&") and i + 1 < len(lines):
+                i += 1
+                text = text[:-1].rstrip() + " " + without_comment(lines[i]).strip().removeprefix("&").lstrip()
+        yield number, text
+        i += 1
+
+
+def tests_of(path):
+    """Module name and the subroutines marked @test, @before and @after."""
+    module, mark, marked = "", "", {"test": [], "before": [], "after": []}
+    for number, text in joined(path):
+        code = without_comment(text).strip()
+        if match := re.fullmatch(r"module\s+(\w+)", code, re.I):
+            module = match[1].lower()
+        elif match := re.fullmatch(r"@(test|before|after)", code, re.I):
+            mark = match[1].lower()
+        elif match := re.fullmatch(r"subroutine\s+(\w+)\s*(\(\s*\))?", code, re.I):
+            if mark:
+                marked[mark].append(match[1])
+            mark = ""
+        elif code and mark:
+            raise BadTest(f"{path}:{number}: @{mark} must stand before a subroutine without arguments")
+    if module != path.stem.lower():
+        raise BadTest(f"{path}:1: the module must be named {path.stem}, after the file")
+    if not marked["test"]:
+        raise BadTest(f"{path}:1: no @test in the file")
+    return module, marked
+
+
+def translate(path):
+    """Fortran text of a .pf file."""
+    tests_of(path)
+    out, expected = [], 1
+    for number, text in joined(path):
+        if number != expected:
+            out.append(f'# {number} "{path}"')
+        expected = number + 1
+        stripped = text.strip()
+        if not stripped.startswith("@"):
+            out.append(text)
+            continue
+        word = re.match(r"@(\w*)", stripped)[1].lower()
+        if word in MARKS:
+            out.append("")
+            continue
+        match = re.fullmatch(r"@assert(\w+)\s*\((.*)\)", stripped, re.I)
+        if not match or match[1].lower() not in ASSERTIONS:
+            known = " ".join(ASSERTIONS.values())
+            raise BadTest(f"{path}:{number}: '{stripped}' is not an assertion on a line of its own; known: @assert + {known}")
+        comma = ", " if match[2].strip() else ""
+        out.append(f"call assert{match[1]}({match[2]}{comma}&")
+        out.append(f"  location=SourceLocation('{path}', {number})); if (anyExceptions()) return")
+        expected = -1
+    return f'# 1 "{path}"\n' + "\n".join(out) + "\n"
+
+
+def driver(paths):
+    """Program text: every test of every file through run_test of module funit."""
+    out = ["program run_unit_tests", "  use funit, only: start_tests, run_test, stop_tests, no_fixture", "  implicit none", "", "  call start_tests()"]
+    for path in paths:
+        module, marked = tests_of(path)
+        before, after = (marked[m][0] if marked[m] else "no_fixture" for m in ("before", "after"))
+        names = ", ".join(sorted({*marked["test"], *marked["before"], *marked["after"]}))
+        out += ["  block", f"    use {module}, only: {names}"]
+        out += [f"    call run_test('{path}', '{name}', {name}, {before}, {after})" for name in marked["test"]]
+        out += ["  end block"]
+    return "\n".join([*out, "  call stop_tests()", "end program run_unit_tests"]) + "\n"
+
+
+def main(arguments):
+    match arguments:
+        case ["test", source, target]:
+            text = translate(Path(source))
+        case ["join", source, target]:
+            lines = dict(joined(Path(source)))
+            text = "".join(lines.get(n, "") + "\n" for n in range(1, max(lines) + 1))
+        case ["driver", target, *sources]:
+            text = driver([Path(source) for source in sources])
+        case _:
+            sys.exit(__doc__)
+    Path(target).write_text(text)
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1:])
+    except BadTest as error:
+        sys.exit(str(error))
