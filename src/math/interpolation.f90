@@ -13,7 +13,7 @@ contains
   subroutine interpolate(s, v, ok)
     type(spline_t), intent(in) :: s
     real(wp), intent(inout) :: v(:, :) !! (n, m) values of m quantities; out: coefficients
-    logical, intent(out) :: ok         !! .false.: no such spline (never for open knots without breaks)
+    logical, intent(out) :: ok         !! .false.: no such spline
     real(wp), allocatable :: band(:, :)
     real(wp) :: g(nfunction(s)), b(s%degree + 1)
     integer :: pivot(nfunction(s)), i, k, a, p, info

@@ -1,0 +1,210 @@
+!> What a patch must fulfil before it is meshed; every rule has its message.
+module patch_check
+  use base_kinds, only: wp, i8
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_text, only: to_text
+  use patch_geometry, only: geometry_t
+  use patch_nurbs, only: check_nurbs, MAX_DEGREE
+  use patch_spec, only: patch_spec_t, GEO_NONE, GEO_BOX, GEO_HEMISPHERE, GEO_NURBS
+  implicit none
+  private
+  public :: check_patch, check_enrichment, hemisphere_degree, face_name
+
+  integer(i8), parameter :: MAX_NODE = 200000000_i8 !! of one body: three times this fits an integer
+  character(2), parameter :: FACE(6) = ['1-', '1+', '2-', '2+', '3-', '3+']
+
+contains
+
+  !> A face as the deck writes it.
+  pure function face_name(f) result(name)
+    integer, intent(in) :: f
+    character(2) :: name
+
+    name = FACE(f)
+  end function face_name
+
+  !> Sizes and type; nothing is allocated before this.
+  subroutine check_patch(spec, error)
+    type(patch_spec_t), intent(in) :: spec
+    type(error_t), allocatable, intent(out) :: error
+    integer(i8) :: n
+    integer :: d, m
+
+    select case (spec%geometry)
+    case (GEO_NONE)
+      call complain('has no geometry', 'give BOX, HEMIsphere, NPATch or FILE')
+    case (GEO_BOX)
+      d = minloc(spec%length, 1)
+      if (.not. spec%length(d) > 0.0_wp) call complain('has a box of length ' &
+        //to_text(spec%length(d))//' in direction '//to_text(d), 'lengths are positive')
+    case (GEO_HEMISPHERE)
+      if (.not. (spec%thickness > 0.0_wp .and. spec%radius > spec%thickness)) &
+        call complain('has a hemisphere of radius '//to_text(spec%radius)//' and thickness ' &
+        //to_text(spec%thickness), 'the thickness lies between 0 and the radius')
+    case (GEO_NURBS)
+      call check_nurbs(spec%nurbs, "patch '"//spec%name//"'", spec%place, error)
+    end select
+    if (allocated(error)) return
+
+    d = minloc(spec%nelem, 1)
+    if (spec%nelem(d) < 1) then
+      call complain('has '//to_text(spec%nelem(d))//' elements in direction '//to_text(d), &
+        'give ELEMents n1 n2 n3')
+      return
+    end if
+    m = 1
+    select case (spec%type) ! nodes an element has along an edge, less one
+    case ('Q1', 'Q1E9')
+    case ('Q2')
+      m = 2
+    case ('IGA')
+      if (spec%degree < 1 .or. spec%degree > MAX_DEGREE) then
+        call complain('asks for IGA of degree '//to_text(spec%degree), 'degrees are 1 to ' &
+          //to_text(MAX_DEGREE))
+        return
+      end if
+    case default
+      call complain("asks for elements of type '"//trim(spec%type)//"'", &
+        'known types of solids: Q1 Q1E9 Q2 IGA')
+      return
+    end select
+    n = 1_i8
+    do d = 1, 3
+      n = n*(int(m, i8)*spec%nelem(d) + MAX_DEGREE)
+      if (n > MAX_NODE) then
+        call complain('asks for '//to_text(spec%nelem(1))//' x '//to_text(spec%nelem(2))//' x ' &
+          //to_text(spec%nelem(3))//' elements, more than this program numbers', &
+          'a body has at most '//to_text(int(MAX_NODE))//' nodes')
+        return
+      end if
+    end do
+
+  contains
+
+    subroutine complain(what, hint)
+      character(*), intent(in) :: what, hint
+
+      call fail(error, DECK_ERROR, "patch '"//spec%name//"' "//what, spec%place, hint)
+    end subroutine complain
+  end subroutine check_patch
+
+  !> Degree of the surface space of a hemisphere.
+  subroutine hemisphere_degree(spec, degree, error)
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(out) :: degree
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    degree = 1
+    if (spec%type == 'IGA') degree = spec%degree
+    if (spec%type == 'Q2') degree = 2
+    if (size(spec%enrich) > 0) degree = spec%enrich(1)%degree
+    do i = 2, size(spec%enrich)
+      if (spec%enrich(i)%degree == degree) cycle
+      call fail(error, DECK_ERROR, "the faces of hemisphere '"//spec%name//"' have orders " &
+        //to_text(degree)//' and '//to_text(spec%enrich(i)%degree), spec%enrich(i)%place, &
+        'one spline makes the whole hemisphere: give its faces one order')
+      return
+    end do
+  end subroutine hemisphere_degree
+
+  !> ENRIch records against the elements, the geometry and each other.
+  subroutine check_enrichment(spec, geo, error)
+    type(patch_spec_t), intent(in) :: spec
+    type(geometry_t), intent(in) :: geo
+    type(error_t), allocatable, intent(out) :: error
+    logical :: along(3)
+    integer :: i, j, d
+
+    along = .false.
+    do i = 1, size(spec%enrich)
+      associate (e => spec%enrich(i))
+        call check_one(spec, geo, i, error)
+        if (allocated(error)) return
+        do j = 1, i - 1
+          call check_pair(spec, j, i, error)
+          if (allocated(error)) return
+        end do
+        along((e%face + 1)/2) = .true.
+        if (.not. all(along)) cycle
+        call fail(error, DECK_ERROR, "three enriched faces of patch '"//spec%name &
+          //"' meet in a corner", e%place, &
+          'only two of the directions 1, 2, 3 can have enriched faces in one patch')
+        return
+      end associate
+    end do
+    if (spec%type /= 'IGA') return
+    do d = 1, 3
+      if (geo%coarse%dir(d)%degree <= spec%degree) cycle
+      call fail(error, DECK_ERROR, "patch '"//spec%name//"' has degree " &
+        //to_text(geo%coarse%dir(d)%degree)//' in direction '//to_text(d) &
+        //', more than its elements', spec%place, &
+        'use TYPE IGA '//to_text(geo%coarse%dir(d)%degree))
+      return
+    end do
+  end subroutine check_enrichment
+
+  !> One ENRIch record.
+  subroutine check_one(spec, geo, i, error)
+    type(patch_spec_t), intent(in) :: spec
+    type(geometry_t), intent(in) :: geo
+    integer, intent(in) :: i
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d
+
+    associate (e => spec%enrich(i), axis => (spec%enrich(i)%face + 1)/2)
+      if (spec%type == 'IGA') then
+        call fail(error, DECK_ERROR, 'ENRIch on elements of type IGA', e%place, &
+          'their faces are splines already: remove ENRIch, or use TYPE Q1, Q1E9 or Q2')
+      else if (e%degree < 1 .or. e%raise < 0 .or. e%degree > MAX_DEGREE &
+        .or. e%raise > MAX_DEGREE - e%degree) then
+        call fail(error, DECK_ERROR, 'order '//to_text(e%degree)//' raised by '//to_text(e%raise), &
+          e%place, 'orders are at least 1, and at most '//to_text(MAX_DEGREE)//' when raised')
+      else if (e%eas .and. spec%type == 'Q2') then
+        call fail(error, DECK_ERROR, 'ENRIch EAS on elements of type Q2', e%place, &
+          'enhanced modes belong to TYPE Q1 and Q1E9; Q2 does not need them')
+      else if (product(pack(int(geo%n, i8)*(e%raise + 1) + e%degree, [1, 2, 3] /= axis)) &
+        > MAX_NODE) then
+        call fail(error, DECK_ERROR, 'face '//FACE(e%face)//" of patch '"//spec%name &
+          //"' has more control points than this program numbers", e%place, &
+          'a body has at most '//to_text(int(MAX_NODE))//' nodes')
+      end if
+      if (allocated(error)) return
+      do d = 1, 3
+        if (d == axis .or. geo%coarse%dir(d)%degree <= e%degree) cycle
+        call fail(error, DECK_ERROR, 'face '//FACE(e%face)//" of patch '"//spec%name &
+          //"' has degree "//to_text(geo%coarse%dir(d)%degree)//' in direction '//to_text(d) &
+          //', more than order '//to_text(e%degree), e%place, 'use ENRIch ' &
+          //FACE(e%face)//' '//to_text(geo%coarse%dir(d)%degree))
+        return
+      end do
+    end associate
+  end subroutine check_one
+
+  !> Two ENRIch records.
+  subroutine check_pair(spec, i, j, error)
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(in) :: i, j !! the later record, to be blamed, is j
+    type(error_t), allocatable, intent(out) :: error
+    integer :: axis
+
+    associate (a => spec%enrich(i), b => spec%enrich(j))
+      axis = (b%face + 1)/2
+      if (a%face == b%face) then
+        call fail(error, DECK_ERROR, 'face '//FACE(b%face)//" of patch '"//spec%name &
+          //"' is enriched twice", b%place)
+      else if ((a%face + 1)/2 == axis) then
+        if (spec%nelem(axis) > 1) return
+        call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
+          //' are both enriched but share their only layer of elements', b%place, &
+          'give at least 2 elements in direction '//to_text(axis))
+      else if (a%degree /= b%degree .or. a%raise /= b%raise) then
+        call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
+          //' share an edge but have orders '//to_text(a%degree)//'.'//to_text(a%raise)//' and ' &
+          //to_text(b%degree)//'.'//to_text(b%raise), b%place, &
+          'their edge is one curve: give both the same order and RAISe')
+      end if
+    end associate
+  end subroutine check_pair
+
+end module patch_check

@@ -1,0 +1,158 @@
+!> What a NURBS patch must fulfil to be a body.
+module patch_nurbs
+  use base_kinds, only: wp
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_text, only: to_text
+  use bspline, only: spline_t, span_list
+  use nurbs, only: nurbs_t, evaluate
+  use quadrature, only: gauss
+  use tensor, only: det3
+  implicit none
+  private
+  public :: check_nurbs, check_orientation
+
+  integer, parameter, public :: MAX_DEGREE = 10 !! of any surface or solid
+
+contains
+
+  !> A tri-variate patch with open knot vectors and positive weights.
+  subroutine check_nurbs(patch, what, place, error)
+    type(nurbs_t), intent(in) :: patch
+    character(*), intent(in) :: what !! whose patch it is, for the message
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d, i
+
+    if (.not. allocated(patch%cp)) then
+      call fail(error, DECK_ERROR, what//' has no control points', place)
+      return
+    end if
+    do d = 1, 3
+      call check_knots(patch%dir(d), size(patch%cp, d + 1), what//', direction '//to_text(d), &
+        place, error)
+      if (allocated(error)) return
+    end do
+    do i = 1, 4
+      if (any(.not. abs(patch%cp(i, :, :, :)) <= huge(1.0_wp))) then
+        call fail(error, DECK_ERROR, what//' has a coordinate that is not a number', place)
+        return
+      end if
+    end do
+    if (any(.not. patch%cp(4, :, :, :) > 0.0_wp)) call fail(error, DECK_ERROR, what &
+      //' has the weight '//to_text(minval(patch%cp(4, :, :, :))), place, 'weights are positive')
+  end subroutine check_nurbs
+
+  subroutine check_knots(s, n, what, place, error)
+    type(spline_t), intent(in) :: s
+    integer, intent(in) :: n !! control points in this direction
+    character(*), intent(in) :: what
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+    integer :: p, last, i
+
+    p = s%degree
+    if (p < 1 .or. p > MAX_DEGREE) then
+      call fail(error, DECK_ERROR, what//': degree '//to_text(p), place, 'degrees are 1 to ' &
+        //to_text(MAX_DEGREE))
+      return
+    end if
+    last = 0
+    if (allocated(s%knots)) last = size(s%knots)
+    if (last /= n + p + 1 .or. n < p + 1) then
+      call fail(error, DECK_ERROR, what//': '//to_text(last)//' knots for '//to_text(n) &
+        //' control points of degree '//to_text(p), place, &
+        'there are as many knots as control points plus degree plus one')
+      return
+    end if
+    if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
+      call fail(error, DECK_ERROR, what//': knots fall', place, 'list them in rising order')
+      return
+    end if
+    if (s%knots(p + 1) > s%knots(1) .or. s%knots(last - p) < s%knots(last) &
+      .or. .not. s%knots(last) > s%knots(1)) then
+      call fail(error, DECK_ERROR, what//': the knot vector is not open', place, &
+        'its first and last knot each stand '//to_text(p + 1)//' times')
+      return
+    end if
+    do i = 2, last - p - 1
+      if (s%knots(i + p) > s%knots(i)) cycle
+      call fail(error, DECK_ERROR, what//': the knot '//to_text(s%knots(i))//' stands more than ' &
+        //to_text(p)//' times', place, 'the patch would fall apart there: make two patches')
+      return
+    end do
+  end subroutine check_knots
+
+  !> The map must not be left-handed or folded.
+  subroutine check_orientation(patch, name, place, error)
+    type(nurbs_t), intent(in) :: patch
+    character(*), intent(in) :: name
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: k1(:), k2(:), k3(:)
+    real(wp) :: least, most, volume
+    integer :: i, j, l, bad(3)
+
+    call span_list(patch%dir(1), k1)
+    call span_list(patch%dir(2), k2)
+    call span_list(patch%dir(3), k3)
+    least = huge(1.0_wp)
+    most = -huge(1.0_wp)
+    bad = 1
+    do l = 1, size(k3)
+      do j = 1, size(k2)
+        do i = 1, size(k1)
+          call span_volume([k1(i), k2(j), k3(l)], volume)
+        end do
+      end do
+    end do
+    if (least > 0.0_wp) return
+    if (most <= 0.0_wp .and. least < 0.0_wp) then
+      call fail(error, DECK_ERROR, "patch '"//name//"' is left-handed: its Jacobian is negative", &
+        place, 'exchange directions 1 and 2 (numbers, knots and order of the points), ' &
+        //'or run direction 3 the other way')
+    else if (least < 0.0_wp) then
+      call fail(error, DECK_ERROR, "patch '"//name//"' folds over: its Jacobian changes sign", &
+        place, 'worst in knot span '//to_text(bad(1))//' '//to_text(bad(2))//' ' &
+        //to_text(bad(3)))
+    else
+      call fail(error, DECK_ERROR, "patch '"//name//"' has no volume in knot span " &
+        //to_text(bad(1))//' '//to_text(bad(2))//' '//to_text(bad(3)), place, &
+        'use more elements, or another order')
+    end if
+
+  contains
+
+    !> Jacobian times the span's extent at Gauss points; rounding counts as zero.
+    subroutine span_volume(k, v)
+      integer, intent(in) :: k(3)
+      real(wp), intent(out) :: v
+      real(wp) :: x(MAX_DEGREE + 1), w(MAX_DEGREE + 1), u(3), h(3), p(3), dx(3, 3), size3
+      integer :: q, r, s, m, d
+
+      m = maxval(patch%dir%degree) + 1
+      call gauss(m, x(:m), w(:m))
+      do d = 1, 3
+        h(d) = 0.5_wp*(patch%dir(d)%knots(k(d) + 1) - patch%dir(d)%knots(k(d)))
+      end do
+      do s = 1, m
+        do r = 1, m
+          do q = 1, m
+            do d = 1, 3
+              u(d) = patch%dir(d)%knots(k(d)) + h(d)
+            end do
+            u = u + h*[x(q), x(r), x(s)]
+            call evaluate(patch, u, p, dx)
+            v = det3(dx)
+            size3 = norm2(dx(:, 1))*norm2(dx(:, 2))*norm2(dx(:, 3))
+            if (abs(v) <= 100*epsilon(v)*size3) v = 0.0_wp
+            v = v*product(h)
+            if (v < least) bad = [count(k1 <= k(1)), count(k2 <= k(2)), count(k3 <= k(3))]
+            least = min(least, v)
+            most = max(most, v)
+          end do
+        end do
+      end do
+    end subroutine span_volume
+  end subroutine check_orientation
+
+end module patch_nurbs
