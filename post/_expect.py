@@ -24,10 +24,18 @@
     reference = "force.csv"                      # instead of want: a whole curve; keys of [diff] below apply
 
     each = "reference.csv"                       # one check for each row; "{column}" stands for the row's value
-    [check.map.elements]                         # optional: more values by that of a column
+    vary = { n = [1, 2] }                        # or for each combination of these values
+    where = { test = "extension" }               # of these rows only
+    [check.map.elements]                         # more values by that of a column
     "Q1" = { deck = "q1.inp", rel = 1e-6 }
 
-    [[study]]                                    # a refinement study, see verify.py --study
+    [[study]]                                    # a refinement study; `verify.py --study` writes results.csv
+    vary  = { elements = ["Q1", "Q2"], n = [1, 2, 4] }   # and `each`, `where`, `map` as above
+    slow  = [8]                                  # more values of the last one, with --all
+    value = "force"                              # name of the value in results.csv; deck set curve column factor as above
+    want  = -0.314892                            # the converged value
+    limit = 1e-2                                 # relative error on the finest mesh at most this
+    shrink = 0.8                                 # and on each mesh at most this times the one before (optional)
 
     [diff]                                       # for `post diff --expect`
     rel = 1e-6                                   # general tolerance: rel abs scaled
@@ -46,11 +54,11 @@ DIFF_KEYS = {*KINDS, "column", "interpolate", "key", "only", "ignore"}
 CHECK_KEYS = {
     "name", "deck", "set", "options", "exit", "source", "slow", "row", "factor", "time_limit",
     "curve", "column", "report", "field", "affine", "want", "rel", "abs", "scaled",
-    "reference", "interpolate", "key", "only", "ignore", "each", "where", "map",
+    "reference", "interpolate", "key", "only", "ignore", "each", "vary", "where", "map",
 }  # fmt: skip
 STUDY_KEYS = {
-    "name", "deck", "set", "over", "slow", "curve", "column", "factor", "want", "limit", "shrink", "source", "map",
-    "series", "options", "time_limit",
+    "name", "deck", "set", "options", "time_limit", "source", "slow", "curve", "column", "row", "factor", "value", "want",
+    "limit", "shrink", "each", "vary", "where", "map",
 }  # fmt: skip
 
 
@@ -64,13 +72,29 @@ def read_expect(path):
     checks = []
     for i, check in enumerate(content.get("check", ()), 1):
         _known(path, f"check {i}", check, CHECK_KEYS)
-        checks += _each(path, check) if "each" in check else [check]
+        checks += _multiplied(path, check)
+    studies = []
     for i, study in enumerate(content.get("study", ()), 1):
         _known(path, f"study {i}", study, STUDY_KEYS)
+        studies.append(_study(path, study))
     source = content.get("source", "")
     for check in checks:
         check.setdefault("source", source)
-    return {"title": content.get("title", path.parent.name), "checks": checks, "studies": content.get("study", [])}
+    return {"title": content.get("title", path.parent.name), "checks": checks, "studies": studies}
+
+
+def _study(path, study):
+    """A study as a list of (row, entries, slow), the last varied name being the mesh."""
+    if "vary" not in study or not {"value", "want", "limit"} <= set(study):
+        raise Unreadable(f"'{path}': a study needs vary, value, want and limit")
+    mesh = list(study["vary"])[-1]
+    more = {**study, "vary": {**study["vary"], mesh: [*study["vary"][mesh], *study.get("slow", ())]}}
+    rest = {k: v for k, v in study.items() if k not in ("each", "vary", "where", "map", "slow")}
+    rows = _rows(path, more)
+    return {
+        "mesh": mesh,
+        "rows": [(row, fill(rest, row, study.get("map", {}), path), row[mesh] in study.get("slow", ())) for row in rows],
+    }
 
 
 def read_diff(path):
@@ -114,18 +138,27 @@ def _known(path, what, content, keys):
         raise Unreadable(f"'{path}', {what}: unknown entry '{unknown[0]}'")
 
 
-def _each(path, check):
-    """One check a row of the table `each`; words in braces are the row's values."""
-    table = read_table(path.parent / check["each"])
-    names, rows = list(table.columns), []
-    for i in range(len(table)):
-        row = {n: table.columns[n][i] for n in names}
-        if all(str(row.get(n)) == str(v) for n, v in check.get("where", {}).items()):
-            rows.append({n: str(v) if isinstance(v, str) else float(v) for n, v in row.items()})
+def _multiplied(path, check):
+    """One check for each row of `each` and each combination of `vary`."""
+    if "each" not in check and "vary" not in check:
+        return [check]
+    rest = {k: v for k, v in check.items() if k not in ("each", "vary", "where", "map")}
+    return [fill(rest, row, check.get("map", {}), path) for row in _rows(path, check)]
+
+
+def _rows(path, content):
+    """Rows (dictionaries) that `each`, `vary` and `where` choose; words in braces stand for their values."""
+    rows = [{}]
+    if "each" in content:
+        table = read_table(path.parent / content["each"])
+        plain = lambda v: str(v) if isinstance(v, str) else float(v)
+        rows = [{n: plain(v[i]) for n, v in table.columns.items()} for i in range(len(table))]
+    for name, values in content.get("vary", {}).items():
+        rows = [{**row, name: value} for row in rows for value in values]
+    rows = [r for r in rows if all(r.get(n) == v for n, v in content.get("where", {}).items())]
     if not rows:
-        raise Unreadable(f"'{path}': no row of {check['each']} is chosen")
-    rest = {k: v for k, v in check.items() if k not in ("each", "where", "map")}
-    return [fill(rest, row, check.get("map", {}), path) for row in rows]
+        raise Unreadable(f"'{path}': no row is chosen")
+    return rows
 
 
 def fill(content, row, maps, path):

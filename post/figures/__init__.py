@@ -1,0 +1,1 @@
+"""The paper's figures, each drawn from committed results by one module: `python -m post.figures.section4`."""

@@ -1,0 +1,162 @@
+"""Figures 9, 10 and 12 of Corbett and Sauer 2015, section 4, and one on the enriched element with enhanced strains.
+
+Drawn from verification/benchmark/section4/results.csv, which `verify.py --study --case section4` writes:
+
+    python -m post.figures.section4 [--results FILE] [--to doc/verification/figures]
+"""
+
+import argparse
+import pathlib
+import sys
+
+import numpy as np
+
+from post import _style
+from post._error import Unreadable
+from post._table import read_table
+from post.convergence import Series, plot
+
+TOP = pathlib.Path(__file__).resolve().parents[2]
+RESULTS = TOP / "verification/benchmark/section4/results.csv"
+FIGURES = TOP / "doc/verification/figures"
+QUARTERS = 4  # the runs are a quarter of the cube, the paper's force is of the whole
+
+ONE, TWO = " on 1+", " on 1+ and 2+"
+Q1 = ("Q1", "Q1N2" + ONE, "Q1N2" + TWO, "IGA2")
+Q1E9 = ("Q1E9", "Q1E9+Q1N2" + ONE, "Q1E9+Q1N2" + TWO, "IGA2")
+Q2 = ("Q2", "Q2N2" + ONE, "Q2N2" + TWO, "IGA2")
+
+
+class Results:
+    """Results of one test, 'compression' or 'extension', by element type."""
+
+    def __init__(self, path, test):
+        self.table, self.test = read_table(path), test
+        self.path = path
+
+    def column(self, elements, name):
+        """(nmesh) values of a column for an element type, from coarse to fine; empty where it was not run.
+
+        name: n, dofs, force (of the whole cube) or error (not negative).
+        """
+        c = self.table.columns
+        rows = np.flatnonzero((c["test"] == self.test) & (c["elements"] == elements))
+        rows = rows[np.argsort(c["n"][rows])]
+        if name == "force":
+            return QUARTERS * c["force_quarter"][rows]
+        return np.abs(c["error"][rows]) if name == "error" else c[name][rows]
+
+    def series(self, types):
+        """Errors over degrees of freedom (post.convergence.Series) of those types that were run."""
+        found = [Series(t, self.column(t, "dofs"), self.column(t, "error")) for t in types]
+        found = [s for s in found if len(s.x)]
+        if not found:
+            raise Unreadable(f"'{self.path}' has no {self.test} results of {', '.join(types)}")
+        return found
+
+    def converged(self):
+        """The force that the errors refer to."""
+        c = self.table.columns
+        row = np.flatnonzero(c["test"] == self.test)[0]
+        return QUARTERS * c["force_quarter"][row] / (1 + c["error"][row])
+
+
+def improvement(results, enriched, plain="Q1"):
+    """(mesh numbers, error of `plain` / error of `enriched` on the same mesh)"""
+    n = np.intersect1d(results.column(plain, "n"), results.column(enriched, "n"))
+    pick = lambda t: results.column(t, "error")[np.isin(results.column(t, "n"), n)]
+    return np.arange(1, len(n) + 1), pick(plain) / pick(enriched)
+
+
+def errors(ax, results, types, title):
+    plot(ax, results.series(types), guides=())
+    ax.set_title(title, loc="left")
+
+
+def forces(ax, results, types, title):
+    """Force over degrees of freedom, and the converged value as a line."""
+    for s in results.series(types):
+        ax.semilogx(s.x, results.column(s.name, "force"), label=_style.element_label(s.name), **_style.element(s.name))
+    ax.axhline(results.converged(), color="#999999", linewidth=0.9, zorder=0, label="converged")
+    ax.set_xlabel("degrees of freedom")
+    ax.set_ylabel("force $F_z / E_0 L_0^2$")
+    ax.set_title(title, loc="left")
+    ax.legend()
+
+
+def figure_9(results, plt):
+    figure, axes = plt.subplots(2, 2, figsize=(_style.PAGE, 5.6))
+    errors(axes[0, 0], results, Q1, "a) linear")
+    errors(axes[0, 1], results, Q1E9, "b) linear with enhanced strains")
+    errors(axes[1, 0], results, Q2, "c) quadratic")
+    for ax in axes.flat[1:3]:
+        ax.sharex(axes[0, 0])
+        ax.sharey(axes[0, 0])
+    forces(axes[1, 1], results, ("Q1", "Q1E9", "Q2", "IGA2"), "d) force")
+    return figure
+
+
+def figure_10(results, plt):
+    figure, ax = plt.subplots(figsize=(4.6, 3.6))
+    errors(ax, results, ("Q1", "Q1N2" + ONE, "Q1E9", "Q1E9+Q1N2" + ONE, "Q2"), "")
+    return figure
+
+
+def figure_12(results, plt):
+    figure, axes = plt.subplots(2, 2, figsize=(_style.PAGE, 5.6))
+    errors(axes[0, 0], results, Q1, "a) linear")
+    errors(axes[0, 1], results, Q2, "b) quadratic")
+    axes[0, 1].sharex(axes[0, 0])
+    axes[0, 1].sharey(axes[0, 0])
+    ax = axes[1, 0]
+    for elements in Q1[1:3]:
+        mesh, factor = improvement(results, elements)
+        ax.plot(mesh, factor, label=_style.element_label(elements), **_style.element(elements))
+    ax.set_xticks(mesh)
+    ax.axhline(1.0, color="#999999", linewidth=0.9, zorder=0)
+    ax.set_ylim(bottom=0.0)
+    ax.set_xlabel("mesh")
+    ax.set_ylabel("error of Q1 / error of Q1N2")
+    ax.set_title("c) improvement", loc="left")
+    ax.legend()
+    forces(axes[1, 1], results, ("Q1", "Q1N2" + TWO, "Q2", "IGA2"), "d) force")
+    return figure
+
+
+def figure_enhanced(compression, extension, plt):
+    """What the paper leaves to future research: enhanced strains in the enriched layer too."""
+    types = ("Q1E9", "Q1E9+Q1N2" + ONE, "Q1E9+Q1N2" + TWO, "Q1E9+Q1E9N2" + ONE, "Q1E9+Q1E9N2" + TWO)
+    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.2))
+    errors(axes[0], compression, types, "compression")
+    errors(axes[1], extension, types, "extension")
+    return figure
+
+
+def draw(results=RESULTS, to=FIGURES):
+    """Draw all four figures from a table of results into a folder."""
+    compression, extension = Results(results, "compression"), Results(results, "extension")
+    with _style.styled() as plt:
+        for name, figure in (
+            ("section4_figure9", figure_9(compression, plt)),
+            ("section4_figure10", figure_10(compression, plt)),
+            ("section4_figure12", figure_12(extension, plt)),
+            ("section4_enhanced", figure_enhanced(compression, extension, plt)),
+        ):
+            _style.save(figure, pathlib.Path(to) / f"{name}.png")
+
+
+def main(argv=None):
+    p = argparse.ArgumentParser(prog="section4", description="Draw Figures 9, 10 and 12 of the paper from results.csv.")
+    p.add_argument("--results", default=RESULTS, metavar="FILE", help="(default verification/benchmark/section4/results.csv)")
+    p.add_argument("--to", default=FIGURES, metavar="DIR", help="(default doc/verification/figures)")
+    o = p.parse_args(argv)
+    try:
+        draw(o.results, o.to)
+    except Unreadable as error:
+        print(f"section4: error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,112 @@
+"""Result files: their numbers, and pictures of them without a screen."""
+
+import contextlib
+import importlib.util
+import io
+import unittest
+
+import numpy as np
+
+from post import _screen, diff
+from post._error import Unreadable
+from post.tests.samples import Scratch, write_fields
+
+HAS_HDF5 = importlib.util.find_spec("h5py") is not None
+NO_PICTURES = _screen.reason_not_ready() or (None if importlib.util.find_spec("pyvista") else "pyvista is not installed")
+
+
+@unittest.skipUnless(HAS_HDF5, "h5py is not installed")
+class Numbers(Scratch):
+    def setUp(self):
+        super().setUp()
+        self.a, self.b = self.folder / "a.vtkhdf", self.folder / "b.vtkhdf"
+        write_fields(self.a)
+
+    def test_a_field_file_is_the_same_as_its_copy(self):
+        write_fields(self.b)
+        self.assertTrue(diff.compare(self.a, self.b).same)
+
+    def test_a_difference_names_step_and_point(self):
+        write_fields(self.b, noise=1e-3)
+        bad = [c for t in diff.compare(self.a, self.b).tables for c in t.columns if not c.ok]
+        self.assertEqual({c.name for c in bad}, {"displacement_1", "displacement_2", "displacement_3"})
+        self.assertRegex(bad[0].where, r"step \d, point \d+")
+
+    def test_another_number_of_steps_differs(self):
+        write_fields(self.b, steps=4)
+        self.assertFalse(diff.compare(self.a, self.b).same)
+
+    def test_a_cut_file_is_unreadable(self):
+        self.b.write_bytes(self.a.read_bytes()[:3000])
+        with self.assertRaisesRegex(Unreadable, "not a readable HDF5 file"):
+            diff.compare(self.a, self.b)
+
+
+@unittest.skipIf(NO_PICTURES, NO_PICTURES)
+class Pictures(Scratch):
+    def setUp(self):
+        super().setUp()
+        _screen.prepare()
+        self.run_file = self.folder / "ring.vtkhdf"
+        write_fields(self.run_file)
+
+    def test_the_surface_is_round_and_fields_follow_the_rational_functions(self):
+        from post import _grid, _surface
+
+        grid, time, number, count = _grid.load(self.run_file, 2)
+        self.assertEqual((time, number, count), (0.5, 2, 3))
+        surface = _surface.surface(grid)
+        radius = np.hypot(surface.points[:, 0], surface.points[:, 1])
+        self.assertAlmostEqual(radius.min(), 1.0, 6)
+        self.assertAlmostEqual(radius.max(), 2.0, 6)
+        np.testing.assert_allclose(surface["displacement"][:, 0], 0.15 * surface.points[:, 0], atol=1e-6)
+        self.assertEqual(surface.n_cells, 10 * 2 * 16**2)  # the face between the two cells is not drawn
+
+    def test_edges_are_curves_of_the_outer_faces(self):
+        from post import _grid, _surface
+
+        edges = _surface.edges(_grid.load(self.run_file)[0], level=3)
+        self.assertEqual(edges.n_lines, 20)
+        self.assertEqual(edges.n_points, 20 * 9)
+
+    def test_a_picture_is_written_and_is_not_blank(self):
+        from matplotlib.image import imread
+
+        from post.field import main
+
+        figure = self.folder / "fig.png"
+        with contextlib.redirect_stdout(io.StringIO()):
+            code = main([str(self.run_file), "--scalar", "stress", "--component", "23", "--beside", str(self.run_file),
+                         "-o", str(figure), "--size", "300", "200"])  # fmt: skip
+        self.assertEqual(code, 0)
+        image = imread(figure)
+        self.assertGreater(image[..., :3].std(), 0.05)
+
+    def test_vtu_and_pvd_files_are_read(self):
+        from post import _grid
+
+        grid = _grid.load(self.run_file)[0]
+        grid.save(self.folder / "ring_3.vtu")
+        (self.folder / "ring.pvd").write_text(
+            '<VTKFile type="Collection"><Collection><DataSet timestep="0.5" file="ring_3.vtu"/></Collection></VTKFile>'
+        )
+        for name, time in (("ring_3.vtu", 0.0), ("ring.pvd", 0.5)):
+            again, found, _, _ = _grid.load(self.folder / name)
+            self.assertEqual(found, time)
+            np.testing.assert_array_equal(again.points, grid.points)
+
+    def test_what_cannot_be_drawn_is_said(self):
+        from post import field
+
+        for words, options in (
+            ("no field 'temperature'", {"scalar": "temperature"}),
+            ("choose a component", {"scalar": "stress"}),
+            ("steps 1 to 3", {"step": 4}),
+            ("no view", {"view": "top"}),
+        ):
+            with self.assertRaisesRegex(Unreadable, words):
+                field.draw([self.run_file], self.folder / "fig.png", **options)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,87 @@
+"""Curves and convergence: what is drawn, and the figure files."""
+
+import contextlib
+import io
+import unittest
+
+import numpy as np
+
+from post import _style, convergence, curve
+from post._error import Unreadable
+from post.__main__ import main
+from post.tests.samples import Scratch, write_curve
+
+TABLE = """# made up
+test,elements,n,dofs,force
+compression,Q1,1,36,1.04
+compression,Q1,2,135,1.01
+compression,Q2,2,675,1.001
+extension,Q1,2,135,2.5
+"""
+
+
+class Curve(Scratch):
+    def test_columns_of_two_files_are_drawn_over_each_other(self):
+        files = [self.folder / "a.dat", self.folder / "b.dat"]
+        write_curve(files[0])
+        write_curve(files[1], steps=100)
+        from post._table import read_table
+
+        with _style.styled() as plt:
+            _, ax = plt.subplots()
+            names = curve.plot(ax, [read_table(f) for f in files], "disp", ["force"])
+            self.assertEqual(names, ["disp_top_3", "force_top_3", "force_top_3"])
+            self.assertEqual([len(line.get_xdata()) for line in ax.lines], [10, 100])
+            self.assertEqual(len({line.get_color() for line in ax.lines}), 2)
+
+    def test_the_same_data_give_the_same_file(self):
+        write_curve(self.folder / "a.dat")
+        for name in ("1.png", "2.png"):
+            with contextlib.redirect_stdout(io.StringIO()):
+                curve.draw([self.folder / "a.dat"], self.folder / name)
+        self.assertEqual((self.folder / "1.png").read_bytes(), (self.folder / "2.png").read_bytes())
+
+    def test_the_command_lists_columns_and_names_a_missing_one(self):
+        write_curve(self.folder / "a.dat")
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            self.assertEqual(main(["curve", str(self.folder / "a.dat"), "--list"]), 0)
+            self.assertEqual(main(["curve", str(self.folder / "a.dat"), "-y", "torque"]), 2)
+            self.assertEqual(main(["curv"]), 2)
+        self.assertIn("force_top_3: -0.25 to -0.0295", said.getvalue())
+        self.assertIn("no column 'torque'", said.getvalue())
+        self.assertIn("did you mean 'curve'", said.getvalue())
+
+
+class Convergence(Scratch):
+    def setUp(self):
+        super().setUp()
+        self.table = self.folder / "t.csv"
+        self.table.write_text(TABLE)
+
+    def test_errors_and_slopes_are_those_of_the_table(self):
+        series = convergence.read_series(self.table, reference=1.0, where={"test": "compression"})
+        self.assertEqual([s.name for s in series], ["Q1", "Q2"])
+        np.testing.assert_allclose(series[0].error, [0.04, 0.01], rtol=1e-12)
+        self.assertAlmostEqual(series[0].slopes()[0], np.log(0.25) / np.log(135 / 36), 12)
+
+    def test_what_is_not_said_is_asked_for(self):
+        for words, options in (
+            ("several columns of words", {"reference": 1.0}),
+            ("no row", {"reference": 1.0, "where": {"test": "torsion"}}),
+            ("no column 'error'", {}),
+            ("zero or not finite", {"reference": 0.0, "where": {"test": "extension"}}),
+        ):
+            with self.assertRaisesRegex(Unreadable, words):
+                convergence.read_series(self.table, **options)
+
+    def test_the_command_draws(self):
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            words = ["--where", "test=compression", "--reference", "1", "-o", str(self.folder / "c.png")]
+            self.assertEqual(main(["convergence", str(self.table), *words]), 0)
+        self.assertTrue((self.folder / "c.png").stat().st_size > 5000)
+        self.assertRegex(said.getvalue(), r"Q1 +135 +1.000e-02 +-1.05")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,254 @@
+"""What verify.py does with one check: which run it needs, and whether that run gives what is wanted."""
+
+import json
+import math
+import os
+import pathlib
+import re
+import subprocess
+import time
+from dataclasses import dataclass, field
+
+from post import diff
+from post._error import Unreadable
+from post._expect import diff_arguments, tolerance_of
+from post._report import read_report
+from post._table import read_table
+from post._tolerance import Tolerance
+
+TIME_LIMIT = 1200  # seconds of a run, where the check says nothing
+
+
+@dataclass(frozen=True)
+class Run:
+    """One call of the program; equal runs are made once."""
+
+    name: str  # <case>/<deck>-<parameters>, its folder below build/verify
+    deck: pathlib.Path
+    settings: tuple = ()
+    options: tuple = ()
+    time_limit: float = TIME_LIMIT
+
+
+@dataclass
+class Outcome:
+    code: int | None  # None: it could not be started or took too long
+    seconds: float = 0.0
+    reason: str = ""  # its first words on stderr
+
+
+@dataclass
+class Row:
+    """One line of the table."""
+
+    case: str
+    quantity: str
+    got: object = None
+    want: object = None
+    difference: float | None = None
+    tolerance: str = ""
+    ok: bool = False
+    reason: str = ""
+    source: str = ""
+
+    def numbers(self):
+        return (_text(self.got), _text(self.want), "-" if self.difference is None else f"{self.difference:.1e}", self.tolerance)
+
+
+@dataclass
+class Plan:
+    """Runs of a check or of one series of a study; `judge` turns their outcomes into rows."""
+
+    folder: pathlib.Path
+    runs: list
+    judge: object
+    table: list = field(default_factory=list)  # rows for results.csv, filled by `judge`
+    lost: bool = False
+
+
+def failed(case, quantity, reason):
+    return Row(case, quantity, reason=reason)
+
+
+def new_run(folder, entry):
+    """The run that a check or a mesh of a study needs."""
+    deck = folder / entry["deck"]
+    settings = tuple(f"{n}={v:.16g}" if isinstance(v, (int, float)) else f"{n}={v}" for n, v in entry.get("set", {}).items())
+    options = tuple(str(word) for word in entry.get("options", ()))
+    words = [deck.stem, *settings, *options]
+    name = re.sub(r"[^\w=.+-]+", "_", "-".join(words))
+    return Run(f"{folder.name}/{name}", deck, settings, options, float(entry.get("time_limit", TIME_LIMIT)))
+
+
+def execute(bezel, out, run):
+    """Run the program in a folder of its own; its words go to stdout.txt and stderr.txt there."""
+    place = out / run.name
+    place.mkdir(parents=True, exist_ok=True)
+    command = [str(bezel), "--quiet", "-o", str(place), *run.options]
+    for setting in run.settings:
+        command += ["--set", setting]
+    one_thread = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
+    start = time.monotonic()
+    try:
+        with open(place / "stdout.txt", "w") as said, open(place / "stderr.txt", "w") as wrong:
+            done = subprocess.run([*command, str(run.deck)], stdout=said, stderr=wrong, cwd=place, timeout=run.time_limit,
+                                  env=one_thread, stdin=subprocess.DEVNULL)  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return Outcome(None, run.time_limit, f"took longer than {run.time_limit:g} s")
+    except OSError as error:
+        return Outcome(None, 0.0, f"could not be started: {error.strerror}")
+    lines = (place / "stderr.txt").read_text(errors="replace").strip().splitlines()
+    return Outcome(done.returncode, time.monotonic() - start, lines[0] if lines else "")
+
+
+def plan_check(folder, check):
+    """A [[check]] of expect.toml."""
+    quantity = check.get("name") or _quantity(check)
+    try:
+        run = new_run(folder, check)
+    except KeyError as error:
+        rows = [failed(folder.name, quantity, f"the check has no entry {error}")]
+        return Plan(folder, [], lambda out, outcomes: rows)
+
+    def judge(out, outcomes):
+        try:
+            _exit_code(run, outcomes[run.name], check.get("exit", 0))
+            rows = _rows_of(folder, check, quantity, out / run.name, run.deck.stem)
+        except (Unreadable, ModuleNotFoundError) as error:
+            rows = [failed(folder.name, quantity, str(error))]
+        for row in rows:
+            row.source = check.get("source", "")
+        return rows
+
+    return Plan(folder, [run], judge)
+
+
+def _quantity(check):
+    kind = next((k for k in ("curve", "report", "field") if k in check), "exit")
+    words = [str(check.get(k)) for k in (kind, "column", "reference") if k in check]
+    return " ".join(words or ["exit code"]) + (f" {check['set']}" if check.get("set") else "")
+
+
+def _exit_code(run, outcome, wanted):
+    if outcome.code != wanted:
+        how = outcome.reason if outcome.code is None else f"ended with code {outcome.code}, wanted {wanted}: {outcome.reason}"
+        raise Unreadable(f"{run.name} {how}")
+
+
+def _rows_of(folder, check, quantity, place, stem):
+    if "reference" in check:
+        return _curve_rows(folder, check, quantity, place / f"{stem}_{check['curve']}.dat")
+    if "field" in check:
+        from fields import field_row
+
+        return [field_row(folder.name, quantity, place / f"{stem}.vtkhdf", check)]
+    if "curve" not in check and "report" not in check:
+        return [Row(folder.name, quantity, check.get("exit", 0), check.get("exit", 0), None, "exact", True)]
+    if "want" not in check:
+        raise Unreadable("the check has no `want` and no `reference`")
+    return [compared(folder.name, quantity, value_of(place, stem, check), check["want"], tolerance_of(check))]
+
+
+def value_of(place, stem, entry):
+    """The number (or word) that an entry names in the results of a run."""
+    if "report" in entry:
+        table = read_report(place / f"{stem}.report.json", everything=True)
+        value = table.columns[table.find(entry["report"])][0]
+        return str(value) if isinstance(value, str) else float(value) * entry.get("factor", 1.0)
+    table = read_table(place / f"{stem}_{entry['curve']}.dat")
+    column = entry.get("column") or next(iter(table.quantities()), "")
+    return float(table.columns[table.find(column)][_row_index(table, entry.get("row", "last"))]) * entry.get("factor", 1.0)
+
+
+def _row_index(table, row):
+    if row in ("last", "first"):
+        return -1 if row == "last" else 0
+    column, value = ("time", row["time"]) if isinstance(row, dict) else ("step", row)
+    values = table.columns[table.find(column)]
+    nearest = int(abs(values - value).argmin())
+    if abs(values[nearest] - value) > 1e-9 * max(abs(value), abs(values).max()):
+        raise Unreadable(f"{table.name} has no row with {column} {value}")
+    return nearest
+
+
+def compared(case, quantity, got, want, tolerance):
+    """A row for one value; words must be equal, numbers need a tolerance."""
+    if isinstance(want, str) or isinstance(got, str):
+        return Row(case, quantity, got, want, None, "exact", got == want)
+    want = float(want)
+    difference = abs(got - want)
+    if tolerance is None:
+        tolerance = Tolerance()  # counts: exact
+    ok = math.isfinite(got) and math.isfinite(want) and difference <= tolerance.allowed(want, abs(want))
+    relative = tolerance.rel > 0 and want != 0
+    return Row(case, quantity, got, want, difference / abs(want) if relative else difference, str(tolerance), ok)
+
+
+def _curve_rows(folder, check, quantity, file):
+    arguments = diff_arguments({k: v for k, v in check.items() if k not in ("column", "set")} | (
+        {"column": check["column"]} if isinstance(check.get("column"), dict) else {}))  # fmt: skip
+    comparison = diff.compare(file, folder / check["reference"], **arguments)
+    rows = []
+    for table in comparison.tables:
+        for c in table.columns:
+            rows.append(Row(folder.name, f"{quantity}: {c.name}, {c.rows} rows", c.got, c.want, c.difference, str(c.tolerance), c.ok, c.note))
+        rows += [failed(folder.name, quantity, problem) for problem in table.problems]
+    return rows
+
+
+def plan_studies(folder, studies, everything):
+    """Each series of each [[study]]: one plan, one row of the table, a row of results.csv for each mesh."""
+    plans = []
+    for study in studies:
+        series = {}
+        for row, entry, slow in study["rows"]:
+            if everything or not slow:
+                names = tuple(v for k, v in row.items() if k != study["mesh"])
+                series.setdefault(names, []).append((row, entry, new_run(folder, entry)))
+        plans += [_plan_series(folder, study["mesh"], names, meshes) for names, meshes in series.items()]
+    return plans
+
+
+def _plan_series(folder, mesh, names, meshes):
+    quantity = " ".join(str(n) for n in names) + f", {mesh} = " + " ".join(f"{row[mesh]:g}" for row, _, _ in meshes)
+    plan = Plan(folder, [run for _, _, run in meshes], None)
+
+    def judge(out, outcomes):
+        errors = []
+        try:
+            for row, entry, run in meshes:
+                _exit_code(run, outcomes[run.name], 0)
+                value = value_of(out / run.name, run.deck.stem, entry)
+                report = read_report(out / run.name / f"{run.deck.stem}.report.json").columns
+                errors.append(value / entry["want"] - 1.0)
+                plan.table.append({**row, "dofs": int(report["dofs"][0]), entry["value"]: f"{value:.12g}", "error": f"{errors[-1]:.6e}"})
+        except (Unreadable, KeyError) as error:
+            plan.lost = True
+            return [failed(folder.name, quantity, f"{error}")]
+        return [_study_row(folder.name, quantity, errors, meshes[-1][1], value)]
+
+    plan.judge = judge
+    return plan
+
+
+def _study_row(case, quantity, errors, entry, value):
+    """The finest mesh against the converged value; and does the error shrink with every mesh?"""
+    limit, shrink = float(entry["limit"]), entry.get("shrink")
+    ok, reason = abs(errors[-1]) <= limit, ""
+    if shrink is not None:
+        grown = [i for i in range(1, len(errors)) if not abs(errors[i]) <= shrink * abs(errors[i - 1])]
+        if grown:
+            ok, reason = False, f"the error does not shrink by {shrink:g} everywhere: " + " ".join(f"{e:.2e}" for e in errors)
+    return Row(case, quantity, value, entry["want"], abs(errors[-1]), f"rel {limit:.3g}", ok, reason, entry.get("source", ""))
+
+
+def _text(value):
+    return "-" if value is None else value if isinstance(value, str) else f"{value:.10g}"
+
+
+def as_json(rows):
+    """The table as JSON."""
+    plain = lambda v: str(v) if isinstance(v, float) and not math.isfinite(v) else v
+    table = [{k: plain(v) for k, v in vars(row).items()} for row in rows]
+    bad = sum(not r.ok for r in rows)
+    return json.dumps({"passed": len(rows) - bad, "failed": bad, "rows": table}, indent=1) + "\n"
