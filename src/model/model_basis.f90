@@ -7,7 +7,7 @@ module model_basis
   use mesh, only: mesh_t, block_t, block_cell
   implicit none
   private
-  public :: tabulate_basis, tabulate_block
+  public :: tabulate_basis, tabulate_block, tabulate_points
 
 contains
 
@@ -26,7 +26,7 @@ contains
   subroutine tabulate_block(block)
     type(block_t), intent(inout) :: block
     type(cell_t) :: cell
-    integer :: e, class
+    integer :: class
     integer, allocatable :: first(:)
 
     allocate (block%ibasis(block%nelem))
@@ -37,9 +37,7 @@ contains
     end if
     allocate (block%basis(size(first)))
     do class = 1, size(first)
-      e = first(class)
-      call block_cell(block, e, cell)
-      call tabulate(block, cell, block%basis(class))
+      call tabulate_points(block, first(class), block%rule%xi, block%rule%wgt, block%basis(class))
     end do
   end subroutine tabulate_block
 
@@ -79,26 +77,30 @@ contains
     first = first(:n)
   end subroutine find_classes
 
-  !> One class: functions, modes and weights at the points of the block's rule.
-  subroutine tabulate(block, cell, basis)
+  !> Functions and modes of one element at any points.
+  subroutine tabulate_points(block, e, xi, wgt, basis)
     type(block_t), intent(in) :: block
-    type(cell_t), intent(in) :: cell
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(:, :)  !! (3, nq)
+    real(wp), intent(in) :: wgt(:)    !! (nq)
     type(basis_t), intent(out) :: basis
+    type(cell_t) :: cell
     real(wp), allocatable :: shp(:)
     integer :: q
 
+    call block_cell(block, e, cell)
     basis%nen = block%nen
-    basis%nq = block%rule%nq
+    basis%nq = size(wgt)
     basis%nmode = block%row%nmode
     allocate (basis%shp(basis%nen, basis%nq), basis%dshp(3, basis%nen, basis%nq))
     allocate (basis%mode(3, basis%nmode, basis%nq))
-    basis%wgt = block%rule%wgt
+    basis%wgt = wgt
     do q = 1, basis%nq
-      call block%row%functions(cell, block%rule%xi(:, q), basis%shp(:, q), basis%dshp(:, :, q))
-      if (basis%nmode > 0) call block%row%modes(block%rule%xi(:, q), basis%mode(:, :, q))
+      call block%row%functions(cell, xi(:, q), basis%shp(:, q), basis%dshp(:, :, q))
+      if (basis%nmode > 0) call block%row%modes(xi(:, q), basis%mode(:, :, q))
     end do
     allocate (basis%dshp0(3, basis%nen), shp(basis%nen))
     call block%row%functions(cell, [0.0_wp, 0.0_wp, 0.0_wp], shp, basis%dshp0)
-  end subroutine tabulate
+  end subroutine tabulate_points
 
 end module model_basis

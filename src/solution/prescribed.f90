@@ -21,7 +21,7 @@ contains
     up = 0.0_wp
     do n = 1, model%mesh%nnode
       do i = 1, 3
-        if (model%bc%fixed(i, n) /= 0 .and. model%bc%value(i, n) /= 0.0_wp) &
+        if (model%bc%fixed(i, n) /= 0 .and. abs(model%bc%value(i, n)) > 0.0_wp) &
           up(i, n) = model%bc%value(i, n)*load_factor(factor, model%bc%table(i, n))
       end do
     end do

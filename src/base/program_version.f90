@@ -1,0 +1,6 @@
+!> The version of the program.
+module program_version
+  implicit none
+  private
+  character(*), parameter, public :: VERSION = '0.1.0' !! as printed by --version
+end module program_version

@@ -1,0 +1,104 @@
+!> What a checkpoint keeps beside the state: the command counter, loops, step control, policies.
+module command_checkpoint
+  use base_kinds, only: wp
+  use bag, only: bag_t, put, get
+  use command_type, only: run_t, loop_t
+  implicit none
+  private
+  public :: pack_run, unpack_run
+
+contains
+
+  !> The run at a moment between two steps: the command at `pc` is the next one.
+  subroutine pack_run(run, bag)
+    type(run_t), intent(in) :: run
+    type(bag_t), intent(out) :: bag
+
+    call put(bag, 'pc', run%pc)
+    call put(bag, 'loop_at', run%loop(:)%at)
+    call put(bag, 'loop_count', run%loop(:)%count)
+    call put(bag, 'loop_limit', run%loop(:)%limit)
+    call put(bag, 'visit', run%command(:)%visit)
+    associate (c => run%control)
+      call put(bag, 'control_reals', [c%dt, c%anchor, c%size, c%dtmin, c%dtmax, c%from, c%to])
+      call put(bag, 'control_integers', [c%target, c%passed, c%quiet, c%cuts])
+      call put(bag, 'control_automatic', c%automatic)
+    end associate
+    call put(bag, 'newton_reals', [run%newton%tolerance, run%newton%eps])
+    call put(bag, 'newton_integers', [run%newton%mode, merge(1, 0, run%newton%symmetric)])
+    call put(bag, 'plan', [run%plan%every, run%fields_written, run%iterations, run%cutbacks, &
+      run%negative_pivots, merge(1, 0, run%failed_step), run%plan%cutbacks, merge(1, 0, run%plan%retry)])
+    call put(bag, 'parameters', run%deck%params%value(:run%deck%params%n))
+  end subroutine pack_run
+
+  !> The run goes on where the checkpoint was made.
+  subroutine unpack_run(bag, run, found)
+    type(bag_t), intent(in) :: bag
+    type(run_t), intent(inout) :: run
+    logical, intent(out) :: found !! .false.: something is missing, or of another size
+    real(wp), allocatable :: x(:)
+    integer, allocatable :: at(:), count(:), limit(:), n(:)
+    logical :: there(9)
+
+    call get(bag, 'pc', run%pc, there(1))
+    call get(bag, 'loop_at', at, there(2))
+    call get(bag, 'loop_count', count, there(3))
+    call get(bag, 'loop_limit', limit, there(4))
+    found = all(there(:4))
+    if (.not. found) return
+    if (allocated(run%loop)) deallocate (run%loop)
+    allocate (run%loop(size(at)))
+    run%loop(:)%at = at
+    run%loop(:)%count = count
+    run%loop(:)%limit = limit
+    call get(bag, 'visit', n, there(5))
+    found = there(5)
+    if (found) found = size(n) == size(run%command)
+    if (.not. found) return
+    run%command(:)%visit = n
+    call get(bag, 'control_reals', x, there(6))
+    call get(bag, 'control_integers', n, there(7))
+    call get(bag, 'control_automatic', run%control%automatic, there(8))
+    found = all(there(6:8))
+    if (.not. found) return
+    associate (c => run%control)
+      c%dt = x(1); c%anchor = x(2); c%size = x(3); c%dtmin = x(4); c%dtmax = x(5); c%from = x(6); c%to = x(7)
+      c%target = n(1); c%passed = n(2); c%quiet = n(3); c%cuts = n(4)
+    end associate
+    call unpack_policies(bag, run, found)
+  end subroutine unpack_run
+
+  subroutine unpack_policies(bag, run, found)
+    type(bag_t), intent(in) :: bag
+    type(run_t), intent(inout) :: run
+    logical, intent(out) :: found
+    real(wp), allocatable :: x(:)
+    integer, allocatable :: n(:)
+    logical :: there(4)
+
+    call get(bag, 'newton_reals', x, there(1))
+    call get(bag, 'newton_integers', n, there(2))
+    if (all(there(:2))) then
+      run%newton%tolerance = x(1)
+      run%newton%eps = x(2)
+      run%newton%mode = n(1)
+      run%newton%symmetric = n(2) == 1
+    end if
+    call get(bag, 'plan', n, there(3))
+    if (there(3)) then
+      run%plan%every = n(1)
+      run%fields_written = n(2)
+      run%iterations = n(3)
+      run%cutbacks = n(4)
+      run%negative_pivots = n(5)
+      run%failed_step = n(6) == 1
+      run%plan%cutbacks = n(7)
+      run%plan%retry = n(8) == 1
+    end if
+    call get(bag, 'parameters', x, there(4))
+    found = all(there)
+    if (found) found = size(x) == run%deck%params%n
+    if (found) run%deck%params%value(:size(x)) = x
+  end subroutine unpack_policies
+
+end module command_checkpoint

@@ -1,0 +1,97 @@
+!> Closing a step: the last test, the rows of the curves, fields, checkpoint.
+module command_close
+  use base_error, only: error_t
+  use base_log, only: log_line, warn
+  use base_text, only: to_text
+  use command_files, only: open_files, write_rows, write_fields, write_checkpoint
+  use command_loop, only: cut_back
+  use command_type, only: run_t
+  use newton, only: close_newton, pass_t
+  use solution_state, only: accept_step_state
+  use step_control, only: accept_step
+  implicit none
+  private
+  public :: close_step
+
+contains
+
+  !> Close the step under way, if any. closed = .false.: it failed its last test and was cut; the
+  !! command counter points to its TIME again.
+  subroutine close_step(run, closed, error)
+    type(run_t), intent(inout) :: run
+    logical, intent(out) :: closed
+    type(error_t), allocatable, intent(out) :: error
+    type(pass_t) :: pass
+
+    closed = .true.
+    if (.not. run%plan%open) return
+    run%plan%open = .false.
+    if (.not. run%plan%solved) then       ! a step never solved writes nothing and moves nothing
+      run%state%step = run%plan%step
+      if (run%plan%timed) call accept_step(run%control, 0)
+      return
+    end if
+    call close_newton(run%newton, run%model, run%state, pass, error)
+    if (allocated(error)) return
+    closed = pass%ok .and. (run%newton%converged .or. .not. run%control%automatic)
+    if (.not. closed) then
+      run%plan%open = .true.
+      if (pass%ok) pass%trouble = 'no convergence'
+      call cut_back(run, pass%trouble, error)
+      return
+    end if
+    if (.not. run%newton%converged) call complain(run, pass)
+    call look_at_pivots(run)
+    call accept_step_state(run%state)
+    if (run%plan%timed) call accept_step(run%control, run%newton%iterations)
+    call write_step(run, error)
+    run%plan%cutbacks = 0
+    run%plan%solved = .false.
+  end subroutine close_step
+
+  !> Everything a closed step writes.
+  subroutine write_step(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    logical :: fields
+
+    call open_files(run, error)
+    if (allocated(error)) return
+    call write_rows(run, error)
+    if (allocated(error)) return
+    fields = run%plan%plot
+    if (run%plan%every > 0) fields = fields .or. mod(run%state%step, run%plan%every) == 0
+    if (fields) call write_fields(run, error)
+    if (allocated(error)) return
+    run%plan%plot = .false.
+    if (run%plan%save) then
+      run%plan%save = .false.
+      call write_checkpoint(run, error)
+    end if
+  end subroutine write_step
+
+  subroutine complain(run, pass)
+    type(run_t), intent(inout) :: run
+    type(pass_t), intent(in) :: pass
+
+    run%failed_step = .true.
+    call warn('step '//to_text(run%state%step)//' was closed before it converged: residual ' &
+      //to_text(pass%residual)//', largest nodal force '//to_text(pass%sweep%largest), &
+      hint='more iterations, or AUTO,,dtmin,dtmax; the run will end with code 2')
+  end subroutine complain
+
+  !> A converged state on an unstable branch is a warning.
+  subroutine look_at_pivots(run)
+    type(run_t), intent(inout) :: run
+    integer :: negative
+
+    negative = run%pass%solve%negative + run%pass%sweep%negative
+    if (.not. run%newton%symmetric .and. run%pass%solve%determinant < 0) negative = max(negative, 1)
+    if (.not. run%pass%solve%factorised) return
+    if (negative > 0 .and. run%negative_pivots == 0) call warn('step '//to_text(run%state%step) &
+      //' converged to an unstable state: '//to_text(negative)//' negative pivots', &
+      hint='hourglassing (ENHAnced in compression), buckling or a limit point; look at the deformed shape')
+    run%negative_pivots = negative
+  end subroutine look_at_pivots
+
+end module command_close

@@ -1,0 +1,145 @@
+!> The files of a run: opened when the first step is written, so that a deck that fails leaves none.
+module command_files
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_log, only: log_line
+  use base_text, only: to_text
+  use bag, only: bag_t
+  use command_checkpoint, only: pack_run, unpack_run
+  use command_type, only: run_t
+  use curve_file, only: open_curve, write_row, close_curve, curve_names
+  use curve_values, only: quantity_value
+  use program_version, only: VERSION
+  use result_file, only: open_result, write_result, close_result
+  use restart_file, only: fingerprint_t, make_fingerprint, store => write_checkpoint, read_checkpoint
+  implicit none
+  private
+  public :: open_files, write_rows, write_fields, write_checkpoint, close_files, restore_run
+
+  integer, parameter :: LONG = 64 !! longest name of a column
+
+contains
+
+  !> Curves; the result file opens with its first fields.
+  subroutine open_files(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    character(LONG), allocatable :: column(:)
+    integer :: i, j
+
+    if (run%files_open) return
+    allocate (run%curve(size(run%model%curve)))
+    do i = 1, size(run%curve)
+      associate (curve => run%model%curve(i))
+        allocate (column(size(curve%quantity)))
+        do j = 1, size(column)
+          column(j) = curve%quantity(j)%column
+        end do
+        if (run%restarted) then
+          call open_curve(run%curve(i), run%stem//'_'//curve%name//'.dat', column, run%nfactor, error, run%state%step)
+        else
+          call open_curve(run%curve(i), run%stem//'_'//curve%name//'.dat', column, run%nfactor, error)
+        end if
+        if (allocated(error)) return
+        deallocate (column)
+      end associate
+    end do
+    run%files_open = .true.
+  end subroutine open_files
+
+  !> A row of every curve.
+  subroutine write_rows(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: value(:), factor(:)
+    integer :: i, j
+
+    allocate (factor(run%nfactor), source=0.0_wp)
+    factor(:size(run%state%factor)) = run%state%factor
+    if (size(run%state%factor) == 0) factor = 1.0_wp
+    do i = 1, size(run%curve)
+      associate (curve => run%model%curve(i))
+        allocate (value(size(curve%quantity)))
+        do j = 1, size(value)
+          value(j) = quantity_value(run%model, run%state, curve%quantity(j))
+        end do
+        call write_row(run%curve(i), run%state%step, run%state%time, factor, run%newton%iterations, &
+          run%plan%cutbacks, run%newton%converged, value, error)
+        if (allocated(error)) return
+        call move_alloc(value, run%last_row(i)%value)
+      end associate
+    end do
+  end subroutine write_rows
+
+  !> The fields of now.
+  subroutine write_fields(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+
+    if (.not. run%result_open) then
+      if (run%restarted) then
+        call open_result(run%result, run%stem, run%model, run%deck_text, error, run%fields_written)
+      else
+        call open_result(run%result, run%stem, run%model, run%deck_text, error)
+      end if
+      if (allocated(error)) return
+      run%result_open = .true.
+    end if
+    call write_result(run%result, run%model, run%state, error)
+    run%fields_written = run%fields_written + 1
+  end subroutine write_fields
+
+  !> A checkpoint between two steps; from here on this run and a restarted one do the same.
+  subroutine write_checkpoint(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    type(fingerprint_t) :: print
+    type(bag_t) :: bag
+
+    call make_fingerprint(VERSION, run%deck_text, run%model, print)
+    call pack_run(run, bag)
+    call store(run%stem//'.restart.h5', print, run%state, bag, error)
+    if (allocated(error)) return
+    if (run%newton%ready) call run%newton%system%force_refactor()
+    call log_line('checkpoint after step '//to_text(run%state%step)//' in '//run%stem//'.restart.h5')
+  end subroutine write_checkpoint
+
+  !> Go on from a checkpoint.
+  subroutine restore_run(run, path, error)
+    type(run_t), intent(inout) :: run
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    type(fingerprint_t) :: print
+    type(bag_t) :: bag
+    logical :: found
+
+    call make_fingerprint(VERSION, run%deck_text, run%model, print)
+    call read_checkpoint(path, print, run%state, bag, error)
+    if (allocated(error)) return
+    call unpack_run(bag, run, found)
+    if (.not. found) then
+      call fail(error, SYSTEM_ERROR, "'"//path//"' does not hold a whole checkpoint", hint='start again from the deck')
+      return
+    end if
+    run%restarted = .true.
+    run%plan%open = .false.
+    call log_line('restarted after step '//to_text(run%state%step)//' from '//path)
+  end subroutine restore_run
+
+  subroutine close_files(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    if (run%files_open) then
+      do i = 1, size(run%curve)
+        call close_curve(run%curve(i), error)
+        if (allocated(error)) return
+      end do
+    end if
+    if (run%result_open) call close_result(run%result, error)
+    run%files_open = .false.
+    run%result_open = .false.
+  end subroutine close_files
+
+end module command_files

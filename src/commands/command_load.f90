@@ -1,0 +1,210 @@
+!> PROP: load tables; PARAmeter: parameters of the solution part.
+module command_load
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_text, only: to_text
+  use command_type, only: run_t, command_t, command_row_t, data_t
+  use deck_expression, only: set_parameter
+  use deck_record, only: record_t, RECORD_WORDS
+  use deck_stream, only: check_count, get_integer, get_real, get_assignment
+  use load_curve, only: load_table_t
+  use solution_state, only: set_factors
+  implicit none
+  private
+  public :: describe_prop, describe_para
+
+  integer, parameter :: MOST_TABLES = 1000
+
+contains
+
+  function describe_prop() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'prop'
+    row%word = 'PROP'
+    row%usage = 'PROP,,k1[,k2], then a table behind END for each'
+    row%nmax = 3
+    row%run => run_prop
+    row%data => read_tables
+  end function describe_prop
+
+  function describe_para() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'para'
+    row%word = 'PARAmeter'
+    row%usage = 'PARAmeter, then name = value records behind END'
+    row%nmax = 0
+    row%run => run_para
+    row%data => read_assignments
+  end function describe_para
+
+  !> First and last number of the tables that a PROP defines.
+  subroutine table_range(command, first, last, error)
+    type(command_t), intent(in) :: command
+    integer, intent(out) :: first, last
+    type(error_t), allocatable, intent(out) :: error
+
+    first = max(1, nint(command%x(1)))
+    last = max(first, nint(command%x(2)))
+    if (any(command%x(:2) < 0.0_wp) .or. any(abs(command%x(:2) - anint(command%x(:2))) > 0.0_wp) .or. last > MOST_TABLES) &
+      call fail(error, DECK_ERROR, 'table numbers are whole, from 1 to '//to_text(MOST_TABLES), &
+        command%record%place(3), 'write PROP,,k')
+  end subroutine table_range
+
+  subroutine read_tables(run, command, data, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(data_t), intent(out) :: data
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i, first, last
+
+    call table_range(command, first, last, error)
+    if (allocated(error)) return
+    allocate (data%table(last - first + 1))
+    do i = 1, size(data%table)
+      call read_table(run, command, data%table(i), error)
+      if (allocated(error)) return
+    end do
+    run%nfactor = max(run%nfactor, last)
+  end subroutine read_tables
+
+  !> One table: a blank record alone, `1 k tmin tmax a1 a2 a3 a4 a5`, or `2 n` and its pairs.
+  subroutine read_table(run, command, table, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(load_table_t), intent(out) :: table
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    integer :: i
+
+    call run%deck%next_of_set(record, error)
+    if (allocated(error)) return
+    if (record%kind /= RECORD_WORDS) then
+      if (record%is_end()) call fail(error, DECK_ERROR, 'the data of this PROP are missing', &
+        command%record%place(1), 'behind the END of BATCh put a table, or a blank record for p = t')
+      return
+    end if
+    call get_integer(run%deck, record, 1, table%kind, error)
+    if (allocated(error)) return
+    select case (table%kind)
+    case (1)
+      call check_count(record, 1, 9, '1 k tmin tmax a1 a2 a3 a4 a5', error)
+      if (.not. allocated(error)) call get_integer(run%deck, record, 2, table%power, error, 0)
+      if (.not. allocated(error)) call get_real(run%deck, record, 3, table%tmin, error, 0.0_wp)
+      if (.not. allocated(error)) call get_real(run%deck, record, 4, table%tmax, error, 0.0_wp)
+      do i = 1, 5
+        if (.not. allocated(error)) call get_real(run%deck, record, 4 + i, table%a(i), error, 0.0_wp)
+      end do
+      if (.not. allocated(error) .and. table%tmax <= table%tmin) call fail(error, DECK_ERROR, &
+        'tmax must be larger than tmin', record%place(4), '1 k tmin tmax a1 a2 a3 a4 a5')
+    case (2)
+      call check_count(record, 1, 2, '2 n, then pairs t p, one a record, and a blank record', error)
+      if (.not. allocated(error)) call read_pairs(run, record, table, error)
+    case default
+      call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of a load table", record%place(1), &
+        'types: 1 (formula), 2 (pairs)')
+    end select
+  end subroutine read_table
+
+  !> `2 n`: n (t, p) pairs a record, up to a blank record.
+  subroutine read_pairs(run, opening, table, error)
+    type(run_t), intent(inout) :: run
+    type(record_t), intent(in) :: opening
+    type(load_table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    integer :: i, n
+    real(wp) :: t, p
+
+    call get_integer(run%deck, opening, 2, n, error, 1)
+    if (allocated(error)) return
+    allocate (table%t(0), table%p(0))
+    do
+      call run%deck%next_of_set(record, error)
+      if (allocated(error)) return
+      if (record%kind /= RECORD_WORDS) exit
+      call check_count(record, 2, 2*max(n, 1), 'pairs t p: at most '//to_text(max(n, 1))//' of them a record here', error)
+      if (allocated(error)) return
+      if (mod(record%n, 2) /= 0) then
+        call fail(error, DECK_ERROR, 'a time without a factor', record%place(record%n), 'write pairs t p')
+        return
+      end if
+      do i = 1, record%n, 2
+        call get_real(run%deck, record, i, t, error)
+        if (allocated(error)) return
+        call get_real(run%deck, record, i + 1, p, error)
+        if (allocated(error)) return
+        if (size(table%t) > 0) then
+          if (t <= table%t(size(table%t))) then
+            call fail(error, DECK_ERROR, 'times of a table must increase', record%place(i))
+            return
+          end if
+        end if
+        table%t = [table%t, t]
+        table%p = [table%p, p]
+      end do
+    end do
+    if (size(table%t) == 0) call fail(error, DECK_ERROR, 'a table without pairs', opening%place(1), &
+      'behind `2 n` put pairs t p, one a record, and a blank record')
+  end subroutine read_pairs
+
+  subroutine run_prop(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+    type(load_table_t), allocatable :: longer(:)
+    integer :: first, last, n
+
+    call table_range(command, first, last, error)
+    if (allocated(error) .or. run%dry) return
+    n = size(run%state%table)
+    if (last > n) then
+      allocate (longer(last))
+      longer(:n) = run%state%table
+      longer(n + 1:)%kind = 1                     ! tables never given: factor 0
+      call move_alloc(longer, run%state%table)
+    end if
+    run%state%table(first:last) = command%data(command%visit)%table
+    call set_factors(run%state)
+  end subroutine run_prop
+
+  !> Records `name = expression` up to a blank one.
+  subroutine read_assignments(run, command, data, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(data_t), intent(out) :: data
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    character(:), allocatable :: name
+    real(wp) :: value
+
+    if (command%row == 0) return
+    allocate (character(32) :: data%name(0))
+    allocate (data%value(0))
+    do
+      call run%deck%next_of_set(record, error)
+      if (allocated(error)) return
+      if (record%kind /= RECORD_WORDS) exit
+      call get_assignment(run%deck, record, name, value, error)
+      if (allocated(error)) return
+      data%name = [character(32) :: data%name, name]
+      data%value = [data%value, value]
+    end do
+  end subroutine read_assignments
+
+  subroutine run_para(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    if (run%dry) return
+    do i = 1, size(command%data(command%visit)%value)
+      call set_parameter(run%deck%params, trim(command%data(command%visit)%name(i)), &
+        command%data(command%visit)%value(i))
+    end do
+    if (allocated(error)) return
+  end subroutine run_para
+
+end module command_load

@@ -1,0 +1,156 @@
+!> LOOP and NEXT, and where a failed step goes back to.
+module command_loop
+  use base_error, only: error_t, fail, NO_SOLUTION, DECK_ERROR
+  use base_log, only: log_line, warn
+  use base_text, only: to_text
+  use command_type, only: run_t, command_t, command_row_t, loop_t
+  use solution_state, only: restore_step
+  use step_control, only: cut_step, on_target
+  implicit none
+  private
+  public :: describe_loop, describe_next, leave_loop, mark_step, rewind_step, cut_back
+
+  integer, parameter :: MOST_PASSES = 1000000000
+
+contains
+
+  function describe_loop() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'loop'
+    row%word = 'LOOP'
+    row%usage = 'LOOP,name,n'
+    row%run => run_loop
+  end function describe_loop
+
+  function describe_next() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'next'
+    row%word = 'NEXT'
+    row%usage = 'NEXT,name'
+    row%nmax = 1
+    row%run => run_next
+  end function describe_next
+
+  subroutine run_loop(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+    type(loop_t) :: loop
+
+    if (command%x(1) < 1.0_8 .or. command%x(1) > MOST_PASSES .or. &
+      abs(command%x(1) - anint(command%x(1))) > 0.0_8) then
+      call fail(error, DECK_ERROR, 'a loop runs a whole number of times, from 1 to 1000000000, not ' &
+        //to_text(command%x(1)), command%record%place(3), 'write LOOP,name,n')
+      return
+    end if
+    loop = loop_t(at=run%pc, count=1, limit=nint(command%x(1)))
+    run%loop = [run%loop, loop]
+  end subroutine run_loop
+
+  !> End of a pass. Where the step under way stopped short of its target, the pass is run once more;
+  !! where it passed several, so many passes are done.
+  subroutine run_next(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+    integer :: top, passes
+
+    if (run%dry) return
+    top = size(run%loop)
+    passes = 1
+    if (run%command(command%mate)%holds_time .and. run%control%automatic) then
+      passes = max(1, run%control%passed)
+      if (.not. on_target(run%control)) passes = 0
+    end if
+    run%loop(top)%count = run%loop(top)%count + passes
+    if (run%loop(top)%count <= run%loop(top)%limit) then
+      run%pc = run%loop(top)%at
+    else
+      run%loop = run%loop(:top - 1)
+      if (run%control%automatic .and. run%command(command%mate)%solves .and. run%plan%solved &
+        .and. .not. run%newton%converged) call cut_back(run, 'no convergence after ' &
+        //to_text(run%newton%iterations)//' iterations', error)
+    end if
+  end subroutine run_next
+
+  !> The test has passed: out of the iteration loop (FEAP), but never out of a loop over time.
+  subroutine leave_loop(run)
+    type(run_t), intent(inout) :: run
+    integer :: top
+
+    top = size(run%loop)
+    if (top == 0) return
+    if (run%command(run%loop(top)%at)%holds_time) return
+    run%pc = run%command(run%loop(top)%at)%mate
+    run%loop = run%loop(:top - 1)
+  end subroutine leave_loop
+
+  !> A step failed: restore all of it and go back to its TIME with a smaller one; an error where that
+  !! cannot be.
+  subroutine cut_back(run, why, error)
+    type(run_t), intent(inout) :: run
+    character(*), intent(in) :: why
+    type(error_t), allocatable, intent(out) :: error
+    integer :: step
+
+    step = run%state%step
+    run%plan%cutbacks = run%plan%cutbacks + 1
+    run%cutbacks = run%cutbacks + 1
+    if (.not. run%plan%timed .or. .not. cut_step(run%control)) then
+      call give_up(run, step, why, error)
+      return
+    end if
+    call log_line('  step '//to_text(step)//' is cut: '//why//'; next try dt = '//to_text(run%control%size))
+    call rewind_step(run)
+    run%pc = run%pc - 1                ! its TIME is next
+    run%plan%retry = .true.
+  end subroutine cut_back
+
+  !> A step begins with the command at the counter: remember what rewind_step brings back.
+  subroutine mark_step(run)
+    type(run_t), intent(inout) :: run
+
+    run%plan%at = run%pc
+    run%plan%loop = run%loop
+    run%plan%visit = run%command(:)%visit
+    run%plan%params = run%deck%params
+    run%plan%step = run%state%step
+    run%plan%time = run%state%time
+    run%plan%open = .true.
+    run%plan%solved = .false.
+  end subroutine mark_step
+
+  !> Everything as it was when the step began; the counter is at its first command.
+  subroutine rewind_step(run)
+    type(run_t), intent(inout) :: run
+
+    call restore_step(run%state, run%plan%step, run%plan%time)
+    run%loop = run%plan%loop
+    run%command(:)%visit = run%plan%visit
+    run%deck%params = run%plan%params
+    run%pc = run%plan%at
+    run%plan%open = .false.
+    run%plan%solved = .false.
+    run%plan%plot = .false.
+    run%plan%save = .false.
+  end subroutine rewind_step
+
+  subroutine give_up(run, step, why, error)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: step
+    character(*), intent(in) :: why
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: cuts, hint
+
+    cuts = ''
+    if (run%control%cuts > 0) cuts = ' after '//to_text(run%control%cuts)//' cut-backs'
+    hint = 'residual '//to_text(run%pass%residual)//', largest at node '//to_text(run%pass%worst(2)) &
+      //', dof u'//'?xyz'(run%pass%worst(1) + 1:run%pass%worst(1) + 1)
+    if (.not. run%control%automatic) hint = hint//'; smaller steps may help: AUTO,,dtmin,dtmax'
+    call fail(error, NO_SOLUTION, 'step '//to_text(step)//' failed'//cuts//': '//why, &
+      run%command(run%pc)%record%place(1), hint)
+  end subroutine give_up
+
+end module command_loop

@@ -1,0 +1,89 @@
+!> PLOT, OUTPut, SAVE: what is written when.
+module command_output
+  use base_error, only: error_t, fail, DECK_ERROR
+  use command_files, only: open_files, write_fields, write_checkpoint
+  use command_type, only: run_t, command_t, command_row_t
+  implicit none
+  private
+  public :: describe_plot, describe_output, describe_save
+
+contains
+
+  function describe_plot() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'plot'
+    row%word = 'PLOT'
+    row%usage = 'PLOT'
+    row%nmax = 9
+    row%run => run_plot
+  end function describe_plot
+
+  function describe_output() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'outp'
+    row%word = 'OUTPut'
+    row%usage = 'OUTPut,,every n'
+    row%nmax = 3
+    row%run => run_output
+  end function describe_output
+
+  function describe_save() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'save'
+    row%word = 'SAVE'
+    row%usage = 'SAVE'
+    row%nmax = 2
+    row%run => run_save
+  end function describe_save
+
+  !> The step under way is written when it closes; between steps the state of now at once.
+  subroutine run_plot(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+
+    if (run%dry .or. command%row == 0) return
+    if (run%plan%open) then
+      run%plan%plot = .true.
+    else
+      call open_files(run, error)
+      if (.not. allocated(error)) call write_fields(run, error)
+    end if
+  end subroutine run_plot
+
+  !> OUTPut,,every n: fields of every n-th step.
+  subroutine run_output(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+    integer :: n
+
+    n = nint(command%x(2))
+    if (command%record%key(3) /= 'ever' .or. n < 1) then
+      call fail(error, DECK_ERROR, 'OUTPut says how often fields are written', command%record%place(1), &
+        'write OUTPut,,every n with n of at least 1')
+      return
+    end if
+    if (run%dry) return
+    run%plan%every = n
+  end subroutine run_output
+
+  subroutine run_save(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+
+    if (run%dry .or. command%row == 0) return
+    if (run%plan%open) then
+      run%plan%save = .true.
+    else
+      run%pc = run%pc + 1              ! a restart begins behind this SAVE
+      call write_checkpoint(run, error)
+      run%pc = run%pc - 1
+    end if
+  end subroutine run_save
+
+end module command_output

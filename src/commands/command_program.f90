@@ -1,0 +1,228 @@
+!> Reads the solution part of a deck: BATCh ... END and the data records behind it.
+!!
+!! Everything is read and checked before anything is solved or written: the commands run once dry, and
+!! those with data read their records then, in the order in which they will run.
+module command_program
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error_list, only: error_list_t
+  use base_text, only: nearest
+  use command_table, only: load_commands
+  use command_type, only: run_t, command_t, loop_t, data_t
+  use deck_expression, only: params_t
+  use deck_record, only: record_t, RECORD_WORDS, RECORD_END
+  use deck_stream, only: check_count, get_real
+  use step_control, only: step_control_t
+  implicit none
+  private
+  public :: read_program, refresh
+
+contains
+
+  !> All batches of the deck, one program.
+  subroutine read_program(run, errors, error)
+    type(run_t), intent(inout) :: run
+    type(error_list_t), intent(inout) :: errors
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    type(params_t) :: params
+    type(step_control_t) :: control
+
+    call load_commands(run%row)
+    allocate (run%command(0), run%loop(0))
+    params = run%deck%params
+    control = run%control
+    run%dry = .true.
+    do
+      call run%deck%next(record, error)
+      if (allocated(error)) return
+      if (record%kind == RECORD_END) exit
+      if (record%kind /= RECORD_WORDS) cycle
+      if (record%key(1) == 'stop') exit
+      if (record%key(1) /= 'batc') then
+        call fail(error, DECK_ERROR, "unexpected '"//record%text(1)//"'", record%place(1), &
+          'after the mesh come BATCh ... END, the data of its commands and STOP')
+        return
+      end if
+      call read_batch(run, record, errors, error)
+      if (allocated(error)) return
+    end do
+    run%dry = .false.
+    run%deck%params = params
+    run%control = control
+    run%command(:)%visit = 0
+    run%pc = 1
+    run%loop = run%loop(:0)
+  end subroutine read_program
+
+  !> One batch: its commands up to END, then their data.
+  subroutine read_batch(run, opening, errors, error)
+    type(run_t), intent(inout) :: run
+    type(record_t), intent(in) :: opening
+    type(error_list_t), intent(inout) :: errors
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    type(error_t), allocatable :: found
+    integer :: first
+
+    first = size(run%command) + 1
+    do
+      call run%deck%next_command(record, error)
+      if (allocated(error)) return
+      if (record%kind == RECORD_END) then
+        call fail(error, DECK_ERROR, 'BATCh has no END', opening%place(1), 'close the commands with END')
+        return
+      end if
+      if (record%key(1) == 'end') exit
+      call add_command(run, record, found)
+      if (allocated(found)) call errors%add(found)
+    end do
+    if (errors%count() > 0) return
+    call match_loops(run, first, error)
+    if (allocated(error)) return
+    call run_dry(run, first, error)
+  end subroutine read_batch
+
+  subroutine add_command(run, record, error)
+    type(run_t), intent(inout) :: run
+    type(record_t), intent(in) :: record
+    type(error_t), allocatable, intent(out) :: error
+    type(command_t), allocatable :: longer(:)
+    type(command_t) :: command
+    integer :: i, n
+
+    command%row = 0
+    do i = 1, size(run%row)
+      if (run%row(i)%key == record%key(1)) command%row = i
+    end do
+    if (command%row == 0) then
+      call fail(error, DECK_ERROR, "unknown command '"//record%text(1)//"'", record%place(1), &
+        'nearest known: '//nearest(record%text(1), run%row(:)%word))
+      return
+    end if
+    call check_count(record, 1, run%row(command%row)%nmax + 1, trim(run%row(command%row)%usage), error)
+    if (allocated(error)) return
+    command%record = record
+    allocate (command%data(0))
+    n = size(run%command)
+    allocate (longer(n + 1))
+    longer(:n) = run%command
+    longer(n + 1) = command
+    call move_alloc(longer, run%command)
+  end subroutine add_command
+
+  !> Pair LOOP and NEXT.
+  subroutine match_loops(run, first, error)
+    type(run_t), intent(inout) :: run
+    integer, intent(in) :: first
+    type(error_t), allocatable, intent(out) :: error
+    integer :: open(64), depth, i
+
+    depth = 0
+    do i = first, size(run%command)
+      select case (run%command(i)%record%key(1))
+      case ('loop')
+        if (depth == size(open)) then
+          call fail(error, DECK_ERROR, 'loops are nested deeper than 64', run%command(i)%record%place(1))
+          return
+        end if
+        depth = depth + 1
+        open(depth) = i
+      case ('next')
+        if (depth == 0) then
+          call fail(error, DECK_ERROR, 'NEXT without LOOP', run%command(i)%record%place(1), 'remove it, or put LOOP,name,n before')
+          return
+        end if
+        if (open(depth) == i - 1) then
+          call fail(error, DECK_ERROR, 'this loop does nothing', run%command(i - 1)%record%place(1), &
+            'put commands between LOOP and NEXT, or remove both')
+          return
+        end if
+        if (run%command(i)%record%n > 1 .and. run%command(open(depth))%record%n > 1) then
+          if (run%command(i)%record%key(2) /= run%command(open(depth))%record%key(2)) then
+            call fail(error, DECK_ERROR, "NEXT closes '"//run%command(open(depth))%record%text(2)//"', not '" &
+              //run%command(i)%record%text(2)//"'", run%command(i)%record%place(2), 'loops are closed inside out')
+            return
+          end if
+        end if
+        run%command(i)%mate = open(depth)
+        run%command(open(depth))%mate = i
+        depth = depth - 1
+      case ('time')
+        if (depth > 0) run%command(open(depth))%holds_time = .true.
+      case ('tang', 'utan', 'solv')
+        if (depth > 0) run%command(open(depth))%solves = .true.
+      end select
+    end do
+    if (depth > 0) call fail(error, DECK_ERROR, 'LOOP has no NEXT', run%command(open(depth))%record%place(1), &
+      'close it with NEXT before END')
+  end subroutine match_loops
+
+  !> Walk through the commands without solving: fields are evaluated and data records read. A loop is
+  !! repeated only where a command in it reads data.
+  subroutine run_dry(run, first, error)
+    type(run_t), intent(inout) :: run
+    integer, intent(in) :: first
+    type(error_t), allocatable, intent(out) :: error
+    type(command_t) :: command
+    integer :: top
+
+    run%pc = first
+    do while (run%pc <= size(run%command))
+      call refresh(run, error)
+      if (allocated(error)) return
+      command = run%command(run%pc)
+      call run%row(command%row)%run(run, command, error)
+      if (allocated(error)) return
+      if (command%record%key(1) == 'next') then
+        top = size(run%loop)
+        run%loop(top)%count = run%loop(top)%count + 1
+        if (run%loop(top)%count <= run%loop(top)%limit .and. has_data(run, run%loop(top)%at)) then
+          run%pc = run%loop(top)%at
+        else
+          run%loop = run%loop(:top - 1)
+        end if
+      end if
+      run%pc = run%pc + 1
+    end do
+  end subroutine run_dry
+
+  !> A loop in which some command reads data.
+  pure function has_data(run, at) result(yes)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: at
+    logical :: yes
+    integer :: i
+
+    yes = .false.
+    do i = at, run%command(at)%mate
+      yes = yes .or. associated(run%row(run%command(i)%row)%data)
+    end do
+  end function has_data
+
+  !> The command at the counter with its fields as they are now, and its data: read when dry.
+  subroutine refresh(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    type(data_t) :: data
+    integer :: i
+
+    associate (command => run%command(run%pc))
+      command%option = command%record%key(2)
+      command%x = 0.0_8
+      do i = 1, min(size(command%x), command%record%n - 2)
+        call get_real(run%deck, command%record, i + 2, command%x(i), error, 0.0_8)
+        if (allocated(error)) return
+      end do
+      command%visit = command%visit + 1
+      if (.not. associated(run%row(command%row)%data)) return
+      if (.not. run%dry) then
+        command%visit = min(command%visit, size(command%data))
+        return
+      end if
+    end associate
+    call run%row(run%command(run%pc)%row)%data(run, run%command(run%pc), data, error)
+    if (allocated(error)) return
+    run%command(run%pc)%data = [run%command(run%pc)%data, data]
+  end subroutine refresh
+
+end module command_program

@@ -1,0 +1,39 @@
+!> Signals and the time limit: stop with a checkpoint.
+module command_stop
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, STOPPED
+  use base_system, only: stop_requested, wall_seconds
+  use base_text, only: to_text
+  use command_files, only: write_checkpoint, close_files
+  use command_loop, only: rewind_step
+  use command_type, only: run_t
+  implicit none
+  private
+  public :: stop_wanted, stop_run
+
+contains
+
+  !> A signal came, or the time is over.
+  function stop_wanted(run) result(yes)
+    type(run_t), intent(in) :: run
+    logical :: yes
+
+    yes = stop_requested()
+    if (run%time_limit > 0.0_wp) yes = yes .or. wall_seconds() > run%time_limit
+  end function stop_wanted
+
+  !> Forget the step under way, write a checkpoint of the one before, and end with code 4.
+  subroutine stop_run(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+
+    if (run%plan%open) call rewind_step(run)
+    call write_checkpoint(run, error)
+    if (allocated(error)) return
+    call close_files(run, error)
+    if (allocated(error)) return
+    call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step)//' with a checkpoint', &
+      hint='go on with --restart '//run%stem//'.restart.h5')
+  end subroutine stop_run
+
+end module command_stop

@@ -1,0 +1,41 @@
+!> The one list of solution commands. A new command is one file and one line here.
+module command_table
+  use command_type, only: command_row_t
+  implicit none
+  private
+  public :: load_commands
+
+contains
+
+  subroutine load_commands(table)
+    type(command_row_t), allocatable, intent(out) :: table(:)
+
+    allocate (table(0))
+    block; use command_time, only: describe_dt; table = [table, describe_dt()]; end block
+    block; use command_time, only: describe_time; table = [table, describe_time()]; end block
+    block; use command_time, only: describe_auto; table = [table, describe_auto()]; end block
+    block; use command_loop, only: describe_loop; table = [table, describe_loop()]; end block
+    block; use command_loop, only: describe_next; table = [table, describe_next()]; end block
+    block; use command_solve, only: describe_tang; table = [table, describe_tang()]; end block
+    block; use command_solve, only: describe_utan; table = [table, describe_utan()]; end block
+    block; use command_solve, only: describe_form; table = [table, describe_form()]; end block
+    block; use command_solve, only: describe_solv; table = [table, describe_solv()]; end block
+    block; use command_solve, only: describe_tol; table = [table, describe_tol()]; end block
+    block; use command_solve, only: describe_factor; table = [table, describe_factor()]; end block
+    block; use command_load, only: describe_prop; table = [table, describe_prop()]; end block
+    block; use command_load, only: describe_para; table = [table, describe_para()]; end block
+    block; use command_print, only: describe_disp; table = [table, describe_disp()]; end block
+    block; use command_print, only: describe_reac; table = [table, describe_reac()]; end block
+    block; use command_print, only: describe_stre; table = [table, describe_stre()]; end block
+    block; use command_print, only: describe_prin; table = [table, describe_prin()]; end block
+    block; use command_print, only: describe_nopr; table = [table, describe_nopr()]; end block
+    block; use command_tplot, only: describe_tplo; table = [table, describe_tplo()]; end block
+    block; use command_output, only: describe_plot; table = [table, describe_plot()]; end block
+    block; use command_output, only: describe_output; table = [table, describe_output()]; end block
+    block; use command_output, only: describe_save; table = [table, describe_save()]; end block
+    block; use command_misc, only: describe_arcl; table = [table, describe_arcl()]; end block
+    block; use command_misc, only: describe_note; table = [table, describe_note('opti', 'OPTImize')]; end block
+    block; use command_misc, only: describe_note; table = [table, describe_note('opts', 'OPTS')]; end block
+  end subroutine load_commands
+
+end module command_table

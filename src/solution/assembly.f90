@@ -1,0 +1,243 @@
+!> Loops over the elements: internal forces and tangent of the whole model.
+module assembly
+  use base_kinds, only: wp
+  use base_error, only: error_t
+  use element_type, only: form_report_t, NB
+  use mesh, only: block_t
+  use model, only: model_t, state_t, history_t
+  use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, set_zero
+  use load_curve, only: load_factor
+  use follower_load, only: follower_face
+  implicit none
+  private
+  public :: assembler_t, sweep_t, new_assembler, form
+
+  !> Where the blocks of an element matrix go, for one block of elements.
+  type :: map_t
+    integer, allocatable :: at(:, :, :) !! (nen, nen, nelem)
+  end type map_t
+
+  type :: assembler_t
+    type(block_matrix_t) :: k
+    type(map_t), allocatable :: map(:)
+    real(wp), allocatable :: f_int(:, :) !! (3, nnode) internal force [F]
+    real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
+  end type assembler_t
+
+  !> What one sweep over the elements found.
+  type :: sweep_t
+    logical :: ok = .true.
+    integer :: block = 0, elem = 0       !! the first element that failed
+    integer :: negative = 0              !! negative eigenvalues of condensed blocks
+    real(wp) :: enhanced = 0.0_wp        !! energy of the enhanced residuals [F L]
+    real(wp) :: rounding = 0.0_wp        !! sum of |f||u| over elements [F L]
+    real(wp) :: largest = 0.0_wp         !! largest nodal force of an element [F]
+  end type sweep_t
+
+contains
+
+  !> Pattern and maps; symmetric: upper blocks only.
+  subroutine new_assembler(asm, model, symmetric, error)
+    type(assembler_t), intent(out) :: asm
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: symmetric
+    type(error_t), allocatable, intent(out) :: error
+    type(clique_t), allocatable :: clique(:)
+    integer :: b, n
+
+    allocate (clique(size(model%mesh%block)), asm%map(size(model%mesh%block)))
+    do b = 1, size(model%mesh%block)
+      clique(b)%conn = model%mesh%block(b)%conn
+    end do
+    call new_pattern(asm%k, model%mesh%nnode, clique, symmetric, error)
+    if (allocated(error)) return
+    do b = 1, size(model%mesh%block)
+      n = model%mesh%block(b)%nen
+      allocate (asm%map(b)%at(n, n, model%mesh%block(b)%nelem))
+      call element_map(asm%k, model%mesh%block(b)%conn, asm%map(b)%at, error)
+      if (allocated(error)) return
+    end do
+    allocate (asm%f_int(3, model%mesh%nnode), asm%f_ext(3, model%mesh%nnode))
+  end subroutine new_assembler
+
+  !> Internal and external forces, and the tangent, at the displacements of `state`.
+  !! Each block's trial history is filled; state%u_base is where its history `iter` belongs.
+  subroutine form(asm, model, state, sweep)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(sweep_t), intent(out) :: sweep
+    integer :: b
+
+    asm%f_int = 0.0_wp
+    call set_zero(asm%k)
+    do b = 1, size(model%mesh%block)
+      associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material))
+        if (associated(block%row%form_batch) .and. associated(mat%row%moduli) &
+          .and. size(block%basis) == 1) then
+          call form_batches(asm, model, state, b, sweep)
+        else
+          call form_elements(asm, model, state, b, sweep)
+        end if
+      end associate
+      if (.not. sweep%ok) return
+    end do
+    call external_force(asm, model, state)
+  end subroutine form
+
+  !> One block, element by element.
+  subroutine form_elements(asm, model, state, b, sweep)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    integer, intent(in) :: b
+    type(sweep_t), intent(inout) :: sweep
+    real(wp), allocatable :: xr(:, :), u(:, :), du(:, :), r(:, :), k(:, :)
+    type(form_report_t) :: report
+    integer :: e, nen
+
+    associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material), &
+      h => state%history(b))
+      nen = block%nen
+      allocate (xr(3, nen), u(3, nen), du(3, nen), r(3, nen), k(3*nen, 3*nen))
+      do e = 1, block%nelem
+        xr = model%mesh%xr(:, block%conn(:, e))
+        u = state%u(:, block%conn(:, e))
+        du = u - state%u_base(:, block%conn(:, e))
+        call block%row%form(block%basis(block%ibasis(e)), mat%row, mat%prop, xr, u, du, &
+          state%scale, h%iter(:, e), h%trial(:, e), r, k, report)
+        call note(sweep, report, b, e, r, u)
+        if (.not. sweep%ok) return
+        call scatter_force(block%conn(:, e), r, asm%f_int)
+        call add_element(asm%k, asm%map(b)%at(:, :, e), k)
+      end do
+    end associate
+  end subroutine form_elements
+
+  !> One block, NB elements at a time; the last batch is filled up with its last element.
+  subroutine form_batches(asm, model, state, b, sweep)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    integer, intent(in) :: b
+    type(sweep_t), intent(inout) :: sweep
+    real(wp), allocatable :: xr(:, :, :), u(:, :, :), du(:, :, :), r(:, :, :), k(:, :, :, :, :)
+    real(wp), allocatable :: h_old(:, :), h_new(:, :)
+    type(form_report_t) :: report(NB)
+    integer :: e, e0, i, lane, n, nen
+
+    associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material), &
+      h => state%history(b))
+      nen = block%nen
+      allocate (xr(NB, 3, nen), u(NB, 3, nen), du(NB, 3, nen), r(NB, 3, nen), k(NB, 3, 3, nen, nen))
+      allocate (h_old(size(h%iter, 1), NB), h_new(size(h%iter, 1), NB))
+      do e0 = 0, block%nelem - 1, NB
+        n = min(NB, block%nelem - e0)
+        do lane = 1, NB
+          e = e0 + min(lane, n)
+          do i = 1, nen
+            xr(lane, :, i) = model%mesh%xr(:, block%conn(i, e))
+            u(lane, :, i) = state%u(:, block%conn(i, e))
+            du(lane, :, i) = u(lane, :, i) - state%u_base(:, block%conn(i, e))
+          end do
+          h_old(:, lane) = h%iter(:, e)
+        end do
+        call block%row%form_batch(block%basis(1), mat%row, mat%prop, xr, u, du, state%scale, &
+          h_old, h_new, r, k, report)
+        do lane = 1, n
+          e = e0 + lane
+          call note(sweep, report(lane), b, e, r(lane, :, :), u(lane, :, :))
+          if (.not. sweep%ok) return
+          h%trial(:, e) = h_new(:, lane)
+          call scatter_force(block%conn(:, e), r(lane, :, :), asm%f_int)
+        end do
+        call add_batch(asm%k, asm%map(b)%at(:, :, e0 + 1:e0 + n), k)
+      end do
+    end associate
+  end subroutine form_batches
+
+  !> Book what an element reported.
+  pure subroutine note(sweep, report, b, e, r, u)
+    type(sweep_t), intent(inout) :: sweep
+    type(form_report_t), intent(in) :: report
+    integer, intent(in) :: b, e
+    real(wp), intent(in) :: r(:, :), u(:, :)
+
+    if (.not. report%ok) then
+      sweep%ok = .false.
+      sweep%block = b
+      sweep%elem = e
+      return
+    end if
+    sweep%negative = sweep%negative + report%negative
+    sweep%enhanced = sweep%enhanced + report%enhanced
+    sweep%rounding = sweep%rounding + sum(abs(r*u))
+    sweep%largest = max(sweep%largest, maxval(abs(r)))
+  end subroutine note
+
+  pure subroutine scatter_force(conn, r, f)
+    integer, intent(in) :: conn(:)
+    real(wp), intent(in) :: r(:, :)
+    real(wp), intent(inout) :: f(:, :)
+    integer :: i
+
+    do i = 1, size(conn)
+      f(:, conn(i)) = f(:, conn(i)) + r(:, i)
+    end do
+  end subroutine scatter_force
+
+  !> Dead loads at the factors of now, and the pressures that follow the surface.
+  subroutine external_force(asm, model, state)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer :: i, j, n
+
+    asm%f_ext = 0.0_wp
+    do n = 1, model%mesh%nnode
+      do i = 1, 3
+        if (abs(model%bc%force(i, n)) > 0.0_wp) asm%f_ext(i, n) = asm%f_ext(i, n) &
+          + model%bc%force(i, n)*load_factor(state%factor, model%bc%table(i, n))
+      end do
+    end do
+    do j = 1, size(model%bc%dead)
+      associate (load => model%bc%dead(j))
+        do n = 1, size(load%node)
+          asm%f_ext(:, load%node(n)) = asm%f_ext(:, load%node(n)) &
+            + load_factor(state%factor, load%table)*load%f(:, n)
+        end do
+      end associate
+    end do
+    do j = 1, size(model%bc%pressure)
+      if (model%bc%pressure(j)%follower) call follower_pressure(asm, model, state, j)
+    end do
+  end subroutine external_force
+
+  !> One follower pressure: forces, and their share of the tangent.
+  subroutine follower_pressure(asm, model, state, j)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: j
+    real(wp), allocatable :: f(:, :), k(:, :)
+    real(wp) :: p
+    integer :: b, e, i, nen
+
+    p = model%bc%pressure(j)%value*load_factor(state%factor, model%bc%pressure(j)%table)
+    do i = 1, size(model%bc%pressure(j)%elem)
+      b = model%bc%pressure(j)%block(i)
+      e = model%bc%pressure(j)%elem(i)
+      associate (block => model%mesh%block(b))
+        nen = block%nen
+        allocate (f(3, nen), k(3*nen, 3*nen))
+        call follower_face(block, e, model%bc%pressure(j)%side(i), p, &
+          model%mesh%xr(:, block%conn(:, e)) + state%u(:, block%conn(:, e)), f, k)
+        call scatter_force(block%conn(:, e), f, asm%f_ext)
+        if (asm%k%symmetric) k = 0.5_wp*(k + transpose(k))
+        call add_element(asm%k, asm%map(b)%at(:, :, e), k)
+        deallocate (f, k)
+      end associate
+    end do
+  end subroutine follower_pressure
+
+end module assembly

@@ -1,0 +1,63 @@
+!> Values of the quantities a CURVe asks for, at the state of now.
+module curve_values
+  use base_kinds, only: wp
+  use curve_type, only: quantity_t, Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, Q_MAX_MISES
+  use model, only: model_t, state_t
+  use point_values, only: stress_at, body_energy, largest_mises
+  implicit none
+  private
+  public :: quantity_value
+
+contains
+
+  !> One column.
+  function quantity_value(model, state, quantity) result(value)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(quantity_t), intent(in) :: quantity
+    real(wp) :: value
+    real(wp) :: sig(6)
+    integer :: i
+
+    value = 0.0_wp
+    select case (quantity%kind)
+    case (Q_FORCE)
+      value = sum(state%reaction(quantity%component, quantity%node))
+    case (Q_TORQUE)
+      value = torque(model, state, quantity)
+    case (Q_DISP)
+      value = sum(state%u(quantity%component, quantity%node))/size(quantity%node)
+    case (Q_STRESS)
+      sig = stress_at(model, state, quantity%block, quantity%elem, quantity%xi)
+      value = sig(quantity%component)
+    case (Q_ENERGY)
+      value = body_energy(model, state, quantity%body)
+    case (Q_MAX_DISP)
+      do i = 1, size(quantity%node)
+        value = max(value, norm2(state%u(:, quantity%node(i))))
+      end do
+    case (Q_MAX_MISES)
+      value = largest_mises(model, state, quantity%body)
+    end select
+  end function quantity_value
+
+  !> Moment of the reactions about an axis, at current positions.
+  pure function torque(model, state, quantity) result(value)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(quantity_t), intent(in) :: quantity
+    real(wp) :: value
+    real(wp) :: m(3), x(3), f(3)
+    integer :: i, n
+
+    m = 0.0_wp
+    do i = 1, size(quantity%node)
+      n = quantity%node(i)
+      x = model%mesh%xr(:, n) + state%u(:, n) - quantity%point
+      f = state%reaction(:, n)
+      m = m + [x(2)*f(3) - x(3)*f(2), x(3)*f(1) - x(1)*f(3), x(1)*f(2) - x(2)*f(1)]
+    end do
+    value = dot_product(m, quantity%axis)
+  end function torque
+
+end module curve_values

@@ -1,0 +1,353 @@
+!> The one Newton iteration: one pass of TANG,,1, and what closes a step.
+module newton
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use base_kinds, only: wp
+  use base_error, only: error_t
+  use model, only: model_t, state_t
+  use csr, only: multiply
+  use linear_system, only: linear_system_t, solve_report_t, new_linear_system, FULL
+  use assembly, only: assembler_t, sweep_t, new_assembler, form
+  use prescribed, only: prescribed_values
+  use solution_state, only: accept_iteration
+  use singularity, only: name_singularity
+  implicit none
+  private
+  public :: newton_t, pass_t, begin_newton, form_system, solve_system, newton_pass, close_newton
+
+  real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2 !! of an energy, relative to sum |f||u|
+  real(wp), parameter :: FORCE_TOLERANCE = 1.0e-9_wp   !! of the residual, relative to the largest nodal force
+  real(wp), parameter :: LINE_TOLERANCE = 0.8_wp       !! FEAP's: slope left after a line search
+  integer, parameter :: LINE_TRIALS = 10
+
+  !> The iteration of the step under way.
+  type :: newton_t
+    type(assembler_t) :: asm
+    type(linear_system_t) :: system
+    logical :: ready = .false.         !! pattern and analysis exist
+    logical :: symmetric = .true.      !! as they stand
+    integer :: mode = FULL             !! FACTor
+    real(wp) :: eps = 0.0_wp           !! of LOWRank
+    real(wp) :: tolerance = 1.0e-16_wp !! TOL
+    integer :: iterations = 0          !! solves in this step
+    logical :: converged = .false.
+    logical :: exact = .true.          !! every solve of the step was full Newton
+    real(wp) :: largest_energy = 0.0_wp
+    real(wp), allocatable :: rhs(:)    !! (neq)
+    real(wp), allocatable :: dx(:)     !! (neq)
+    real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made
+    logical :: moves = .false.
+  end type newton_t
+
+  !> What one pass did.
+  type :: pass_t
+    logical :: ok = .true.             !! .false.: the step must be cut
+    character(:), allocatable :: trouble !! why
+    type(sweep_t) :: sweep
+    type(solve_report_t) :: solve
+    real(wp) :: energy = 0.0_wp        !! |du.r| [F L]
+    real(wp) :: ratio = 0.0_wp         !! to the largest of the step
+    real(wp) :: residual = 0.0_wp      !! largest free component [F]
+    integer :: worst(2) = 0            !! its direction and node
+    real(wp) :: line = 1.0_wp          !! share of the step a line search took
+  end type pass_t
+
+contains
+
+  !> Start a step: state%factor and state%time are those of its end, state%u of its start.
+  subroutine begin_newton(newton, model, state)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer :: i, n
+
+    newton%iterations = 0
+    newton%converged = .false.
+    newton%exact = .true.
+    newton%largest_energy = 0.0_wp
+    if (.not. allocated(newton%move)) allocate (newton%move(3, model%mesh%nnode))
+    call prescribed_values(model, state%factor, newton%move)
+    do n = 1, model%mesh%nnode
+      do i = 1, 3
+        if (model%eq(i, n) == 0 .and. model%mesh%used(n)) then
+          newton%move(i, n) = newton%move(i, n) - state%u(i, n)
+        else
+          newton%move(i, n) = 0.0_wp
+        end if
+      end do
+    end do
+    newton%moves = any(abs(newton%move) > 0.0_wp)
+  end subroutine begin_newton
+
+  !> Forces and tangent at the displacements of now; the trial history becomes the iteration's.
+  subroutine form_system(newton, model, state, symmetric, pass, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    logical, intent(in) :: symmetric
+    type(pass_t), intent(inout) :: pass
+    type(error_t), allocatable, intent(out) :: error
+
+    call make_ready(newton, model, symmetric, error)
+    if (allocated(error)) return
+    call form(newton%asm, model, state, pass%sweep)
+    pass%ok = pass%sweep%ok
+    if (.not. pass%ok) then
+      pass%trouble = 'an element is inverted or its enhanced modes are singular'
+      return
+    end if
+    call accept_iteration(state)
+    state%reaction = newton%asm%f_int - newton%asm%f_ext
+    call free_part(model%eq, -state%reaction, newton%rhs)
+    call find_worst(model, state%reaction, pass)
+    if (.not. ieee_is_finite(pass%residual)) then
+      pass%ok = .false.
+      pass%trouble = 'the residual is not a number'
+    end if
+  end subroutine form_system
+
+  !> Solve for the increment of the last formed system and add it.
+  subroutine solve_system(newton, model, state, line_search, pass, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    logical, intent(in) :: line_search
+    type(pass_t), intent(inout) :: pass
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: du(:, :), force(:, :)
+    logical :: moved
+
+    allocate (du(3, model%mesh%nnode), force(3, model%mesh%nnode))
+    moved = newton%moves
+    if (moved) then                       ! tangent predictor for prescribed motion
+      call multiply(newton%asm%k, newton%move, force)
+      call free_part(model%eq, -state%reaction - force, newton%rhs)
+    end if
+    call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, forcing(newton, pass), &
+      pass%solve, error)
+    if (allocated(error)) return
+    if (pass%solve%singular) then
+      pass%ok = .false.
+      pass%trouble = name_singularity(model, pass%solve%null)
+      return
+    end if
+    newton%iterations = newton%iterations + 1
+    newton%exact = newton%exact .and. newton%mode == FULL
+    call full_vector(model%eq, newton%dx, du)
+    pass%energy = abs(dot_product(newton%dx, newton%rhs)) + pass%sweep%enhanced
+    if (moved) then
+      du = du + newton%move
+      call multiply(newton%asm%k, du, force)
+      newton%largest_energy = max(newton%largest_energy, abs(sum(du*force)))
+    end if
+    newton%moves = .false.
+    newton%largest_energy = max(newton%largest_energy, pass%energy)
+    call judge(newton, pass, moved)
+    if (.not. pass%ok) return
+    if (line_search .and. .not. moved) then
+      call search_line(newton, model, state, du, pass)
+    else
+      call step_by(state, du, 1.0_wp)
+    end if
+  end subroutine solve_system
+
+  !> One pass of TANG,,1 or UTAN,,1.
+  subroutine newton_pass(newton, model, state, symmetric, line_search, pass, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    logical, intent(in) :: symmetric, line_search
+    type(pass_t), intent(out) :: pass
+    type(error_t), allocatable, intent(out) :: error
+
+    call form_system(newton, model, state, symmetric, pass, error)
+    if (allocated(error) .or. .not. pass%ok) return
+    call solve_system(newton, model, state, line_search, pass, error)
+  end subroutine newton_pass
+
+  !> Reactions at the final displacements; a step whose test has not passed yet is tested once more.
+  subroutine close_newton(newton, model, state, pass, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(pass_t), intent(out) :: pass
+    type(error_t), allocatable, intent(out) :: error
+
+    call form_system(newton, model, state, newton%symmetric, pass, error)
+    if (allocated(error) .or. .not. pass%ok) return
+    if (newton%converged) return
+    if (newton%moves) return
+    newton%converged = pass%residual <= FORCE_TOLERANCE*pass%sweep%largest &
+      .and. pass%sweep%enhanced <= max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding)
+  end subroutine close_newton
+
+  !> The convergence test (DECK.md, TOL).
+  subroutine judge(newton, pass, moved)
+    type(newton_t), intent(inout) :: newton
+    type(pass_t), intent(inout) :: pass
+    logical, intent(in) :: moved
+
+    pass%ratio = 0.0_wp
+    if (newton%largest_energy > 0.0_wp) pass%ratio = pass%energy/newton%largest_energy
+    if (.not. ieee_is_finite(pass%energy)) then
+      pass%ok = .false.
+      pass%trouble = 'the energy of the increment is not a number'
+      return
+    end if
+    newton%converged = .not. moved .and. &
+      pass%energy <= max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding)
+    if (newton%converged .and. .not. newton%exact) &
+      newton%converged = pass%residual <= FORCE_TOLERANCE*pass%sweep%largest
+  end subroutine judge
+
+  !> Relative residual wanted of an iterative solve: tighter as the step converges.
+  pure function forcing(newton, pass) result(tolerance)
+    type(newton_t), intent(in) :: newton
+    type(pass_t), intent(in) :: pass
+    real(wp) :: tolerance
+
+    tolerance = 1.0e-3_wp
+    if (newton%mode == FULL .or. pass%residual <= 0.0_wp) return
+    if (newton%moves) return
+    tolerance = max(min(tolerance, 0.1_wp*FORCE_TOLERANCE*pass%sweep%largest/pass%residual), 1.0e-12_wp)
+    if (tolerance < 1.0e-4_wp) tolerance = max(tolerance, 1.0e-4_wp)
+  end function forcing
+
+  !> Displacements move by s du from where the history stands.
+  pure subroutine step_by(state, du, s)
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: du(:, :), s
+
+    state%u = state%u_base + s*du
+    state%scale = s
+  end subroutine step_by
+
+  !> FEAP's line search: a share s of the step with |du.r(s)| <= 0.8 |du.r(0)|, by regula falsi with
+  !! the Illinois modification; halved first while an element inverts.
+  subroutine search_line(newton, model, state, du, pass)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: du(:, :)
+    type(pass_t), intent(inout) :: pass
+    real(wp) :: g, g0, ga, gb, s, sa, sb
+    logical :: ok
+    integer :: i
+
+    g0 = dot_product(newton%dx, newton%rhs)
+    s = 1.0_wp
+    do i = 1, LINE_TRIALS
+      call slope(newton, model, state, du, s, g, ok)
+      if (ok) exit
+      s = 0.5_wp*s
+    end do
+    sa = 0.0_wp
+    ga = g0
+    sb = s
+    gb = g
+    do i = 1, LINE_TRIALS
+      if (.not. ok .or. abs(g) <= LINE_TOLERANCE*abs(g0) .or. ga*gb > 0.0_wp) exit
+      s = sb - gb*(sb - sa)/(gb - ga)
+      call slope(newton, model, state, du, s, g, ok)
+      if (g*ga > 0.0_wp) then
+        sa = s
+        ga = g
+        gb = 0.5_wp*gb
+      else
+        sb = s
+        gb = g
+        ga = 0.5_wp*ga
+      end if
+    end do
+    pass%line = s
+    call step_by(state, du, s)
+  end subroutine search_line
+
+  !> du.r at a share of the step.
+  subroutine slope(newton, model, state, du, s, g, ok)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: du(:, :), s
+    real(wp), intent(out) :: g
+    logical, intent(out) :: ok
+    type(sweep_t) :: sweep
+    real(wp), allocatable :: r(:)
+
+    call step_by(state, du, s)
+    call form(newton%asm, model, state, sweep)
+    ok = sweep%ok
+    g = 0.0_wp
+    if (.not. ok) return
+    allocate (r(size(newton%rhs)))
+    call free_part(model%eq, newton%asm%f_ext - newton%asm%f_int, r)
+    g = dot_product(newton%dx, r)
+  end subroutine slope
+
+  !> Pattern and analysis, once, and again only where TANG and UTAN alternate.
+  subroutine make_ready(newton, model, symmetric, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: symmetric
+    type(error_t), allocatable, intent(out) :: error
+
+    if (newton%ready .and. (newton%symmetric .eqv. symmetric)) return
+    if (newton%ready) call newton%system%free()
+    newton%ready = .false.
+    call new_assembler(newton%asm, model, symmetric, error)
+    if (allocated(error)) return
+    call new_linear_system(newton%system, newton%asm%k, model%eq, newton%mode, newton%eps, error)
+    if (allocated(error)) return
+    newton%symmetric = symmetric
+    newton%ready = .true.
+    if (.not. allocated(newton%rhs)) allocate (newton%rhs(model%neq), newton%dx(model%neq))
+  end subroutine make_ready
+
+  !> The free components of a nodal vector, in the order of the equations.
+  pure subroutine free_part(eq, f, x)
+    integer, intent(in) :: eq(:, :)
+    real(wp), intent(in) :: f(:, :)
+    real(wp), intent(out) :: x(:)
+    integer :: i, n
+
+    do n = 1, size(eq, 2)
+      do i = 1, 3
+        if (eq(i, n) > 0) x(eq(i, n)) = f(i, n)
+      end do
+    end do
+  end subroutine free_part
+
+  !> A nodal vector from its free components; zero elsewhere.
+  pure subroutine full_vector(eq, x, f)
+    integer, intent(in) :: eq(:, :)
+    real(wp), intent(in) :: x(:)
+    real(wp), intent(out) :: f(:, :)
+    integer :: i, n
+
+    f = 0.0_wp
+    do n = 1, size(eq, 2)
+      do i = 1, 3
+        if (eq(i, n) > 0) f(i, n) = x(eq(i, n))
+      end do
+    end do
+  end subroutine full_vector
+
+  !> Largest residual over the free dofs.
+  pure subroutine find_worst(model, reaction, pass)
+    type(model_t), intent(in) :: model
+    real(wp), intent(in) :: reaction(:, :)
+    type(pass_t), intent(inout) :: pass
+    integer :: i, n
+
+    pass%residual = 0.0_wp
+    do n = 1, size(model%eq, 2)
+      do i = 1, 3
+        if (model%eq(i, n) == 0) cycle
+        if (.not. abs(reaction(i, n)) <= pass%residual) then
+          pass%residual = abs(reaction(i, n))
+          pass%worst = [i, n]
+        end if
+      end do
+    end do
+  end subroutine find_worst
+
+end module newton

@@ -1,0 +1,66 @@
+!> Says in the user's words why a tangent is singular.
+module singularity
+  use base_kinds, only: wp
+  use base_text, only: to_text
+  use dof_map, only: dof_name
+  use model, only: model_t
+  implicit none
+  private
+  public :: name_singularity
+
+  integer, parameter :: MOST = 4  ! dofs that are named
+
+contains
+
+  !> `the tangent is singular at dof uy of node 3: the model is free to move along x and turn about z`.
+  function name_singularity(model, null) result(text)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: null(:) !! equations whose pivot vanished
+    character(:), allocatable :: text, motions
+    integer :: i
+
+    text = 'the tangent is singular'
+    do i = 1, min(size(null), MOST)
+      text = text//trim(merge(',  ', ' at', i > 1))//' '//dof_name(model%eq, null(i))
+    end do
+    if (size(null) > MOST) text = text//' and '//to_text(size(null) - MOST)//' more'
+    motions = free_motions(model)
+    if (len(motions) > 0) text = text//'; the model can '//motions
+  end function name_singularity
+
+  !> Rigid motions along and about the axes that no support prevents.
+  function free_motions(model) result(text)
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: text
+    real(wp) :: x(3), centre(3), hold(6), size_of
+    integer :: i, n
+    character(*), parameter :: NAMES(6) = ['move along x', 'move along y', 'move along z', &
+      'turn about x', 'turn about y', 'turn about z']
+
+    centre = 0.0_wp
+    n = 0
+    do i = 1, model%mesh%nnode
+      if (.not. any(model%eq(:, i) == 0) .or. .not. model%mesh%used(i)) cycle
+      centre = centre + model%mesh%xr(:, i)
+      n = n + 1
+    end do
+    if (n > 0) centre = centre/n
+    size_of = maxval(maxval(model%mesh%xr, 2) - minval(model%mesh%xr, 2))
+    hold = 0.0_wp
+    do i = 1, model%mesh%nnode
+      if (.not. model%mesh%used(i)) cycle
+      x = model%mesh%xr(:, i) - centre
+      where (model%eq(:, i) == 0) hold(:3) = 1.0_wp
+      if (model%eq(1, i) == 0) hold(5:6) = max(hold(5:6), abs([x(3), x(2)])/size_of)
+      if (model%eq(2, i) == 0) hold([4, 6]) = max(hold([4, 6]), abs([x(3), x(1)])/size_of)
+      if (model%eq(3, i) == 0) hold(4:5) = max(hold(4:5), abs([x(2), x(1)])/size_of)
+    end do
+    text = ''
+    do i = 1, 6
+      if (hold(i) > 1.0e-10_wp) cycle
+      if (len(text) > 0) text = text//', '
+      text = text//NAMES(i)
+    end do
+  end function free_motions
+
+end module singularity

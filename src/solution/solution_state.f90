@@ -1,0 +1,106 @@
+!> What a step changes, and how it is kept, accepted and restored.
+module solution_state
+  use base_kinds, only: wp
+  use model, only: model_t, state_t, history_t
+  use solid_form, only: history_length
+  use load_curve, only: table_factor
+  implicit none
+  private
+  public :: new_state, open_step, accept_iteration, accept_step_state, restore_step, set_factors
+
+contains
+
+  !> The undeformed state at time 0.
+  subroutine new_state(model, state)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(out) :: state
+    integer :: b, n
+
+    n = model%mesh%nnode
+    allocate (state%u(3, n), state%u_step(3, n), state%u_base(3, n), state%reaction(3, n))
+    allocate (state%table(0), state%factor(0), state%history(size(model%mesh%block)))
+    state%u = 0.0_wp
+    state%u_step = 0.0_wp
+    state%u_base = 0.0_wp
+    state%reaction = 0.0_wp
+    do b = 1, size(model%mesh%block)
+      associate (block => model%mesh%block(b))
+        n = history_length(block%nen, block%row%nmode)
+        allocate (state%history(b)%step(3*block%row%nmode, block%nelem), source=0.0_wp)
+        allocate (state%history(b)%iter(n, block%nelem), source=0.0_wp)
+        allocate (state%history(b)%trial(n, block%nelem), source=0.0_wp)
+      end associate
+    end do
+  end subroutine new_state
+
+  !> A step begins: what is now is what a cut brings back.
+  subroutine open_step(state, time)
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: time !! at the end of the step
+
+    state%dt = time - state%time
+    state%time = time
+    state%step = state%step + 1
+    call set_factors(state)
+  end subroutine open_step
+
+  !> Factors of all load tables at the time of the state.
+  subroutine set_factors(state)
+    type(state_t), intent(inout) :: state
+    integer :: i
+
+    if (size(state%factor) /= size(state%table)) then
+      deallocate (state%factor)
+      allocate (state%factor(size(state%table)))
+    end if
+    do i = 1, size(state%table)
+      state%factor(i) = table_factor(state%table(i), state%time)
+    end do
+  end subroutine set_factors
+
+  !> The trial of the last sweep becomes the iteration's state.
+  subroutine accept_iteration(state)
+    type(state_t), intent(inout) :: state
+    real(wp), allocatable :: swap(:, :)
+    integer :: b
+
+    do b = 1, size(state%history)
+      call move_alloc(state%history(b)%iter, swap)
+      call move_alloc(state%history(b)%trial, state%history(b)%iter)
+      call move_alloc(swap, state%history(b)%trial)
+    end do
+    state%u_base = state%u
+    state%scale = 0.0_wp
+  end subroutine accept_iteration
+
+  !> The step is done: it cannot be cut any more.
+  subroutine accept_step_state(state)
+    type(state_t), intent(inout) :: state
+    integer :: b
+
+    state%u_step = state%u
+    do b = 1, size(state%history)
+      state%history(b)%step = state%history(b)%iter(:size(state%history(b)%step, 1), :)
+    end do
+  end subroutine accept_step_state
+
+  !> Back to the start of the step; `step` and `time` are its number and time then.
+  subroutine restore_step(state, step, time)
+    type(state_t), intent(inout) :: state
+    integer, intent(in) :: step
+    real(wp), intent(in) :: time
+    integer :: b
+
+    state%step = step
+    state%time = time
+    state%u = state%u_step
+    state%u_base = state%u_step
+    state%scale = 0.0_wp
+    do b = 1, size(state%history)
+      state%history(b)%iter = 0.0_wp
+      state%history(b)%iter(:size(state%history(b)%step, 1), :) = state%history(b)%step
+    end do
+    call set_factors(state)
+  end subroutine restore_step
+
+end module solution_state

@@ -1,0 +1,113 @@
+!> Time: fixed steps, and automatic ones that are cut and grow again.
+!!
+!! Targets are anchor + k dt, never summed. A cut divides the way to the next target into equal
+!! pieces; growth beyond dt (dtmax > dt) passes several targets at once and lands on one of them.
+module step_control
+  use base_kinds, only: wp
+  implicit none
+  private
+  public :: step_control_t, set_dt, set_auto, next_step, accept_step, cut_step, on_target
+
+  type :: step_control_t
+    real(wp) :: dt = 0.0_wp          !! between targets
+    real(wp) :: anchor = 0.0_wp      !! time of target 0
+    integer :: target = 0            !! targets reached since the anchor
+    real(wp) :: size = 0.0_wp        !! step wanted now; at most dt unless dtmax allows more
+    logical :: automatic = .false.
+    real(wp) :: dtmin = 0.0_wp, dtmax = 0.0_wp
+    real(wp) :: from = 0.0_wp, to = 0.0_wp !! the step under way
+    integer :: passed = 0            !! targets it passes: 0 inside, 1 usually
+    integer :: quiet = 0             !! good steps since the last cut
+    integer :: cuts = 0              !! cuts of the step under way
+  end type step_control_t
+
+  integer, parameter :: FEW = 6      ! iterations after which a step may grow
+  integer, parameter :: MANY = 10    ! and above which the next one is smaller
+
+contains
+
+  !> DT: a new distance between targets, from `time` on.
+  subroutine set_dt(control, time, dt)
+    type(step_control_t), intent(inout) :: control
+    real(wp), intent(in) :: time, dt
+
+    control%dt = dt
+    control%anchor = time
+    control%target = 0
+    control%size = dt
+  end subroutine set_dt
+
+  !> AUTO,,dtmin,dtmax.
+  subroutine set_auto(control, dtmin, dtmax)
+    type(step_control_t), intent(inout) :: control
+    real(wp), intent(in) :: dtmin, dtmax
+
+    control%automatic = .true.
+    control%dtmin = dtmin
+    control%dtmax = dtmax
+  end subroutine set_auto
+
+  !> Time at the end of the next step; `left` targets remain in the loop, this one included.
+  function next_step(control, time, left) result(to)
+    type(step_control_t), intent(inout) :: control
+    real(wp), intent(in) :: time
+    integer, intent(in) :: left
+    real(wp) :: to, gap
+    integer :: pieces
+
+    control%from = time
+    control%passed = 1
+    if (control%automatic .and. control%size >= 2*control%dt) &
+      control%passed = max(1, min(left, int(control%size/control%dt*(1 + epsilon(1.0_wp)*8))))
+    to = control%anchor + (control%target + control%passed)*control%dt
+    gap = to - time
+    if (control%automatic) then
+      pieces = ceiling(gap/control%size*(1 - epsilon(1.0_wp)*64))
+      if (pieces > 1) then
+        to = time + gap/pieces
+        control%passed = 0
+      end if
+    end if
+    control%to = to
+  end function next_step
+
+  !> A converged step: count its targets; the next one may be larger.
+  subroutine accept_step(control, iterations)
+    type(step_control_t), intent(inout) :: control
+    integer, intent(in) :: iterations
+    real(wp) :: taken
+
+    control%target = control%target + control%passed
+    control%cuts = 0
+    if (.not. control%automatic) return
+    taken = control%to - control%from
+    control%quiet = control%quiet + 1
+    if (iterations > MANY) then
+      control%size = max(0.75_wp*taken, control%dtmin)
+    else if (iterations <= FEW .and. control%quiet > 1) then
+      control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
+    end if
+  end subroutine accept_step
+
+  !> A failed step: try half of it. .false.: smaller than dtmin.
+  function cut_step(control) result(possible)
+    type(step_control_t), intent(inout) :: control
+    logical :: possible
+
+    possible = .false.
+    if (.not. control%automatic) return
+    control%size = 0.5_wp*(control%to - control%from)
+    control%quiet = 0
+    control%cuts = control%cuts + 1
+    possible = control%size >= control%dtmin .and. control%from + control%size > control%from
+  end function cut_step
+
+  !> The last step ended on a target.
+  pure function on_target(control) result(yes)
+    type(step_control_t), intent(in) :: control
+    logical :: yes
+
+    yes = control%passed > 0
+  end function on_target
+
+end module step_control
