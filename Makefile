@@ -13,8 +13,9 @@ NATIVE ?=
 PFUNIT ?=
 T      ?=
 B      := $(BUILD)/$(KIND)
+U      := $(B)/$(if $(PFUNIT),pfunit,unit)
 PYTHON := .venv/bin/python
-MAKEFLAGS += --no-builtin-rules --no-print-directory -j$(J)
+MAKEFLAGS += --no-builtin-rules --no-print-directory $(if $(filter 0,$(MAKELEVEL)),-j$(J))
 
 # --- Flags -------------------------------------------------------------------------------------
 ifeq ($(filter $(KIND),release debug sanitize coverage),)
@@ -39,10 +40,10 @@ HDF5_MOD   := $(firstword $(wildcard $(addsuffix /hdf5.mod,/usr/include/hdf5/ser
               $(addsuffix /include,$(PREFIX)) /usr/lib64/gfortran/modules)))
 INCLUDE    := $(addprefix -I,$(HDF5_MOD:/hdf5.mod=) $(wildcard $(addsuffix /include,$(PREFIX)) \
               $(addsuffix /include/mumps_seq,$(PREFIX))))
+MUMPS_LIBS ?= -ldmumps_seq -lsmumps_seq -lmumps_common_seq -lpord_seq -lmpiseq_seq
 LIBS       := $(or $(HDF5_PC),$(addprefix -L,$(wildcard /usr/lib/*/hdf5/serial))) \
               $(addprefix -L,$(wildcard $(addsuffix /lib,$(filter-out /usr,$(PREFIX))))) \
-              -ldmumps_seq -lsmumps_seq -lmumps_common_seq -lpord_seq -lmpiseq_seq -lmetis \
-              -lhdf5_fortran -lhdf5 -lopenblas $(LDFLAGS)
+              $(MUMPS_LIBS) -lmetis -lhdf5_fortran -lhdf5 -lopenblas $(LDFLAGS)
 
 # --- The program -------------------------------------------------------------------------------
 SOURCES := $(wildcard src/*/*.f90)
@@ -59,7 +60,7 @@ all: $(B)/bezel
 # A module file keeps its time while the interface is the same: what uses it is then not compiled again.
 $(B)/%.mod:
 	@test -f $@ || { rm -f $<; echo "make: $@ is missing, run make again" >&2; exit 1; }
-$(B)/%.o: %.f90 $(B)/flags
+$(B)/%.o: %.f90 $(B)/flags | $(B)/libraries
 	@echo "  $<"
 	@$(FC) -std=f2008 $(WARN) $(OPT) $(call kernel,$*) $(INCLUDE) -J$(B) -c $< -o $@
 $(B)/libbezel.a: $(OBJECTS)
@@ -68,19 +69,25 @@ $(B)/bezel: $(B)/main.o $(B)/libbezel.a
 	@$(FC) $(OPT) $^ $(LIBS) -o $@
 	@echo "  $@"
 
+# Once a build folder: one sentence where something is missing.
+$(B)/libraries:
+	@tools/setup.sh libraries && mkdir -p $(B) && touch $@
+.PHONY: settings
+settings:
+	@echo "FC='$(FC)' INCLUDE='$(INCLUDE)' LIBS='$(LIBS)' MUMPS_LIBS='$(MUMPS_LIBS)'"
 $(B)/flags: FORCE
 	@mkdir -p $(B); echo '$(FC) $(WARN) $(OPT) $(INCLUDE)' > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 $(B)/depend.mk: FORCE
-	@mkdir -p $(B); awk -v b=$(B) -f src/depend.awk $(SOURCES) $(wildcard verification/unit/*/*.pf) > $@.new
+	@mkdir -p $(B); awk -v b=$(B) -v u='$$(U)' -f src/depend.awk $(SOURCES) $(wildcard verification/unit/*/*.pf) > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 FORCE:
-ifneq ($(filter-out help clean setup,$(or $(MAKECMDGOALS),all)),)
+COMPILES := all unit $(B)/%
+ifneq ($(filter $(COMPILES),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif
 
 # --- Unit tests: T= chooses those whose path has a word of it and builds no more than they need ---
-U      := $(B)/unit
 RUNNER := verification/unit/runner
 PF     := $(wildcard verification/unit/*/test_*.pf)
 PF     := $(if $(T),$(sort $(foreach t,$(T),$(foreach f,$(PF),$(if $(findstring $t,$f),$f)))),\
@@ -89,29 +96,122 @@ TESTS  := $(patsubst %.pf,$(U)/%.o,$(notdir $(PF)))
 TESTF  := -std=gnu -g -Wall -Wno-maybe-uninitialized -Wno-uninitialized -Wno-unused-function \
           -ffree-line-length-none
 vpath %.pf $(wildcard verification/unit/*)
-vpath funit%.f90 $(RUNNER)
 
 .PHONY: unit runner
-.PRECIOUS: $(U)/%.f90
+.PRECIOUS: $(U)/test_%.f90
 unit: $(U)/run
 	@$(U)/run $(ARGS)
 runner:
-	@$(MAKE) unit T=$(RUNNER) ARGS=-v | python3 $(RUNNER)/check.py
-$(U)/run: FORCE $(U)/driver.o $(TESTS) $(if $(T),,$(B)/libbezel.a)
-	@rm -f $(U)/lib.a; ar rcs $(U)/lib.a $$(ls $(B)/*.o | grep -v '/main\.o$$')
-	@$(FC) $(OPT) $(U)/driver.o $(TESTS) $(U)/funit.o $(U)/funit_value.o $(U)/lib.a $(LIBS) -o $@
+	@$(MAKE) PFUNIT= U=$(B)/runner T=$(RUNNER) $(B)/runner/run
+	@$(B)/runner/run -v | python3 $(RUNNER)/check.py
+$(U)/run: FORCE $(TESTS) $(U)/driver.o $(if $(T),,$(B)/libbezel.a)
+	@rm -f $(U)/lib.a; ar rcs $(U)/lib.a $$(ls $(B)/*.o 2>/dev/null | grep -v '/main\.o$$') $(U)/funit*.o
+	@$(FC) $(OPT) $(U)/driver.o $(TESTS) $(U)/lib.a $(PFUNIT_LIBRARIES) $(LIBS) -o $@
+$(U)/test_%.o: $(U)/test_%.f90 $(U)/funit.o
+	@$(FC) $(TESTF) $(OPT) $(INCLUDE) $(PFUNIT_EXTRA_FFLAGS) -I$(B) -J$(U) -c $< -o $@
+$(U)/driver.o: $(U)/driver.f90 $(TESTS)
+	@$(FC) $(TESTF) $(OPT) $(PFUNIT_EXTRA_FFLAGS) -J$(U) -c $< -o $@
+ifndef PFUNIT
+$(U)/funit_value.o $(U)/funit.o: $(U)/%.o: $(RUNNER)/%.f90 $(B)/flags
+	@mkdir -p $(U); $(FC) $(TESTF) $(OPT) -J$(U) -c $< -o $@
+$(U)/funit.o: $(U)/funit_value.o
+$(U)/test_%.f90: test_%.pf $(RUNNER)/pf.py
+	@mkdir -p $(U); python3 $(RUNNER)/pf.py test $< $@
 $(U)/driver.f90: FORCE
 	@mkdir -p $(U); python3 $(RUNNER)/pf.py driver $@.new $(PF)
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+else
+include $(wildcard $(PFUNIT)/PFUNIT-*/include/PFUNIT.mk)
+TESTF += -cpp -Wno-unused-label
 $(U)/test_%.f90: test_%.pf $(RUNNER)/pf.py
-	@mkdir -p $(U); python3 $(RUNNER)/pf.py test $< $@
-$(U)/%.o: $(U)/%.f90 $(U)/funit.o
-	@$(FC) $(TESTF) $(OPT) $(INCLUDE) -I$(B) -J$(U) -c $< -o $@
-$(U)/driver.o: $(TESTS)
-$(U)/funit.o $(U)/funit_value.o: $(U)/%.o: $(RUNNER)/%.f90 $(B)/flags
-	@mkdir -p $(U); $(FC) $(TESTF) $(OPT) -J$(U) -c $< -o $@
-$(U)/funit.o: $(U)/funit_value.o
+	@mkdir -p $(U); python3 $(RUNNER)/pf.py join $< $(U)/$(<F)
+	@$(PFUNIT_BIN_DIR)/funitproc -quiet $(U)/$(<F) $@
+$(U)/driver.f90: FORCE
+	@printf '%s\n' $(patsubst %,'ADD_TEST_SUITE(%_suite)',$(basename $(notdir $(PF)))) > $(U)/suites.inc
+	@printf '%s\n' '#define _TEST_SUITES "$(abspath $(U))/suites.inc"' '#include "driver.F90"' > $@
+$(U)/funit.o:
+	@mkdir -p $(U); touch $(U)/none.f90; $(FC) -c $(U)/none.f90 -o $@
+endif
 
+# --- Tests -------------------------------------------------------------------------------------
+.PHONY: check tests deck_errors post_tests patch setup
+setup:
+	@tools/setup.sh
+check: setup
+	@$(MAKE) tests
+tests:
+	@for goal in $(B)/bezel runner unit deck_errors post_tests patch; do $(MAKE) $$goal || exit 1; done
+deck_errors: $(B)/bezel
+	@$(PYTHON) verification/deck_errors/run.py --bezel $<
+post_tests:
+	@$(PYTHON) -W error::DeprecationWarning:post -m unittest discover -q -s post/tests -t .
+patch: $(B)/bezel
+	@$(PYTHON) verification/verify.py --bezel $< --out $(B)/verify \
+	  $(patsubst verification/patch/%/expect.toml,--case %,$(wildcard verification/patch/*/expect.toml))
+
+.PHONY: verify verify-all bench demo
+verify: setup
+	@$(MAKE) $(B)/bezel
+	@$(PYTHON) verification/verify.py --bezel $(B)/bezel
+verify-all: setup
+	@$(MAKE) $(B)/bezel
+	@$(PYTHON) verification/verify.py --bezel $(B)/bezel --all
+demo: setup
+	@$(MAKE) $(B)/bezel
+	@$(PYTHON) -m post.figures.demo --bezel $(B)/bezel --out $(BUILD)/demo
+
+# Programs that time a part, verification/performance/<part>/bench_<part>.f90, then the decks.
+BENCH := $(patsubst verification/performance/%.f90,$(B)/%,$(wildcard verification/performance/*/bench_*.f90))
+bench: setup
+	@$(MAKE) $(B)/bezel $(BENCH) && for b in $(BENCH); do $$b || exit 1; done
+	@[ ! -f verification/performance/bench.py ] || $(PYTHON) verification/performance/bench.py --bezel $(B)/bezel
+$(BENCH): $(B)/%: verification/performance/%.f90 $(B)/libbezel.a
+	@mkdir -p $(@D); $(FC) -std=f2008 $(WARN) $(OPT) -J$(@D) -I$(B) $^ $(LIBS) -o $@
+
+# The same tests with a build that looks for mistakes; coverage prints the lines that ran.
+.PHONY: debug sanitize coverage
+debug sanitize: setup
+	@$(MAKE) KIND=$@ tests
+coverage:
+	@tools/setup.sh dev
+	@find $(BUILD)/coverage -name '*.gcda' -delete 2>/dev/null || true
+	@$(MAKE) KIND=coverage tests
+	@.venv/bin/gcovr --root . --filter src/ --object-directory $(BUILD)/coverage --gcov-ignore-parse-errors --txt
+
+# --- Style and documents -----------------------------------------------------------------------
+.PHONY: lint format doc manual clean help
+PYTHONS := post tools verification
+lint:
+	@tools/setup.sh dev
+	@.venv/bin/fortitude check --config-file fortitude.toml src
+	@.venv/bin/ruff check $(PYTHONS) && .venv/bin/ruff format --check $(PYTHONS)
+	@awk -v strict=1 -f src/depend.awk $(SOURCES) > /dev/null
+	@$(PYTHON) tools/format.py --diff src
+format:
+	@tools/setup.sh dev
+	@$(PYTHON) tools/format.py src && .venv/bin/ruff format $(PYTHONS)
+doc:
+	@tools/setup.sh dev
+	@.venv/bin/ford --quiet --output_dir $(abspath $(BUILD))/doc doc/ford.md && echo "  $(BUILD)/doc/index.html"
+manual: $(B)/bezel
+	@$(PYTHON) tools/manual.py --bezel $<
+clean:
+	@rm -rf $(BUILD)
+
+#: make               $(BUILD)/release/bezel
+#: make check         unit tests, deck errors, tests of post, patch tests: what a commit must pass
+#: make unit T=word   the unit tests whose path has the word, and what they need
+#: make verify        patch tests and quick benchmarks; verify-all: every one
+#: make demo          runs a deck, draws its figure, says where it is
+#: make bench         times the parts and the program, beside the record
+#: make debug | sanitize | coverage   the tests with checks, with sanitizers, with lines counted
+#: make lint | format                 style, layers; write the formatting
+#: make doc | manual                  pages into $(BUILD)/doc; every deck word has a page and an example
+#: make clean         removes $(BUILD)/
+#:
+#: check, demo and verify install what is missing where they may (apt, pip); else they name it.
+#: Variables: J= jobs ($(J)), BUILD= folder of builds, NATIVE=1 for this processor, FC= compiler,
+#: PFUNIT= a pFUnit 4.14 to run the unit tests under, MUMPS_DIR= METIS_DIR= HDF5_DIR= prefixes,
+#: MUMPS_LIBS= names to link, LDFLAGS= more of them.
 help:
-	@sed -n 's/^#: //p' Makefile
-#: make                   build/release/bezel
+	@sed -n 's/^#: \{0,1\}//p' Makefile | sed 's|$$(BUILD)|$(BUILD)|g; s|$$(J)|$(J)|g'

@@ -1,5 +1,6 @@
 # Module dependencies for make, and the layer gate: fails on a file that uses a module of a higher layer.
-# usage: awk -v b=BUILD_FOLDER -f depend.awk src/*/*.f90 [verification/unit/*/*.pf] > depend.mk
+# With -v strict=1 also on a file that is not named after its module.
+# usage: awk -v b=FOLDER [-v u=FOLDER_OF_TESTS] -f depend.awk src/*/*.f90 [verification/unit/*/*.pf] > depend.mk
 BEGIN {
   n = split("base math deck model materials elements contact algebra setup solution output commands main test", order, " ")
   for (i = 1; i <= n; i++) level[order[i]] = i
@@ -24,7 +25,7 @@ FNR == 1 {
 function complain(text) { print FILENAME ": " text > "/dev/stderr"; failed = 1 }
 function define(name) {
   if (name in home) complain("module " name " is also in " home[name])
-  if (index(object, name) != 1) complain("holds module " name ": a file is named after its module")
+  if (strict && index(object, name) != 1) complain("holds module " name ": a file is named after its module")
   home[name] = FILENAME
 }
 END {
@@ -35,8 +36,7 @@ END {
       FILENAME = file; complain("uses " name " from a higher layer (" layer_of[home[name]] ")")
     }
     suffix = (parent[object_of[file]] == name) ? ".o" : ".mod"
-    folder = (layer_of[file] == "test") ? "/unit/" : "/"
-    print b folder object_of[file] ".o: " b "/" (suffix == ".o" ? object_of[home[name]] : name) suffix
+    print (layer_of[file] == "test" ? u : b) "/" object_of[file] ".o: " b "/" (suffix == ".o" ? object_of[home[name]] : name) suffix
     print b "/" name ".mod: " b "/" object_of[home[name]] ".o"
   }
   exit failed

@@ -1,0 +1,148 @@
+#!/bin/sh
+# Bring a machine to where `make check` and `make demo` run; quick and silent when nothing is missing.
+# usage: tools/setup.sh            compiler, libraries, Python packages of `post` in .venv
+#        tools/setup.sh dev        and the tools of `make lint`, `make coverage`, `make doc`
+#        tools/setup.sh libraries  only look, install nothing; says what is missing
+# With apt and the right to use it (root, or sudo) missing packages are installed; otherwise one
+# sentence names them, and this ends with 1.
+set -eu
+cd "$(dirname "$0")/.."
+unset MAKEFLAGS MFLAGS MAKELEVEL 2>/dev/null || true
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+APT='gfortran make pkg-config libmumps-seq-dev libmetis-dev libhdf5-dev libopenblas-dev
+     python3 python3-venv libgl1 libegl1 libosmesa6 libxrender1'
+
+# --- What is missing ---------------------------------------------------------------------------
+
+has() { command -v "$1" >/dev/null 2>&1; }
+
+# A program that includes $2 links with $1 and the folders that the Makefile found.
+links() {
+  printf '%s\nend\n' "$2" > "$work/try.f90"
+  # shellcheck disable=SC2086
+  $FC $INCLUDE "$work/try.f90" $folders $1 -J"$work" -o "$work/try" >/dev/null 2>&1
+}
+
+missing_libraries() {
+  eval "$(make -s settings)"
+  folders=$(printf '%s\n' $LIBS | grep '^-L' || true)
+  links "$LIBS" "use hdf5
+include 'dmumps_struc.h'
+include 'smumps_struc.h'" && return
+  links '' "include 'dmumps_struc.h'" && links "$MUMPS_LIBS -lopenblas" '' || echo mumps
+  links -lmetis '' || echo metis
+  links '-lhdf5_fortran -lhdf5' 'use hdf5' || echo hdf5
+  links -lopenblas '' || echo openblas
+}
+
+# A Python that can make a virtual environment; Debian has venv in a package of its own.
+find_python() {
+  for name in python3 python3.14 python3.13 python3.12 python3.11 /usr/bin/python3; do
+    if has "$name" && "$name" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+      echo "$name"
+      return
+    fi
+  done
+}
+
+missing_program() {
+  has make || { echo make; return; }
+  has "${FC:-gfortran}" || { echo gfortran; return; }
+  missing_libraries
+}
+
+missing_python() {
+  [ -x .venv/bin/python ] && .venv/bin/python -c '' 2>/dev/null || [ -n "$(find_python)" ] || echo python
+  if has ldconfig || [ -x /sbin/ldconfig ]; then
+    PATH=$PATH:/sbin ldconfig -p > "$work/libraries"
+    for name in libGL.so.1 libEGL.so.1 libOSMesa.so libXrender.so.1; do
+      grep -q "$name" "$work/libraries" || { echo pictures; return; }
+    done
+  fi
+}
+
+# The names of a thing in the package collections.
+names() {
+  case $1 in
+    make)     echo 'make|make|make|make|make' ;;
+    gfortran) echo 'the Fortran compiler|gfortran|gcc-gfortran|gfortran|gcc languages=fortran' ;;
+    mumps)    echo 'MUMPS without MPI|libmumps-seq-dev|MUMPS-devel|mumps-seq|mumps~mpi' ;;
+    metis)    echo 'METIS|libmetis-dev|metis-devel|metis|metis' ;;
+    hdf5)     echo 'HDF5 with Fortran|libhdf5-dev|hdf5-devel|hdf5|hdf5+fortran~mpi' ;;
+    openblas) echo 'OpenBLAS|libopenblas-dev|openblas-devel|openblas|openblas' ;;
+    python)   echo 'Python 3.11 with venv|python3-venv|python3|python|python' ;;
+    pictures) echo 'OpenGL for pictures|libgl1 libegl1 libosmesa6 libxrender1|mesa-libGL mesa-libEGL mesa-libOSMesa libXrender|mesalib|mesa' ;;
+  esac
+}
+
+complain() {
+  what='' apt='' dnf='' conda='' spack=''
+  for item; do
+    row=$(names "$item")
+    what="$what${what:+, }$(echo "$row" | cut -d'|' -f1)"
+    apt="$apt $(echo "$row" | cut -d'|' -f2)"; dnf="$dnf $(echo "$row" | cut -d'|' -f3)"
+    conda="$conda $(echo "$row" | cut -d'|' -f4)"; spack="$spack $(echo "$row" | cut -d'|' -f5)"
+  done
+  cat >&2 <<TEXT
+missing: $what; install with one of
+  apt install$apt
+  dnf install$dnf
+  conda install -c conda-forge$conda
+  spack install$spack
+(or load modules of your cluster); MUMPS_DIR= METIS_DIR= HDF5_DIR= name folders, MUMPS_LIBS= other library names: make help
+TEXT
+  exit 1
+}
+
+# --- Getting it --------------------------------------------------------------------------------
+
+apt_install() {
+  has apt-get || return 0
+  sudo=
+  if [ "$(id -u)" != 0 ]; then
+    if has sudo && { sudo -n true 2>/dev/null || [ -t 0 ]; }; then sudo=sudo; else return 0; fi
+  fi
+  echo "installing packages with apt: this is done once"
+  # shellcheck disable=SC2086
+  { $sudo env DEBIAN_FRONTEND=noninteractive apt-get -q update &&
+    $sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $APT; } \
+    > "$work/apt.log" 2>&1 < /dev/null || { tail -n 5 "$work/apt.log" >&2; echo 'apt could not install them' >&2; }
+}
+
+# Packages that $1 pins, into .venv; a copy of the list there says that they are in.
+pip_install() {
+  copy=.venv/$(basename "$1")
+  cmp -s "$1" "$copy" && return
+  echo "installing Python packages of $1 into .venv: this is done once"
+  if ! .venv/bin/python -m pip install --quiet --disable-pip-version-check --requirement "$1" < /dev/null; then
+    echo "missing: the Python packages of $1; pip could not install them into .venv (is there a network?)" >&2
+    exit 1
+  fi
+  cp "$1" "$copy"
+}
+
+case ${1:-} in
+  libraries)
+    lack=$(missing_program)
+    # shellcheck disable=SC2086
+    [ -z "$lack" ] || complain $lack ;;
+  '' | dev)
+    lack=$(missing_program; missing_python)
+    if [ -n "$lack" ]; then
+      apt_install
+      lack=$(missing_program; missing_python)
+    fi
+    # shellcheck disable=SC2086
+    [ -z "$lack" ] || complain $lack
+    if ! .venv/bin/python -c '' 2>/dev/null; then
+      rm -rf .venv
+      "$(find_python)" -m venv .venv
+    fi
+    pip_install post/requirements.txt
+    [ "${1:-}" != dev ] || pip_install tools/requirements-dev.txt ;;
+  *)
+    sed -n '2,7s/^# //p' "$0"
+    exit 1 ;;
+esac
