@@ -109,7 +109,7 @@ $(U)/run: FORCE $(TESTS) $(U)/driver.o $(if $(T),,$(B)/libbezel.a)
 	@$(FC) $(OPT) $(U)/driver.o $(TESTS) $(U)/lib.a $(PFUNIT_LIBRARIES) $(LIBS) -o $@
 $(U)/test_%.o: $(U)/test_%.f90 $(U)/funit.o
 	@$(FC) $(TESTF) $(OPT) $(INCLUDE) $(PFUNIT_EXTRA_FFLAGS) -I$(B) -J$(U) -c $< -o $@
-$(U)/driver.o: $(U)/driver.f90 $(TESTS)
+$(U)/driver.o: $(U)/driver.f90 $(TESTS) $(U)/funit.o
 	@$(FC) $(TESTF) $(OPT) $(PFUNIT_EXTRA_FFLAGS) -J$(U) -c $< -o $@
 ifndef PFUNIT
 $(U)/funit_value.o $(U)/funit.o: $(U)/%.o: $(RUNNER)/%.f90 $(B)/flags

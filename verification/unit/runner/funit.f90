@@ -2,7 +2,7 @@
 !!
 !! A failed assertion is remembered; the translated test returns right after it (anyExceptions).
 module funit
-  use funit_value, only: flat_t, flat, length, entry, difference, place, shape_text, text_of, short, &
+  use funit_value, only: flat_t, flat, length, entry, difference, place, shape_text, text_of, brief, &
                          OTHER, WHOLE, REALS, TRUTH, WORDS
   use, intrinsic :: iso_fortran_env, only: dp => real64, sp => real32, i8 => int64, output_unit
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_is_finite
@@ -275,7 +275,7 @@ contains
       end if
     end if
     bound = ''
-    if (tolerance > 0.0_dp) bound = ', tolerance '//short(tolerance)
+    if (tolerance > 0.0_dp) bound = ', tolerance '//brief(tolerance)
     do i = 1, length(a)
       if (holds(relation, e, a, merge(1, i, size(e%extent) == 0), i, tolerance)) cycle
       call fail('expected '//relation//' '//entry(e, merge(1, i, size(e%extent) == 0))//', found '//entry(a, i)// &

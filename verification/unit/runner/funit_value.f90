@@ -6,7 +6,7 @@ module funit_value
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   implicit none
   private
-  public :: flat_t, flat, length, entry, difference, place, shape_text, text_of, short
+  public :: flat_t, flat, length, entry, difference, place, shape_text, text_of, brief
 
   integer, parameter, public :: OTHER = 0, WHOLE = 1, REALS = 2, TRUTH = 3, WORDS = 4
 
@@ -141,7 +141,7 @@ contains
 
     text = ''
     if (a%kind > REALS) return
-    if (ieee_is_finite(e%x(i)) .and. ieee_is_finite(a%x(j))) text = ', difference '//short(a%x(j) - e%x(i))
+    if (ieee_is_finite(e%x(i)) .and. ieee_is_finite(a%x(j))) text = ', difference '//brief(a%x(j) - e%x(i))
   end function difference
 
   !> Indices of the i-th entry.
@@ -185,13 +185,13 @@ contains
     text = trim(adjustl(buffer))
   end function text_of
 
-  function short(x) result(text)
+  function brief(x) result(text)
     real(dp), intent(in) :: x
     character(:), allocatable :: text
     character(12) :: buffer
 
     write (buffer, '(es12.2e3)') x
     text = trim(adjustl(buffer))
-  end function short
+  end function brief
 
 end module funit_value
