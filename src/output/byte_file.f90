@@ -1,0 +1,221 @@
+!> Files written through C's streams, because a Fortran write to a full disk fails in silence
+!! (libgfortran 12 returns iostat 0 from write, flush and close).
+module byte_file
+  use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_ptr, c_null_ptr, c_null_char, &
+    c_loc, c_associated, c_f_pointer
+  use base_error, only: error_t, fail, SYSTEM_ERROR
+  implicit none
+  private
+  public :: byte_file_t, open_bytes, write_text, write_bytes, flush_bytes, close_bytes
+  public :: replace_file, remove_file, write_whole, reason
+
+  !> An open stream.
+  type :: byte_file_t
+    character(:), allocatable :: path
+    type(c_ptr), private :: stream = c_null_ptr
+  end type byte_file_t
+
+  interface
+    function c_fopen(path, mode) bind(C, name='fopen') result(stream)
+      import :: c_ptr, c_char
+      implicit none
+      character(kind=c_char), intent(in) :: path(*), mode(*)
+      type(c_ptr) :: stream
+    end function c_fopen
+
+    function c_fwrite(buffer, size, count, stream) bind(C, name='fwrite') result(done)
+      import :: c_ptr, c_size_t
+      implicit none
+      type(c_ptr), value :: buffer, stream
+      integer(c_size_t), value :: size, count
+      integer(c_size_t) :: done
+    end function c_fwrite
+
+    function c_fflush(stream) bind(C, name='fflush') result(status)
+      import :: c_ptr, c_int
+      implicit none
+      type(c_ptr), value :: stream
+      integer(c_int) :: status
+    end function c_fflush
+
+    function c_fclose(stream) bind(C, name='fclose') result(status)
+      import :: c_ptr, c_int
+      implicit none
+      type(c_ptr), value :: stream
+      integer(c_int) :: status
+    end function c_fclose
+
+    function c_rename(from, to) bind(C, name='rename') result(status)
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: from(*), to(*)
+      integer(c_int) :: status
+    end function c_rename
+
+    function c_remove(path) bind(C, name='remove') result(status)
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int) :: status
+    end function c_remove
+
+    function c_errno() bind(C, name='__errno_location') result(place)
+      import :: c_ptr
+      implicit none
+      type(c_ptr) :: place
+    end function c_errno
+
+    function c_strerror(number) bind(C, name='strerror') result(text)
+      import :: c_ptr, c_int
+      implicit none
+      integer(c_int), value :: number
+      type(c_ptr) :: text
+    end function c_strerror
+
+    pure function c_strlen(text) bind(C, name='strlen') result(length)
+      import :: c_ptr, c_size_t
+      implicit none
+      type(c_ptr), value :: text
+      integer(c_size_t) :: length
+    end function c_strlen
+  end interface
+
+contains
+
+  !> Open for writing: anew, or at the end of what is there.
+  subroutine open_bytes(file, path, appends, error)
+    type(byte_file_t), intent(out) :: file
+    character(*), intent(in) :: path
+    logical, intent(in) :: appends
+    type(error_t), allocatable, intent(out) :: error
+
+    file%path = path
+    file%stream = c_fopen(path // c_null_char, merge('ab', 'wb', appends) // c_null_char)
+    if (.not. c_associated(file%stream)) call refuse('create', path, error)
+  end subroutine open_bytes
+
+  subroutine write_text(file, text, error)
+    type(byte_file_t), intent(in) :: file
+    character(*), intent(in), target :: text
+    type(error_t), allocatable, intent(out) :: error
+
+    if (len(text) > 0) call write_bytes(file, c_loc(text), int(len(text), c_size_t), error)
+  end subroutine write_text
+
+  subroutine write_bytes(file, buffer, count, error)
+    type(byte_file_t), intent(in) :: file
+    type(c_ptr), intent(in) :: buffer
+    integer(c_size_t), intent(in) :: count
+    type(error_t), allocatable, intent(out) :: error
+
+    if (count == 0) return
+    if (c_fwrite(buffer, 1_c_size_t, count, file%stream) /= count) then
+      call refuse('write', file%path, error)
+    end if
+  end subroutine write_bytes
+
+  !> Give everything to the operating system: it survives the end of the program.
+  subroutine flush_bytes(file, error)
+    type(byte_file_t), intent(in) :: file
+    type(error_t), allocatable, intent(out) :: error
+
+    if (c_fflush(file%stream) /= 0) call refuse('write', file%path, error)
+  end subroutine flush_bytes
+
+  subroutine close_bytes(file, error)
+    type(byte_file_t), intent(inout) :: file
+    type(error_t), allocatable, intent(out) :: error
+
+    if (.not. c_associated(file%stream)) return
+    if (c_fclose(file%stream) /= 0) call refuse('write', file%path, error)
+    file%stream = c_null_ptr
+  end subroutine close_bytes
+
+  !> Give a finished file its name; what had the name is gone at the same instant.
+  subroutine replace_file(from, to, error)
+    character(*), intent(in) :: from, to
+    type(error_t), allocatable, intent(out) :: error
+
+    if (c_rename(from // c_null_char, to // c_null_char) /= 0) call refuse('replace', to, error)
+  end subroutine replace_file
+
+  !> Remove a file; none of that name is fine.
+  subroutine remove_file(path)
+    character(*), intent(in) :: path
+    integer(c_int) :: status
+
+    status = c_remove(path // c_null_char)
+  end subroutine remove_file
+
+  !> A small file in one go, beside its name and renamed: it is there whole or not at all.
+  subroutine write_whole(path, text, error)
+    character(*), intent(in) :: path, text
+    type(error_t), allocatable, intent(out) :: error
+    type(byte_file_t) :: file
+
+    call open_bytes(file, path // '.part', .false., error)
+    if (allocated(error)) return
+    call write_text(file, text, error)
+    if (.not. allocated(error)) call close_bytes(file, error)
+    if (.not. allocated(error)) call replace_file(path // '.part', path, error)
+    if (allocated(error)) call remove_file(path // '.part')
+  end subroutine write_whole
+
+  !> Why a library could not write or read a file, found by trying: ': no space left on device',
+  !! or nothing where the system finds no fault.
+  function reason(path, writes) result(text)
+    character(*), intent(in) :: path
+    logical, intent(in) :: writes
+    character(:), allocatable :: text
+    type(byte_file_t) :: probe
+    type(error_t), allocatable :: error
+
+    text = ''
+    probe%stream = c_fopen(path // c_null_char, merge('r+', 'rb', writes) // c_null_char)
+    if (.not. c_associated(probe%stream)) text = last_reason()
+    call close_bytes(probe, error)
+    if (.not. writes) return
+    probe%path = path // '.probe'
+    probe%stream = c_fopen(probe%path // c_null_char, 'wb' // c_null_char)
+    if (.not. c_associated(probe%stream)) then
+      text = last_reason()
+      return
+    end if
+    call write_text(probe, repeat(' ', 65536), error)
+    if (.not. allocated(error)) call flush_bytes(probe, error)
+    if (allocated(error)) text = last_reason()
+    call close_bytes(probe, error)
+    call remove_file(path // '.probe')
+  end function reason
+
+  !> The system's words for the last failure.
+  function last_reason() result(text)
+    character(:), allocatable :: text
+    integer(c_int), pointer :: number
+    character(kind=c_char), pointer :: words(:)
+    type(c_ptr) :: place
+    integer :: i
+
+    call c_f_pointer(c_errno(), number)
+    place = c_strerror(number)
+    call c_f_pointer(place, words, [c_strlen(place)])
+    allocate (character(size(words)) :: text)
+    do i = 1, size(words)
+      text(i:i) = words(i)
+    end do
+    if (len(text) > 1) then
+      if (text(1:1) >= 'A' .and. text(1:1) <= 'Z') text(1:1) = achar(iachar(text(1:1)) + 32)
+    end if
+    text = ': ' // text
+  end function last_reason
+
+  subroutine refuse(verb, path, error)
+    character(*), intent(in) :: verb, path
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: why
+
+    why = last_reason()
+    call fail(error, SYSTEM_ERROR, 'cannot ' // verb // ' ''' // path // '''' // why)
+  end subroutine refuse
+
+end module byte_file

@@ -1,0 +1,188 @@
+!> The report of a run: `<stem>.report.json`, with the keys of the manual's page on files.
+module report_file
+  use base_kinds, only: wp
+  use base_error, only: error_t
+  use byte_file, only: write_whole
+  use json_text, only: json_string, json_number, json_member, json_object
+  implicit none
+  private
+  public :: report_t, named_count_t, named_real_t, curve_row_t, write_report, add_count, add_real, &
+    add_curve
+
+  type :: named_count_t
+    character(:), allocatable :: name
+    integer :: n = 0
+  end type named_count_t
+
+  type :: named_real_t
+    character(:), allocatable :: name
+    real(wp) :: value = 0.0_wp
+  end type named_real_t
+
+  !> Last row of a curve.
+  type :: curve_row_t
+    character(:), allocatable :: name
+    type(named_real_t), allocatable :: column(:)
+  end type curve_row_t
+
+  type :: report_t
+    character(:), allocatable :: version, deck
+    character(12) :: status = 'failed'  !! done no_solution stopped failed
+    integer :: exit_code = 70
+    integer :: steps = 0, iterations = 0, cutbacks = 0
+    integer :: dofs = 0                 !! constrained ones too
+    integer :: equations = 0
+    integer :: negative_pivots = 0      !! of the last factorisation
+    real(wp) :: peak_memory_mb = 0.0_wp
+    type(named_count_t), allocatable :: element(:)
+    type(named_real_t), allocatable :: seconds(:)
+    type(curve_row_t), allocatable :: final(:)
+  end type report_t
+
+contains
+
+  subroutine write_report(path, report, error)
+    character(*), intent(in) :: path
+    type(report_t), intent(in) :: report
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: text
+    character(*), parameter :: SEP = ',' // new_line('a') // '  '
+
+    text = '{' // new_line('a') // '  ' // &
+      json_member('version', json_string(given(report%version))) // SEP // &
+      json_member('deck', json_string(given(report%deck))) // SEP // &
+      json_member('status', json_string(trim(report%status))) // SEP // &
+      json_member('exit_code', json_number(report%exit_code)) // SEP // &
+      json_member('steps', json_number(report%steps)) // SEP // &
+      json_member('iterations', json_number(report%iterations)) // SEP // &
+      json_member('cutbacks', json_number(report%cutbacks)) // SEP // &
+      json_member('dofs', json_number(report%dofs)) // SEP // &
+      json_member('equations', json_number(report%equations)) // SEP // &
+      json_member('elements', counts(report)) // SEP // &
+      json_member('negative_pivots', json_number(report%negative_pivots)) // SEP // &
+      json_member('seconds', seconds(report)) // SEP // &
+      json_member('peak_memory_mb', json_number(report%peak_memory_mb)) // SEP // &
+      json_member('final', finals(report)) // new_line('a') // '}' // new_line('a')
+    call write_whole(path, text, error)
+  end subroutine write_report
+
+  !> Count elements of a type; those of one name are added up.
+  subroutine add_count(list, name, n)
+    type(named_count_t), allocatable, intent(inout) :: list(:)
+    character(*), intent(in) :: name
+    integer, intent(in) :: n
+    type(named_count_t), allocatable :: longer(:)
+    integer :: i
+
+    if (.not. allocated(list)) allocate (list(0))
+    do i = 1, size(list)
+      if (list(i)%name == name) then
+        list(i)%n = list(i)%n + n
+        return
+      end if
+    end do
+    allocate (longer(size(list) + 1))
+    longer(:size(list)) = list
+    longer(size(longer))%name = name
+    longer(size(longer))%n = n
+    call move_alloc(longer, list)
+  end subroutine add_count
+
+  subroutine add_real(list, name, value)
+    type(named_real_t), allocatable, intent(inout) :: list(:)
+    character(*), intent(in) :: name
+    real(wp), intent(in) :: value
+    type(named_real_t), allocatable :: longer(:)
+
+    if (.not. allocated(list)) allocate (list(0))
+    allocate (longer(size(list) + 1))
+    longer(:size(list)) = list
+    longer(size(longer))%name = name
+    longer(size(longer))%value = value
+    call move_alloc(longer, list)
+  end subroutine add_real
+
+  !> Last row of a curve, with the names of its columns.
+  subroutine add_curve(list, name, columns, values)
+    type(curve_row_t), allocatable, intent(inout) :: list(:)
+    character(*), intent(in) :: name
+    character(*), intent(in) :: columns(:)
+    real(wp), intent(in) :: values(:)
+    type(curve_row_t), allocatable :: longer(:)
+    integer :: i, n
+
+    if (.not. allocated(list)) allocate (list(0))
+    n = size(list) + 1
+    allocate (longer(n))
+    longer(:n - 1) = list
+    longer(n)%name = name
+    do i = 1, size(columns)
+      call add_real(longer(n)%column, trim(columns(i)), values(i))
+    end do
+    call move_alloc(longer, list)
+  end subroutine add_curve
+
+  function counts(report) result(json)
+    type(report_t), intent(in) :: report
+    character(:), allocatable :: json
+    integer :: i
+
+    json = ''
+    if (allocated(report%element)) then
+      do i = 1, size(report%element)
+        if (i > 1) json = json // ', '
+        json = json // json_member(report%element(i)%name, json_number(report%element(i)%n))
+      end do
+    end if
+    json = json_object(json)
+  end function counts
+
+  function seconds(report) result(json)
+    type(report_t), intent(in) :: report
+    character(:), allocatable :: json
+
+    json = '{}'
+    if (allocated(report%seconds)) json = reals(report%seconds)
+  end function seconds
+
+  function finals(report) result(json)
+    type(report_t), intent(in) :: report
+    character(:), allocatable :: json
+    integer :: i
+
+    json = ''
+    if (allocated(report%final)) then
+      do i = 1, size(report%final)
+        if (i > 1) json = json // ', '
+        if (allocated(report%final(i)%column)) then
+          json = json // json_member(report%final(i)%name, reals(report%final(i)%column))
+        else
+          json = json // json_member(report%final(i)%name, '{}')
+        end if
+      end do
+    end if
+    json = json_object(json)
+  end function finals
+
+  pure function reals(list) result(json)
+    type(named_real_t), intent(in) :: list(:)
+    character(:), allocatable :: json
+    integer :: i
+
+    json = ''
+    do i = 1, size(list)
+      if (i > 1) json = json // ', '
+      json = json // json_member(list(i)%name, json_number(list(i)%value))
+    end do
+    json = json_object(json)
+  end function reals
+
+  pure function given(text)
+    character(:), allocatable, intent(in) :: text
+    character(:), allocatable :: given
+
+    given = ''
+    if (allocated(text)) given = text
+  end function given
+
+end module report_file

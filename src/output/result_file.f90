@@ -1,0 +1,91 @@
+!> Fields of the steps that are to be seen: `<stem>.vtkhdf`, and `<stem>.pvd` with its `.vtu` files.
+module result_file
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, DECK_ERROR
+  use program_version, only: VERSION
+  use model, only: model_t, state_t
+  use view, only: view_t, build_view, map_field
+  use fields, only: field_t, known_fields, is_field, collect_fields
+  use vtkhdf_file, only: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf
+  use vtu_file, only: vtu_series_t, open_series, append_series
+  implicit none
+  private
+  public :: result_file_t, open_result, choose_fields, write_result, close_result
+
+  type :: result_file_t
+    type(view_t) :: view
+    type(vtkhdf_t) :: hdf
+    type(vtu_series_t) :: series
+    character(16), allocatable :: wanted(:) !! fields, in the order of known_fields
+  end type result_file_t
+
+contains
+
+  !> Prepare the picture; the files come with the first step. Files of that name go; a run that
+  !! goes on keeps their steps up to number `keep`.
+  subroutine open_result(result, stem, model, deck_text, error, keep)
+    type(result_file_t), intent(inout) :: result !! fields may be chosen before
+    character(*), intent(in) :: stem             !! folder and name
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: deck_text
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(in), optional :: keep        !! number of a step of the analysis
+    type(run_info_t) :: info
+    real(wp), allocatable :: xr(:, :)
+
+    info%version = VERSION
+    info%deck = deck_text
+    info%title = ''
+    if (allocated(model%title)) info%title = model%title
+    call build_view(model, result%view)
+    allocate (xr(3, result%view%npoint))
+    call map_field(result%view, model%mesh%xr, xr)
+    if (.not. allocated(result%wanted)) result%wanted = known_fields()
+    call open_series(result%series, stem, keep)
+    call open_vtkhdf(result%hdf, stem // '.vtkhdf', result%view, xr, info, error, keep)
+    if (allocated(error)) return
+    if (allocated(result%hdf%names)) result%wanted = result%hdf%names
+  end subroutine open_result
+
+  !> OUTPut's fields; none: all. To be said before the first step is written.
+  subroutine choose_fields(result, words, error)
+    type(result_file_t), intent(inout) :: result
+    character(*), intent(in) :: words(:)
+    type(error_t), allocatable, intent(out) :: error
+    character(16) :: known(size(known_fields()))
+    integer :: i
+
+    known = known_fields()
+    do i = 1, size(words)
+      if (is_field(words(i))) cycle
+      call fail(error, DECK_ERROR, 'unknown field ''' // trim(words(i)) // '''', &
+        hint='known fields: displacement stress mises pressure reaction')
+      return
+    end do
+    result%wanted = pack(known, [(size(words) == 0 .or. any(words == known(i)), i=1, size(known))])
+  end subroutine choose_fields
+
+  !> Write a step to both kinds of file; one of the number of the last is written over it.
+  subroutine write_result(result, model, state, error)
+    type(result_file_t), intent(inout) :: result
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(error_t), allocatable, intent(out) :: error
+    type(field_t), allocatable :: field(:)
+
+    call collect_fields(model, state, result%view, result%wanted, field)
+    call append_vtkhdf(result%hdf, result%view, state%step, state%time, field, error)
+    if (allocated(error)) return
+    call append_series(result%series, result%view, result%hdf%xr, state%step, state%time, field, &
+      error)
+  end subroutine write_result
+
+  !> To be called once at the end of a run, however it ends.
+  subroutine close_result(result, error)
+    type(result_file_t), intent(inout) :: result
+    type(error_t), allocatable, intent(out) :: error
+
+    call close_vtkhdf(result%hdf, result%view, error)
+  end subroutine close_result
+
+end module result_file

@@ -1,0 +1,172 @@
+!> Points of the picture as combinations of nodes; two equal combinations are one point.
+module view_points
+  use base_kinds, only: wp, i8
+  implicit none
+  private
+  public :: point_list_t, add_point, finish_points
+
+  real(wp), parameter :: SAME = 1.0e-10_wp  !! coefficients nearer than this are one [-]
+  real(wp), parameter :: NOTHING = 1.0e-12_wp !! share of the largest below which it is rounding [-]
+
+  type :: point_list_t
+    integer :: npoint = 0
+    integer, allocatable :: first(:)   !! (npoint+1) where a point's entries begin
+    integer, allocatable :: node(:)    !! ascending
+    real(wp), allocatable :: coef(:)   !! [-]
+    real(wp), allocatable :: weight(:) !! (npoint) rational weight [-]
+    integer, allocatable, private :: next(:), head(:) !! chains of points of one hash number
+  end type point_list_t
+
+contains
+
+  !> Number of the point with this combination, made where it is new.
+  subroutine add_point(list, node, coef, weight, id)
+    type(point_list_t), intent(inout) :: list
+    integer, intent(in) :: node(:)     !! may name a node twice
+    real(wp), intent(in) :: coef(:)
+    real(wp), intent(in) :: weight
+    integer, intent(out) :: id
+    integer :: n, slot
+    integer :: nodes(size(node))
+    real(wp) :: coefs(size(node))
+
+    call tidy(node, coef, nodes, coefs, n)
+    if (.not. allocated(list%first)) call start(list)
+    slot = hash(nodes(:n), size(list%head))
+    id = list%head(slot)
+    do while (id > 0)
+      if (is_same(list, id, nodes(:n), coefs(:n), weight)) return
+      id = list%next(id)
+    end do
+    if (list%npoint + 2 > size(list%first)) call grow_points(list)
+    if (list%first(list%npoint + 1) + n > size(list%node)) call grow_entries(list, n)
+    slot = hash(nodes(:n), size(list%head))
+    id = list%npoint + 1
+    list%npoint = id
+    list%first(id + 1) = list%first(id) + n
+    list%node(list%first(id):list%first(id + 1) - 1) = nodes(:n)
+    list%coef(list%first(id):list%first(id + 1) - 1) = coefs(:n)
+    list%weight(id) = weight
+    list%next(id) = list%head(slot)
+    list%head(slot) = id
+  end subroutine add_point
+
+  !> Cut the arrays to their contents.
+  subroutine finish_points(list)
+    type(point_list_t), intent(inout) :: list
+
+    if (.not. allocated(list%first)) call start(list)
+    list%first = list%first(:list%npoint + 1)
+    list%node = list%node(:list%first(list%npoint + 1) - 1)
+    list%coef = list%coef(:list%first(list%npoint + 1) - 1)
+    list%weight = list%weight(:list%npoint)
+    deallocate (list%next, list%head)
+  end subroutine finish_points
+
+  !> Ascending nodes, each once, without coefficients that are rounding.
+  pure subroutine tidy(node, coef, nodes, coefs, n)
+    integer, intent(in) :: node(:)
+    real(wp), intent(in) :: coef(:)
+    integer, intent(out) :: nodes(:)
+    real(wp), intent(out) :: coefs(:)
+    integer, intent(out) :: n
+    real(wp) :: limit
+    integer :: i, j
+
+    limit = NOTHING*maxval(abs(coef))
+    n = 0
+    do i = 1, size(node)
+      if (abs(coef(i)) <= limit) cycle
+      j = n
+      do while (j > 0)
+        if (nodes(j) <= node(i)) exit
+        j = j - 1
+      end do
+      if (j > 0) then
+        if (nodes(j) == node(i)) then
+          coefs(j) = coefs(j) + coef(i)
+          cycle
+        end if
+      end if
+      nodes(j + 2:n + 1) = nodes(j + 1:n)
+      coefs(j + 2:n + 1) = coefs(j + 1:n)
+      nodes(j + 1) = node(i)
+      coefs(j + 1) = coef(i)
+      n = n + 1
+    end do
+  end subroutine tidy
+
+  pure function hash(node, nslot) result(slot)
+    integer, intent(in) :: node(:)
+    integer, intent(in) :: nslot
+    integer :: slot
+    integer(i8) :: h
+    integer :: i
+
+    h = 17
+    do i = 1, size(node)
+      h = modulo(h*131071_i8 + node(i), 2147483629_i8)
+    end do
+    slot = 1 + int(modulo(h, int(nslot, i8)))
+  end function hash
+
+  pure function is_same(list, id, node, coef, weight)
+    type(point_list_t), intent(in) :: list
+    integer, intent(in) :: id
+    integer, intent(in) :: node(:)
+    real(wp), intent(in) :: coef(:)
+    real(wp), intent(in) :: weight
+    logical :: is_same
+    integer :: i, n
+
+    i = list%first(id)
+    n = list%first(id + 1) - i
+    is_same = n == size(node)
+    if (is_same) is_same = all(list%node(i:i + n - 1) == node)
+    if (is_same) is_same = all(abs(list%coef(i:i + n - 1) - coef) <= SAME)
+    if (is_same) is_same = abs(list%weight(id) - weight) <= SAME*abs(weight)
+  end function is_same
+
+  subroutine start(list)
+    type(point_list_t), intent(inout) :: list
+
+    allocate (list%first(1024), list%weight(1024), list%next(1024), list%head(1024))
+    allocate (list%node(8192), list%coef(8192))
+    list%first(1) = 1
+    list%head = 0
+  end subroutine start
+
+  subroutine grow_points(list)
+    type(point_list_t), intent(inout) :: list
+    integer :: id, slot, room
+
+    room = 2*size(list%first)
+    list%first = [list%first, list%first]
+    list%weight = [list%weight, list%weight]
+    list%next = [list%next, list%next]
+    deallocate (list%head)
+    allocate (list%head(room))
+    list%head = 0
+    do id = 1, list%npoint
+      slot = hash(list%node(list%first(id):list%first(id + 1) - 1), room)
+      list%next(id) = list%head(slot)
+      list%head(slot) = id
+    end do
+  end subroutine grow_points
+
+  subroutine grow_entries(list, n)
+    type(point_list_t), intent(inout) :: list
+    integer, intent(in) :: n
+    integer, allocatable :: node(:)
+    real(wp), allocatable :: coef(:)
+    integer :: used
+
+    used = list%first(list%npoint + 1) - 1
+    allocate (node(2*(used + n)), coef(2*(used + n)))
+    node(:used) = list%node(:used)
+    coef(:used) = list%coef(:used)
+    call move_alloc(node, list%node)
+    call move_alloc(coef, list%coef)
+  end subroutine grow_entries
+
+end module view_points

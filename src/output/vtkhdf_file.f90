@@ -1,0 +1,252 @@
+!> The result file `<stem>.vtkhdf`: fields of all steps over one geometry.
+!!
+!! A step is written into room that is there, given to the operating system, and only then counted
+!! (NSteps), so a run killed at any moment leaves all earlier steps readable. Where the room is
+!! used up the file is made anew beside itself with twice the room, and renamed. Closing cuts the
+!! room to the steps; a restart keeps the steps up to its checkpoint.
+module vtkhdf_file
+  use base_kinds, only: wp, i8
+  use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
+  use byte_file, only: replace_file, remove_file
+  use hdf5_file, only: hdf5_t, create_file, open_file, close_file, flush_file, put, get, &
+    put_attribute, get_attribute
+  use view, only: view_t
+  use fields, only: field_t, describe_field
+  use vtkhdf_layout, only: run_info_t, write_layout
+  implicit none
+  private
+  public :: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf
+
+  integer, parameter :: FIRST_ROOM = 8 !! steps
+
+  type :: vtkhdf_t
+    character(:), allocatable :: path
+    type(run_info_t) :: info
+    real(wp), allocatable :: xr(:, :)           !! (3, npoint) reference points of the picture
+    character(16), allocatable :: names(:)      !! fields; set by the first step
+    integer :: nstep = 0, room = 0
+    integer :: last_step = -1                   !! its number in the analysis
+  end type vtkhdf_t
+
+contains
+
+  !> Begin a result. The file is made with the first step; an old one goes, unless its steps up to
+  !! number `keep` stay.
+  subroutine open_vtkhdf(result, path, view, xr, info, error, keep)
+    type(vtkhdf_t), intent(out) :: result
+    character(*), intent(in) :: path
+    type(view_t), intent(in) :: view
+    real(wp), intent(in) :: xr(:, :) !! (3, npoint)
+    type(run_info_t), intent(in) :: info
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(in), optional :: keep
+    logical :: is_there
+
+    result%path = path
+    result%info = info
+    result%xr = xr
+    inquire (file=path, exist=is_there)
+    if (.not. is_there) return
+    if (present(keep)) then
+      call take_over(result, view, keep, error)
+    else
+      call remove_file(path)
+    end if
+  end subroutine open_vtkhdf
+
+  !> Write a step. One of the number of the last is written over it.
+  subroutine append_vtkhdf(result, view, step, time, field, error)
+    type(vtkhdf_t), intent(inout) :: result
+    type(view_t), intent(in) :: view
+    integer, intent(in) :: step
+    real(wp), intent(in) :: time
+    type(field_t), intent(in) :: field(:)
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: second
+    type(hdf5_t) :: file
+    integer :: k
+
+    if (.not. allocated(result%names)) result%names = field%name
+    if (size(field) /= size(result%names)) then
+      call refuse_change(error)
+    else if (any(field%name /= result%names)) then
+      call refuse_change(error)
+    end if
+    if (allocated(error)) return
+    k = result%nstep + merge(0, 1, result%nstep > 0 .and. step == result%last_step)
+    if (k > result%room) call rebuild(result, view, max(FIRST_ROOM, 2*result%room), error)
+    if (.not. allocated(error)) call open_file(file, result%path, .true., error)
+    if (allocated(error)) return
+    call write_step(file, result%names, view%npoint, k, step, time, field, error)
+    if (.not. allocated(error)) call flush_file(file, error)
+    if (.not. allocated(error)) call put_attribute(file, 'VTKHDF/Steps', 'NSteps', [k], error)
+    if (allocated(error)) then
+      call close_file(file, second)
+    else
+      call close_file(file, error)
+      result%nstep = k
+      result%last_step = step
+    end if
+  end subroutine append_vtkhdf
+
+  !> Give back the room that was not used; a failure here loses no step.
+  subroutine close_vtkhdf(result, view, error)
+    type(vtkhdf_t), intent(inout) :: result
+    type(view_t), intent(in) :: view
+    type(error_t), allocatable, intent(out) :: error
+
+    if (result%nstep > 0 .and. result%nstep < result%room) then
+      call rebuild(result, view, result%nstep, error)
+    end if
+  end subroutine close_vtkhdf
+
+  subroutine refuse_change(error)
+    type(error_t), allocatable, intent(out) :: error
+
+    call fail(error, DECK_ERROR, 'the fields of a result file cannot change after its first step', &
+      hint='give OUTPut its fields before the first PLOT')
+  end subroutine refuse_change
+
+  !> Values of one step into its place.
+  subroutine write_step(file, names, npoint, k, step, time, field, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: names(:)
+    integer, intent(in) :: npoint
+    integer, intent(in) :: k    !! place of the step, from 1
+    integer, intent(in) :: step
+    real(wp), intent(in) :: time
+    type(field_t), intent(in) :: field(:)
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    integer(i8) :: first
+    integer :: i
+
+    first = int(k - 1, i8)*npoint + 1
+    do i = 1, size(names)
+      path = 'VTKHDF/PointData/' // trim(names(i))
+      if (field(i)%ncomp == 1) then
+        call put(file, path, field(i)%values(1, :), error, first)
+      else
+        call put(file, path, field(i)%values, error, first)
+      end if
+      if (allocated(error)) return
+    end do
+    call put(file, 'VTKHDF/Steps/Values', [time], error, int(k, i8))
+    if (allocated(error)) return
+    call put(file, 'VTKHDF/Steps/StepNumber', [step], error, int(k, i8))
+  end subroutine write_step
+
+  !> The file anew with another room, and the steps it has.
+  subroutine rebuild(result, view, room, error)
+    type(vtkhdf_t), intent(inout) :: result
+    type(view_t), intent(in) :: view
+    integer, intent(in) :: room
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: second
+    type(hdf5_t) :: old, new
+    character(:), allocatable :: part
+
+    part = result%path // '.part'
+    call create_file(new, part, error)
+    if (allocated(error)) return
+    call write_layout(new, view, result%xr, result%info, result%names, room, error)
+    if (result%nstep > 0 .and. .not. allocated(error)) then
+      call open_file(old, result%path, .false., error)
+      if (.not. allocated(error)) call copy_steps(old, new, result, view%npoint, error)
+      call close_file(old, second)
+    end if
+    if (allocated(error)) then
+      call close_file(new, second)
+    else
+      call close_file(new, error)
+    end if
+    if (.not. allocated(error)) call replace_file(part, result%path, error)
+    if (allocated(error)) call remove_file(part)
+    if (.not. allocated(error)) result%room = room
+  end subroutine rebuild
+
+  subroutine copy_steps(old, new, result, npoint, error)
+    type(hdf5_t), intent(in) :: old, new
+    type(vtkhdf_t), intent(in) :: result
+    integer, intent(in) :: npoint
+    type(error_t), allocatable, intent(out) :: error
+    type(field_t), allocatable :: field(:)
+    real(wp) :: time(1)
+    integer :: i, k, step(1)
+    integer(i8) :: first
+    character(:), allocatable :: path
+
+    allocate (field(size(result%names)))
+    do i = 1, size(field)
+      call describe_field(trim(result%names(i)), field(i))
+      allocate (field(i)%values(field(i)%ncomp, npoint))
+    end do
+    do k = 1, result%nstep
+      first = int(k - 1, i8)*npoint + 1
+      do i = 1, size(field)
+        path = 'VTKHDF/PointData/' // trim(field(i)%name)
+        if (field(i)%ncomp == 1) then
+          call get(old, path, field(i)%values(1, :), error, first)
+        else
+          call get(old, path, field(i)%values, error, first)
+        end if
+        if (allocated(error)) return
+      end do
+      call get(old, 'VTKHDF/Steps/Values', time, error, int(k, i8))
+      if (.not. allocated(error)) then
+        call get(old, 'VTKHDF/Steps/StepNumber', step, error, int(k, i8))
+      end if
+      if (.not. allocated(error)) then
+        call write_step(new, result%names, npoint, k, step(1), time(1), field, error)
+      end if
+      if (allocated(error)) return
+    end do
+    call put_attribute(new, 'VTKHDF/Steps', 'NSteps', [result%nstep], error)
+  end subroutine copy_steps
+
+  !> Go on with a file: find its fields and the steps that stay, and cut the others off.
+  subroutine take_over(result, view, keep, error)
+    use fields, only: known_fields
+    use hdf5_file, only: has_object
+    type(vtkhdf_t), intent(inout) :: result
+    type(view_t), intent(in) :: view
+    integer, intent(in) :: keep
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: second
+    type(hdf5_t) :: file
+    character(16) :: known(size(known_fields()))
+    integer, allocatable :: number(:)
+    integer :: i, n(1), npoint(1)
+    logical :: here(size(known))
+
+    call open_file(file, result%path, .false., error)
+    if (allocated(error)) return
+    call get(file, 'VTKHDF/NumberOfPoints', npoint, error)
+    if (.not. allocated(error)) call get_attribute(file, 'VTKHDF/Steps', 'NSteps', n, error)
+    if (.not. allocated(error)) then
+      allocate (number(n(1)))
+      call get(file, 'VTKHDF/Steps/StepNumber', number, error)
+    end if
+    known = known_fields()
+    do i = 1, size(known)
+      here(i) = .false.
+      if (.not. allocated(error)) here(i) = has_object(file, 'VTKHDF/PointData/' // trim(known(i)))
+    end do
+    call close_file(file, second)
+    if (allocated(error)) return
+    if (npoint(1) /= view%npoint) then
+      call fail(error, SYSTEM_ERROR, '''' // result%path // ''' belongs to another mesh', &
+        hint='restart with another --name, or in another folder')
+      return
+    end if
+    result%nstep = count(number <= keep)
+    if (result%nstep == 0) then
+      call remove_file(result%path)
+      return
+    end if
+    result%names = pack(known, here)
+    result%last_step = number(result%nstep)
+    call rebuild(result, view, max(FIRST_ROOM, 2*result%nstep), error)
+  end subroutine take_over
+
+end module vtkhdf_file

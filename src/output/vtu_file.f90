@@ -1,0 +1,295 @@
+!> One `.vtu` file a step and a `.pvd` list of them: what VTK from 9.3 on reads exactly.
+!!
+!! XML with the numbers appended in binary; each file is written beside its name and renamed.
+module vtu_file
+  use, intrinsic :: iso_c_binding, only: c_loc, c_size_t, c_int8_t, c_ptr
+  use base_kinds, only: wp, i8
+  use base_error, only: error_t
+  use byte_file, only: byte_file_t, open_bytes, write_text, write_bytes, close_bytes, &
+    replace_file, remove_file, write_whole
+  use view, only: view_t
+  use fields, only: field_t
+  implicit none
+  private
+  public :: vtu_series_t, open_series, append_series
+
+  type :: vtu_series_t
+    character(:), allocatable :: stem     !! with the folder
+    integer, allocatable :: step(:)       !! steps written
+    real(wp), allocatable :: time(:)
+  end type vtu_series_t
+
+  character(*), parameter :: LF = new_line('a')
+
+contains
+
+  !> Begin a series; an old one goes, but for its steps up to number `keep`.
+  subroutine open_series(series, stem, keep)
+    type(vtu_series_t), intent(out) :: series
+    character(*), intent(in) :: stem
+    integer, intent(in), optional :: keep
+    character(1024) :: line
+    integer :: unit, status, step, last
+    real(wp) :: time
+
+    series%stem = stem
+    allocate (series%step(0), series%time(0))
+    last = -1
+    if (present(keep)) last = keep
+    open (newunit=unit, file=stem // '.pvd', action='read', status='old', iostat=status)
+    if (status /= 0) return
+    do
+      read (unit, '(a)', iostat=status) line
+      if (status /= 0) exit
+      call read_entry(line, step, time, status)
+      if (status /= 0) cycle
+      if (step <= last) then
+        series%step = [series%step, step]
+        series%time = [series%time, time]
+      else
+        call remove_file(file_name(stem, step))
+      end if
+    end do
+    close (unit)
+    if (size(series%step) == 0) call remove_file(stem // '.pvd')
+  end subroutine open_series
+
+  !> Step and time of a line of a `.pvd` file of ours.
+  subroutine read_entry(line, step, time, status)
+    character(*), intent(in) :: line
+    integer, intent(out) :: step
+    real(wp), intent(out) :: time
+    integer, intent(out) :: status !! 0: it is one
+    integer :: i, j
+
+    status = 1
+    step = 0
+    time = 0.0_wp
+    i = index(line, 'timestep="')
+    j = index(line, '.vtu"')
+    if (i == 0 .or. j == 0) return
+    read (line(i + 10:i + 9 + index(line(i + 10:), '"') - 1), *, iostat=status) time
+    if (status /= 0) return
+    i = index(line(:j), '_', back=.true.)
+    read (line(i + 1:j - 1), *, iostat=status) step
+  end subroutine read_entry
+
+  !> Write a step and put it on the list.
+  subroutine append_series(series, view, xr, step, time, field, error)
+    type(vtu_series_t), intent(inout) :: series
+    type(view_t), intent(in) :: view
+    real(wp), intent(in) :: xr(:, :)     !! (3, npoint) reference points of the picture
+    integer, intent(in) :: step
+    real(wp), intent(in) :: time
+    type(field_t), intent(in) :: field(:)
+    type(error_t), allocatable, intent(out) :: error
+    type(byte_file_t) :: file
+    character(:), allocatable :: path
+
+    path = file_name(series%stem, step)
+    call open_bytes(file, path // '.part', .false., error)
+    if (allocated(error)) return
+    call write_text(file, header(view, field), error)
+    if (.not. allocated(error)) call write_numbers(file, view, xr, field, error)
+    if (.not. allocated(error)) then
+      call write_text(file, LF // '</AppendedData>' // LF // '</VTKFile>' // LF, error)
+    end if
+    if (.not. allocated(error)) call close_bytes(file, error)
+    if (.not. allocated(error)) call replace_file(path // '.part', path, error)
+    if (allocated(error)) then
+      call remove_file(path // '.part')
+      return
+    end if
+    series%time = [pack(series%time, series%step /= step), time]
+    series%step = [pack(series%step, series%step /= step), step]
+    call write_whole(series%stem // '.pvd', list(series), error)
+  end subroutine append_series
+
+  !> The XML part; the order of the arrays is that of write_numbers.
+  function header(view, field) result(text)
+    type(view_t), intent(in) :: view
+    type(field_t), intent(in) :: field(:)
+    character(:), allocatable :: text
+    integer(i8) :: place
+    integer :: i
+
+    place = 0
+    text = '<VTKFile type="UnstructuredGrid" version="2.2" byte_order="LittleEndian" ' // &
+      'header_type="UInt64">' // LF // '<UnstructuredGrid>' // LF // '<Piece NumberOfPoints="' // &
+      number_text(int(view%npoint, i8)) // '" NumberOfCells="' // &
+      number_text(int(view%ncell, i8)) // '">' // LF // '<Points>' // LF // &
+      array('Float64', 'Points', 3, 24_i8*view%npoint, place) // &
+      '</Points>' // LF // '<Cells>' // LF // &
+      array('Int32', 'connectivity', 1, 4_i8*size(view%conn), place)
+    text = text // array('Int32', 'offsets', 1, 4_i8*view%ncell, place)
+    text = text // array('UInt8', 'types', 1, int(view%ncell, i8), place) // '</Cells>' // LF
+    text = text // '<PointData' // active('RationalWeights', view%has_bezier) // '>' // LF
+    if (view%has_bezier) then
+      text = text // array('Float64', 'RationalWeights', 1, 8_i8*view%npoint, place)
+    end if
+    do i = 1, size(field)
+      text = text // array('Float64', trim(field(i)%name), field(i)%ncomp, &
+        8_i8*field(i)%ncomp*view%npoint, place)
+    end do
+    text = text // '</PointData>' // LF // '<CellData' // &
+      active('HigherOrderDegrees', view%has_bezier) // '>' // LF
+    if (view%has_bezier) then
+      text = text // array('Float64', 'HigherOrderDegrees', 3, 24_i8*view%ncell, place)
+    end if
+    text = text // array('Int32', 'material', 1, 4_i8*view%ncell, place)
+    text = text // array('Int32', 'body', 1, 4_i8*view%ncell, place)
+    text = text // array('Int32', 'type', 1, 4_i8*view%ncell, place)
+    text = text // array('Int32', 'element', 1, 4_i8*view%ncell, place)
+    text = text // '</CellData>' // LF // '</Piece>' // LF // '</UnstructuredGrid>' // LF // &
+      '<AppendedData encoding="raw">' // LF // '_'
+  end function header
+
+  !> One array of the header; `place` moves on by its length and the eight bytes that say it.
+  function array(type, name, ncomp, bytes, place) result(text)
+    character(*), intent(in) :: type, name
+    integer, intent(in) :: ncomp
+    integer(i8), intent(in) :: bytes
+    integer(i8), intent(inout) :: place
+    character(:), allocatable :: text
+
+    text = '<DataArray type="' // type // '" Name="' // name // '" NumberOfComponents="' // &
+      number_text(int(ncomp, i8)) // '" format="appended" offset="' // number_text(place) // &
+      '"/>' // LF
+    place = place + bytes + 8
+  end function array
+
+  subroutine write_numbers(file, view, xr, field, error)
+    type(byte_file_t), intent(in) :: file
+    type(view_t), intent(in) :: view
+    real(wp), intent(in) :: xr(:, :)
+    type(field_t), intent(in) :: field(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    call write_reals(file, reshape(xr, [size(xr)]), error)
+    if (.not. allocated(error)) call write_integers(file, view%conn - 1, error)
+    if (.not. allocated(error)) call write_integers(file, view%first(2:) - 1, error)
+    if (.not. allocated(error)) call write_short(file, int(view%vtk, c_int8_t), error)
+    if (view%has_bezier .and. .not. allocated(error)) then
+      call write_reals(file, view%point%weight, error)
+    end if
+    do i = 1, size(field)
+      if (allocated(error)) return
+      call write_reals(file, reshape(field(i)%values, [size(field(i)%values)]), error)
+    end do
+    if (view%has_bezier .and. .not. allocated(error)) then
+      call write_reals(file, reshape(real(view%degree, wp), [3*view%ncell]), error)
+    end if
+    if (.not. allocated(error)) call write_integers(file, view%material, error)
+    if (.not. allocated(error)) call write_integers(file, view%body, error)
+    if (.not. allocated(error)) call write_integers(file, view%block, error)
+    if (.not. allocated(error)) call write_integers(file, view%element, error)
+  end subroutine write_numbers
+
+  !> An array and, before it, its length.
+  subroutine write_block(file, buffer, bytes, error)
+    type(byte_file_t), intent(in) :: file
+    type(c_ptr), intent(in) :: buffer
+    integer(i8), intent(in) :: bytes
+    type(error_t), allocatable, intent(out) :: error
+    integer(i8), target :: length
+
+    length = bytes
+    call write_bytes(file, c_loc(length), 8_c_size_t, error)
+    if (.not. allocated(error)) call write_bytes(file, buffer, int(bytes, c_size_t), error)
+  end subroutine write_block
+
+  subroutine write_reals(file, values, error)
+    type(byte_file_t), intent(in) :: file
+    real(wp), intent(in), target, contiguous :: values(:)
+    type(error_t), allocatable, intent(out) :: error
+
+    call write_block(file, c_loc(values), 8_i8*size(values), error)
+  end subroutine write_reals
+
+  subroutine write_integers(file, values, error)
+    type(byte_file_t), intent(in) :: file
+    integer, intent(in), target, contiguous :: values(:)
+    type(error_t), allocatable, intent(out) :: error
+
+    call write_block(file, c_loc(values), 4_i8*size(values), error)
+  end subroutine write_integers
+
+  subroutine write_short(file, values, error)
+    type(byte_file_t), intent(in) :: file
+    integer(c_int8_t), intent(in), target, contiguous :: values(:)
+    type(error_t), allocatable, intent(out) :: error
+
+    call write_block(file, c_loc(values), size(values, kind=i8), error)
+  end subroutine write_short
+
+  !> The `.pvd` list. Files are named without their folder, so the results may be moved.
+  function list(series) result(text)
+    type(vtu_series_t), intent(in) :: series
+    character(:), allocatable :: text
+    character(:), allocatable :: name
+    character(32) :: time
+    integer :: i
+
+    text = '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">' // LF // &
+      '<Collection>' // LF
+    do i = 1, size(series%step)
+      name = file_name(series%stem, series%step(i))
+      name = name(index(name, '/', back=.true.) + 1:)
+      write (time, '(es23.16)') series%time(i)
+      text = text // '<DataSet timestep="' // trim(adjustl(time)) // '" part="0" file="' // &
+        escaped(name) // '"/>' // LF
+    end do
+    text = text // '</Collection>' // LF // '</VTKFile>' // LF
+  end function list
+
+  function file_name(stem, step) result(name)
+    character(*), intent(in) :: stem
+    integer, intent(in) :: step
+    character(:), allocatable :: name
+    character(12) :: number
+
+    write (number, '(i0.4)') step
+    name = stem // '_' // trim(number) // '.vtu'
+  end function file_name
+
+  pure function active(name, is_active) result(text)
+    character(*), intent(in) :: name
+    logical, intent(in) :: is_active
+    character(:), allocatable :: text
+
+    text = ''
+    if (is_active) text = ' ' // name // '="' // name // '"'
+  end function active
+
+  pure function number_text(n) result(text)
+    integer(i8), intent(in) :: n
+    character(:), allocatable :: text
+    character(24) :: number
+
+    write (number, '(i0)') n
+    text = trim(number)
+  end function number_text
+
+  !> Text in XML.
+  pure function escaped(text) result(xml)
+    character(*), intent(in) :: text
+    character(:), allocatable :: xml
+    integer :: i
+
+    xml = ''
+    do i = 1, len(text)
+      select case (text(i:i))
+      case ('&')
+        xml = xml // '&amp;'
+      case ('<')
+        xml = xml // '&lt;'
+      case ('"')
+        xml = xml // '&quot;'
+      case default
+        xml = xml // text(i:i)
+      end select
+    end do
+  end function escaped
+
+end module vtu_file
