@@ -15,6 +15,7 @@ T      ?=
 B      := $(BUILD)/$(KIND)
 U      := $(B)/$(if $(PFUNIT),pfunit,unit)
 PYTHON := .venv/bin/python
+PY     := $(or $(wildcard $(PYTHON)),python3)
 MAKEFLAGS += --no-builtin-rules --no-print-directory $(if $(filter 0,$(MAKELEVEL)),-j$(J))
 
 # --- Flags -------------------------------------------------------------------------------------
@@ -30,7 +31,7 @@ OPT_sanitize := $(OPT_debug) -fsanitize=address,undefined -fno-omit-frame-pointe
 OPT_coverage := -O0 -g --coverage
 OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
 # Files whose inner loops carry the run time.
-KERNELS      := solid_batch solid_form
+KERNELS      := solid_batch solid_batch_algebra solid_panel mate_neohooke mate_linear
 kernel        = $(and $(filter release,$(KIND)),$(filter $(KERNELS),$1),-O3)
 
 # --- Libraries: asked from pkg-config, else looked for where the distributions have them ---------
@@ -103,7 +104,7 @@ unit: $(U)/run
 	@$(U)/run $(ARGS)
 runner:
 	@$(MAKE) PFUNIT= U=$(B)/runner T=$(RUNNER) $(B)/runner/run
-	@$(B)/runner/run -v | python3 $(RUNNER)/check.py
+	@$(B)/runner/run -v | $(PY) $(RUNNER)/check.py
 $(U)/run: FORCE $(TESTS) $(U)/driver.o $(if $(T),,$(B)/libbezel.a)
 	@rm -f $(U)/lib.a; ar rcs $(U)/lib.a $$(ls $(B)/*.o 2>/dev/null | grep -v '/main\.o$$') $(U)/funit*.o
 	@$(FC) $(OPT) $(U)/driver.o $(TESTS) $(U)/lib.a $(PFUNIT_LIBRARIES) $(LIBS) -o $@
@@ -116,15 +117,15 @@ $(U)/funit_value.o $(U)/funit.o: $(U)/%.o: $(RUNNER)/%.f90 $(B)/flags
 	@mkdir -p $(U); $(FC) $(TESTF) $(OPT) -J$(U) -c $< -o $@
 $(U)/funit.o: $(U)/funit_value.o
 $(U)/test_%.f90: test_%.pf $(RUNNER)/pf.py
-	@mkdir -p $(U); python3 $(RUNNER)/pf.py test $< $@
+	@mkdir -p $(U); $(PY) $(RUNNER)/pf.py test $< $@
 $(U)/driver.f90: FORCE
-	@mkdir -p $(U); python3 $(RUNNER)/pf.py driver $@.new $(PF)
+	@mkdir -p $(U); $(PY) $(RUNNER)/pf.py driver $@.new $(PF)
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 else
 include $(wildcard $(PFUNIT)/PFUNIT-*/include/PFUNIT.mk)
 TESTF += -cpp -Wno-unused-label
 $(U)/test_%.f90: test_%.pf $(RUNNER)/pf.py
-	@mkdir -p $(U); python3 $(RUNNER)/pf.py join $< $(U)/$(<F)
+	@mkdir -p $(U); $(PY) $(RUNNER)/pf.py join $< $(U)/$(<F)
 	@$(PFUNIT_BIN_DIR)/funitproc -quiet $(U)/$(<F) $@
 $(U)/driver.f90: FORCE
 	@printf '%s\n' $(patsubst %,'ADD_TEST_SUITE(%_suite)',$(basename $(notdir $(PF)))) > $(U)/suites.inc

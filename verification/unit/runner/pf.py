@@ -47,7 +47,11 @@ def joined(path):
             text = without_comment(text)
             while text.endswith("&") and i + 1 < len(lines):
                 i += 1
-                text = text[:-1].rstrip() + " " + without_comment(lines[i]).strip().removeprefix("&").lstrip()
+                text = (
+                    text[:-1].rstrip()
+                    + " "
+                    + without_comment(lines[i]).strip().removeprefix("&").lstrip()
+                )
         yield number, text
         i += 1
 
@@ -66,7 +70,9 @@ def tests_of(path):
                 marked[mark].append(match[1])
             mark = ""
         elif code and mark:
-            raise BadTest(f"{path}:{number}: @{mark} must stand before a subroutine without arguments")
+            raise BadTest(
+                f"{path}:{number}: @{mark} must stand before a subroutine without arguments"
+            )
     if module != path.stem.lower():
         raise BadTest(f"{path}:1: the module must be named {path.stem}, after the file")
     if not marked["test"]:
@@ -93,7 +99,9 @@ def translate(path):
         match = re.fullmatch(r"@assert(\w+)\s*\((.*)\)", stripped, re.I)
         if not match or match[1].lower() not in ASSERTIONS:
             known = " ".join(ASSERTIONS.values())
-            raise BadTest(f"{path}:{number}: '{stripped}' is not an assertion on a line of its own; known: @assert + {known}")
+            raise BadTest(
+                f"{path}:{number}: '{stripped}' is not an assertion on a line of its own; known: @assert + {known}"
+            )
         comma = ", " if match[2].strip() else ""
         out.append(f"call assert{match[1]}({match[2]}{comma}&")
         out.append(f"  location=SourceLocation('{path}', {number})); if (anyExceptions()) return")
@@ -103,13 +111,22 @@ def translate(path):
 
 def driver(paths):
     """Program text: every test of every file through run_test of module funit."""
-    out = ["program run_unit_tests", "  use funit, only: start_tests, run_test, stop_tests, no_fixture", "  implicit none", "", "  call start_tests()"]
+    out = [
+        "program run_unit_tests",
+        "  use funit, only: start_tests, run_test, stop_tests, no_fixture",
+        "  implicit none",
+        "",
+        "  call start_tests()",
+    ]
     for path in paths:
         module, marked = tests_of(path)
         before, after = (marked[m][0] if marked[m] else "no_fixture" for m in ("before", "after"))
         names = ", ".join(sorted({*marked["test"], *marked["before"], *marked["after"]}))
         out += ["  block", f"    use {module}, only: {names}"]
-        out += [f"    call run_test('{path}', '{name}', {name}, {before}, {after})" for name in marked["test"]]
+        out += [
+            f"    call run_test('{path}', '{name}', {name}, {before}, {after})"
+            for name in marked["test"]
+        ]
         out += ["  end block"]
     return "\n".join([*out, "  call stop_tests()", "end program run_unit_tests"]) + "\n"
 
