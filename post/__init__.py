@@ -8,7 +8,8 @@ command        what it does                                                    n
 curve          draws columns of curve files over one another                   numpy, matplotlib
 convergence    draws relative errors over degrees of freedom, prints slopes    numpy, matplotlib
 field          renders a step of a result file without a screen                h5py, matplotlib, vtk
-diff           compares two runs, or a run and a reference                     numpy (h5py for fields)
+diff           compares two runs, or a run and a reference                     numpy (h5py for
+fields)
 =============  ==============================================================  ======================
 
 The package reads result files only, never a deck. Nothing heavy is imported until it is used:

@@ -48,8 +48,10 @@ class TableResult:
 def compare_tables(a, b, tolerances, interpolate=None, key=None, only=None, ignore=None):
     """Compare table `a` (got) with table `b` (wanted); returns a TableResult.
 
-    Columns match by name. Rows match by position, or by the columns in `key`, or `a` is interpolated
-    linearly to the rows of `b` over the column `interpolate`. A column that only `b` has is a difference;
+    Columns match by name. Rows match by position, or by the columns in `key`, or `a` is
+    interpolated
+    linearly to the rows of `b` over the column `interpolate`. A column that only `b` has is a
+    difference;
     one that only `a` has is too, unless `b` is a .csv file, which may select.
     """
     result = TableResult(b.name, a=a, b=b)
@@ -91,7 +93,11 @@ def _common(result, special, only, ignore, interpolate):
             )
         else:
             names.append(name)
-    extra = [n for n in a.columns if n not in b.columns and n not in special and chosen(n) and not dropped(n)]
+    extra = [
+        n
+        for n in a.columns
+        if n not in b.columns and n not in special and chosen(n) and not dropped(n)
+    ]
     selects = b.path is not None and b.path.suffix.lower() == ".csv"
     for name in extra:
         line = f"column '{name}' is missing in {b.path or b.name}"
@@ -114,7 +120,9 @@ def _numbers(name, got, want, tolerance, b, of_b):
     sound = np.abs(want[np.isfinite(want)])
     with np.errstate(invalid="ignore", over="ignore"):
         difference = np.abs(got - want)
-        allowed = np.broadcast_to(tolerance.allowed(want, sound.max() if len(sound) else 0.0), want.shape)
+        allowed = np.broadcast_to(
+            tolerance.allowed(want, sound.max() if len(sound) else 0.0), want.shape
+        )
         failed = ~(finite & (difference <= allowed))
         excess = np.where(allowed > 0, difference / np.where(allowed > 0, allowed, 1.0), difference)
     # worst: first row that is no number, else the largest share of what is allowed
@@ -122,7 +130,9 @@ def _numbers(name, got, want, tolerance, b, of_b):
     result = ColumnResult(name, len(want), int(failed.sum()), tolerance, b.row_name(of_b[i]))
     result.got, result.want, result.difference = float(got[i]), float(want[i]), float(difference[i])
     if not finite.all():
-        sides = [s for s, v in (("the first", got), ("the second", want)) if not np.isfinite(v).all()]
+        sides = [
+            s for s, v in (("the first", got), ("the second", want)) if not np.isfinite(v).all()
+        ]
         result.note = f"NaN or infinity in {' and '.join(sides)}, {int((~finite).sum())} rows"
     result.changes = {int(of_b[i]): float(got[i]) for i in np.flatnonzero(failed)}
     return result

@@ -40,7 +40,9 @@ def _number(value):
 
 def _aligned(rows):
     widths = [max(len(r[i]) for r in rows) for i in range(len(rows[0]))]
-    return ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in rows]
+    return [
+        "  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in rows
+    ]
 
 
 def verdict(comparison):
@@ -56,7 +58,9 @@ def verdict(comparison):
         return f"same: {_count(comparison.tables, 'table')}, {_count(columns, 'column')}, {values} values"
     problems = sum(len(t.problems) for t in comparison.tables)
     bad = sum(not c.ok for c in columns)
-    return f"differs: {bad} of {_count(columns, 'column')}, {problems} problem{'s' * (problems != 1)}"
+    return (
+        f"differs: {bad} of {_count(columns, 'column')}, {problems} problem{'s' * (problems != 1)}"
+    )
 
 
 def _count(things, noun):
@@ -74,7 +78,9 @@ def write_files(options, comparison, reason=None):
 
 
 def as_json(comparison, reason=None):
-    """The result as JSON: result (same, differs, unreadable), reason, tables with columns and worst rows."""
+    """The result as JSON: result (same, differs, unreadable), reason, tables with columns and worst
+    rows.
+    """
     if comparison is None:
         return json.dumps({"result": "unreadable", "reason": reason, "tables": []}, indent=1) + "\n"
     tables = [
@@ -94,7 +100,12 @@ def as_json(comparison, reason=None):
         for t in comparison.tables
     ]  # fmt: skip
     result = {"result": "same" if comparison.same else "differs", "reason": verdict(comparison)}
-    return json.dumps(result | {"notes": comparison.notes, "tables": tables}, indent=1, allow_nan=False) + "\n"
+    return (
+        json.dumps(
+            result | {"notes": comparison.notes, "tables": tables}, indent=1, allow_nan=False
+        )
+        + "\n"
+    )
 
 
 def _plain(value):
@@ -106,8 +117,12 @@ def as_junit(comparison, reason=None):
     """The result as JUnit XML: a test suite a table, a test case a column."""
     root = ElementTree.Element("testsuites", name="post diff")
     if comparison is None:
-        suite = ElementTree.SubElement(root, "testsuite", name="read", tests="1", errors="1", failures="0")
-        case = ElementTree.SubElement(suite, "testcase", classname="read", name="both sides are readable")
+        suite = ElementTree.SubElement(
+            root, "testsuite", name="read", tests="1", errors="1", failures="0"
+        )
+        case = ElementTree.SubElement(
+            suite, "testcase", classname="read", name="both sides are readable"
+        )
         ElementTree.SubElement(case, "error", message=reason)
     for t in comparison.tables if comparison else ():
         cases = [("the same columns and rows", "; ".join(t.problems))]

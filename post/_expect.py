@@ -1,46 +1,46 @@
 """`expect.toml`: what a verification case must give, and how `diff` compares it.
 
-    title  = "Cook's membrane, neo-Hooke"        # one line
-    source = "Simo & Armero 1992, table 1"       # of every check that names none
+title  = "Cook's membrane, neo-Hooke"        # one line
+source = "Simo & Armero 1992, table 1"       # of every check that names none
 
-    [[check]]                                    # one number of one run
-    name   = "tip deflection, n = 8"             # default: the quantity
-    deck   = "cook.inp"
-    set    = { n = 8 }                           # parameters given with --set
-    curve  = "tip"                               # the file <deck>_tip.dat ...
-    column = "disp"                              # ... its column (beginning of the name; default: first quantity)
-    row    = "last"                              # last, first, a step's number, or { time = 0.5 }
-    factor = 1.0                                 # got = factor * value
-    want   = 6.937
-    rel    = 1e-3                                # or abs; at least one
-    slow   = true                                # with --all only
+[[check]]                                    # one number of one run
+name   = "tip deflection, n = 8"             # default: the quantity
+deck   = "cook.inp"
+set    = { n = 8 }                           # parameters given with --set
+curve  = "tip"                               # the file <deck>_tip.dat ...
+column = "disp"                              # ... its column (beginning of the name; default: first quantity)
+row    = "last"                              # last, first, a step's number, or { time = 0.5 }
+factor = 1.0                                 # got = factor * value
+want   = 6.937
+rel    = 1e-3                                # or abs; at least one
+slow   = true                                # with --all only
 
-    report = "dofs"                              # instead of curve: an entry of the report (final.tip.disp, elements.Q1)
+report = "dofs"                              # instead of curve: an entry of the report (final.tip.disp, elements.Q1)
 
-    field  = "stress"                            # instead of curve: every point of a field at a step
-    want   = [0.1, 0, 0, 0, 0, 0]                # the same at all points, or
-    affine = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]   # the linear function of the reference position, 3 or 4 columns
+field  = "stress"                            # instead of curve: every point of a field at a step
+want   = [0.1, 0, 0, 0, 0, 0]                # the same at all points, or
+affine = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]   # the linear function of the reference position, 3 or 4 columns
 
-    reference = "force.csv"                      # instead of want: a whole curve; keys of [diff] below apply
+reference = "force.csv"                      # instead of want: a whole curve; keys of [diff] below apply
 
-    each = "reference.csv"                       # one check for each row; "{column}" stands for the row's value
-    vary = { n = [1, 2] }                        # or for each combination of these values
-    where = { test = "extension" }               # of these rows only
-    [check.map.elements]                         # more values by that of a column
-    "Q1" = { deck = "q1.inp", rel = 1e-6 }
+each = "reference.csv"                       # one check for each row; "{column}" stands for the row's value
+vary = { n = [1, 2] }                        # or for each combination of these values
+where = { test = "extension" }               # of these rows only
+[check.map.elements]                         # more values by that of a column
+"Q1" = { deck = "q1.inp", rel = 1e-6 }
 
-    [[study]]                                    # a refinement study; `verify.py --study` writes results.csv
-    vary  = { elements = ["Q1", "Q2"], n = [1, 2, 4] }   # and `each`, `where`, `map` as above
-    slow  = [8]                                  # more values of the last one, with --all
-    value = "force"                              # name of the value in results.csv; deck set curve column factor as above
-    want  = -0.314892                            # the converged value
-    limit = 1e-2                                 # relative error on the finest mesh at most this
-    shrink = 0.8                                 # and on each mesh at most this times the one before (optional)
+[[study]]                                    # a refinement study; `verify.py --study` writes results.csv
+vary  = { elements = ["Q1", "Q2"], n = [1, 2, 4] }   # and `each`, `where`, `map` as above
+slow  = [8]                                  # more values of the last one, with --all
+value = "force"                              # name of the value in results.csv; deck set curve column factor as above
+want  = -0.314892                            # the converged value
+limit = 1e-2                                 # relative error on the finest mesh at most this
+shrink = 0.8                                 # and on each mesh at most this times the one before (optional)
 
-    [diff]                                       # for `post diff --expect`
-    rel = 1e-6                                   # general tolerance: rel abs scaled
-    column.torque = { abs = 1e-3 }               # of a column
-    interpolate = "time";  key = ["n"];  only = [];  ignore = ["iterations"]
+[diff]                                       # for `post diff --expect`
+rel = 1e-6                                   # general tolerance: rel abs scaled
+column.torque = { abs = 1e-3 }               # of a column
+interpolate = "time";  key = ["n"];  only = [];  ignore = ["iterations"]
 """
 
 import pathlib
@@ -88,12 +88,18 @@ def _study(path, study):
     if "vary" not in study or not {"value", "want", "limit"} <= set(study):
         raise Unreadable(f"'{path}': a study needs vary, value, want and limit")
     mesh = list(study["vary"])[-1]
-    more = {**study, "vary": {**study["vary"], mesh: [*study["vary"][mesh], *study.get("slow", ())]}}
+    more = {
+        **study,
+        "vary": {**study["vary"], mesh: [*study["vary"][mesh], *study.get("slow", ())]},
+    }
     rest = {k: v for k, v in study.items() if k not in ("each", "vary", "where", "map", "slow")}
     rows = _rows(path, more)
     return {
         "mesh": mesh,
-        "rows": [(row, fill(rest, row, study.get("map", {}), path), row[mesh] in study.get("slow", ())) for row in rows],
+        "rows": [
+            (row, fill(rest, row, study.get("map", {}), path), row[mesh] in study.get("slow", ()))
+            for row in rows
+        ],
     }
 
 
@@ -116,7 +122,9 @@ def diff_arguments(content):
     named = {n: Tolerance(**kinds) for n, kinds in content.get("column", {}).items()} if isinstance(
         content.get("column", {}), dict) else {}  # fmt: skip
     arguments = {"tolerances": Tolerances(general or DEFAULT, named)}
-    return arguments | {n: content[n] for n in ("interpolate", "key", "only", "ignore") if n in content}
+    return arguments | {
+        n: content[n] for n in ("interpolate", "key", "only", "ignore") if n in content
+    }
 
 
 def tolerance_of(content):

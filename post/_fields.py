@@ -17,12 +17,15 @@ GROUPS = {"PointData": "point", "CellData": "cell"}
 class Fields:
     """What a result file holds.
 
-    times: (nstep); points: (npoint, 3) reference positions, control points where a cell is a spline;
+    times: (nstep); numbers: (nstep) number of each step in the analysis, counted from 1 where the
+    file does not say; points: (npoint, 3) reference positions, control points where a cell is a
+    spline;
     arrays: {name: (location, [nstep arrays of (n, ncomponent)])}, location 'point' or 'cell'.
     """
 
     path: pathlib.Path
     times: np.ndarray
+    numbers: np.ndarray
     points: np.ndarray
     topology: dict
     arrays: dict
@@ -39,12 +42,16 @@ def read_fields(path):
 
     path = pathlib.Path(path)
     if not path.is_file():
-        raise Unreadable(f"'{path}' {'is not a regular file' if path.exists() else 'does not exist'}")
+        raise Unreadable(
+            f"'{path}' {'is not a regular file' if path.exists() else 'does not exist'}"
+        )
     try:
         with h5py.File(path, "r") as file:
             return _read(path, file)
     except OSError as error:
-        raise Unreadable(f"'{path}' is not a readable HDF5 file (truncated?): {str(error).splitlines()[0]}") from None
+        raise Unreadable(
+            f"'{path}' is not a readable HDF5 file (truncated?): {str(error).splitlines()[0]}"
+        ) from None
     except (KeyError, IndexError, ValueError) as error:
         raise Unreadable(f"'{path}' is not a complete VTKHDF file: {error}") from None
 
@@ -54,8 +61,12 @@ def _read(path, file):
         raise Unreadable(f"'{path}' has no group VTKHDF")
     group = file["VTKHDF"]
     steps = group.get("Steps")
-    times = steps["Values"][()] if steps is not None else np.zeros(1)
-    if len(times) == 0:
+    nstep = int(np.ravel(steps.attrs["NSteps"])[0]) if steps is not None else 1
+    times = steps["Values"][:nstep] if steps is not None else np.zeros(1)  # may have room for more
+    numbers = np.arange(1, nstep + 1)
+    if steps is not None and "StepNumber" in steps:
+        numbers = steps["StepNumber"][:nstep]
+    if nstep == 0:
         raise Unreadable(f"'{path}' holds no step")
     count = {"point": int(group["NumberOfPoints"][0]), "cell": int(group["NumberOfCells"][0])}
     arrays = {}
@@ -64,8 +75,9 @@ def _read(path, file):
             offsets = steps.get(f"{kind}Offsets/{name}") if steps is not None else None
             starts = offsets[()] if offsets is not None else np.zeros(len(times), int)
             arrays[name] = (location, _slices(data, starts[: len(times)], count[location], name))
-    topology = {n: group[n][()] for n in ("Connectivity", "Types")}
-    return Fields(path, times, group["Points"][: count["point"]], topology, arrays)
+    topology = {"Connectivity": group["Connectivity"][: int(group["NumberOfConnectivityIds"][0])]}
+    topology["Types"] = group["Types"][: count["cell"]]
+    return Fields(path, times, numbers, group["Points"][: count["point"]], topology, arrays)
 
 
 def _slices(data, starts, n, name):
@@ -81,22 +93,28 @@ def field_tables(path):
     fields = read_fields(path)
     mesh = lambda name, columns, label: Table(name, columns, fields.path, label=label)
     tables = [
-        mesh("steps", {"time": fields.times}, lambda row: f"step {row + 1}"),
+        mesh("steps", {"step": fields.numbers.astype(float), "time": fields.times}, None),
         mesh("points", _columns("point", fields.points), lambda row: f"point {row}"),
     ]
     for name, values in fields.topology.items():
-        tables.append(mesh(name.lower(), {name.lower(): values.astype(float)}, lambda row: f"entry {row}"))
+        tables.append(
+            mesh(name.lower(), {name.lower(): values.astype(float)}, lambda row: f"entry {row}")
+        )
     for name, (location, steps) in sorted(fields.arrays.items()):
         fixed = all(s is steps[0] for s in steps)
         values = steps[0] if fixed else np.concatenate(steps)
-        tables.append(mesh(name, _columns(name, values), _label(location, len(steps[0]), fixed)))
+        tables.append(
+            mesh(
+                name, _columns(name, values), _label(location, len(steps[0]), fixed, fields.numbers)
+            )
+        )
     return tables
 
 
-def _label(location, n, fixed):
+def _label(location, n, fixed, numbers):
     if fixed:
         return lambda row: f"{location} {row}"
-    return lambda row: f"step {row // n + 1}, {location} {row % n}"
+    return lambda row: f"step {numbers[row // n]}, {location} {row % n}"
 
 
 def _columns(name, values):

@@ -1,9 +1,9 @@
-"""Result files (.vtkhdf, .pvd, .vtu) as VTK grids, one step at a time, with their Bezier cells intact."""
+"""Result files (.vtkhdf, .pvd, .vtu) as VTK grids, one step at a time, with their Bezier cells
+intact.
+"""
 
 import pathlib
 from xml.etree import ElementTree
-
-import numpy as np
 
 from post._error import Unreadable
 
@@ -11,41 +11,44 @@ from post._error import Unreadable
 BEZIER = ("RationalWeights", "HigherOrderDegrees")
 
 
-def times_of(path):
-    """Times of the steps in a result file: array (nstep); a .vtu file has one step at time 0."""
-    return np.array([time for time, _ in _steps(pathlib.Path(path))], dtype=float)
+def steps_of(path):
+    """Steps in a result file: list of (number in the analysis, time)."""
+    return [(number, time) for number, time, _ in _steps(pathlib.Path(path))]
 
 
 def load(path, step="last"):
-    """The grid at a step as (pyvista.UnstructuredGrid, time, number of the step, number of steps).
+    """The grid at a step as (pyvista.UnstructuredGrid, time, number of the step).
 
-    step: 'last', 'first', a number counted from 1, or ('time', t) for the step nearest to t.
+    step: 'last', 'first', its number in the analysis (where the file does not say: counted from 1),
+    or ('time', t) for the step nearest to t.
     """
     path = pathlib.Path(path)
-    steps = _steps(path)
-    i = _index(path, step, np.array([time for time, _ in steps], dtype=float))
-    time, read = steps[i]
+    number, time, read = _choose(path, step, _steps(path))
     grid = read()
     _activate(grid)
     if grid.n_cells == 0:
-        raise Unreadable(f"'{path}' has no cells at step {i + 1}")
-    return grid, float(time), i + 1, len(steps)
+        raise Unreadable(f"'{path}' has no cells at step {number}")
+    return grid, time, number
 
 
-def _index(path, step, times):
+def _choose(path, step, steps):
     if step in ("last", "first"):
-        return len(times) - 1 if step == "last" else 0
+        return steps[-1] if step == "last" else steps[0]
     if isinstance(step, tuple):
-        return int(np.argmin(np.abs(times - step[1])))
-    if not 1 <= int(step) <= len(times):
-        raise Unreadable(f"'{path}' has steps 1 to {len(times)}, not {step}")
-    return int(step) - 1
+        return min(steps, key=lambda s: abs(s[1] - step[1]))
+    found = [s for s in steps if s[0] == int(step)]
+    if not found:
+        have = ", ".join(str(s[0]) for s in steps[:8]) + (", ..." if len(steps) > 8 else "")
+        raise Unreadable(f"'{path}' has no step {step} (steps: {have})")
+    return found[0]
 
 
 def _steps(path):
-    """[(time, function that reads the grid)]"""
+    """[(number, time, function that reads the grid)]"""
     if not path.is_file():
-        raise Unreadable(f"'{path}' {'is not a regular file' if path.exists() else 'does not exist'}")
+        raise Unreadable(
+            f"'{path}' {'is not a regular file' if path.exists() else 'does not exist'}"
+        )
     readers = {".vtkhdf": _vtkhdf, ".pvd": _pvd, ".vtu": _vtu}
     if path.suffix not in readers:
         raise Unreadable(f"'{path}' is none of {' '.join(readers)}")
@@ -63,30 +66,30 @@ def _vtu(path):
             raise Unreadable(f"'{path}' does not exist")
         return pyvista.read(path)
 
-    return [(0.0, read)]
+    return [(1, 0.0, read)]
 
 
 def _pvd(path):
     try:
         sets = ElementTree.parse(path).getroot().iter("DataSet")
-        return [(float(s.get("timestep", 0)), _vtu(path.parent / s.get("file"))[0][1]) for s in sets]
+        return [
+            (i, float(s.get("timestep", 0)), _vtu(path.parent / s.get("file"))[0][2])
+            for i, s in enumerate(sets, 1)
+        ]
     except (ElementTree.ParseError, TypeError, ValueError):
         raise Unreadable(f"'{path}' is not a complete .pvd file") from None
 
 
 def _vtkhdf(path):
-    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as pipeline
     from vtkmodules.vtkIOHDF import vtkHDFReader
 
     from post._fields import read_fields
 
-    read_fields(path)  # says in one sentence what is wrong with a broken file; VTK does not
+    fields = read_fields(
+        path
+    )  # says in one sentence what is wrong with a broken file; VTK does not
     reader = vtkHDFReader()
     reader.SetFileName(str(path))
-    reader.UpdateInformation()
-    info = reader.GetOutputInformation(0)
-    key = pipeline.TIME_STEPS()
-    times = [info.Get(key, i) for i in range(info.Length(key))] or [0.0]
 
     def at(time):
         def read():
@@ -102,7 +105,7 @@ def _vtkhdf(path):
 
         return read
 
-    return [(time, at(time)) for time in times]
+    return [(int(n), float(t), at(float(t))) for n, t in zip(fields.numbers, fields.times)]
 
 
 def _activate(grid):

@@ -66,9 +66,13 @@ def _interpolated(result, over):
         within_first_step = len(x) > 1 and x[0] - y.min() <= (x[1] - x[0]) * (1 + SLACK)
         (result.notes if within_first_step else result.problems).append(line)
     if late.any():
-        result.problems.append(f"{over} ends at {x[-1]:.9g}, wanted up to {y.max():.9g}: {late.sum()} rows have no partner")
+        result.problems.append(
+            f"{over} ends at {x[-1]:.9g}, wanted up to {y.max():.9g}: {late.sum()} rows have no partner"
+        )
     if x[-1] > y.max() + slack:
-        result.problems.append(f"{over} goes on to {x[-1]:.9g}, the reference ends at {y.max():.9g}")
+        result.problems.append(
+            f"{over} goes on to {x[-1]:.9g}, the reference ends at {y.max():.9g}"
+        )
     return Rows(a, b, None, np.flatnonzero(~early & ~late), over)
 
 
@@ -78,9 +82,14 @@ def _keyed(result, key):
     lost = [k for k in in_b if k not in in_a]
     extra = [k for k in in_a if k not in in_b]
     selects = b.path is not None and b.path.suffix.lower() == ".csv"
-    for keys, where, into in ((lost, a, result.problems), (extra, b, result.notes if selects else result.problems)):
+    for keys, where, into in (
+        (lost, a, result.problems),
+        (extra, b, result.notes if selects else result.problems),
+    ):
         if keys:
-            some = "; ".join(", ".join(map(str, k)) for k in keys[:3]) + ("; ..." if len(keys) > 3 else "")
+            some = "; ".join(", ".join(map(str, k)) for k in keys[:3]) + (
+                "; ..." if len(keys) > 3 else ""
+            )
             into.append(f"{len(keys)} rows are missing in {where.path or where.name}: {some}")
     both = [k for k in in_b if k in in_a]
     pick = lambda index: np.array([index[k] for k in both], dtype=int)
@@ -93,7 +102,9 @@ def _index(table, key):
     for i, values in enumerate(zip(*columns)):
         values = tuple(str(v) if isinstance(v, str) else float(v) for v in values)
         if values in rows:
-            raise Unreadable(f"rows {rows[values] + 1} and {i + 1} of '{table.path or table.name}' have the same {', '.join(key)}")
+            raise Unreadable(
+                f"rows {rows[values] + 1} and {i + 1} of '{table.path or table.name}' have the same {', '.join(key)}"
+            )
         rows[values] = i
     return rows
 

@@ -33,7 +33,9 @@ def load(path):
     try:
         content = json.loads(read_text(path))
     except json.JSONDecodeError as error:
-        raise Unreadable(f"'{path}' is not JSON at line {error.lineno} ({error.msg}): truncated?") from None
+        raise Unreadable(
+            f"'{path}' is not JSON at line {error.lineno} ({error.msg}): truncated?"
+        ) from None
     if not isinstance(content, dict):
         raise Unreadable(f"'{path}' is not a report: its top level is no JSON object")
     return content

@@ -1,4 +1,6 @@
-"""Runs on disk: a folder, a stem (`out/cube` for out/cube.report.json ...) or a single file, in parts."""
+"""Runs on disk: a folder, a stem (`out/cube` for out/cube.report.json ...) or a single file, in
+parts.
+"""
 
 import pathlib
 import re
@@ -31,7 +33,9 @@ def parts(path):
         found = _of_stem(folder, path.name)
     if not found:
         what = "holds no" if path.is_dir() else "is not the stem of any"
-        raise Unreadable(f"'{path}' {what} curve (.dat), report (.report.json) or field file (.vtkhdf)")
+        raise Unreadable(
+            f"'{path}' {what} curve (.dat), report (.report.json) or field file (.vtkhdf)"
+        )
     return found
 
 
@@ -89,7 +93,11 @@ def _partner(a, in_a, reference):
     kind = _kind(reference.name)
     pool = {n: f for n, f in in_a.items() if _kind(f.name) == kind}
     named = [f for n, f in pool.items() if f.name == reference.name]
-    named = named or [f for n, f in pool.items() if re.search(rf"(^|_){re.escape(n.split('/')[-1])}$", reference.stem)]
+    named = named or [
+        f
+        for n, f in pool.items()
+        if re.search(rf"(^|_){re.escape(n.split('/')[-1])}$", reference.stem)
+    ]
     found = named if named else list(pool.values())
     if len(found) != 1:
         what = {"report": "report", "fields": "field file"}.get(kind, "curve")

@@ -11,7 +11,8 @@ from post._surface import GEOMETRY
 def values(grid, path, name, component=None):
     """((n) values, whether they belong to points) of an array of the grid.
 
-    component: a name in COMPONENTS, x y z, or 'magnitude'; None: the magnitude of a vector, a scalar itself.
+    component: a name in COMPONENTS, x y z, or 'magnitude'; None: the magnitude of a vector, a
+    scalar itself.
     """
     for data, on_points in ((grid.point_data, True), (grid.cell_data, False)):
         if name in data and name not in GEOMETRY:
@@ -53,7 +54,9 @@ def colours(shown, limits=None, cmap=None):
         limits = (-size, size) if both_signs else (low, high)
         if limits[1] - limits[0] <= 1e-9 * size or size == 0:  # one value everywhere
             limits = (low - (0.5 * size or 1.0), high + (0.5 * size or 1.0))
-    return tuple(limits), cmap or ("RdBu_r" if limits[0] < 0 < limits[1] and both_signs else "viridis")
+    return tuple(limits), cmap or (
+        "RdBu_r" if limits[0] < 0 < limits[1] and both_signs else "viridis"
+    )
 
 
 def label(name, component=None):
@@ -70,13 +73,14 @@ def label(name, component=None):
 
 def print_list(path, step):
     """Print the steps of a result file and the arrays at one of them."""
-    times = _grid.times_of(path)
-    grid, _, number, _ = _grid.load(path, step)
+    grid, _, number = _grid.load(path, step)
     print(f"{path}: {grid.n_points} points, {grid.n_cells} cells")
-    for i, time in enumerate(times, 1):
+    for i, time in _grid.steps_of(path):
         print(f"  step {i}: time {time:.6g}")
     for data, where in ((grid.point_data, "points"), (grid.cell_data, "cells")):
         for name in data:
             array = np.asarray(data[name], dtype=float)
             n = 1 if array.ndim == 1 else array.shape[1]
-            print(f"  {name} ({where}, {n}): {array.min():.6g} to {array.max():.6g} at step {number}")
+            print(
+                f"  {name} ({where}, {n}): {array.min():.6g} to {array.max():.6g} at step {number}"
+            )

@@ -15,7 +15,8 @@ INSTALL = (
 def reason_not_ready():
     """Why nothing can be rendered here, as one sentence, or None where it can.
 
-    Looks only whether libraries load: creating a window without any ends the process in some versions of VTK.
+    Looks only whether libraries load: creating a window without any ends the process in some
+    versions of VTK.
     """
     try:
         import vtkmodules  # noqa: F401

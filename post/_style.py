@@ -1,6 +1,7 @@
 """The one place for colours, markers, sizes and fonts of every figure.
 
-Colours are Okabe and Ito's, which people with any kind of colour blindness tell apart; every series also has a
+Colours are Okabe and Ito's, which people with any kind of colour blindness tell apart; every series
+also has a
 marker and a line of its own, so that a print in grey stays readable.
 """
 
@@ -13,7 +14,8 @@ LINES = ("-", "--", "-.", ":")
 #: Widths of a figure in one and in two columns of a journal page [inch].
 COLUMN, PAGE = 3.5, 7.2
 
-#: Element types: the colour says the bulk, the marker the number of enriched faces, the line the enhancement.
+#: Element types: the colour says the bulk, the marker the number of enriched faces, the line the
+#: enhancement.
 _BULK = {"Q1": COLOURS[0], "Q1E9": COLOURS[1], "Q2": COLOURS[2], "IGA2": COLOURS[6]}
 
 RC = {
@@ -54,11 +56,16 @@ def series(i):
     ('o', '--')
     """
     n = len(COLOURS)
-    return {"color": COLOURS[i % n], "marker": MARKERS[i % n], "linestyle": LINES[i // n % len(LINES)]}
+    return {
+        "color": COLOURS[i % n],
+        "marker": MARKERS[i % n],
+        "linestyle": LINES[i // n % len(LINES)],
+    }
 
 
 def element(name):
-    """Line properties of an element type as verification names it, such as 'Q1E9+Q1N2 on 1+ and 2+'.
+    """Line properties of an element type as verification names it, such as 'Q1E9+Q1N2 on 1+ and
+    2+'.
 
     >>> element("Q1")["marker"], element("Q1N2 on 1+")["marker"], element("Q1N2 on 1+ and 2+")["marker"]
     ('o', 's', '^')

@@ -7,9 +7,11 @@ GEOMETRY = ("RationalWeights", "HigherOrderDegrees")
 
 
 def surface(grid, level=None):
-    """The outer surface as triangles (pyvista.PolyData), each curved face divided 2^level times in each direction.
+    """The outer surface as triangles (pyvista.PolyData), each curved face divided 2^level times in
+    each direction.
 
-    Positions and point data are evaluated with the cell's own (rational) functions, so that a sphere is a sphere.
+    Positions and point data are evaluated with the cell's own (rational) functions, so that a
+    sphere is a sphere.
     Default level: as fine as some 200,000 triangles allow, at most 4.
     """
     import pyvista
@@ -49,9 +51,15 @@ def edges(grid, level=None):
 
 
 def outline(grid, angle=25.0):
-    """Sharp edges of the outer surface (pyvista.PolyData of lines): the undeformed body in a picture."""
-    return surface(grid).clean().extract_feature_edges(
-        angle, boundary_edges=True, non_manifold_edges=False, manifold_edges=False
+    """Sharp edges of the outer surface (pyvista.PolyData of lines): the undeformed body in a
+    picture.
+    """
+    return (
+        surface(grid)
+        .clean()
+        .extract_feature_edges(
+            angle, boundary_edges=True, non_manifold_edges=False, manifold_edges=False
+        )
     )
 
 

@@ -60,9 +60,7 @@ class Table:
             raise Unreadable(f"'{word}' names several columns of {self.name}: {' '.join(found)}")
         near = difflib.get_close_matches(word, names, 1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
-        raise Unreadable(
-            f"{self.name} has no column '{word}'{hint} (columns: {' '.join(names)})"
-        )
+        raise Unreadable(f"{self.name} has no column '{word}'{hint} (columns: {' '.join(names)})")
 
     def quantities(self):
         """Names of the columns after `step time factor_1 ... converged`.
@@ -111,7 +109,8 @@ def read_text(path):
 def read_table(path):
     """A table from a curve file (.dat), or from a .csv file with a line of names.
 
-    In a .csv file a column of which any cell is not a number holds words; a curve file holds numbers only.
+    In a .csv file a column of which any cell is not a number holds words; a curve file holds
+    numbers only.
     """
     path = pathlib.Path(path)
     text = read_text(path)

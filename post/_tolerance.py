@@ -96,7 +96,9 @@ def parse(words):
             try:
                 value = float(value)
             except ValueError:
-                raise Unreadable(f"'{word}' is not a tolerance; write --{kind} 1e-6 or --{kind} force=1e-6") from None
+                raise Unreadable(
+                    f"'{word}' is not a tolerance; write --{kind} 1e-6 or --{kind} force=1e-6"
+                ) from None
             (named.setdefault(pattern, {}) if pattern else general)[kind] = value
     return Tolerances(
         Tolerance(**general) if general else DEFAULT,

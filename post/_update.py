@@ -19,7 +19,8 @@ SHOWN = 40  # changes printed of one table
 def update(comparison, b, settings):
     """Print the changes and rewrite the files of the reference `b`; returns the exit code.
 
-    Values within tolerance keep their old digits. Nothing is written where the new side holds a NaN,
+    Values within tolerance keep their old digits. Nothing is written where the new side holds a
+    NaN,
     lacks a column that the reference has, or lacks a whole file.
     """
     for table in comparison.tables:
@@ -36,7 +37,10 @@ def update(comparison, b, settings):
         elif file.suffix == ".json":
             _replace(file, lambda new, t=tables[0]: new.write_text(_report(t), encoding="utf-8"))
         else:
-            _replace(file, lambda new, t=tables[0]: new.write_text(_rewritten(t, settings), encoding="utf-8"))
+            _replace(
+                file,
+                lambda new, t=tables[0]: new.write_text(_rewritten(t, settings), encoding="utf-8"),
+            )
         written.append(str(file))
     print("updated: " + ", ".join(written) if written else f"nothing to update: '{b}' is the same")
     return 0
@@ -45,7 +49,9 @@ def update(comparison, b, settings):
 def _refuse(table):
     for column in table.columns:
         if any(isinstance(v, float) and not math.isfinite(v) for v in column.changes.values()):
-            raise Unreadable(f"'{column.name}' of {table.a.path} holds NaN or infinity: a reference never does; nothing was written")
+            raise Unreadable(
+                f"'{column.name}' of {table.a.path} holds NaN or infinity: a reference never does; nothing was written"
+            )
     if table.a is None or table.b is None:
         raise Unreadable(f"{table.problems[0]}; nothing was written")
     lost = [n for n in table.b.columns if n not in table.a.columns]
@@ -87,12 +93,16 @@ def _text(value):
 
 
 def _report(table):
-    """The new report, whole: it is written by the program, so nothing of the old one is worth keeping."""
+    """The new report, whole: it is written by the program, so nothing of the old one is worth
+    keeping.
+    """
     return json.dumps(load(table.a.path), indent=2) + "\n"
 
 
 def _rewritten(table, settings):
-    """Text of the reference with changed cells replaced, or with the rows of `a` where rows were gained or lost."""
+    """Text of the reference with changed cells replaced, or with the rows of `a` where rows were
+    gained or lost.
+    """
     a, b = table.a, table.b
     same_rows = settings.get("key") or len(a) == len(b)
     if not same_rows or any("is missing in" in p for p in table.problems):
@@ -113,7 +123,9 @@ def _cells(b, changes):
             for j, name in enumerate(names):
                 if at in changes.get(name, {}):
                     new = _text(changes[name][at])
-                    cells[j] = new if comma else cells[j][: len(cells[j]) - len(cells[j].lstrip())] + new
+                    cells[j] = (
+                        new if comma else cells[j][: len(cells[j]) - len(cells[j].lstrip())] + new
+                    )
             line = _csv_line(cells) if comma else "".join(cells)
         lines.append(line)
     return "\n".join(lines) + "\n"

@@ -1,6 +1,8 @@
-"""Relative errors over degrees of freedom: `python -m post convergence TABLE.csv --where test=compression`.
+"""Relative errors over degrees of freedom: `python -m post convergence TABLE.csv --where
+test=compression`.
 
-The table has a row for each mesh: a column of words that names the series (the element type), `dofs`, and either
+The table has a row for each mesh: a column of words that names the series (the element type),
+`dofs`, and either
 `error` or a value and `--reference`. As a library:
 
 >>> import post, numpy as np
@@ -21,14 +23,18 @@ from post._table import read_table
 
 @dataclass
 class Series:
-    """One element type: x (n) degrees of freedom, increasing; error (n) relative errors, not negative."""
+    """One element type: x (n) degrees of freedom, increasing; error (n) relative errors, not
+    negative.
+    """
 
     name: str
     x: np.ndarray
     error: np.ndarray
 
     def slopes(self):
-        """(n-1) slopes d log(error) / d log(x) between neighbouring meshes; NaN where an error is zero."""
+        """(n-1) slopes d log(error) / d log(x) between neighbouring meshes; NaN where an error is
+        zero.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
             slopes = np.diff(np.log(self.error)) / np.diff(np.log(self.x))
         return np.where(np.isfinite(slopes), slopes, np.nan)
@@ -38,7 +44,8 @@ def read_series(path, x="dofs", y=None, reference=None, by=None, where=None):
     """Series of a .csv table.
 
     y: column of values (default `error`, or with a reference the last column of numbers);
-    reference: the converged value, error = |y / reference - 1|; by: column of words that names the series
+    reference: the converged value, error = |y / reference - 1|; by: column of words that names the
+    series
     (default the only one left after `where`); where: {column: value} that rows must have.
     """
     table = read_table(path)
@@ -51,8 +58,15 @@ def read_series(path, x="dofs", y=None, reference=None, by=None, where=None):
     values = table.columns[column][keep]
     error = values if reference is None else values / reference - 1.0
     dofs = table.columns[over][keep]
-    if error.dtype.kind == "U" or dofs.dtype.kind == "U" or not (dofs > 0).all() or not np.isfinite(error).all():
-        raise Unreadable(f"columns '{over}' and '{column}' of '{path}' must hold finite numbers, the first above zero")
+    if (
+        error.dtype.kind == "U"
+        or dofs.dtype.kind == "U"
+        or not (dofs > 0).all()
+        or not np.isfinite(error).all()
+    ):
+        raise Unreadable(
+            f"columns '{over}' and '{column}' of '{path}' must hold finite numbers, the first above zero"
+        )
     series = []
     for name in dict.fromkeys(names):
         own = np.flatnonzero(names == name)
@@ -67,14 +81,18 @@ def _rows(table, where):
         column = table.columns[table.find(word)]
         keep &= column == (value if column.dtype.kind == "U" else float(value))
     if not keep.any():
-        raise Unreadable(f"no row of {table.name} has " + ", ".join(f"{k} = {v}" for k, v in where.items()))
+        raise Unreadable(
+            f"no row of {table.name} has " + ", ".join(f"{k} = {v}" for k, v in where.items())
+        )
     return keep
 
 
 def _value_column(table, reference, over):
     if reference is None:
         return table.find("error")
-    numbers = [n for n, v in table.columns.items() if v.dtype.kind != "U" and n not in (over, "error")]
+    numbers = [
+        n for n, v in table.columns.items() if v.dtype.kind != "U" and n not in (over, "error")
+    ]
     if not numbers:
         raise Unreadable(f"{table.name} has no column of values; name it with -y")
     return numbers[-1]
@@ -86,12 +104,16 @@ def _names(table, by, where, keep):
     fixed = [table.find(w) for w in where]
     words = [n for n, v in table.columns.items() if v.dtype.kind == "U" and n not in fixed]
     if len(words) > 1:
-        raise Unreadable(f"{table.name} has several columns of words ({' '.join(words)}): choose with --by or --where")
+        raise Unreadable(
+            f"{table.name} has several columns of words ({' '.join(words)}): choose with --by or --where"
+        )
     return table.columns[words[0]][keep] if words else np.full(keep.sum(), table.name)
 
 
 def plot(ax, series, guides=(), style=_style.element, label=_style.element_label):
-    """Draw series on log-log axes; guides: slopes of grey lines that start at the upper left series."""
+    """Draw series on log-log axes; guides: slopes of grey lines that start at the upper left
+    series.
+    """
     for s in series:
         seen = s.error > 0  # a logarithm has no zero
         ax.loglog(s.x[seen], s.error[seen], label=label(s.name), **style(s.name))
@@ -100,7 +122,9 @@ def plot(ax, series, guides=(), style=_style.element, label=_style.element_label
     for slope in guides:
         y = 1.3 * top * (x / x[0]) ** slope
         ax.loglog(x, y, color="#999999", linewidth=0.9, zorder=0)
-        ax.annotate(f"{slope:.2g}", (x[-1], y[-1]), color="#666666", fontsize=7, va="bottom", ha="right")
+        ax.annotate(
+            f"{slope:.2g}", (x[-1], y[-1]), color="#666666", fontsize=7, va="bottom", ha="right"
+        )
     ax.set_xlabel("degrees of freedom")
     ax.set_ylabel("relative error")
     ax.legend()
@@ -112,12 +136,17 @@ def table_text(series):
     for s in series:
         slopes = [np.nan, *s.slopes()]
         for x, error, slope in zip(s.x, s.error, slopes):
-            lines.append(f"{s.name:<28}{x:>9.0f}{error:>12.3e}" + (f"{slope:>8.2f}" if np.isfinite(slope) else ""))
+            lines.append(
+                f"{s.name:<28}{x:>9.0f}{error:>12.3e}"
+                + (f"{slope:>8.2f}" if np.isfinite(slope) else "")
+            )
     return "\n".join(lines)
 
 
 def draw(series, output, title=None, guides=(-2 / 3,)):
-    """Draw series into the file `output`; element types keep their colours, other names take the next ones."""
+    """Draw series into the file `output`; element types keep their colours, other names take the
+    next ones.
+    """
     order = {s.name: _style.series(i) for i, s in enumerate(series)}
     known = all(_style.is_element(s.name) for s in series)
     with _style.styled() as plt:
@@ -129,20 +158,43 @@ def draw(series, output, title=None, guides=(-2 / 3,)):
 
 def main(argv):
     """The command; returns its exit code."""
-    p = argparse.ArgumentParser(prog="post convergence", description="Draw relative errors over degrees of freedom.")
+    p = argparse.ArgumentParser(
+        prog="post convergence", description="Draw relative errors over degrees of freedom."
+    )
     p.add_argument("table", help="a .csv file with a row for each mesh")
     p.add_argument("-x", default="dofs", metavar="COLUMN", help="column across (default dofs)")
-    p.add_argument("-y", metavar="COLUMN", help="column of values (default error, or with --reference the last of numbers)")
-    p.add_argument("--reference", type=float, metavar="VALUE", help="the converged value; error = |y / VALUE - 1|")
+    p.add_argument(
+        "-y",
+        metavar="COLUMN",
+        help="column of values (default error, or with --reference the last of numbers)",
+    )
+    p.add_argument(
+        "--reference",
+        type=float,
+        metavar="VALUE",
+        help="the converged value; error = |y / VALUE - 1|",
+    )
     p.add_argument("--by", metavar="COLUMN", help="column that names the series")
-    p.add_argument("--where", action="append", default=[], metavar="COLUMN=VALUE", help="use these rows only")
-    p.add_argument("--guide", action="append", type=float, metavar="SLOPE", help="a grey line of this slope (default -2/3)")
+    p.add_argument(
+        "--where", action="append", default=[], metavar="COLUMN=VALUE", help="use these rows only"
+    )
+    p.add_argument(
+        "--guide",
+        action="append",
+        type=float,
+        metavar="SLOPE",
+        help="a grey line of this slope (default -2/3)",
+    )
     p.add_argument("--title")
-    p.add_argument("-o", "--output", metavar="FIG", default="convergence.png", help="(default convergence.png)")
+    p.add_argument(
+        "-o", "--output", metavar="FIG", default="convergence.png", help="(default convergence.png)"
+    )
     o = p.parse_args(argv)
     if bad := [w for w in o.where if "=" not in w]:
         raise Unreadable(f"'{bad[0]}' is not COLUMN=VALUE")
-    series = read_series(o.table, o.x, o.y, o.reference, o.by, dict(w.split("=", 1) for w in o.where))
+    series = read_series(
+        o.table, o.x, o.y, o.reference, o.by, dict(w.split("=", 1) for w in o.where)
+    )
     print(table_text(series))
     draw(series, o.output, o.title, (-2 / 3,) if o.guide is None else o.guide)
     return 0

@@ -1,4 +1,5 @@
-"""Draw columns of curve files over one another: `python -m post curve FILE.dat ... -x disp -y force`.
+"""Draw columns of curve files over one another: `python -m post curve FILE.dat ... -x disp -y
+force`.
 
 As a library, on axes of your own:
 
@@ -16,11 +17,24 @@ from post._error import Unreadable
 from post._table import read_table
 
 
-def draw(files, output, x=None, y=None, labels=None, title=None, x_label=None, y_label=None, log="", markers=None):
+def draw(
+    files,
+    output,
+    x=None,
+    y=None,
+    labels=None,
+    title=None,
+    x_label=None,
+    y_label=None,
+    log="",
+    markers=None,
+):
     """Draw columns `y` over column `x` of each file into the file `output`.
 
-    x: beginning of a column's name, default time, else the first column; y: list of such, default the first quantity;
-    log: 'x', 'y' or 'xy'; markers: whether points are marked, default where there are fewer than 60.
+    x: beginning of a column's name, default time, else the first column; y: list of such, default
+    the first quantity;
+    log: 'x', 'y' or 'xy'; markers: whether points are marked, default where there are fewer than
+    60.
     """
     tables = [read_table(f) for f in files]
     with _style.styled() as plt:
@@ -35,7 +49,9 @@ def draw(files, output, x=None, y=None, labels=None, title=None, x_label=None, y
 
 
 def plot(ax, tables, x=None, y=None, labels=None, markers=None):
-    """Draw tables (post._table.Table) on matplotlib axes; returns the names of the x column and of each line's y column."""
+    """Draw tables (post._table.Table) on matplotlib axes; returns the names of the x column and of
+    each line's y column.
+    """
     names, i = [], 0
     labels = labels or [t.name for t in tables]
     for table, label in zip(tables, labels):
@@ -46,7 +62,12 @@ def plot(ax, tables, x=None, y=None, labels=None, markers=None):
             if not (len(table) < 60 if markers is None else markers):
                 style["marker"] = ""
             several = len(y or ()) > 1
-            ax.plot(_numbers(table, over), _numbers(table, column), label=f"{label}: {column}" if several else label, **style)
+            ax.plot(
+                _numbers(table, over),
+                _numbers(table, column),
+                label=f"{label}: {column}" if several else label,
+                **style,
+            )
             names += [column]
             i += 1
         names = [over, *names] if table is tables[0] else names
@@ -66,7 +87,9 @@ def _y_column(table, y, over):
         return table.find(y)
     found = [n for n in table.quantities() if n != over and table.columns[n].dtype.kind != "U"]
     if not found:
-        raise Unreadable(f"{table.name} has no quantity to draw (columns: {' '.join(table.columns)})")
+        raise Unreadable(
+            f"{table.name} has no quantity to draw (columns: {' '.join(table.columns)})"
+        )
     return found[0]
 
 
@@ -93,17 +116,41 @@ def print_list(files):
     for table in map(read_table, files):
         print(f"{table.path}: {len(table)} rows")
         for name, values in table.columns.items():
-            what = "words" if values.dtype.kind == "U" else f"{np.min(values):.6g} to {np.max(values):.6g}"
+            what = (
+                "words"
+                if values.dtype.kind == "U"
+                else f"{np.min(values):.6g} to {np.max(values):.6g}"
+            )
             print(f"  {name}: {what}")
 
 
 def main(argv):
     """The command; returns its exit code."""
-    p = argparse.ArgumentParser(prog="post curve", description="Draw columns of curve files over one another.")
-    p.add_argument("files", nargs="+", metavar="FILE", help="<deck>_<curve>.dat, or a .csv file with a line of names")
-    p.add_argument("-x", metavar="COLUMN", help="beginning of the name of the column across (default time)")
-    p.add_argument("-y", metavar="COLUMN", action="append", help="the column up; may be repeated (default the first quantity)")
-    p.add_argument("-o", "--output", default="curve.png", metavar="FIG", help=".png, .pdf or .svg (default curve.png)")
+    p = argparse.ArgumentParser(
+        prog="post curve", description="Draw columns of curve files over one another."
+    )
+    p.add_argument(
+        "files",
+        nargs="+",
+        metavar="FILE",
+        help="<deck>_<curve>.dat, or a .csv file with a line of names",
+    )
+    p.add_argument(
+        "-x", metavar="COLUMN", help="beginning of the name of the column across (default time)"
+    )
+    p.add_argument(
+        "-y",
+        metavar="COLUMN",
+        action="append",
+        help="the column up; may be repeated (default the first quantity)",
+    )
+    p.add_argument(
+        "-o",
+        "--output",
+        default="curve.png",
+        metavar="FIG",
+        help=".png, .pdf or .svg (default curve.png)",
+    )
     p.add_argument("--label", action="append", help="name of a file in the legend, one for each")
     p.add_argument("--title")
     p.add_argument("--xlabel")

@@ -1,6 +1,7 @@
 """Compare two runs, or a run and a reference: `python -m post diff A B`.
 
-A is what was got, B what is wanted; each is a folder, a stem or a file. Exit code: 0 same, 1 differs,
+A is what was got, B what is wanted; each is a folder, a stem or a file. Exit code: 0 same, 1
+differs,
 2 unreadable. As a library:
 
 >>> import post
@@ -42,18 +43,25 @@ def compare(a, b, tolerances=None, interpolate=None, key=None, only=None, ignore
     tolerances: Tolerances, default relative 1e-9 or 1e-12 of the column's largest magnitude;
     interpolate: name of the column over which `a` is interpolated to the rows of `b`;
     key: names of the columns that say which rows belong together; only, ignore: column patterns.
-    Raises Unreadable where a side is missing, truncated, empty or not numbers, or a pattern names nothing.
+    Raises Unreadable where a side is missing, truncated, empty or not numbers, or a pattern names
+    nothing.
     """
     tolerances = tolerances or Tolerances()
     comparison = Comparison()
     for part, file_a, file_b in _runs.matched(a, b):
         if file_a is None or file_b is None:
             there, lacks = (b, a) if file_a is None else (a, b)
-            comparison.tables.append(TableResult(part, problems=[f"'{part}' of '{there}' is missing in '{lacks}'"]))
+            comparison.tables.append(
+                TableResult(part, problems=[f"'{part}' of '{there}' is missing in '{lacks}'"])
+            )
         elif interpolate and part.split("/")[-1] in ("report", "fields"):
-            comparison.notes.append(f"'{part}' is not compared: nothing to interpolate over {interpolate}")
+            comparison.notes.append(
+                f"'{part}' is not compared: nothing to interpolate over {interpolate}"
+            )
         else:
-            comparison.tables += _compare_files(part, file_a, file_b, tolerances, interpolate, key, only, ignore)
+            comparison.tables += _compare_files(
+                part, file_a, file_b, tolerances, interpolate, key, only, ignore
+            )
     if not comparison.tables:
         raise Unreadable(f"nothing in '{a}' and '{b}' can be compared")
     _all_used(comparison, tolerances, only, ignore)
@@ -68,7 +76,9 @@ def _compare_files(part, file_a, file_b, tolerances, interpolate, key, only, ign
         if name in left and name in right:
             if only and not _any_chosen(right[name], only):
                 continue  # a table of which no column was asked for
-            results.append(compare_tables(left[name], right[name], tolerances, interpolate, key, only, ignore))
+            results.append(
+                compare_tables(left[name], right[name], tolerances, interpolate, key, only, ignore)
+            )
         else:
             lacks = file_a if name in right else file_b
             results.append(TableResult(name, problems=[f"'{name}' is missing in '{lacks}'"]))
@@ -76,7 +86,9 @@ def _compare_files(part, file_a, file_b, tolerances, interpolate, key, only, ign
 
 
 def _named(part, tables):
-    """Tables called after their part, so that the two sides match though their files differ in name."""
+    """Tables called after their part, so that the two sides match though their files differ in
+    name.
+    """
     for table in tables:
         table.name = part if len(tables) == 1 else f"{part}/{table.name}"
     return tables
@@ -92,7 +104,9 @@ def _all_used(comparison, tolerances, only, ignore):
     """A pattern that names no column is a slip, and would make a comparison pass too easily."""
     from post._tolerance import matches
 
-    names = [(t.name, n) for t in comparison.tables for side in (t.a, t.b) if side for n in side.columns]
+    names = [
+        (t.name, n) for t in comparison.tables for side in (t.a, t.b) if side for n in side.columns
+    ]
     for pattern in [*tolerances.named, *(only or ()), *(ignore or ())]:
         if not any(matches(pattern, *name) for name in names):
             have = " ".join(dict.fromkeys(n for _, n in names))
@@ -131,29 +145,53 @@ def _settings(options):
     for name in ("only", "ignore"):
         settings[name] = (settings.get(name) or []) + (getattr(options, name) or [])
     if settings.get("interpolate") and (settings.get("key") or options.update):
-        raise Unreadable("--interpolate cannot go with " + ("--key" if settings.get("key") else "--update"))
+        raise Unreadable(
+            "--interpolate cannot go with " + ("--key" if settings.get("key") else "--update")
+        )
     return settings
 
 
 def _parser():
     p = argparse.ArgumentParser(
-        prog="post diff", description="Compare two runs, or a run and a reference, column by column.",
+        prog="post diff",
+        description="Compare two runs, or a run and a reference, column by column.",
         epilog="exit code: 0 same, 1 differs, 2 unreadable (missing, truncated, not numbers)",
     )
-    p.add_argument("a", help="what was got: a folder, a stem (out/cube), or a .dat .csv .json .vtkhdf file")
+    p.add_argument(
+        "a", help="what was got: a folder, a stem (out/cube), or a .dat .csv .json .vtkhdf file"
+    )
     p.add_argument("b", help="what is wanted, the same")
     for kind, what in (
         ("rel", "of the wanted value"), ("abs", "in the column's own unit"), ("scaled", "of the column's largest magnitude"),
     ):  # fmt: skip
-        p.add_argument(f"--{kind}", action="append", metavar="[COLUMN=]TOL", help=f"allowed difference {what}")
+        p.add_argument(
+            f"--{kind}", action="append", metavar="[COLUMN=]TOL", help=f"allowed difference {what}"
+        )
     p.add_argument("--exact", action="store_true", help="no difference at all is allowed")
-    p.add_argument("--expect", metavar="FILE", help="take tolerances and columns from the [diff] table of an expect.toml")
-    p.add_argument("--interpolate", metavar="COLUMN", help="interpolate A to the rows of B over this column, such as time")
+    p.add_argument(
+        "--expect",
+        metavar="FILE",
+        help="take tolerances and columns from the [diff] table of an expect.toml",
+    )
+    p.add_argument(
+        "--interpolate",
+        metavar="COLUMN",
+        help="interpolate A to the rows of B over this column, such as time",
+    )
     p.add_argument("--key", metavar="COL,COL", help="match rows by the values of these columns")
-    p.add_argument("--only", action="append", metavar="COLUMN", help="compare these columns only (beginning, or with *)")
+    p.add_argument(
+        "--only",
+        action="append",
+        metavar="COLUMN",
+        help="compare these columns only (beginning, or with *)",
+    )
     p.add_argument("--ignore", action="append", metavar="COLUMN", help="leave these columns out")
     p.add_argument("--json", metavar="FILE", help="write the result as JSON")
     p.add_argument("--junit", metavar="FILE", help="write the result as JUnit XML")
-    p.add_argument("--update", action="store_true", help="show old and new of each changed value, then rewrite B")
+    p.add_argument(
+        "--update",
+        action="store_true",
+        help="show old and new of each changed value, then rewrite B",
+    )
     p.add_argument("--quiet", action="store_true", help="print what differs, and the verdict")
     return p

@@ -1,6 +1,8 @@
-"""Render a field of a result file without a screen: `python -m post field RUN.vtkhdf --scalar mises`.
+"""Render a field of a result file without a screen: `python -m post field RUN.vtkhdf --scalar
+mises`.
 
-Bezier cells are drawn as the smooth surfaces that they are, deformed by the displacement, with the elements'
+Bezier cells are drawn as the smooth surfaces that they are, deformed by the displacement, with the
+elements'
 edges and the outline of the undeformed body. As a library:
 
 >>> import post
@@ -8,11 +10,10 @@ edges and the outline of the undeformed body. As a library:
 """
 
 import argparse
-from dataclasses import dataclass
 
 import numpy as np
 
-from post import _grid, _scalar, _style, _surface
+from post import _grid, _picture, _scalar, _surface
 from post._error import Unreadable
 from post._screen import prepare
 
@@ -24,21 +25,12 @@ VIEWS = {
 }  # fmt: skip
 
 
-@dataclass
-class Scene:
-    """One body ready to be drawn, and the words below it."""
-
-    surface: object  # deformed, with the array 'shown'
-    edges: object
-    outline: object
-    caption: str
-
-
 def draw(paths, output, scalar="displacement", component=None, step="last", warp=1.0, view="iso",
          limits=None, cmap=None, labels=None, edges=True, outline=True, level=None, size=(1400, 1200)):  # fmt: skip
     """Draw one result file, or several side by side with one colour scale, into the file `output`.
 
-    step: as post._grid.load; component: 1 2 3, 11 22 33 12 23 31 or magnitude; view: a key of VIEWS or
+    step: as post._grid.load; component: 1 2 3, 11 22 33 12 23 31 or magnitude; view: a key of VIEWS
+    or
     'azimuth,elevation' in degrees; limits: (low, high) of the colours; size: pixels of one panel.
     Returns the limits that were used.
     """
@@ -48,13 +40,13 @@ def draw(paths, output, scalar="displacement", component=None, step="last", warp
         scene.caption = f"{label}, {scene.caption}" if label else scene.caption
     limits, cmap = _scalar.colours([s.surface["shown"] for s in shown], limits, cmap)
     camera = _camera(view)
-    images = _render(shown, limits, cmap, camera, size)
-    _compose(images, shown, limits, cmap, _scalar.label(scalar, component), output)
+    images = _picture.render(shown, limits, cmap, camera, size)
+    _picture.compose(images, shown, limits, cmap, _scalar.label(scalar, component), output)
     return limits
 
 
 def _scene(path, scalar, component, step, warp, edges, outline, level):
-    grid, time, number, count = _grid.load(path, step)
+    grid, time, number = _grid.load(path, step)
     values, on_points = _scalar.values(grid, path, scalar, component)
     (grid.point_data if on_points else grid.cell_data)["shown"] = values
     undeformed = _surface.outline(grid) if outline else None
@@ -62,9 +54,11 @@ def _scene(path, scalar, component, step, warp, edges, outline, level):
         if "displacement" not in grid.point_data:
             raise Unreadable(f"'{path}' has no displacement to deform the body with; use --warp 0")
         grid.points = np.asarray(grid.points, dtype=float) + warp * grid.point_data["displacement"]
-    caption = f"step {number} of {count}, time {time:.4g}" + (f", displacements x {warp:g}" if warp not in (0, 1) else "")
+    caption = f"step {number}, time {time:.4g}" + (
+        f", displacements x {warp:g}" if warp not in (0, 1) else ""
+    )
     lines = _surface.edges(grid, level) if edges else None
-    return Scene(_surface.surface(grid, level), lines, undeformed, caption)
+    return _picture.Scene(_surface.surface(grid, level), lines, undeformed, caption)
 
 
 def _camera(view):
@@ -74,73 +68,15 @@ def _camera(view):
     try:
         azimuth, elevation = (np.radians(float(v)) for v in view.split(","))
     except ValueError:
-        raise Unreadable(f"no view '{view}'; known: {' '.join(VIEWS)}, or azimuth,elevation in degrees") from None
-    direction = (np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation))
+        raise Unreadable(
+            f"no view '{view}'; known: {' '.join(VIEWS)}, or azimuth,elevation in degrees"
+        ) from None
+    direction = (
+        np.cos(elevation) * np.cos(azimuth),
+        np.cos(elevation) * np.sin(azimuth),
+        np.sin(elevation),
+    )
     return direction, ((0, 0, 1) if abs(np.cos(elevation)) > 1e-3 else (0, 1, 0))
-
-
-def _render(scenes, limits, cmap, camera, size):
-    """One image a scene, (height, width, 3), all cut to the same frame."""
-    import pyvista
-
-    bounds = np.array([part.bounds for s in scenes for part in (s.surface, s.outline) if part and part.n_points])
-    box = np.ravel(np.column_stack([bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)]))
-    images = []
-    for scene in scenes:
-        plot = pyvista.Plotter(off_screen=True, window_size=list(size))
-        plot.set_background("white")
-        smooth = scene.surface.compute_normals(split_vertices=True, feature_angle=35.0, cell_normals=False)
-        plot.add_mesh(smooth, scalars="shown", clim=limits, cmap=cmap, show_scalar_bar=False,
-                      smooth_shading=True, ambient=0.55, diffuse=0.5, specular=0.0)  # fmt: skip
-        if scene.edges is not None and scene.edges.n_points:
-            _add_lines(plot, scene.edges, "#1a1a1a", 2.0)
-        if scene.outline is not None and scene.outline.n_points:
-            _add_lines(plot, scene.outline, "#777777", 1.6)
-        direction, up = camera
-        plot.enable_parallel_projection()
-        plot.view_vector(direction, viewup=up, bounds=box)
-        plot.enable_anti_aliasing("ssaa")
-        images.append(np.asarray(plot.screenshot(return_img=True))[..., :3])
-        plot.close()
-    return _cropped(images)
-
-
-def _add_lines(plot, lines, colour, width):
-    """Lines just in front of the surface that they lie on."""
-    mapper = plot.add_mesh(lines, color=colour, line_width=width, lighting=False).mapper
-    mapper.SetResolveCoincidentTopologyToPolygonOffset()
-    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-1.0, -6.0)
-
-
-def _cropped(images):
-    """The images cut to the smallest frame that holds all of them, with a margin."""
-    ink = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
-    if not ink.any():
-        return images
-    rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
-    cut = tuple(slice(max(i[0] - 12, 0), i[-1] + 13) for i in (rows, columns))
-    return [image[cut] for image in images]
-
-
-def _compose(images, scenes, limits, cmap, label, output):
-    """Panels, captions and one colour bar on a page."""
-    with _style.styled() as plt:
-        from matplotlib.cm import ScalarMappable
-        from matplotlib.colors import Normalize
-
-        height, width = images[0].shape[:2]
-        n = len(images)
-        panel = (_style.PAGE if n > 1 else 4.4) / n * 0.86
-        figure, axes = plt.subplots(1, n, figsize=(_style.PAGE if n > 1 else 4.4, panel * height / width + 0.35), squeeze=False)
-        for ax, image, scene in zip(axes[0], images, scenes):
-            ax.imshow(image, interpolation="lanczos")
-            ax.set_axis_off()
-            ax.set_title(scene.caption, y=-0.02, va="top")
-        bar = figure.colorbar(ScalarMappable(Normalize(*limits), cmap), ax=axes[0].tolist(), shrink=0.75, aspect=24, pad=0.02)
-        bar.set_label(label)
-        bar.outline.set_linewidth(0.5)
-        figure.set_dpi(200)
-        _style.save(figure, output)
 
 
 def main(argv):
@@ -149,11 +85,19 @@ def main(argv):
     paths = [o.run] + (o.beside or [])
     if o.labels and len(o.labels) != len(paths):
         raise Unreadable(f"{len(o.labels)} labels for {len(paths)} files")
-    step = ("time", o.time) if o.time is not None else o.step if o.step in ("last", "first") else _integer(o.step)
+    step = (
+        ("time", o.time)
+        if o.time is not None
+        else o.step
+        if o.step in ("last", "first")
+        else _integer(o.step)
+    )
     if o.list:
         _scalar.print_list(o.run, step)
         return 0
-    labels = o.labels or ([p.rsplit("/", 1)[-1].rsplit(".", 1)[0] for p in paths] if len(paths) > 1 else None)
+    labels = o.labels or (
+        [p.rsplit("/", 1)[-1].rsplit(".", 1)[0] for p in paths] if len(paths) > 1 else None
+    )
     draw(paths, o.output, o.scalar, o.component, step, o.warp, o.view, o.range, o.cmap, labels,
          not o.no_edges, not o.no_outline, o.level, tuple(o.size))  # fmt: skip
     return 0
@@ -163,26 +107,76 @@ def _integer(text):
     try:
         return int(text)
     except ValueError:
-        raise Unreadable(f"'{text}' is no step: a number counted from 1, 'first' or 'last'") from None
+        raise Unreadable(f"'{text}' is no step: a step's number, 'first' or 'last'") from None
 
 
 def _parser():
-    p = argparse.ArgumentParser(prog="post field", description="Render a field of a result file without a screen.")
+    p = argparse.ArgumentParser(
+        prog="post field", description="Render a field of a result file without a screen."
+    )
     p.add_argument("run", help="RUN.vtkhdf, RUN.pvd or a .vtu file")
-    p.add_argument("--beside", action="append", metavar="RUN2", help="another result file beside it, on the same colour scale")
-    p.add_argument("--step", default="last", help="last (default), first, or a number counted from 1")
+    p.add_argument(
+        "--beside",
+        action="append",
+        metavar="RUN2",
+        help="another result file beside it, on the same colour scale",
+    )
+    p.add_argument("--step", default="last", help="last (default), first, or a step's number")
     p.add_argument("--time", type=float, help="the step nearest to this time")
-    p.add_argument("--scalar", default="displacement", metavar="ARRAY", help="displacement (default), mises, stress, ...")
-    p.add_argument("--component", help="1 2 3 of a vector, 11 22 33 12 23 31 of a tensor; default the magnitude of a vector")
-    p.add_argument("--warp", type=float, default=1.0, help="displacements are drawn this many times as large (default 1)")
-    p.add_argument("--view", default="iso", help=f"{' '.join(VIEWS)}, or azimuth,elevation in degrees (default iso)")
-    p.add_argument("--range", type=float, nargs=2, metavar=("LOW", "HIGH"), help="limits of the colours")
-    p.add_argument("--cmap", help="a colour map of matplotlib (default viridis; RdBu_r where the sign changes)")
-    p.add_argument("--label", action="append", dest="labels", help="words below a panel, one for each file")
+    p.add_argument(
+        "--scalar",
+        default="displacement",
+        metavar="ARRAY",
+        help="displacement (default), mises, stress, ...",
+    )
+    p.add_argument(
+        "--component",
+        help="1 2 3 of a vector, 11 22 33 12 23 31 of a tensor; default the magnitude of a vector",
+    )
+    p.add_argument(
+        "--warp",
+        type=float,
+        default=1.0,
+        help="displacements are drawn this many times as large (default 1)",
+    )
+    p.add_argument(
+        "--view",
+        default="iso",
+        help=f"{' '.join(VIEWS)}, or azimuth,elevation in degrees (default iso)",
+    )
+    p.add_argument(
+        "--range", type=float, nargs=2, metavar=("LOW", "HIGH"), help="limits of the colours"
+    )
+    p.add_argument(
+        "--cmap", help="a colour map of matplotlib (default viridis; RdBu_r where the sign changes)"
+    )
+    p.add_argument(
+        "--label", action="append", dest="labels", help="words below a panel, one for each file"
+    )
     p.add_argument("--no-edges", action="store_true", help="leave out the elements' edges")
-    p.add_argument("--no-outline", action="store_true", help="leave out the outline of the undeformed body")
-    p.add_argument("--level", type=int, choices=range(7), help="curved faces are divided 2^LEVEL times (default by size, at most 4)")
-    p.add_argument("--size", type=int, nargs=2, default=(1400, 1200), metavar=("W", "H"), help="pixels of a panel")
+    p.add_argument(
+        "--no-outline", action="store_true", help="leave out the outline of the undeformed body"
+    )
+    p.add_argument(
+        "--level",
+        type=int,
+        choices=range(7),
+        help="curved faces are divided 2^LEVEL times (default by size, at most 4)",
+    )
+    p.add_argument(
+        "--size",
+        type=int,
+        nargs=2,
+        default=(1400, 1200),
+        metavar=("W", "H"),
+        help="pixels of a panel",
+    )
     p.add_argument("--list", action="store_true", help="print steps and arrays, draw nothing")
-    p.add_argument("-o", "--output", default="field.png", metavar="FIG", help=".png, .pdf or .svg (default field.png)")
+    p.add_argument(
+        "-o",
+        "--output",
+        default="field.png",
+        metavar="FIG",
+        help=".png, .pdf or .svg (default field.png)",
+    )
     return p

@@ -1,4 +1,6 @@
-"""What verify.py does with one check: which run it needs, and whether that run gives what is wanted."""
+"""What verify.py does with one check: which run it needs, and whether that run gives what is
+wanted.
+"""
 
 import json
 import math
@@ -52,7 +54,12 @@ class Row:
     source: str = ""
 
     def numbers(self):
-        return (_text(self.got), _text(self.want), "-" if self.difference is None else f"{self.difference:.1e}", self.tolerance)
+        return (
+            _text(self.got),
+            _text(self.want),
+            "-" if self.difference is None else f"{self.difference:.1e}",
+            self.tolerance,
+        )
 
 
 @dataclass
@@ -73,11 +80,16 @@ def failed(case, quantity, reason):
 def new_run(folder, entry):
     """The run that a check or a mesh of a study needs."""
     deck = folder / entry["deck"]
-    settings = tuple(f"{n}={v:.16g}" if isinstance(v, (int, float)) else f"{n}={v}" for n, v in entry.get("set", {}).items())
+    settings = tuple(
+        f"{n}={v:.16g}" if isinstance(v, (int, float)) else f"{n}={v}"
+        for n, v in entry.get("set", {}).items()
+    )
     options = tuple(str(word) for word in entry.get("options", ()))
     words = [deck.stem, *settings, *options]
     name = re.sub(r"[^\w=.+-]+", "_", "-".join(words))
-    return Run(f"{folder.name}/{name}", deck, settings, options, float(entry.get("time_limit", TIME_LIMIT)))
+    return Run(
+        f"{folder.name}/{name}", deck, settings, options, float(entry.get("time_limit", TIME_LIMIT))
+    )
 
 
 def execute(bezel, out, run):
@@ -112,7 +124,7 @@ def plan_check(folder, check):
 
     def judge(out, outcomes):
         try:
-            _exit_code(run, outcomes[run.name], check.get("exit", 0))
+            exit_code(run, outcomes[run.name], check.get("exit", 0))
             rows = _rows_of(folder, check, quantity, out / run.name, run.deck.stem)
         except (Unreadable, ModuleNotFoundError) as error:
             rows = [failed(folder.name, quantity, str(error))]
@@ -129,9 +141,13 @@ def _quantity(check):
     return " ".join(words or ["exit code"]) + (f" {check['set']}" if check.get("set") else "")
 
 
-def _exit_code(run, outcome, wanted):
+def exit_code(run, outcome, wanted):
     if outcome.code != wanted:
-        how = outcome.reason if outcome.code is None else f"ended with code {outcome.code}, wanted {wanted}: {outcome.reason}"
+        how = (
+            outcome.reason
+            if outcome.code is None
+            else f"ended with code {outcome.code}, wanted {wanted}: {outcome.reason}"
+        )
         raise Unreadable(f"{run.name} {how}")
 
 
@@ -143,10 +159,24 @@ def _rows_of(folder, check, quantity, place, stem):
 
         return [field_row(folder.name, quantity, place / f"{stem}.vtkhdf", check)]
     if "curve" not in check and "report" not in check:
-        return [Row(folder.name, quantity, check.get("exit", 0), check.get("exit", 0), None, "exact", True)]
+        return [
+            Row(
+                folder.name,
+                quantity,
+                check.get("exit", 0),
+                check.get("exit", 0),
+                None,
+                "exact",
+                True,
+            )
+        ]
     if "want" not in check:
         raise Unreadable("the check has no `want` and no `reference`")
-    return [compared(folder.name, quantity, value_of(place, stem, check), check["want"], tolerance_of(check))]
+    return [
+        compared(
+            folder.name, quantity, value_of(place, stem, check), check["want"], tolerance_of(check)
+        )
+    ]
 
 
 def value_of(place, stem, entry):
@@ -157,7 +187,9 @@ def value_of(place, stem, entry):
         return str(value) if isinstance(value, str) else float(value) * entry.get("factor", 1.0)
     table = read_table(place / f"{stem}_{entry['curve']}.dat")
     column = entry.get("column") or next(iter(table.quantities()), "")
-    return float(table.columns[table.find(column)][_row_index(table, entry.get("row", "last"))]) * entry.get("factor", 1.0)
+    return float(
+        table.columns[table.find(column)][_row_index(table, entry.get("row", "last"))]
+    ) * entry.get("factor", 1.0)
 
 
 def _row_index(table, row):
@@ -179,9 +211,21 @@ def compared(case, quantity, got, want, tolerance):
     difference = abs(got - want)
     if tolerance is None:
         tolerance = Tolerance()  # counts: exact
-    ok = math.isfinite(got) and math.isfinite(want) and difference <= tolerance.allowed(want, abs(want))
+    ok = (
+        math.isfinite(got)
+        and math.isfinite(want)
+        and difference <= tolerance.allowed(want, abs(want))
+    )
     relative = tolerance.rel > 0 and want != 0
-    return Row(case, quantity, got, want, difference / abs(want) if relative else difference, str(tolerance), ok)
+    return Row(
+        case,
+        quantity,
+        got,
+        want,
+        difference / abs(want) if relative else difference,
+        str(tolerance),
+        ok,
+    )
 
 
 def _curve_rows(folder, check, quantity, file):
@@ -191,55 +235,20 @@ def _curve_rows(folder, check, quantity, file):
     rows = []
     for table in comparison.tables:
         for c in table.columns:
-            rows.append(Row(folder.name, f"{quantity}: {c.name}, {c.rows} rows", c.got, c.want, c.difference, str(c.tolerance), c.ok, c.note))
+            rows.append(
+                Row(
+                    folder.name,
+                    f"{quantity}: {c.name}, {c.rows} rows",
+                    c.got,
+                    c.want,
+                    c.difference,
+                    str(c.tolerance),
+                    c.ok,
+                    c.note,
+                )
+            )
         rows += [failed(folder.name, quantity, problem) for problem in table.problems]
     return rows
-
-
-def plan_studies(folder, studies, everything):
-    """Each series of each [[study]]: one plan, one row of the table, a row of results.csv for each mesh."""
-    plans = []
-    for study in studies:
-        series = {}
-        for row, entry, slow in study["rows"]:
-            if everything or not slow:
-                names = tuple(v for k, v in row.items() if k != study["mesh"])
-                series.setdefault(names, []).append((row, entry, new_run(folder, entry)))
-        plans += [_plan_series(folder, study["mesh"], names, meshes) for names, meshes in series.items()]
-    return plans
-
-
-def _plan_series(folder, mesh, names, meshes):
-    quantity = " ".join(str(n) for n in names) + f", {mesh} = " + " ".join(f"{row[mesh]:g}" for row, _, _ in meshes)
-    plan = Plan(folder, [run for _, _, run in meshes], None)
-
-    def judge(out, outcomes):
-        errors = []
-        try:
-            for row, entry, run in meshes:
-                _exit_code(run, outcomes[run.name], 0)
-                value = value_of(out / run.name, run.deck.stem, entry)
-                report = read_report(out / run.name / f"{run.deck.stem}.report.json").columns
-                errors.append(value / entry["want"] - 1.0)
-                plan.table.append({**row, "dofs": int(report["dofs"][0]), entry["value"]: f"{value:.12g}", "error": f"{errors[-1]:.6e}"})
-        except (Unreadable, KeyError) as error:
-            plan.lost = True
-            return [failed(folder.name, quantity, f"{error}")]
-        return [_study_row(folder.name, quantity, errors, meshes[-1][1], value)]
-
-    plan.judge = judge
-    return plan
-
-
-def _study_row(case, quantity, errors, entry, value):
-    """The finest mesh against the converged value; and does the error shrink with every mesh?"""
-    limit, shrink = float(entry["limit"]), entry.get("shrink")
-    ok, reason = abs(errors[-1]) <= limit, ""
-    if shrink is not None:
-        grown = [i for i in range(1, len(errors)) if not abs(errors[i]) <= shrink * abs(errors[i - 1])]
-        if grown:
-            ok, reason = False, f"the error does not shrink by {shrink:g} everywhere: " + " ".join(f"{e:.2e}" for e in errors)
-    return Row(case, quantity, value, entry["want"], abs(errors[-1]), f"rel {limit:.3g}", ok, reason, entry.get("source", ""))
 
 
 def _text(value):

@@ -1,27 +1,35 @@
-"""A field of a result file against an exact one: the same value everywhere, or linear in the reference position."""
+"""A field of a result file against an exact one: the same value everywhere, or linear in the
+reference position.
+"""
 
 import numpy as np
-
 from checks import Row
+
 from post._error import Unreadable
 from post._expect import tolerance_of
 from post._fields import read_fields
 
 
 def field_row(case, quantity, path, check):
-    """The worst point of a field; `want` (one value a component) or `affine` (rows of A or [A b], field = A x + b).
+    """The worst point of a field; `want` (one value a component) or `affine` (rows of A or [A b],
+    field = A x + b).
 
-    A linear function of the position holds for control points as it does for nodes, with any weights.
+    A linear function of the position holds for control points as it does for nodes, with any
+    weights.
     A scaled tolerance refers to the largest magnitude of the exact field.
     """
     fields = read_fields(path)
     if check["field"] not in fields.arrays:
-        raise Unreadable(f"'{path}' has no field '{check['field']}' (fields: {' '.join(fields.arrays)})")
+        raise Unreadable(
+            f"'{path}' has no field '{check['field']}' (fields: {' '.join(fields.arrays)})"
+        )
     location, steps = fields.arrays[check["field"]]
-    got = steps[_step(check.get("row", "last"), len(steps))] * check.get("factor", 1.0)
+    got = steps[_step(check.get("row", "last"), fields.numbers)] * check.get("factor", 1.0)
     want = _exact(check, fields.points, len(got), location)
     if want.shape != got.shape:
-        raise Unreadable(f"'{check['field']}' has {got.shape[1]} components, the check gives {want.shape[1]}")
+        raise Unreadable(
+            f"'{check['field']}' has {got.shape[1]} components, the check gives {want.shape[1]}"
+        )
     tolerance = tolerance_of(check)
     if tolerance is None:
         raise Unreadable("a check of a field needs abs, scaled or rel")
@@ -29,7 +37,15 @@ def field_row(case, quantity, path, check):
     allowed = tolerance.allowed(want, np.abs(want).max())
     i, j = np.unravel_index(np.argmax(difference), got.shape)
     where = f"{quantity} ({len(got)} {location}s, worst {i}, component {j + 1})"
-    return Row(case, where, float(got[i, j]), float(want[i, j]), float(difference[i, j]), str(tolerance), bool((difference <= allowed).all()))
+    return Row(
+        case,
+        where,
+        float(got[i, j]),
+        float(want[i, j]),
+        float(difference[i, j]),
+        str(tolerance),
+        bool((difference <= allowed).all()),
+    )
 
 
 def _exact(check, points, n, location):
@@ -44,9 +60,10 @@ def _exact(check, points, n, location):
     return np.tile(np.atleast_1d(np.array(check["want"], dtype=float)), (n, 1))
 
 
-def _step(row, count):
+def _step(row, numbers):
     if row in ("last", "first"):
         return -1 if row == "last" else 0
-    if not (isinstance(row, int) and 1 <= row <= count):
-        raise Unreadable(f"the result file has steps 1 to {count}, not {row}")
-    return row - 1
+    found = np.flatnonzero(numbers == row)
+    if len(found) == 0:
+        raise Unreadable(f"the result file has no step {row}")
+    return found[0]

@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""Run the verification cases and compare: `python3 verification/verify.py --bezel build/release/bezel`.
+"""Run the verification cases and compare: `python3 verification/verify.py --bezel
+build/release/bezel`.
 
-A case is a folder of verification/patch or verification/benchmark with decks and an expect.toml (its keys are in
-post/_expect.py). Runs go into build/verify/<case>/. Prints one table; stops on nothing; the last line counts.
-Exit code 0 only where at least one check ran and none failed. Needs numpy (h5py where a check reads fields).
+A case is a folder of verification/patch or verification/benchmark with decks and an expect.toml
+(its keys are in
+post/_expect.py). Runs go into build/verify/<case>/. Prints one table; stops on nothing; the last
+line counts.
+Exit code 0 only where at least one check ran and none failed. Needs numpy (h5py where a check reads
+fields).
 """
 
 import argparse
 import concurrent.futures
-import csv
 import os
 import pathlib
 import shutil
@@ -36,6 +39,8 @@ def need_numpy():
 
 need_numpy()
 import checks  # noqa: E402
+import studies  # noqa: E402
+
 from post import _emit  # noqa: E402
 from post._error import Unreadable  # noqa: E402
 from post._expect import read_expect  # noqa: E402
@@ -50,10 +55,13 @@ def main(argv=None):
     for folder, expect in cases:
         wanted = [] if o.study else [c for c in expect["checks"] if o.all or not c.get("slow")]
         plans += [checks.plan_check(folder, c) for c in wanted]
-        plans += checks.plan_studies(folder, expect["studies"], o.all)
+        plans += studies.plan_studies(folder, expect["studies"], o.all)
     runs = {run.name: run for plan in plans for run in plan.runs}
     if runs and not os.access(bezel, os.X_OK):
-        print(f"verify: error: '{bezel}' is no program; build it with `make`, or name it with --bezel", file=sys.stderr)
+        print(
+            f"verify: error: '{bezel}' is no program; build it with `make`, or name it with --bezel",
+            file=sys.stderr,
+        )
         print(f"0 passed, {len(plans)} failed")
         return 1
     out = pathlib.Path(o.out).resolve()
@@ -63,7 +71,7 @@ def main(argv=None):
     for plan in plans:
         rows += plan.judge(out, outcomes)
     if o.study or o.all:
-        write_studies(plans)
+        studies.write_tables(plans)
     if o.json:
         pathlib.Path(o.json).write_text(checks.as_json(rows), encoding="utf-8")
     return report(rows)
@@ -71,7 +79,13 @@ def main(argv=None):
 
 def read_cases(names):
     """([(folder, expectation)], rows of the cases that cannot be read)"""
-    known = [f for root in ROOTS if root.is_dir() for f in sorted(root.iterdir()) if (f / "expect.toml").exists()]
+    known = [
+        f
+        for root in ROOTS
+        if root.is_dir()
+        for f in sorted(root.iterdir())
+        if (f / "expect.toml").exists()
+    ]
     cases, rows = [], []
     for name in names or []:
         if name not in [f.name for f in known]:
@@ -100,26 +114,12 @@ def run_all(bezel, out, runs, jobs):
     return outcomes
 
 
-def write_studies(plans):
-    """Tables of the refinement studies that ran completely, for post/figures."""
-    for folder in {p.folder for p in plans if p.table}:
-        table = [row for p in plans if p.folder == folder for row in p.table]
-        if any(p.folder == folder and p.lost for p in plans):
-            print(f"{folder.name}: a run of the study failed: results.csv is left as it was")
-            continue
-        path = folder / "results.csv"
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            file.write("# written by verification/verify.py --study; error = value / converged value - 1\n")
-            writer = csv.DictWriter(file, list(table[0]), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(table)
-        print(f"wrote {path.relative_to(TOP) if path.is_relative_to(TOP) else path}")
-
-
 def report(rows):
     """Print the table and the count; 0 where something passed and nothing failed."""
     heading = ("case", "quantity", "got", "wanted", "difference", "tolerance", "ok")
-    lines = [heading] + [(r.case, r.quantity, *r.numbers(), "ok" if r.ok else "FAILED") for r in rows]
+    lines = [heading] + [
+        (r.case, r.quantity, *r.numbers(), "ok" if r.ok else "FAILED") for r in rows
+    ]
     print("\n".join(line[2:] for line in _emit._aligned(lines)))
     for row in rows:
         if row.reason:
@@ -132,13 +132,38 @@ def report(rows):
 
 
 def parser():
-    p = argparse.ArgumentParser(prog="verify.py", description="Run the verification cases and compare with their references.")
-    p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM", help="(default build/release/bezel)")
+    p = argparse.ArgumentParser(
+        prog="verify.py",
+        description="Run the verification cases and compare with their references.",
+    )
+    p.add_argument(
+        "--bezel",
+        default=str(TOP / "build/release/bezel"),
+        metavar="PROGRAM",
+        help="(default build/release/bezel)",
+    )
     p.add_argument("--all", action="store_true", help="slow checks too")
-    p.add_argument("--case", action="append", metavar="NAME", help="this folder only; may be repeated")
-    p.add_argument("--study", action="store_true", help="run only the refinement studies and rewrite results.csv of each case")
-    p.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), metavar="N", help="runs at a time (default 2)")
-    p.add_argument("--out", default=str(TOP / "build/verify"), metavar="DIR", help="where the runs go (default build/verify)")
+    p.add_argument(
+        "--case", action="append", metavar="NAME", help="this folder only; may be repeated"
+    )
+    p.add_argument(
+        "--study",
+        action="store_true",
+        help="run only the refinement studies and rewrite results.csv of each case",
+    )
+    p.add_argument(
+        "--jobs",
+        type=int,
+        default=min(2, os.cpu_count() or 1),
+        metavar="N",
+        help="runs at a time (default 2)",
+    )
+    p.add_argument(
+        "--out",
+        default=str(TOP / "build/verify"),
+        metavar="DIR",
+        help="where the runs go (default build/verify)",
+    )
     p.add_argument("--json", metavar="FILE", help="write the table as JSON")
     return p
 

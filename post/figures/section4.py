@@ -1,6 +1,8 @@
-"""Figures 9, 10 and 12 of Corbett and Sauer 2015, section 4, and one on the enriched element with enhanced strains.
+"""Figures 9, 10 and 12 of Corbett and Sauer 2015, section 4, and one on the enriched element with
+enhanced strains.
 
-Drawn from verification/benchmark/section4/results.csv, which `verify.py --study --case section4` writes:
+Drawn from verification/benchmark/section4/results.csv, which `verify.py --study --case section4`
+writes:
 
     python -m post.figures.section4 [--results FILE] [--to doc/verification/figures]
 """
@@ -35,7 +37,8 @@ class Results:
         self.path = path
 
     def column(self, elements, name):
-        """(nmesh) values of a column for an element type, from coarse to fine; empty where it was not run.
+        """(nmesh) values of a column for an element type, from coarse to fine; empty where it was
+        not run.
 
         name: n, dofs, force (of the whole cube) or error (not negative).
         """
@@ -76,7 +79,12 @@ def errors(ax, results, types, title):
 def forces(ax, results, types, title):
     """Force over degrees of freedom, and the converged value as a line."""
     for s in results.series(types):
-        ax.semilogx(s.x, results.column(s.name, "force"), label=_style.element_label(s.name), **_style.element(s.name))
+        ax.semilogx(
+            s.x,
+            results.column(s.name, "force"),
+            label=_style.element_label(s.name),
+            **_style.element(s.name),
+        )
     ax.axhline(results.converged(), color="#999999", linewidth=0.9, zorder=0, label="converged")
     ax.set_xlabel("degrees of freedom")
     ax.set_ylabel("force $F_z / E_0 L_0^2$")
@@ -146,9 +154,18 @@ def draw(results=RESULTS, to=FIGURES):
 
 
 def main(argv=None):
-    p = argparse.ArgumentParser(prog="section4", description="Draw Figures 9, 10 and 12 of the paper from results.csv.")
-    p.add_argument("--results", default=RESULTS, metavar="FILE", help="(default verification/benchmark/section4/results.csv)")
-    p.add_argument("--to", default=FIGURES, metavar="DIR", help="(default doc/verification/figures)")
+    p = argparse.ArgumentParser(
+        prog="section4", description="Draw Figures 9, 10 and 12 of the paper from results.csv."
+    )
+    p.add_argument(
+        "--results",
+        default=RESULTS,
+        metavar="FILE",
+        help="(default verification/benchmark/section4/results.csv)",
+    )
+    p.add_argument(
+        "--to", default=FIGURES, metavar="DIR", help="(default doc/verification/figures)"
+    )
     o = p.parse_args(argv)
     try:
         draw(o.results, o.to)

@@ -17,7 +17,13 @@ class Scratch(unittest.TestCase):
         self.folder = pathlib.Path(place.name)
 
 
-def write_curve(path, steps=10, force=lambda t: -0.3 * t + 0.05 * t**2, names=("disp_top_3", "force_top_3"), end=1.0):
+def write_curve(
+    path,
+    steps=10,
+    force=lambda t: -0.3 * t + 0.05 * t**2,
+    names=("disp_top_3", "force_top_3"),
+    end=1.0,
+):
     """A curve file with a displacement t and a force."""
     head = "#       step" + "".join(f"{n:>25}" for n in ("time", "factor_1"))
     head += "  iterations    cutbacks   converged" + "".join(f"{n:>25}" for n in names)
@@ -47,7 +53,8 @@ def write_run(folder, stem="cube", **curve):
 
 
 def quarter_ring(layers=2):
-    """Control points (n, 3), weights (n) and cells (layers, 27) of a quarter of a ring, 1 < r < 2, in triquadratic
+    """Control points (n, 3), weights (n) and cells (layers, 27) of a quarter of a ring, 1 < r < 2,
+    in triquadratic
     rational Bezier hexahedra; VTK's order of points is written out in `place`."""
     number, points, weights, cells = {}, [], [], []
     for c in range(layers):
@@ -87,7 +94,9 @@ def place(i, j, k):
 
 
 def write_fields(path, steps=3, grow=(0.3, -0.1, 0.4), noise=0.0):
-    """A .vtkhdf file of the quarter ring: displacement = time * grow * x, a stress, mises, material."""
+    """A .vtkhdf file of the quarter ring: displacement = time * grow * x, a stress, mises,
+    material.
+    """
     import h5py
 
     points, weights, cells = quarter_ring()
@@ -102,12 +111,28 @@ def write_fields(path, steps=3, grow=(0.3, -0.1, 0.4), noise=0.0):
         g = file.create_group("VTKHDF", track_order=True)
         g.attrs["Version"] = (2, 6)
         g.attrs.create("Type", np.bytes_("UnstructuredGrid"))
-        g["NumberOfPoints"], g["NumberOfCells"], g["NumberOfConnectivityIds"] = [n], [len(cells)], [cells.size]
-        g["Points"], g["Connectivity"], g["Offsets"] = points, cells.ravel(), 27 * np.arange(len(cells) + 1)
+        g["NumberOfPoints"], g["NumberOfCells"], g["NumberOfConnectivityIds"] = (
+            [n],
+            [len(cells)],
+            [cells.size],
+        )
+        g["Points"], g["Connectivity"], g["Offsets"] = (
+            points,
+            cells.ravel(),
+            27 * np.arange(len(cells) + 1),
+        )
         g["Types"] = np.full(len(cells), 79, "u1")
         s = g.create_group("Steps")
         s.attrs["NSteps"] = np.int64(steps)
-        s["Values"], s["PartOffsets"], s["NumberOfParts"], s["PointOffsets"] = times, static, static + 1, static
+        s["Values"], s["PartOffsets"], s["NumberOfParts"], s["PointOffsets"] = (
+            times,
+            static,
+            static + 1,
+            static,
+        )
+        s["StepNumber"] = 10 * np.arange(
+            1, steps + 3
+        )  # room for more than there is, as the program leaves
         s["CellOffsets"], s["ConnectivityIdOffsets"] = static[:, None], static[:, None]
         for name, values in moving.items():
             g[f"PointData/{name}"] = np.concatenate(values)

@@ -32,7 +32,9 @@ class Verdicts(Diff):
         self.assertIn("same: 1 table, 8 columns, 80 values", self.said)
 
     def test_a_changed_value_differs_and_its_row_is_named(self):
-        a, b = self.curves(force=lambda t: -0.3 * t + 0.05 * t**2 + (1e-4 if abs(t - 0.7) < 0.01 else 0))
+        a, b = self.curves(
+            force=lambda t: -0.3 * t + 0.05 * t**2 + (1e-4 if abs(t - 0.7) < 0.01 else 0)
+        )
         self.assertEqual(self.diff(a, b), 1)
         self.assertRegex(self.said, r"force_top_3 .*differs in 1 .*row 7 \(time 0.7\)")
 
@@ -119,7 +121,9 @@ class Interpolation(Diff):
         write_curve(b, steps=7, force=self.line)
         self.assertEqual(self.diff(a, b), 1)
         self.assertEqual(self.diff(a, b, "--interpolate", "time"), 0)
-        self.assertEqual(self.diff(b, a, "--interpolate", "time"), 0)  # rows before the first step are noted
+        self.assertEqual(
+            self.diff(b, a, "--interpolate", "time"), 0
+        )  # rows before the first step are noted
 
     def test_a_run_that_stops_early_differs(self):
         a, b = self.folder / "a.dat", self.folder / "b.dat"

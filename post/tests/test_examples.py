@@ -24,12 +24,19 @@ def load_tests(loader, tests, pattern):
 class Imports(unittest.TestCase):
     def test_diff_loads_numpy_alone(self):
         code = "import sys, post, post.diff; print([m for m in ('matplotlib', 'h5py', 'vtkmodules', 'pyvista') if m in sys.modules])"
-        done = subprocess.run([sys.executable, "-c", code], cwd=TOP, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=TOP, capture_output=True, text=True, check=True
+        )
         self.assertEqual(done.stdout.strip(), "[]")
 
     def test_help_of_every_command_is_printed(self):
         for command in post.COMMANDS:
-            done = subprocess.run([sys.executable, "-m", "post", command, "--help"], cwd=TOP, capture_output=True, text=True)
+            done = subprocess.run(
+                [sys.executable, "-m", "post", command, "--help"],
+                cwd=TOP,
+                capture_output=True,
+                text=True,
+            )
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("usage: post " + command, done.stdout)
 

@@ -7,8 +7,9 @@ import unittest
 import numpy as np
 
 from post import _style, convergence, curve
-from post._error import Unreadable
 from post.__main__ import main
+from post._error import Unreadable
+from post.figures import section4
 from post.tests.samples import Scratch, write_curve
 
 TABLE = """# made up
@@ -77,10 +78,46 @@ class Convergence(Scratch):
 
     def test_the_command_draws(self):
         with contextlib.redirect_stdout(io.StringIO()) as said:
-            words = ["--where", "test=compression", "--reference", "1", "-o", str(self.folder / "c.png")]
+            words = [
+                "--where",
+                "test=compression",
+                "--reference",
+                "1",
+                "-o",
+                str(self.folder / "c.png"),
+            ]
             self.assertEqual(main(["convergence", str(self.table), *words]), 0)
         self.assertTrue((self.folder / "c.png").stat().st_size > 5000)
         self.assertRegex(said.getvalue(), r"Q1 +135 +1.000e-02 +-1.05")
+
+
+class Section4(Scratch):
+    def setUp(self):
+        super().setUp()
+        rows = ["test,elements,n,dofs,force_quarter,error"]
+        for test, force in (("compression", -0.08), ("extension", 0.17)):
+            for elements, error in (("Q1", 0.04), ("Q1E9", 0.02), ("Q2", 0.01), ("IGA2", 0.01),
+                                    ("Q1N2 on 1+", 0.02), ("Q1N2 on 1+ and 2+", 0.01)):  # fmt: skip
+                for n in (4, 1, 2):
+                    rows.append(
+                        f"{test},{elements},{n},{100 * n**3},{force * (1 + error / n)},{error / n}"
+                    )
+        self.results = self.folder / "results.csv"
+        self.results.write_text("\n".join(rows) + "\n")
+
+    def test_forces_and_improvements_are_those_of_the_table(self):
+        extension = section4.Results(self.results, "extension")
+        self.assertAlmostEqual(extension.converged(), 4 * 0.17, 12)
+        mesh, factor = section4.improvement(extension, "Q1N2 on 1+ and 2+")
+        np.testing.assert_array_equal(mesh, [1, 2, 3])
+        np.testing.assert_allclose(factor, 4.0, rtol=1e-12)
+
+    def test_all_figures_are_drawn(self):
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(
+                section4.main(["--results", str(self.results), "--to", str(self.folder)]), 0
+            )
+        self.assertEqual(len(list(self.folder.glob("section4_*.png"))), 4)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,6 @@
-"""verification/verify.py with a stand-in for the program: every way a check can fail must be counted as failed."""
+"""verification/verify.py with a stand-in for the program: every way a check can fail must be
+counted as failed.
+"""
 
 import contextlib
 import importlib.util
@@ -7,7 +9,7 @@ import pathlib
 import sys
 import unittest
 
-from post.tests.samples import Scratch
+from post.tests.samples import Scratch, write_fields
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 #: Writes the force -0.25 n (1 + error) and 135 dofs; `fail=1` ends with code 2; `nan=1` writes NaN.
@@ -44,18 +46,24 @@ class Verify(Scratch):
         (self.case / "expect.toml").write_text(expect)
         said = io.StringIO()
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            code = self.verify.main(["--bezel", str(self.program), "--out", str(self.folder / "out"), *words])
+            code = self.verify.main(
+                ["--bezel", str(self.program), "--out", str(self.folder / "out"), *words]
+            )
         self.said = said.getvalue()
         return code, self.said.strip().splitlines()[-1]
 
     def test_a_value_within_tolerance_passes_and_one_outside_fails(self):
         check = CHECK + "want = -0.5\nrel = 1e-6\n"
         self.assertEqual(self.run_verify(check + "set = { n = 2 }\n"), (0, "1 passed, 0 failed"))
-        self.assertEqual(self.run_verify(check + "set = { n = 2, error = 1e-5 }\n"), (1, "0 passed, 1 failed"))
+        self.assertEqual(
+            self.run_verify(check + "set = { n = 2, error = 1e-5 }\n"), (1, "0 passed, 1 failed")
+        )
 
     def test_row_factor_and_report_are_understood(self):
         expect = CHECK + "set = { n = 1 }\nrow = 1\nwant = 0\nabs = 1e-9\n"
-        expect += CHECK + "set = { n = 1 }\nrow = { time = 1.0 }\nfactor = 4\nwant = -1.0\nrel = 1e-12\n"
+        expect += (
+            CHECK + "set = { n = 1 }\nrow = { time = 1.0 }\nfactor = 4\nwant = -1.0\nrel = 1e-12\n"
+        )
         expect += '[[check]]\ndeck = "a.inp"\nset = { n = 1 }\nreport = "dofs"\nwant = 135\n'
         expect += '[[check]]\ndeck = "a.inp"\nset = { n = 1 }\nreport = "status"\nwant = "done"\n'
         self.assertEqual(self.run_verify(expect), (0, "4 passed, 0 failed"))
@@ -109,6 +117,24 @@ class Verify(Scratch):
         lines = (self.case / "results.csv").read_text().splitlines()
         self.assertEqual(lines[1:3], ["kind,n,dofs,f,error", "Q1,1,135,-0.25,-5.000000e-01"])
         self.assertEqual(self.run_verify(expect + "shrink = 0.5\n"), (0, "2 passed, 0 failed"))
+
+    @unittest.skipUnless(importlib.util.find_spec("h5py"), "h5py is not installed")
+    def test_a_field_is_compared_at_every_point(self):
+        write_fields(self.folder / "r.vtkhdf")
+        self.program.write_text(
+            f"#!{sys.executable}\nimport shutil, sys\n"
+            f"shutil.copy({str(self.folder / 'r.vtkhdf')!r}, sys.argv[sys.argv.index('-o') + 1] + '/a.vtkhdf')\n"
+        )
+        linear = '[[check]]\ndeck = "a.inp"\nfield = "displacement"\nscaled = 1e-12\naffine = [[{}, 0, 0], [0, -0.1, 0], [0, 0, 0.4]]\n'
+        constant = '[[check]]\ndeck = "a.inp"\nfield = "stress"\nrow = 20\nabs = 1e-12\nwant = [0.5, 0, 0, 0, 0, {}]\n'
+        good = linear.format(0.3) + constant.format(-0.5)
+        self.assertEqual(self.run_verify(good), (0, "2 passed, 0 failed"), self.folder)
+        bad = (
+            linear.format(0.3001)
+            + constant.format(0.5)
+            + linear.format(0.3).replace("scaled = 1e-12\n", "")
+        )
+        self.assertEqual(self.run_verify(bad), (1, "0 passed, 3 failed"))
 
 
 if __name__ == "__main__":

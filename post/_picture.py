@@ -1,0 +1,96 @@
+"""From surfaces to a figure: VTK draws each body, matplotlib puts the pictures on a page."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from post import _style
+
+
+@dataclass
+class Scene:
+    """One body ready to be drawn, and the words below it."""
+
+    surface: object  # deformed, with the array 'shown'
+    edges: object
+    outline: object
+    caption: str
+
+
+def render(scenes, limits, cmap, camera, size):
+    """One image a scene, (height, width, 3), all cut to the same frame."""
+    import pyvista
+
+    bounds = np.array(
+        [part.bounds for s in scenes for part in (s.surface, s.outline) if part and part.n_points]
+    )
+    box = np.ravel(np.column_stack([bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)]))
+    images = []
+    for scene in scenes:
+        plot = pyvista.Plotter(off_screen=True, window_size=list(size))
+        plot.set_background("white")
+        smooth = scene.surface.compute_normals(
+            split_vertices=True, feature_angle=35.0, cell_normals=False
+        )
+        plot.add_mesh(smooth, scalars="shown", clim=limits, cmap=cmap, show_scalar_bar=False,
+                      smooth_shading=True, ambient=0.55, diffuse=0.5, specular=0.0)  # fmt: skip
+        if scene.edges is not None and scene.edges.n_points:
+            _add_lines(plot, scene.edges, "#1a1a1a", 2.0)
+        if scene.outline is not None and scene.outline.n_points:
+            _add_lines(plot, scene.outline, "#777777", 1.6)
+        direction, up = camera
+        plot.enable_parallel_projection()
+        plot.view_vector(direction, viewup=up, bounds=box)
+        plot.enable_anti_aliasing("ssaa")
+        images.append(np.asarray(plot.screenshot(return_img=True))[..., :3])
+        plot.close()
+    return _cropped(images)
+
+
+def _add_lines(plot, lines, colour, width):
+    """Lines just in front of the surface that they lie on."""
+    mapper = plot.add_mesh(lines, color=colour, line_width=width, lighting=False).mapper
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-1.0, -6.0)
+
+
+def _cropped(images):
+    """The images cut to the smallest frame that holds all of them, with a margin."""
+    ink = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
+    if not ink.any():
+        return images
+    rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
+    cut = tuple(slice(max(i[0] - 12, 0), i[-1] + 13) for i in (rows, columns))
+    return [image[cut] for image in images]
+
+
+def compose(images, scenes, limits, cmap, label, output):
+    """Panels, captions and one colour bar on a page."""
+    with _style.styled() as plt:
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.colors import Normalize
+
+        height, width = images[0].shape[:2]
+        n = len(images)
+        panel = (_style.PAGE if n > 1 else 4.4) / n * 0.86
+        figure, axes = plt.subplots(
+            1,
+            n,
+            figsize=(_style.PAGE if n > 1 else 4.4, panel * height / width + 0.35),
+            squeeze=False,
+        )
+        for ax, image, scene in zip(axes[0], images, scenes):
+            ax.imshow(image, interpolation="lanczos")
+            ax.set_axis_off()
+            ax.set_title(scene.caption, y=-0.02, va="top")
+        bar = figure.colorbar(
+            ScalarMappable(Normalize(*limits), cmap),
+            ax=axes[0].tolist(),
+            shrink=0.75,
+            aspect=24,
+            pad=0.02,
+        )
+        bar.set_label(label)
+        bar.outline.set_linewidth(0.5)
+        figure.set_dpi(200)
+        _style.save(figure, output)

@@ -1,0 +1,103 @@
+"""Refinement studies of verify.py: errors against a converged value, mesh by mesh."""
+
+import csv
+
+import checks
+
+from post._error import Unreadable
+from post._report import read_report
+
+
+def plan_studies(folder, studies, everything):
+    """Each series of each [[study]]: one plan, one row of the table, a row of results.csv for each
+    mesh.
+    """
+    plans = []
+    for study in studies:
+        series = {}
+        for row, entry, slow in study["rows"]:
+            if everything or not slow:
+                names = tuple(v for k, v in row.items() if k != study["mesh"])
+                series.setdefault(names, []).append((row, entry, checks.new_run(folder, entry)))
+        plans += [
+            _plan_series(folder, study["mesh"], names, meshes) for names, meshes in series.items()
+        ]
+    return plans
+
+
+def _plan_series(folder, mesh, names, meshes):
+    quantity = (
+        " ".join(str(n) for n in names)
+        + f", {mesh} = "
+        + " ".join(f"{row[mesh]:g}" for row, _, _ in meshes)
+    )
+    plan = checks.Plan(folder, [run for _, _, run in meshes], None)
+
+    def judge(out, outcomes):
+        errors = []
+        try:
+            for row, entry, run in meshes:
+                checks.exit_code(run, outcomes[run.name], 0)
+                value = checks.value_of(out / run.name, run.deck.stem, entry)
+                report = read_report(out / run.name / f"{run.deck.stem}.report.json").columns
+                errors.append(value / entry["want"] - 1.0)
+                plan.table.append(
+                    {
+                        **row,
+                        "dofs": int(report["dofs"][0]),
+                        entry["value"]: f"{value:.12g}",
+                        "error": f"{errors[-1]:.6e}",
+                    }
+                )
+        except (Unreadable, KeyError) as error:
+            plan.lost = True
+            return [checks.failed(folder.name, quantity, f"{error}")]
+        return [_study_row(folder.name, quantity, errors, meshes[-1][1], value)]
+
+    plan.judge = judge
+    return plan
+
+
+def _study_row(case, quantity, errors, entry, value):
+    """The finest mesh against the converged value; and does the error shrink with every mesh?"""
+    limit, shrink = float(entry["limit"]), entry.get("shrink")
+    ok, reason = abs(errors[-1]) <= limit, ""
+    if shrink is not None:
+        grown = [
+            i for i in range(1, len(errors)) if not abs(errors[i]) <= shrink * abs(errors[i - 1])
+        ]
+        if grown:
+            ok, reason = (
+                False,
+                f"the error does not shrink by {shrink:g} everywhere: "
+                + " ".join(f"{e:.2e}" for e in errors),
+            )
+    return checks.Row(
+        case,
+        quantity,
+        value,
+        entry["want"],
+        abs(errors[-1]),
+        f"rel {limit:.3g}",
+        ok,
+        reason,
+        entry.get("source", ""),
+    )
+
+
+def write_tables(plans):
+    """Tables of the refinement studies that ran completely, for post/figures."""
+    for folder in {p.folder for p in plans if p.table}:
+        table = [row for p in plans if p.folder == folder for row in p.table]
+        if any(p.folder == folder and p.lost for p in plans):
+            print(f"{folder.name}: a run of the study failed: results.csv is left as it was")
+            continue
+        path = folder / "results.csv"
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            file.write(
+                "# written by verification/verify.py --study; error = value / converged value - 1\n"
+            )
+            writer = csv.DictWriter(file, list(table[0]), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(table)
+        print(f"wrote {path}")
