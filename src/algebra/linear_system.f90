@@ -1,0 +1,330 @@
+!> Linear systems as Newton sees them: one call that solves to a tolerance.
+!!
+!! FULL     factorises every matrix.
+!! REUSE    keeps a factorisation as preconditioner of conjugate gradients (GMRES where the matrix is unsymmetric
+!!          or has negative pivots) until iterating costs more than factorising.
+!! SINGLE   the same with factors in single precision: half the memory.
+!! LOWRANK  the same with compressed factors.
+!!
+!! The answer meets the same tolerance in every mode. When to factorise again is decided from iteration counts
+!! and from the operation counts of the analysis, never from a clock, so that runs repeat.
+module linear_system
+  use base_kinds, only: wp, i8
+  use base_error, only: error_t, fail, BUG
+  use csr_pattern, only: block_matrix_t
+  use csr_extract, only: entries_t, new_entries, gather
+  use partition_metis, only: elimination_order
+  use solver_type, only: solver_t
+  use solver_dense, only: solver_dense_t
+  use solver_mumps, only: solver_mumps_t, new_solver_mumps
+  use reuse_policy, only: reuse_policy_t, note_factorisation, note_solve, iteration_limit
+  use krylov, only: krylov_report_t, conjugate_gradients, gmres
+  implicit none
+  private
+  public :: linear_system_t, solve_report_t, new_linear_system, change_pattern
+
+  integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4
+  integer, parameter :: SMALL = 24         !! equations up to which the dense solver does it
+  integer, parameter :: MOST_ATTEMPTS = 3  !! factors at hand, fresh ones, fresh exact ones
+
+  !> What a solve did.
+  type :: solve_report_t
+    logical :: factorised = .false.        !! in this call
+    logical :: converged = .false.         !! the tolerance, or all that rounding allows, is met
+    logical :: singular = .false.          !! no solution: x is zero, see null
+    integer, allocatable :: null(:)        !! equations whose pivot vanished
+    integer :: iterations = 0              !! applications of the factors, those of failed attempts included
+    integer :: factorisations = 0          !! in this call
+    logical :: used_single = .false.       !! the last factors are in single precision
+    logical :: used_gmres = .false.
+    integer :: negative = 0                !! negative pivots of the last factorisation (of this matrix if `factorised`)
+    integer :: determinant = 1             !! unsymmetric: sign of the determinant, likewise
+    real(wp) :: residual = 0.0_wp          !! |b - A x| / |b|
+    real(wp) :: seconds_factor = 0.0_wp    !! wall time of analysis and factorisation
+    real(wp) :: seconds_solve = 0.0_wp     !! wall time of the rest
+    real(wp) :: memory_mb = 0.0_wp         !! held by the factors
+  end type solve_report_t
+
+  !> A pattern, its factorisation and what was learnt about it.
+  type :: linear_system_t
+    integer :: neq = 0
+    integer :: mode = FULL
+    real(wp) :: eps = 0.0_wp               !! LOWRANK: relative error of compressed blocks
+    real(wp) :: available_mb = 0.0_wp      !! memory there is [MB]; 0: not checked
+    real(wp) :: estimate_mb = 0.0_wp       !! memory a factorisation needs, by the analysis [MB]
+    class(solver_t), allocatable :: solver
+    type(entries_t), private :: entries
+    integer, allocatable, private :: eq(:, :)     !! (3, nnode)
+    logical, private :: analysed = .false.        !! the solver knows the present pattern
+    logical, private :: has_factors = .false.
+    logical, private :: exact = .true.            !! factors are in double precision, not compressed
+    logical, private :: escalated = .false.       !! approximate factors did not do for this problem
+    type(reuse_policy_t), private :: policy
+  contains
+    procedure :: solve
+    procedure :: force_refactor
+    procedure :: forget
+    procedure :: free
+  end type linear_system_t
+
+contains
+
+  !> A system of the free dofs of a: the analysis is done here, once.
+  subroutine new_linear_system(ls, a, eq, mode, eps, error, available_mb)
+    type(linear_system_t), intent(inout) :: ls
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: eq(:, :)   !! (3, nnode) equation numbers, 0: prescribed
+    integer, intent(in) :: mode       !! FULL, REUSE, SINGLE, LOWRANK
+    real(wp), intent(in) :: eps       !! LOWRANK: relative error of compressed blocks, in (0, 1)
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), intent(in), optional :: available_mb !! memory there is [MB]; absent or 0: not checked
+
+    call ls%free()
+    ls%mode = mode
+    ls%eps = eps
+    ls%available_mb = 0.0_wp
+    if (present(available_mb)) ls%available_mb = available_mb
+    call ls%force_refactor()
+    if (mode < FULL .or. mode > LOWRANK .or. (mode == LOWRANK .and. .not. (eps > 0.0_wp .and. eps < 1.0_wp))) then
+      call fail(error, BUG, 'unknown way to solve linear systems')
+      return
+    end if
+    call change_pattern(ls, a, eq, error)
+    if (allocated(error)) return
+    call prepare(ls, a, error)
+  end subroutine new_linear_system
+
+  !> The matrix has another pattern from now on (contact). Factors at hand go on as preconditioner where the
+  !! equations are the same ones; the new pattern is analysed with the next factorisation.
+  subroutine change_pattern(ls, a, eq, error)
+    type(linear_system_t), intent(inout) :: ls
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: eq(:, :)
+    type(error_t), allocatable, intent(out) :: error
+
+    if (size(eq, 1) /= 3 .or. size(eq, 2) /= a%nnode) then
+      call fail(error, BUG, 'equation numbers and matrix do not belong together')
+      return
+    end if
+    if (ls%has_factors) then
+      ls%has_factors = size(ls%eq) == size(eq)
+      if (ls%has_factors) ls%has_factors = all(ls%eq == eq)
+    end if
+    ls%eq = eq
+    ls%neq = 0
+    if (size(eq) > 0) ls%neq = maxval(eq)
+    ls%analysed = .false.
+  end subroutine change_pattern
+
+  !> Analyse the pattern with a solver of the precision wanted now.
+  subroutine prepare(ls, a, error)
+    type(linear_system_t), intent(inout) :: ls
+    type(block_matrix_t), intent(in) :: a
+    type(error_t), allocatable, intent(out) :: error
+
+    type(solver_mumps_t), allocatable :: mumps
+    integer, allocatable :: order(:)
+
+    call new_entries(ls%entries, a, ls%eq, error)
+    if (allocated(error)) return
+    call drop_solver(ls)
+    if (ls%neq <= SMALL) then
+      allocate (solver_dense_t :: ls%solver)
+      order = [integer ::]
+    else
+      allocate (mumps)
+      call new_solver_mumps(mumps, wants_single(ls), merge(ls%eps, 0.0_wp, ls%mode == LOWRANK .and. .not. ls%escalated))
+      call move_alloc(mumps, ls%solver)
+      call elimination_order(a, ls%eq, order, error)
+      if (allocated(error)) return
+    end if
+    ls%exact = ls%neq <= SMALL .or. ls%escalated .or. ls%mode == FULL .or. ls%mode == REUSE
+    call ls%solver%analyse(ls%neq, a%symmetric, ls%entries%row, ls%entries%col, order, error)
+    if (allocated(error)) return
+    ls%estimate_mb = ls%solver%info%estimate_mb
+    ls%analysed = .true.
+  end subroutine prepare
+
+  pure logical function wants_single(ls)
+    type(linear_system_t), intent(in) :: ls
+
+    wants_single = ls%mode == SINGLE .and. .not. ls%escalated
+  end function wants_single
+
+  !> Solve A x = rhs.
+  subroutine solve(ls, a, rhs, x, tolerance, report, error, same_matrix)
+    class(linear_system_t), intent(inout) :: ls
+    type(block_matrix_t), intent(in) :: a
+    real(wp), intent(in) :: rhs(:)           !! (neq)
+    real(wp), intent(out) :: x(:)            !! (neq)
+    real(wp), intent(in) :: tolerance        !! of |rhs - A x| / |rhs|
+    type(solve_report_t), intent(out) :: report
+    type(error_t), allocatable, intent(out) :: error
+    logical, intent(in), optional :: same_matrix !! .true.: a has not changed since the last solve
+
+    type(krylov_report_t) :: run
+    logical :: same
+    integer :: attempt
+
+    x = 0.0_wp
+    report%null = [integer ::]
+    report%converged = .true.
+    if (ls%neq == 0) return
+    same = .false.
+    if (present(same_matrix)) same = same_matrix
+    if (ls%mode == FULL .and. .not. same) ls%policy%due = .true.
+    do attempt = 1, MOST_ATTEMPTS
+      if (ls%policy%due .or. .not. ls%has_factors) then
+        call factorise(ls, a, report, error)
+        if (allocated(error) .or. report%singular) return
+        same = .true.
+      end if
+      call iterate(ls, a, rhs, x, tolerance, same, run, report, error)
+      if (allocated(error) .or. run%converged) exit
+      if (same .and. ls%exact) exit ! there is nothing better
+      if (same) call escalate(ls)
+      ls%policy%due = .true.
+    end do
+    if (allocated(error)) return
+    report%converged = run%converged
+    report%residual = run%residual
+    call note_solve(ls%policy, run%iterations)
+  end subroutine solve
+
+  !> Factorise the matrix; where approximate factors look singular, exact ones decide.
+  subroutine factorise(ls, a, report, error)
+    class(linear_system_t), intent(inout) :: ls
+    type(block_matrix_t), intent(in) :: a
+    type(solve_report_t), intent(inout) :: report
+    type(error_t), allocatable, intent(out) :: error
+
+    real(wp), allocatable :: values(:)
+    real(wp) :: start
+
+    start = wall_seconds()
+    ls%has_factors = .false.
+    do
+      if (.not. ls%analysed) call prepare(ls, a, error)
+      if (allocated(error)) return
+      allocate (values(size(ls%entries%row)))
+      call gather(ls%entries, a, values)
+      call ls%solver%factorise(values, ls%available_mb, error)
+      if (allocated(error)) return
+      deallocate (values)
+      report%factorised = .true.
+      report%factorisations = report%factorisations + 1
+      if (size(ls%solver%info%null) == 0 .or. ls%exact) exit
+      call escalate(ls)
+    end do
+    call note_factorisation(ls%policy, ls%solver%info%flops, ls%solver%info%entries)
+    ls%has_factors = size(ls%solver%info%null) == 0
+    report%null = ls%solver%info%null
+    report%singular = .not. ls%has_factors
+    report%converged = ls%has_factors
+    call describe(ls, report)
+    report%seconds_factor = report%seconds_factor + wall_seconds() - start
+  end subroutine factorise
+
+  !> Iterate with the factors at hand: conjugate gradients where everything is positive definite, as far as known.
+  subroutine iterate(ls, a, rhs, x, tolerance, same, run, report, error)
+    class(linear_system_t), intent(inout) :: ls
+    type(block_matrix_t), intent(in) :: a
+    real(wp), intent(in) :: rhs(:), tolerance
+    real(wp), intent(out) :: x(:)
+    logical, intent(in) :: same         !! the factors are those of this matrix
+    type(krylov_report_t), intent(out) :: run
+    type(solve_report_t), intent(inout) :: report
+    type(error_t), allocatable, intent(out) :: error
+
+    real(wp) :: start
+    integer :: limit
+    logical :: definite
+
+    x = 0.0_wp
+    run%converged = .true.
+    if (.not. norm2(rhs) > 0.0_wp) return
+    start = wall_seconds()
+    limit = iteration_limit(ls%policy, same, ls%exact)
+    definite = a%symmetric .and. ls%solver%symmetric .and. ls%solver%info%negative == 0
+    if (definite) then
+      call conjugate_gradients(a, ls%eq, ls%solver, rhs, x, limit, tolerance, run, error)
+      if (allocated(error)) return
+      report%iterations = report%iterations + run%iterations
+    end if
+    ! Stale factors that met a negative direction are replaced first: their fresh successors count it.
+    if (.not. definite .or. (run%indefinite .and. same .and. .not. run%converged)) then
+      call gmres(a, ls%eq, ls%solver, rhs, x, limit, tolerance, run, error)
+      if (allocated(error)) return
+      report%iterations = report%iterations + run%iterations
+      report%used_gmres = .true.
+    end if
+    call describe(ls, report)
+    report%seconds_solve = report%seconds_solve + wall_seconds() - start
+  end subroutine iterate
+
+  !> From now on in double precision, not compressed.
+  subroutine escalate(ls)
+    class(linear_system_t), intent(inout) :: ls
+
+    ls%escalated = .true.
+    ls%analysed = .false.
+  end subroutine escalate
+
+  !> Copy what the solver knows.
+  subroutine describe(ls, report)
+    class(linear_system_t), intent(in) :: ls
+    type(solve_report_t), intent(inout) :: report
+
+    report%negative = ls%solver%info%negative
+    report%determinant = ls%solver%info%determinant
+    report%memory_mb = ls%solver%info%used_mb
+    report%used_single = .not. ls%exact .and. ls%mode == SINGLE
+  end subroutine describe
+
+  !> Factorise at the next solve and forget what was learnt: what follows depends on the matrices to come only
+  !! (points of restart).
+  subroutine force_refactor(self)
+    class(linear_system_t), intent(inout) :: self
+
+    self%policy = reuse_policy_t()
+    if (self%escalated) self%analysed = .false.
+    self%escalated = .false.
+  end subroutine force_refactor
+
+  !> The same, and give the memory of the factors back.
+  subroutine forget(self)
+    class(linear_system_t), intent(inout) :: self
+
+    call self%force_refactor()
+    call drop_solver(self)
+  end subroutine forget
+
+  !> Give all memory back.
+  subroutine free(self)
+    class(linear_system_t), intent(inout) :: self
+
+    call self%forget()
+    self%neq = 0
+    self%entries = entries_t()
+    if (allocated(self%eq)) deallocate (self%eq)
+  end subroutine free
+
+  subroutine drop_solver(ls)
+    class(linear_system_t), intent(inout) :: ls
+
+    ls%has_factors = .false.
+    ls%analysed = .false.
+    if (.not. allocated(ls%solver)) return
+    call ls%solver%free()
+    deallocate (ls%solver)
+  end subroutine drop_solver
+
+  !> Wall clock [s]; for the report only, never for a decision.
+  real(wp) function wall_seconds()
+    integer(i8) :: count, rate
+
+    call system_clock(count, rate)
+    wall_seconds = real(count, wp) / real(rate, wp)
+  end function wall_seconds
+
+end module linear_system

@@ -1,0 +1,200 @@
+!> Fill-reducing order of the equations by METIS.
+!!
+!! The graph has one vertex a node with free dofs: three times smaller than that of the equations, and the
+!! dofs of a node stay together. MUMPS of several distributions is built without METIS, so its own option for it
+!! silently becomes another ordering: the order is found here and handed over.
+!! Source: Karypis and Kumar 1998 [bib: karypis1998], METIS_NodeND
+module partition_metis
+  use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr
+  use base_error, only: error_t, fail, SYSTEM_ERROR
+  use csr_pattern, only: block_matrix_t
+  implicit none
+  private
+  public :: elimination_order
+
+  integer, parameter :: METIS_OK = 1
+  integer, parameter :: NOPTION = 40   !! METIS_NOPTIONS
+  integer, parameter :: SMALLEST = 8   !! graphs below this keep their order
+
+  interface
+    integer(c_int) function metis_nodend(nvtxs, xadj, adjncy, vwgt, options, perm, iperm) bind(c, name='METIS_NodeND')
+      import :: c_int, c_ptr
+      implicit none
+      type(c_ptr), value :: nvtxs, xadj, adjncy, vwgt, options, perm, iperm
+    end function metis_nodend
+
+    integer(c_int) function metis_setdefaultoptions(options) bind(c, name='METIS_SetDefaultOptions')
+      import :: c_int, c_ptr
+      implicit none
+      type(c_ptr), value :: options
+    end function metis_setdefaultoptions
+  end interface
+
+contains
+
+  !> Place of every equation in the order of elimination.
+  subroutine elimination_order(a, eq, order, error)
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: eq(:, :)               !! (3, nnode) equation numbers, 0: prescribed
+    integer, allocatable, intent(out) :: order(:) !! (neq) order(i): place of equation i, from 1
+    type(error_t), allocatable, intent(out) :: error
+
+    integer, allocatable :: vertex(:), first(:), neighbour(:), place(:)
+    integer :: nvertex
+
+    call find_vertices(eq, vertex, nvertex)
+    call build_graph(a, vertex, nvertex, first, neighbour)
+    call order_graph(nvertex, first, neighbour, place, error)
+    if (allocated(error)) return
+    call expand(eq, vertex, place, order)
+  end subroutine elimination_order
+
+  !> Number the nodes that have free dofs.
+  subroutine find_vertices(eq, vertex, nvertex)
+    integer, intent(in) :: eq(:, :)
+    integer, allocatable, intent(out) :: vertex(:) !! (nnode) 0: no free dof
+    integer, intent(out) :: nvertex
+
+    integer :: n
+
+    allocate (vertex(size(eq, 2)))
+    nvertex = 0
+    do n = 1, size(eq, 2)
+      vertex(n) = 0
+      if (all(eq(:, n) == 0)) cycle
+      nvertex = nvertex + 1
+      vertex(n) = nvertex
+    end do
+  end subroutine find_vertices
+
+  !> Adjacency of the vertices, both directions, no loops; counted from 0 as METIS does.
+  subroutine build_graph(a, vertex, nvertex, first, neighbour)
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: vertex(:)
+    integer, intent(in) :: nvertex
+    integer, allocatable, intent(out) :: first(:)     !! (nvertex+1)
+    integer, allocatable, intent(out) :: neighbour(:)
+
+    integer, allocatable :: next(:)
+    integer :: n, p, v, w
+
+    allocate (first(nvertex + 1), next(nvertex))
+    next = 0
+    do n = 1, a%nnode
+      do p = a%row(n), a%row(n + 1) - 1
+        v = vertex(n)
+        w = vertex(a%col(p))
+        if (v == 0 .or. w == 0 .or. v == w) cycle
+        next(v) = next(v) + 1
+        if (a%symmetric) next(w) = next(w) + 1
+      end do
+    end do
+    first(1) = 0
+    do v = 1, nvertex
+      first(v + 1) = first(v) + next(v)
+      next(v) = first(v)
+    end do
+    allocate (neighbour(max(1, first(nvertex + 1))))
+    do n = 1, a%nnode
+      do p = a%row(n), a%row(n + 1) - 1
+        v = vertex(n)
+        w = vertex(a%col(p))
+        if (v == 0 .or. w == 0 .or. v == w) cycle
+        next(v) = next(v) + 1
+        neighbour(next(v)) = w - 1
+        if (.not. a%symmetric) cycle
+        next(w) = next(w) + 1
+        neighbour(next(w)) = v - 1
+      end do
+    end do
+  end subroutine build_graph
+
+  !> Place of each vertex in the order of elimination, from 0.
+  subroutine order_graph(nvertex, first, neighbour, place, error)
+    integer, intent(in) :: nvertex
+    integer, intent(in) :: first(:), neighbour(:)
+    integer, allocatable, intent(out) :: place(:) !! (nvertex)
+    type(error_t), allocatable, intent(out) :: error
+
+    integer :: v, status
+    character(12) :: text
+
+    allocate (place(nvertex))
+    if (nvertex < SMALLEST .or. first(nvertex + 1) == 0) then
+      place = [(v - 1, v=1, nvertex)]
+      return
+    end if
+    if (has_long_integers()) then
+      call order_long(nvertex, first, neighbour, place, status)
+    else
+      call order_short(nvertex, first, neighbour, place, status)
+    end if
+    if (status == METIS_OK) return
+    write (text, '(i0)') status
+    call fail(error, SYSTEM_ERROR, 'METIS_NodeND failed with status '//trim(text), hint='memory may not suffice')
+  end subroutine order_graph
+
+  !> METIS can be built with 32 or 64 bit integers and does not tell: see how much of a buffer it fills.
+  logical function has_long_integers()
+    integer(c_int32_t), target :: buffer(2 * NOPTION)
+    integer(c_int) :: status
+
+    buffer = 0
+    status = metis_setdefaultoptions(c_loc(buffer))
+    has_long_integers = status == METIS_OK .and. buffer(2 * NOPTION) /= 0
+  end function has_long_integers
+
+  subroutine order_short(nvertex, first, neighbour, place, status)
+    integer, intent(in) :: nvertex, first(:), neighbour(:)
+    integer, intent(out) :: place(:), status
+
+    integer(c_int32_t), allocatable, target :: xadj(:), adjncy(:), perm(:), iperm(:)
+    integer(c_int32_t), target :: n
+
+    n = int(nvertex, c_int32_t)
+    allocate (xadj(nvertex + 1), adjncy(size(neighbour)), perm(nvertex), iperm(nvertex))
+    xadj(:) = int(first, c_int32_t)
+    adjncy(:) = int(neighbour, c_int32_t)
+    status = metis_nodend(c_loc(n), c_loc(xadj), c_loc(adjncy), c_null_ptr, c_null_ptr, c_loc(perm), c_loc(iperm))
+    place(:) = int(iperm)
+  end subroutine order_short
+
+  subroutine order_long(nvertex, first, neighbour, place, status)
+    integer, intent(in) :: nvertex, first(:), neighbour(:)
+    integer, intent(out) :: place(:), status
+
+    integer(c_int64_t), allocatable, target :: xadj(:), adjncy(:), perm(:), iperm(:)
+    integer(c_int64_t), target :: n
+
+    n = int(nvertex, c_int64_t)
+    allocate (xadj(nvertex + 1), adjncy(size(neighbour)), perm(nvertex), iperm(nvertex))
+    xadj(:) = int(first, c_int64_t)
+    adjncy(:) = int(neighbour, c_int64_t)
+    status = metis_nodend(c_loc(n), c_loc(xadj), c_loc(adjncy), c_null_ptr, c_null_ptr, c_loc(perm), c_loc(iperm))
+    place(:) = int(iperm)
+  end subroutine order_long
+
+  !> From vertices to equations: the dofs of a node follow each other.
+  subroutine expand(eq, vertex, place, order)
+    integer, intent(in) :: eq(:, :), vertex(:), place(:)
+    integer, allocatable, intent(out) :: order(:)
+
+    integer, allocatable :: node(:)
+    integer :: n, i, v, next
+
+    allocate (node(size(place)))
+    do n = 1, size(vertex)
+      if (vertex(n) > 0) node(place(vertex(n)) + 1) = n
+    end do
+    allocate (order(count(eq > 0)))
+    next = 0
+    do v = 1, size(node)
+      do i = 1, 3
+        if (eq(i, node(v)) == 0) cycle
+        next = next + 1
+        order(eq(i, node(v))) = next
+      end do
+    end do
+  end subroutine expand
+
+end module partition_metis

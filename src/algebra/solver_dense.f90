@@ -1,0 +1,170 @@
+!> Dense solver by LAPACK, for tests and tiny decks.
+!!
+!! Symmetric matrices go by eigenvalues: inertia and null space are then beyond doubt. Others by LU.
+module solver_dense
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
+  use lapack, only: dgetrf, dgetrs, dsyev
+  use solver_type, only: solver_t
+  implicit none
+  private
+  public :: solver_dense_t
+
+  integer, parameter :: MOST_EQUATIONS = 3000
+
+  !> Pattern and factors.
+  type, extends(solver_t) :: solver_dense_t
+    private
+    integer, allocatable :: row(:), col(:)
+    real(wp), allocatable :: factor(:, :)   !! (neq, neq) eigenvectors, or L and U
+    real(wp), allocatable :: eigenvalue(:)  !! (neq)
+    integer, allocatable :: pivot(:)        !! (neq)
+  contains
+    procedure :: analyse
+    procedure :: factorise
+    procedure :: solve
+    procedure :: free
+  end type solver_dense_t
+
+contains
+
+  subroutine analyse(self, neq, symmetric, row, col, order, error)
+    class(solver_dense_t), intent(inout) :: self
+    integer, intent(in) :: neq
+    logical, intent(in) :: symmetric
+    integer, intent(in) :: row(:), col(:)
+    integer, intent(in) :: order(:)
+    type(error_t), allocatable, intent(out) :: error
+
+    if (neq > MOST_EQUATIONS .or. (size(order) /= 0 .and. size(order) /= neq)) then
+      call fail(error, BUG, 'the dense solver is for small systems')
+      return
+    end if
+    self%neq = neq
+    self%symmetric = symmetric
+    self%row = row
+    self%col = col
+    self%info%flops = 2.0_wp / 3.0_wp * real(neq, wp)**3
+    self%info%entries = real(neq, wp)**2
+    self%info%estimate_mb = 8e-6_wp * real(neq, wp)**2
+  end subroutine analyse
+
+  subroutine factorise(self, values, available_mb, error)
+    class(solver_dense_t), intent(inout) :: self
+    real(wp), intent(in) :: values(:)
+    real(wp), intent(in) :: available_mb !! not looked at: the matrix is small
+    type(error_t), allocatable, intent(out) :: error
+
+    integer :: k
+
+    if (available_mb < 0.0_wp .or. size(values) /= size(self%row)) then
+      call fail(error, BUG, 'the dense solver got the values of another pattern')
+      return
+    end if
+    if (allocated(self%factor)) deallocate (self%factor)
+    allocate (self%factor(self%neq, self%neq))
+    self%factor = 0.0_wp
+    do k = 1, size(values)
+      self%factor(self%row(k), self%col(k)) = self%factor(self%row(k), self%col(k)) + values(k)
+      if (self%symmetric .and. self%row(k) /= self%col(k)) then
+        self%factor(self%col(k), self%row(k)) = self%factor(self%col(k), self%row(k)) + values(k)
+      end if
+    end do
+    self%info%used_mb = self%info%estimate_mb
+    self%info%negative = 0
+    self%info%determinant = 0
+    self%info%null = [integer ::]
+    if (self%neq == 0) return
+    if (self%symmetric) then
+      call factorise_symmetric(self, error)
+    else
+      call factorise_general(self)
+    end if
+  end subroutine factorise
+
+  !> Eigenvalues and eigenvectors; each null vector names its largest equation.
+  subroutine factorise_symmetric(self, error)
+    type(solver_dense_t), intent(inout) :: self
+    type(error_t), allocatable, intent(out) :: error
+
+    real(wp), allocatable :: work(:)
+    integer :: status, i
+
+    if (allocated(self%eigenvalue)) deallocate (self%eigenvalue)
+    allocate (self%eigenvalue(self%neq), work(3 * self%neq))
+    call dsyev('V', 'U', self%neq, self%factor, self%neq, self%eigenvalue, work, size(work), status)
+    if (status /= 0) then
+      call fail(error, SYSTEM_ERROR, 'LAPACK found no eigenvalues of the tangent')
+      return
+    end if
+    do i = 1, self%neq
+      if (abs(self%eigenvalue(i)) <= threshold(self)) then
+        self%info%null = [self%info%null, maxloc(abs(self%factor(:, i)), dim=1)]
+      else if (self%eigenvalue(i) < 0.0_wp) then
+        self%info%negative = self%info%negative + 1
+      end if
+    end do
+  end subroutine factorise_symmetric
+
+  !> What counts as nothing beside the largest eigenvalue.
+  pure real(wp) function threshold(self)
+    type(solver_dense_t), intent(in) :: self
+
+    threshold = 10 * self%neq * epsilon(1.0_wp) * maxval(abs(self%eigenvalue))
+  end function threshold
+
+  !> LU with row exchanges: a vanishing pivot stands in the column of the unknown to blame.
+  subroutine factorise_general(self)
+    type(solver_dense_t), intent(inout) :: self
+
+    real(wp) :: largest
+    integer :: status, i
+
+    largest = maxval(abs(self%factor))
+    if (allocated(self%pivot)) deallocate (self%pivot)
+    allocate (self%pivot(self%neq))
+    call dgetrf(self%neq, self%neq, self%factor, self%neq, self%pivot, status)
+    self%info%determinant = 1
+    do i = 1, self%neq
+      if (abs(self%factor(i, i)) <= 10 * self%neq * epsilon(1.0_wp) * largest) self%info%null = [self%info%null, i]
+      if (self%factor(i, i) < 0.0_wp .neqv. self%pivot(i) /= i) self%info%determinant = -self%info%determinant
+    end do
+    if (size(self%info%null) > 0) self%info%determinant = 0
+  end subroutine factorise_general
+
+  subroutine solve(self, x, error)
+    class(solver_dense_t), intent(inout) :: self
+    real(wp), intent(inout) :: x(:, :)
+    type(error_t), allocatable, intent(out) :: error
+
+    real(wp), allocatable :: y(:, :)
+    integer :: i, status
+
+    if (self%neq == 0) return
+    if (size(self%info%null) > 0) then
+      call fail(error, BUG, 'the dense solver was asked to solve with a singular matrix')
+      return
+    end if
+    if (self%symmetric) then
+      y = matmul(transpose(self%factor), x)
+      do i = 1, self%neq
+        y(i, :) = y(i, :) / self%eigenvalue(i)
+      end do
+      x = matmul(self%factor, y)
+    else
+      y = x
+      call dgetrs('N', self%neq, size(y, 2), self%factor, self%neq, self%pivot, y, self%neq, status)
+      x = y
+    end if
+  end subroutine solve
+
+  subroutine free(self)
+    class(solver_dense_t), intent(inout) :: self
+
+    if (allocated(self%factor)) deallocate (self%factor)
+    if (allocated(self%eigenvalue)) deallocate (self%eigenvalue)
+    if (allocated(self%pivot)) deallocate (self%pivot)
+    self%info%used_mb = 0.0_wp
+  end subroutine free
+
+end module solver_dense

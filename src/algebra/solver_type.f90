@@ -1,0 +1,72 @@
+!> What a direct solver shows to the rest of the program.
+module solver_type
+  use base_kinds, only: wp
+  use base_error, only: error_t
+  implicit none
+  private
+  public :: solver_t, factor_info_t
+
+  !> What is known of a factorisation.
+  type :: factor_info_t
+    real(wp) :: flops = 0.0_wp        !! operations of the elimination, estimated by the analysis
+    real(wp) :: entries = 0.0_wp      !! entries in the factors, estimated by the analysis
+    real(wp) :: estimate_mb = 0.0_wp  !! memory estimated by the analysis [MB]
+    real(wp) :: used_mb = 0.0_wp      !! memory held [MB]
+    integer :: negative = 0           !! negative pivots (symmetric matrices)
+    integer :: determinant = 0        !! sign of the determinant (unsymmetric matrices; 0: singular)
+    integer, allocatable :: null(:)   !! equations whose pivot vanished; not empty: singular, factors are of no use
+  end type factor_info_t
+
+  !> A solver: analyse once a pattern, factorise once a matrix, solve as often as wanted, free in the end.
+  type, abstract :: solver_t
+    integer :: neq = 0
+    logical :: symmetric = .true.
+    type(factor_info_t) :: info
+  contains
+    procedure(analyse_i), deferred :: analyse
+    procedure(factorise_i), deferred :: factorise
+    procedure(solve_i), deferred :: solve
+    procedure(free_i), deferred :: free
+  end type solver_t
+
+  abstract interface
+    !> Take a pattern. Of a symmetric matrix each pair is listed once, (row, col) or (col, row).
+    subroutine analyse_i(self, neq, symmetric, row, col, order, error)
+      import :: solver_t, error_t
+      implicit none
+      class(solver_t), intent(inout) :: self
+      integer, intent(in) :: neq
+      logical, intent(in) :: symmetric
+      integer, intent(in) :: row(:), col(:) !! (nnz)
+      integer, intent(in) :: order(:)       !! (neq) place of each equation in the elimination; empty: the solver's own
+      type(error_t), allocatable, intent(out) :: error
+    end subroutine analyse_i
+
+    !> Take values. A singular matrix is not an error: see info%null.
+    subroutine factorise_i(self, values, available_mb, error)
+      import :: solver_t, error_t, wp
+      implicit none
+      class(solver_t), intent(inout) :: self
+      real(wp), intent(in) :: values(:)     !! (nnz)
+      real(wp), intent(in) :: available_mb  !! memory there is, beyond what is held [MB]; 0: unknown
+      type(error_t), allocatable, intent(out) :: error
+    end subroutine factorise_i
+
+    !> Right-hand sides in, solutions out.
+    subroutine solve_i(self, x, error)
+      import :: solver_t, error_t, wp
+      implicit none
+      class(solver_t), intent(inout) :: self
+      real(wp), intent(inout) :: x(:, :)    !! (neq, nrhs)
+      type(error_t), allocatable, intent(out) :: error
+    end subroutine solve_i
+
+    !> Give memory back.
+    subroutine free_i(self)
+      import :: solver_t
+      implicit none
+      class(solver_t), intent(inout) :: self
+    end subroutine free_i
+  end interface
+
+end module solver_type
