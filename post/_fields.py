@@ -52,7 +52,7 @@ def read_fields(path):
         raise Unreadable(
             f"'{path}' is not a readable HDF5 file (truncated?): {str(error).splitlines()[0]}"
         ) from None
-    except (KeyError, IndexError, ValueError) as error:
+    except (LookupError, ValueError, TypeError, AttributeError, RuntimeError, MemoryError) as error:
         raise Unreadable(f"'{path}' is not a complete VTKHDF file: {error}") from None
 
 

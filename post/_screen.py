@@ -1,7 +1,10 @@
 """Rendering without a screen: which OpenGL library is there, and what to install where none is."""
 
 import ctypes
+import functools
 import os
+import subprocess
+import sys
 
 from post._error import Unreadable
 
@@ -10,25 +13,42 @@ INSTALL = (
     "dnf install mesa-libEGL mesa-libOSMesa libXrender (Fedora, Rocky); "
     "conda install -c conda-forge mesalib (no root needed)"
 )
+PROBE = """from vtkmodules.vtkRenderingCore import vtkRenderWindow
+import vtkmodules.vtkRenderingOpenGL2
+window = vtkRenderWindow()
+window.SetOffScreenRendering(1)
+window.Render()
+"""
 
 
 def reason_not_ready():
     """Why nothing can be rendered here, as one sentence, or None where it can.
 
-    Looks only whether libraries load: creating a window without any ends the process in some
-    versions of VTK.
+    Libraries are looked for first, because VTK ends the process where it can open no window.
     """
     try:
         import vtkmodules  # noqa: F401
     except ImportError:
         return "the Python package 'vtk' is not installed: .venv/bin/pip install -r post/requirements.txt"
-    if not any(_loads(name) for name in ("libEGL.so.1", "libOSMesa.so.8", "libOSMesa.so")):
-        return f"pictures need EGL or OSMesa, and neither is on this machine; {INSTALL}"
     try:
         import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
     except ImportError as error:
         return f"VTK cannot load its OpenGL part ({error}); {INSTALL}"
+    if not sys.platform.startswith("linux") or _osmesa():  # VTK falls back on OSMesa
+        return None
+    if not (_loads("libEGL.so.1") or os.environ.get("DISPLAY")):
+        return f"pictures need EGL or OSMesa, and neither is on this machine; {INSTALL}"
+    if not _renders():
+        return (
+            f"EGL is on this machine but cannot draw (no driver), and OSMesa is missing; {INSTALL}"
+        )
     return None
+
+
+@functools.cache
+def _renders():
+    """Whether a first picture can be drawn, tried in a process of its own."""
+    return subprocess.run([sys.executable, "-c", PROBE], capture_output=True).returncode == 0
 
 
 def prepare():
@@ -36,12 +56,13 @@ def prepare():
     reason = reason_not_ready()
     if reason:
         raise Unreadable(reason)
-    if not os.environ.get("DISPLAY") and "VTK_DEFAULT_OPENGL_WINDOW" not in os.environ:
-        kind = "vtkEGLRenderWindow" if _loads("libEGL.so.1") else "vtkOSOpenGLRenderWindow"
-        os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = kind
     from vtkmodules.vtkCommonCore import vtkLogger
 
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+
+
+def _osmesa():
+    return any(_loads(name) for name in ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"))
 
 
 def _loads(name):
