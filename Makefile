@@ -191,9 +191,14 @@ lint:
 format:
 	@tools/setup.sh dev
 	@$(PYTHON) tools/format.py src && .venv/bin/ruff format $(PYTHONS)
+# The pages are written for a repository's viewer: $$..$$ for formulas in a line, links to .md files.
+FORD_WAY := 's/(^|[^$$])\$$([^$$]+)\$$/\1\\(\2\\)/g; s/\]\(([A-Za-z0-9_/]+)\.md/](\1.html/g'
 doc:
 	@tools/setup.sh dev
-	@.venv/bin/ford --quiet --output_dir $(abspath $(BUILD))/doc doc/ford.md && echo "  $(BUILD)/doc/index.html"
+	@rm -rf $(BUILD)/doc_source && mkdir -p $(BUILD) && cp -r doc $(BUILD)/doc_source
+	@find $(BUILD)/doc_source -name '*.md' -exec sed -i -E $(FORD_WAY) {} +
+	@.venv/bin/ford --quiet --src_dir $(abspath src) --output_dir $(abspath $(BUILD))/doc $(BUILD)/doc_source/ford.md
+	@echo "  $(BUILD)/doc/index.html"
 manual: $(B)/bezel
 	@$(PYTHON) tools/manual.py --bezel $<
 clean:
