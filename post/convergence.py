@@ -150,8 +150,11 @@ def draw(series, output, title=None, guides=(-2 / 3,)):
     order = {s.name: _style.series(i) for i, s in enumerate(series)}
     known = all(_style.is_element(s.name) for s in series)
     with _style.styled() as plt:
-        figure, ax = plt.subplots(figsize=(4.6, 3.6))
+        many = len(series) > 6
+        figure, ax = plt.subplots(figsize=(6.4 if many else 4.6, 3.6))
         plot(ax, series, guides, _style.element if known else order.get, _style.element_label)
+        if many:  # beside the lines, not over them
+            ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         ax.set_title(title or "")
         _style.save(figure, output)
 
