@@ -2,7 +2,7 @@
 module base_error
   implicit none
   private
-  public :: place_t, error_t, fail
+  public :: place_t, error_t, fail, render, render_note
 
   integer, parameter, public :: DECK_ERROR = 1    !! the deck is wrong; nothing is written
   integer, parameter, public :: NO_SOLUTION = 2   !! the solution failed
@@ -10,12 +10,14 @@ module base_error
   integer, parameter, public :: STOPPED = 4       !! stopped with a checkpoint
   integer, parameter, public :: BUG = 70          !! our fault
 
+  integer, parameter :: WINDOW = 160 !! a source line longer than this is shown in part
+
   !> A spot in a deck.
   type :: place_t
     character(:), allocatable :: file !! path as the user wrote it; not allocated: no place
     character(:), allocatable :: text !! the line as it stands in the file
     integer :: line = 0   !! line number, from 1
-    integer :: column = 0 !! first character, from 1; 0: the whole line
+    integer :: column = 0 !! first character (byte of the text), from 1; 0: the whole line
     integer :: width = 0  !! characters to underline
   end type place_t
 
@@ -43,5 +45,146 @@ contains
     if (present(hint)) error%hint = hint
     if (present(place)) error%place = place
   end subroutine fail
+
+  !> An error as the user sees it: lines without a line end behind the last.
+  pure function render(error) result(text)
+    type(error_t), intent(in) :: error
+    character(:), allocatable :: text
+
+    text = head('error', error%message, error%place)
+    if (allocated(error%hint)) text = text//new_line('a')//'hint: '//error%hint
+  end function render
+
+  !> The same shape for what is no error: `kind` is 'warning' or 'note'.
+  pure function render_note(kind, message, place, hint) result(text)
+    character(*), intent(in) :: kind, message
+    type(place_t), intent(in), optional :: place
+    character(*), intent(in), optional :: hint
+    character(:), allocatable :: text
+
+    if (present(place)) then
+      text = head(kind, message, place)
+    else
+      text = kind//': '//message
+    end if
+    if (present(hint)) text = text//new_line('a')//'hint: '//hint
+  end function render_note
+
+  !> Place and message, the source line, and a caret under the spot.
+  pure function head(kind, message, place) result(text)
+    character(*), intent(in) :: kind, message
+    type(place_t), intent(in) :: place
+    character(:), allocatable :: text, source
+    character(12) :: number
+    integer :: margin, column, nchar
+
+    text = kind//': '//message
+    if (.not. allocated(place%file)) return
+    if (place%line <= 0) then
+      text = place%file//': '//text
+      return
+    end if
+    write (number, '(i0)') place%line
+    if (.not. allocated(place%text)) then
+      text = place%file//':'//trim(number)//': '//text
+      return
+    end if
+    margin = max(5 - len_trim(number), 0)
+    call cut_out(place, source, column)
+    nchar = 0
+    if (place%column > 0) nchar = characters(place%text(:min(place%column - 1, len(place%text)))) &
+      + max(place%column - 1 - len(place%text), 0) + 1
+    if (place%column > 0) then
+      text = place%file//':'//trim(number)//':'//decimal(nchar)//': '//text
+    else
+      text = place%file//':'//trim(number)//': '//text
+    end if
+    text = text//new_line('a')//repeat(' ', margin)//trim(number)//' | '//printable(source)
+    if (place%column > 0) text = text//new_line('a')//repeat(' ', margin + len_trim(number)) &
+      //' | '//caret(source, column, place%width)
+  end function head
+
+  !> The part of a source line that is shown, and the column of the spot in it.
+  pure subroutine cut_out(place, source, column)
+    type(place_t), intent(in) :: place
+    character(:), allocatable, intent(out) :: source
+    integer, intent(out) :: column
+    integer :: first, last, n
+
+    n = len(place%text)
+    column = min(place%column, n + 1)
+    source = place%text
+    if (n <= WINDOW) return
+    first = max(1, column - WINDOW/2)
+    last = min(n, first + WINDOW - 1)
+    source = place%text(first:last)
+    column = merge(column - first + 1, 0, column > 0)
+    if (last < n) source = source//' ...'
+    if (first > 1) then
+      source = '... '//source
+      if (column > 0) column = column + 4
+    end if
+  end subroutine cut_out
+
+  !> Blanks up to the column, then ^~~; tabs of the source stay tabs, so the caret stands right.
+  pure function caret(source, column, width) result(text)
+    character(*), intent(in) :: source
+    integer, intent(in) :: column, width
+    character(:), allocatable :: text
+    integer :: i, last, n
+
+    text = ''
+    do i = 1, min(column - 1, len(source))
+      if (source(i:i) == achar(9)) then
+        text = text//achar(9)
+      else if (.not. continues(source(i:i))) then
+        text = text//' '
+      end if
+    end do
+    last = min(column + max(width, 1) - 1, len(source))
+    n = 1
+    if (last > column) n = max(characters(source(column:last)), 1)
+    text = text//'^'//repeat('~', n - 1)
+  end function caret
+
+  !> Control characters would disturb the terminal.
+  pure function printable(source) result(text)
+    character(*), intent(in) :: source
+    character(len(source)) :: text
+    integer :: i
+
+    text = source
+    do i = 1, len(text)
+      if ((iachar(text(i:i)) < 32 .and. text(i:i) /= achar(9)) .or. iachar(text(i:i)) == 127) text(i:i) = '?'
+    end do
+  end function printable
+
+  !> Number of characters of UTF-8 text.
+  pure function characters(text) result(n)
+    character(*), intent(in) :: text
+    integer :: n, i
+
+    n = 0
+    do i = 1, len(text)
+      if (.not. continues(text(i:i))) n = n + 1
+    end do
+  end function characters
+
+  !> A byte inside a character of UTF-8.
+  pure function continues(c) result(yes)
+    character, intent(in) :: c
+    logical :: yes
+
+    yes = iand(ichar(c), 192) == 128
+  end function continues
+
+  pure function decimal(n) result(text)
+    integer, intent(in) :: n
+    character(:), allocatable :: text
+    character(12) :: number
+
+    write (number, '(i0)') n
+    text = trim(number)
+  end function decimal
 
 end module base_error

@@ -1,0 +1,145 @@
+!> The log of a run, warnings, and the progress line.
+!!
+!! Lines are kept in memory until the log is opened, as a wrong deck may touch no file.
+module base_log
+  use base_error, only: error_t, place_t, fail, render_note, SYSTEM_ERROR
+  use base_system, only: stderr_is_terminal
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  implicit none
+  private
+  public :: open_log, close_log, log_line, warn, warning_count, progress, tell, set_quiet
+
+  integer :: unit = 0                      !! 0: not open
+  character(:), allocatable :: kept        !! lines before it is
+  character(:), allocatable :: path_of_log
+  character(:), allocatable :: trouble     !! the first line that could not be written
+  integer :: nkept = 0
+  integer :: nwarning = 0
+  integer :: shown = 0                     !! characters of the progress line on the screen
+  logical :: quiet = .false., asked = .false., terminal = .false.
+
+contains
+
+  !> No warnings and no progress on the screen; both still go into the log.
+  subroutine set_quiet(yes)
+    logical, intent(in) :: yes
+
+    quiet = yes
+  end subroutine set_quiet
+
+  !> Open the log and write what has been kept.
+  subroutine open_log(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    character(200) :: reason
+    integer :: io
+
+    open (newunit=unit, file=path, status='replace', action='write', iostat=io, iomsg=reason)
+    if (io /= 0) then
+      unit = 0
+      call fail(error, SYSTEM_ERROR, "cannot write '"//path//"': " &
+        //trim(reason(index(reason, ': ', back=.true.) + merge(2, 1, index(reason, ': ') > 0):)))
+      return
+    end if
+    path_of_log = path
+    if (nkept > 0) call put(kept(:nkept - 1))
+    nkept = 0
+    if (allocated(kept)) deallocate (kept)
+  end subroutine open_log
+
+  !> Close the log. A disk that was full meanwhile is an error.
+  subroutine close_log(error)
+    type(error_t), allocatable, intent(out) :: error
+    character(200) :: reason
+    integer :: io
+
+    call clear_progress()
+    if (unit == 0) return
+    close (unit, iostat=io, iomsg=reason)
+    unit = 0
+    if (io /= 0 .and. .not. allocated(trouble)) trouble = trim(reason)
+    if (allocated(trouble)) call fail(error, SYSTEM_ERROR, "cannot write '"//path_of_log//"': "//trouble)
+  end subroutine close_log
+
+  !> One line, or several with line ends between them.
+  subroutine log_line(text)
+    character(*), intent(in) :: text
+    character(:), allocatable :: longer
+
+    if (unit /= 0) then
+      call put(text)
+      return
+    end if
+    if (.not. allocated(kept)) allocate (character(4096) :: kept)
+    if (nkept + len(text) + 1 > len(kept)) then
+      allocate (character(2*len(kept) + len(text) + 1) :: longer)
+      longer(:nkept) = kept(:nkept)
+      call move_alloc(longer, kept)
+    end if
+    kept(nkept + 1:nkept + len(text) + 1) = text//new_line('a')
+    nkept = nkept + len(text) + 1
+  end subroutine log_line
+
+  !> Written at once, so that the log is whole where the process is killed.
+  subroutine put(text)
+    character(*), intent(in) :: text
+    character(200) :: reason
+    integer :: io
+
+    write (unit, '(a)', iostat=io, iomsg=reason) text
+    if (io == 0) flush (unit, iostat=io, iomsg=reason)
+    if (io /= 0 .and. .not. allocated(trouble)) trouble = trim(reason)
+  end subroutine put
+
+  !> A warning: counted, into the log, and on the screen.
+  subroutine warn(message, place, hint)
+    character(*), intent(in) :: message
+    type(place_t), intent(in), optional :: place
+    character(*), intent(in), optional :: hint
+    character(:), allocatable :: text
+
+    nwarning = nwarning + 1
+    text = render_note('warning', message, place, hint)
+    call log_line(text)
+    if (.not. quiet) call tell(text)
+  end subroutine warn
+
+  function warning_count() result(n)
+    integer :: n
+
+    n = nwarning
+  end function warning_count
+
+  !> Text on the screen (standard error), quiet or not.
+  subroutine tell(text)
+    character(*), intent(in) :: text
+    integer :: io
+
+    call clear_progress()
+    write (error_unit, '(a)', iostat=io) text
+  end subroutine tell
+
+  !> One line that the next one overwrites; only on a terminal.
+  subroutine progress(text)
+    character(*), intent(in) :: text
+    integer, parameter :: WIDTH = 79
+    integer :: n, io
+
+    if (.not. asked) terminal = stderr_is_terminal()
+    asked = .true.
+    if (quiet .or. .not. terminal) return
+    n = min(len_trim(text), WIDTH)
+    write (error_unit, '(a)', advance='no', iostat=io) achar(13)//text(:n)//repeat(' ', max(shown - n, 0))
+    flush (error_unit, iostat=io)
+    shown = n
+  end subroutine progress
+
+  subroutine clear_progress()
+    integer :: io
+
+    if (shown == 0) return
+    write (error_unit, '(a)', advance='no', iostat=io) achar(13)//repeat(' ', shown)//achar(13)
+    shown = 0
+  end subroutine clear_progress
+
+end module base_log

@@ -1,0 +1,143 @@
+!> What the operating system does for us: the end of the process, signals, terminal, time and memory.
+module base_system
+  use base_kinds, only: wp, i8
+  use base_libc, only: c_exit, c_isatty, c_signal, c_getpid, SIGINT, SIGUSR1, SIGPIPE, SIGTERM, SIGXFSZ
+  use, intrinsic :: iso_c_binding, only: c_int, c_funptr, c_funloc, c_intptr_t
+  use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
+  implicit none
+  private
+  public :: finish, stderr_is_terminal, catch_signals, stop_requested, stop_signal
+  public :: wall_seconds, cpu_seconds, process_id, peak_memory_mb, available_memory_mb
+
+  integer(c_int), volatile :: caught = 0 !! number of the signal that asked us to stop
+
+contains
+
+  !> The one place that ends the process.
+  subroutine finish(code)
+    integer, intent(in) :: code
+    integer :: io
+
+    flush (output_unit, iostat=io)
+    flush (error_unit, iostat=io)
+    call c_exit(int(code, c_int))
+  end subroutine finish
+
+  function stderr_is_terminal() result(yes)
+    logical :: yes
+
+    yes = c_isatty(2_c_int) == 1
+  end function stderr_is_terminal
+
+  ! --- signals ---------------------------------------------------------------------------------
+
+  !> From now on SIGTERM, SIGINT and SIGUSR1 ask for a stop. A second SIGINT ends the process as usual.
+  !! A closed pipe and a full file are then reported by the write that meets them.
+  subroutine catch_signals()
+    type(c_funptr) :: old
+
+    caught = 0
+    old = c_signal(SIGTERM, c_funloc(note_signal))
+    old = c_signal(SIGINT, c_funloc(note_signal))
+    old = c_signal(SIGUSR1, c_funloc(note_signal))
+    old = c_signal(SIGPIPE, transfer(1_c_intptr_t, old))  ! SIG_IGN
+    old = c_signal(SIGXFSZ, transfer(1_c_intptr_t, old))
+  end subroutine catch_signals
+
+  subroutine note_signal(number) bind(C)
+    integer(c_int), value :: number
+    type(c_funptr) :: old
+
+    caught = number
+    if (number == SIGINT) old = c_signal(SIGINT, transfer(0_c_intptr_t, old)) ! SIG_DFL
+  end subroutine note_signal
+
+  function stop_requested() result(yes)
+    logical :: yes
+
+    yes = caught /= 0
+  end function stop_requested
+
+  !> Name of the signal that asked for the stop, blank: none did.
+  function stop_signal() result(name)
+    character(:), allocatable :: name
+
+    select case (caught)
+    case (0);       name = ''
+    case (SIGTERM); name = 'SIGTERM'
+    case (SIGINT);  name = 'SIGINT'
+    case default;   name = 'SIGUSR1'
+    end select
+  end function stop_signal
+
+  ! --- time and memory -------------------------------------------------------------------------
+
+  !> Seconds of a clock that only runs forward.
+  function wall_seconds() result(seconds)
+    real(wp) :: seconds
+    integer(i8) :: count, rate
+
+    call system_clock(count, rate)
+    seconds = real(count, wp)/real(rate, wp)
+  end function wall_seconds
+
+  !> Processor time of all threads [s].
+  function cpu_seconds() result(seconds)
+    real(wp) :: seconds
+
+    call cpu_time(seconds)
+  end function cpu_seconds
+
+  function process_id() result(id)
+    integer :: id
+
+    id = int(c_getpid())
+  end function process_id
+
+  !> Largest memory that the process has held [MiB]; 0: unknown.
+  function peak_memory_mb() result(mb)
+    real(wp) :: mb
+
+    mb = value_of('/proc/self/status', 'VmHWM:')/1024.0_wp
+  end function peak_memory_mb
+
+  !> Memory that can still be had [MiB], the limit of a container included; huge: unknown.
+  function available_memory_mb() result(mb)
+    real(wp) :: mb, limit, used, cache
+
+    mb = value_of('/proc/meminfo', 'MemAvailable:')/1024.0_wp
+    if (.not. mb > 0.0_wp) mb = huge(mb)
+    limit = value_of('/sys/fs/cgroup/memory.max', '')
+    used = value_of('/sys/fs/cgroup/memory.current', '')
+    cache = value_of('/sys/fs/cgroup/memory.stat', 'inactive_file')
+    if (.not. limit > 0.0_wp) then
+      limit = value_of('/sys/fs/cgroup/memory/memory.limit_in_bytes', '')
+      used = value_of('/sys/fs/cgroup/memory/memory.usage_in_bytes', '')
+      cache = value_of('/sys/fs/cgroup/memory/memory.stat', 'total_inactive_file')
+    end if
+    if (limit > 0.0_wp) mb = min(mb, max(limit - max(used - cache, 0.0_wp), 0.0_wp)/1024.0_wp**2)
+  end function available_memory_mb
+
+  !> The number behind a name at the start of a line of a system file; 0 where there is none.
+  function value_of(path, name) result(value)
+    character(*), intent(in) :: path, name
+    real(wp) :: value, found
+    character(256) :: line
+    integer :: unit, io
+
+    value = 0.0_wp
+    open (newunit=unit, file=path, status='old', action='read', iostat=io)
+    if (io /= 0) return
+    do
+      read (unit, '(a)', iostat=io) line
+      if (io /= 0) exit
+      if (line(:len(name)) /= name) cycle
+      if (verify(line(len(name) + 1:len(name) + 1), ' 0123456789'//achar(9)) > 0) cycle
+      read (line(len(name) + 1:), *, iostat=io) found
+      if (io == 0) value = found
+      exit
+    end do
+    close (unit, iostat=io)
+  end function value_of
+
+end module base_system

@@ -1,0 +1,175 @@
+!> Words and numbers as text.
+module base_text
+  use base_kinds, only: wp, i8
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+  implicit none
+  private
+  public :: lower, to_text, nearest, quoted, key_of
+
+  integer, parameter :: LONGEST = 64 !! of a text quoted in a message
+
+  !> A number as short text: integers in full, reals with six significant digits or as many as asked.
+  interface to_text
+    module procedure integer_text, long_text, real_text
+  end interface to_text
+
+  !> A generic name, as the compiler has an intrinsic function of this name.
+  interface nearest
+    module procedure nearest_word
+  end interface nearest
+
+contains
+
+  !> The text in lower case (ASCII letters only).
+  pure function lower(text) result(small)
+    character(*), intent(in) :: text
+    character(len(text)) :: small
+    integer :: i, c
+
+    do i = 1, len(text)
+      c = iachar(text(i:i))
+      if (c >= 65 .and. c <= 90) c = c + 32
+      small(i:i) = achar(c)
+    end do
+  end function lower
+
+  !> What counts of a word: its first four letters, lower case.
+  pure function key_of(word) result(key)
+    character(*), intent(in) :: word
+    character(4) :: key
+
+    key = word
+    key = lower(key)
+  end function key_of
+
+  !> The user's text for a message: in quotes, cut where it is long.
+  pure function quoted(text) result(with_quotes)
+    character(*), intent(in) :: text
+    character(:), allocatable :: with_quotes
+
+    if (len(text) > LONGEST) then
+      with_quotes = "'"//text(:LONGEST - 3)//"...'"
+    else
+      with_quotes = "'"//text//"'"
+    end if
+  end function quoted
+
+  pure function integer_text(n) result(text)
+    integer, intent(in) :: n
+    character(:), allocatable :: text
+
+    text = long_text(int(n, i8))
+  end function integer_text
+
+  pure function long_text(n) result(text)
+    integer(i8), intent(in) :: n
+    character(:), allocatable :: text
+    character(24) :: buffer
+
+    write (buffer, '(i0)') n
+    text = trim(buffer)
+  end function long_text
+
+  !> Like C's %g: plain where the exponent is small, zeros at the end left out.
+  pure function real_text(x, digits) result(text)
+    real(wp), intent(in) :: x
+    integer, intent(in), optional :: digits !! significant ones, default 6
+    character(:), allocatable :: text
+    character(48) :: buffer
+    character(16) :: form
+    integer :: n, power, at
+
+    if (ieee_is_nan(x) .or. .not. ieee_is_finite(x) .or. .not. abs(x) > 0.0_wp) then
+      text = special_text(x)
+      return
+    end if
+    n = 6
+    if (present(digits)) n = max(1, min(digits, 17))
+    write (form, '("(es40.", i0, "e3)")') n - 1
+    write (buffer, form) x
+    buffer = adjustl(buffer)
+    at = index(buffer, 'E')
+    read (buffer(at + 1:), *) power
+    if (power >= -4 .and. power < max(n, 6)) then
+      write (form, '("(f40.", i0, ")")') max(n - 1 - power, 0)
+      write (buffer, form) x
+      text = without_zeros(trim(adjustl(buffer)))
+    else
+      write (form, '(sp, i0.2)') power
+      text = without_zeros(buffer(:at - 1))//'e'//trim(form)
+    end if
+  end function real_text
+
+  pure function special_text(x) result(text)
+    real(wp), intent(in) :: x
+    character(:), allocatable :: text
+
+    if (ieee_is_nan(x)) then
+      text = 'NaN'
+    else if (.not. ieee_is_finite(x)) then
+      text = 'infinity'
+      if (x < 0.0_wp) text = '-infinity'
+    else
+      text = '0'
+    end if
+  end function special_text
+
+  !> 1.500 to 1.5, 2.000 to 2.
+  pure function without_zeros(number) result(text)
+    character(*), intent(in) :: number
+    character(:), allocatable :: text
+    integer :: n
+
+    n = len(number)
+    if (index(number, '.') > 0) then
+      n = verify(number, '0', back=.true.)
+      if (number(n:n) == '.') n = n - 1
+    end if
+    text = number(:n)
+  end function without_zeros
+
+  !> The word of a list that looks most like `word`; of equals the first. Letters' case does not count,
+  !! and a list word may be met by its first four letters.
+  pure function nearest_word(word, list) result(found)
+    character(*), intent(in) :: word
+    character(*), intent(in) :: list(:)
+    character(:), allocatable :: found
+    integer :: i, n, best, here
+
+    found = ''
+    best = huge(best)
+    n = min(len_trim(word), LONGEST)
+    do i = 1, size(list)
+      if (len_trim(list(i)) == 0) cycle
+      here = 8*min(distance(lower(word(:n)), lower(trim(list(i)))), &
+        distance(lower(word(:min(n, 4))), lower(list(i)(:min(len_trim(list(i)), 4))))) &
+        + min(7, distance(lower(word(:n)), lower(trim(list(i)))))
+      if (here >= best) cycle
+      best = here
+      found = trim(list(i))
+    end do
+  end function nearest_word
+
+  !> Letters to insert, drop, change or swap to get from a to b.
+  pure function distance(a, b) result(d)
+    character(*), intent(in) :: a, b
+    integer :: d, i, j
+    integer :: row(0:len(b), 0:2) !! the row before the last, the last, the one being made
+
+    row(:, 0) = 0
+    row(:, 1) = [(j, j=0, len(b))]
+    do i = 1, len(a)
+      row(0, 2) = i
+      do j = 1, len(b)
+        row(j, 2) = min(row(j, 1) + 1, row(j - 1, 2) + 1, row(j - 1, 1) + merge(0, 1, a(i:i) == b(j:j)))
+      end do
+      do j = 2, merge(len(b), 0, i > 1)
+        if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) row(j, 2) = min(row(j, 2), row(j - 2, 0) + 1)
+      end do
+      row(:, 0) = row(:, 1)
+      row(:, 1) = row(:, 2)
+    end do
+    d = row(len(b), 1)
+  end function distance
+
+end module base_text

@@ -1,0 +1,237 @@
+!> Lines to fields.
+!!
+!! Blanks, a comma or = separate; two commas have an empty field between them; commas inside parentheses
+!! belong to the field. ! starts a comment, "..." is one field, & at the end goes on in the next line.
+module deck_lexer
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_text, only: key_of
+  use deck_record, only: record_t, RECORD_WORDS, RECORD_BLANK, RECORD_COMMENT
+  use deck_source, only: source_t
+  implicit none
+  private
+  public :: read_record
+
+  integer, parameter :: OTHER = 0, BLANK = 1, COMMA = 2, COMMENT = 3, QUOTE = 4, OPENING = 5, CLOSING = 6
+  character(*), parameter :: QUOTES = 'quotes stand round a whole field: "..."'
+
+  !> State while the lines of a record are cut. Characters are counted in the text of the whole file.
+  type :: cutter_t
+    integer :: at = 1            !! next character
+    integer :: last = 0          !! of the line
+    logical :: due = .true.      !! a field is due: a comma here makes an empty one
+    logical :: goes_on = .false. !! the line ends with &
+    logical :: commented = .false.
+    integer :: wrong = 0         !! a character that makes the record unreadable, and why
+    character(:), allocatable :: why, hint
+  end type cutter_t
+
+contains
+
+  !> The record that begins at `line`; afterwards `line` is the one behind it.
+  subroutine read_record(source, line, record, error)
+    type(source_t), intent(in) :: source
+    integer, intent(inout) :: line
+    type(record_t), intent(out) :: record
+    type(error_t), allocatable, intent(out) :: error
+    type(cutter_t) :: cutter
+    integer :: shift, nline
+
+    record%line = line
+    shift = source%first(line) - 1
+    allocate (record%first(12), record%last(12), record%start(2))
+    nline = 0
+    do
+      call append(record%start, nline, source%first(line) - shift)
+      cutter%goes_on = .false.
+      cutter%at = source%first(line)
+      cutter%last = source%last(line)
+      call cut_line(source%text, record, cutter)
+      line = line + 1
+      if (cutter%wrong > 0 .or. .not. cutter%goes_on) exit
+      if (line <= source%nline) then
+        if (verify(source%text(source%first(line):source%last(line)), ' '//achar(9)) > 0) cycle
+      end if
+      call complain(cutter, cutter%at, 'a record that ends with & has no next line', 'remove the &')
+      exit
+    end do
+    record%file = source%path
+    record%raw = source%text(shift + 1:cutter%last)
+    record%start = record%start(:nline)
+    record%first = record%first(:record%n) - shift
+    record%last = record%last(:record%n) - shift
+    record%kind = RECORD_WORDS
+    if (record%n == 0) record%kind = merge(RECORD_COMMENT, RECORD_BLANK, cutter%commented)
+    if (cutter%wrong > 0) call fail(error, DECK_ERROR, cutter%why, record%spot(cutter%wrong - shift, 1), cutter%hint)
+  end subroutine read_record
+
+  !> Add the fields of one line.
+  subroutine cut_line(text, record, cutter)
+    character(*), intent(in) :: text
+    type(record_t), intent(inout) :: record
+    type(cutter_t), intent(inout) :: cutter
+
+    associate (at => cutter%at)
+      do while (at <= cutter%last)
+        select case (class_of(text(at:at)))
+        case (BLANK)
+          at = at + 1
+        case (COMMA)
+          if (cutter%due) call add_field(record, at, at - 1)
+          cutter%due = .true.
+          at = at + 1
+        case (COMMENT)
+          cutter%commented = .true.
+          return
+        case (QUOTE)
+          call cut_quoted(text, record, cutter)
+          cutter%due = .false.
+        case default
+          cutter%goes_on = ends_line(text(at:cutter%last))
+          if (cutter%goes_on) return
+          call cut_plain(text, record, cutter)
+          cutter%due = .false.
+          if (record%n == 1) call cut_title(text, record, cutter)
+        end select
+        if (cutter%wrong > 0) return
+      end do
+    end associate
+  end subroutine cut_line
+
+  !> A field without quotes.
+  subroutine cut_plain(text, record, cutter)
+    character(*), intent(in) :: text
+    type(record_t), intent(inout) :: record
+    type(cutter_t), intent(inout) :: cutter
+    integer :: first, depth, at
+
+    first = cutter%at
+    depth = 0
+    do at = first, cutter%last
+      select case (class_of(text(at:at)))
+      case (BLANK, COMMENT)
+        exit
+      case (COMMA)
+        if (depth <= 0) exit
+      case (OPENING)
+        depth = depth + 1
+      case (CLOSING)
+        depth = depth - 1
+      case (QUOTE)
+        call complain(cutter, at, 'a quote inside a word', QUOTES)
+        return
+      case default
+        if (ends_line(text(at:cutter%last))) exit
+      end select
+    end do
+    call add_field(record, first, at - 1)
+    cutter%at = at
+  end subroutine cut_plain
+
+  !> "...": one field, whatever is in it.
+  subroutine cut_quoted(text, record, cutter)
+    character(*), intent(in) :: text
+    type(record_t), intent(inout) :: record
+    type(cutter_t), intent(inout) :: cutter
+    integer :: first, n
+
+    first = cutter%at
+    n = index(text(first + 1:cutter%last), '"')
+    if (n == 0) then
+      call complain(cutter, first, 'a quote is not closed', QUOTES)
+      return
+    end if
+    call add_field(record, first + 1, first + n - 1)
+    cutter%at = first + n + 1
+    if (cutter%at > cutter%last) return
+    select case (class_of(text(cutter%at:cutter%at)))
+    case (BLANK, COMMA, COMMENT)
+    case default
+      if (.not. ends_line(text(cutter%at:cutter%last))) call complain(cutter, cutter%at, &
+        'a separator is missing behind the quote', 'put a blank or a comma')
+    end select
+  end subroutine cut_quoted
+
+  !> FEAP's title: what follows the word is one field, and nothing in it separates.
+  subroutine cut_title(text, record, cutter)
+    character(*), intent(in) :: text
+    type(record_t), intent(inout) :: record
+    type(cutter_t), intent(inout) :: cutter
+    integer :: first, last
+
+    if (key_of(text(record%first(1):record%last(1))) /= 'feap') return
+    last = index(text(cutter%at:cutter%last), '!')
+    last = merge(cutter%at + last - 2, cutter%last, last > 0)
+    first = verify(text(cutter%at:last), ' ,='//achar(9))
+    if (first > 0) then
+      first = cutter%at + first - 1
+      last = first - 1 + verify(text(first:last), ' '//achar(9), back=.true.)
+      call add_field(record, first, last)
+    end if
+    cutter%at = cutter%last + 1
+  end subroutine cut_title
+
+  !> The rest of a line is an & with nothing but a comment behind it.
+  pure function ends_line(rest) result(yes)
+    character(*), intent(in) :: rest
+    logical :: yes
+    integer :: next
+
+    yes = .false.
+    if (rest(1:1) /= '&') return
+    next = verify(rest(2:), ' '//achar(9))
+    yes = next == 0
+    if (.not. yes) yes = rest(next + 1:next + 1) == '!'
+  end function ends_line
+
+  subroutine complain(cutter, at, why, hint)
+    type(cutter_t), intent(inout) :: cutter
+    integer, intent(in) :: at
+    character(*), intent(in) :: why, hint
+
+    cutter%wrong = at
+    cutter%why = why
+    cutter%hint = hint
+  end subroutine complain
+
+  subroutine add_field(record, first, last)
+    type(record_t), intent(inout) :: record
+    integer, intent(in) :: first, last
+    integer :: n
+
+    n = record%n
+    call append(record%first, n, first)
+    call append(record%last, record%n, last)
+  end subroutine add_field
+
+  !> Add a number to a list of n, which grows by doubling.
+  subroutine append(list, n, value)
+    integer, allocatable, intent(inout) :: list(:)
+    integer, intent(inout) :: n
+    integer, intent(in) :: value
+    integer, allocatable :: longer(:)
+
+    if (n == size(list)) then
+      allocate (longer(2*n))
+      longer(:n) = list
+      call move_alloc(longer, list)
+    end if
+    n = n + 1
+    list(n) = value
+  end subroutine append
+
+  pure function class_of(c) result(class)
+    character, intent(in) :: c
+    integer :: class
+
+    select case (c)
+    case (' ', achar(9), achar(11), achar(12)); class = BLANK
+    case (',', '=');                            class = COMMA
+    case ('!');                                 class = COMMENT
+    case ('"');                                 class = QUOTE
+    case ('(');                                 class = OPENING
+    case (')');                                 class = CLOSING
+    case default;                               class = OTHER
+    end select
+  end function class_of
+
+end module deck_lexer

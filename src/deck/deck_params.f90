@@ -1,0 +1,132 @@
+!> The parameters of a deck: names and values.
+module deck_params
+  use base_kinds, only: wp
+  use base_text, only: lower
+  use deck_function, only: PI
+  implicit none
+  private
+  public :: params_t, set_parameter, find_parameter, parameter_names, is_name
+
+  type :: name_t
+    character(:), allocatable :: text !! lower case
+  end type name_t
+
+  type :: params_t
+    private
+    integer :: n = 0
+    type(name_t), allocatable :: name(:)
+    real(wp), allocatable :: value(:)
+    integer, allocatable :: order(:) !! positions, so that the names rise
+  end type params_t
+
+contains
+
+  !> Set or change a parameter.
+  subroutine set_parameter(params, name, value)
+    type(params_t), intent(inout) :: params
+    character(*), intent(in) :: name
+    real(wp), intent(in) :: value
+    integer :: at
+    logical :: known
+
+    call locate(params, lower(trim(name)), at, known)
+    if (known) then
+      params%value(params%order(at)) = value
+      return
+    end if
+    call make_room(params)
+    params%n = params%n + 1
+    params%name(params%n)%text = lower(trim(name))
+    params%value(params%n) = value
+    params%order(at + 1:params%n) = params%order(at:params%n - 1)
+    params%order(at) = params%n
+  end subroutine set_parameter
+
+  !> Value of a parameter; pi is known unless the deck sets it.
+  pure subroutine find_parameter(params, name, value, known)
+    type(params_t), intent(in) :: params
+    character(*), intent(in) :: name !! lower case
+    real(wp), intent(out) :: value
+    logical, intent(out) :: known
+    integer :: at
+
+    value = 0.0_wp
+    call locate(params, name, at, known)
+    if (known) then
+      value = params%value(params%order(at))
+    else if (name == 'pi') then
+      value = PI
+      known = .true.
+    end if
+  end subroutine find_parameter
+
+  !> Names for hints, in the order in which they were set.
+  pure function parameter_names(params) result(list)
+    type(params_t), intent(in) :: params
+    character(64), allocatable :: list(:)
+    integer :: i
+
+    allocate (list(params%n))
+    do i = 1, params%n
+      list(i) = params%name(i)%text
+    end do
+  end function parameter_names
+
+  !> A letter, then letters, digits or underscores.
+  pure function is_name(text) result(yes)
+    character(*), intent(in) :: text
+    logical :: yes
+    character(*), parameter :: LETTERS = 'abcdefghijklmnopqrstuvwxyz', MORE = LETTERS//'0123456789_'
+
+    yes = .false.
+    if (len(text) == 0) return
+    yes = index(LETTERS, lower(text(1:1))) > 0 .and. verify(lower(text), MORE) == 0
+  end function is_name
+
+  !> Position of a name among the sorted ones, or where it would be put.
+  pure subroutine locate(params, name, at, known)
+    type(params_t), intent(in) :: params
+    character(*), intent(in) :: name
+    integer, intent(out) :: at
+    logical, intent(out) :: known
+    integer :: low, high, middle
+
+    low = 1
+    high = params%n
+    do while (low <= high)
+      middle = (low + high)/2
+      if (params%name(params%order(middle))%text < name) then
+        low = middle + 1
+      else
+        high = middle - 1
+      end if
+    end do
+    at = low
+    known = .false.
+    if (at <= params%n) known = params%name(params%order(at))%text == name
+  end subroutine locate
+
+  subroutine make_room(params)
+    type(params_t), intent(inout) :: params
+    type(name_t), allocatable :: name(:)
+    real(wp), allocatable :: value(:)
+    integer, allocatable :: order(:)
+    integer :: i, n
+
+    n = params%n
+    if (.not. allocated(params%name)) then
+      allocate (params%name(16), params%value(16), params%order(16))
+    else if (n == size(params%name)) then
+      allocate (name(2*n), value(2*n), order(2*n))
+      do i = 1, n
+        call move_alloc(params%name(i)%text, name(i)%text)
+      end do
+      value(:n) = params%value
+      order(:n) = params%order
+      call move_alloc(name, params%name)
+      call move_alloc(value, params%value)
+      call move_alloc(order, params%order)
+    end if
+  end subroutine make_room
+
+end module deck_params

@@ -1,0 +1,292 @@
+!> Files to a stream of records: INCLude, LOOP and NEXT run as they are read.
+module deck_reader
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_file, only: file_t, inspect, base_name, FILE_ABSENT
+  use base_kinds, only: wp, i8
+  use base_text, only: quoted, to_text
+  use deck_expression, only: evaluate, params_t
+  use deck_lexer, only: read_record
+  use deck_record, only: record_t, check_count, resolve_path, RECORD_WORDS, RECORD_END
+  use deck_source, only: source_t, load_source, source_line
+  implicit none
+  private
+  public :: reader_t, open_reader, next_record, next_unrolled, include_file, source_text
+
+  integer, parameter :: MOST_FILES = 16         !! files open in one another
+  integer, parameter :: MOST_LOOPS = 10         !! loops in one another
+  integer, parameter :: MOST_PASSES = 1000000   !! of one loop
+  integer, parameter :: MOST_REPEATED = 10000000 !! records of all loops
+
+  !> A file being read.
+  type :: frame_t
+    integer :: source = 0
+    integer :: line = 1  !! next line
+  end type frame_t
+
+  !> A loop being run.
+  type :: loop_t
+    integer :: frame = 0, line = 0 !! where its body begins
+    integer :: left = 0            !! passes to come after this one
+    integer :: nrecord = 0         !! records of its first pass
+    type(place_t) :: place
+  end type loop_t
+
+  type :: reader_t
+    private
+    integer :: nsource = 0, nframe = 0, nloop = 0
+    integer :: repeated = 0 !! records read on a second or later pass
+    type(source_t), allocatable :: source(:) !! every file that was named, kept
+    type(frame_t) :: frame(MOST_FILES)
+    type(loop_t) :: loop(MOST_LOOPS)
+  end type reader_t
+
+contains
+
+  !> Begin with the deck itself.
+  subroutine open_reader(reader, path, error)
+    type(reader_t), intent(out) :: reader
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+
+    allocate (reader%source(4))
+    call load_source(path, reader%source(1), error)
+    if (allocated(error)) return
+    reader%nsource = 1
+    reader%nframe = 1
+    reader%frame(1)%source = 1
+  end subroutine open_reader
+
+  !> All files as they were read, one behind the other.
+  pure function source_text(reader) result(text)
+    type(reader_t), intent(in) :: reader
+    character(:), allocatable :: text
+    integer :: i
+
+    text = reader%source(1)%text
+    do i = 2, reader%nsource
+      text = text//new_line('a')//'! --- '//base_name(reader%source(i)%path)//new_line('a')//reader%source(i)%text
+    end do
+  end function source_text
+
+  !> The next record as it stands.
+  subroutine next_record(reader, record, error)
+    type(reader_t), intent(inout) :: reader
+    type(record_t), intent(out) :: record
+    type(error_t), allocatable, intent(out) :: error
+
+    do
+      associate (frame => reader%frame(reader%nframe), source => reader%source(reader%frame(reader%nframe)%source))
+        if (frame%line <= source%nline) then
+          call read_record(source, frame%line, record, error)
+          return
+        end if
+        if (reader%nloop > 0) then
+          if (reader%loop(reader%nloop)%frame == reader%nframe) then
+            call fail(error, DECK_ERROR, 'LOOP has no NEXT', reader%loop(reader%nloop)%place, &
+              'close it with NEXT in the same file')
+            reader%nloop = reader%nloop - 1
+            return
+          end if
+        end if
+        if (reader%nframe == 1) then
+          record%kind = RECORD_END
+          record%file = source%path
+          record%line = max(source%nline, 1)
+          record%raw = source_line(source, source%nline)
+          record%start = [1]
+          return
+        end if
+      end associate
+      reader%nframe = reader%nframe - 1
+    end do
+  end subroutine next_record
+
+  !> The next record that is no INCLude, LOOP or NEXT: those run.
+  subroutine next_unrolled(reader, params, record, error)
+    type(reader_t), intent(inout) :: reader
+    type(params_t), intent(in) :: params
+    type(record_t), intent(out) :: record
+    type(error_t), allocatable, intent(out) :: error
+
+    do
+      call next_record(reader, record, error)
+      if (allocated(error) .or. record%kind == RECORD_END) return
+      if (reader%nloop > 0) call count_record(reader, record, error)
+      if (allocated(error) .or. record%kind /= RECORD_WORDS) return
+      select case (record%key(1))
+      case ('incl')
+        call include_file(reader, record, error)
+      case ('loop')
+        call begin_loop(reader, params, record, error)
+      case ('next')
+        call end_pass(reader, record, error)
+      case default
+        return
+      end select
+      if (allocated(error)) return
+    end do
+  end subroutine next_unrolled
+
+  !> Go on in the file that the record names.
+  subroutine include_file(reader, record, error)
+    type(reader_t), intent(inout) :: reader
+    type(record_t), intent(in) :: record
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    type(file_t) :: file
+    integer :: i
+
+    call check_count(record, 2, 2, 'INCLude file', error)
+    if (allocated(error)) return
+    if (record%is_empty(2)) then
+      call fail(error, DECK_ERROR, 'the name of a file is missing', record%place(2), 'INCLude file')
+      return
+    end if
+    path = resolve_path(record, 2)
+    call inspect(path, file)
+    do i = 1, reader%nframe
+      if (file%kind == FILE_ABSENT) exit
+      if (any(reader%source(reader%frame(i)%source)%identity /= file%identity)) cycle
+      call fail(error, DECK_ERROR, quoted(path)//' includes itself'//chain(reader, i + 1), record%place(2), &
+        'remove one of the INCLude records')
+      return
+    end do
+    if (reader%nframe == MOST_FILES) then
+      call fail(error, DECK_ERROR, 'files include one another deeper than '//to_text(MOST_FILES), record%place(2))
+      return
+    end if
+    call find_source(reader, path, file, record%place(2), i, error)
+    if (allocated(error)) return
+    reader%nframe = reader%nframe + 1
+    reader%frame(reader%nframe) = frame_t(source=i, line=1)
+  end subroutine include_file
+
+  !> The files on the way round: ' through a, b'.
+  pure function chain(reader, first) result(text)
+    type(reader_t), intent(in) :: reader
+    integer, intent(in) :: first
+    character(:), allocatable :: text
+    integer :: i
+
+    text = ''
+    do i = first, reader%nframe
+      if (i == first) text = ' through '
+      if (i > first) text = text//', '
+      text = text//quoted(reader%source(reader%frame(i)%source)%path)
+    end do
+  end function chain
+
+  !> Position of a file in the list; it is read where it is new.
+  subroutine find_source(reader, path, file, place, at, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: path
+    type(file_t), intent(in) :: file
+    type(place_t), intent(in) :: place
+    integer, intent(out) :: at
+    type(error_t), allocatable, intent(out) :: error
+    type(source_t), allocatable :: longer(:)
+    integer :: i
+
+    do at = 1, reader%nsource
+      if (file%kind /= FILE_ABSENT .and. all(reader%source(at)%identity == file%identity)) return
+    end do
+    if (reader%nsource == size(reader%source)) then
+      allocate (longer(2*reader%nsource))
+      do i = 1, reader%nsource
+        call move_source(reader%source(i), longer(i))
+      end do
+      call move_alloc(longer, reader%source)
+    end if
+    at = reader%nsource + 1
+    call load_source(path, reader%source(at), error, place)
+    if (.not. allocated(error)) reader%nsource = at
+  end subroutine find_source
+
+  subroutine move_source(from, to)
+    type(source_t), intent(inout) :: from
+    type(source_t), intent(inout) :: to
+
+    to%identity = from%identity
+    to%nline = from%nline
+    call move_alloc(from%path, to%path)
+    call move_alloc(from%text, to%text)
+    call move_alloc(from%first, to%first)
+    call move_alloc(from%last, to%last)
+  end subroutine move_source
+
+  ! --- loops -----------------------------------------------------------------------------------
+
+  !> LOOP,n. After an error its body is read once, so that its NEXT finds it.
+  subroutine begin_loop(reader, params, record, error)
+    type(reader_t), intent(inout) :: reader
+    type(params_t), intent(in) :: params
+    type(record_t), intent(in) :: record
+    type(error_t), allocatable, intent(out) :: error
+    type(loop_t) :: loop
+    real(wp) :: n
+
+    if (reader%nloop == MOST_LOOPS) then
+      call fail(error, DECK_ERROR, 'loops are nested deeper than '//to_text(MOST_LOOPS), record%place(1))
+      return
+    end if
+    loop%frame = reader%nframe
+    loop%line = reader%frame(reader%nframe)%line
+    loop%place = record%place(1)
+    reader%nloop = reader%nloop + 1
+    reader%loop(reader%nloop) = loop
+    call check_count(record, 2, 2, 'LOOP,n ... NEXT', error)
+    if (allocated(error)) return
+    call evaluate(params, record%text(2), n, record%place(2), error)
+    if (allocated(error)) return
+    if (n < 1.0_wp .or. n > MOST_PASSES .or. abs(n - anint(n)) > 0.0_wp) then
+      call fail(error, DECK_ERROR, 'a loop runs a whole number of times, from 1 to '//to_text(MOST_PASSES) &
+        //', not '//to_text(n), record%place(2), 'LOOP,n ... NEXT')
+      return
+    end if
+    reader%loop(reader%nloop)%left = nint(n) - 1
+  end subroutine begin_loop
+
+  !> NEXT: the body again, or on.
+  subroutine end_pass(reader, record, error)
+    type(reader_t), intent(inout) :: reader
+    type(record_t), intent(in) :: record
+    type(error_t), allocatable, intent(out) :: error
+    logical :: paired
+
+    paired = reader%nloop > 0
+    if (paired) paired = reader%loop(reader%nloop)%frame == reader%nframe
+    if (.not. paired) then
+      call fail(error, DECK_ERROR, 'NEXT without LOOP', record%place(1), 'remove it, or put LOOP,n before, in the same file')
+      return
+    end if
+    call check_count(record, 1, 2, 'NEXT', error)
+    associate (loop => reader%loop(reader%nloop))
+      if (loop%nrecord <= 1 .and. .not. allocated(error)) call fail(error, DECK_ERROR, 'this loop does nothing', &
+        loop%place, 'put records between LOOP and NEXT, or remove both')
+      if (loop%left > 0 .and. .not. allocated(error)) then
+        loop%left = loop%left - 1
+        loop%nrecord = 2
+        reader%frame(reader%nframe)%line = loop%line
+      else
+        reader%nloop = reader%nloop - 1
+      end if
+    end associate
+  end subroutine end_pass
+
+  !> A record inside a loop.
+  subroutine count_record(reader, record, error)
+    type(reader_t), intent(inout) :: reader
+    type(record_t), intent(in) :: record
+    type(error_t), allocatable, intent(out) :: error
+
+    if (record%kind == RECORD_WORDS) reader%loop(reader%nloop)%nrecord = min(reader%loop(reader%nloop)%nrecord, 5) + 1
+    reader%repeated = reader%repeated + 1
+    if (reader%repeated <= MOST_REPEATED) return
+    call fail(error, DECK_ERROR, 'loops make more than '//to_text(MOST_REPEATED)//' records', &
+      reader%loop(1)%place, 'use fewer passes')
+    reader%nloop = 0
+    reader%nframe = 1
+    reader%frame(1)%line = reader%source(1)%nline + 1
+  end subroutine count_record
+
+end module deck_reader

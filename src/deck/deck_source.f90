@@ -1,0 +1,132 @@
+!> A text file in memory, cut into lines.
+module deck_source
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_file, only: file_t, inspect, FILE_ABSENT, FILE_REGULAR, FILE_FOLDER
+  use base_kinds, only: i8
+  use base_text, only: to_text
+  implicit none
+  private
+  public :: source_t, load_source, source_line
+
+  integer(i8), parameter :: LARGEST = 2_i8**30 !! bytes of a file
+
+  type :: source_t
+    character(:), allocatable :: path      !! as messages show it
+    character(:), allocatable :: text      !! the whole file
+    integer(i8) :: identity(2) = 0         !! device and number
+    integer :: nline = 0
+    integer, allocatable :: first(:), last(:) !! (nline) characters of each line, without its end
+  end type source_t
+
+contains
+
+  !> Read a file. Only regular text files are read; `place` names the record that asked for it.
+  subroutine load_source(path, source, error, place)
+    character(*), intent(in) :: path
+    type(source_t), intent(out) :: source
+    type(error_t), allocatable, intent(out) :: error
+    type(place_t), intent(in), optional :: place
+    type(file_t) :: file
+    character(200) :: reason
+    integer :: unit, io
+
+    call inspect(path, file)
+    select case (file%kind)
+    case (FILE_REGULAR)
+      if (file%size == 0) call refuse('is empty')
+      if (file%size > LARGEST) call refuse('is larger than '//to_text(LARGEST/1024**2)//' MiB')
+    case (FILE_FOLDER)
+      call refuse('is a folder')
+    case (FILE_ABSENT)
+      call refuse('cannot be read: '//file%reason)
+    case default
+      call refuse('is not a regular file')
+    end select
+    if (allocated(error)) return
+    source%path = path
+    source%identity = file%identity
+    allocate (character(int(file%size)) :: source%text)
+    open (newunit=unit, file=path, status='old', action='read', access='stream', form='unformatted', &
+      iostat=io, iomsg=reason)
+    if (io == 0) then
+      read (unit, iostat=io, iomsg=reason) source%text
+      close (unit)
+    end if
+    if (io /= 0) then
+      call refuse('cannot be read: '//trim(reason(index(reason, ': ', back=.true.) + 1:)))
+    else if (is_binary(source%text)) then
+      call refuse('is not a text file', 'a deck is plain text: ASCII or UTF-8')
+    else
+      call find_lines(source)
+    end if
+
+  contains
+
+    subroutine refuse(what, hint)
+      character(*), intent(in) :: what
+      character(*), intent(in), optional :: hint
+
+      call fail(error, DECK_ERROR, "'"//path//"' "//what, place, hint)
+    end subroutine refuse
+
+  end subroutine load_source
+
+  !> One line as it stands in the file.
+  pure function source_line(source, line) result(text)
+    type(source_t), intent(in) :: source
+    integer, intent(in) :: line
+    character(:), allocatable :: text
+
+    text = ''
+    if (line >= 1 .and. line <= source%nline) text = source%text(source%first(line):source%last(line))
+  end function source_line
+
+  !> NUL characters, or more than one control character in fifty.
+  pure function is_binary(text) result(yes)
+    character(*), intent(in) :: text
+    logical :: yes
+    integer :: i, c
+    integer(i8) :: strange
+
+    strange = 0
+    yes = .true.
+    do i = 1, len(text)
+      c = iachar(text(i:i))
+      if (c == 0) return
+      if (c < 9 .or. (c > 13 .and. c < 32) .or. c == 127) strange = strange + 1
+    end do
+    yes = 50*strange > len(text)
+  end function is_binary
+
+  !> Lines end with LF, CR LF or CR; a byte order mark of UTF-8 at the start is no part of the first.
+  subroutine find_lines(source)
+    type(source_t), intent(inout) :: source
+    character, parameter :: LF = achar(10), CR = achar(13)
+    integer :: i, n, at, pass
+
+    do pass = 1, 2
+      n = 0
+      at = 1
+      if (index(source%text(:min(3, len(source%text))), char(239)//char(187)//char(191)) == 1) at = 4
+      do while (at <= len(source%text))
+        i = at
+        do while (i <= len(source%text))
+          if (source%text(i:i) == LF .or. source%text(i:i) == CR) exit
+          i = i + 1
+        end do
+        n = n + 1
+        if (pass == 2) then
+          source%first(n) = at
+          source%last(n) = i - 1
+        end if
+        at = i + 1
+        if (at <= len(source%text)) then
+          if (source%text(i:i) == CR .and. source%text(at:at) == LF) at = at + 1
+        end if
+      end do
+      if (pass == 1) allocate (source%first(n), source%last(n))
+    end do
+    source%nline = n
+  end subroutine find_lines
+
+end module deck_source

@@ -1,0 +1,306 @@
+!> A deck as a stream of records, and the numbers in them.
+module deck_stream
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_kinds, only: wp
+  use base_text, only: lower, nearest, quoted, to_text
+  use deck_expression, only: compute, evaluate, params_t, set_parameter, trouble_t
+  use deck_params, only: is_name, parameter_names
+  use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, source_text
+  use deck_record, only: record_t, check_count, get_word, resolve_path, RECORD_WORDS, RECORD_BLANK, &
+    RECORD_COMMENT, RECORD_END
+  implicit none
+  private
+  public :: deck_t, open_deck, check_settings, deck_text
+  public :: get_real, get_integer, get_assignment, read_parameters
+  public :: record_t, check_count, get_word, resolve_path, RECORD_WORDS, RECORD_BLANK, RECORD_COMMENT, RECORD_END
+
+  !> A parameter that the command line sets.
+  type :: setting_t
+    character(:), allocatable :: name !! lower case
+    real(wp) :: value = 0.0_wp
+    logical :: used = .false.         !! the deck sets it too
+  end type setting_t
+
+  type :: deck_t
+    type(params_t) :: params          !! parameters as they are now
+    integer :: consumed = 0           !! records handed out since the last END
+    type(reader_t), private :: reader
+    type(setting_t), allocatable, private :: setting(:)
+  contains
+    procedure :: next
+    procedure :: next_of_set
+    procedure :: next_in_block
+    procedure :: next_command
+    procedure :: include => include_in_deck
+    procedure :: skip
+  end type deck_t
+
+contains
+
+  !> Open a deck and the files it includes as they come.
+  subroutine open_deck(deck, path, settings, error)
+    type(deck_t), intent(out) :: deck
+    character(*), intent(in) :: path
+    character(*), intent(in) :: settings(:) !! name=value, as --set gives them
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    allocate (deck%setting(size(settings)))
+    do i = 1, size(settings)
+      call read_setting(deck, trim(settings(i)), i, error)
+      if (allocated(error)) return
+    end do
+    call open_reader(deck%reader, path, error)
+  end subroutine open_deck
+
+  !> One name=value; the value is an expression without parameters.
+  subroutine read_setting(deck, text, i, error)
+    type(deck_t), intent(inout) :: deck
+    character(*), intent(in) :: text
+    integer, intent(in) :: i
+    type(error_t), allocatable, intent(out) :: error
+    type(trouble_t), allocatable :: trouble
+    type(params_t) :: none
+    character(:), allocatable :: name
+    integer :: equal, j
+
+    equal = index(text, '=')
+    name = lower(trim(adjustl(text(:max(equal - 1, 0)))))
+    if (.not. is_name(name)) then
+      call fail(error, DECK_ERROR, quoted('--set '//text)//' does not set a parameter', hint='write --set name=value')
+      return
+    end if
+    do j = 1, i - 1
+      if (deck%setting(j)%name == name) call fail(error, DECK_ERROR, 'parameter '//quoted(name)//' is set twice', &
+        hint='give one --set '//name//'=value')
+    end do
+    if (allocated(error)) return
+    deck%setting(i)%name = name
+    call compute(none, text(equal + 1:), deck%setting(i)%value, trouble)
+    if (allocated(trouble)) call fail(error, DECK_ERROR, 'in '//quoted('--set '//text)//': '//trouble%message, &
+      hint='write --set name=value')
+  end subroutine read_setting
+
+  !> A parameter that the command line sets and the deck does not is a mistake. To be called when the deck
+  !! has been read.
+  subroutine check_settings(deck, error)
+    type(deck_t), intent(in) :: deck
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: hint
+    integer :: i
+
+    do i = 1, size(deck%setting)
+      if (deck%setting(i)%used) cycle
+      hint = nearest(deck%setting(i)%name, parameter_names(deck%params))
+      if (len(hint) > 0) then
+        hint = 'nearest known: '//hint
+      else
+        hint = 'the deck has no parameters'
+      end if
+      call fail(error, DECK_ERROR, '--set '//quoted(deck%setting(i)%name)//': the deck has no such parameter', hint=hint)
+      return
+    end do
+  end subroutine check_settings
+
+  !> The deck with all its files and the settings of the command line.
+  function deck_text(deck) result(text)
+    type(deck_t), intent(in) :: deck
+    character(:), allocatable :: text
+    integer :: i
+
+    text = source_text(deck%reader)
+    do i = 1, size(deck%setting)
+      text = text//new_line('a')//'! --set '//deck%setting(i)%name//'='//to_text(deck%setting(i)%value, 17)
+    end do
+  end function deck_text
+
+  ! --- records ---------------------------------------------------------------------------------
+
+  !> The next record of any kind.
+  subroutine next(deck, record, error)
+    class(deck_t), intent(inout) :: deck
+    type(record_t), intent(out) :: record
+    type(error_t), allocatable, intent(out) :: error
+
+    call next_unrolled(deck%reader, deck%params, record, error)
+    if (allocated(error)) return
+    deck%consumed = deck%consumed + 1
+    if (record%key(1) == 'end') deck%consumed = 0
+  end subroutine next
+
+  !> The next record of FEAP's data sets: a comment alone counts as blank.
+  subroutine next_of_set(deck, record, error)
+    class(deck_t), intent(inout) :: deck
+    type(record_t), intent(out) :: record
+    type(error_t), allocatable, intent(out) :: error
+
+    call deck%next(record, error)
+    if (record%kind == RECORD_COMMENT) record%kind = RECORD_BLANK
+  end subroutine next_of_set
+
+  !> The next record of a PATCh, CONTact or CURVe: a comment alone is skipped.
+  subroutine next_in_block(deck, record, error)
+    class(deck_t), intent(inout) :: deck
+    type(record_t), intent(out) :: record
+    type(error_t), allocatable, intent(out) :: error
+
+    do
+      call deck%next(record, error)
+      if (allocated(error) .or. record%kind /= RECORD_COMMENT) return
+    end do
+  end subroutine next_in_block
+
+  !> The next command of BATCh: blank records and comments are skipped, LOOP, NEXT and INCLude are commands.
+  subroutine next_command(deck, record, error)
+    class(deck_t), intent(inout) :: deck
+    type(record_t), intent(out) :: record
+    type(error_t), allocatable, intent(out) :: error
+
+    do
+      call next_record(deck%reader, record, error)
+      if (allocated(error)) return
+      if (.not. record%is_blank()) exit
+    end do
+    deck%consumed = 0
+  end subroutine next_command
+
+  !> Go on in the file that an INCLude record names.
+  subroutine include_in_deck(deck, record, error)
+    class(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: record
+    type(error_t), allocatable, intent(out) :: error
+
+    call include_file(deck%reader, record, error)
+  end subroutine include_in_deck
+
+  !> Pass over n records.
+  subroutine skip(deck, n, error)
+    class(deck_t), intent(inout) :: deck
+    integer, intent(in) :: n
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    integer :: i
+
+    do i = 1, n
+      call deck%next(record, error)
+      if (allocated(error) .or. record%is_end()) return
+    end do
+  end subroutine skip
+
+  ! --- numbers ---------------------------------------------------------------------------------
+
+  !> Field i as a number. An empty or missing field is `default`, or an error where there is none.
+  subroutine get_real(deck, record, i, x, error, default)
+    type(deck_t), intent(in) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: i
+    real(wp), intent(out) :: x
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), intent(in), optional :: default
+
+    x = 0.0_wp
+    if (.not. record%is_empty(i)) then
+      call compute_at(deck%params, record, record%first(i), record%raw(record%first(i):record%last(i)), x, error)
+    else if (present(default)) then
+      x = default
+    else
+      call fail(error, DECK_ERROR, 'a number is missing in field '//to_text(i), record%place(i))
+    end if
+  end subroutine get_real
+
+  !> Field i as a whole number.
+  subroutine get_integer(deck, record, i, n, error, default)
+    type(deck_t), intent(in) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: i
+    integer, intent(out) :: n
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(in), optional :: default
+    real(wp) :: x
+
+    n = 0
+    if (present(default) .and. record%is_empty(i)) then
+      n = default
+      return
+    end if
+    call get_real(deck, record, i, x, error)
+    if (allocated(error)) return
+    if (abs(x) > huge(n)) then
+      call fail(error, DECK_ERROR, quoted(record%text(i))//' is larger than '//to_text(huge(n)), record%place(i))
+    else if (abs(x - anint(x)) > 4*epsilon(x)*abs(x)) then
+      call fail(error, DECK_ERROR, quoted(record%text(i))//' is not a whole number: '//to_text(x, 10), &
+        record%place(i), 'int(...) cuts what is behind the point')
+    else
+      n = nint(x)
+    end if
+  end subroutine get_integer
+
+  !> A record `name = expression`: the parameter is set, unless the command line sets it.
+  subroutine get_assignment(deck, record, name, value, error)
+    type(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: record
+    character(:), allocatable, intent(out) :: name
+    real(wp), intent(out) :: value
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: expression
+    integer :: i, first
+
+    value = 0.0_wp
+    name = lower(record%text(1))
+    if (.not. is_name(name)) then
+      call fail(error, DECK_ERROR, quoted(record%text(1))//' is not a name', record%place(1), &
+        'a name begins with a letter, then letters, digits and underscores')
+      return
+    end if
+    call check_count(record, 2, huge(1), 'name = expression', error)
+    if (allocated(error)) return
+    do i = 1, size(deck%setting)
+      if (deck%setting(i)%name /= name) cycle
+      deck%setting(i)%used = .true.
+      value = deck%setting(i)%value
+      call set_parameter(deck%params, name, value)
+      return
+    end do
+    ! All that follows the name is one expression, which may have blanks in it.
+    first = record%first(2)
+    expression = repeat(' ', record%last(record%n) - first + 1)
+    do i = 2, record%n
+      expression(record%first(i) - first + 1:record%last(i) - first + 1) = record%raw(record%first(i):record%last(i))
+    end do
+    call compute_at(deck%params, record, first, expression, value, error)
+    if (.not. allocated(error)) call set_parameter(deck%params, name, value)
+  end subroutine get_assignment
+
+  !> The records behind PARAmeter, up to a blank one.
+  subroutine read_parameters(deck, error)
+    type(deck_t), intent(inout) :: deck
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    character(:), allocatable :: name
+    real(wp) :: value
+
+    do
+      call deck%next_of_set(record, error)
+      if (allocated(error) .or. record%kind /= RECORD_WORDS) return
+      call get_assignment(deck, record, name, value, error)
+      if (allocated(error)) return
+    end do
+  end subroutine read_parameters
+
+  !> Value of an expression that begins at a character of the record.
+  subroutine compute_at(params, record, first, expression, value, error)
+    type(params_t), intent(in) :: params
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: first
+    character(*), intent(in) :: expression
+    real(wp), intent(out) :: value
+    type(error_t), allocatable, intent(out) :: error
+    type(trouble_t), allocatable :: trouble
+
+    call compute(params, expression, value, trouble)
+    if (.not. allocated(trouble)) return
+    call fail(error, DECK_ERROR, trouble%message, record%spot(first + trouble%at - 1, trouble%width))
+    if (allocated(trouble%hint)) error%hint = trouble%hint
+  end subroutine compute_at
+
+end module deck_stream
