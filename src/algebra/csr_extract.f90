@@ -13,7 +13,7 @@ module csr_extract
     logical :: symmetric = .true.
     integer, allocatable :: row(:)      !! (nnz) equation numbers
     integer, allocatable :: col(:)      !! (nnz)
-    integer, allocatable :: place(:)    !! (nnz) position in a%val, counted through all its dimensions
+    integer, allocatable :: place(:)    !! (nnz) position in a%val taken as one row
   end type entries_t
 
 contains
@@ -33,7 +33,9 @@ contains
     entries%symmetric = a%symmetric
     nnz = 0
     call walk(entries, a, eq, nnz, counting=.true.)
-    allocate (entries%row(nnz), entries%col(nnz), entries%place(nnz), stat=stat)
+    allocate (entries%row(nnz), stat=stat)
+    if (stat == 0) allocate (entries%col(nnz), stat=stat)
+    if (stat == 0) allocate (entries%place(nnz), stat=stat)
     if (stat /= 0) then
       call fail(error, SYSTEM_ERROR, 'no memory for the list of entries of the tangent matrix')
       return
@@ -64,7 +66,7 @@ contains
             if (counting) cycle
             entries%row(nnz) = eq(i, n)
             entries%col(nnz) = eq(j, a%col(p))
-            entries%place(nnz) = 9 * (p - 1) + 3 * (j - 1) + i
+            entries%place(nnz) = 9*(p - 1) + 3*(j - 1) + i
           end do
         end do
       end do

@@ -6,6 +6,7 @@
 module csr_pattern
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
+  use base_text, only: to_text
   implicit none
   private
   public :: block_matrix_t, clique_t, new_pattern, element_map, block_position, set_zero
@@ -16,7 +17,8 @@ module csr_pattern
     module procedure map_all
   end interface element_map
 
-  !> Nodes that are all coupled with each other, one column a clique: the elements of a block, pairs in contact.
+  !> Nodes that are all coupled with each other, one column a clique: the elements of a block, or
+  !! pairs in contact.
   type :: clique_t
     integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a node may stand twice
   end type clique_t
@@ -27,7 +29,7 @@ module csr_pattern
     logical :: symmetric = .true.          !! upper blocks only
     integer, allocatable :: row(:)         !! (nnode+1) first block of each row
     integer, allocatable :: col(:)         !! (nblock) column node of each block
-    real(wp), allocatable :: val(:, :, :)  !! (3, 3, nblock): (i, j, p) couples dof i of the row with dof j of the column
+    real(wp), allocatable :: val(:, :, :)  !! (3, 3, nblock) row dof, column dof, block
   end type block_matrix_t
 
   !> Which cliques a node belongs to.
@@ -60,7 +62,8 @@ contains
     call check_size(sum(int(count, i8)), error)
     if (allocated(error)) return
     call set_row_starts(a%row, count)
-    allocate (a%col(a%row(nnode + 1) - 1), a%val(3, 3, a%row(nnode + 1) - 1), stat=stat)
+    allocate (a%col(a%row(nnode + 1) - 1), stat=stat)
+    if (stat == 0) allocate (a%val(3, 3, size(a%col)), stat=stat)
     if (stat /= 0) then
       call fail(error, SYSTEM_ERROR, 'no memory for the tangent matrix')
       return
@@ -74,12 +77,9 @@ contains
     integer(i8), intent(in) :: nblock
     type(error_t), allocatable, intent(out) :: error
 
-    character(20) :: text
-
-    if (9 * nblock <= int(huge(1), i8)) return
-    write (text, '(i0)') 9 * nblock
-    call fail(error, SYSTEM_ERROR, 'the tangent matrix would have '//trim(text)//' entries, more than 2147483647', &
-      hint='use a coarser mesh')
+    if (9*nblock <= int(huge(1), i8)) return
+    call fail(error, SYSTEM_ERROR, 'the tangent matrix would have '//to_text(9*nblock) &
+              //' entries, more than '//to_text(huge(1)), hint='use a coarser mesh')
   end subroutine check_size
 
   !> Cliques of every node, by counting.
@@ -138,7 +138,8 @@ contains
     mark = 0
     count = 0
     do j = 1, a%nnode
-      if (a%symmetric .or. inc%first(j) == inc%first(j + 1)) call put(j) ! also where no element touches the node
+      ! The diagonal block leads its row, and is there even where no element touches the node.
+      if (a%symmetric .or. inc%first(j) == inc%first(j + 1)) call put(j)
       do k = inc%first(j), inc%first(j + 1) - 1
         associate (conn => cliques(inc%group(k))%conn)
           do b = 1, size(conn, 1)
@@ -194,8 +195,9 @@ contains
 
   !> Block positions of the node pairs of one element.
   !!
-  !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2); 0 where a symmetric matrix
-  !! stores the transpose instead. Where b1 /= b2 are the same node, both pairs lead to its diagonal block.
+  !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2); 0 where a symmetric
+  !! matrix stores the transpose instead. Where b1 /= b2 are the same node, both pairs lead to its
+  !! diagonal block.
   subroutine map_one(a, conn, map, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:)    !! (nen)
@@ -229,7 +231,7 @@ contains
     low = a%row(i)
     high = a%row(i + 1) - 1
     do while (low <= high)
-      p = low + (high - low) / 2
+      p = low + (high - low)/2
       if (a%col(p) == j) return
       if (a%col(p) < j) then
         low = p + 1

@@ -37,17 +37,17 @@ contains
     do i = 1, nnode
       p = row(i) ! the diagonal block leads its row; its upper triangle counts
       x1 = x(1, i); x2 = x(2, i); x3 = x(3, i)
-      s1 = val(1, 1, p) * x1 + val(1, 2, p) * x2 + val(1, 3, p) * x3
-      s2 = val(1, 2, p) * x1 + val(2, 2, p) * x2 + val(2, 3, p) * x3
-      s3 = val(1, 3, p) * x1 + val(2, 3, p) * x2 + val(3, 3, p) * x3
+      s1 = val(1, 1, p)*x1 + val(1, 2, p)*x2 + val(1, 3, p)*x3
+      s2 = val(1, 2, p)*x1 + val(2, 2, p)*x2 + val(2, 3, p)*x3
+      s3 = val(1, 3, p)*x1 + val(2, 3, p)*x2 + val(3, 3, p)*x3
       do p = row(i) + 1, row(i + 1) - 1
         j = col(p)
-        s1 = s1 + val(1, 1, p) * x(1, j) + val(1, 2, p) * x(2, j) + val(1, 3, p) * x(3, j)
-        s2 = s2 + val(2, 1, p) * x(1, j) + val(2, 2, p) * x(2, j) + val(2, 3, p) * x(3, j)
-        s3 = s3 + val(3, 1, p) * x(1, j) + val(3, 2, p) * x(2, j) + val(3, 3, p) * x(3, j)
-        y(1, j) = y(1, j) + val(1, 1, p) * x1 + val(2, 1, p) * x2 + val(3, 1, p) * x3
-        y(2, j) = y(2, j) + val(1, 2, p) * x1 + val(2, 2, p) * x2 + val(3, 2, p) * x3
-        y(3, j) = y(3, j) + val(1, 3, p) * x1 + val(2, 3, p) * x2 + val(3, 3, p) * x3
+        s1 = s1 + val(1, 1, p)*x(1, j) + val(1, 2, p)*x(2, j) + val(1, 3, p)*x(3, j)
+        s2 = s2 + val(2, 1, p)*x(1, j) + val(2, 2, p)*x(2, j) + val(2, 3, p)*x(3, j)
+        s3 = s3 + val(3, 1, p)*x(1, j) + val(3, 2, p)*x(2, j) + val(3, 3, p)*x(3, j)
+        y(1, j) = y(1, j) + val(1, 1, p)*x1 + val(2, 1, p)*x2 + val(3, 1, p)*x3
+        y(2, j) = y(2, j) + val(1, 2, p)*x1 + val(2, 2, p)*x2 + val(3, 2, p)*x3
+        y(3, j) = y(3, j) + val(1, 3, p)*x1 + val(2, 3, p)*x2 + val(3, 3, p)*x3
       end do
       y(1, i) = y(1, i) + s1
       y(2, i) = y(2, i) + s2
@@ -69,9 +69,9 @@ contains
       s1 = 0.0_wp; s2 = 0.0_wp; s3 = 0.0_wp
       do p = row(i), row(i + 1) - 1
         j = col(p)
-        s1 = s1 + val(1, 1, p) * x(1, j) + val(1, 2, p) * x(2, j) + val(1, 3, p) * x(3, j)
-        s2 = s2 + val(2, 1, p) * x(1, j) + val(2, 2, p) * x(2, j) + val(2, 3, p) * x(3, j)
-        s3 = s3 + val(3, 1, p) * x(1, j) + val(3, 2, p) * x(2, j) + val(3, 3, p) * x(3, j)
+        s1 = s1 + val(1, 1, p)*x(1, j) + val(1, 2, p)*x(2, j) + val(1, 3, p)*x(3, j)
+        s2 = s2 + val(2, 1, p)*x(1, j) + val(2, 2, p)*x(2, j) + val(2, 3, p)*x(3, j)
+        s3 = s3 + val(3, 1, p)*x(1, j) + val(3, 2, p)*x(2, j) + val(3, 3, p)*x(3, j)
       end do
       y(1, i) = s1; y(2, i) = s2; y(3, i) = s3
     end do

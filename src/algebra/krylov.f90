@@ -1,5 +1,6 @@
-!> Iterations for a linear system whose preconditioner is a factorisation: of an older matrix, in single
-!! precision or compressed. With exact factors of the same matrix they are iterative refinement.
+!> Iterations for a linear system whose preconditioner is a factorisation: of an older matrix, in
+!! single precision or compressed. With exact factors of the same matrix they are iterative
+!! refinement.
 module krylov
   use base_kinds, only: wp
   use base_error, only: error_t
@@ -13,7 +14,7 @@ module krylov
   !> How an iteration went.
   type :: krylov_report_t
     logical :: converged = .false.
-    logical :: indefinite = .false.    !! matrix or preconditioner showed a negative direction: conjugate gradients stopped
+    logical :: indefinite = .false.    !! conjugate gradients met a negative direction and stopped
     integer :: iterations = 0          !! applications of the preconditioner
     real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed, not estimated
   end type krylov_report_t
@@ -25,8 +26,8 @@ contains
 
   !> Preconditioned conjugate gradients for a symmetric matrix; x starts at zero.
   !!
-  !! The search direction is made conjugate explicitly to the last one (the flexible form), so that a
-  !! preconditioner that is symmetric but for rounding does no harm.
+  !! The search direction is made conjugate explicitly to the last one (the flexible form), so that
+  !! a preconditioner that is symmetric but for rounding does no harm.
   !! Source: Golub and Ye 1999 [bib: golub1999]
   subroutine conjugate_gradients(a, eq, solver, b, x, limit, tolerance, report, error)
     type(block_matrix_t), intent(in) :: a
@@ -42,11 +43,12 @@ contains
     real(wp), allocatable :: r(:), z(:, :), p(:), q(:), xn(:, :), yn(:, :)
     real(wp) :: rz, pq, alpha, goal, before
     integer :: cycle_number
+    logical :: exhausted
 
     allocate (r(size(b)), z(size(b), 1), p(size(b)), q(size(b)), xn(3, a%nnode), yn(3, a%nnode))
     x = 0.0_wp
     r = b
-    goal = tolerance * norm2(b)
+    goal = tolerance*norm2(b)
     do cycle_number = 1, MOST_CYCLES
       before = norm2(r)
       p = 0.0_wp
@@ -58,22 +60,23 @@ contains
         if (allocated(error)) return
         report%iterations = report%iterations + 1
         rz = dot_product(r, z(:, 1))
-        p = z(:, 1) - (dot_product(z(:, 1), q) / pq) * p
+        p = z(:, 1) - (dot_product(z(:, 1), q)/pq)*p
         call multiply_free(a, eq, p, q, xn, yn)
         pq = dot_product(p, q)
         report%indefinite = .not. (pq > 0.0_wp .and. rz > 0.0_wp) ! also where it is not a number
         if (report%indefinite) exit
-        alpha = dot_product(p, r) / pq
-        x = x + alpha * p
-        r = r - alpha * q
+        alpha = dot_product(p, r)/pq
+        x = x + alpha*p
+        r = r - alpha*q
       end do
       call true_residual(a, eq, b, x, r, xn, yn)
-      if (stops(a, eq, b, x, r, goal, before, report%iterations >= limit .or. report%indefinite, report)) return
+      exhausted = report%iterations >= limit .or. report%indefinite
+      if (stops(a, eq, b, x, r, goal, before, exhausted, report)) return
     end do
   end subroutine conjugate_gradients
 
-  !> Restarted GMRES with the preconditioner on the right; keeps the preconditioned vectors (the flexible form),
-  !! which saves a solve a cycle. x starts at zero.
+  !> Restarted GMRES with the preconditioner on the right; keeps the preconditioned vectors (the
+  !! flexible form), which saves a solve a cycle. x starts at zero.
   !! Source: Saad 1993 [bib: saad1993]
   subroutine gmres(a, eq, solver, b, x, limit, tolerance, report, error)
     type(block_matrix_t), intent(in) :: a
@@ -88,17 +91,18 @@ contains
 
     integer, parameter :: RESTART = 30
     real(wp), allocatable :: v(:, :), z(:, :), r(:), xn(:, :), yn(:, :)
-    real(wp) :: h(RESTART + 1, RESTART), rotation(2, RESTART), g(RESTART + 1), y(RESTART), goal, before
+    real(wp) :: h(RESTART + 1, RESTART), rotation(2, RESTART), g(RESTART + 1), y(RESTART)
+    real(wp) :: goal, before
     integer :: m, j
 
     m = min(RESTART, limit, size(b))
     allocate (v(size(b), m + 1), z(size(b), m), r(size(b)), xn(3, a%nnode), yn(3, a%nnode))
     x = 0.0_wp
     r = b
-    goal = tolerance * norm2(b)
+    goal = tolerance*norm2(b)
     do
       before = norm2(r)
-      v(:, 1) = r / before
+      v(:, 1) = r/before
       g = 0.0_wp
       g(1) = before
       do j = 1, m
@@ -109,7 +113,7 @@ contains
         call multiply_free(a, eq, z(:, j), v(:, j + 1), xn, yn)
         call orthogonalise(v, h(:, j), j)
         call rotate(h(:, j), rotation, g, j)
-        if (abs(g(j + 1)) <= goal .or. report%iterations >= limit .or. .not. abs(g(j + 1)) > 0.0_wp) exit
+        if (report%iterations >= limit .or. .not. abs(g(j + 1)) > goal) exit
       end do
       j = min(j, m)
       call back_substitute(h, g, y, j)
@@ -130,10 +134,10 @@ contains
     h = 0.0_wp
     do i = 1, j
       h(i) = dot_product(v(:, i), v(:, j + 1))
-      v(:, j + 1) = v(:, j + 1) - h(i) * v(:, i)
+      v(:, j + 1) = v(:, j + 1) - h(i)*v(:, i)
     end do
     h(j + 1) = norm2(v(:, j + 1))
-    if (h(j + 1) > 0.0_wp) v(:, j + 1) = v(:, j + 1) / h(j + 1)
+    if (h(j + 1) > 0.0_wp) v(:, j + 1) = v(:, j + 1)/h(j + 1)
   end subroutine orthogonalise
 
   !> Givens rotations keep the Hessenberg matrix triangular; g carries the residual.
@@ -145,13 +149,14 @@ contains
     integer :: i
 
     do i = 1, j - 1
-      h(i:i + 1) = [rotation(1, i) * h(i) + rotation(2, i) * h(i + 1), rotation(1, i) * h(i + 1) - rotation(2, i) * h(i)]
+      h(i:i + 1) = [rotation(1, i)*h(i) + rotation(2, i)*h(i + 1), &
+                    rotation(1, i)*h(i + 1) - rotation(2, i)*h(i)]
     end do
     length = hypot(h(j), h(j + 1))
     rotation(:, j) = [1.0_wp, 0.0_wp]
-    if (length > 0.0_wp) rotation(:, j) = h(j:j + 1) / length
+    if (length > 0.0_wp) rotation(:, j) = h(j:j + 1)/length
     h(j:j + 1) = [length, 0.0_wp]
-    g(j:j + 1) = [rotation(1, j) * g(j), -rotation(2, j) * g(j)]
+    g(j:j + 1) = [rotation(1, j)*g(j), -rotation(2, j)*g(j)]
   end subroutine rotate
 
   !> Solve the triangular system of the first j coefficients.
@@ -164,7 +169,7 @@ contains
 
     y = 0.0_wp
     do i = j, 1, -1
-      if (h(i, i) > 0.0_wp) y(i) = (g(i) - dot_product(h(i, i + 1:j), y(i + 1:j))) / h(i, i)
+      if (h(i, i) > 0.0_wp) y(i) = (g(i) - dot_product(h(i, i + 1:j), y(i + 1:j)))/h(i, i)
     end do
   end subroutine back_substitute
 
@@ -181,8 +186,8 @@ contains
 
   !> End of a cycle: is the goal reached, is the limit, or does nothing move any more?
   !!
-  !! Rounding alone leaves a residual of about eps |A| |x|, which may lie above the goal where |x| is large
-  !! (slender bodies): what cannot be improved counts as converged.
+  !! Rounding alone leaves a residual of about eps |A| |x|, which may lie above the goal where |x|
+  !! is large (slender bodies): what cannot be improved counts as converged.
   logical function stops(a, eq, b, x, r, goal, before, exhausted, report)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
@@ -191,13 +196,14 @@ contains
     logical, intent(in) :: exhausted
     type(krylov_report_t), intent(inout) :: report
 
-    real(wp), parameter :: ROUNDING = 10 * epsilon(1.0_wp)
+    real(wp), parameter :: ROUNDING = 10*epsilon(1.0_wp)
 
-    report%residual = norm2(r) / norm2(b)
+    report%residual = norm2(r)/norm2(b)
     report%converged = norm2(r) <= goal
-    stops = report%converged .or. exhausted .or. .not. norm2(r) <= SLACK * before
+    stops = report%converged .or. exhausted .or. .not. norm2(r) <= SLACK*before
     if (report%converged .or. .not. stops) return
-    report%converged = maxval(abs(r)) <= ROUNDING * (norm_inf(a, eq) * maxval(abs(x)) + maxval(abs(b)))
+    report%converged = maxval(abs(r)) <= &
+      ROUNDING*(norm_inf(a, eq)*maxval(abs(x)) + maxval(abs(b)))
   end function stops
 
 end module krylov

@@ -1,22 +1,21 @@
 !> Linear systems as Newton sees them: one call that solves to a tolerance.
 !!
 !! FULL     factorises every matrix.
-!! REUSE    keeps a factorisation as preconditioner of conjugate gradients (GMRES where the matrix is unsymmetric
-!!          or has negative pivots) until iterating costs more than factorising.
+!! REUSE    keeps a factorisation as preconditioner of conjugate gradients (GMRES where the matrix
+!!          is unsymmetric or has negative pivots) until iterating costs more than factorising.
 !! SINGLE   the same with factors in single precision: half the memory.
 !! LOWRANK  the same with compressed factors.
 !!
-!! The answer meets the same tolerance in every mode. When to factorise again is decided from iteration counts
-!! and from the operation counts of the analysis, never from a clock, so that runs repeat.
+!! The answer meets the same tolerance in every mode.
 module linear_system
-  use base_kinds, only: wp, i8
-  use base_error, only: error_t, fail, BUG
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, BUG, NO_SOLUTION
+  use base_system, only: available_memory_mb, wall_seconds
   use csr_pattern, only: block_matrix_t
-  use csr_extract, only: entries_t, new_entries, gather
-  use partition_metis, only: elimination_order
+  use csr_extract, only: entries_t, gather
   use solver_type, only: solver_t
-  use solver_dense, only: solver_dense_t
-  use solver_mumps, only: solver_mumps_t, new_solver_mumps
+  use solver_choice, only: new_solver
+  use solve_report, only: solve_report_t
   use reuse_policy, only: reuse_policy_t, note_factorisation, note_solve, iteration_limit
   use krylov, only: krylov_report_t, conjugate_gradients, gmres
   implicit none
@@ -24,39 +23,21 @@ module linear_system
   public :: linear_system_t, solve_report_t, new_linear_system, change_pattern
 
   integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4
-  integer, parameter :: SMALL = 24         !! equations up to which the dense solver does it
   integer, parameter :: MOST_ATTEMPTS = 3  !! factors at hand, fresh ones, fresh exact ones
-
-  !> What a solve did.
-  type :: solve_report_t
-    logical :: factorised = .false.        !! in this call
-    logical :: converged = .false.         !! the tolerance, or all that rounding allows, is met
-    logical :: singular = .false.          !! no solution: x is zero, see null
-    integer, allocatable :: null(:)        !! equations whose pivot vanished
-    integer :: iterations = 0              !! applications of the factors, those of failed attempts included
-    integer :: factorisations = 0          !! in this call
-    logical :: used_single = .false.       !! the last factors are in single precision
-    logical :: used_gmres = .false.
-    integer :: negative = 0                !! negative pivots of the last factorisation (of this matrix if `factorised`)
-    integer :: determinant = 1             !! unsymmetric: sign of the determinant, likewise
-    real(wp) :: residual = 0.0_wp          !! |b - A x| / |b|
-    real(wp) :: seconds_factor = 0.0_wp    !! wall time of analysis and factorisation
-    real(wp) :: seconds_solve = 0.0_wp     !! wall time of the rest
-    real(wp) :: memory_mb = 0.0_wp         !! held by the factors
-  end type solve_report_t
 
   !> A pattern, its factorisation and what was learnt about it.
   type :: linear_system_t
     integer :: neq = 0
     integer :: mode = FULL
     real(wp) :: eps = 0.0_wp               !! LOWRANK: relative error of compressed blocks
-    real(wp) :: available_mb = 0.0_wp      !! memory there is [MB]; 0: not checked
+    real(wp) :: available_mb = 0.0_wp      !! memory there is [MB]; 0: ask the machine
     real(wp) :: estimate_mb = 0.0_wp       !! memory a factorisation needs, by the analysis [MB]
     class(solver_t), allocatable :: solver
     type(entries_t), private :: entries
     integer, allocatable, private :: eq(:, :)     !! (3, nnode)
     logical, private :: analysed = .false.        !! the solver knows the present pattern
     logical, private :: has_factors = .false.
+    logical, private :: current = .false.         !! and they are those of the last matrix
     logical, private :: exact = .true.            !! factors are in double precision, not compressed
     logical, private :: escalated = .false.       !! approximate factors did not do for this problem
     type(reuse_policy_t), private :: policy
@@ -77,7 +58,7 @@ contains
     integer, intent(in) :: mode       !! FULL, REUSE, SINGLE, LOWRANK
     real(wp), intent(in) :: eps       !! LOWRANK: relative error of compressed blocks, in (0, 1)
     type(error_t), allocatable, intent(out) :: error
-    real(wp), intent(in), optional :: available_mb !! memory there is [MB]; absent or 0: not checked
+    real(wp), intent(in), optional :: available_mb !! memory there is [MB]; absent: ask the machine
 
     call ls%free()
     ls%mode = mode
@@ -85,17 +66,19 @@ contains
     ls%available_mb = 0.0_wp
     if (present(available_mb)) ls%available_mb = available_mb
     call ls%force_refactor()
-    if (mode < FULL .or. mode > LOWRANK .or. (mode == LOWRANK .and. .not. (eps > 0.0_wp .and. eps < 1.0_wp))) then
+    if (mode < FULL .or. mode > LOWRANK) then
       call fail(error, BUG, 'unknown way to solve linear systems')
-      return
+    else if (mode == LOWRANK .and. .not. (eps > 0.0_wp .and. eps < 1.0_wp)) then
+      call fail(error, BUG, 'the error of low-rank factors must lie between 0 and 1')
     end if
+    if (allocated(error)) return
     call change_pattern(ls, a, eq, error)
     if (allocated(error)) return
     call prepare(ls, a, error)
   end subroutine new_linear_system
 
-  !> The matrix has another pattern from now on (contact). Factors at hand go on as preconditioner where the
-  !! equations are the same ones; the new pattern is analysed with the next factorisation.
+  !> The matrix has another pattern from now on (contact). Factors at hand go on as preconditioner
+  !! where the equations are the same ones; the new pattern is analysed with the next factorisation.
   subroutine change_pattern(ls, a, eq, error)
     type(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -122,34 +105,17 @@ contains
     type(block_matrix_t), intent(in) :: a
     type(error_t), allocatable, intent(out) :: error
 
-    type(solver_mumps_t), allocatable :: mumps
-    integer, allocatable :: order(:)
+    real(wp) :: low_rank
 
-    call new_entries(ls%entries, a, ls%eq, error)
-    if (allocated(error)) return
     call drop_solver(ls)
-    if (ls%neq <= SMALL) then
-      allocate (solver_dense_t :: ls%solver)
-      order = [integer ::]
-    else
-      allocate (mumps)
-      call new_solver_mumps(mumps, wants_single(ls), merge(ls%eps, 0.0_wp, ls%mode == LOWRANK .and. .not. ls%escalated))
-      call move_alloc(mumps, ls%solver)
-      call elimination_order(a, ls%eq, order, error)
-      if (allocated(error)) return
-    end if
-    ls%exact = ls%neq <= SMALL .or. ls%escalated .or. ls%mode == FULL .or. ls%mode == REUSE
-    call ls%solver%analyse(ls%neq, a%symmetric, ls%entries%row, ls%entries%col, order, error)
+    low_rank = 0.0_wp
+    if (ls%mode == LOWRANK .and. .not. ls%escalated) low_rank = ls%eps
+    call new_solver(ls%solver, ls%entries, a, ls%eq, ls%mode == SINGLE .and. .not. ls%escalated, &
+                    low_rank, ls%exact, error)
     if (allocated(error)) return
     ls%estimate_mb = ls%solver%info%estimate_mb
     ls%analysed = .true.
   end subroutine prepare
-
-  pure logical function wants_single(ls)
-    type(linear_system_t), intent(in) :: ls
-
-    wants_single = ls%mode == SINGLE .and. .not. ls%escalated
-  end function wants_single
 
   !> Solve A x = rhs.
   subroutine solve(ls, a, rhs, x, tolerance, report, error, same_matrix)
@@ -163,26 +129,31 @@ contains
     logical, intent(in), optional :: same_matrix !! .true.: a has not changed since the last solve
 
     type(krylov_report_t) :: run
-    logical :: same
     integer :: attempt
 
     x = 0.0_wp
     report%null = [integer ::]
     report%converged = .true.
     if (ls%neq == 0) return
-    same = .false.
-    if (present(same_matrix)) same = same_matrix
-    if (ls%mode == FULL .and. .not. same) ls%policy%due = .true.
+    if (.not. norm2(rhs) <= huge(tolerance)) then
+      call fail(error, NO_SOLUTION, 'the residual holds a number that is not finite')
+      return
+    end if
+    if (.not. present(same_matrix)) then
+      ls%current = .false.
+    else if (.not. same_matrix) then
+      ls%current = .false.
+    end if
+    if (ls%mode == FULL .and. .not. ls%current) ls%policy%due = .true.
     do attempt = 1, MOST_ATTEMPTS
       if (ls%policy%due .or. .not. ls%has_factors) then
         call factorise(ls, a, report, error)
         if (allocated(error) .or. report%singular) return
-        same = .true.
       end if
-      call iterate(ls, a, rhs, x, tolerance, same, run, report, error)
+      call iterate(ls, a, rhs, x, tolerance, run, report, error)
       if (allocated(error) .or. run%converged) exit
-      if (same .and. ls%exact) exit ! there is nothing better
-      if (same) call escalate(ls)
+      if (ls%current .and. ls%exact) exit ! there is nothing better
+      if (ls%current) call escalate(ls)
       ls%policy%due = .true.
     end do
     if (allocated(error)) return
@@ -208,7 +179,7 @@ contains
       if (allocated(error)) return
       allocate (values(size(ls%entries%row)))
       call gather(ls%entries, a, values)
-      call ls%solver%factorise(values, ls%available_mb, error)
+      call ls%solver%factorise(values, memory_mb(ls), error)
       if (allocated(error)) return
       deallocate (values)
       report%factorised = .true.
@@ -218,6 +189,7 @@ contains
     end do
     call note_factorisation(ls%policy, ls%solver%info%flops, ls%solver%info%entries)
     ls%has_factors = size(ls%solver%info%null) == 0
+    ls%current = ls%has_factors
     report%null = ls%solver%info%null
     report%singular = .not. ls%has_factors
     report%converged = ls%has_factors
@@ -225,13 +197,23 @@ contains
     report%seconds_factor = report%seconds_factor + wall_seconds() - start
   end subroutine factorise
 
-  !> Iterate with the factors at hand: conjugate gradients where everything is positive definite, as far as known.
-  subroutine iterate(ls, a, rhs, x, tolerance, same, run, report, error)
+  !> Memory there is [MB].
+  real(wp) function memory_mb(ls)
+    class(linear_system_t), intent(in) :: ls
+
+    real(wp), parameter :: MEBIBYTE = 1.048576_wp
+
+    memory_mb = ls%available_mb
+    if (.not. memory_mb > 0.0_wp) memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
+  end function memory_mb
+
+  !> Iterate with the factors at hand: by conjugate gradients where all is positive definite as far
+  !! as known.
+  subroutine iterate(ls, a, rhs, x, tolerance, run, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
     real(wp), intent(in) :: rhs(:), tolerance
     real(wp), intent(out) :: x(:)
-    logical, intent(in) :: same         !! the factors are those of this matrix
     type(krylov_report_t), intent(out) :: run
     type(solve_report_t), intent(inout) :: report
     type(error_t), allocatable, intent(out) :: error
@@ -244,15 +226,15 @@ contains
     run%converged = .true.
     if (.not. norm2(rhs) > 0.0_wp) return
     start = wall_seconds()
-    limit = iteration_limit(ls%policy, same, ls%exact)
+    limit = iteration_limit(ls%policy, ls%current, ls%exact)
     definite = a%symmetric .and. ls%solver%symmetric .and. ls%solver%info%negative == 0
     if (definite) then
       call conjugate_gradients(a, ls%eq, ls%solver, rhs, x, limit, tolerance, run, error)
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
     end if
-    ! Stale factors that met a negative direction are replaced first: their fresh successors count it.
-    if (.not. definite .or. (run%indefinite .and. same .and. .not. run%converged)) then
+    ! Stale factors that met a negative direction are replaced first: fresh ones count it.
+    if (.not. definite .or. (run%indefinite .and. ls%current .and. .not. run%converged)) then
       call gmres(a, ls%eq, ls%solver, rhs, x, limit, tolerance, run, error)
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
@@ -281,8 +263,8 @@ contains
     report%used_single = .not. ls%exact .and. ls%mode == SINGLE
   end subroutine describe
 
-  !> Factorise at the next solve and forget what was learnt: what follows depends on the matrices to come only
-  !! (points of restart).
+  !> Factorise at the next solve and forget what was learnt: what follows then depends on the
+  !! matrices to come only (points of restart).
   subroutine force_refactor(self)
     class(linear_system_t), intent(inout) :: self
 
@@ -318,13 +300,5 @@ contains
     call ls%solver%free()
     deallocate (ls%solver)
   end subroutine drop_solver
-
-  !> Wall clock [s]; for the report only, never for a decision.
-  real(wp) function wall_seconds()
-    integer(i8) :: count, rate
-
-    call system_clock(count, rate)
-    wall_seconds = real(count, wp) / real(rate, wp)
-  end function wall_seconds
 
 end module linear_system

@@ -1,12 +1,13 @@
 !> Fill-reducing order of the equations by METIS.
 !!
-!! The graph has one vertex a node with free dofs: three times smaller than that of the equations, and the
-!! dofs of a node stay together. MUMPS of several distributions is built without METIS, so its own option for it
-!! silently becomes another ordering: the order is found here and handed over.
+!! The graph has one vertex a node with free dofs: three times smaller than that of the equations,
+!! and the dofs of a node stay together. MUMPS of several distributions is built without METIS, so
+!! its own option for it silently becomes another ordering: the order is found here and handed over.
 !! Source: Karypis and Kumar 1998 [bib: karypis1998], METIS_NodeND
 module partition_metis
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_text, only: to_text
   use csr_pattern, only: block_matrix_t
   implicit none
   private
@@ -17,7 +18,8 @@ module partition_metis
   integer, parameter :: SMALLEST = 8   !! graphs below this keep their order
 
   interface
-    integer(c_int) function metis_nodend(nvtxs, xadj, adjncy, vwgt, options, perm, iperm) bind(c, name='METIS_NodeND')
+    integer(c_int) function metis_nodend(nvtxs, xadj, adjncy, vwgt, options, perm, iperm) &
+      bind(c, name='METIS_NodeND')
       import :: c_int, c_ptr
       implicit none
       type(c_ptr), value :: nvtxs, xadj, adjncy, vwgt, options, perm, iperm
@@ -117,7 +119,6 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     integer :: v, status
-    character(12) :: text
 
     allocate (place(nvertex))
     if (nvertex < SMALLEST .or. first(nvertex + 1) == 0) then
@@ -130,18 +131,19 @@ contains
       call order_short(nvertex, first, neighbour, place, status)
     end if
     if (status == METIS_OK) return
-    write (text, '(i0)') status
-    call fail(error, SYSTEM_ERROR, 'METIS_NodeND failed with status '//trim(text), hint='memory may not suffice')
+    call fail(error, SYSTEM_ERROR, 'METIS_NodeND failed with status '//to_text(status), &
+              hint='memory may not suffice')
   end subroutine order_graph
 
-  !> METIS can be built with 32 or 64 bit integers and does not tell: see how much of a buffer it fills.
+  !> METIS can be built with 32 or 64 bit integers and does not tell: see how much of a buffer it
+  !! fills.
   logical function has_long_integers()
-    integer(c_int32_t), target :: buffer(2 * NOPTION)
+    integer(c_int32_t), target :: buffer(2*NOPTION)
     integer(c_int) :: status
 
     buffer = 0
     status = metis_setdefaultoptions(c_loc(buffer))
-    has_long_integers = status == METIS_OK .and. buffer(2 * NOPTION) /= 0
+    has_long_integers = status == METIS_OK .and. buffer(2*NOPTION) /= 0
   end function has_long_integers
 
   subroutine order_short(nvertex, first, neighbour, place, status)
@@ -155,7 +157,8 @@ contains
     allocate (xadj(nvertex + 1), adjncy(size(neighbour)), perm(nvertex), iperm(nvertex))
     xadj(:) = int(first, c_int32_t)
     adjncy(:) = int(neighbour, c_int32_t)
-    status = metis_nodend(c_loc(n), c_loc(xadj), c_loc(adjncy), c_null_ptr, c_null_ptr, c_loc(perm), c_loc(iperm))
+    status = metis_nodend(c_loc(n), c_loc(xadj), c_loc(adjncy), c_null_ptr, c_null_ptr, &
+                          c_loc(perm), c_loc(iperm))
     place(:) = int(iperm)
   end subroutine order_short
 
@@ -170,7 +173,8 @@ contains
     allocate (xadj(nvertex + 1), adjncy(size(neighbour)), perm(nvertex), iperm(nvertex))
     xadj(:) = int(first, c_int64_t)
     adjncy(:) = int(neighbour, c_int64_t)
-    status = metis_nodend(c_loc(n), c_loc(xadj), c_loc(adjncy), c_null_ptr, c_null_ptr, c_loc(perm), c_loc(iperm))
+    status = metis_nodend(c_loc(n), c_loc(xadj), c_loc(adjncy), c_null_ptr, c_null_ptr, &
+                          c_loc(perm), c_loc(iperm))
     place(:) = int(iperm)
   end subroutine order_long
 

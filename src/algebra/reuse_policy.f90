@@ -1,9 +1,9 @@
 !> When to factorise again.
 !!
-!! A kept factorisation gets worse as the matrix moves away from it. The cost of one solve, averaged over the life
-!! of a factorisation, is least if it is replaced as soon as a solve costs more than that average so far.
-!! Costs are iteration counts; a factorisation is worth as many iterations as its operation count says. No clock
-!! is asked, so that runs repeat.
+!! A kept factorisation gets worse as the matrix moves away from it. The cost of one solve, averaged
+!! over the life of a factorisation, is least if it is replaced as soon as a solve costs more than
+!! that average so far. Costs are iteration counts; a factorisation is worth as many iterations as
+!! its operation count says. No clock is asked, so that runs repeat.
 module reuse_policy
   use base_kinds, only: wp
   implicit none
@@ -12,8 +12,8 @@ module reuse_policy
 
   integer, parameter :: EXACT_LIMIT = 10 !! iterations granted to exact factors of the same matrix
   integer, parameter :: LEAST_LIMIT = 10 !! iterations granted at least to any factors
-  !> Operations of the elimination in the time in which a solve handles one entry of the factors: one thread does about
-  !! 45e9 operations and 6e8 entries a second.
+  !> Operations of the elimination in the time in which a solve handles one entry of the factors:
+  !! one thread does about 45e9 operations and 6e8 entries a second.
   real(wp), parameter :: OPERATIONS_AN_ENTRY = 72.0_wp
 
   !> The life of a factorisation.
@@ -33,7 +33,7 @@ contains
     real(wp), intent(in) :: entries !! entries of the factors
 
     policy%due = .false.
-    policy%worth = flops / max(entries, 1.0_wp) / OPERATIONS_AN_ENTRY
+    policy%worth = flops/max(entries, 1.0_wp)/OPERATIONS_AN_ENTRY
     policy%spent = policy%worth
     policy%solves = 0
   end subroutine note_factorisation
@@ -43,7 +43,7 @@ contains
     type(reuse_policy_t), intent(inout) :: policy
     integer, intent(in) :: iterations
 
-    if (policy%solves > 0) policy%due = iterations * policy%solves > policy%spent
+    if (policy%solves > 0) policy%due = iterations*policy%solves > policy%spent
     policy%spent = policy%spent + iterations
     policy%solves = policy%solves + 1
   end subroutine note_solve

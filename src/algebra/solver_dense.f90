@@ -44,9 +44,9 @@ contains
     self%symmetric = symmetric
     self%row = row
     self%col = col
-    self%info%flops = 2.0_wp / 3.0_wp * real(neq, wp)**3
+    self%info%flops = 2.0_wp/3.0_wp*real(neq, wp)**3
     self%info%entries = real(neq, wp)**2
-    self%info%estimate_mb = 8e-6_wp * real(neq, wp)**2
+    self%info%estimate_mb = 8e-6_wp*real(neq, wp)**2
   end subroutine analyse
 
   subroutine factorise(self, values, available_mb, error)
@@ -91,14 +91,14 @@ contains
     integer :: status, i
 
     if (allocated(self%eigenvalue)) deallocate (self%eigenvalue)
-    allocate (self%eigenvalue(self%neq), work(3 * self%neq))
+    allocate (self%eigenvalue(self%neq), work(3*self%neq))
     call dsyev('V', 'U', self%neq, self%factor, self%neq, self%eigenvalue, work, size(work), status)
     if (status /= 0) then
       call fail(error, SYSTEM_ERROR, 'LAPACK found no eigenvalues of the tangent')
       return
     end if
     do i = 1, self%neq
-      if (abs(self%eigenvalue(i)) <= threshold(self)) then
+      if (abs(self%eigenvalue(i)) <= relative_rounding(self)*maxval(abs(self%eigenvalue))) then
         self%info%null = [self%info%null, maxloc(abs(self%factor(:, i)), dim=1)]
       else if (self%eigenvalue(i) < 0.0_wp) then
         self%info%negative = self%info%negative + 1
@@ -106,12 +106,12 @@ contains
     end do
   end subroutine factorise_symmetric
 
-  !> What counts as nothing beside the largest eigenvalue.
-  pure real(wp) function threshold(self)
+  !> What counts as nothing beside the largest number.
+  pure real(wp) function relative_rounding(self)
     type(solver_dense_t), intent(in) :: self
 
-    threshold = 10 * self%neq * epsilon(1.0_wp) * maxval(abs(self%eigenvalue))
-  end function threshold
+    relative_rounding = 10*self%neq*epsilon(1.0_wp)
+  end function relative_rounding
 
   !> LU with row exchanges: a vanishing pivot stands in the column of the unknown to blame.
   subroutine factorise_general(self)
@@ -126,8 +126,10 @@ contains
     call dgetrf(self%neq, self%neq, self%factor, self%neq, self%pivot, status)
     self%info%determinant = 1
     do i = 1, self%neq
-      if (abs(self%factor(i, i)) <= 10 * self%neq * epsilon(1.0_wp) * largest) self%info%null = [self%info%null, i]
-      if (self%factor(i, i) < 0.0_wp .neqv. self%pivot(i) /= i) self%info%determinant = -self%info%determinant
+      associate (pivot => self%factor(i, i))
+        if (abs(pivot) <= relative_rounding(self)*largest) self%info%null = [self%info%null, i]
+        if (pivot < 0.0_wp .neqv. self%pivot(i) /= i) self%info%determinant = -self%info%determinant
+      end associate
     end do
     if (size(self%info%null) > 0) self%info%determinant = 0
   end subroutine factorise_general
@@ -148,7 +150,7 @@ contains
     if (self%symmetric) then
       y = matmul(transpose(self%factor), x)
       do i = 1, self%neq
-        y(i, :) = y(i, :) / self%eigenvalue(i)
+        y(i, :) = y(i, :)/self%eigenvalue(i)
       end do
       x = matmul(self%factor, y)
     else

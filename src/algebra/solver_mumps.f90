@@ -5,32 +5,32 @@ module solver_mumps
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
   use solver_type, only: solver_t
-  use solver_mumps_text, only: describe_failure
+  use solver_mumps_control, only: set_controls, FIRST_MARGIN, ORDER_AMD, ORDER_GIVEN, ORDER_PORD
+  use solver_mumps_text, only: check_memory, describe_failure
   implicit none
   private
-  public :: solver_mumps_t, new_solver_mumps
+  public :: solver_mumps_t, new_solver_mumps, ORDER_AMD, ORDER_PORD
 
   include 'dmumps_struc.h'
   include 'smumps_struc.h'
 
   integer, parameter :: sp = kind(1.0)        !! what SMUMPS computes in
-  integer, parameter, public :: ORDER_AMD = 0, ORDER_GIVEN = 1, ORDER_PORD = 4 !! ICNTL(7)
-  integer, parameter :: INITIALISE = -1, FINISH = -2, ANALYSE_JOB = 1, FACTORISE_JOB = 2, SOLVE_JOB = 3
-  integer, parameter :: SYMMETRIC_GENERAL = 2, UNSYMMETRIC = 0
-  integer, parameter :: FIRST_MARGIN = 20     !! work space beyond the estimate [%], ICNTL(14)
-  integer, parameter :: LAST_MARGIN = 1000    !! no retry beyond
-  !> A pivot of the scaled matrix below this counts as zero. Rounding leaves rigid motions at about
-  !! 1e-15 in double precision; sound structures stay above the reciprocal of their condition number.
+  integer, parameter :: INITIALISE = -1, FINISH = -2 !! values of JOB
+  integer, parameter :: ANALYSE_JOB = 1, FACTORISE_JOB = 2, SOLVE_JOB = 3
+  integer, parameter :: SYMMETRIC_GENERAL = 2, UNSYMMETRIC = 0 !! values of SYM
+  integer, parameter :: LAST_MARGIN = 1000    !! largest work space beyond the estimate [%]
+  !> A pivot of the scaled matrix below this counts as zero. Rounding leaves about 1e-15 of a rigid
+  !! motion; sound structures stay above the reciprocal of their condition number.
   real(wp), parameter :: NULL_PIVOT = 2e-13_wp, NULL_PIVOT_SINGLE = 1e-7_wp
 
   !> One instance of MUMPS.
   type, extends(solver_t) :: solver_mumps_t
     private
     logical :: single = .false.
-    real(wp) :: low_rank = 0.0_wp             !! relative error of compressed blocks; 0: no compression
+    real(wp) :: low_rank = 0.0_wp             !! relative error of compressed blocks; 0: none
     integer :: ordering = ORDER_AMD           !! used where no order is given
     integer :: margin = FIRST_MARGIN
-    real(wp) :: scale = 1.0_wp                !! the matrix is divided by it (a power of two): single precision is short of exponents
+    real(wp) :: scale = 1.0_wp                !! power of two, divides the single matrix
     type(dmumps_struc), pointer :: d => null()
     type(smumps_struc), pointer :: s => null()
     integer :: infog(80) = 0
@@ -62,7 +62,7 @@ contains
   subroutine new_solver_mumps(solver, single, low_rank, ordering)
     type(solver_mumps_t), intent(out) :: solver
     logical, intent(in) :: single              !! factors in single precision
-    real(wp), intent(in) :: low_rank           !! relative error of compressed blocks; 0: no compression
+    real(wp), intent(in) :: low_rank           !! relative error of compressed blocks; 0: none
     integer, intent(in), optional :: ordering  !! where `analyse` gets no order
 
     solver%single = single
@@ -78,7 +78,10 @@ contains
     integer, intent(in) :: order(:)
     type(error_t), allocatable, intent(out) :: error
 
+    integer :: ordering
+
     call self%free()
+    ordering = merge(ORDER_GIVEN, self%ordering, size(order) > 0)
     self%neq = neq
     self%symmetric = symmetric
     self%info%null = [integer ::]
@@ -86,13 +89,13 @@ contains
     call start(self, error)
     if (allocated(error)) return
     if (self%single) then
-      call set_controls(self, size(order) > 0, self%s%icntl)
+      call set_controls(self%s%icntl, symmetric, self%low_rank > 0.0_wp, ordering)
       self%s%cntl(3) = real(NULL_PIVOT_SINGLE, sp)
       self%s%cntl(7) = real(self%low_rank, sp)
       call give_pattern(self%s%n, self%s%nnz, self%s%irn, self%s%jcn, self%s%perm_in)
       allocate (self%s%a(size(row)))
     else
-      call set_controls(self, size(order) > 0, self%d%icntl)
+      call set_controls(self%d%icntl, symmetric, self%low_rank > 0.0_wp, ordering)
       self%d%cntl(3) = NULL_PIVOT
       self%d%cntl(7) = self%low_rank
       call give_pattern(self%d%n, self%d%nnz, self%d%irn, self%d%jcn, self%d%perm_in)
@@ -125,7 +128,7 @@ contains
   pure real(wp) function count_of(n)
     integer, intent(in) :: n
 
-    count_of = merge(real(n, wp), -1e6_wp * real(n, wp), n >= 0)
+    count_of = merge(real(n, wp), -1e6_wp*real(n, wp), n >= 0)
   end function count_of
 
   !> A new instance.
@@ -150,31 +153,13 @@ contains
     call run(self, INITIALISE, error)
   end subroutine start
 
-  !> Options; the numbers are those of the users' guide.
-  subroutine set_controls(self, ordered, icntl)
-    type(solver_mumps_t), intent(in) :: self
-    logical, intent(in) :: ordered
-    integer, intent(inout) :: icntl(:)
-
-    icntl(1:4) = [-1, -1, -1, 0] ! silence
-    icntl(6) = 0   ! no permutation to the diagonal: it would need values in the analysis
-    icntl(7) = merge(ORDER_GIVEN, self%ordering, ordered)
-    icntl(12) = 1  ! nor another symmetric preprocessing
-    icntl(13) = 1  ! root node as all others: inertia is then exact
-    icntl(14) = self%margin
-    icntl(24) = 1  ! detect null pivots
-    icntl(28) = 1  ! sequential analysis
-    if (.not. self%symmetric) icntl(33) = 1 ! determinant
-    if (self%low_rank > 0.0_wp) icntl(35) = 2
-  end subroutine set_controls
-
   subroutine factorise(self, values, available_mb, error)
     class(solver_mumps_t), intent(inout) :: self
     real(wp), intent(in) :: values(:)
     real(wp), intent(in) :: available_mb
     type(error_t), allocatable, intent(out) :: error
 
-    real(wp) :: held, largest
+    real(wp) :: largest
 
     self%info%null = [integer ::]
     self%info%negative = 0
@@ -185,17 +170,19 @@ contains
       return
     end if
     largest = maxval(abs(values)) ! may miss a NaN, the sum does not
-    if (.not. (abs(sum(values / max(largest, tiny(largest)))) <= huge(largest))) then
+    if (.not. (abs(sum(values/max(largest, tiny(largest)))) <= huge(largest))) then
       call fail(error, NO_SOLUTION, 'the tangent holds a number that is not finite')
       return
     end if
-    held = self%info%used_mb
-    call check_memory(self, available_mb + held, available_mb > 0.0_wp, error)
-    if (allocated(error)) return
+    if (available_mb > 0.0_wp) then
+      call check_memory(self%info%estimate_mb, available_mb + self%info%used_mb, self%neq, &
+                        self%single, error)
+      if (allocated(error)) return
+    end if
     self%scale = 1.0_wp
     if (self%single) then
       if (largest > 0.0_wp) self%scale = 2.0_wp**exponent(largest)
-      self%s%a = real(values / self%scale, sp)
+      self%s%a = real(values/self%scale, sp)
     else
       self%d%a = values
     end if
@@ -203,26 +190,6 @@ contains
     if (allocated(error)) return
     call read_info(self)
   end subroutine factorise
-
-  !> Refuse before the machine starts to swap.
-  subroutine check_memory(self, available_mb, known, error)
-    type(solver_mumps_t), intent(in) :: self
-    real(wp), intent(in) :: available_mb
-    logical, intent(in) :: known
-    type(error_t), allocatable, intent(out) :: error
-
-    character(200) :: text
-
-    if (.not. known .or. self%info%estimate_mb <= available_mb) return
-    write (text, '(a, i0, a, i0, a, i0, a)') 'the factorisation of ', self%neq, ' equations needs about ', &
-      nint(self%info%estimate_mb, i8), ' MB of memory, ', nint(available_mb, i8), ' MB are available'
-    if (self%single) then
-      call fail(error, SYSTEM_ERROR, trim(text), hint='use a coarser mesh or a machine with more memory')
-    else
-      call fail(error, SYSTEM_ERROR, trim(text), &
-        hint='FACTor,SINGle needs about half; else use a coarser mesh or a machine with more memory')
-    end if
-  end subroutine check_memory
 
   !> Pivoting may need more room than the analysis foresaw: try again with more, within bounds.
   subroutine factorise_with_margin(self, error)
@@ -237,8 +204,8 @@ contains
       end if
       call run(self, FACTORISE_JOB, error)
       if (.not. allocated(error)) return
-      if (all(self%infog(1) /= [-8, -9, -14, -15]) .or. 2 * self%margin > LAST_MARGIN) return
-      self%margin = 2 * self%margin
+      if (all(self%infog(1) /= [-8, -9, -14, -15]) .or. 2*self%margin > LAST_MARGIN) return
+      self%margin = 2*self%margin
     end do
   end subroutine factorise_with_margin
 
@@ -276,11 +243,11 @@ contains
       factor = 1.0_wp
       if (maxval(abs(x)) > 0.0_wp) factor = 2.0_wp**exponent(maxval(abs(x)))
       allocate (self%s%rhs(n))
-      self%s%rhs = real(reshape(x, [n]) / factor, sp)
+      self%s%rhs = real(reshape(x, [n])/factor, sp)
       self%s%nrhs = size(x, 2)
       self%s%lrhs = self%neq
       call run(self, SOLVE_JOB, error)
-      x = reshape(real(self%s%rhs, wp), shape(x)) * (factor / self%scale)
+      x = reshape(real(self%s%rhs, wp), shape(x))*(factor/self%scale)
       deallocate (self%s%rhs)
     else
       allocate (self%d%rhs(n))

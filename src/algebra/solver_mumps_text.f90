@@ -1,11 +1,31 @@
-!> What the error codes of MUMPS mean, in words.
+!> What MUMPS has to say, in words.
 module solver_mumps_text
+  use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
+  use base_text, only: to_text
   implicit none
   private
-  public :: describe_failure
+  public :: check_memory, describe_failure
+
+  character(*), parameter :: COARSER = 'use a coarser mesh or a machine with more memory'
+  character(*), parameter :: HALF = 'FACTor,SINGle needs about half; else '//COARSER
 
 contains
+
+  !> Refuse before the machine starts to swap.
+  subroutine check_memory(need_mb, available_mb, neq, single, error)
+    real(wp), intent(in) :: need_mb, available_mb
+    integer, intent(in) :: neq
+    logical, intent(in) :: single !! factors in single precision
+    type(error_t), allocatable, intent(out) :: error
+
+    if (need_mb <= available_mb) return
+   call fail(error, SYSTEM_ERROR, 'the factorisation of '//to_text(neq)//' equations needs about ' &
+              //to_text(nint(need_mb, i8))//' MB of memory, '//to_text(nint(available_mb, i8)) &
+              //' MB are available')
+    error%hint = HALF
+    if (single) error%hint = COARSER
+  end subroutine check_memory
 
   !> Translate INFOG(1) and INFOG(2).
   subroutine describe_failure(code, detail, neq, error)
@@ -14,78 +34,47 @@ contains
     integer, intent(in) :: neq    !! equations
     type(error_t), allocatable, intent(out) :: error
 
-    character(*), parameter :: MEMORY_HINT = &
-      'use FACTor,SINGle (half the memory), a coarser mesh or a machine with more memory'
-
     select case (code)
     case (-6)
-      call fail(error, NO_SOLUTION, 'the tangent is singular: its pattern has rank '//text(detail)//' of '//text(neq), &
-        hint='look for nodes without stiffness or support')
+      call fail(error, NO_SOLUTION, 'the tangent is singular: its pattern has rank ' &
+        //to_text(detail)//' of '//to_text(neq), hint='look for nodes without stiffness or support')
     case (-10)
-      call fail(error, NO_SOLUTION, 'the tangent is singular', hint='look for free bodies and missing supports')
-    case (-7)
-      call fail(error, SYSTEM_ERROR, 'no memory for the analysis of the equations ('//amount(detail)//' integers)', &
-        hint=MEMORY_HINT)
+      call fail(error, NO_SOLUTION, 'the tangent is singular', &
+                hint='look for free bodies and missing supports')
+    case (-5, -7)
+      call fail(error, SYSTEM_ERROR, 'no memory for the analysis of '//to_text(neq) &
+                //' equations ('//amount(detail)//' numbers could not be allocated)', hint=COARSER)
     case (-13)
-      call fail(error, SYSTEM_ERROR, 'no memory for the factorisation of '//text(neq)//' equations ('// &
-        amount(detail)//' numbers could not be allocated)', hint=MEMORY_HINT)
-    case (-5)
-      call fail(error, SYSTEM_ERROR, 'no memory for the analysis of the equations ('//amount(detail)//' numbers)', &
-        hint=MEMORY_HINT)
-    case (-8, -14)
-      call fail(error, SYSTEM_ERROR, 'the factorisation needs more integer work space than its largest margin allows')
-    case (-9, -15, -11, -19)
-      call fail(error, SYSTEM_ERROR, 'the factorisation needs more work space than its largest margin allows ('// &
-        amount(detail)//' numbers short)', hint=MEMORY_HINT)
+      call fail(error, SYSTEM_ERROR, 'no memory for the factorisation of '//to_text(neq) &
+                //' equations ('//amount(detail)//' numbers could not be allocated)', hint=HALF)
+    case (-8, -9, -11, -14, -15, -19)
+      call fail(error, SYSTEM_ERROR, 'pivoting needs far more work space than foreseen (' &
+           //amount(detail)//' numbers short)', hint='the tangent may be close to singular; '//HALF)
     case (-17, -20)
       call fail(error, SYSTEM_ERROR, 'a message buffer of MUMPS is too small')
     case (-51, -52)
-      call fail(error, SYSTEM_ERROR, 'the equations are too many for the 32-bit integers of the ordering in MUMPS', &
-        hint='use a coarser mesh')
+      call fail(error, SYSTEM_ERROR, to_text(neq) &
+                //' equations are too many for the 32-bit integers of MUMPS', &
+                hint='use a coarser mesh')
     case (-90)
       call fail(error, SYSTEM_ERROR, 'MUMPS could not use its files on disk')
-    case (-16)
-      call fail(error, BUG, 'MUMPS got '//text(detail)//' equations')
-    case (-4)
-      call fail(error, BUG, 'MUMPS got an order of elimination that is no permutation, at equation '//text(detail))
-    case (-2)
-      call fail(error, BUG, 'MUMPS got '//amount(detail)//' entries, which is out of range')
-    case (-3)
-      call fail(error, BUG, 'MUMPS was called out of order (job '//text(detail)//')')
-    case (-21)
-      call fail(error, BUG, 'MUMPS was started in a mode that needs more processes')
-    case (-22)
-      call fail(error, BUG, 'MUMPS misses its array number '//text(detail))
-    case (-23, -24, -25, -26, -27, -28, -29, -30, -31, -32, -33, -34, -35, -36, -37, -38, -39, -40)
-      call fail(error, BUG, 'MUMPS got options that do not fit each other (code '//text(code)//', detail '//text(detail)//')')
-    case (-800)
-      call fail(error, BUG, 'MUMPS does not support this combination of options (detail '//text(detail)//')')
+    case (-2, -3, -4, -16, -40:-21, -800)
+      call fail(error, BUG, 'MUMPS was called in a wrong way (code '//to_text(code)//', detail ' &
+                //to_text(detail)//')')
     case default
-      call fail(error, SYSTEM_ERROR, 'MUMPS failed with code '//text(code)//', detail '//text(detail), &
-        hint='see the description of INFOG(1) in the users'' guide of MUMPS')
+      call fail(error, SYSTEM_ERROR, 'MUMPS failed with code '//to_text(code)//', detail ' &
+                //to_text(detail), &
+                hint='see INFOG(1) in the users'' guide of MUMPS')
     end select
   end subroutine describe_failure
 
   !> MUMPS gives large amounts as negative millions.
-  pure function amount(n) result(t)
+  pure function amount(n) result(text)
     integer, intent(in) :: n
-    character(:), allocatable :: t
+    character(:), allocatable :: text
 
-    if (n < 0) then
-      t = text(-n)//' million'
-    else
-      t = text(n)
-    end if
+    text = to_text(abs(n))
+    if (n < 0) text = text//' million'
   end function amount
-
-  pure function text(n) result(t)
-    integer, intent(in) :: n
-    character(:), allocatable :: t
-
-    character(12) :: buffer
-
-    write (buffer, '(i0)') n
-    t = trim(buffer)
-  end function text
 
 end module solver_mumps_text

@@ -14,10 +14,10 @@ module solver_type
     real(wp) :: used_mb = 0.0_wp      !! memory held [MB]
     integer :: negative = 0           !! negative pivots (symmetric matrices)
     integer :: determinant = 0        !! sign of the determinant (unsymmetric matrices; 0: singular)
-    integer, allocatable :: null(:)   !! equations whose pivot vanished; not empty: singular, factors are of no use
+    integer, allocatable :: null(:)   !! equations whose pivot vanished; not empty: singular
   end type factor_info_t
 
-  !> A solver: analyse once a pattern, factorise once a matrix, solve as often as wanted, free in the end.
+  !> A solver: analyse once a pattern, factorise once a matrix, solve as often as wanted, free.
   type, abstract :: solver_t
     integer :: neq = 0
     logical :: symmetric = .true.
@@ -38,7 +38,7 @@ module solver_type
       integer, intent(in) :: neq
       logical, intent(in) :: symmetric
       integer, intent(in) :: row(:), col(:) !! (nnz)
-      integer, intent(in) :: order(:)       !! (neq) place of each equation in the elimination; empty: the solver's own
+      integer, intent(in) :: order(:)       !! (neq) place of each in the elimination; empty: any
       type(error_t), allocatable, intent(out) :: error
     end subroutine analyse_i
 

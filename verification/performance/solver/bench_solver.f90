@@ -1,5 +1,6 @@
-!> Times the linear solver on the 27-point stencil of an elastic bar of n x n x 2n trilinear elements, clamped at
-!! one end and pushed at the other: orders of elimination, precision, and what reuse saves over a row of matrices.
+!> Times the linear solver on the 27-point stencil of an elastic bar of n x n x 2n trilinear
+!! elements, clamped at one end and pushed at the other: orders of elimination, precision, and what
+!! reuse saves over a row of matrices.
 !!
 !! Usage: bench_solver [n [threads]]
 program bench_solver
@@ -9,7 +10,8 @@ program bench_solver
   use csr_extract, only: entries_t, new_entries, gather
   use partition_metis, only: elimination_order
   use solver_mumps, only: solver_mumps_t, new_solver_mumps, ORDER_AMD, ORDER_PORD
-  use linear_system, only: linear_system_t, solve_report_t, new_linear_system, FULL, REUSE, SINGLE, LOWRANK
+ use linear_system, only: linear_system_t, solve_report_t, new_linear_system, FULL, REUSE, SINGLE, &
+                           LOWRANK
   use blas_threads, only: set_threads, blas_kernel
   implicit none
 
@@ -25,18 +27,19 @@ program bench_solver
   call set_threads(threads)
   call make_mesh(n)
   call element_stiffness(0.3_wp, ke)
-  print '(a, i0, a, i0, a, i0, 2a)', 'bar of ', size(mesh(1)%conn, 2), ' elements, ', neq, ' equations, ', threads, &
-    ' thread(s), BLAS kernel ', blas_kernel()
+  print '(a, i0, a, i0, a, i0, 2a)', 'bar of ', size(mesh(1)%conn, 2), ' elements, ', neq, &
+    ' equations, ', threads, ' thread(s), BLAS kernel ', blas_kernel()
   call time_pattern()
-  print '(/, a)', 'direct solver                 order  analyse   factor  GFLOP/s    solve  entries   memory'
-  print '(a)', '                                  s        s        s                 s  million       MB'
+  print '(/, a26, 7a9)', 'direct solver', 'order s', 'analyse', 'factor', 'GFLOP/s', 'solve', &
+    'entries', 'MB'
   call time_direct('double, METIS', .false., 0.0_wp, .true., ORDER_AMD)
   call time_direct('double, AMD', .false., 0.0_wp, .false., ORDER_AMD)
   call time_direct('double, PORD', .false., 0.0_wp, .false., ORDER_PORD)
   call time_direct('single, METIS', .true., 0.0_wp, .true., ORDER_AMD)
   call time_direct('low rank 1e-6, METIS', .false., 1e-6_wp, .true., ORDER_AMD)
   print '(/, i0, a)', NMATRIX, ' matrices, each stiffened a little more, solved to 1e-10'
-  print '(a)', 'way                           total s  factor s  factorisations  iterations  largest difference'
+  print '(a26, 2a10, 2a12, a18)', 'way', 'total s', 'factor s', 'factorised', 'iterations', &
+    'difference'
   call time_ways()
 
 contains
@@ -61,13 +64,13 @@ contains
     integer :: i, j, k, e, layer
 
     layer = (n + 1)**2
-    allocate (mesh(1)%conn(8, 2 * n**3), eq(3, layer * (2 * n + 1)), map(8, 8, 2 * n**3))
+    allocate (mesh(1)%conn(8, 2*n**3), eq(3, layer*(2*n + 1)), map(8, 8, 2*n**3))
     e = 0
-    do k = 0, 2 * n - 1
+    do k = 0, 2*n - 1
       do j = 0, n - 1
         do i = 1, n
           e = e + 1
-          mesh(1)%conn(:4, e) = k * layer + j * (n + 1) + i + [0, 1, n + 2, n + 1]
+          mesh(1)%conn(:4, e) = k*layer + j*(n + 1) + i + [0, 1, n + 2, n + 1]
           mesh(1)%conn(5:, e) = mesh(1)%conn(:4, e) + layer
         end do
       end do
@@ -87,27 +90,27 @@ contains
     real(wp), intent(out) :: ke(24, 24)
 
     real(wp), parameter :: corner(3, 8) = reshape([-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, &
-      -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8]) * 1.0_wp
+                                             -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])*1.0_wp
     real(wp) :: g(3, 8), lame, mu
     integer :: q, a, b, i, j
 
-    lame = nu / ((1 + nu) * (1 - 2 * nu))
-    mu = 0.5_wp / (1 + nu)
+    lame = nu/((1 + nu)*(1 - 2*nu))
+    mu = 0.5_wp/(1 + nu)
     ke = 0.0_wp
     do q = 1, 8
       do a = 1, 8
-        associate (s => 1 + corner(:, a) * corner(:, q) / sqrt(3.0_wp))
-          g(:, a) = 0.25_wp * corner(:, a) * [s(2) * s(3), s(1) * s(3), s(1) * s(2)]
+        associate (s => 1 + corner(:, a)*corner(:, q)/sqrt(3.0_wp))
+          g(:, a) = 0.25_wp*corner(:, a)*[s(2)*s(3), s(1)*s(3), s(1)*s(2)]
         end associate
       end do
       do b = 1, 8
         do a = 1, 8
           do j = 1, 3
             do i = 1, 3
-              ke(3 * a - 3 + i, 3 * b - 3 + j) = ke(3 * a - 3 + i, 3 * b - 3 + j) &
-                + (lame * g(i, a) * g(j, b) + mu * g(j, a) * g(i, b)) / 8
-              if (i == j) ke(3 * a - 3 + i, 3 * b - 3 + j) = ke(3 * a - 3 + i, 3 * b - 3 + j) &
-                + mu * dot_product(g(:, a), g(:, b)) / 8
+              ke(3*a - 3 + i, 3*b - 3 + j) = ke(3*a - 3 + i, 3*b - 3 + j) &
+                                             + (lame*g(i, a)*g(j, b) + mu*g(j, a)*g(i, b))/8
+              if (i == j) ke(3*a - 3 + i, 3*b - 3 + j) = ke(3*a - 3 + i, 3*b - 3 + j) &
+                                                         + mu*dot_product(g(:, a), g(:, b))/8
             end do
           end do
         end do
@@ -123,7 +126,7 @@ contains
 
     call set_zero(a)
     do e = 1, size(map, 3)
-      call add_element(a, map(:, :, e), ke * (1 + 0.02_wp * step * sin(1e-3_wp * e)**2))
+      call add_element(a, map(:, :, e), ke*(1 + 0.02_wp*step*sin(1e-3_wp*e)**2))
     end do
   end subroutine assemble
 
@@ -144,7 +147,7 @@ contains
     call multiply(a, x, y)
     t4 = seconds()
     print '(4(a, f0.4), a)', 'pattern ', t1 - t0, ' s, maps ', t2 - t1, ' s, scatter ', &
-      (t3 - t2) * 1e6_wp / size(map, 3), ' us an element, product ', t4 - t3, ' s'
+      (t3 - t2)*1e6_wp/size(map, 3), ' us an element, product ', t4 - t3, ' s'
   end subroutine time_pattern
 
   !> One factorisation and one solution.
@@ -179,8 +182,8 @@ contains
     if (allocated(error)) then
       print '(4a)', name, ': ', error%message
     else
-      print '(a26, 6f9.3, 2f9.1)', name, t(2:3) - t(1:2), t(4) - t(3), solver%info%flops / (t(4) - t(3)) * 1e-9_wp, &
-        t(5) - t(4), solver%info%entries * 1e-6_wp, solver%info%used_mb
+      print '(a26, 5f9.3, es9.1, f9.1)', name, t(2:4) - t(1:3), &
+      solver%info%flops/(t(4) - t(3))*1e-9_wp, t(5) - t(4), solver%info%entries, solver%info%used_mb
     end if
     call solver%free()
   end subroutine time_direct
@@ -211,7 +214,7 @@ contains
 
     allocate (x(neq), rhs(neq))
     rhs = 0.0_wp
-    rhs(neq:neq - 3 * (n + 1)**2 + 1:-3) = -1.0_wp
+    rhs(neq:neq - 3*(n + 1)**2 + 1:-3) = -1.0_wp
     factor = 0.0_wp; difference = 0.0_wp; factorisations = 0; iterations = 0
     t0 = seconds()
     call new_linear_system(ls, a, eq, mode, eps, error)
@@ -226,13 +229,14 @@ contains
       factorisations = factorisations + report%factorisations
       iterations = iterations + report%iterations
       if (mode == FULL) answer(:, step) = x
-      difference = max(difference, norm2(x - answer(:, step)) / norm2(x))
+      difference = max(difference, norm2(x - answer(:, step))/norm2(x))
     end do
     call ls%free()
     if (allocated(error)) then
       print '(4a)', name, ': ', error%message
     else
-      print '(a26, 2f10.2, 2i12, es18.1)', name, total, factor, factorisations, iterations, difference
+      print '(a26, 2f10.2, 2i12, es18.1)', name, total, factor, factorisations, iterations, &
+        difference
     end if
   end subroutine time_way
 
@@ -240,7 +244,7 @@ contains
     integer(i8) :: count, rate
 
     call system_clock(count, rate)
-    seconds = real(count, wp) / real(rate, wp)
+    seconds = real(count, wp)/real(rate, wp)
   end function seconds
 
 end program bench_solver
