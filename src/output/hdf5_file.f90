@@ -11,7 +11,8 @@ module hdf5_file
     H5T_STD_U8LE, H5T_NATIVE_DOUBLE, H5T_NATIVE_INTEGER, h5pcreate_f, h5pclose_f, &
     h5pset_alloc_time_f, h5pset_fill_time_f, h5dcreate_f, h5dopen_f, h5dclose_f, h5dwrite_f, &
     h5dread_f, h5dget_space_f, h5screate_simple_f, h5sclose_f, h5sselect_hyperslab_f, &
-    h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f
+    h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5pset_chunk_f, &
+    h5dset_extent_f
   use base_kinds, only: wp, i8
   use base_error, only: error_t
   use hdf5_object, only: hdf5_t, create_file, open_file, close_file, flush_file, make_group, &
@@ -20,7 +21,7 @@ module hdf5_file
   private
   public :: hdf5_t, create_file, open_file, close_file, flush_file, make_group, has_object
   public :: copy_object, has_attribute, put_attribute, get_attribute
-  public :: reserve, put, get, get_shape
+  public :: reserve, set_length, put, get, get_shape
 
   integer, parameter, public :: AS_REAL = 1, AS_INT64 = 2, AS_INT32 = 3, AS_UINT8 = 4 !! on disk
 
@@ -36,21 +37,28 @@ module hdf5_file
 
 contains
 
-  !> Make a dataset of nrow rows of ncol numbers; ncol = 0: one-dimensional.
-  subroutine reserve(file, name, kind, ncol, nrow, error)
+  !> Make a dataset of nrow rows of ncol numbers; ncol = 0: one-dimensional. With `most` its length
+  !! may change later up to that (and its place on disk is taken too).
+  subroutine reserve(file, name, kind, ncol, nrow, error, most)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     integer, intent(in) :: kind      !! AS_REAL, ...
     integer, intent(in) :: ncol
     integer(i8), intent(in) :: nrow
     type(error_t), allocatable, intent(out) :: error
-    integer(HSIZE_T) :: shape(2)
+    integer(i8), intent(in), optional :: most
+    integer(HSIZE_T) :: shape(2), longest(2)
     integer(HID_T) :: space, set, list
     integer :: n, status
 
     call set_shape(ncol, nrow, n, shape)
-    call h5screate_simple_f(n, shape(1:n), space, status)
+    longest = shape
     call h5pcreate_f(H5P_DATASET_CREATE_F, list, status)
+    if (present(most)) then
+      longest(n) = max(most, nrow)
+      call h5pset_chunk_f(list, n, longest(1:n), status)
+    end if
+    call h5screate_simple_f(n, shape(1:n), space, status, longest(1:n))
     call h5pset_alloc_time_f(list, H5D_ALLOC_TIME_EARLY_F, status)
     call h5pset_fill_time_f(list, H5D_FILL_TIME_NEVER_F, status)
     call h5dcreate_f(file%id, name, disk_type(kind), space, set, status, dcpl_id=list)
@@ -59,6 +67,23 @@ contains
     call h5pclose_f(list, status)
     call h5sclose_f(space, status)
   end subroutine reserve
+
+  !> Change the length of a dataset that was made with `most`.
+  subroutine set_length(file, name, nrow, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: name
+    integer(i8), intent(in) :: nrow
+    type(error_t), allocatable, intent(out) :: error
+    integer(HID_T) :: set
+    integer :: status, ignored
+
+    call h5dopen_f(file%id, name, set, status)
+    if (status == 0) then
+      call h5dset_extent_f(set, [int(nrow, HSIZE_T)], status)
+      call h5dclose_f(set, ignored)
+    end if
+    if (status /= 0) call refuse(file, 'cannot write', error)
+  end subroutine set_length
 
   !> Rows and columns of a dataset; ncol = 0: one-dimensional.
   subroutine get_shape(file, name, ncol, nrow, error)

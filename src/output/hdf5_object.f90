@@ -9,7 +9,7 @@ module hdf5_object
     h5gclose_f, h5acreate_by_name_f, h5aopen_by_name_f, h5aclose_f, h5awrite_f, h5aread_f, &
     h5aexists_by_name_f, h5aget_type_f, h5tcopy_f, h5tclose_f, h5tset_size_f, h5tget_size_f, &
     h5screate_f, h5screate_simple_f, h5sclose_f, h5lexists_f, h5ocopy_f, h5aget_storage_size_f, &
-    h5oopen_f, h5oclose_f, h5aopen_f, h5acreate_f
+    h5oopen_f, h5oclose_f, h5aopen_f, h5acreate_f, h5pset_meta_block_size_f
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use byte_file, only: reason
   implicit none
@@ -259,6 +259,7 @@ contains
     call h5eset_auto_f(0, status)
     call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
     call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, status)
+    call h5pset_meta_block_size_f(access, 32768_HSIZE_T, status) ! structure in one place
   end subroutine start_library
 
   !> The library's failure in one sentence.

@@ -9,7 +9,7 @@ module vtkhdf_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use byte_file, only: replace_file, remove_file
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, flush_file, put, get, &
-    put_attribute, get_attribute
+    put_attribute, get_attribute, set_length
   use view, only: view_t
   use fields, only: field_t, describe_field
   use vtkhdf_layout, only: run_info_t, write_layout
@@ -78,8 +78,6 @@ contains
     if (.not. allocated(error)) call open_file(file, result%path, .true., error)
     if (allocated(error)) return
     call write_step(file, result%names, view%npoint, k, step, time, field, error)
-    if (.not. allocated(error)) call flush_file(file, error)
-    if (.not. allocated(error)) call put_attribute(file, 'VTKHDF/Steps', 'NSteps', [k], error)
     if (allocated(error)) then
       call close_file(file, second)
     else
@@ -107,7 +105,7 @@ contains
       hint='give OUTPut its fields before the first PLOT')
   end subroutine refuse_change
 
-  !> Values of one step into its place.
+  !> Values of one step into its place; then, as one write (see vtkhdf_layout), it is counted.
   subroutine write_step(file, names, npoint, k, step, time, field, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: names(:)
@@ -117,6 +115,7 @@ contains
     real(wp), intent(in) :: time
     type(field_t), intent(in) :: field(:)
     type(error_t), allocatable, intent(out) :: error
+    character(*), parameter :: GROUP = 'VTKHDF/Steps'
     character(:), allocatable :: path
     integer(i8) :: first
     integer :: i
@@ -131,9 +130,11 @@ contains
       end if
       if (allocated(error)) return
     end do
-    call put(file, 'VTKHDF/Steps/Values', [time], error, int(k, i8))
-    if (allocated(error)) return
     call put(file, 'VTKHDF/Steps/StepNumber', [step], error, int(k, i8))
+    if (.not. allocated(error)) call flush_file(file, error)
+    if (.not. allocated(error)) call put_attribute(file, GROUP, 'NSteps', [k], error)
+    if (.not. allocated(error)) call set_length(file, GROUP // '/Values', int(k, i8), error)
+    if (.not. allocated(error)) call put(file, GROUP // '/Values', [time], error, int(k, i8))
   end subroutine write_step
 
   !> The file anew with another room, and the steps it has.
@@ -201,7 +202,6 @@ contains
       end if
       if (allocated(error)) return
     end do
-    call put_attribute(new, 'VTKHDF/Steps', 'NSteps', [result%nstep], error)
   end subroutine copy_steps
 
   !> Go on with a file: find its fields and the steps that stay, and cut the others off.

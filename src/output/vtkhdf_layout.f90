@@ -167,6 +167,10 @@ contains
   end subroutine make_point_data
 
   !> Where the data of each step begin: geometry and cell data at 0, fields one after the other.
+  !!
+  !! The readers of VTK want as many times (Values) as steps (NSteps). Values is made right after the
+  !! attribute and has none of its own: so both lie side by side in the file, and the library changes
+  !! them in one write. A kill between two writes would leave one without the other.
   subroutine write_offsets(file, view, names, room, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view
@@ -182,6 +186,9 @@ contains
 
     call make_group(file, GROUP, error)
     if (.not. allocated(error)) call put_attribute(file, GROUP, 'NSteps', [0], error)
+    if (.not. allocated(error)) then
+      call reserve(file, GROUP // '/Values', AS_REAL, 0, 1_i8, error, most=int(room, i8))
+    end if
     if (.not. allocated(error)) call make_group(file, GROUP // '/PointDataOffsets', error)
     if (.not. allocated(error)) call make_group(file, GROUP // '/CellDataOffsets', error)
     if (.not. allocated(error)) then
@@ -189,8 +196,6 @@ contains
         'number of the step in the analysis', error)
     end if
     if (allocated(error)) return
-    call reserve(file, GROUP // '/Values', AS_REAL, 0, int(room, i8), error)
-    if (.not. allocated(error)) call describe(file, GROUP // '/Values', 'time', '-', 'step', error)
     do i = 1, 5
       if (allocated(error)) return
       call write_starts(file, GROUP // '/' // trim(ALWAYS(i)), &

@@ -1,0 +1,177 @@
+!> FEAP's printed tables: DISPlacements, REACtions, STREss, for `<stem>.out`.
+module print_tables
+  use base_kinds, only: wp
+  use base_error, only: error_t
+  use byte_file, only: byte_file_t, write_text, flush_bytes
+  use model, only: model_t, state_t
+  use solid_recover, only: recovered_t, recover
+  use stress_projection, only: project_stress
+  implicit none
+  private
+  public :: print_displacements, print_reactions, print_stresses, print_nodal_stresses
+
+  character(*), parameter :: LF = new_line('a')
+
+contains
+
+  !> Coordinates and displacements of nodes.
+  subroutine print_displacements(file, model, state, node, error)
+    type(byte_file_t), intent(in) :: file
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: node(:)
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: text
+    integer :: i
+
+    text = heading('N o d a l   D i s p l a c e m e n t s', model, state) // LF // &
+      '    Node        1 Coord        2 Coord        3 Coord        1 Displ        2 Displ' // &
+      '        3 Displ' // LF
+    call write_text(file, text, error)
+    do i = 1, size(node)
+      if (allocated(error)) return
+      call write_text(file, row([node(i)], [model%mesh%xr(:, node(i)), state%u(:, node(i))]), error)
+    end do
+    if (.not. allocated(error)) call flush_bytes(file, error)
+  end subroutine print_displacements
+
+  !> Reactions (internal minus external force: of the support on the body), their sums over the
+  !! printed and over all nodes, sums of magnitudes, and the work measure u.R.
+  subroutine print_reactions(file, model, state, node, error)
+    type(byte_file_t), intent(in) :: file
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: node(:)
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: text
+    integer :: i
+
+    text = heading('N o d a l    R e a c t i o n s', model, state) // LF // &
+      '    Node          1 dof          2 dof          3 dof' // LF
+    call write_text(file, text, error)
+    do i = 1, size(node)
+      if (allocated(error)) return
+      call write_text(file, row([node(i)], state%reaction(:, node(i))), error)
+    end do
+    if (allocated(error)) return
+    text = LF // ' Pr.Sum ' // numbers(sum(state%reaction(:, node), 2)) // LF // &
+      '   Sum  ' // numbers(sum(state%reaction, 2)) // LF // &
+      '  |Sum| ' // numbers(sum(abs(state%reaction), 2)) // LF // &
+      '   Energy: Displacements * Reactions = ' // numbers([sum(state%u*state%reaction)]) // LF
+    call write_text(file, text, error)
+    if (.not. allocated(error)) call flush_bytes(file, error)
+  end subroutine print_reactions
+
+  !> Cauchy stresses at the integration points of the elements first, first+step, ... last.
+  subroutine print_stresses(file, model, state, first, last, step, error)
+    type(byte_file_t), intent(in) :: file
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: first, last, step !! element numbers as the user knows them
+    type(error_t), allocatable, intent(out) :: error
+    type(recovered_t), allocatable :: point(:)
+    integer :: b, e, number
+
+    call write_text(file, heading('E l e m e n t   S t r e s s e s', model, state) // LF // &
+      '    Elmt    Mate        1 Coord        2 Coord        3 Coord      11-stress      22-stress' &
+      // '      33-stress      12-stress      23-stress      31-stress     Mises' // LF, error)
+    do b = 1, size(model%mesh%block)
+      do e = 1, model%mesh%block(b)%nelem
+        if (allocated(error)) return
+        number = model%mesh%block(b)%number(e)
+        if (number < first .or. number > last) cycle
+        if (modulo(number - first, max(step, 1)) /= 0) cycle
+        call recover_element(model, state, b, e, point)
+        call write_points(file, number, model%material(model%mesh%block(b)%material)%number, point, &
+          error)
+      end do
+    end do
+    if (.not. allocated(error)) call flush_bytes(file, error)
+  end subroutine print_stresses
+
+  subroutine recover_element(model, state, b, e, point)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: b, e
+    type(recovered_t), allocatable, intent(out) :: point(:)
+    logical :: ok
+
+    associate (block => model%mesh%block(b))
+      associate (node => block%conn(:, e), set => model%material(block%material), &
+          basis => block%basis(block%ibasis(e)))
+        allocate (point(basis%nq))
+        call recover(basis, set%row, set%prop, model%mesh%xr(:, node), state%u(:, node), &
+          state%history(b)%iter(:, e), point, ok)
+      end associate
+    end associate
+  end subroutine recover_element
+
+  subroutine write_points(file, element, material, point, error)
+    type(byte_file_t), intent(in) :: file
+    integer, intent(in) :: element, material
+    type(recovered_t), intent(in) :: point(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: q
+
+    do q = 1, size(point)
+      call write_text(file, &
+        row([element, material], [point(q)%xc, point(q)%sig, point(q)%mises]), error)
+      if (allocated(error)) return
+    end do
+  end subroutine write_points
+
+  !> Smoothed Cauchy stresses at nodes (STRE,NODE).
+  subroutine print_nodal_stresses(file, model, state, node, error)
+    type(byte_file_t), intent(in) :: file
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: node(:)
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: stress(:, :), mises(:, :)
+    integer :: i
+
+    allocate (stress(6, model%mesh%nnode), mises(1, model%mesh%nnode))
+    call project_stress(model, state, stress, mises)
+    call write_text(file, heading('N o d a l   P r o j e c t i o n s', model, state) // LF // &
+      '    Node      11-stress      22-stress      33-stress      12-stress      23-stress' // &
+      '      31-stress          Mises' // LF, error)
+    do i = 1, size(node)
+      if (allocated(error)) return
+      call write_text(file, row([node(i)], [stress(:, node(i)), mises(1, node(i))]), error)
+    end do
+    if (.not. allocated(error)) call flush_bytes(file, error)
+  end subroutine print_nodal_stresses
+
+  !> Title, name of the table, time.
+  function heading(name, model, state) result(text)
+    character(*), intent(in) :: name
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    character(:), allocatable :: text
+    character(40) :: line
+
+    text = LF
+    if (allocated(model%title)) text = text // '  ' // trim(model%title) // LF // LF
+    write (line, '(a, es18.8e3)') '     Time', state%time
+    text = text // '     ' // name // trim(line) // LF
+    if (size(state%factor) > 0) text = text // '     Prop. Ld.' // numbers(state%factor) // LF
+  end function heading
+
+  function row(label, values) result(line)
+    integer, intent(in) :: label(:)
+    real(wp), intent(in) :: values(:)
+    character(:), allocatable :: line
+    character(8*size(label)) :: labels
+
+    write (labels, '(*(i8))') label
+    line = labels // numbers(values) // LF
+  end function row
+
+  pure function numbers(values) result(line)
+    real(wp), intent(in) :: values(:)
+    character(15*size(values)) :: line
+
+    write (line, '(*(es15.7e2))') values
+  end function numbers
+
+end module print_tables
