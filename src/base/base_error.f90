@@ -155,7 +155,8 @@ contains
 
     text = source
     do i = 1, len(text)
-      if ((iachar(text(i:i)) < 32 .and. text(i:i) /= achar(9)) .or. iachar(text(i:i)) == 127) text(i:i) = '?'
+      if ((iachar(text(i:i)) < 32 .and. text(i:i) /= achar(9)) &
+        .or. iachar(text(i:i)) == 127) text(i:i) = '?'
     end do
   end function printable
 

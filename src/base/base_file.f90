@@ -2,12 +2,15 @@
 module base_file
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_kinds, only: i8
-  use base_libc, only: c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, c_unlink, c_errno, c_strerror, &
+  use base_libc, only: c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, c_unlink, c_errno, &
+    c_strerror, &
     c_strlen, statx_t, AT_FDCWD, AT_EMPTY_PATH, F_TLOCK, STATX_BASIC
-  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_null_char, c_ptr, c_associated, c_f_pointer
+  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_null_char, c_ptr, c_associated, &
+    c_f_pointer
   implicit none
   private
-  public :: file_t, inspect, make_folder, replace_file, remove_file, lock_file, unlock_file, lock_t, folder_of, base_name
+  public :: file_t, inspect, make_folder, replace_file, remove_file, lock_file, unlock_file, &
+    lock_t, folder_of, base_name
   public :: system_reason
 
   integer, parameter, public :: FILE_ABSENT = 0, FILE_REGULAR = 1, FILE_FOLDER = 2, FILE_OTHER = 3
@@ -52,7 +55,8 @@ contains
     type(statx_t), intent(in) :: buffer
     integer(i8) :: identity(2)
 
-    identity = [ior(ishft(int(buffer%dev_major, i8), 32), int(buffer%dev_minor, i8)), int(buffer%ino, i8)]
+    identity = [ior(ishft(int(buffer%dev_major, i8), 32), int(buffer%dev_minor, i8)), &
+      int(buffer%ino, i8)]
   end function identity_of
 
   !> Make a folder and those above it; one that is there already is fine.
@@ -93,7 +97,8 @@ contains
     failed = c_unlink(c_text(path))
   end subroutine remove_file
 
-  !> Take the lock `path`, which ends with the process or with unlock_file. Fails at once where another
+  !> Take the lock `path`, which ends with the process or with unlock_file. Fails at once where
+  !! another
   !! process holds it.
   subroutine lock_file(path, lock, error)
     character(*), intent(in) :: path

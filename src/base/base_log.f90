@@ -7,7 +7,8 @@ module base_log
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
   private
-  public :: open_log, close_log, log_line, warn, warning_count, progress, tell, set_quiet
+  public :: open_log, close_log, log_line, warn, warning_count, progress, clear_progress, tell, &
+    set_quiet
 
   integer :: unit = 0                      !! 0: not open
   character(:), allocatable :: kept        !! lines before it is
@@ -58,7 +59,8 @@ contains
     close (unit, iostat=io, iomsg=reason)
     unit = 0
     if (io /= 0 .and. .not. allocated(trouble)) trouble = trim(reason)
-    if (allocated(trouble)) call fail(error, SYSTEM_ERROR, "cannot write '"//path_of_log//"': "//trouble)
+    if (allocated(trouble)) call fail(error, SYSTEM_ERROR, "cannot write '"//path_of_log//"': " &
+      //trouble)
   end subroutine close_log
 
   !> One line, or several with line ends between them.
@@ -129,11 +131,13 @@ contains
     asked = .true.
     if (quiet .or. .not. terminal) return
     n = min(len_trim(text), WIDTH)
-    write (error_unit, '(a)', advance='no', iostat=io) achar(13)//text(:n)//repeat(' ', max(shown - n, 0))
+    write (error_unit, '(a)', advance='no', iostat=io) achar(13)//text(:n)//repeat(' ', &
+      max(shown - n, 0))
     flush (error_unit, iostat=io)
     shown = n
   end subroutine progress
 
+  !> Take the progress line off the screen.
   subroutine clear_progress()
     integer :: io
 

@@ -1,15 +1,18 @@
-!> What the operating system does for us: the end of the process, signals, terminal, time and memory.
+!> What the operating system does for us: the end of the process, signals, terminal, time and
+!! memory.
 module base_system
   use base_kinds, only: wp, i8
-  use base_libc, only: c_exit, c_isatty, c_signal, c_getpid, SIGINT, SIGUSR1, SIGPIPE, SIGTERM, SIGXFSZ
+  use base_libc, only: c_exit, c_isatty, c_signal, c_getpid, SIGINT, SIGUSR1, SIGPIPE, SIGTERM, &
+    SIGXFSZ
   use, intrinsic :: iso_c_binding, only: c_int, c_funptr, c_funloc, c_intptr_t
   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
   implicit none
   private
   public :: finish, stderr_is_terminal, catch_signals, stop_requested, stop_signal
-  public :: wall_seconds, cpu_seconds, process_id, peak_memory_mb, available_memory_mb
+  public :: start_clock, wall_seconds, cpu_seconds, process_id, peak_memory_mb, available_memory_mb
 
   integer(c_int), volatile :: caught = 0 !! number of the signal that asked us to stop
+  integer(i8) :: origin = -huge(0_i8)    !! count of the clock when the run began
 
 contains
 
@@ -31,7 +34,8 @@ contains
 
   ! --- signals ---------------------------------------------------------------------------------
 
-  !> From now on SIGTERM, SIGINT and SIGUSR1 ask for a stop. A second SIGINT ends the process as usual.
+  !> From now on SIGTERM, SIGINT and SIGUSR1 ask for a stop. A second SIGINT ends the process as
+  !! usual.
   !! A closed pipe and a full file are then reported by the write that meets them.
   subroutine catch_signals()
     type(c_funptr) :: old
@@ -72,13 +76,19 @@ contains
 
   ! --- time and memory -------------------------------------------------------------------------
 
-  !> Seconds of a clock that only runs forward.
+  !> The run begins; without this call it begins with the first look at the clock.
+  subroutine start_clock()
+    call system_clock(origin)
+  end subroutine start_clock
+
+  !> Seconds since the run began.
   function wall_seconds() result(seconds)
     real(wp) :: seconds
     integer(i8) :: count, rate
 
+    if (origin < 0) call start_clock()
     call system_clock(count, rate)
-    seconds = real(count, wp)/real(rate, wp)
+    seconds = real(count - origin, wp)/real(rate, wp)
   end function wall_seconds
 
   !> Processor time of all threads [s].

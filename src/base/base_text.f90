@@ -8,7 +8,8 @@ module base_text
 
   integer, parameter :: LONGEST = 64 !! of a text quoted in a message
 
-  !> A number as short text: integers in full, reals with six significant digits or as many as asked.
+  !> A number as short text: integers in full, reals with six significant digits or as many as
+  !! asked.
   interface to_text
     module procedure integer_text, long_text, real_text
   end interface to_text
@@ -128,7 +129,8 @@ contains
     text = number(:n)
   end function without_zeros
 
-  !> The word of a list that looks most like `word`; of equals the first. Letters' case does not count,
+  !> The word of a list that looks most like `word`; of equals the first. Letters' case does not
+  !! count,
   !! and a list word may be met by its first four letters.
   pure function nearest_word(word, list) result(found)
     character(*), intent(in) :: word
@@ -161,10 +163,12 @@ contains
     do i = 1, len(a)
       row(0, 2) = i
       do j = 1, len(b)
-        row(j, 2) = min(row(j, 1) + 1, row(j - 1, 2) + 1, row(j - 1, 1) + merge(0, 1, a(i:i) == b(j:j)))
+        row(j, 2) = min(row(j, 1) + 1, row(j - 1, 2) + 1, row(j - 1, 1) + merge(0, 1, &
+          a(i:i) == b(j:j)))
       end do
       do j = 2, merge(len(b), 0, i > 1)
-        if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) row(j, 2) = min(row(j, 2), row(j - 2, 0) + 1)
+        if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) row(j, 2) = min(row(j, 2), &
+          row(j - 2, 0) + 1)
       end do
       row(:, 0) = row(:, 1)
       row(:, 1) = row(:, 2)

@@ -1,4 +1,5 @@
-!> The functions that an expression may call. Angles of the ...d forms are in degrees, and exact where
+!> The functions that an expression may call. Angles of the ...d forms are in degrees, and exact
+!! where
 !! the answer is: cosd(90) is 0.
 module deck_function
   use base_kinds, only: wp
@@ -9,7 +10,8 @@ module deck_function
 
   integer, parameter :: MANY = huge(1)
   character(5), parameter :: NAMES(20) = [character(5) :: &
-    'sin', 'cos', 'tan', 'asin', 'acos', 'atan', 'sind', 'cosd', 'tand', 'asind', 'acosd', 'atand', &
+    'sin', 'cos', 'tan', 'asin', 'acos', 'atan', 'sind', 'cosd', 'tand', 'asind', 'acosd', &
+    'atand', &
     'sqrt', 'exp', 'log', 'abs', 'int', 'min', 'max', 'atan2']
   real(wp), parameter, public :: PI = acos(-1.0_wp)
 
@@ -43,7 +45,8 @@ contains
     value = 0.0_wp
     call argument_counts(f, least, most)
     if (size(x) < least .or. size(x) > most) then
-      trouble = "'"//trim(NAMES(f))//"' takes "//to_text(least)//merge(' or more', '        ', most == MANY)
+      trouble = "'"//trim(NAMES(f))//"' takes "//to_text(least)//merge(' or more', '        ', &
+        most == MANY)
       trouble = trim(trouble)//' argument'//trim(merge('s', ' ', least > 1 .or. most == MANY)) &
         //', not '//to_text(size(x))
       return
@@ -102,9 +105,11 @@ contains
     case ('log')
       if (.not. x(1) > 0.0_wp) trouble = 'log of a number that is not positive: '//to_text(x(1))
     case ('asin', 'acos', 'asind', 'acosd')
-      if (abs(x(1)) > 1.0_wp) trouble = trim(NAMES(f))//' of a number outside -1 to 1: '//to_text(x(1))
+      if (abs(x(1)) > 1.0_wp) trouble = trim(NAMES(f))//' of a number outside -1 to 1: ' &
+        //to_text(x(1))
     case ('tand')
-      if (.not. abs(cosine_of_degrees(x(1))) > 0.0_wp) trouble = 'tand has no value at '//to_text(x(1))
+      if (.not. abs(cosine_of_degrees(x(1))) > 0.0_wp) trouble = 'tand has no value at ' &
+        //to_text(x(1))
     case ('atan2')
       if (.not. any(abs(x) > 0.0_wp)) trouble = 'atan2 has no value at 0, 0'
     end select

@@ -1,7 +1,9 @@
 !> Lines to fields.
 !!
-!! Blanks, a comma or = separate; two commas have an empty field between them; commas inside parentheses
-!! belong to the field. ! starts a comment, "..." is one field, & at the end goes on in the next line.
+!! Blanks, a comma or = separate; two commas have an empty field between them; commas inside
+!! parentheses
+!! belong to the field. ! starts a comment, "..." is one field, & at the end goes on in the next
+!! line.
 module deck_lexer
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: key_of
@@ -11,10 +13,12 @@ module deck_lexer
   private
   public :: read_record
 
-  integer, parameter :: OTHER = 0, BLANK = 1, COMMA = 2, COMMENT = 3, QUOTE = 4, OPENING = 5, CLOSING = 6
+  integer, parameter :: OTHER = 0, BLANK = 1, COMMA = 2, COMMENT = 3, QUOTE = 4, OPENING = 5, &
+    CLOSING = 6
   character(*), parameter :: QUOTES = 'quotes stand round a whole field: "..."'
 
-  !> State while the lines of a record are cut. Characters are counted in the text of the whole file.
+  !> State while the lines of a record are cut. Characters are counted in the text of the whole
+  !! file.
   type :: cutter_t
     integer :: at = 1            !! next character
     integer :: last = 0          !! of the line
@@ -61,7 +65,8 @@ contains
     record%last = record%last(:record%n) - shift
     record%kind = RECORD_WORDS
     if (record%n == 0) record%kind = merge(RECORD_COMMENT, RECORD_BLANK, cutter%commented)
-    if (cutter%wrong > 0) call fail(error, DECK_ERROR, cutter%why, record%spot(cutter%wrong - shift, 1), cutter%hint)
+    if (cutter%wrong > 0) call fail(error, DECK_ERROR, cutter%why, &
+      record%spot(cutter%wrong - shift, 1), cutter%hint)
   end subroutine read_record
 
   !> Add the fields of one line.

@@ -2,7 +2,7 @@
 module deck_reader
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_file, only: file_t, inspect, base_name, FILE_ABSENT
-  use base_kinds, only: wp, i8
+  use base_kinds, only: wp
   use base_text, only: quoted, to_text
   use deck_expression, only: evaluate, params_t
   use deck_lexer, only: read_record
@@ -64,7 +64,8 @@ contains
 
     text = reader%source(1)%text
     do i = 2, reader%nsource
-      text = text//new_line('a')//'! --- '//base_name(reader%source(i)%path)//new_line('a')//reader%source(i)%text
+      text = text//new_line('a')//'! --- '//base_name(reader%source(i)%path)//new_line('a') &
+        //reader%source(i)%text
     end do
   end function source_text
 
@@ -75,7 +76,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     do
-      associate (frame => reader%frame(reader%nframe), source => reader%source(reader%frame(reader%nframe)%source))
+      associate (frame => reader%frame(reader%nframe), &
+        source => reader%source(reader%frame(reader%nframe)%source))
         if (frame%line <= source%nline) then
           call read_record(source, frame%line, record, error)
           return
@@ -147,12 +149,14 @@ contains
     do i = 1, reader%nframe
       if (file%kind == FILE_ABSENT) exit
       if (any(reader%source(reader%frame(i)%source)%identity /= file%identity)) cycle
-      call fail(error, DECK_ERROR, quoted(path)//' includes itself'//chain(reader, i + 1), record%place(2), &
+      call fail(error, DECK_ERROR, quoted(path)//' includes itself'//chain(reader, i + 1), &
+        record%place(2), &
         'remove one of the INCLude records')
       return
     end do
     if (reader%nframe == MOST_FILES) then
-      call fail(error, DECK_ERROR, 'files include one another deeper than '//to_text(MOST_FILES), record%place(2))
+      call fail(error, DECK_ERROR, 'files include one another deeper than '//to_text(MOST_FILES), &
+        record%place(2))
       return
     end if
     call find_source(reader, path, file, record%place(2), i, error)
@@ -226,7 +230,8 @@ contains
     real(wp) :: n
 
     if (reader%nloop == MOST_LOOPS) then
-      call fail(error, DECK_ERROR, 'loops are nested deeper than '//to_text(MOST_LOOPS), record%place(1))
+      call fail(error, DECK_ERROR, 'loops are nested deeper than '//to_text(MOST_LOOPS), &
+        record%place(1))
       return
     end if
     loop%frame = reader%nframe
@@ -239,7 +244,8 @@ contains
     call evaluate(params, record%text(2), n, record%place(2), error)
     if (allocated(error)) return
     if (n < 1.0_wp .or. n > MOST_PASSES .or. abs(n - anint(n)) > 0.0_wp) then
-      call fail(error, DECK_ERROR, 'a loop runs a whole number of times, from 1 to '//to_text(MOST_PASSES) &
+      call fail(error, DECK_ERROR, 'a loop runs a whole number of times, from 1 to ' &
+        //to_text(MOST_PASSES) &
         //', not '//to_text(n), record%place(2), 'LOOP,n ... NEXT')
       return
     end if
@@ -256,12 +262,14 @@ contains
     paired = reader%nloop > 0
     if (paired) paired = reader%loop(reader%nloop)%frame == reader%nframe
     if (.not. paired) then
-      call fail(error, DECK_ERROR, 'NEXT without LOOP', record%place(1), 'remove it, or put LOOP,n before, in the same file')
+      call fail(error, DECK_ERROR, 'NEXT without LOOP', record%place(1), &
+        'remove it, or put LOOP,n before, in the same file')
       return
     end if
     call check_count(record, 1, 2, 'NEXT', error)
     associate (loop => reader%loop(reader%nloop))
-      if (loop%nrecord <= 1 .and. .not. allocated(error)) call fail(error, DECK_ERROR, 'this loop does nothing', &
+      if (loop%nrecord <= 1 .and. .not. allocated(error)) call fail(error, DECK_ERROR, &
+        'this loop does nothing', &
         loop%place, 'put records between LOOP and NEXT, or remove both')
       if (loop%left > 0 .and. .not. allocated(error)) then
         loop%left = loop%left - 1
@@ -279,7 +287,9 @@ contains
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
 
-    if (record%kind == RECORD_WORDS) reader%loop(reader%nloop)%nrecord = min(reader%loop(reader%nloop)%nrecord, 5) + 1
+    associate (n => reader%loop(reader%nloop)%nrecord)
+      if (record%kind == RECORD_WORDS) n = min(n, 5) + 1
+    end associate
     reader%repeated = reader%repeated + 1
     if (reader%repeated <= MOST_REPEATED) return
     call fail(error, DECK_ERROR, 'loops make more than '//to_text(MOST_REPEATED)//' records', &

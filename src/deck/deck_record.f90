@@ -79,7 +79,8 @@ contains
     yes = record%kind == RECORD_BLANK .or. record%kind == RECORD_COMMENT
   end function is_blank
 
-  !> Where field i stands; for a missing one the end of the record, for a record without fields its line.
+  !> Where field i stands; for a missing one the end of the record, for a record without fields its
+  !! line.
   pure function place(record, i) result(at)
     class(record_t), intent(in) :: record
     integer, intent(in) :: i
@@ -155,7 +156,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     word = record%text(i)
-    if (record%is_empty(i)) call fail(error, DECK_ERROR, 'a word is missing in field '//to_text(i), record%place(i))
+    if (record%is_empty(i)) call fail(error, DECK_ERROR, 'a word is missing in field ' &
+      //to_text(i), record%place(i))
   end subroutine get_word
 
   !> The path that field i names, relative to the file in which the record stands.

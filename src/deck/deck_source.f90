@@ -46,7 +46,8 @@ contains
     source%path = path
     source%identity = file%identity
     allocate (character(int(file%size)) :: source%text)
-    open (newunit=unit, file=path, status='old', action='read', access='stream', form='unformatted', &
+    open (newunit=unit, file=path, status='old', action='read', access='stream', &
+      form='unformatted', &
       iostat=io, iomsg=reason)
     if (io == 0) then
       read (unit, iostat=io, iomsg=reason) source%text
@@ -78,7 +79,8 @@ contains
     character(:), allocatable :: text
 
     text = ''
-    if (line >= 1 .and. line <= source%nline) text = source%text(source%first(line):source%last(line))
+    if (line >= 1 &
+      .and. line <= source%nline) text = source%text(source%first(line):source%last(line))
   end function source_line
 
   !> NUL characters, or more than one control character in fifty.
@@ -98,7 +100,8 @@ contains
     yes = 50*strange > len(text)
   end function is_binary
 
-  !> Lines end with LF, CR LF or CR; a byte order mark of UTF-8 at the start is no part of the first.
+  !> Lines end with LF, CR LF or CR; a byte order mark of UTF-8 at the start is no part of the
+  !! first.
   subroutine find_lines(source)
     type(source_t), intent(inout) :: source
     character, parameter :: LF = achar(10), CR = achar(13)
@@ -107,7 +110,8 @@ contains
     do pass = 1, 2
       n = 0
       at = 1
-      if (index(source%text(:min(3, len(source%text))), char(239)//char(187)//char(191)) == 1) at = 4
+      if (index(source%text(:min(3, len(source%text))), char(239)//char(187) &
+        //char(191)) == 1) at = 4
       do while (at <= len(source%text))
         i = at
         do while (i <= len(source%text))

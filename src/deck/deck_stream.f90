@@ -1,18 +1,21 @@
 !> A deck as a stream of records, and the numbers in them.
 module deck_stream
-  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: lower, nearest, quoted, to_text
-  use deck_expression, only: compute, evaluate, params_t, set_parameter, trouble_t
+  use deck_expression, only: compute, params_t, set_parameter, trouble_t
   use deck_params, only: is_name, parameter_names
-  use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, source_text
-  use deck_record, only: record_t, check_count, get_word, resolve_path, RECORD_WORDS, RECORD_BLANK, &
+  use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, &
+    source_text
+  use deck_record, only: record_t, check_count, get_word, resolve_path, RECORD_WORDS, &
+    RECORD_BLANK, &
     RECORD_COMMENT, RECORD_END
   implicit none
   private
   public :: deck_t, open_deck, check_settings, deck_text
   public :: get_real, get_integer, get_assignment, read_parameters
-  public :: record_t, check_count, get_word, resolve_path, RECORD_WORDS, RECORD_BLANK, RECORD_COMMENT, RECORD_END
+  public :: record_t, check_count, get_word, resolve_path, RECORD_WORDS, RECORD_BLANK, &
+    RECORD_COMMENT, RECORD_END
 
   !> A parameter that the command line sets.
   type :: setting_t
@@ -67,21 +70,25 @@ contains
     equal = index(text, '=')
     name = lower(trim(adjustl(text(:max(equal - 1, 0)))))
     if (.not. is_name(name)) then
-      call fail(error, DECK_ERROR, quoted('--set '//text)//' does not set a parameter', hint='write --set name=value')
+      call fail(error, DECK_ERROR, quoted('--set '//text)//' does not set a parameter', &
+        hint='write --set name=value')
       return
     end if
     do j = 1, i - 1
-      if (deck%setting(j)%name == name) call fail(error, DECK_ERROR, 'parameter '//quoted(name)//' is set twice', &
+      if (deck%setting(j)%name == name) call fail(error, DECK_ERROR, 'parameter '//quoted(name) &
+        //' is set twice', &
         hint='give one --set '//name//'=value')
     end do
     if (allocated(error)) return
     deck%setting(i)%name = name
     call compute(none, text(equal + 1:), deck%setting(i)%value, trouble)
-    if (allocated(trouble)) call fail(error, DECK_ERROR, 'in '//quoted('--set '//text)//': '//trouble%message, &
+    if (allocated(trouble)) call fail(error, DECK_ERROR, 'in '//quoted('--set '//text)//': ' &
+      //trouble%message, &
       hint='write --set name=value')
   end subroutine read_setting
 
-  !> A parameter that the command line sets and the deck does not is a mistake. To be called when the deck
+  !> A parameter that the command line sets and the deck does not is a mistake. To be called when
+  !! the deck
   !! has been read.
   subroutine check_settings(deck, error)
     type(deck_t), intent(in) :: deck
@@ -97,7 +104,8 @@ contains
       else
         hint = 'the deck has no parameters'
       end if
-      call fail(error, DECK_ERROR, '--set '//quoted(deck%setting(i)%name)//': the deck has no such parameter', hint=hint)
+      call fail(error, DECK_ERROR, '--set '//quoted(deck%setting(i)%name) &
+        //': the deck has no such parameter', hint=hint)
       return
     end do
   end subroutine check_settings
@@ -110,7 +118,8 @@ contains
 
     text = source_text(deck%reader)
     do i = 1, size(deck%setting)
-      text = text//new_line('a')//'! --set '//deck%setting(i)%name//'='//to_text(deck%setting(i)%value, 17)
+      text = text//new_line('a')//'! --set '//deck%setting(i)%name//'=' &
+        //to_text(deck%setting(i)%value, 17)
     end do
   end function deck_text
 
@@ -150,7 +159,8 @@ contains
     end do
   end subroutine next_in_block
 
-  !> The next command of BATCh: blank records and comments are skipped, LOOP, NEXT and INCLude are commands.
+  !> The next command of BATCh: blank records and comments are skipped, LOOP, NEXT and INCLude are
+  !! commands.
   subroutine next_command(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
@@ -200,7 +210,8 @@ contains
 
     x = 0.0_wp
     if (.not. record%is_empty(i)) then
-      call compute_at(deck%params, record, record%first(i), record%raw(record%first(i):record%last(i)), x, error)
+      call compute_at(deck%params, record, record%first(i), &
+        record%raw(record%first(i):record%last(i)), x, error)
     else if (present(default)) then
       x = default
     else
@@ -226,9 +237,11 @@ contains
     call get_real(deck, record, i, x, error)
     if (allocated(error)) return
     if (abs(x) > huge(n)) then
-      call fail(error, DECK_ERROR, quoted(record%text(i))//' is larger than '//to_text(huge(n)), record%place(i))
+      call fail(error, DECK_ERROR, quoted(record%text(i))//' is larger than '//to_text(huge(n)), &
+        record%place(i))
     else if (abs(x - anint(x)) > 4*epsilon(x)*abs(x)) then
-      call fail(error, DECK_ERROR, quoted(record%text(i))//' is not a whole number: '//to_text(x, 10), &
+      call fail(error, DECK_ERROR, quoted(record%text(i))//' is not a whole number: '//to_text(x, &
+        10), &
         record%place(i), 'int(...) cuts what is behind the point')
     else
       n = nint(x)
@@ -265,7 +278,9 @@ contains
     first = record%first(2)
     expression = repeat(' ', record%last(record%n) - first + 1)
     do i = 2, record%n
-      expression(record%first(i) - first + 1:record%last(i) - first + 1) = record%raw(record%first(i):record%last(i))
+      associate (from => record%first(i), to => record%last(i))
+        expression(from - first + 1:to - first + 1) = record%raw(from:to)
+      end associate
     end do
     call compute_at(deck%params, record, first, expression, value, error)
     if (.not. allocated(error)) call set_parameter(deck%params, name, value)
@@ -299,7 +314,8 @@ contains
 
     call compute(params, expression, value, trouble)
     if (.not. allocated(trouble)) return
-    call fail(error, DECK_ERROR, trouble%message, record%spot(first + trouble%at - 1, trouble%width))
+    call fail(error, DECK_ERROR, trouble%message, record%spot(first + trouble%at - 1, &
+      trouble%width))
     if (allocated(trouble%hint)) error%hint = trouble%hint
   end subroutine compute_at
 

@@ -1,0 +1,261 @@
+!> The arguments of the program.
+module command_line
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_file, only: base_name
+  use base_kinds, only: wp
+  use base_text, only: nearest, quoted
+  use deck_expression, only: compute, params_t, trouble_t
+  implicit none
+  private
+  public :: options_t, read_command_line, parse_arguments, print_help
+
+  !> What the user asked for.
+  type :: options_t
+    character(:), allocatable :: deck         !! its path
+    character(:), allocatable :: outdir       !! folder of all files
+    character(:), allocatable :: stem         !! their name
+    character(:), allocatable :: settings(:)  !! name=value of each --set
+    character(:), allocatable :: restart      !! not allocated: from the beginning
+    character(:), allocatable :: list         !! one of LISTS, '': all; not allocated: no list
+    integer :: threads = 0                    !! 0: as the library likes
+    real(wp) :: time_limit = 0.0_wp           !! [s] 0: none
+    logical :: check = .false., quiet = .false., version = .false., help = .false.
+  end type options_t
+
+  !> One option: its name, what stands behind it, and its line of the help.
+  type :: option_t
+    character(14) :: name
+    character(12) :: value
+    character(72) :: help
+  end type option_t
+
+  type(option_t), parameter :: TABLE(11) = [ &
+    option_t('-o', 'DIR', &
+    'folder of the results, made when absent (default: the working folder)'), &
+    option_t('--name', 'STEM', &
+    'name of the results (default: of the deck, without its extension)'), &
+    option_t('--set', 'name=value', 'set a parameter of the deck; may be repeated'), &
+    option_t('--check', '', 'read the deck, report sizes, memory and problems; solve nothing'), &
+    option_t('--restart', 'FILE', 'go on from a checkpoint'), &
+    option_t('--threads', 'N', 'threads of the linear algebra'), &
+    option_t('--time-limit', 'SECONDS', 'stop with a checkpoint after so long'), &
+    option_t('--quiet', '', 'no progress and no warnings on the screen'), &
+    option_t('--list', '[WHAT]', 'list elements, materials, contacts or commands'), &
+    option_t('--version', '', 'print the version'), &
+    option_t('--help', '', 'print this')]
+  character(9), parameter :: LISTS(4) = [character(9) :: 'elements', 'materials', 'contacts', &
+    'commands']
+  character(*), parameter :: USAGE = 'usage: bezel [options] deck', &
+    MORE = 'bezel --help lists the options'
+
+contains
+
+  !> Read the arguments of the process.
+  subroutine read_command_line(options, error)
+    type(options_t), intent(out) :: options
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i, n, longest
+
+    longest = 1
+    do i = 1, command_argument_count()
+      call get_command_argument(i, length=n)
+      longest = max(longest, n)
+    end do
+    call parse_arguments(arguments_of(longest), options, error)
+  end subroutine read_command_line
+
+  function arguments_of(length) result(arguments)
+    integer, intent(in) :: length
+    character(length) :: arguments(command_argument_count())
+    integer :: i
+
+    do i = 1, size(arguments)
+      call get_command_argument(i, arguments(i))
+    end do
+  end function arguments_of
+
+  !> Arguments to options.
+  subroutine parse_arguments(arguments, options, error)
+    character(*), intent(in) :: arguments(:)
+    type(options_t), intent(out) :: options
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: name, value
+    logical :: only_files, seen(size(TABLE))
+    integer :: i, row
+
+    options%outdir = '.'
+    allocate (character(len(arguments)) :: options%settings(0))
+    seen = .false.
+    only_files = .false.
+    i = 0
+    do while (i < size(arguments))
+      i = i + 1
+      if (arguments(i) == '--' .and. .not. only_files) then
+        only_files = .true.
+      else if (only_files .or. index(arguments(i), '-') /= 1) then
+        call take_deck(options, trim(arguments(i)), error)
+      else
+        call take_option(arguments, i, name, row, value, error)
+        if (allocated(error)) return
+        if (seen(row) .and. name /= '--set') call complain(error, quoted(name) &
+          //' is given twice', MORE)
+        seen(row) = .true.
+        if (.not. allocated(error)) call store(options, name, value, error)
+        if (options%help .or. options%version) return
+      end if
+      if (allocated(error)) return
+    end do
+    if (allocated(options%list)) return
+    if (.not. allocated(options%deck)) then
+      call complain(error, 'no deck is given', USAGE//'; '//MORE)
+    else if (.not. allocated(options%stem)) then
+      options%stem = stem_of(options%deck)
+    end if
+  end subroutine parse_arguments
+
+  subroutine take_deck(options, path, error)
+    type(options_t), intent(inout) :: options
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+
+    if (allocated(options%deck)) then
+      call complain(error, 'a second deck '//quoted(path)//' is given', USAGE)
+    else if (len(path) == 0) then
+      call complain(error, 'the name of the deck is empty', USAGE)
+    else
+      options%deck = path
+    end if
+  end subroutine take_deck
+
+  !> Name and value of the option at argument i, which moves on over a value of its own.
+  subroutine take_option(arguments, i, name, row, value, error)
+    character(*), intent(in) :: arguments(:)
+    integer, intent(inout) :: i
+    character(:), allocatable, intent(out) :: name, value
+    integer, intent(out) :: row
+    type(error_t), allocatable, intent(out) :: error
+    integer :: equal
+
+    name = trim(arguments(i))
+    equal = index(name, '=')
+    if (index(name, '--') /= 1) equal = 0
+    if (equal > 0) then
+      value = name(equal + 1:)
+      name = name(:equal - 1)
+    end if
+    do row = size(TABLE), 1, -1
+      if (TABLE(row)%name == name) exit
+    end do
+    if (row == 0) then
+      call complain(error, 'unknown option '//quoted(name), 'nearest known: '//nearest(name, &
+        TABLE%name)//'; '//MORE)
+    else if (TABLE(row)%value == '') then
+      if (allocated(value)) call complain(error, quoted(name)//' takes no value', MORE)
+    else if (name == '--list') then
+      if (.not. allocated(value) .and. i < size(arguments)) then
+        if (index(arguments(i + 1), '-') /= 1) call take_value()
+      end if
+      if (.not. allocated(value)) value = ''
+    else if (.not. allocated(value)) then
+      if (i < size(arguments)) call take_value()
+    end if
+    if (allocated(error)) return
+    if (.not. allocated(value)) value = ''
+    if (TABLE(row)%value /= '' .and. name /= '--list' .and. value == '') call complain(error, &
+      quoted(name)//' needs a value', trim(name)//' '//trim(TABLE(row)%value))
+
+  contains
+
+    subroutine take_value()
+      i = i + 1
+      value = trim(arguments(i))
+    end subroutine take_value
+
+  end subroutine take_option
+
+  subroutine store(options, name, value, error)
+    type(options_t), intent(inout) :: options
+    character(*), intent(in) :: name, value
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: x
+
+    select case (name)
+    case ('-o')
+      options%outdir = value
+    case ('--name')
+      if (index(value, '/') > 0) call complain(error, quoted('--name '//value)//' is not a name', &
+        'give the folder with -o')
+      options%stem = value
+    case ('--set')
+      options%settings = [character(len(options%settings)) :: options%settings, value]
+    case ('--restart')
+      options%restart = value
+    case ('--threads')
+      call number_of(name, value, x, error)
+      if (allocated(error)) return
+      if (x < 1.0_wp .or. x > 1024.0_wp .or. abs(x - anint(x)) > 0.0_wp) call complain(error, &
+        quoted(name//' '//value)//' is not a number of threads', &
+        'give a whole number from 1 to 1024')
+      if (.not. allocated(error)) options%threads = nint(x)
+    case ('--time-limit')
+      call number_of(name, value, options%time_limit, error)
+      if (allocated(error)) return
+      if (.not. options%time_limit > 0.0_wp) call complain(error, quoted(name//' '//value) &
+        //' is no time', &
+        'give seconds, more than 0')
+    case ('--list')
+      options%list = value
+      if (value /= '' .and. all(LISTS /= value)) call complain(error, 'there is no list ' &
+        //quoted(value), &
+        'nearest known: '//nearest(value, LISTS))
+    case ('--check');   options%check = .true.
+    case ('--quiet');   options%quiet = .true.
+    case ('--version'); options%version = .true.
+    case ('--help');    options%help = .true.
+    end select
+  end subroutine store
+
+  subroutine number_of(name, value, x, error)
+    character(*), intent(in) :: name, value
+    real(wp), intent(out) :: x
+    type(error_t), allocatable, intent(out) :: error
+    type(params_t) :: none
+    type(trouble_t), allocatable :: trouble
+
+    call compute(none, value, x, trouble)
+    if (allocated(trouble)) call complain(error, 'in '//quoted(name//' '//value)//': ' &
+      //trouble%message, 'give a number')
+  end subroutine number_of
+
+  !> The deck's file name without its last extension.
+  pure function stem_of(path) result(stem)
+    character(*), intent(in) :: path
+    character(:), allocatable :: stem
+    integer :: dot
+
+    stem = base_name(path)
+    dot = index(stem, '.', back=.true.)
+    if (dot > 1) stem = stem(:dot - 1)
+  end function stem_of
+
+  subroutine complain(error, message, hint)
+    type(error_t), allocatable, intent(out) :: error
+    character(*), intent(in) :: message, hint
+
+    call fail(error, DECK_ERROR, message, hint=hint)
+  end subroutine complain
+
+  subroutine print_help()
+    integer :: i
+
+    print '(a)', 'bezel: finite elements with enriched surfaces, in the manner of FEAP', '', &
+      USAGE, ''
+    do i = 1, size(TABLE)
+      print '(2x, a24, 2x, a)', trim(TABLE(i)%name)//' '//TABLE(i)%value//repeat(' ', 24), &
+        trim(TABLE(i)%help)
+    end do
+    print '(a)', '', 'exit codes: 0 done, 1 deck, 2 no solution, 3 library, memory or disk, ' &
+      //'4 stopped with a checkpoint'
+  end subroutine print_help
+
+end module command_line
