@@ -2,7 +2,8 @@
 module command_checkpoint
   use base_kinds, only: wp
   use bag, only: bag_t, put, get
-  use command_type, only: run_t, loop_t
+  use command_type, only: run_t
+  use deck_params, only: parameter_names, find_parameter, set_parameter
   implicit none
   private
   public :: pack_run, unpack_run
@@ -26,9 +27,9 @@ contains
     end associate
     call put(bag, 'newton_reals', [run%newton%tolerance, run%newton%eps])
     call put(bag, 'newton_integers', [run%newton%mode, merge(1, 0, run%newton%symmetric)])
-    call put(bag, 'plan', [run%plan%every, run%fields_written, run%iterations, run%cutbacks, &
+    call put(bag, 'plan', [run%plan%every, run%iterations, run%cutbacks, &
       run%negative_pivots, merge(1, 0, run%failed_step), run%plan%cutbacks, merge(1, 0, run%plan%retry)])
-    call put(bag, 'parameters', run%deck%params%value(:run%deck%params%n))
+    call put(bag, 'parameters', parameter_values(run))
   end subroutine pack_run
 
   !> The run goes on where the checkpoint was made.
@@ -87,18 +88,44 @@ contains
     call get(bag, 'plan', n, there(3))
     if (there(3)) then
       run%plan%every = n(1)
-      run%fields_written = n(2)
-      run%iterations = n(3)
-      run%cutbacks = n(4)
-      run%negative_pivots = n(5)
-      run%failed_step = n(6) == 1
-      run%plan%cutbacks = n(7)
-      run%plan%retry = n(8) == 1
+      run%iterations = n(2)
+      run%cutbacks = n(3)
+      run%negative_pivots = n(4)
+      run%failed_step = n(5) == 1
+      run%plan%cutbacks = n(6)
+      run%plan%retry = n(7) == 1
     end if
     call get(bag, 'parameters', x, there(4))
     found = all(there)
-    if (found) found = size(x) == run%deck%params%n
-    if (found) run%deck%params%value(:size(x)) = x
+    if (found) found = size(x) == size(parameter_names(run%deck%params))
+    if (found) call set_parameters(run, x)
   end subroutine unpack_policies
+
+  !> Values of all parameters, in the order of their names.
+  function parameter_values(run) result(value)
+    type(run_t), intent(in) :: run
+    real(wp), allocatable :: value(:)
+    character(64), allocatable :: name(:)
+    logical :: known
+    integer :: i
+
+    allocate (name, source=parameter_names(run%deck%params))
+    allocate (value(size(name)))
+    do i = 1, size(name)
+      call find_parameter(run%deck%params, trim(name(i)), value(i), known)
+    end do
+  end function parameter_values
+
+  subroutine set_parameters(run, value)
+    type(run_t), intent(inout) :: run
+    real(wp), intent(in) :: value(:)
+    character(64), allocatable :: name(:)
+    integer :: i
+
+    allocate (name, source=parameter_names(run%deck%params))
+    do i = 1, size(name)
+      call set_parameter(run%deck%params, trim(name(i)), value(i))
+    end do
+  end subroutine set_parameters
 
 end module command_checkpoint

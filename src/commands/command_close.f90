@@ -44,7 +44,9 @@ contains
     call look_at_pivots(run)
     call accept_step_state(run%state)
     if (run%plan%timed) call accept_step(run%control, run%newton%iterations)
+    call run%timers%start('output')
     call write_step(run, error)
+    call run%timers%stop('output')
     run%plan%cutbacks = 0
     run%plan%solved = .false.
   end subroutine close_step

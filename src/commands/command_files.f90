@@ -5,6 +5,7 @@ module command_files
   use base_log, only: log_line
   use base_text, only: to_text
   use bag, only: bag_t
+  use byte_file, only: close_bytes
   use command_checkpoint, only: pack_run, unpack_run
   use command_type, only: run_t
   use curve_file, only: open_curve, write_row, close_curve, curve_names
@@ -28,7 +29,7 @@ contains
     integer :: i, j
 
     if (run%files_open) return
-    allocate (run%curve(size(run%model%curve)))
+    allocate (run%curve(size(run%model%curve)), run%last_row(size(run%model%curve)))
     do i = 1, size(run%curve)
       associate (curve => run%model%curve(i))
         allocate (column(size(curve%quantity)))
@@ -36,7 +37,7 @@ contains
           column(j) = curve%quantity(j)%column
         end do
         if (run%restarted) then
-          call open_curve(run%curve(i), run%stem//'_'//curve%name//'.dat', column, run%nfactor, error, run%state%step)
+          call open_curve(run%curve(i), run%stem//'_'//curve%name//'.dat', column, run%nfactor, error, run%kept)
         else
           call open_curve(run%curve(i), run%stem//'_'//curve%name//'.dat', column, run%nfactor, error)
         end if
@@ -59,6 +60,9 @@ contains
     if (size(run%state%factor) == 0) factor = 1.0_wp
     do i = 1, size(run%curve)
       associate (curve => run%model%curve(i))
+        if (curve%name == 'tplot') then
+          if (mod(run%state%step - 1, run%tplot_every) /= 0) cycle
+        end if
         allocate (value(size(curve%quantity)))
         do j = 1, size(value)
           value(j) = quantity_value(run%model, run%state, curve%quantity(j))
@@ -76,18 +80,22 @@ contains
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
 
-    if (.not. run%result_open) then
-      if (run%restarted) then
-        call open_result(run%result, run%stem, run%model, run%deck_text, error, run%fields_written)
-      else
-        call open_result(run%result, run%stem, run%model, run%deck_text, error)
-      end if
-      if (allocated(error)) return
-      run%result_open = .true.
-    end if
+    if (.not. run%result_open) call open_fields(run, error)
+    if (allocated(error)) return
     call write_result(run%result, run%model, run%state, error)
-    run%fields_written = run%fields_written + 1
   end subroutine write_fields
+
+  subroutine open_fields(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+
+    if (run%restarted) then
+      call open_result(run%result, run%stem, run%model, run%deck_text, error, run%kept)
+    else
+      call open_result(run%result, run%stem, run%model, run%deck_text, error)
+    end if
+    run%result_open = .not. allocated(error)
+  end subroutine open_fields
 
   !> A checkpoint between two steps; from here on this run and a restarted one do the same.
   subroutine write_checkpoint(run, error)
@@ -122,8 +130,10 @@ contains
       return
     end if
     run%restarted = .true.
+    run%kept = run%state%step
     run%plan%open = .false.
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path)
+    call open_files(run, error)          ! cuts back what a run that went on has written
   end subroutine restore_run
 
   subroutine close_files(run, error)
@@ -138,6 +148,9 @@ contains
       end do
     end if
     if (run%result_open) call close_result(run%result, error)
+    if (allocated(error)) return
+    if (run%out_open) call close_bytes(run%out, error)
+    run%out_open = .false.
     run%files_open = .false.
     run%result_open = .false.
   end subroutine close_files

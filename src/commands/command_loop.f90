@@ -94,14 +94,17 @@ contains
     character(*), intent(in) :: why
     type(error_t), allocatable, intent(out) :: error
     integer :: step
+    logical :: possible
 
     step = run%state%step
-    run%plan%cutbacks = run%plan%cutbacks + 1
-    run%cutbacks = run%cutbacks + 1
-    if (.not. run%plan%timed .or. .not. cut_step(run%control)) then
+    possible = run%plan%timed
+    if (possible) possible = cut_step(run%control)
+    if (.not. possible) then
       call give_up(run, step, why, error)
       return
     end if
+    run%plan%cutbacks = run%plan%cutbacks + 1
+    run%cutbacks = run%cutbacks + 1
     call log_line('  step '//to_text(step)//' is cut: '//why//'; next try dt = '//to_text(run%control%size))
     call rewind_step(run)
     run%pc = run%pc - 1                ! its TIME is next

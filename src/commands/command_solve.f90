@@ -137,6 +137,9 @@ contains
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
 
+    call run%timers%add('assembly', run%pass%sweep%seconds)
+    call run%timers%add('factorise', run%pass%solve%seconds_factor)
+    call run%timers%add('solve', run%pass%solve%seconds_solve)
     if (.not. run%pass%ok) then
       call cut_back(run, run%pass%trouble, error)
       return

@@ -19,7 +19,8 @@ contains
     logical :: yes
 
     yes = stop_requested()
-    if (run%time_limit > 0.0_wp) yes = yes .or. wall_seconds() > run%time_limit
+    if (yes .or. run%time_limit <= 0.0_wp) return
+    yes = wall_seconds() > run%time_limit
   end function stop_wanted
 
   !> Forget the step under way, write a checkpoint of the one before, and end with code 4.

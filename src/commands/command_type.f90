@@ -1,7 +1,8 @@
 !> A solution command: its row in the table, its record in the deck, and the run it acts on.
 module command_type
   use base_kinds, only: wp
-  use base_error, only: error_t, place_t
+  use base_error, only: error_t
+  use base_timer, only: timers_t
   use deck_record, only: record_t
   use deck_stream, only: deck_t
   use deck_expression, only: params_t
@@ -10,6 +11,7 @@ module command_type
   use newton, only: newton_t, pass_t
   use step_control, only: step_control_t
   use result_file, only: result_file_t
+  use byte_file, only: byte_file_t
   use curve_file, only: curve_file_t
   implicit none
   private
@@ -94,12 +96,16 @@ module command_type
     character(:), allocatable :: deck_text
     real(wp) :: time_limit = 0.0_wp    !! [s] 0: none
     logical :: dry = .false.           !! commands only check their fields
+    type(timers_t) :: timers
     logical :: failed_step = .false.   !! some step was closed unconverged
     integer :: iterations = 0, cutbacks = 0, negative_pivots = 0
     integer :: nfactor = 0             !! load tables of the whole run
     logical :: files_open = .false., result_open = .false.
-    integer :: fields_written = 0      !! steps in the result file
+    type(byte_file_t) :: out           !! FEAP's tables
+    logical :: out_open = .false., prints = .true.
+    integer :: tplot_every = 1         !! rows of TPLOt's table
     logical :: restarted = .false.
+    integer :: kept = 0                !! last step of the run before the restart
     type(row_t), allocatable :: last_row(:) !! of every curve, for the report
     logical, allocatable :: noted(:)   !! rows whose one note has been given
   end type run_t

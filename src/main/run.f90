@@ -8,7 +8,7 @@ module run
   use command_program, only: read_program, refresh
   use command_stop, only: stop_wanted, stop_run
   use command_type, only: run_t, command_t
-  use deck_stream, only: open_deck, check_settings
+  use deck_stream, only: open_deck, check_settings, deck_text
   use dof_map, only: number_equations
   use setup_model, only: build_model
   use solution_state, only: new_state
@@ -33,6 +33,7 @@ contains
     if (allocated(error) .or. errors%count() > 0) return
     call check_settings(job%deck, error)
     if (allocated(error)) return
+    job%deck_text = deck_text(job%deck)
     call number_equations(job%model%mesh, job%model%bc, job%model%eq, job%model%neq, job%model%ndof)
     call new_state(job%model, job%state)
   end subroutine read_deck

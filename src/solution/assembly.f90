@@ -2,6 +2,7 @@
 module assembly
   use base_kinds, only: wp
   use base_error, only: error_t
+  use base_system, only: wall_seconds
   use element_type, only: form_report_t, NB
   use mesh, only: block_t
   use model, only: model_t, state_t, history_t
@@ -32,6 +33,7 @@ module assembly
     real(wp) :: enhanced = 0.0_wp        !! energy of the enhanced residuals [F L]
     real(wp) :: rounding = 0.0_wp        !! sum of |f||u| over elements [F L]
     real(wp) :: largest = 0.0_wp         !! largest nodal force of an element [F]
+    real(wp) :: seconds = 0.0_wp         !! wall time
   end type sweep_t
 
 contains
@@ -69,6 +71,7 @@ contains
     type(sweep_t), intent(out) :: sweep
     integer :: b
 
+    sweep%seconds = -wall_seconds()
     asm%f_int = 0.0_wp
     call set_zero(asm%k)
     do b = 1, size(model%mesh%block)
@@ -83,6 +86,7 @@ contains
       if (.not. sweep%ok) return
     end do
     call external_force(asm, model, state)
+    sweep%seconds = sweep%seconds + wall_seconds()
   end subroutine form
 
   !> One block, element by element.

@@ -12,7 +12,7 @@ module newton
   use singularity, only: name_singularity
   implicit none
   private
-  public :: newton_t, pass_t, begin_newton, form_system, solve_system, newton_pass, close_newton
+  public :: newton_t, pass_t, begin_newton, prepare_newton, form_system, solve_system, newton_pass, close_newton
 
   real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2 !! of an energy, relative to sum |f||u|
   real(wp), parameter :: FORCE_TOLERANCE = 1.0e-9_wp   !! of the residual, relative to the largest nodal force
@@ -87,7 +87,7 @@ contains
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
 
-    call make_ready(newton, model, symmetric, error)
+    call prepare_newton(newton, model, symmetric, error)
     if (allocated(error)) return
     call form(newton%asm, model, state, pass%sweep)
     pass%ok = pass%sweep%ok
@@ -284,7 +284,7 @@ contains
   end subroutine slope
 
   !> Pattern and analysis, once, and again only where TANG and UTAN alternate.
-  subroutine make_ready(newton, model, symmetric, error)
+  subroutine prepare_newton(newton, model, symmetric, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     logical, intent(in) :: symmetric
@@ -300,7 +300,7 @@ contains
     newton%symmetric = symmetric
     newton%ready = .true.
     if (.not. allocated(newton%rhs)) allocate (newton%rhs(model%neq), newton%dx(model%neq))
-  end subroutine make_ready
+  end subroutine prepare_newton
 
   !> The free components of a nodal vector, in the order of the equations.
   pure subroutine free_part(eq, f, x)

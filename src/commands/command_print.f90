@@ -1,0 +1,148 @@
+!> DISP, REAC, STRE: FEAP's tables in <stem>.out; PRIN and NOPR switch them on and off.
+module command_print
+  use base_error, only: error_t, fail, DECK_ERROR
+  use byte_file, only: open_bytes
+  use command_type, only: run_t, command_t, command_row_t
+  use newton, only: form_system, pass_t
+  use print_tables, only: print_displacements, print_reactions, print_stresses, print_nodal_stresses
+  implicit none
+  private
+  public :: describe_disp, describe_reac, describe_stre, describe_prin, describe_nopr
+
+contains
+
+  function describe_disp() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'disp'
+    row%word = 'DISPlacement'
+    row%usage = 'DISP,[ALL],[n1],[n2],[step]'
+    row%nmax = 4
+    row%run => run_print
+  end function describe_disp
+
+  function describe_reac() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'reac'
+    row%word = 'REACtion'
+    row%usage = 'REAC,[ALL],[n1],[n2],[step]'
+    row%nmax = 4
+    row%run => run_print
+  end function describe_reac
+
+  function describe_stre() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'stre'
+    row%word = 'STREss'
+    row%usage = 'STRE,[ALL | NODE],[n1],[n2],[step]'
+    row%nmax = 4
+    row%run => run_print
+  end function describe_stre
+
+  function describe_prin() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'prin'
+    row%word = 'PRINt'
+    row%usage = 'PRINt'
+    row%nmax = 1
+    row%run => run_switch
+  end function describe_prin
+
+  function describe_nopr() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'nopr'
+    row%word = 'NOPRint'
+    row%usage = 'NOPRint'
+    row%nmax = 1
+    row%run => run_switch
+  end function describe_nopr
+
+  subroutine run_switch(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+
+    if (run%dry .or. allocated(error)) return
+    run%prints = command%record%key(1) == 'prin'
+  end subroutine run_switch
+
+  !> One table, of the nodes or elements n1 to n2 by step; without numbers, of all.
+  subroutine run_print(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+    integer :: first, last, step
+
+    call read_range(run, command, first, last, step, error)
+    if (allocated(error) .or. run%dry .or. .not. run%prints) return
+    if (.not. run%out_open) then
+      call open_bytes(run%out, run%stem//'.out', run%restarted, error)
+      if (allocated(error)) return
+      run%out_open = .true.
+    end if
+    call update_reactions(run, error)
+    if (allocated(error)) return
+    select case (command%record%key(1))
+    case ('disp')
+      call print_displacements(run%out, run%model, run%state, nodes(run, first, last, step), error)
+    case ('reac')
+      call print_reactions(run%out, run%model, run%state, nodes(run, first, last, step), error)
+    case default
+      if (command%option == 'node') then
+        call print_nodal_stresses(run%out, run%model, run%state, nodes(run, first, last, step), error)
+      else
+        call print_stresses(run%out, run%model, run%state, first, last, step, error)
+      end if
+    end select
+  end subroutine run_print
+
+  subroutine read_range(run, command, first, last, step, error)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    integer, intent(out) :: first, last, step
+    type(error_t), allocatable, intent(out) :: error
+    integer :: most
+
+    if (all(command%option /= ['    ', 'all ', 'node']) .or. &
+      (command%option == 'node' .and. command%record%key(1) /= 'stre')) then
+      call fail(error, DECK_ERROR, "unknown option '"//command%record%text(2)//"'", command%record%place(2), &
+        trim(run%row(command%row)%usage))
+      return
+    end if
+    most = run%model%mesh%nnode
+    if (command%record%key(1) == 'stre' .and. command%option /= 'node') most = sum(run%model%mesh%block%nelem)
+    first = 1
+    last = most
+    step = 1
+    if (command%option == 'all' .or. .not. command%x(1) > 0.5_8) return
+    first = nint(command%x(1))
+    last = max(first, nint(command%x(2)))
+    step = max(1, nint(command%x(3)))
+    if (last > most) call fail(error, DECK_ERROR, 'the range ends beyond the mesh', command%record%place(4), &
+      trim(run%row(command%row)%usage))
+  end subroutine read_range
+
+  pure function nodes(run, first, last, step) result(list)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: first, last, step
+    integer, allocatable :: list(:)
+    integer :: i
+
+    list = pack([(i, i=first, last, step)], run%model%mesh%used(first:last:step))
+  end function nodes
+
+  !> Reactions belong to the displacements of now; after a solve they are those of before.
+  subroutine update_reactions(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    type(pass_t) :: pass
+
+    if (.not. (run%plan%open .and. run%plan%solved)) return
+    call form_system(run%newton, run%model, run%state, run%newton%symmetric, pass, error)
+  end subroutine update_reactions
+
+end module command_print

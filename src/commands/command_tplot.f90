@@ -1,0 +1,126 @@
+!> TPLOt: histories of nodal values, one row a step, in <stem>_tplot.dat.
+module command_tplot
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_text, only: to_text
+  use command_type, only: run_t, command_t, command_row_t, data_t
+  use curve_type, only: curve_t, quantity_t, Q_FORCE, Q_DISP
+  use deck_record, only: record_t, RECORD_WORDS
+  use deck_stream, only: check_count, get_integer, get_real
+  use model, only: model_t
+  implicit none
+  private
+  public :: describe_tplo
+
+  character(*), parameter :: USAGE = 'DISP | REAC, node, direction [, x y z for the node there]'
+
+contains
+
+  function describe_tplo() result(row)
+    type(command_row_t) :: row
+
+    row%key = 'tplo'
+    row%word = 'TPLOt'
+    row%usage = 'TPLOt,,interval, then DISP or REAC records behind END'
+    row%run => run_tplot
+    row%data => read_tplot
+  end function describe_tplo
+
+  subroutine run_tplot(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+
+    if (allocated(error) .or. run%dry) return
+    run%tplot_every = max(1, nint(command%x(1)))
+  end subroutine run_tplot
+
+  !> The records become a curve of their own; SHOW is FEAP's and does nothing here.
+  subroutine read_tplot(run, command, data, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(data_t), intent(out) :: data
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    type(curve_t) :: curve
+    type(quantity_t) :: quantity
+
+    allocate (data%value(0))
+    curve%name = 'tplot'
+    curve%place = command%record%place(1)
+    allocate (curve%quantity(0))
+    do
+      call run%deck%next_of_set(record, error)
+      if (allocated(error)) return
+      if (record%kind /= RECORD_WORDS) exit
+      if (record%key(1) == 'show') cycle
+      call read_history(run, record, quantity, error)
+      if (allocated(error)) return
+      curve%quantity = [curve%quantity, quantity]
+    end do
+    if (size(curve%quantity) == 0) then
+      call fail(error, DECK_ERROR, 'TPLOt has no records', curve%place, 'behind END put '//USAGE//', and a blank record')
+      return
+    end if
+    run%model%curve = [run%model%curve, curve]
+  end subroutine read_tplot
+
+  subroutine read_history(run, record, quantity, error)
+    type(run_t), intent(in) :: run
+    type(record_t), intent(in) :: record
+    type(quantity_t), intent(out) :: quantity
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i, node
+    real(wp) :: x(3)
+
+    call check_count(record, 3, 6, USAGE, error)
+    if (allocated(error)) return
+    select case (record%key(1))
+    case ('disp')
+      quantity%kind = Q_DISP
+    case ('reac')
+      quantity%kind = Q_FORCE
+    case default
+      call fail(error, DECK_ERROR, "no history of '"//record%text(1)//"'", record%place(1), &
+        USAGE//'; stresses: CURVe with STREss')
+      return
+    end select
+    call get_integer(run%deck, record, 2, node, error, 0)
+    if (allocated(error)) return
+    call get_integer(run%deck, record, 3, quantity%component, error)
+    if (allocated(error)) return
+    do i = 1, 3
+      call get_real(run%deck, record, 3 + i, x(i), error, 0.0_wp)
+      if (allocated(error)) return
+    end do
+    if (node == 0) node = nearest_node(run%model, x)
+    if (node < 1 .or. node > run%model%mesh%nnode) then
+      call fail(error, DECK_ERROR, 'the mesh has no node '//to_text(node), record%place(2), &
+        'nodes are numbered from 1 to '//to_text(run%model%mesh%nnode))
+    else if (quantity%component < 1 .or. quantity%component > 3) then
+      call fail(error, DECK_ERROR, 'directions are 1, 2 and 3', record%place(3), USAGE)
+    end if
+    quantity%node = [node]
+    quantity%column = merge('disp', 'reac', quantity%kind == Q_DISP)//'_'//to_text(node)//'_'//to_text(quantity%component)
+    quantity%place = record%place(1)
+  end subroutine read_history
+
+  pure function nearest_node(model, x) result(node)
+    type(model_t), intent(in) :: model
+    real(wp), intent(in) :: x(3)
+    integer :: node
+    integer :: n
+    real(wp) :: best, d
+
+    node = 0
+    best = huge(best)
+    do n = 1, model%mesh%nnode
+      if (.not. model%mesh%used(n)) cycle
+      d = norm2(model%mesh%xr(:, n) - x)
+      if (d >= best) cycle
+      best = d
+      node = n
+    end do
+  end function nearest_node
+
+end module command_tplot

@@ -1,0 +1,87 @@
+!> Makes OpenBLAS use the vector unit there is.
+!!
+!! OpenBLAS chooses its kernels when it is loaded, by the model number of the processor. One that is
+!! newer than the library gets the oldest kernels (Debian 12's 0.3.21 on a processor of 2023 runs dgemm
+!! at 9 instead of 70 GFLOP/s). Then this program starts itself once more with OPENBLAS_CORETYPE set to
+!! what the processor's flags allow. A value the user has set is never touched.
+module blas_choice
+  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+  use blas_threads, only: blas_kernel
+  implicit none
+  private
+  public :: choose_blas_kernel
+
+  interface
+    integer(c_int) function c_setenv(name, value, overwrite) bind(c, name='setenv')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: name(*), value(*)
+      integer(c_int), value :: overwrite
+    end function c_setenv
+
+    integer(c_int) function c_execv(path, argv) bind(c, name='execv')
+      import :: c_char, c_int, c_ptr
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(in) :: argv(*)
+    end function c_execv
+  end interface
+
+contains
+
+  !> Start again with better kernels where the library did not know the processor.
+  subroutine choose_blas_kernel()
+    character(:), allocatable :: wanted
+    integer :: length, status
+
+    call get_environment_variable('OPENBLAS_CORETYPE', length=length, status=status)
+    if (status == 0) return
+    if (all(blas_kernel() /= [character(8) :: 'Prescott', 'Generic', 'Core2'])) return
+    wanted = kernel_of_flags()
+    if (wanted == '') return
+    if (c_setenv('OPENBLAS_CORETYPE'//c_null_char, wanted//c_null_char, 0_c_int) /= 0) return
+    call start_again()
+  end subroutine choose_blas_kernel
+
+  !> Kernel for the vector instructions that the processor lists; empty: nothing better.
+  function kernel_of_flags() result(name)
+    character(:), allocatable :: name
+    character(8192) :: line
+    integer :: unit, status
+
+    name = ''
+    open (newunit=unit, file='/proc/cpuinfo', action='read', status='old', iostat=status)
+    do while (status == 0)
+      read (unit, '(a)', iostat=status) line
+      if (line(:5) /= 'flags') cycle
+      if (index(line, ' avx2 ') > 0 .and. index(line, ' fma ') > 0) name = 'Haswell'
+      if (index(line, ' avx512f ') > 0 .and. index(line, ' avx512vl ') > 0) name = 'SkylakeX'
+      exit
+    end do
+    close (unit, iostat=status)
+  end function kernel_of_flags
+
+  !> The same program with the same arguments; returns only where that fails.
+  subroutine start_again()
+    integer, parameter :: LONGEST = 4096
+    character(kind=c_char, len=1), allocatable, target :: text(:, :)
+    type(c_ptr), allocatable :: argv(:)
+    character(LONGEST - 1) :: argument
+    integer :: i, j, length, n, status
+
+    n = command_argument_count()
+    allocate (text(LONGEST, 0:n), argv(0:n + 1))
+    do i = 0, n
+      call get_command_argument(i, argument, length, status)
+      if (status /= 0) return
+      do j = 1, length
+        text(j, i) = argument(j:j)
+      end do
+      text(length + 1, i) = c_null_char
+      argv(i) = c_loc(text(1, i))
+    end do
+    argv(n + 1) = c_null_ptr
+    status = c_execv('/proc/self/exe'//c_null_char, argv)
+  end subroutine start_again
+
+end module blas_choice

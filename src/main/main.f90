@@ -1,0 +1,99 @@
+!> From arguments to exit code. Start reading at run.f90.
+program main
+  use base_error, only: error_t, fail, render, SYSTEM_ERROR
+  use base_error_list, only: error_list_t
+  use base_file, only: make_folder, lock_file, unlock_file, lock_t
+  use base_log, only: open_log, close_log, log_line, set_quiet, progress
+  use base_system, only: finish, catch_signals, wall_seconds
+  use base_text, only: to_text
+  use base_timer, only: new_timers
+  use blas_choice, only: choose_blas_kernel
+  use blas_threads, only: set_threads
+  use check_deck, only: print_check
+  use command_line, only: options_t, read_command_line, print_help
+  use command_type, only: run_t
+  use listing, only: list_model
+  use program_list, only: print_list
+  use program_version, only: VERSION
+  use run, only: read_deck, execute
+  use run_report, only: report_run
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  implicit none
+  type(options_t) :: options
+  type(run_t), allocatable :: job
+  type(error_list_t) :: errors
+  type(error_t), allocatable :: error, second
+  type(lock_t) :: lock
+  integer :: code
+
+  call choose_blas_kernel()
+  call read_command_line(options, error)
+  call stop_on(error)
+  if (options%help) then
+    call print_help()
+    call finish(0)
+  else if (options%version) then
+    print '(a)', 'bezel '//VERSION
+    call finish(0)
+  else if (allocated(options%list)) then
+    call print_list(options%list)
+    call finish(0)
+  end if
+
+  call set_quiet(options%quiet)
+  call set_threads(options%threads)
+  allocate (job)
+  call new_timers(job%timers)
+  call read_deck(options, job, errors, error)
+  if (errors%count() > 0) then
+    if (allocated(error)) call errors%add(error)
+    write (error_unit, '(a)') errors%render()
+    call finish(1)
+  end if
+  call stop_on(error)
+  if (options%check) then
+    call print_check(job, error)
+    call stop_on(error)
+    call finish(0)
+  end if
+
+  call make_folder(options%outdir, error)
+  call stop_on(error)
+  job%stem = options%outdir//'/'//options%stem
+  job%time_limit = options%time_limit
+  call lock_file(job%stem//'.lock', lock, error)
+  call stop_on(error)
+  call open_log(job%stem//'.log', error)
+  call stop_on(error)
+  call log_line('bezel '//VERSION//', deck '//options%deck)
+  call list_model(job%model)
+  call catch_signals()
+
+  call execute(options, job, error)
+  call progress('')
+  code = 0
+  if (allocated(error)) then
+    code = error%code
+    write (error_unit, '(a)') render(error)
+    call log_line(render(error))
+  end if
+  call log_line('')
+  call log_line(job%timers%table())
+  call log_line('exit code '//to_text(code)//', '//to_text(wall_seconds(), 4)//' s')
+  call report_run(job, options%deck, code, second)
+  call close_log(second)
+  call unlock_file(lock)
+  if (code == 0) call stop_on(second)
+  call finish(code)
+
+contains
+
+  subroutine stop_on(error)
+    type(error_t), allocatable, intent(in) :: error
+
+    if (.not. allocated(error)) return
+    write (error_unit, '(a)') render(error)
+    call finish(error%code)
+  end subroutine stop_on
+
+end program main

@@ -1,0 +1,76 @@
+!> The report and the closing lines of a run.
+module run_report
+  use base_error, only: error_t, NO_SOLUTION, STOPPED
+  use base_system, only: peak_memory_mb
+  use command_type, only: run_t
+  use curve_file, only: curve_names
+  use program_version, only: VERSION
+  use report_file, only: report_t, write_report, add_count, add_real, add_curve
+  implicit none
+  private
+  public :: report_run
+
+contains
+
+  !> Write <stem>.report.json.
+  subroutine report_run(job, deck, code, error)
+    type(run_t), intent(in) :: job
+    character(*), intent(in) :: deck    !! its path, as given
+    integer, intent(in) :: code         !! exit code
+    type(error_t), allocatable, intent(out) :: error
+    type(report_t) :: report
+    character(24), allocatable :: part(:)
+    integer :: i
+
+    report%version = VERSION
+    report%deck = deck
+    report%exit_code = code
+    select case (code)
+    case (0)
+      report%status = 'done'
+    case (NO_SOLUTION)
+      report%status = 'no_solution'
+    case (STOPPED)
+      report%status = 'stopped'
+    end select
+    report%steps = job%state%step
+    report%iterations = job%iterations
+    report%cutbacks = job%cutbacks
+    report%dofs = job%model%ndof
+    report%equations = job%model%neq
+    report%negative_pivots = job%negative_pivots
+    report%peak_memory_mb = peak_memory_mb()
+    do i = 1, size(job%model%mesh%block)
+      call add_count(report%element, trim(job%model%mesh%block(i)%name), job%model%mesh%block(i)%nelem)
+    end do
+    allocate (part, source=[character(24) :: job%timers%names(), 'total'])
+    do i = 1, size(part)
+      call add_real(report%seconds, trim(part(i)), job%timers%seconds(part(i)))
+    end do
+    call add_finals(job, report)
+    call write_report(job%stem//'.report.json', report, error)
+  end subroutine report_run
+
+  !> The last row of every curve.
+  subroutine add_finals(job, report)
+    type(run_t), intent(in) :: job
+    type(report_t), intent(inout) :: report
+    character(64), allocatable :: column(:), name(:)
+    integer :: i, j
+
+    if (.not. allocated(job%last_row)) return
+    do i = 1, size(job%last_row)
+      if (.not. allocated(job%last_row(i)%value)) cycle
+      associate (curve => job%model%curve(i))
+        allocate (column(size(curve%quantity)), name(size(curve%quantity)))
+        do j = 1, size(column)
+          column(j) = curve%quantity(j)%column
+        end do
+        call curve_names(column, name)
+        call add_curve(report%final, curve%name, name, job%last_row(i)%value)
+        deallocate (column, name)
+      end associate
+    end do
+  end subroutine add_finals
+
+end module run_report

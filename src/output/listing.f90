@@ -1,0 +1,58 @@
+!> The log's account of what was read and which formulations run.
+module listing
+  use base_log, only: log_line
+  use base_text, only: to_text
+  use material_type, only: material_t
+  use model, only: model_t, material_set_t
+  implicit none
+  private
+  public :: list_model
+
+contains
+
+  !> Sizes, element types and laws with their sources.
+  subroutine list_model(model)
+    type(model_t), intent(in) :: model
+    integer :: b, m
+
+    call log_line('title     '//model%title)
+    call log_line('nodes     '//to_text(count(model%mesh%used))//' in use, '//to_text(count(model%mesh%is_control)) &
+      //' of them control points')
+    call log_line('dofs      '//to_text(model%ndof)//', equations '//to_text(model%neq))
+    do b = 1, size(model%mesh%block)
+      associate (block => model%mesh%block(b))
+        call log_line('elements  '//to_text(block%nelem)//' '//trim(block%name)//where_of(model, block%body) &
+          //', '//to_text(block%nen)//' nodes, '//to_text(block%rule%nq)//' points, material ' &
+          //to_text(model%material(block%material)%number))
+        call log_line('          '//trim(block%row%source))
+      end associate
+    end do
+    do m = 1, size(model%material)
+      call list_material(model%material(m))
+    end do
+    call log_line('')
+  end subroutine list_model
+
+  function where_of(model, body) result(text)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: body
+    character(:), allocatable :: text
+
+    text = ''
+    if (body > 0) text = " of '"//model%mesh%body(body)%name//"'"
+  end function where_of
+
+  subroutine list_material(material)
+    type(material_set_t), intent(in) :: material
+    character(:), allocatable :: values
+    integer :: i
+
+    values = ''
+    do i = 1, material%row%nprop
+      values = values//' '//to_text(material%prop(i))
+    end do
+    call log_line('material  '//to_text(material%number)//' '//trim(material%row%name)//':'//values)
+    call log_line('          '//trim(material%row%source))
+  end subroutine list_material
+
+end module listing
