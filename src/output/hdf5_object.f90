@@ -181,7 +181,7 @@ contains
       call refuse(file, 'cannot write', error)
       return
     end if
-    if (has_attribute(file, object, name)) then ! 1.10.8 cannot write one opened by its object's name
+    if (has_attribute(file, object, name)) then ! 1.10.8 cannot write one opened by name
       call h5aopen_f(holder, name, attribute, status)
     else
       if (size(value) == 1) then

@@ -73,8 +73,9 @@ contains
     integer :: b, e, number
 
     call write_text(file, heading('E l e m e n t   S t r e s s e s', model, state) // LF // &
-      '    Elmt    Mate        1 Coord        2 Coord        3 Coord      11-stress      22-stress' &
-      // '      33-stress      12-stress      23-stress      31-stress     Mises' // LF, error)
+      '    Elmt    Mate        1 Coord        2 Coord        3 Coord      11-stress' // &
+      '      22-stress      33-stress      12-stress      23-stress      31-stress' // &
+      '          Mises' // LF, error)
     do b = 1, size(model%mesh%block)
       do e = 1, model%mesh%block(b)%nelem
         if (allocated(error)) return
@@ -82,8 +83,9 @@ contains
         if (number < first .or. number > last) cycle
         if (modulo(number - first, max(step, 1)) /= 0) cycle
         call recover_element(model, state, b, e, point)
-        call write_points(file, number, model%material(model%mesh%block(b)%material)%number, point, &
-          error)
+        associate (set => model%material(model%mesh%block(b)%material))
+          call write_points(file, number, set%number, point, error)
+        end associate
       end do
     end do
     if (.not. allocated(error)) call flush_bytes(file, error)
@@ -171,7 +173,7 @@ contains
     real(wp), intent(in) :: values(:)
     character(15*size(values)) :: line
 
-    write (line, '(*(es15.7e2))') values
+    write (line, '(*(es15.6e3))') values
   end function numbers
 
 end module print_tables

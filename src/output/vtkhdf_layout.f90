@@ -168,9 +168,9 @@ contains
 
   !> Where the data of each step begin: geometry and cell data at 0, fields one after the other.
   !!
-  !! The readers of VTK want as many times (Values) as steps (NSteps). Values is made right after the
-  !! attribute and has none of its own: so both lie side by side in the file, and the library changes
-  !! them in one write. A kill between two writes would leave one without the other.
+  !! The readers of VTK want as many times (Values) as steps (NSteps). Values is made right after
+  !! the attribute and has none of its own: so both lie side by side in the file, and the library
+  !! changes them in one write. A kill between two writes would leave one without the other.
   subroutine write_offsets(file, view, names, room, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view
