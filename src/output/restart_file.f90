@@ -122,7 +122,8 @@ contains
     if (allocated(ignored)) return ! not ours: it goes
     call check_fingerprint(old, path, print, ignored)
     if (.not. allocated(ignored)) call get_attribute(old, 'last', 'step', old_step, ignored)
-    if (.not. allocated(ignored) .and. old_step(1) <= step) then
+    if (allocated(ignored)) old_step = huge(1)
+    if (old_step(1) <= step) then
       group = merge('last  ', 'before', old_step(1) < step)
       if (has_object(old, trim(group))) call copy_object(old, trim(group), file, 'before', error)
     end if

@@ -180,7 +180,8 @@ contains
     type(cell_t), intent(in) :: cell
     logical :: on_surface
 
-    on_surface = size(cell%w) < product(cell%degree + 1)
+    on_surface = .false.
+    if (allocated(cell%w)) on_surface = size(cell%w) < product(cell%degree + 1)
   end function on_surface
 
   !> Place, from 1, of the Bezier point (i, j, k), each from 0, in VTK's list: corners, then edges,
