@@ -136,7 +136,7 @@ contains
     real(wp), intent(in) :: old(:)
     real(wp), allocatable, intent(out) :: breaks(:), insert(:)
     type(error_t), allocatable, intent(out) :: error
-    real(wp), parameter :: SAME = 1.0e-10_wp ! of the range: written with fewer digits, the same knot
+    real(wp), parameter :: SAME = 1.0e-10_wp ! of the range: the same knot in fewer digits
     logical, allocatable :: is_old(:)
     integer :: i, j
 

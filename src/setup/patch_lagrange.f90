@@ -144,7 +144,8 @@ contains
     if (nelem == 0) return
     cell%degree = [s%degree(s%xi), s%degree(s%eta), m]
     ncp = (cell%degree(1) + 1)*(cell%degree(2) + 1)
-    call new_block(draft, spec, block_name(spec, e), row, cell%degree, ncp + m*(m + 1)**2, nelem, ib)
+    call new_block(draft, spec, block_name(spec, e), row, cell%degree, ncp + m*(m + 1)**2, nelem, &
+      ib)
     if (s%rational) allocate (draft%block(ib)%ext%w(ncp, nelem))
     call row%rule(cell, spec%q, max(spec%qz, least), draft%block(ib)%rule)
   end subroutine layer_block
