@@ -47,9 +47,13 @@ contains
     do
       call append(record%start, nline, source%first(line) - shift)
       cutter%goes_on = .false.
+      cutter%commented = .false.
       cutter%at = source%first(line)
       cutter%last = source%last(line)
       call cut_line(source%text, record, cutter)
+      ! Comments may stand between the lines of a record.
+      if (nline > 1 .and. cutter%commented) cutter%goes_on = &
+        verify(source%text(source%first(line):cutter%at - 1), ' '//achar(9)) == 0
       line = line + 1
       if (cutter%wrong > 0 .or. .not. cutter%goes_on) exit
       if (line <= source%nline) then

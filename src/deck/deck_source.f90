@@ -6,7 +6,7 @@ module deck_source
   use base_text, only: to_text
   implicit none
   private
-  public :: source_t, load_source, source_line
+  public :: source_t, load_source, source_of_text, source_line
 
   integer(i8), parameter :: LARGEST = 2_i8**30 !! bytes of a file
 
@@ -71,6 +71,16 @@ contains
     end subroutine refuse
 
   end subroutine load_source
+
+  !> A text as if it stood in a file.
+  subroutine source_of_text(path, text, source)
+    character(*), intent(in) :: path, text
+    type(source_t), intent(out) :: source
+
+    source%path = path
+    source%text = text
+    call find_lines(source)
+  end subroutine source_of_text
 
   !> One line as it stands in the file.
   pure function source_line(source, line) result(text)
