@@ -2,12 +2,13 @@
 !! (libgfortran 12 returns iostat 0 from write, flush and close).
 module byte_file
   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_ptr, c_null_ptr, c_null_char, &
-    c_loc, c_associated, c_f_pointer
+    c_loc, c_associated
   use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_file, only: replace_file, remove_file, system_reason
   implicit none
   private
   public :: byte_file_t, open_bytes, write_text, write_bytes, flush_bytes, close_bytes
-  public :: replace_file, remove_file, write_whole, reason
+  public :: write_whole, reason
 
   !> An open stream.
   type :: byte_file_t
@@ -44,40 +45,6 @@ module byte_file
       type(c_ptr), value :: stream
       integer(c_int) :: status
     end function c_fclose
-
-    function c_rename(from, to) bind(C, name='rename') result(status)
-      import :: c_char, c_int
-      implicit none
-      character(kind=c_char), intent(in) :: from(*), to(*)
-      integer(c_int) :: status
-    end function c_rename
-
-    function c_remove(path) bind(C, name='remove') result(status)
-      import :: c_char, c_int
-      implicit none
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int) :: status
-    end function c_remove
-
-    function c_errno() bind(C, name='__errno_location') result(place)
-      import :: c_ptr
-      implicit none
-      type(c_ptr) :: place
-    end function c_errno
-
-    function c_strerror(number) bind(C, name='strerror') result(text)
-      import :: c_ptr, c_int
-      implicit none
-      integer(c_int), value :: number
-      type(c_ptr) :: text
-    end function c_strerror
-
-    pure function c_strlen(text) bind(C, name='strlen') result(length)
-      import :: c_ptr, c_size_t
-      implicit none
-      type(c_ptr), value :: text
-      integer(c_size_t) :: length
-    end function c_strlen
   end interface
 
 contains
@@ -131,22 +98,6 @@ contains
     file%stream = c_null_ptr
   end subroutine close_bytes
 
-  !> Give a finished file its name; what had the name is gone at the same instant.
-  subroutine replace_file(from, to, error)
-    character(*), intent(in) :: from, to
-    type(error_t), allocatable, intent(out) :: error
-
-    if (c_rename(from // c_null_char, to // c_null_char) /= 0) call refuse('replace', to, error)
-  end subroutine replace_file
-
-  !> Remove a file; none of that name is fine.
-  subroutine remove_file(path)
-    character(*), intent(in) :: path
-    integer(c_int) :: status
-
-    status = c_remove(path // c_null_char)
-  end subroutine remove_file
-
   !> A small file in one go, beside its name and renamed: it is there whole or not at all.
   subroutine write_whole(path, text, error)
     character(*), intent(in) :: path, text
@@ -172,50 +123,28 @@ contains
 
     text = ''
     probe%stream = c_fopen(path // c_null_char, merge('r+', 'rb', writes) // c_null_char)
-    if (.not. c_associated(probe%stream)) text = last_reason()
+    if (.not. c_associated(probe%stream)) text = ': ' // system_reason()
     call close_bytes(probe, error)
     if (.not. writes) return
     probe%path = path // '.probe'
     probe%stream = c_fopen(probe%path // c_null_char, 'wb' // c_null_char)
     if (.not. c_associated(probe%stream)) then
-      text = last_reason()
+      text = ': ' // system_reason()
       return
     end if
     call write_text(probe, repeat(' ', 65536), error)
     if (.not. allocated(error)) call flush_bytes(probe, error)
-    if (allocated(error)) text = last_reason()
+    if (allocated(error)) text = ': ' // system_reason()
     call close_bytes(probe, error)
     call remove_file(path // '.probe')
   end function reason
 
-  !> The system's words for the last failure.
-  function last_reason() result(text)
-    character(:), allocatable :: text
-    integer(c_int), pointer :: number
-    character(kind=c_char), pointer :: words(:)
-    type(c_ptr) :: place
-    integer :: i
-
-    call c_f_pointer(c_errno(), number)
-    place = c_strerror(number)
-    call c_f_pointer(place, words, [c_strlen(place)])
-    allocate (character(size(words)) :: text)
-    do i = 1, size(words)
-      text(i:i) = words(i)
-    end do
-    if (len(text) > 1) then
-      if (text(1:1) >= 'A' .and. text(1:1) <= 'Z') text(1:1) = achar(iachar(text(1:1)) + 32)
-    end if
-    text = ': ' // text
-  end function last_reason
-
   subroutine refuse(verb, path, error)
     character(*), intent(in) :: verb, path
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: why
 
-    why = last_reason()
-    call fail(error, SYSTEM_ERROR, 'cannot ' // verb // ' ''' // path // '''' // why)
+    call fail(error, SYSTEM_ERROR, &
+      'cannot ' // verb // ' ''' // path // ''': ' // system_reason())
   end subroutine refuse
 
 end module byte_file

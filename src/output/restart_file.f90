@@ -10,7 +10,7 @@ module restart_file
   use bag, only: bag_t
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, has_object, copy_object, &
     put_attribute, get_attribute
-  use byte_file, only: replace_file, remove_file
+  use base_file, only: replace_file, remove_file
   use restart_state, only: write_state, read_state, write_bag, read_bag
   implicit none
   private

@@ -22,14 +22,14 @@ module result_file
 contains
 
   !> Prepare the picture; the files come with the first step. Files of that name go; a run that
-  !! goes on keeps their steps up to number `keep`.
+  !! goes on keeps their first `keep` steps.
   subroutine open_result(result, stem, model, deck_text, error, keep)
     type(result_file_t), intent(inout) :: result !! fields may be chosen before
     character(*), intent(in) :: stem             !! folder and name
     type(model_t), intent(in) :: model
     character(*), intent(in) :: deck_text
     type(error_t), allocatable, intent(out) :: error
-    integer, intent(in), optional :: keep        !! number of a step of the analysis
+    integer, intent(in), optional :: keep        !! number of steps written before
     type(run_info_t) :: info
     real(wp), allocatable :: xr(:, :)
 
@@ -65,7 +65,7 @@ contains
     result%wanted = pack(known, [(size(words) == 0 .or. any(words == known(i)), i=1, size(known))])
   end subroutine choose_fields
 
-  !> Write a step to both kinds of file; one of the number of the last is written over it.
+  !> Write a step to both kinds of file; steps of its number or later ones are replaced.
   subroutine write_result(result, model, state, error)
     type(result_file_t), intent(inout) :: result
     type(model_t), intent(in) :: model

@@ -7,7 +7,7 @@
 module vtkhdf_file
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
-  use byte_file, only: replace_file, remove_file
+  use base_file, only: replace_file, remove_file
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, flush_file, put, get, &
     put_attribute, get_attribute, set_length
   use view, only: view_t
@@ -25,13 +25,13 @@ module vtkhdf_file
     real(wp), allocatable :: xr(:, :)           !! (3, npoint) reference points of the picture
     character(16), allocatable :: names(:)      !! fields; set by the first step
     integer :: nstep = 0, room = 0
-    integer :: last_step = -1                   !! its number in the analysis
+    integer, allocatable :: number(:)           !! (nstep) of the steps in the analysis
   end type vtkhdf_t
 
 contains
 
-  !> Begin a result. The file is made with the first step; an old one goes, unless its steps up to
-  !! number `keep` stay.
+  !> Begin a result. The file is made with the first step; an old one goes, but for its first `keep`
+  !! steps.
   subroutine open_vtkhdf(result, path, view, xr, info, error, keep)
     type(vtkhdf_t), intent(out) :: result
     character(*), intent(in) :: path
@@ -45,6 +45,7 @@ contains
     result%path = path
     result%info = info
     result%xr = xr
+    allocate (result%number(0))
     inquire (file=path, exist=is_there)
     if (.not. is_there) return
     if (present(keep)) then
@@ -54,7 +55,7 @@ contains
     end if
   end subroutine open_vtkhdf
 
-  !> Write a step. One of the number of the last is written over it.
+  !> Write a step. Steps of its number or later ones (a run begun again) are replaced.
   subroutine append_vtkhdf(result, view, step, time, field, error)
     type(vtkhdf_t), intent(inout) :: result
     type(view_t), intent(in) :: view
@@ -73,7 +74,7 @@ contains
       call refuse_change(error)
     end if
     if (allocated(error)) return
-    k = result%nstep + merge(0, 1, result%nstep > 0 .and. step == result%last_step)
+    k = count(result%number < step) + 1
     if (k > result%room) call rebuild(result, view, max(FIRST_ROOM, 2*result%room), error)
     if (.not. allocated(error)) call open_file(file, result%path, .true., error)
     if (allocated(error)) return
@@ -83,7 +84,7 @@ contains
     else
       call close_file(file, error)
       result%nstep = k
-      result%last_step = step
+      result%number = [result%number(:k - 1), step]
     end if
   end subroutine append_vtkhdf
 
@@ -239,13 +240,13 @@ contains
         hint='restart with another --name, or in another folder')
       return
     end if
-    result%nstep = count(number <= keep)
+    result%nstep = min(keep, n(1))
+    result%number = number(:result%nstep)
     if (result%nstep == 0) then
       call remove_file(result%path)
       return
     end if
     result%names = pack(known, here)
-    result%last_step = number(result%nstep)
     call rebuild(result, view, max(FIRST_ROOM, 2*result%nstep), error)
   end subroutine take_over
 

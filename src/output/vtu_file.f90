@@ -5,8 +5,8 @@ module vtu_file
   use, intrinsic :: iso_c_binding, only: c_loc, c_size_t, c_int8_t, c_ptr
   use base_kinds, only: wp, i8
   use base_error, only: error_t
-  use byte_file, only: byte_file_t, open_bytes, write_text, write_bytes, close_bytes, &
-    replace_file, remove_file, write_whole
+  use base_file, only: replace_file, remove_file
+  use byte_file, only: byte_file_t, open_bytes, write_text, write_bytes, close_bytes, write_whole
   use view, only: view_t
   use fields, only: field_t
   implicit none
@@ -23,19 +23,19 @@ module vtu_file
 
 contains
 
-  !> Begin a series; an old one goes, but for its steps up to number `keep`.
+  !> Begin a series; an old one goes, but for its first `keep` steps.
   subroutine open_series(series, stem, keep)
     type(vtu_series_t), intent(out) :: series
     character(*), intent(in) :: stem
     integer, intent(in), optional :: keep
     character(1024) :: line
-    integer :: unit, status, step, last
+    integer :: unit, status, step, most
     real(wp) :: time
 
     series%stem = stem
     allocate (series%step(0), series%time(0))
-    last = -1
-    if (present(keep)) last = keep
+    most = 0
+    if (present(keep)) most = keep
     open (newunit=unit, file=stem // '.pvd', action='read', status='old', iostat=status)
     if (status /= 0) return
     do
@@ -43,7 +43,7 @@ contains
       if (status /= 0) exit
       call read_entry(line, step, time, status)
       if (status /= 0) cycle
-      if (step <= last) then
+      if (size(series%step) < most) then
         series%step = [series%step, step]
         series%time = [series%time, time]
       else
@@ -74,7 +74,7 @@ contains
     read (line(i + 1:j - 1), *, iostat=status) step
   end subroutine read_entry
 
-  !> Write a step and put it on the list.
+  !> Write a step and put it on the list. Steps of its number or later ones are replaced.
   subroutine append_series(series, view, xr, step, time, field, error)
     type(vtu_series_t), intent(inout) :: series
     type(view_t), intent(in) :: view
@@ -85,6 +85,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(byte_file_t) :: file
     character(:), allocatable :: path
+    integer :: i
 
     path = file_name(series%stem, step)
     call open_bytes(file, path // '.part', .false., error)
@@ -100,8 +101,11 @@ contains
       call remove_file(path // '.part')
       return
     end if
-    series%time = [pack(series%time, series%step /= step), time]
-    series%step = [pack(series%step, series%step /= step), step]
+    do i = 1, size(series%step)
+      if (series%step(i) > step) call remove_file(file_name(series%stem, series%step(i)))
+    end do
+    series%time = [pack(series%time, series%step < step), time]
+    series%step = [pack(series%step, series%step < step), step]
     call write_whole(series%stem // '.pvd', list(series), error)
   end subroutine append_series
 
