@@ -10,6 +10,7 @@ module elmt_q1e9
   use element_type, only: element_t
   use elmt_q1, only: set_rule, functions, set_topology
   use hexa_shape, only: nine_modes
+  use solid_batch, only: form_batch
   use solid_form, only: form
   implicit none
   private
@@ -29,6 +30,7 @@ contains
     row%topology => set_topology
     row%modes => nine_modes
     row%form => form
+    row%form_batch => form_batch
   end function describe
 
 end module elmt_q1e9

@@ -112,7 +112,7 @@ contains
     real(wp), intent(out) :: tau(NB, 6), lam(NB), mus(NB)
     logical, intent(out) :: ok(NB)
 
-    real(wp) :: jac(NB), p(NB), l, m
+    real(wp) :: jac(NB), p(NB), l, m, bad
     integer :: n
 
     l = prop(LAMBDA)
@@ -123,10 +123,16 @@ contains
         + dg(n, 1, 2)*(dg(n, 2, 3)*dg(n, 3, 1) - dg(n, 2, 1)*dg(n, 3, 3)) &
         + dg(n, 1, 3)*(dg(n, 2, 1)*dg(n, 3, 2) - dg(n, 2, 2)*dg(n, 3, 1))
     end do
+    ok = .true.
+    bad = 0.0_wp
+    !$omp simd reduction(+:bad)
     do n = 1, NB
-      ok(n) = jac(n) > 0.0_wp .and. jac(n) <= huge(l)
-      if (.not. ok(n)) jac(n) = 1.0_wp
+      bad = bad + merge(0.0_wp, 1.0_wp, jac(n) > 0.0_wp .and. jac(n) <= huge(l))
     end do
+    if (bad > 0.0_wp) then
+      ok = jac > 0.0_wp .and. jac <= huge(l)
+      where (.not. ok) jac = 1.0_wp
+    end if
     select case (nint(prop(VOLUME)))
     case (1)
       do n = 1, NB

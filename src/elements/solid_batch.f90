@@ -1,0 +1,321 @@
+!> solid_form for NB eight-node elements at a time, side by side in the vector registers.
+!!
+!! The same formulas; the first index of every array is the element. A loop over it is straight-line
+!! code or holds one inner loop: what the compiler turns into vectors. Points come in groups of at
+!! most NC, whose gradients stay in the first-level cache.
+module solid_batch
+  use base_kinds, only: wp
+  use basis_type, only: basis_t
+  use element_type, only: form_report_t, NB
+  use material_type, only: material_t
+  use solid_batch_algebra, only: advance_batch, condense_batch, set_column, set_force, mirror, &
+    scale_group, clear_failed, NEN, NM, NC
+  implicit none
+  private
+  public :: form_batch
+
+contains
+
+  !> NB elements; the interface is element_batch_i. The law must have `moduli`.
+  pure subroutine form_batch(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
+    type(basis_t), intent(in) :: basis
+    type(material_t), intent(in) :: material
+    real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: xr(:, :, :)
+    real(wp), intent(in) :: u(:, :, :)
+    real(wp), intent(in) :: du(:, :, :)
+    real(wp), intent(in) :: scale
+    real(wp), intent(in) :: h_old(:, :)
+    real(wp), intent(out) :: h_new(:, :)
+    real(wp), intent(out) :: r(:, :, :)
+    real(wp), intent(out) :: k(:, :, :, :, :)
+    type(form_report_t), intent(out) :: report(NB)
+
+    real(wp) :: a(NB, 3, NM), ra(NB, 3, NM), kua(NB, 3, 3, NEN, NM), kaa(NB, 3, 3, NM, NM)
+    logical :: ok(NB)
+
+    if (basis%nmode == 0) then
+      a = 0.0_wp
+      call integrate(basis, material, prop, xr, u, a, r, k, ra, kua, kaa, ok)
+      report%ok = ok
+    else
+      call advance_batch(h_old, du, scale, a)
+      call integrate(basis, material, prop, xr, u, a, r, k, ra, kua, kaa, ok)
+      report%ok = ok
+      call condense_batch(a, ra, kua, kaa, r, k, h_new, report)
+    end if
+    if (.not. all(report%ok)) call clear_failed(report%ok, r, k)
+  end subroutine form_batch
+
+  !> Sums over the points: upper triangle of blocks only.
+  pure subroutine integrate(basis, material, prop, xr, u, a, r, k, ra, kua, kaa, ok)
+    type(basis_t), intent(in) :: basis
+    type(material_t), intent(in) :: material
+    real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: xr(NB, 3, NEN), u(NB, 3, NEN), a(NB, 3, NM)
+    real(wp), intent(out) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
+    real(wp), intent(out) :: ra(NB, 3, NM), kua(NB, 3, 3, NEN, NM), kaa(NB, 3, 3, NM, NM)
+    logical, intent(out) :: ok(NB)
+
+    real(wp) :: g(NB, 3, NC, NEN), gm(NB, 3, NC, NM)   ! gradients of functions and modes
+    real(wp) :: w(NB, NC), tau(NB, 6, NC), lam(NB, NC), mus(NB, NC), y(NB, 6, NC)
+    real(wp) :: centre(NB, 3, 3), jac0(NB)
+    integer :: q, q0, n
+    logical :: last ! nothing will change k any more
+
+    ok = .true.
+    if (basis%nmode > 0) then
+      call set_map(basis%dshp0, xr, centre)
+      call invert(centre, jac0, ok)
+    end if
+    do q0 = 0, basis%nq - 1, NC
+      n = min(NC, basis%nq - q0)
+      do q = 1, n
+        call evaluate_point(basis, material, prop, q0 + q, xr, u, a, centre, jac0, q, &
+          g, gm, w(:, q), tau(:, :, q), lam(:, q), mus(:, q), ok)
+      end do
+      if (n < NC) then ! the last group may be short: its missing points weigh nothing
+        g(:, :, n + 1:, :) = 0.0_wp
+        gm(:, :, n + 1:, :) = 0.0_wp
+        w(:, n + 1:) = 0.0_wp
+        tau(:, :, n + 1:) = 0.0_wp
+        lam(:, n + 1:) = 0.0_wp
+        mus(:, n + 1:) = 0.0_wp
+      end if
+      last = basis%nmode == 0 .and. q0 + NC >= basis%nq
+      call scale_group(material%finite, w, tau, lam, mus, y)
+      if (q0 == 0) then
+        call set_sums(basis%nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
+      else
+        call add_sums(basis%nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
+      end if
+    end do
+  end subroutine integrate
+
+  !> Sums over a group.
+  pure subroutine set_sums(nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
+    integer, intent(in) :: nmode
+    logical, intent(in) :: last
+    real(wp), intent(in) :: g(NB, 3, NC, NEN), gm(NB, 3, NC, NM)
+    real(wp), intent(in) :: tau(NB, 6, NC), lam(NB, NC), mus(NB, NC), y(NB, 6, NC)
+    real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
+    real(wp), intent(inout) :: ra(NB, 3, NM), kua(NB, 3, 3, NEN, NM), kaa(NB, 3, 3, NM, NM)
+
+    integer :: b
+
+    call set_force(NEN, g, tau, r)
+    do b = 1, NEN
+      call set_column(b, g, g(:, :, :, b), y, lam, mus, k(:, :, :, :, b))
+      if (last) call mirror(b, k)
+    end do
+    if (nmode == 0) return
+    call set_force(NM, gm, tau, ra)
+    do b = 1, NM
+      call set_column(NEN, g, gm(:, :, :, b), y, lam, mus, kua(:, :, :, :, b))
+      call set_column(b, gm, gm(:, :, :, b), y, lam, mus, kaa(:, :, :, :, b))
+    end do
+  end subroutine set_sums
+
+  !> Sums over a further group, of rules with more than NC points.
+  pure subroutine add_sums(nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
+    integer, intent(in) :: nmode
+    logical, intent(in) :: last
+    real(wp), intent(in) :: g(NB, 3, NC, NEN), gm(NB, 3, NC, NM)
+    real(wp), intent(in) :: tau(NB, 6, NC), lam(NB, NC), mus(NB, NC), y(NB, 6, NC)
+    real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
+    real(wp), intent(inout) :: ra(NB, 3, NM), kua(NB, 3, 3, NEN, NM), kaa(NB, 3, 3, NM, NM)
+
+    real(wp) :: f(NB, 3, NEN), column(NB, 3, 3, NEN)
+    integer :: b
+
+    call set_force(NEN, g, tau, f)
+    r = r + f
+    do b = 1, NEN
+      call set_column(b, g, g(:, :, :, b), y, lam, mus, column)
+      k(:, :, :, :b, b) = k(:, :, :, :b, b) + column(:, :, :, :b)
+      if (last) call mirror(b, k)
+    end do
+    if (nmode == 0) return
+    call set_force(NM, gm, tau, f)
+    ra = ra + f(:, :, :NM)
+    do b = 1, NM
+      call set_column(NEN, g, gm(:, :, :, b), y, lam, mus, column)
+      kua(:, :, :, :, b) = kua(:, :, :, :, b) + column
+      call set_column(b, gm, gm(:, :, :, b), y, lam, mus, column)
+      kaa(:, :, :, :b, b) = kaa(:, :, :, :b, b) + column(:, :, :, :b)
+    end do
+  end subroutine add_sums
+
+  !> Gradients, volume, stress and moduli at one point of each element.
+  pure subroutine evaluate_point(basis, material, prop, q, xr, u, a, centre, jac0, n, &
+      g, gm, w, tau, lam, mus, ok)
+    type(basis_t), intent(in) :: basis
+    type(material_t), intent(in) :: material
+    real(wp), intent(in) :: prop(:)
+    integer, intent(in) :: q !! point of the rule
+    real(wp), intent(in) :: xr(NB, 3, NEN), u(NB, 3, NEN), a(NB, 3, NM), centre(NB, 3, 3), jac0(NB)
+    integer, intent(in) :: n !! point of the group
+    real(wp), intent(inout) :: g(NB, 3, NC, NEN), gm(NB, 3, NC, NM)
+    real(wp), intent(out) :: w(NB), tau(NB, 6), lam(NB), mus(NB)
+    logical, intent(inout) :: ok(NB)
+
+    real(wp) :: t(NB, 3, 3), h(NB, 3, 3), dg(NB, 3, 3), m(NB, 3, NM), jac(NB), det(NB)
+    logical :: fine(NB)
+    integer :: b, i, j, l
+
+    call set_map(basis%dshp(:, :, q), xr, t)
+    call invert(t, jac, ok)
+    call set_map(basis%dshp(:, :, q), u, h)
+    do j = 1, 3
+      !$omp simd
+      do l = 1, NB
+        dg(l, 1, j) = h(l, 1, 1)*t(l, 1, j) + h(l, 1, 2)*t(l, 2, j) + h(l, 1, 3)*t(l, 3, j)
+        dg(l, 2, j) = h(l, 2, 1)*t(l, 1, j) + h(l, 2, 2)*t(l, 2, j) + h(l, 2, 3)*t(l, 3, j)
+        dg(l, 3, j) = h(l, 3, 1)*t(l, 1, j) + h(l, 3, 2)*t(l, 2, j) + h(l, 3, 3)*t(l, 3, j)
+      end do
+    end do
+    do b = 1, basis%nmode
+      do j = 1, 3
+        !$omp simd
+        do l = 1, NB
+          m(l, j, b) = (jac0(l)/jac(l))*(centre(l, 1, j)*basis%mode(1, b, q) &
+            + centre(l, 2, j)*basis%mode(2, b, q) + centre(l, 3, j)*basis%mode(3, b, q))
+          dg(l, 1, j) = dg(l, 1, j) + a(l, 1, b)*m(l, j, b)
+          dg(l, 2, j) = dg(l, 2, j) + a(l, 2, b)*m(l, j, b)
+          dg(l, 3, j) = dg(l, 3, j) + a(l, 3, b)*m(l, j, b)
+        end do
+      end do
+    end do
+    do j = 1, 3
+      dg(:, j, j) = dg(:, j, j) + 1.0_wp
+    end do
+    if (associated(material%moduli_batch)) then
+      call material%moduli_batch(prop, dg, tau, lam, mus, fine)
+    else
+      do l = 1, NB
+        call material%moduli(prop, dg(l, :, :), tau(l, :), lam(l), mus(l), fine(l))
+      end do
+    end if
+    ok = ok .and. fine
+    w = basis%wgt(q)*jac
+    if (material%finite) then
+      call invert(dg, det, ok)
+      h = t
+      do j = 1, 3
+        !$omp simd
+        do l = 1, NB
+          t(l, 1, j) = h(l, 1, 1)*dg(l, 1, j) + h(l, 1, 2)*dg(l, 2, j) + h(l, 1, 3)*dg(l, 3, j)
+          t(l, 2, j) = h(l, 2, 1)*dg(l, 1, j) + h(l, 2, 2)*dg(l, 2, j) + h(l, 2, 3)*dg(l, 3, j)
+          t(l, 3, j) = h(l, 3, 1)*dg(l, 1, j) + h(l, 3, 2)*dg(l, 2, j) + h(l, 3, 3)*dg(l, 3, j)
+        end do
+      end do
+    end if
+    do b = 1, NEN
+      do i = 1, 3
+        !$omp simd
+        do l = 1, NB
+          g(l, i, n, b) = t(l, 1, i)*basis%dshp(1, b, q) + t(l, 2, i)*basis%dshp(2, b, q) &
+            + t(l, 3, i)*basis%dshp(3, b, q)
+        end do
+      end do
+    end do
+    do b = 1, basis%nmode
+      do i = 1, 3
+        if (material%finite) then
+          !$omp simd
+          do l = 1, NB
+            gm(l, i, n, b) = dg(l, 1, i)*m(l, 1, b) + dg(l, 2, i)*m(l, 2, b) + dg(l, 3, i)*m(l, 3, b)
+          end do
+        else
+          gm(:, i, n, b) = m(:, i, b)
+        end if
+      end do
+    end do
+  end subroutine evaluate_point
+
+  !> sum_a x_a x dN_a.
+  pure subroutine set_map(dshp, x, map)
+    real(wp), intent(in) :: dshp(3, NEN), x(NB, 3, NEN)
+    real(wp), intent(out) :: map(NB, 3, 3)
+
+    real(wp) :: m11, m21, m31, m12, m22, m32, m13, m23, m33
+    integer :: a, l
+
+    !$omp simd private(m11, m21, m31, m12, m22, m32, m13, m23, m33)
+    do l = 1, NB
+      m11 = 0.0_wp
+      m21 = 0.0_wp
+      m31 = 0.0_wp
+      m12 = 0.0_wp
+      m22 = 0.0_wp
+      m32 = 0.0_wp
+      m13 = 0.0_wp
+      m23 = 0.0_wp
+      m33 = 0.0_wp
+      do a = 1, NEN
+        m11 = m11 + x(l, 1, a)*dshp(1, a)
+        m21 = m21 + x(l, 2, a)*dshp(1, a)
+        m31 = m31 + x(l, 3, a)*dshp(1, a)
+        m12 = m12 + x(l, 1, a)*dshp(2, a)
+        m22 = m22 + x(l, 2, a)*dshp(2, a)
+        m32 = m32 + x(l, 3, a)*dshp(2, a)
+        m13 = m13 + x(l, 1, a)*dshp(3, a)
+        m23 = m23 + x(l, 2, a)*dshp(3, a)
+        m33 = m33 + x(l, 3, a)*dshp(3, a)
+      end do
+      map(l, 1, 1) = m11
+      map(l, 2, 1) = m21
+      map(l, 3, 1) = m31
+      map(l, 1, 2) = m12
+      map(l, 2, 2) = m22
+      map(l, 3, 2) = m32
+      map(l, 1, 3) = m13
+      map(l, 2, 3) = m23
+      map(l, 3, 3) = m33
+    end do
+  end subroutine set_map
+
+  !> Inverses in place; where a determinant is not positive and finite, ok becomes .false.
+  !! and the numbers stay harmless.
+  pure subroutine invert(a, det, ok)
+    real(wp), intent(inout) :: a(NB, 3, 3)
+    real(wp), intent(out) :: det(NB)
+    logical, intent(inout) :: ok(NB)
+
+    real(wp) :: c(NB, 3, 3), s(NB), bad
+    integer :: i, j, l
+
+    !$omp simd
+    do l = 1, NB
+      c(l, 1, 1) = a(l, 2, 2)*a(l, 3, 3) - a(l, 2, 3)*a(l, 3, 2)
+      c(l, 2, 1) = a(l, 2, 3)*a(l, 3, 1) - a(l, 2, 1)*a(l, 3, 3)
+      c(l, 3, 1) = a(l, 2, 1)*a(l, 3, 2) - a(l, 2, 2)*a(l, 3, 1)
+      c(l, 1, 2) = a(l, 1, 3)*a(l, 3, 2) - a(l, 1, 2)*a(l, 3, 3)
+      c(l, 2, 2) = a(l, 1, 1)*a(l, 3, 3) - a(l, 1, 3)*a(l, 3, 1)
+      c(l, 3, 2) = a(l, 1, 2)*a(l, 3, 1) - a(l, 1, 1)*a(l, 3, 2)
+      c(l, 1, 3) = a(l, 1, 2)*a(l, 2, 3) - a(l, 1, 3)*a(l, 2, 2)
+      c(l, 2, 3) = a(l, 1, 3)*a(l, 2, 1) - a(l, 1, 1)*a(l, 2, 3)
+      c(l, 3, 3) = a(l, 1, 1)*a(l, 2, 2) - a(l, 1, 2)*a(l, 2, 1)
+      det(l) = a(l, 1, 1)*c(l, 1, 1) + a(l, 1, 2)*c(l, 2, 1) + a(l, 1, 3)*c(l, 3, 1)
+    end do
+    bad = 0.0_wp
+    !$omp simd reduction(+:bad)
+    do l = 1, NB
+      bad = bad + merge(0.0_wp, 1.0_wp, det(l) > 0.0_wp .and. det(l) <= huge(bad))
+    end do
+    if (bad > 0.0_wp) then
+      ok = ok .and. det > 0.0_wp .and. det <= huge(det)
+      where (.not. (det > 0.0_wp .and. det <= huge(det))) det = 1.0_wp
+    end if
+    s = 1.0_wp/det
+    do j = 1, 3
+      do i = 1, 3
+        !$omp simd
+        do l = 1, NB
+          a(l, i, j) = c(l, i, j)*s(l)
+        end do
+      end do
+    end do
+  end subroutine invert
+
+end module solid_batch

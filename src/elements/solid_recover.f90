@@ -1,0 +1,85 @@
+!> What a solid element knows at points: positions, deformation, stress, energy.
+module solid_recover
+  use base_kinds, only: wp
+  use basis_type, only: basis_t
+  use material_type, only: material_t
+  use solid_point, only: deform, centre_map
+  use tensor, only: det3
+  implicit none
+  private
+  public :: recovered_t, recover, von_mises
+
+  !> One point of an element.
+  type :: recovered_t
+    real(wp) :: xr(3) = 0.0_wp    !! reference position [L]
+    real(wp) :: xc(3) = 0.0_wp    !! current position [L]
+    real(wp) :: dg(3, 3) = 0.0_wp !! deformation gradient, enhanced modes included [-]
+    real(wp) :: sig(6) = 0.0_wp   !! Cauchy stress, Voigt order 11 22 33 12 23 31 [F/L^2]
+    real(wp) :: mises = 0.0_wp    !! von Mises stress [F/L^2]
+    real(wp) :: energy = 0.0_wp   !! stored energy per reference volume [F/L^2]
+    real(wp) :: volume = 0.0_wp   !! weight of the point times det J: its share of the reference volume [L^3]
+  end type recovered_t
+
+contains
+
+  !> State at the points at which `basis` is tabulated: the element's own or any others.
+  !! The energy of an element is sum(point%energy*point%volume) over its integration points.
+  pure subroutine recover(basis, material, prop, xr, u, param, point, ok)
+    type(basis_t), intent(in) :: basis
+    type(material_t), intent(in) :: material
+    real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: xr(:, :)  !! (3, nen)
+    real(wp), intent(in) :: u(:, :)   !! (3, nen)
+    real(wp), intent(in) :: param(:)  !! (3*nmode or more) history of the element: parameters first
+    type(recovered_t), intent(out) :: point(:) !! (nq)
+    logical, intent(out) :: ok        !! .false.: inverted at a point, whose stress and energy are zero
+
+    real(wp) :: a(3, basis%nmode), m(3, basis%nmode), centre(3, 3), inverse(3, 3), jac0, jac
+    integer :: q
+    logical :: fine
+
+    a = reshape(param(:3*basis%nmode), [3, basis%nmode])
+    ok = .true.
+    centre = 0.0_wp
+    jac0 = 0.0_wp
+    if (basis%nmode > 0) call centre_map(basis%nen, basis%dshp0, xr, centre, jac0, ok)
+    do q = 1, basis%nq
+      point(q)%xr = matmul(xr, basis%shp(:, q))
+      point(q)%xc = point(q)%xr + matmul(u, basis%shp(:, q))
+      call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xr, u, a, centre, jac0, &
+        point(q)%dg, inverse, jac, m, fine)
+      if (fine) then
+        point(q)%volume = basis%wgt(q)*jac
+        call add_stress(material, prop, point(q), fine)
+      end if
+      ok = ok .and. fine
+    end do
+  end subroutine recover
+
+  !> Stress and energy of a point whose deformation gradient is known.
+  pure subroutine add_stress(material, prop, point, ok)
+    type(material_t), intent(in) :: material
+    real(wp), intent(in) :: prop(:)
+    type(recovered_t), intent(inout) :: point
+    logical, intent(out) :: ok
+
+    real(wp) :: tau(6), c(6, 6)
+
+    call material%stress(prop, point%dg, tau, c, ok)
+    if (.not. ok) return
+    if (material%finite) tau = tau/det3(point%dg)
+    point%sig = tau
+    point%mises = von_mises(tau)
+    point%energy = material%energy(prop, point%dg)
+  end subroutine add_stress
+
+  !> Von Mises stress.
+  pure function von_mises(sig) result(mises)
+    real(wp), intent(in) :: sig(6)
+    real(wp) :: mises
+
+    mises = sqrt(0.5_wp*((sig(1) - sig(2))**2 + (sig(2) - sig(3))**2 + (sig(3) - sig(1))**2) &
+      + 3.0_wp*(sig(4)**2 + sig(5)**2 + sig(6)**2))
+  end function von_mises
+
+end module solid_recover
