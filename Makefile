@@ -191,8 +191,8 @@ lint:
 format:
 	@tools/setup.sh dev
 	@$(PYTHON) tools/format.py src && .venv/bin/ruff format $(PYTHONS)
-# The pages are written for a repository's viewer: $$..$$ for formulas in a line, links to .md files.
-FORD_WAY := 's/(^|[^$$])\$$([^$$]+)\$$/\1\\(\2\\)/g; s/\]\(([A-Za-z0-9_/]+)\.md/](\1.html/g'
+# The pages are written for a repository's viewer: # Title, $$..$$ in a line, links to .md files.
+FORD_WAY := '1s/^\# (.*)/---\ntitle: \1\n---/; s/(^|[^$$])\$$([^$$]+)\$$/\1\\(\2\\)/g; s/\]\(([A-Za-z0-9_/]+)\.md/](\1.html/g'
 doc:
 	@tools/setup.sh dev
 	@rm -rf $(BUILD)/doc_source && mkdir -p $(BUILD) && cp -r doc $(BUILD)/doc_source

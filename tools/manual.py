@@ -1,0 +1,97 @@
+"""Every word of the deck has a page in doc/manual and an example that runs.
+
+usage: manual.py [--bezel build/release/bezel] [--out build/manual]
+
+The words are those of `bezel --list commands` and of src/setup/setup_table.f90. A page is doc/manual/<KEY>.md, KEY the
+first four letters; its line `Example: [...](../../input/manual/<name>.inp)` names the example, which must use the word
+and end with code 0. Words that are not available yet say so on their page and need no example. Exit code 1 if anything is wrong.
+"""
+
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+import time
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+PAGES = TOP / "doc" / "manual"
+OF_THE_STREAM = ["LOOP", "NEXT", "INCLude", "END"]  # read below the table of mesh words
+NOT_YET = "Not available yet"
+LONGEST = 5.0  # seconds; an example runs in under one on a quiet machine
+
+
+def main(argv=None):
+    """Check pages and examples; returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
+    parser.add_argument("--out", type=pathlib.Path, default=TOP / "build/manual")
+    o = parser.parse_args(argv)
+    keys = sorted({word[:4].upper() for word in mesh_words() + command_words(o.bezel) + OF_THE_STREAM})
+    complaints = check_index(keys)
+    examples = {}
+    for key in keys:
+        complaints += check_page(key, examples)
+    complaints += [f"{p.name}: no word of the deck has this page" for p in PAGES.glob("[A-Z]*.md") if p.stem not in keys]
+    o.out.mkdir(parents=True, exist_ok=True)
+    for deck in sorted(set(examples.values())):
+        complaints += run_example(o.bezel.resolve(), deck, o.out)
+    unused = set((TOP / "input/manual").glob("*.inp")) - set(examples.values())
+    complaints += [f"input/manual/{deck.name}: no page names it" for deck in sorted(unused)]
+    print("\n".join([*complaints, f"{len(keys)} words, {len(set(examples.values()))} examples, {len(complaints)} complaints"]))
+    return 1 if complaints else 0
+
+
+def mesh_words():
+    """Words of the table of mesh words."""
+    return re.findall(r"call add\(table, '(\w+)'", (TOP / "src/setup/setup_table.f90").read_text())
+
+
+def command_words(bezel):
+    """Words of the table of commands, as the program lists them."""
+    listing = subprocess.run([bezel, "--list", "commands"], capture_output=True, text=True, check=True).stdout
+    return re.findall(r"^  (\w+)", listing, re.M)
+
+
+def check_index(keys):
+    """Complaints about the list of words."""
+    linked = re.findall(r"\((\w+)\.md\)", (PAGES / "index.md").read_text())
+    return [f"index.md: no link to {key}.md" for key in keys if key not in linked]
+
+
+def check_page(key, examples):
+    """Complaints about a page; its example goes into `examples`."""
+    page = PAGES / f"{key}.md"
+    if not page.exists():
+        return [f"{key}: no page doc/manual/{key}.md"]
+    text = page.read_text()
+    complaints = [
+        f"{page.name}: link to {link}, which does not exist"
+        for link in re.findall(r"\]\(([^)#:]+)\)", text)
+        if not (PAGES / link).exists()
+    ]
+    match = re.search(r"^Example: .*\(../../(input/manual/\w+\.inp)\)", text, re.M)
+    if not match:
+        return complaints if NOT_YET in text else [*complaints, f"{page.name}: no example"]
+    deck = TOP / match[1]
+    if not deck.exists():
+        return complaints
+    examples[key] = deck
+    if not re.search(rf"^\s*{key}", deck.read_text(), re.M | re.I):
+        complaints.append(f"{match[1]}: does not use {key}")
+    return complaints
+
+
+def run_example(bezel, deck, out):
+    """Complaints about a run."""
+    start = time.monotonic()
+    run = subprocess.run([bezel, "--quiet", "-o", out, deck], capture_output=True, text=True)
+    seconds = time.monotonic() - start
+    name = deck.relative_to(TOP)
+    if run.returncode != 0:
+        return [f"{name}: ended with code {run.returncode}\n{run.stderr.strip()}"]
+    return [f"{name}: took {seconds:.1f} s"] if seconds > LONGEST else []
+
+
+if __name__ == "__main__":
+    sys.exit(main())
