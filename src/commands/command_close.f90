@@ -3,7 +3,8 @@ module command_close
   use base_error, only: error_t
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use command_files, only: open_files, write_rows, write_fields, write_checkpoint
+  use command_files, only: open_files, write_rows, write_fields, write_checkpoint, drop_anchor
+  use linear_system, only: FULL
   use command_loop, only: cut_back
   use command_type, only: run_t
   use newton, only: close_newton, pass_t
@@ -12,6 +13,8 @@ module command_close
   implicit none
   private
   public :: close_step
+
+  integer, parameter :: ANCHOR = 10 !! steps between anchors where factors are kept
 
 contains
 
@@ -69,6 +72,8 @@ contains
     if (run%plan%save) then
       run%plan%save = .false.
       call write_checkpoint(run, error)
+    else if (run%newton%mode /= FULL .and. mod(run%state%step, ANCHOR) == 0) then
+      call drop_anchor(run)
     end if
   end subroutine write_step
 

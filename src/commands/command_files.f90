@@ -10,12 +10,13 @@ module command_files
   use command_type, only: run_t
   use curve_file, only: open_curve, write_row, close_curve, curve_names
   use curve_values, only: quantity_value
+  use linear_system, only: FULL
   use program_version, only: VERSION
   use result_file, only: open_result, write_result, close_result
   use restart_file, only: fingerprint_t, make_fingerprint, store => write_checkpoint, read_checkpoint
   implicit none
   private
-  public :: open_files, write_rows, write_fields, write_checkpoint, close_files, restore_run
+  public :: open_files, write_rows, write_fields, write_checkpoint, write_anchor, drop_anchor, close_files, restore_run
 
   integer, parameter :: LONG = 64 !! longest name of a column
 
@@ -102,15 +103,37 @@ contains
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
     type(fingerprint_t) :: print
-    type(bag_t) :: bag
 
+    call drop_anchor(run)
     call make_fingerprint(VERSION, run%deck_text, run%model, print)
-    call pack_run(run, bag)
-    call store(run%stem//'.restart.h5', print, run%state, bag, error)
+    call store(run%stem//'.restart.h5', print, run%anchor%state, run%anchor%bag, error)
     if (allocated(error)) return
-    if (run%newton%ready) call run%newton%system%force_refactor()
-    call log_line('checkpoint after step '//to_text(run%state%step)//' in '//run%stem//'.restart.h5')
+    call log_line('checkpoint after step '//to_text(run%anchor%state%step)//' in '//run%stem//'.restart.h5')
   end subroutine write_checkpoint
+
+  !> The same of the last anchor, for a stop that was not foreseen.
+  subroutine write_anchor(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    type(fingerprint_t) :: print
+
+    if (run%newton%mode == FULL .or. .not. run%anchor%set) then
+      call write_checkpoint(run, error)
+      return
+    end if
+    call make_fingerprint(VERSION, run%deck_text, run%model, print)
+    call store(run%stem//'.restart.h5', print, run%anchor%state, run%anchor%bag, error)
+  end subroutine write_anchor
+
+  !> From here on this run and one that is restarted here do the same: kept factors are forgotten.
+  subroutine drop_anchor(run)
+    type(run_t), intent(inout) :: run
+
+    if (run%newton%ready) call run%newton%system%force_refactor()
+    call pack_run(run, run%anchor%bag)
+    run%anchor%state = run%state
+    run%anchor%set = .true.
+  end subroutine drop_anchor
 
   !> Go on from a checkpoint.
   subroutine restore_run(run, path, error)

@@ -4,7 +4,7 @@ module command_stop
   use base_error, only: error_t, fail, STOPPED
   use base_system, only: stop_requested, wall_seconds
   use base_text, only: to_text
-  use command_files, only: write_checkpoint, close_files
+  use command_files, only: write_anchor, close_files
   use command_loop, only: rewind_step
   use command_type, only: run_t
   implicit none
@@ -29,11 +29,12 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (run%plan%open) call rewind_step(run)
-    call write_checkpoint(run, error)
+    call write_anchor(run, error)
     if (allocated(error)) return
     call close_files(run, error)
     if (allocated(error)) return
-    call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step)//' with a checkpoint', &
+    call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step)//'; the checkpoint is of step ' &
+      //to_text(run%anchor%state%step), &
       hint='go on with --restart '//run%stem//'.restart.h5')
   end subroutine stop_run
 

@@ -11,11 +11,12 @@ module command_type
   use newton, only: newton_t, pass_t
   use step_control, only: step_control_t
   use result_file, only: result_file_t
+  use bag, only: bag_t
   use byte_file, only: byte_file_t
   use curve_file, only: curve_file_t
   implicit none
   private
-  public :: run_t, command_t, command_row_t, loop_t, data_t, command_run_i, command_data_i, plan_t, row_t
+  public :: run_t, command_t, command_row_t, loop_t, data_t, command_run_i, command_data_i, plan_t, row_t, anchor_t
 
   !> Data records a command owns, read before the run starts.
   type :: data_t
@@ -77,6 +78,14 @@ module command_type
     real(wp), allocatable :: value(:)
   end type row_t
 
+  !> The last moment a restart can begin at and still repeat this run to the last bit. With FULL factorisation
+  !! that is the end of any step; where factors are kept it must be one at which they were forgotten.
+  type :: anchor_t
+    logical :: set = .false.
+    type(state_t) :: state
+    type(bag_t) :: bag
+  end type anchor_t
+
   !> Everything a command can reach.
   type :: run_t
     type(deck_t) :: deck
@@ -106,6 +115,7 @@ module command_type
     integer :: tplot_every = 1         !! rows of TPLOt's table
     logical :: restarted = .false.
     integer :: kept = 0                !! last step of the run before the restart
+    type(anchor_t) :: anchor
     type(row_t), allocatable :: last_row(:) !! of every curve, for the report
     logical, allocatable :: noted(:)   !! rows whose one note has been given
   end type run_t

@@ -3,7 +3,7 @@ module run
   use base_error, only: error_t, fail, NO_SOLUTION, STOPPED
   use base_error_list, only: error_list_t
   use command_close, only: close_step
-  use command_files, only: close_files, restore_run
+  use command_files, only: close_files, drop_anchor, restore_run
   use command_line, only: options_t
   use command_program, only: read_program, refresh
   use command_stop, only: stop_wanted, stop_run
@@ -48,6 +48,7 @@ contains
 
     if (allocated(options%restart)) call restore_run(job, options%restart, error)
     if (allocated(error)) return
+    call drop_anchor(job)
     do
       if (stop_wanted(job)) then
         call stop_run(job, error)

@@ -16,6 +16,7 @@ module newton
 
   real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2 !! of an energy, relative to sum |f||u|
   real(wp), parameter :: FORCE_TOLERANCE = 1.0e-9_wp   !! of the residual, relative to the largest nodal force
+  real(wp), parameter :: FORCING = 1.0e-3_wp           !! relative residual of a linear solve where factors are kept
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp       !! FEAP's: slope left after a line search
   integer, parameter :: LINE_TRIALS = 10
 
@@ -122,7 +123,7 @@ contains
       call multiply(newton%asm%k, newton%move, force)
       call free_part(model%eq, -state%reaction - force, newton%rhs)
     end if
-    call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, forcing(newton, pass), &
+    call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, FORCING, &
       pass%solve, error)
     if (allocated(error)) return
     if (pass%solve%singular) then
@@ -198,19 +199,6 @@ contains
     if (newton%converged .and. .not. newton%exact) &
       newton%converged = pass%residual <= FORCE_TOLERANCE*pass%sweep%largest
   end subroutine judge
-
-  !> Relative residual wanted of an iterative solve: tighter as the step converges.
-  pure function forcing(newton, pass) result(tolerance)
-    type(newton_t), intent(in) :: newton
-    type(pass_t), intent(in) :: pass
-    real(wp) :: tolerance
-
-    tolerance = 1.0e-3_wp
-    if (newton%mode == FULL .or. pass%residual <= 0.0_wp) return
-    if (newton%moves) return
-    tolerance = max(min(tolerance, 0.1_wp*FORCE_TOLERANCE*pass%sweep%largest/pass%residual), 1.0e-12_wp)
-    if (tolerance < 1.0e-4_wp) tolerance = max(tolerance, 1.0e-4_wp)
-  end function forcing
 
   !> Displacements move by s du from where the history stands.
   pure subroutine step_by(state, du, s)
