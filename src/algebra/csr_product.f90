@@ -4,7 +4,7 @@ module csr_product
   use csr_pattern, only: block_matrix_t
   implicit none
   private
-  public :: multiply, multiply_free, norm_inf
+  public :: multiply, multiply_free, row_sums
 
 contains
 
@@ -102,15 +102,14 @@ contains
     end do
   end subroutine multiply_free
 
-  !> Largest sum of absolute values in a row, over free rows and columns.
-  pure real(wp) function norm_inf(a, eq) result(norm)
+  !> Sums of absolute values of each row, over free rows and columns.
+  pure subroutine row_sums(a, eq, total)
     type(block_matrix_t), intent(in) :: a
-    integer, intent(in) :: eq(:, :) !! (3, nnode)
+    integer, intent(in) :: eq(:, :)       !! (3, nnode)
+    real(wp), intent(out) :: total(:)     !! (neq)
 
-    real(wp), allocatable :: total(:, :)
     integer :: i, j, n, m, p
 
-    allocate (total(3, a%nnode))
     total = 0.0_wp
     do n = 1, a%nnode
       do p = a%row(n), a%row(n + 1) - 1
@@ -118,14 +117,13 @@ contains
         do j = 1, 3
           do i = 1, 3
             if (eq(i, n) == 0 .or. eq(j, m) == 0) cycle
-            total(i, n) = total(i, n) + abs(a%val(i, j, p))
-            if (a%symmetric .and. n /= m) total(j, m) = total(j, m) + abs(a%val(i, j, p))
+            total(eq(i, n)) = total(eq(i, n)) + abs(a%val(i, j, p))
+            if (.not. a%symmetric .or. n == m) cycle
+            total(eq(j, m)) = total(eq(j, m)) + abs(a%val(i, j, p))
           end do
         end do
       end do
     end do
-    norm = 0.0_wp
-    if (a%nnode > 0) norm = maxval(total)
-  end function norm_inf
+  end subroutine row_sums
 
 end module csr_product

@@ -5,7 +5,7 @@ module krylov
   use base_kinds, only: wp
   use base_error, only: error_t
   use csr_pattern, only: block_matrix_t
-  use csr_product, only: multiply_free, norm_inf
+  use csr_product, only: multiply_free, row_sums
   use solver_type, only: solver_t
   implicit none
   private
@@ -197,13 +197,16 @@ contains
     type(krylov_report_t), intent(inout) :: report
 
     real(wp), parameter :: ROUNDING = 10*epsilon(1.0_wp)
+    real(wp), parameter :: WORST = 1e-6_wp !! beyond this the matrix is as good as singular
+    real(wp) :: total(size(b))
 
     report%residual = norm2(r)/norm2(b)
     report%converged = norm2(r) <= goal
     stops = report%converged .or. exhausted .or. .not. norm2(r) <= SLACK*before
     if (report%converged .or. .not. stops) return
-    report%converged = maxval(abs(r)) <= &
-      ROUNDING*(norm_inf(a, eq)*maxval(abs(x)) + maxval(abs(b)))
+    call row_sums(a, eq, total)
+    report%converged = report%residual <= WORST .and. &
+                       maxval(abs(r)) <= ROUNDING*(maxval(total)*maxval(abs(x)) + maxval(abs(b)))
   end function stops
 
 end module krylov

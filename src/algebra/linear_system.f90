@@ -15,6 +15,7 @@ module linear_system
   use csr_extract, only: entries_t, gather
   use solver_type, only: solver_t
   use solver_choice, only: new_solver
+  use null_space, only: prove_regular
   use solve_report, only: solve_report_t
   use reuse_policy, only: reuse_policy_t, note_factorisation, note_solve, iteration_limit
   use krylov, only: krylov_report_t, conjugate_gradients, gmres
@@ -39,6 +40,7 @@ module linear_system
     logical, private :: has_factors = .false.
     logical, private :: current = .false.         !! and they are those of the last matrix
     logical, private :: exact = .true.            !! factors are in double precision, not compressed
+    logical, private :: proved = .false.          !! a matrix of this system was regular
     logical, private :: escalated = .false.       !! approximate factors did not do for this problem
     type(reuse_policy_t), private :: policy
   contains
@@ -152,7 +154,13 @@ contains
       end if
       call iterate(ls, a, rhs, x, tolerance, run, report, error)
       if (allocated(error) .or. run%converged) exit
-      if (ls%current .and. ls%exact) exit ! there is nothing better
+      if (ls%current .and. ls%exact) then ! there is nothing better
+        call prove_regular(a, ls%eq, ls%solver, .true., report%null, error)
+        report%singular = size(report%null) > 0
+        ls%has_factors = .not. report%singular
+        if (report%singular) x = 0.0_wp
+        exit
+      end if
       if (ls%current) call escalate(ls)
       ls%policy%due = .true.
     end do
@@ -184,13 +192,17 @@ contains
       deallocate (values)
       report%factorised = .true.
       report%factorisations = report%factorisations + 1
-      if (size(ls%solver%info%null) == 0 .or. ls%exact) exit
+      report%null = ls%solver%info%null
+      if (.not. ls%proved .or. size(report%null) > 0) &
+        call prove_regular(a, ls%eq, ls%solver, ls%exact, report%null, error)
+      if (allocated(error)) return
+      if (size(report%null) == 0 .or. ls%exact) exit
       call escalate(ls)
     end do
     call note_factorisation(ls%policy, ls%solver%info%flops, ls%solver%info%entries)
-    ls%has_factors = size(ls%solver%info%null) == 0
+    ls%has_factors = size(report%null) == 0
+    ls%proved = ls%has_factors
     ls%current = ls%has_factors
-    report%null = ls%solver%info%null
     report%singular = .not. ls%has_factors
     report%converged = ls%has_factors
     call describe(ls, report)
@@ -269,6 +281,7 @@ contains
     class(linear_system_t), intent(inout) :: self
 
     self%policy = reuse_policy_t()
+    self%proved = .false.
     if (self%escalated) self%analysed = .false.
     self%escalated = .false.
   end subroutine force_refactor

@@ -6,6 +6,7 @@ module solver_dense
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
   use lapack, only: dgetrf, dgetrs, dsyev
   use solver_type, only: solver_t
+  use null_space, only: pick_dofs
   implicit none
   private
   public :: solver_dense_t
@@ -82,12 +83,13 @@ contains
     end if
   end subroutine factorise
 
-  !> Eigenvalues and eigenvectors; each null vector names its largest equation.
+  !> Eigenvalues and eigenvectors.
   subroutine factorise_symmetric(self, error)
     type(solver_dense_t), intent(inout) :: self
     type(error_t), allocatable, intent(out) :: error
 
     real(wp), allocatable :: work(:)
+    logical, allocatable :: is_null(:)
     integer :: status, i
 
     if (allocated(self%eigenvalue)) deallocate (self%eigenvalue)
@@ -97,13 +99,15 @@ contains
       call fail(error, SYSTEM_ERROR, 'LAPACK found no eigenvalues of the tangent')
       return
     end if
+    is_null = [(.false., i=1, self%neq)]
     do i = 1, self%neq
       if (abs(self%eigenvalue(i)) <= relative_rounding(self)*maxval(abs(self%eigenvalue))) then
-        self%info%null = [self%info%null, maxloc(abs(self%factor(:, i)), dim=1)]
+        is_null(i) = .true.
       else if (self%eigenvalue(i) < 0.0_wp) then
         self%info%negative = self%info%negative + 1
       end if
     end do
+    call pick_dofs(self%factor(:, pack([(i, i=1, self%neq)], is_null)), self%info%null)
   end subroutine factorise_symmetric
 
   !> What counts as nothing beside the largest number.

@@ -19,9 +19,9 @@ module solver_mumps
   integer, parameter :: ANALYSE_JOB = 1, FACTORISE_JOB = 2, SOLVE_JOB = 3
   integer, parameter :: SYMMETRIC_GENERAL = 2, UNSYMMETRIC = 0 !! values of SYM
   integer, parameter :: LAST_MARGIN = 1000    !! largest work space beyond the estimate [%]
-  !> A pivot of the scaled matrix below this counts as zero. Rounding leaves about 1e-15 of a rigid
-  !! motion; sound structures stay above the reciprocal of their condition number.
-  real(wp), parameter :: NULL_PIVOT = 2e-13_wp, NULL_PIVOT_SINGLE = 1e-7_wp
+  !> A pivot of the scaled matrix below this is an exact zero but for rounding (an equation without
+  !! stiffness). Free bodies leave larger ones: see null_space.
+  real(wp), parameter :: NULL_PIVOT = 1e-18_wp, NULL_PIVOT_SINGLE = 1e-12_wp
 
   !> One instance of MUMPS.
   type, extends(solver_t) :: solver_mumps_t
@@ -84,6 +84,7 @@ contains
     ordering = merge(ORDER_GIVEN, self%ordering, size(order) > 0)
     self%neq = neq
     self%symmetric = symmetric
+    self%pins_null_pivots = .true.
     self%info%null = [integer ::]
     if (neq == 0) return
     call start(self, error)
@@ -105,7 +106,8 @@ contains
     if (allocated(error)) return
     self%info%flops = self%rinfog(1)
     self%info%entries = count_of(self%infog(20))
-    self%info%estimate_mb = real(merge(self%infog(37), self%infog(17), self%low_rank > 0.0_wp), wp)
+    ! MUMPS rounds down to whole megabytes.
+    self%info%estimate_mb = 1 + merge(self%infog(37), self%infog(17), self%low_rank > 0.0_wp)
 
   contains
 

@@ -21,6 +21,7 @@ module solver_type
   type, abstract :: solver_t
     integer :: neq = 0
     logical :: symmetric = .true.
+    logical :: pins_null_pivots = .false. !! solves with what is left of a singular matrix
     type(factor_info_t) :: info
   contains
     procedure(analyse_i), deferred :: analyse

@@ -182,8 +182,10 @@ contains
     if (allocated(error)) then
       print '(4a)', name, ': ', error%message
     else
-      print '(a26, 5f9.3, es9.1, f9.1)', name, t(2:4) - t(1:3), &
-      solver%info%flops/(t(4) - t(3))*1e-9_wp, t(5) - t(4), solver%info%entries, solver%info%used_mb
+      associate (info => solver%info, seconds_factor => t(4) - t(3))
+        print '(a26, 5f9.3, es9.1, f9.1)', name, t(2:3) - t(1:2), seconds_factor, &
+          info%flops/seconds_factor*1e-9_wp, t(5) - t(4), info%entries, info%used_mb
+      end associate
     end if
     call solver%free()
   end subroutine time_direct
