@@ -17,6 +17,7 @@ ASSERTIONS = {
     for word in """True False Equal NotEqual LessThan LessThanOrEqual GreaterThan GreaterThanOrEqual
     Any All None IsNaN IsFinite Fail""".split()
 }
+LONGEST_NAME = 63  # Fortran's
 MARKS = ("test", "before", "after")
 
 
@@ -68,6 +69,8 @@ def tests_of(path):
         elif match := re.fullmatch(r"subroutine\s+(\w+)\s*(\(\s*\))?", code, re.I):
             if mark:
                 marked[mark].append(match[1])
+            if len(match[1]) > LONGEST_NAME:
+                raise BadTest(f"{path}:{number}: {match[1]} has more than {LONGEST_NAME} letters")
             mark = ""
         elif code and mark:
             raise BadTest(
