@@ -2,18 +2,19 @@
 !!
 !! Lines are kept in memory until the log is opened, as a wrong deck may touch no file.
 module base_log
-  use base_error, only: error_t, place_t, fail, render_note, SYSTEM_ERROR
+  use base_error, only: error_t, place_t, render_note
   use base_system, only: stderr_is_terminal
+  use byte_file, only: byte_file_t, open_bytes, write_text, flush_bytes, close_bytes
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
   private
   public :: open_log, close_log, log_line, warn, warning_count, progress, clear_progress, tell, &
     set_quiet
 
-  integer :: unit = 0                      !! 0: not open
-  character(:), allocatable :: kept        !! lines before it is
-  character(:), allocatable :: path_of_log
-  character(:), allocatable :: trouble     !! the first line that could not be written
+  type(byte_file_t) :: file
+  logical :: opened = .false.
+  character(:), allocatable :: kept       !! lines before it is
+  type(error_t), allocatable :: trouble   !! the first line that could not be written
   integer :: nkept = 0
   integer :: nwarning = 0
   integer :: shown = 0                     !! characters of the progress line on the screen
@@ -32,17 +33,10 @@ contains
   subroutine open_log(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
-    character(200) :: reason
-    integer :: io
 
-    open (newunit=unit, file=path, status='replace', action='write', iostat=io, iomsg=reason)
-    if (io /= 0) then
-      unit = 0
-      call fail(error, SYSTEM_ERROR, "cannot write '"//path//"': " &
-        //trim(reason(index(reason, ': ', back=.true.) + merge(2, 1, index(reason, ': ') > 0):)))
-      return
-    end if
-    path_of_log = path
+    call open_bytes(file, path, .false., error)
+    opened = .not. allocated(error)
+    if (.not. opened) return
     if (nkept > 0) call put(kept(:nkept - 1))
     nkept = 0
     if (allocated(kept)) deallocate (kept)
@@ -51,16 +45,12 @@ contains
   !> Close the log. A disk that was full meanwhile is an error.
   subroutine close_log(error)
     type(error_t), allocatable, intent(out) :: error
-    character(200) :: reason
-    integer :: io
 
     call clear_progress()
-    if (unit == 0) return
-    close (unit, iostat=io, iomsg=reason)
-    unit = 0
-    if (io /= 0 .and. .not. allocated(trouble)) trouble = trim(reason)
-    if (allocated(trouble)) call fail(error, SYSTEM_ERROR, "cannot write '"//path_of_log//"': " &
-      //trouble)
+    if (.not. opened) return
+    opened = .false.
+    call close_bytes(file, error)
+    if (allocated(trouble)) call move_alloc(trouble, error)
   end subroutine close_log
 
   !> One line, or several with line ends between them.
@@ -68,7 +58,7 @@ contains
     character(*), intent(in) :: text
     character(:), allocatable :: longer
 
-    if (unit /= 0) then
+    if (opened) then
       call put(text)
       return
     end if
@@ -85,12 +75,11 @@ contains
   !> Written at once, so that the log is whole where the process is killed.
   subroutine put(text)
     character(*), intent(in) :: text
-    character(200) :: reason
-    integer :: io
+    type(error_t), allocatable :: error
 
-    write (unit, '(a)', iostat=io, iomsg=reason) text
-    if (io == 0) flush (unit, iostat=io, iomsg=reason)
-    if (io /= 0 .and. .not. allocated(trouble)) trouble = trim(reason)
+    call write_text(file, text//new_line('a'), error)
+    if (.not. allocated(error)) call flush_bytes(file, error)
+    if (allocated(error) .and. .not. allocated(trouble)) call move_alloc(error, trouble)
   end subroutine put
 
   !> A warning: counted, into the log, and on the screen.
