@@ -99,6 +99,7 @@ contains
     if (spec%type == 'IGA') degree = spec%degree
     if (spec%type == 'Q2') degree = 2
     if (size(spec%enrich) > 0) degree = spec%enrich(1)%degree
+    if (spec%geometry /= GEO_HEMISPHERE) return
     do i = 2, size(spec%enrich)
       if (spec%enrich(i)%degree == degree) cycle
       call fail(error, DECK_ERROR, "the faces of hemisphere '"//spec%name//"' have orders " &
