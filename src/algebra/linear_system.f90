@@ -8,6 +8,7 @@
 !!
 !! The answer meets the same tolerance in every mode.
 module linear_system
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
   use base_system, only: available_memory_mb, wall_seconds
@@ -137,7 +138,7 @@ contains
     report%null = [integer ::]
     report%converged = .true.
     if (ls%neq == 0) return
-    if (.not. norm2(rhs) <= huge(tolerance)) then
+    if (.not. all(ieee_is_finite(rhs))) then
       call fail(error, NO_SOLUTION, 'the residual holds a number that is not finite')
       return
     end if
@@ -193,9 +194,10 @@ contains
       report%factorised = .true.
       report%factorisations = report%factorisations + 1
       report%null = ls%solver%info%null
-      if (.not. ls%proved .or. size(report%null) > 0) &
+      if (.not. ls%proved .or. size(report%null) > 0) then
         call prove_regular(a, ls%eq, ls%solver, ls%exact, report%null, error)
-      if (allocated(error)) return
+        if (allocated(error)) return
+      end if
       if (size(report%null) == 0 .or. ls%exact) exit
       call escalate(ls)
     end do

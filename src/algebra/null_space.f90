@@ -1,7 +1,7 @@
 !> Is a factorised matrix singular, and which motions are free?
 !!
-!! Pivots alone cannot tell: rounding leaves pivots of 1e-9 in a free slender body, and sound slender
-!! bodies have pivots of 1e-10. Two steps of inverse iteration find the smallest eigenvalue
+!! Pivots alone cannot tell: rounding leaves pivots of 1e-9 in a free slender body, and sound
+!! slender bodies have pivots of 1e-10. Two steps of inverse iteration find the smallest eigenvalue
 !! itself: of the order of the rounding unit where the matrix is singular, far above it elsewhere.
 !! All is measured on the matrix scaled to rows of unit sums, so that units and stiff parts do not
 !! matter.

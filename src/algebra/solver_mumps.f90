@@ -2,6 +2,7 @@
 !! The only file that sees MUMPS.
 !! Source: Amestoy, Duff, L'Excellent and Koster 2001 [bib: amestoy2001]; users' guide of MUMPS 5.5
 module solver_mumps
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
   use solver_type, only: solver_t
@@ -171,8 +172,7 @@ contains
       call fail(error, BUG, 'factorise was called before analyse')
       return
     end if
-    largest = maxval(abs(values)) ! may miss a NaN, the sum does not
-    if (.not. (abs(sum(values/max(largest, tiny(largest)))) <= huge(largest))) then
+    if (.not. all(ieee_is_finite(values))) then
       call fail(error, NO_SOLUTION, 'the tangent holds a number that is not finite')
       return
     end if
@@ -183,6 +183,7 @@ contains
     end if
     self%scale = 1.0_wp
     if (self%single) then
+      largest = maxval(abs(values))
       if (largest > 0.0_wp) self%scale = 2.0_wp**exponent(largest)
       self%s%a = real(values/self%scale, sp)
     else
