@@ -2,8 +2,7 @@
 module command_solve
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_log, only: log_line, progress
-  use base_text, only: to_text
+  use command_progress, only: show_iteration
   use command_type, only: run_t, command_t, command_row_t
   use command_loop, only: leave_loop, mark_step, cut_back
   use linear_system, only: FULL, REUSE, SINGLE, LOWRANK
@@ -104,14 +103,13 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
-    if (run%dry) return
+    if (run%dry .or. command%row == 0) return
     call ensure_step(run)
     run%pass = pass_t()
     call form_system(run%newton, run%model, run%state, run%newton%symmetric .or. &
       .not. is_unsymmetric(run%model), run%pass, error)
     if (allocated(error)) return
     if (.not. run%pass%ok) call cut_back(run, run%pass%trouble, error)
-    if (command%x(1) < 0.0_wp) return
   end subroutine run_form
 
   !> SOLV: solve for what the last FORM or TANG formed.
@@ -146,22 +144,9 @@ contains
     end if
     run%plan%solved = .true.
     run%iterations = run%iterations + 1
-    call log_iteration(run)
+    call show_iteration(run)
     if (run%newton%converged) call leave_loop(run)
   end subroutine after_solve
-
-  subroutine log_iteration(run)
-    type(run_t), intent(in) :: run
-    character(160) :: line
-
-    write (line, '(a,i6,a,es12.5,a,i4,3(a,es10.3))') 'step', run%state%step, '  time', run%state%time, &
-      '  iteration', run%newton%iterations, '  residual', run%pass%residual, '  energy', run%pass%energy, &
-      '  ratio', run%pass%ratio
-    if (run%pass%solve%iterations > 0) line = trim(line)//'  krylov '//to_text(run%pass%solve%iterations)
-    if (run%pass%line < 1.0_wp) line = trim(line)//'  line '//to_text(run%pass%line)
-    call log_line(trim(line))
-    call progress(trim(line))
-  end subroutine log_iteration
 
   !> A deck without TIME is one step at t = 0.
   subroutine ensure_step(run)

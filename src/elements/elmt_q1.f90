@@ -8,8 +8,8 @@ module elmt_q1
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
   use hexa_shape, only: linear, tensor_rule, join_faces, CORNER
-  use solid_batch, only: form_batch
   use solid_form, only: form
+  use solid_simd, only: choose_batch
   implicit none
   private
   public :: describe, set_rule, functions, set_topology
@@ -28,7 +28,7 @@ contains
     row%functions => functions
     row%topology => set_topology
     row%form => form
-    row%form_batch => form_batch
+    call choose_batch(row%form_batch)
   end function describe
 
   subroutine set_rule(cell, q, qz, rule)

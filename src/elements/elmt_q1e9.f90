@@ -10,8 +10,8 @@ module elmt_q1e9
   use element_type, only: element_t
   use elmt_q1, only: set_rule, functions, set_topology
   use hexa_shape, only: nine_modes
-  use solid_batch, only: form_batch
   use solid_form, only: form
+  use solid_simd, only: choose_batch
   implicit none
   private
   public :: describe
@@ -30,7 +30,7 @@ contains
     row%topology => set_topology
     row%modes => nine_modes
     row%form => form
-    row%form_batch => form_batch
+    call choose_batch(row%form_batch)
   end function describe
 
 end module elmt_q1e9

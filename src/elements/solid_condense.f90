@@ -2,6 +2,7 @@
 module solid_condense
   use base_kinds, only: wp
   use element_type, only: form_report_t
+  use lapack, only: dgemm
   use tensor, only: ldl_factor, ldl_solve
   implicit none
   private
@@ -16,13 +17,13 @@ contains
     integer, intent(in) :: nd, np
     real(wp), intent(in) :: full(nd + np, nd + np)
     real(wp), intent(in) :: rfull(nd + np)
-    real(wp), intent(out) :: k(:, :)      !! (nd, nd)
+    real(wp), intent(out) :: k(nd, nd)
     real(wp), intent(out) :: r(nd)
     real(wp), intent(out) :: m(np)
     real(wp), intent(out) :: l(np, nd)
     type(form_report_t), intent(inout) :: report
 
-    real(wp) :: f(np, np)
+    real(wp) :: f(np, np), x(nd, np)
     integer :: i, j
     logical :: ok
 
@@ -30,24 +31,46 @@ contains
     r = 0.0_wp
     f = full(nd + 1:, nd + 1:)
     m = rfull(nd + 1:)
-    l = full(nd + 1:, :nd)
+    x = full(:nd, nd + 1:)
+    l = 0.0_wp
     call ldl_factor(np, f, report%negative, ok)
     report%ok = report%ok .and. ok
     if (.not. ok) return
     call ldl_solve(np, f, 1, m)
-    call ldl_solve(np, f, nd, l)
+    call solve_rows(nd, np, f, x)
+    l = transpose(x)
     report%enhanced = abs(dot_product(m, rfull(nd + 1:)))
     r = rfull(:nd)
     do i = 1, np
       r = r - full(:nd, nd + i)*m(i)
     end do
-    do j = 1, nd
-      k(:j, j) = full(:j, j)
-      do i = 1, np
-        k(:j, j) = k(:j, j) - full(:j, nd + i)*l(i, j)
-      end do
+    x = full(:nd, nd + 1:)
+    k = full(:nd, :nd)
+    call dgemm('N', 'N', nd, nd, np, -1.0_wp, x, nd, l, np, 1.0_wp, k, nd)
+    do j = 1, nd ! rounding must not make it unsymmetric
       k(j, :j - 1) = k(:j - 1, j)
     end do
   end subroutine condense
+
+  !> x K_aa^-1 with the factors of ldl_factor: all rows at once, unlike ldl_solve.
+  pure subroutine solve_rows(nd, np, f, x)
+    integer, intent(in) :: nd, np
+    real(wp), intent(in) :: f(np, np)
+    real(wp), intent(inout) :: x(nd, np)
+
+    integer :: i, j
+
+    do j = 1, np
+      do i = 1, j - 1
+        x(:, j) = x(:, j) - x(:, i)*f(j, i)
+      end do
+    end do
+    do j = np, 1, -1
+      x(:, j) = x(:, j)/f(j, j)
+      do i = j + 1, np
+        x(:, j) = x(:, j) - x(:, i)*f(i, j)
+      end do
+    end do
+  end subroutine solve_rows
 
 end module solid_condense

@@ -13,6 +13,7 @@ module solid_form
   use base_kinds, only: wp
   use basis_type, only: basis_t
   use element_type, only: form_report_t
+  use lapack, only: dgemm
   use material_type, only: material_t
   use solid_condense, only: condense
   use solid_panel, only: add_moduli, add_general, add_symmetric, fold, CHUNK
@@ -97,12 +98,12 @@ contains
     real(wp) :: g(basis%nen + basis%nmode, 3, CHUNK)          ! gradients
     real(wp) :: p(size(g, 1), 3, size(g, 1), 3), s(size(g, 1), size(g, 1)), f(size(g, 1), 3)
     real(wp) :: centre(3, 3), jac0, w(CHUNK), tau(6, CHUNK), lam(CHUNK), mus(CHUNK), c(6, 6, CHUNK)
+    real(wp) :: xu(6, basis%nen)
     integer :: q, n, nall
 
     nall = size(g, 1)
-    p = 0.0_wp
-    s = 0.0_wp
-    f = 0.0_wp
+    xu(:3, :) = xr
+    xu(4:, :) = u
     centre = 0.0_wp
     jac0 = 0.0_wp
     ok = .true.
@@ -111,18 +112,18 @@ contains
     do q = 1, basis%nq
       if (.not. ok) exit
       n = n + 1
-      call evaluate_point(basis, material, prop, q, xr, u, a, centre, jac0, &
+      call evaluate_point(basis, material, prop, q, xu, a, centre, jac0, &
         g(:, :, n), w(n), tau(:, n), lam(n), mus(n), c(:, :, n), ok)
       if (n < CHUNK .and. q < basis%nq .or. .not. ok) cycle
-      call add_residual(nall, n, g, w, tau, f)
+      call add_residual(q <= CHUNK, nall, n, g, w, tau, f)
       if (.not. material%finite) tau(:, :n) = 0.0_wp ! no geometric part
       if (associated(material%moduli)) then
-        call add_moduli(nall, n, g, w, lam, mus, p)
+        call add_moduli(q <= CHUNK, nall, n, g, w, lam, mus, p)
       else
         mus(:n) = 0.0_wp
-        call add_general(nall, n, g, w, c, p)
+        call add_general(q <= CHUNK, nall, n, g, w, c, p)
       end if
-      call add_symmetric(nall, n, g, w, tau, mus, s)
+      call add_symmetric(q <= CHUNK, nall, n, g, w, tau, mus, s)
       n = 0
     end do
     if (ok) then
@@ -135,12 +136,12 @@ contains
   end subroutine integrate
 
   !> Gradients, volume, stress and tangent at one point.
-  pure subroutine evaluate_point(basis, material, prop, q, xr, u, a, centre, jac0, g, w, tau, lam, mus, c, ok)
+  pure subroutine evaluate_point(basis, material, prop, q, xu, a, centre, jac0, g, w, tau, lam, mus, c, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)
     integer, intent(in) :: q
-    real(wp), intent(in) :: xr(3, basis%nen), u(3, basis%nen), a(3, basis%nmode), centre(3, 3), jac0
+    real(wp), intent(in) :: xu(6, basis%nen), a(3, basis%nmode), centre(3, 3), jac0
     real(wp), intent(out) :: g(basis%nen + basis%nmode, 3)
     real(wp), intent(out) :: w, tau(6), lam, mus, c(6, 6)
     logical, intent(out) :: ok
@@ -148,7 +149,7 @@ contains
     real(wp) :: dg(3, 3), t(3, 3), back(3, 3), jac, det, m(3, basis%nmode)
     integer :: j
 
-    call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xr, u, a, centre, jac0, &
+    call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, centre, jac0, &
       dg, t, jac, m, ok)
     if (.not. ok) return
     w = basis%wgt(q)*jac
@@ -171,18 +172,21 @@ contains
   end subroutine evaluate_point
 
   !> r_a = sum_q w tau g_a.
-  pure subroutine add_residual(nall, nq, g, w, tau, r)
-    integer, intent(in) :: nall, nq
-    real(wp), intent(in) :: g(nall, 3, nq), w(nq), tau(6, nq)
-    real(wp), intent(inout) :: r(nall, 3)
+  pure subroutine add_residual(first, n, nq, g, w, tau, r)
+    logical, intent(in) :: first !! set instead of adding
+    integer, intent(in) :: n, nq
+    real(wp), intent(in) :: g(n, 3, nq), w(nq), tau(6, nq)
+    real(wp), intent(inout) :: r(n, 3)
 
+    real(wp) :: t(3, nq, 3) ! w tau, a column of tau at a time
     integer :: q
 
     do q = 1, nq
-      r(:, 1) = r(:, 1) + w(q)*(tau(1, q)*g(:, 1, q) + tau(4, q)*g(:, 2, q) + tau(6, q)*g(:, 3, q))
-      r(:, 2) = r(:, 2) + w(q)*(tau(4, q)*g(:, 1, q) + tau(2, q)*g(:, 2, q) + tau(5, q)*g(:, 3, q))
-      r(:, 3) = r(:, 3) + w(q)*(tau(6, q)*g(:, 1, q) + tau(5, q)*g(:, 2, q) + tau(3, q)*g(:, 3, q))
+      t(:, q, 1) = w(q)*tau([1, 4, 6], q)
+      t(:, q, 2) = w(q)*tau([4, 2, 5], q)
+      t(:, q, 3) = w(q)*tau([6, 5, 3], q)
     end do
+    call dgemm('N', 'N', n, 3, 3*nq, 1.0_wp, g, n, t, 3*nq, merge(0.0_wp, 1.0_wp, first), r, n)
   end subroutine add_residual
 
 end module solid_form

@@ -11,42 +11,46 @@ module solid_panel
 contains
 
   !> p_ij += G_i lam G_j^T + G_j mus G_i^T for i <= j: the parts lam g_a x g_b + mus g_b x g_a.
-  pure subroutine add_moduli(n, nq, g, w, lam, mus, p)
+  pure subroutine add_moduli(first, n, nq, g, w, lam, mus, p)
+    logical, intent(in) :: first !! set instead of adding
     integer, intent(in) :: n, nq
     real(wp), intent(in) :: g(n, 3, nq) !! gradients
     real(wp), intent(in) :: w(nq), lam(nq), mus(nq)
     real(wp), intent(inout) :: p(n, 3, n, 3) !! function, direction, function, direction
 
-    real(wp) :: gl(n, 3, nq), gm(n, 3, nq)
+    real(wp) :: gl(n, 3, nq), gm(n, 3, nq), keep
     integer :: q, i, j
 
+    keep = merge(0.0_wp, 1.0_wp, first)
     do q = 1, nq
       gl(:, :, q) = (w(q)*lam(q))*g(:, :, q)
       gm(:, :, q) = (w(q)*mus(q))*g(:, :, q)
     end do
     do j = 1, 3
       do i = 1, j - 1
-        call add_block(n, nq, gl(1, i, 1), g(1, j, 1), p(1, i, 1, j))
-        call add_block(n, nq, gm(1, j, 1), g(1, i, 1), p(1, i, 1, j))
+        call add_block(keep, n, nq, gl(1, i, 1), g(1, j, 1), p(1, i, 1, j))
+        call add_block(1.0_wp, n, nq, gm(1, j, 1), g(1, i, 1), p(1, i, 1, j))
       end do
     end do
     gl = gl + gm
     do i = 1, 3
-      call add_block(n, nq, gl(1, i, 1), g(1, i, 1), p(1, i, 1, i))
+      call add_block(keep, n, nq, gl(1, i, 1), g(1, i, 1), p(1, i, 1, i))
     end do
   end subroutine add_moduli
 
-  !> One block: functions a by functions b, summed over the points.
-  pure subroutine add_block(n, nq, a, b, c)
+  !> One block: keep c + functions a by functions b, summed over the points.
+  pure subroutine add_block(keep, n, nq, a, b, c)
+    real(wp), intent(in) :: keep !! 0: set, 1: add
     integer, intent(in) :: n, nq
     real(wp), intent(in) :: a(3*n, *), b(3*n, *) !! the first n of a column count
     real(wp), intent(inout) :: c(3*n, *)
 
-    call dgemm('N', 'T', n, n, nq, 1.0_wp, a, 3*n, b, 3*n, 1.0_wp, c, 3*n)
+    call dgemm('N', 'T', n, n, nq, 1.0_wp, a, 3*n, b, 3*n, keep, c, 3*n)
   end subroutine add_block
 
   !> p += B^T c B with a full 6 by 6 tangent, all blocks.
-  pure subroutine add_general(n, nq, g, w, c, p)
+  pure subroutine add_general(first, n, nq, g, w, c, p)
+    logical, intent(in) :: first !! set instead of adding
     integer, intent(in) :: n, nq
     real(wp), intent(in) :: g(n, 3, nq), w(nq), c(6, 6, nq)
     real(wp), intent(inout) :: p(n, 3, n, 3)
@@ -71,12 +75,13 @@ contains
           cb(:, :, j) = cb(:, :, j) + (w(q)*c(j, i, q))*b(:, :, i)
         end do
       end do
-      call dgemm('N', 'T', 3*n, 3*n, 6, 1.0_wp, b, 3*n, cb, 3*n, 1.0_wp, p, 3*n)
+      call dgemm('N', 'T', 3*n, 3*n, 6, 1.0_wp, b, 3*n, cb, 3*n, merge(0.0_wp, 1.0_wp, first .and. q == 1), p, 3*n)
     end do
   end subroutine add_general
 
   !> s += g_a . (tau + mus 1) g_b.
-  pure subroutine add_symmetric(n, nq, g, w, tau, mus, s)
+  pure subroutine add_symmetric(first, n, nq, g, w, tau, mus, s)
+    logical, intent(in) :: first !! set instead of adding
     integer, intent(in) :: n, nq
     real(wp), intent(in) :: g(n, 3, nq), w(nq), tau(6, nq), mus(nq)
     real(wp), intent(inout) :: s(n, n)
@@ -91,7 +96,7 @@ contains
       t(:, 2, q) = x(4)*g(:, 1, q) + x(2)*g(:, 2, q) + x(5)*g(:, 3, q)
       t(:, 3, q) = x(6)*g(:, 1, q) + x(5)*g(:, 2, q) + x(3)*g(:, 3, q)
     end do
-    call dgemm('N', 'T', n, n, 3*nq, 1.0_wp, g, n, t, n, 1.0_wp, s, n)
+    call dgemm('N', 'T', n, n, 3*nq, 1.0_wp, g, n, t, n, merge(0.0_wp, 1.0_wp, first), s, n)
   end subroutine add_symmetric
 
   !> Element matrix, dofs of a function together, from blocks p and the diagonal part s.

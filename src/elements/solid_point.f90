@@ -1,6 +1,7 @@
 !> Kinematics at a point of a solid: the map, the deformation gradient, the enhancement.
 module solid_point
   use base_kinds, only: wp
+  use lapack, only: dgemm
   use tensor, only: inv3
   implicit none
   private
@@ -12,12 +13,11 @@ contains
   !!
   !! F = 1 + sum_a u_a x G_a + sum_i a_i x M_i,  G_a = J^-T dN_a,  M_i = (j0/j) J0^-T m_i
   !! (Simo and Armero 1992; F0 drops out as the mode space is closed under left multiplication).
-  pure subroutine deform(nen, nmode, dshp, mode, xr, u, a, centre, jac0, dg, inverse, jac, m, ok)
+  pure subroutine deform(nen, nmode, dshp, mode, xu, a, centre, jac0, dg, inverse, jac, m, ok)
     integer, intent(in) :: nen, nmode
     real(wp), intent(in) :: dshp(3, nen)   !! parent derivatives of the functions
     real(wp), intent(in) :: mode(3, nmode) !! parent covectors of the modes
-    real(wp), intent(in) :: xr(3, nen)     !! reference positions [L]
-    real(wp), intent(in) :: u(3, nen)      !! displacements [L]
+    real(wp), intent(in) :: xu(6, nen)     !! reference positions, then displacements [L]
     real(wp), intent(in) :: a(3, nmode)    !! enhanced parameters [L]
     real(wp), intent(in) :: centre(3, 3)   !! J0^-1 [1/L]
     real(wp), intent(in) :: jac0           !! j0 [L^3]
@@ -27,23 +27,16 @@ contains
     real(wp), intent(out) :: m(3, nmode)   !! material covectors of the modes [1/L]
     logical, intent(out) :: ok             !! .false.: the reference map is inverted here
 
-    real(wp) :: map(3, 3), h(3, 3)
+    real(wp) :: map(6, 3)
     integer :: n, j
 
-    map = 0.0_wp
-    h = 0.0_wp
-    do n = 1, nen
-      do j = 1, 3
-        map(:, j) = map(:, j) + xr(:, n)*dshp(j, n)
-        h(:, j) = h(:, j) + u(:, n)*dshp(j, n)
-      end do
-    end do
+    call dgemm('N', 'T', 6, 3, nen, 1.0_wp, xu, 6, dshp, 3, 0.0_wp, map, 6)
     dg = 0.0_wp
     m = 0.0_wp
-    call invert_map(map, inverse, jac, ok)
+    call invert_map(map(:3, :), inverse, jac, ok)
     if (.not. ok) return
     do j = 1, 3
-      dg(:, j) = h(:, 1)*inverse(1, j) + h(:, 2)*inverse(2, j) + h(:, 3)*inverse(3, j)
+      dg(:, j) = map(4:, 1)*inverse(1, j) + map(4:, 2)*inverse(2, j) + map(4:, 3)*inverse(3, j)
     end do
     do n = 1, nmode
       do j = 1, 3

@@ -35,10 +35,13 @@ contains
     logical, intent(out) :: ok        !! .false.: inverted at a point, whose stress and energy are zero
 
     real(wp) :: a(3, basis%nmode), m(3, basis%nmode), centre(3, 3), inverse(3, 3), jac0, jac
+    real(wp) :: xu(6, basis%nen)
     integer :: q
     logical :: fine
 
     a = reshape(param(:3*basis%nmode), [3, basis%nmode])
+    xu(:3, :) = xr
+    xu(4:, :) = u
     ok = .true.
     centre = 0.0_wp
     jac0 = 0.0_wp
@@ -46,7 +49,7 @@ contains
     do q = 1, basis%nq
       point(q)%xr = matmul(xr, basis%shp(:, q))
       point(q)%xc = point(q)%xr + matmul(u, basis%shp(:, q))
-      call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xr, u, a, centre, jac0, &
+      call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, centre, jac0, &
         point(q)%dg, inverse, jac, m, fine)
       if (fine) then
         point(q)%volume = basis%wgt(q)*jac

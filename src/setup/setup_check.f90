@@ -1,0 +1,232 @@
+!> What the records say about each other, before anything is meshed; and the mesh before it is used.
+module setup_check
+  use base_kinds, only: wp
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_text, only: to_text, quoted, nearest
+  use mesh, only: mesh_t
+  use setup_build, only: build_t
+  use setup_material, only: material_index
+  use setup_patch, only: patch_named
+  use setup_solid, only: npatch_name
+  use setup_where, only: where_t, W_FACES, W_EDGE
+  use tensor, only: det3
+  implicit none
+  private
+  public :: check_references, check_jacobians
+
+contains
+
+  !> Names and numbers that records refer to; errors go to the list.
+  subroutine check_references(build)
+    type(build_t), intent(inout) :: build
+    integer :: i, j
+
+    if (build%incomplete) return ! something was skipped: what is missing may have stood there
+    call check_patches(build)
+    do i = 1, size(build%npatch)
+      call check_material(build, build%npatch(i)%material, build%npatch(i)%place)
+      call check_words(build, build%npatch(i)%material, .true.)
+    end do
+    call check_element_materials(build)
+    do i = 1, size(build%support)
+      call check_where(build, build%support(i)%at)
+    end do
+    do i = 1, size(build%move)
+      call check_where(build, build%move(i)%at)
+    end do
+    do i = 1, size(build%press)
+      call check_where(build, build%press(i)%at)
+    end do
+    do i = 1, size(build%curve)
+      do j = 1, size(build%curve(i)%column)
+        associate (c => build%curve(i)%column(j))
+          if (c%at%kind /= 0) call check_where(build, c%at)
+          if (allocated(c%body)) call check_name(build, c%body, c%body_place)
+        end associate
+      end do
+    end do
+  end subroutine check_references
+
+  !> Materials and NPATch geometry of the patches.
+  subroutine check_patches(build)
+    type(build_t), intent(inout) :: build
+    type(error_t), allocatable :: error
+    integer :: i
+
+    do i = 1, size(build%patch)
+      associate (p => build%patch(i))
+        if (.not. allocated(p%material_place%file)) cycle ! its own error is in the list
+        call check_material(build, p%material, p%material_place)
+        call check_words(build, p%material, .false.)
+        if (p%npatch == 0) cycle
+        if (p%npatch > size(build%npatch)) then
+          call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', p%npatch_place, &
+            'the deck has '//to_text(size(build%npatch))//' NPATch solids')
+          call build%errors%add(error)
+        else
+          build%npatch(p%npatch)%is_geometry = .true.
+        end if
+      end associate
+    end do
+  end subroutine check_patches
+
+  subroutine check_material(build, number, place)
+    type(build_t), intent(inout) :: build
+    integer, intent(in) :: number
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable :: error
+    character(:), allocatable :: hint
+    integer :: i
+
+    if (material_index(build, number) > 0) return
+    hint = 'the deck has no MATErial'
+    if (size(build%model%material) > 0) hint = 'defined:'
+    do i = 1, min(size(build%model%material), 20)
+      hint = hint//' '//to_text(build%model%material(i)%number)
+    end do
+    call fail(error, DECK_ERROR, 'material '//to_text(number)//' is not defined', place, hint)
+    call build%errors%add(error)
+  end subroutine check_material
+
+  !> Words of a material that the formulation of a body does not use.
+  subroutine check_words(build, number, is_npatch)
+    type(build_t), intent(inout) :: build
+    integer, intent(in) :: number
+    logical, intent(in) :: is_npatch
+    type(error_t), allocatable :: error
+    integer :: m
+
+    m = material_index(build, number)
+    if (m == 0) return
+    associate (set => build%model%material(m))
+      if (set%given_formulation .and. .not. is_npatch) then
+        call fail(error, DECK_ERROR, 'material '//to_text(number)//' has DISPlacement or ENHAnced, but a PATCh uses it', &
+          set%place, 'remove the word: TYPE decides in a PATCh')
+      else if (set%enhanced .and. is_npatch) then
+        call fail(error, DECK_ERROR, 'material '//to_text(number)//' is ENHAnced, but an NPATch uses it', &
+          set%place, 'enhanced modes belong to 8-node elements')
+      else if (any(set%nurbs_points > 0) .and. .not. is_npatch) then
+        call fail(error, DECK_ERROR, 'material '//to_text(number)//' has NURB interp, but a PATCh uses it', &
+          set%place, 'remove the word: QUADrature in the PATCh chooses the points')
+      end if
+    end associate
+    if (.not. allocated(error)) return
+    call build%errors%add(error)
+    build%model%material(m)%given_formulation = .false. ! said once
+    build%model%material(m)%enhanced = .false.
+    build%model%material(m)%nurbs_points = 0
+  end subroutine check_words
+
+  !> Materials of ELEM and BLOC, each unknown one once.
+  subroutine check_element_materials(build)
+    type(build_t), intent(inout) :: build
+    integer, allocatable :: missing(:)
+    integer :: e, last
+
+    allocate (missing(0))
+    last = -1
+    do e = 1, build%elements%top
+      if (build%elements%nen(e) == 0) cycle
+      associate (m => build%elements%material(e))
+        if (m == last) cycle
+        last = m
+        if (material_index(build, m) > 0 .or. any(missing == m)) cycle
+        missing = [missing, m]
+        call check_material(build, m, build%places%at(build%elements%place(e)))
+      end associate
+    end do
+  end subroutine check_element_materials
+
+  subroutine check_where(build, at)
+    type(build_t), intent(inout) :: build
+    type(where_t), intent(in) :: at
+
+    if (at%kind == W_FACES .or. at%kind == W_EDGE) call check_name(build, at%body, at%place)
+  end subroutine check_where
+
+  !> A patch of that name, or an NPATch.
+  subroutine check_name(build, name, place)
+    type(build_t), intent(inout) :: build
+    character(*), intent(in) :: name
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable :: error
+    character(len(name) + 64), allocatable :: names(:)
+    character(:), allocatable :: hint
+    integer :: i
+
+    if (patch_named(build, name) > 0) return
+    allocate (names(size(build%patch) + size(build%npatch)))
+    do i = 1, size(build%patch)
+      names(i) = build%patch(i)%spec%name
+    end do
+    do i = 1, size(build%npatch)
+      names(size(build%patch) + i) = npatch_name(i)
+      if (npatch_name(i) == name .and. .not. build%npatch(i)%is_geometry) return
+    end do
+    if (size(names) == 0) then
+      hint = 'the deck has no PATCh; NODE n, POINt x y z and PLANe direction coordinate need none'
+    else
+      hint = 'did you mean '//nearest(name, names)//'?'
+    end if
+    call fail(error, DECK_ERROR, 'patch '//quoted(name)//' is not defined', place, hint)
+    call build%errors%add(error)
+  end subroutine check_name
+
+  !> Every element must be right-handed at all its integration points; one message a block.
+  subroutine check_jacobians(build, mesh)
+    type(build_t), intent(inout) :: build
+    type(mesh_t), intent(in) :: mesh
+    type(error_t), allocatable :: error
+    type(place_t) :: place
+    character(:), allocatable :: text
+    real(wp) :: least, worst
+    integer :: b, e, first, bad
+
+    do b = 1, size(mesh%block)
+      bad = 0
+      first = 0
+      worst = 0.0_wp
+      do e = 1, mesh%block(b)%nelem
+        least = smallest_jacobian(mesh, b, e)
+        if (least > 0.0_wp) cycle
+        bad = bad + 1
+        if (first == 0) then
+          first = e
+          worst = least
+        end if
+      end do
+      if (bad == 0) cycle
+      associate (block => mesh%block(b))
+        text = 'element '//to_text(block%number(first))//' is inverted: its Jacobian is '//to_text(worst)
+        if (bad > 1) text = text//', and '//to_text(bad - 1)//' more are'
+        if (block%body > 0) then
+          place = mesh%body(block%body)%place
+        else
+          place = build%places%at(build%elements%place(block%number(first)))
+        end if
+      end associate
+      call fail(error, DECK_ERROR, text, place, &
+        'the first four nodes go counter-clockwise seen from the other four')
+      call build%errors%add(error)
+    end do
+  end subroutine check_jacobians
+
+  pure real(wp) function smallest_jacobian(mesh, b, e) result(least)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: b, e
+    real(wp) :: x(3, mesh%block(b)%nen)
+    integer :: q
+
+    least = huge(least)
+    associate (block => mesh%block(b))
+      x = mesh%xr(:, block%conn(:, e))
+      associate (basis => block%basis(block%ibasis(e)))
+        do q = 1, basis%nq
+          least = min(least, det3(matmul(x, transpose(basis%dshp(:, :, q)))))
+        end do
+      end associate
+    end associate
+    if (.not. least < huge(least)) least = 0.0_wp
+  end function smallest_jacobian
+
+end module setup_check

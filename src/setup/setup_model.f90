@@ -1,0 +1,187 @@
+!> From the first record of a deck to the END of its mesh.
+module setup_model
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error_list, only: error_list_t
+  use base_text, only: to_text, quoted, nearest
+  use deck_record, only: record_t, RECORD_WORDS
+  use deck_stream, only: deck_t
+  use model, only: model_t
+  use setup_build, only: build_t, mesh_read_i, skip_set, row_of, known_word
+  use setup_control, only: read_title, read_control
+  use setup_finish, only: finish
+  use setup_table, only: load_mesh_words
+  implicit none
+  private
+  public :: build_model
+
+  !> Blocks in which a comment alone does not count as blank.
+  character(16), parameter :: OURS(3) = [character(16) :: 'PATCh', 'CURVe', 'CONTact']
+
+contains
+
+  !> Read the mesh part of a deck. Independent errors are collected in `errors`; `error` is one after
+  !! which reading could not go on.
+  subroutine build_model(deck, model, errors, error)
+    type(deck_t), intent(inout) :: deck
+    type(model_t), intent(inout) :: model
+    type(error_list_t), intent(inout) :: errors
+    type(error_t), allocatable, intent(out) :: error
+    type(build_t) :: build
+
+    call start(build)
+    call read_title(build, deck, error)
+    if (allocated(error)) return
+    call read_control(build, deck, error)
+    if (allocated(error)) then
+      if (error%code /= DECK_ERROR) return
+      call build%errors%add(error)
+      deallocate (error)
+    end if
+    call read_words(build, deck, error)
+    if (.not. allocated(error)) call finish(build)
+    errors = build%errors
+    model = build%model
+  end subroutine build_model
+
+  !> An empty model.
+  subroutine start(build)
+    type(build_t), intent(inout) :: build
+
+    call load_mesh_words(build%row)
+    allocate (build%model%material(0), build%patch(0), build%npatch(0), build%knots(0), build%support(0))
+    allocate (build%move(0), build%press(0), build%curve(0), build%tie(0))
+  end subroutine start
+
+  !> Word after word up to END.
+  subroutine read_words(build, deck, error)
+    type(build_t), intent(inout) :: build
+    type(deck_t), intent(inout) :: deck
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    integer :: r
+
+    do
+      if (build%has_pending) then
+        record = build%pending
+        build%has_pending = .false.
+      else
+        call deck%next(record, error)
+        if (allocated(error)) return
+      end if
+      if (record%is_blank()) cycle
+      if (record%is_end() .or. record%key(1) == 'batc' .or. record%key(1) == 'inte' .or. record%key(1) == 'stop') then
+        call fail(error, DECK_ERROR, 'the mesh has no END', record%place(1), 'END closes the mesh, before BATCh')
+        return
+      end if
+      if (record%key(1) == 'end') exit
+      r = row_of(build, record%text(1))
+      if (r == 0) then
+        call pass_unknown(build, deck, record, error)
+      else
+        call read_word(build, deck, record, r, error)
+      end if
+      if (allocated(error)) return
+    end do
+  end subroutine read_words
+
+  !> One known word; after an error reading goes on behind its set.
+  subroutine read_word(build, deck, record, r, error)
+    type(build_t), intent(inout) :: build
+    type(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: r
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: found
+    procedure(mesh_read_i), pointer :: read
+    character(:), allocatable :: belongs
+
+    belongs = closed_hint(build, record)
+    build%in_set = build%row(r)%has_set
+    build%keeps_comments = any(build%row(r)%name == OURS)
+    if (build%in_set) then
+      build%closed = r
+      build%closed_place = record%place(1)
+      build%closed_line = 0
+    end if
+    read => build%row(r)%read
+    call read(build, deck, record, found)
+    if (.not. allocated(found)) return
+    if (build%row(r)%name == 'PARAmeters' .or. found%code /= DECK_ERROR) then
+      call move_alloc(found, error) ! what follows would fail without the parameters
+      return
+    end if
+    if (len(belongs) > 0 .and. found%place%line == record%line) found%hint = belongs
+    call build%errors%add(found)
+    call skip_set(build, deck, error)
+  end subroutine read_word
+
+  !> Where a record would belong to the set closed last: how to put it there. Else empty.
+  function closed_hint(build, record) result(hint)
+    type(build_t), intent(in) :: build
+    type(record_t), intent(in) :: record
+    character(:), allocatable :: hint
+    logical :: belongs
+    character(4) :: key
+
+    hint = ''
+    key = record%key(1)
+    if (build%closed == 0 .or. build%in_set .or. build%closed_line == 0) return
+    associate (row => build%row(build%closed))
+      belongs = index(' '//trim(row%records)//' ', ' '//trim(upper(record%key(1)))//' ') > 0
+      if (row%has_numbers) belongs = belongs .or. scan(key, '0123456789') == 1
+      if (belongs) hint = quoted(record%text(1))//' may belong to '//trim(row%name)//', which the blank record in line ' &
+        //to_text(build%closed_line)//' closed'
+    end associate
+  end function closed_hint
+
+  pure function upper(key) result(text)
+    character(4), intent(in) :: key
+    character(4) :: text
+    integer :: i
+
+    text = key
+    do i = 1, 4
+      if (key(i:i) >= 'a' .and. key(i:i) <= 'z') text(i:i) = achar(iachar(key(i:i)) - 32)
+    end do
+  end function upper
+
+  !> An unknown word and the nearest known one; its records are passed over.
+  subroutine pass_unknown(build, deck, record, error)
+    type(build_t), intent(inout) :: build
+    type(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: record
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: found
+    type(record_t) :: next
+    character(:), allocatable :: hint, word
+    integer :: r
+    logical :: to_blank
+
+    word = nearest(record%text(1), build%row%name)
+    r = row_of(build, word)
+    to_blank = build%row(r)%has_set .and. .not. build%row(r)%has_numbers
+    hint = closed_hint(build, record)
+    if (len(hint) == 0) then
+      hint = 'did you mean '//word//'?'
+    else
+      to_blank = .true.
+    end if
+    call fail(found, DECK_ERROR, 'unknown word '//quoted(record%text(1)), record%place(1), hint)
+    call build%errors%add(found)
+    build%incomplete = .true.
+    do
+      if (any(word == OURS)) then
+        call deck%next_in_block(next, error)
+      else
+        call deck%next_of_set(next, error)
+      end if
+      if (allocated(error) .or. next%is_blank()) return
+      if (to_blank .and. .not. (next%is_end() .or. next%key(1) == 'end' .or. next%key(1) == 'batc')) cycle
+      if (next%kind == RECORD_WORDS .and. .not. known_word(build, next%text(1))) cycle
+      build%has_pending = .true.
+      build%pending = next
+      return
+    end do
+  end subroutine pass_unknown
+
+end module setup_model

@@ -1,0 +1,79 @@
+!> The one list of mesh words: a new word is a reader in a file of its group and a line here.
+module setup_table
+  use setup_build, only: mesh_word_t, mesh_read_i
+  use setup_block, only: read_block
+  use setup_contact, only: read_contact
+  use setup_curve, only: read_curve
+  use setup_elements, only: read_elements
+  use setup_material, only: read_material
+  use setup_motion, only: read_fix, read_move, read_pressure
+  use setup_nodal, only: read_boundary, read_forces, read_displacements, read_load_numbers
+  use setup_nodes, only: read_coordinates, read_nurbs, read_transform
+  use setup_npatch, only: read_knots, read_npatch
+  use setup_patch, only: read_patch
+  use setup_requests, only: read_ebou, read_edis, read_efor, read_epro, read_cbou, read_cdis, read_cfor, &
+    read_csur
+  use setup_words, only: read_para, read_print, read_tie
+  implicit none
+  private
+  public :: load_mesh_words
+
+  integer, parameter :: ALONE = 0, WORDS = 1, NUMBERS = 2 !! what follows a word
+
+contains
+
+  !> Rows of all words. `records` are the words that stand in a block, for hints.
+  subroutine load_mesh_words(table)
+    type(mesh_word_t), allocatable, intent(out) :: table(:)
+
+    allocate (table(0))
+    call add(table, 'COORdinates', NUMBERS, read_coordinates)
+    call add(table, 'ELEMents', NUMBERS, read_elements)
+    call add(table, 'BLOCk', WORDS, read_block, 'CART BRIC HEXA MATE')
+    call add(table, 'BOUNdary', NUMBERS, read_boundary)
+    call add(table, 'FORCe', NUMBERS, read_forces)
+    call add(table, 'DISPlacement', NUMBERS, read_displacements)
+    call add(table, 'FPROportional', NUMBERS, read_load_numbers)
+    call add(table, 'EBOUndary', NUMBERS, read_ebou, 'GAP')
+    call add(table, 'EDISplacement', NUMBERS, read_edis, 'GAP')
+    call add(table, 'EFORce', NUMBERS, read_efor, 'GAP')
+    call add(table, 'EPROportional', NUMBERS, read_epro, 'GAP')
+    call add(table, 'CBOUndary', WORDS, read_cbou, 'NODE SURF GAP CART')
+    call add(table, 'CDISplacement', WORDS, read_cdis, 'NODE GAP CART')
+    call add(table, 'CFORce', WORDS, read_cfor, 'NODE GAP CART')
+    call add(table, 'CSURface', WORDS, read_csur, 'NODE SURF GAP CART NORM')
+    call add(table, 'TRANsform', NUMBERS, read_transform)
+    call add(table, 'TIE', ALONE, read_tie)
+    call add(table, 'PARAmeters', WORDS, read_para)
+    call add(table, 'PRINt', ALONE, read_print)
+    call add(table, 'NOPRint', ALONE, read_print)
+    call add(table, 'MATErial', WORDS, read_material, 'SOLI ELAS SMAL FINI DISP ENHA DENS BODY NURB')
+    call add(table, 'NURBs', NUMBERS, read_nurbs)
+    call add(table, 'KNOTs', WORDS, read_knots, 'OPEN')
+    call add(table, 'NPATch', WORDS, read_npatch, 'SOLI')
+    call add(table, 'PATCh', WORDS, read_patch, &
+      'BOX HEMI NPAT FILE ROTA TRAN ELEM KNOT TYPE ENRI QUAD MATE')
+    call add(table, 'FIX', ALONE, read_fix)
+    call add(table, 'MOVE', ALONE, read_move)
+    call add(table, 'PRESsure', ALONE, read_pressure)
+    call add(table, 'CONTact', WORDS, read_contact, 'SURF NORM FRIC COHE BOND DEPT QUAD')
+    call add(table, 'CURVe', WORDS, read_curve, 'FORC TORQ DISP CONT STRE ENER MAXI')
+  end subroutine load_mesh_words
+
+  subroutine add(table, name, follows, read, records)
+    type(mesh_word_t), allocatable, intent(inout) :: table(:)
+    character(*), intent(in) :: name
+    integer, intent(in) :: follows
+    procedure(mesh_read_i) :: read
+    character(*), intent(in), optional :: records
+    type(mesh_word_t) :: row
+
+    row%name = name
+    row%has_set = follows /= ALONE
+    row%has_numbers = follows == NUMBERS
+    row%read => read
+    if (present(records)) row%records = records
+    table = [table, row]
+  end subroutine add
+
+end module setup_table
