@@ -136,7 +136,7 @@ contains
             fine(:, i, :, :) = fine(:, i, :, :) + w(a)*old(:, b, :, :)
           case (2)
             fine(:, :, i, :) = fine(:, :, i, :) + w(a)*old(:, :, b, :)
-          case (3)
+          case default
             fine(:, :, :, i) = fine(:, :, :, i) + w(a)*old(:, :, :, b)
           end select
         end associate
@@ -204,7 +204,7 @@ contains
       face%dir(1) = patch%dir(1)
       face%dir(2) = patch%dir(3)
       face%cp = reshape(patch%cp(:, :, i, :), [4, n(2), n(4), 1])
-    case (3)
+    case default
       face%dir(:2) = patch%dir(:2)
       face%cp = reshape(patch%cp(:, :, :, i), [4, n(2), n(3), 1])
     end select

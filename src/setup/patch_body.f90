@@ -23,10 +23,13 @@ contains
     type(patch_spec_t) :: s
     type(geometry_t) :: geo
     type(draft_t) :: draft
-    integer :: degree
+    integer :: degree, d
 
     s = spec
     if (.not. allocated(s%enrich)) allocate (s%enrich(0))
+    do d = 1, 3
+      if (allocated(s%knots(d)%u)) s%nelem(d) = size(s%knots(d)%u) + 1
+    end do
     call check_patch(s, error)
     if (allocated(error)) return
     call hemisphere_degree(s, degree, error)

@@ -5,7 +5,7 @@ module patch_check
   use base_text, only: to_text
   use patch_geometry, only: geometry_t
   use patch_nurbs, only: check_nurbs, MAX_DEGREE
-  use patch_spec, only: patch_spec_t, GEO_NONE, GEO_BOX, GEO_HEMISPHERE, GEO_NURBS
+  use patch_spec, only: patch_spec_t, GEO_BOX, GEO_HEMISPHERE, GEO_NURBS
   implicit none
   private
   public :: check_patch, check_enrichment, hemisphere_degree, face_name
@@ -31,18 +31,19 @@ contains
     integer :: d, m
 
     select case (spec%geometry)
-    case (GEO_NONE)
-      call complain('has no geometry', 'give BOX, HEMIsphere, NPATch or FILE')
     case (GEO_BOX)
       d = minloc(spec%length, 1)
       if (.not. spec%length(d) > 0.0_wp) call complain('has a box of length ' &
         //to_text(spec%length(d))//' in direction '//to_text(d), 'lengths are positive')
     case (GEO_HEMISPHERE)
-      if (.not. (spec%thickness > 0.0_wp .and. spec%radius > spec%thickness)) &
+      if (.not. (spec%thickness > 0.0_wp .and. spec%radius > spec%thickness)) then
         call complain('has a hemisphere of radius '//to_text(spec%radius)//' and thickness ' &
         //to_text(spec%thickness), 'the thickness lies between 0 and the radius')
+      end if
     case (GEO_NURBS)
       call check_nurbs(spec%nurbs, "patch '"//spec%name//"'", spec%place, error)
+    case default
+      call complain('has no geometry', 'give BOX, HEMIsphere, NPATch or FILE')
     end select
     if (allocated(error)) return
 

@@ -203,8 +203,9 @@ contains
     end if
     degree = attribute(text, tag, 'degree')
     status = 1
-    if (len(degree) > 0 .and. len(degree) < 4 .and. verify(degree, '0123456789') == 0) &
+    if (len(degree) > 0 .and. len(degree) < 4 .and. verify(degree, '0123456789') == 0) then
       read (degree, *, iostat=status) s%degree
+    end if
     if (status /= 0) then
       call complain(text, 'KnotVector of degree '//quoted(degree), error)
       return

@@ -48,8 +48,9 @@ contains
     e = 1
     if (len_trim(name) == 0 .and. n == 1) return
     status = 1
-    if (len_trim(name) > 0 .and. verify(trim(name), '0123456789') == 0) &
+    if (len_trim(name) > 0 .and. verify(trim(name), '0123456789') == 0) then
       read (name, *, iostat=status) e
+    end if
     if (status == 0 .and. e >= 1 .and. e <= n) return
     text%at = 0
     if (len_trim(name) == 0) then
@@ -74,8 +75,9 @@ contains
       select case (word)
       case ('dimension')
         call next_integer(text, 'the dimension', n, error)
-        if (.not. allocated(error) .and. n /= 3) &
+        if (.not. allocated(error) .and. n /= 3) then
           call complain(text, 'the mesh has dimension '//to_text(n), error, 'a body needs 3')
+        end if
       case ('elements')
         call read_elements(text, mfem%vertex, error)
       case ('boundary')
