@@ -1,17 +1,16 @@
 !> The part of pFUnit's module that our unit tests use, with the same calls, and the loop that runs them.
 !!
 !! A failed assertion is remembered; the translated test returns right after it (anyExceptions).
+!! Compiled with -std=gnu: `select rank` is Fortran 2018.
 module funit
-  use funit_value, only: flat_t, flat, length, entry, difference, place, shape_text, text_of, brief, &
+  use funit_value, only: flat_t, prepare, take_0, take_1, take_2, take_3, length, entry, difference, place, shape_text, text_of, brief, &
                          OTHER, WHOLE, REALS, TRUTH, WORDS
   use, intrinsic :: iso_fortran_env, only: dp => real64, sp => real32, i8 => int64, output_unit
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_is_finite
   implicit none
   private
   public :: SourceLocation, anyExceptions, assertFail
-  public :: assertTrue, assertFalse, assertAny, assertAll, assertNone
-  public :: assertEqual, assertNotEqual, assertIsNaN, assertIsFinite
-  public :: assertLessThan, assertLessThanOrEqual, assertGreaterThan, assertGreaterThanOrEqual
+  public :: assertTrue, assertFalse, assertAny, assertAll, assertNone, assertThat, assertIsNaN, assertIsFinite
   public :: start_tests, run_test, stop_tests, no_fixture
 
   real(dp), parameter :: SLOW = 1.0_dp !! a test above this many seconds is named
@@ -20,6 +19,14 @@ module funit
     character(200) :: file = ''
     integer :: line = 0
   end type SourceLocation
+
+  interface assertTrue
+    module procedure true_0, true_1
+  end interface assertTrue
+
+  interface assertFalse
+    module procedure false_0, false_1
+  end interface assertFalse
 
   abstract interface
     subroutine test_i()
@@ -133,21 +140,37 @@ contains
     call fail(message, location=location)
   end subroutine assertFail
 
-  subroutine assertTrue(condition, message, location)
-    logical, intent(in) :: condition(..)
+  subroutine true_0(condition, message, location)
+    logical, intent(in) :: condition
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
 
-    if (.not. all(items(condition))) call fail('not true', message, location)
-  end subroutine assertTrue
+    if (.not. condition) call fail('not true', message, location)
+  end subroutine true_0
 
-  subroutine assertFalse(condition, message, location)
-    logical, intent(in) :: condition(..)
+  subroutine true_1(condition, message, location)
+    logical, intent(in) :: condition(:)
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
 
-    if (any(items(condition))) call fail('not false', message, location)
-  end subroutine assertFalse
+    if (.not. all(condition)) call fail('not true', message, location)
+  end subroutine true_1
+
+  subroutine false_0(condition, message, location)
+    logical, intent(in) :: condition
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+
+    if (condition) call fail('not false', message, location)
+  end subroutine false_0
+
+  subroutine false_1(condition, message, location)
+    logical, intent(in) :: condition(:)
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+
+    if (any(condition)) call fail('not false', message, location)
+  end subroutine false_1
 
   subroutine assertAll(conditions, message, location)
     logical, intent(in) :: conditions(:)
@@ -189,56 +212,39 @@ contains
     if (.not. ieee_is_finite(x)) call fail(text_of(x)//' is not finite', message, location)
   end subroutine assertIsFinite
 
-  !> The third argument is a tolerance (real numbers) or, when it is text, the message.
-  subroutine assertEqual(expected, found, tolerance, message, location)
-    class(*), intent(in) :: expected(..), found(..)
+  !> @assertEqual, @assertLessThan and their like, by the relation that must hold.
+  !!
+  !! equal, other than: expected, found; < <= > >=: left and right side. The third argument is a
+  !! tolerance (real numbers) or, when it is text, the message.
+  !! Assumed-rank arguments are taken apart here: gfortran 12 copies too much when they are passed on.
+  subroutine assertThat(relation, one, two, tolerance, message, location)
+    character(*), intent(in) :: relation
+    class(*), intent(in) :: one(..), two(..)
     class(*), intent(in), optional :: tolerance
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
+    type(flat_t) :: a, b
 
-    call compare('equal', flat(expected), flat(found), tolerance, message, location)
-  end subroutine assertEqual
-
-  subroutine assertNotEqual(expected, found, tolerance, message, location)
-    class(*), intent(in) :: expected(..), found(..)
-    class(*), intent(in), optional :: tolerance
-    character(*), intent(in), optional :: message
-    type(SourceLocation), intent(in) :: location
-
-    call compare('other than', flat(expected), flat(found), tolerance, message, location)
-  end subroutine assertNotEqual
-
-  subroutine assertLessThan(a, b, message, location)
-    class(*), intent(in) :: a(..), b(..)
-    class(*), intent(in), optional :: message
-    type(SourceLocation), intent(in) :: location
-
-    call compare('<', flat(b), flat(a), message, location=location)
-  end subroutine assertLessThan
-
-  subroutine assertLessThanOrEqual(a, b, message, location)
-    class(*), intent(in) :: a(..), b(..)
-    class(*), intent(in), optional :: message
-    type(SourceLocation), intent(in) :: location
-
-    call compare('<=', flat(b), flat(a), message, location=location)
-  end subroutine assertLessThanOrEqual
-
-  subroutine assertGreaterThan(a, b, message, location)
-    class(*), intent(in) :: a(..), b(..)
-    class(*), intent(in), optional :: message
-    type(SourceLocation), intent(in) :: location
-
-    call compare('>', flat(b), flat(a), message, location=location)
-  end subroutine assertGreaterThan
-
-  subroutine assertGreaterThanOrEqual(a, b, message, location)
-    class(*), intent(in) :: a(..), b(..)
-    class(*), intent(in), optional :: message
-    type(SourceLocation), intent(in) :: location
-
-    call compare('>=', flat(b), flat(a), message, location=location)
-  end subroutine assertGreaterThanOrEqual
+    call prepare(a, shape(one))
+    select rank (one)
+    rank (0); call take_0(one, a)
+    rank (1); call take_1(one, a)
+    rank (2); call take_2(one, a)
+    rank (3); call take_3(one, a)
+    end select
+    call prepare(b, shape(two))
+    select rank (two)
+    rank (0); call take_0(two, b)
+    rank (1); call take_1(two, b)
+    rank (2); call take_2(two, b)
+    rank (3); call take_3(two, b)
+    end select
+    if (relation == 'equal' .or. relation == 'other than') then
+      call compare(relation, a, b, tolerance, message, location)
+    else
+      call compare(relation, b, a, tolerance, message, location)
+    end if
+  end subroutine assertThat
 
   !> Find the first entry that is not as wanted; `third` is a tolerance or a message.
   subroutine compare(relation, e, a, third, message, location)
@@ -319,14 +325,5 @@ contains
       if (relation == '>=') holds = a%x(j) >= e%x(i)
     end select
   end function holds
-
-  function items(condition) result(l)
-    logical, intent(in) :: condition(..)
-    logical, allocatable :: l(:)
-    type(flat_t) :: f
-
-    f = flat(condition)
-    l = f%l
-  end function items
 
 end module funit

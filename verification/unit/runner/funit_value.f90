@@ -1,12 +1,10 @@
-!> A value of any type and rank (up to 4) as one list: what the assertions compare and print.
-!!
-!! Compiled with -std=gnu: `select rank` is Fortran 2018.
+!> A value of any type and rank (up to 3) as one list: what the assertions compare and print.
 module funit_value
   use, intrinsic :: iso_fortran_env, only: dp => real64, sp => real32, i8 => int64
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   implicit none
   private
-  public :: flat_t, flat, length, entry, difference, place, shape_text, text_of, brief
+  public :: flat_t, prepare, take_0, take_1, take_2, take_3, length, entry, difference, place, shape_text, text_of, brief
 
   integer, parameter, public :: OTHER = 0, WHOLE = 1, REALS = 2, TRUTH = 3, WORDS = 4
 
@@ -26,31 +24,14 @@ module funit_value
 
 contains
 
-  function flat(value) result(f)
-    class(*), intent(in) :: value(..)
-    type(flat_t) :: f
+  !> An empty list of values of that shape.
+  subroutine prepare(f, extent)
+    type(flat_t), intent(out) :: f
+    integer, intent(in) :: extent(:)
 
-    f%extent = shape(value)
+    f%extent = extent
     allocate (f%n(0), f%x(0), f%l(0), f%t(0))
-    select rank (value)
-    rank (0); call take_0(value, f)
-    rank (1); call take_1(value, f)
-    rank (2); call take_2(value, f)
-    rank (3); call take_3(value, f)
-    rank (4); call take_4(value, f)
-    end select
-    if (f%kind == WHOLE) f%x = real(f%n, dp)
-  end function flat
-
-  subroutine take_4(value, f)
-    class(*), intent(in) :: value(:, :, :, :)
-    type(flat_t), intent(inout) :: f
-    integer :: i
-
-    do i = 1, size(value, 4)
-      call take_3(value(:, :, :, i), f)
-    end do
-  end subroutine take_4
+  end subroutine prepare
 
   subroutine take_3(value, f)
     class(*), intent(in) :: value(:, :, :)
@@ -82,8 +63,8 @@ contains
     select type (value)
     type is (real(dp)); f%kind = REALS; f%x = [f%x, value]
     type is (real(sp)); f%kind = REALS; f%x = [f%x, real(value, dp)]
-    type is (integer); f%kind = WHOLE; f%n = [f%n, int(value, i8)]
-    type is (integer(i8)); f%kind = WHOLE; f%n = [f%n, value]
+    type is (integer); f%kind = WHOLE; f%n = [f%n, int(value, i8)]; f%x = real(f%n, dp)
+    type is (integer(i8)); f%kind = WHOLE; f%n = [f%n, value]; f%x = real(f%n, dp)
     type is (logical); f%kind = TRUTH; f%l = [f%l, value]
     type is (character(*))
       f%kind = WORDS

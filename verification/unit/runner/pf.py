@@ -12,6 +12,14 @@ import re
 import sys
 from pathlib import Path
 
+RELATIONS = {
+    "equal": "equal",
+    "notequal": "other than",
+    "lessthan": "<",
+    "lessthanorequal": "<=",
+    "greaterthan": ">",
+    "greaterthanorequal": ">=",
+}
 ASSERTIONS = {
     word.lower(): word
     for word in """True False Equal NotEqual LessThan LessThanOrEqual GreaterThan GreaterThanOrEqual
@@ -106,7 +114,9 @@ def translate(path):
                 f"{path}:{number}: '{stripped}' is not an assertion on a line of its own; known: @assert + {known}"
             )
         comma = ", " if match[2].strip() else ""
-        out.append(f"call assert{match[1]}({match[2]}{comma}&")
+        relation = RELATIONS.get(match[1].lower())
+        name = f"That('{relation}', " if relation else f"{match[1]}("
+        out.append(f"call assert{name}{match[2]}{comma}&")
         out.append(f"  location=SourceLocation('{path}', {number})); if (anyExceptions()) return")
         expected = -1
     return f'# 1 "{path}"\n' + "\n".join(out) + "\n"
