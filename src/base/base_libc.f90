@@ -26,6 +26,7 @@ module base_libc
     integer(c_int64_t) :: more(14)
   end type statx_t
 
+  ! allow(assumed-size)
   interface
     subroutine c_exit(code) bind(C, name='exit')
       import :: c_int

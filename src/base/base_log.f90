@@ -104,35 +104,39 @@ contains
   !> Text on the screen (standard error), quiet or not.
   subroutine tell(text)
     character(*), intent(in) :: text
-    integer :: io
 
     call clear_progress()
-    write (error_unit, '(a)', iostat=io) text
+    call show(text//new_line('a'))
   end subroutine tell
 
   !> One line that the next one overwrites; only on a terminal.
   subroutine progress(text)
     character(*), intent(in) :: text
     integer, parameter :: WIDTH = 79
-    integer :: n, io
+    integer :: n
 
     if (.not. asked) terminal = stderr_is_terminal()
     asked = .true.
     if (quiet .or. .not. terminal) return
     n = min(len_trim(text), WIDTH)
-    write (error_unit, '(a)', advance='no', iostat=io) achar(13)//text(:n)//repeat(' ', &
-      max(shown - n, 0))
-    flush (error_unit, iostat=io)
+    call show(achar(13)//text(:n)//repeat(' ', max(shown - n, 0)))
     shown = n
   end subroutine progress
 
   !> Take the progress line off the screen.
   subroutine clear_progress()
-    integer :: io
-
     if (shown == 0) return
-    write (error_unit, '(a)', advance='no', iostat=io) achar(13)//repeat(' ', shown)//achar(13)
+    call show(achar(13)//repeat(' ', shown)//achar(13))
     shown = 0
   end subroutine clear_progress
+
+  !> A screen that is gone does not matter: the log has it all.
+  subroutine show(text)
+    character(*), intent(in) :: text
+    integer :: io
+
+    write (error_unit, '(a)', advance='no', iostat=io) text
+    if (io == 0) flush (error_unit)
+  end subroutine show
 
 end module base_log

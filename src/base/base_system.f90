@@ -19,10 +19,9 @@ contains
   !> The one place that ends the process.
   subroutine finish(code)
     integer, intent(in) :: code
-    integer :: io
 
-    flush (output_unit, iostat=io)
-    flush (error_unit, iostat=io)
+    flush (output_unit)
+    flush (error_unit)
     call c_exit(int(code, c_int))
   end subroutine finish
 
@@ -147,7 +146,7 @@ contains
       if (io == 0) value = found
       exit
     end do
-    close (unit, iostat=io)
+    close (unit)
   end function value_of
 
 end module base_system

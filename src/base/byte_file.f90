@@ -16,6 +16,7 @@ module byte_file
     type(c_ptr), private :: stream = c_null_ptr
   end type byte_file_t
 
+  ! allow(assumed-size)
   interface
     function c_fopen(path, mode) bind(C, name='fopen') result(stream)
       import :: c_ptr, c_char

@@ -74,6 +74,7 @@ contains
     case ('min');   value = minval(x)
     case ('max');   value = maxval(x)
     case ('atan2'); value = atan2(x(1), x(2))
+    case default;   trouble = 'unknown function'
     end select
   end subroutine apply_function
 
@@ -81,8 +82,6 @@ contains
     integer, intent(in) :: f
     integer, intent(out) :: least, most
 
-    least = 1
-    most = 1
     select case (trim(NAMES(f)))
     case ('min', 'max')
       least = 2
@@ -90,6 +89,9 @@ contains
     case ('atan2')
       least = 2
       most = 2
+    case default
+      least = 1
+      most = 1
     end select
   end subroutine argument_counts
 
@@ -112,6 +114,8 @@ contains
         //to_text(x(1))
     case ('atan2')
       if (.not. any(abs(x) > 0.0_wp)) trouble = 'atan2 has no value at 0, 0'
+    case default
+      continue  ! the others have a value everywhere
     end select
   end subroutine check_domain
 

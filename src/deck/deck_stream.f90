@@ -29,6 +29,8 @@ module deck_stream
     integer :: consumed = 0           !! records handed out since the last END
     type(reader_t), private :: reader
     type(setting_t), allocatable, private :: setting(:)
+    type(record_t), private :: returned
+    logical, private :: has_returned = .false.
   contains
     procedure :: next
     procedure :: next_of_set
@@ -36,6 +38,7 @@ module deck_stream
     procedure :: next_command
     procedure :: include => include_in_deck
     procedure :: skip
+    procedure :: put_back
   end type deck_t
 
 contains
@@ -131,11 +134,26 @@ contains
     type(record_t), intent(out) :: record
     type(error_t), allocatable, intent(out) :: error
 
-    call next_unrolled(deck%reader, deck%params, record, error)
-    if (allocated(error)) return
+    if (deck%has_returned) then
+      record = deck%returned
+      deck%has_returned = .false.
+    else
+      call next_unrolled(deck%reader, deck%params, record, error)
+      if (allocated(error)) return
+    end if
     deck%consumed = deck%consumed + 1
     if (record%key(1) == 'end') deck%consumed = 0
   end subroutine next
+
+  !> Give a record back: it is the next one again.
+  subroutine put_back(deck, record)
+    class(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: record
+
+    deck%returned = record
+    deck%has_returned = .true.
+    deck%consumed = deck%consumed - 1
+  end subroutine put_back
 
   !> The next record of FEAP's data sets: a comment alone counts as blank.
   subroutine next_of_set(deck, record, error)
@@ -283,22 +301,26 @@ contains
       end associate
     end do
     call compute_at(deck%params, record, first, expression, value, error)
-    if (.not. allocated(error)) call set_parameter(deck%params, name, value)
+    if (allocated(error)) value = 1.0_wp   ! so that the name is known to what follows
+    call set_parameter(deck%params, name, value)
   end subroutine get_assignment
 
-  !> The records behind PARAmeter, up to a blank one.
+  !> The records behind PARAmeter, up to a blank one; of several errors the first.
   subroutine read_parameters(deck, error)
     type(deck_t), intent(inout) :: deck
     type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: found
     type(record_t) :: record
     character(:), allocatable :: name
     real(wp) :: value
 
     do
-      call deck%next_of_set(record, error)
-      if (allocated(error) .or. record%kind /= RECORD_WORDS) return
-      call get_assignment(deck, record, name, value, error)
-      if (allocated(error)) return
+      call deck%next_of_set(record, found)
+      if (.not. allocated(found)) then
+        if (record%kind /= RECORD_WORDS) return
+        call get_assignment(deck, record, name, value, found)
+      end if
+      if (allocated(found) .and. .not. allocated(error)) call move_alloc(found, error)
     end do
   end subroutine read_parameters
 

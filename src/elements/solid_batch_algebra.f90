@@ -168,13 +168,15 @@ contains
   !> Eliminate the enhanced parameters as `condense` does, upper blocks only.
   pure subroutine condense_batch(a, ra, kua, kaa, r, k, h_new, report)
     real(wp), intent(in) :: a(NB, NP), ra(NB, NP)
-    real(wp), intent(in) :: kua(NB, ND/NEN, 3, NEN, NM) !! node direction, mode direction, node, mode
+    real(wp), intent(in) :: kua(NB, 3, 3, NEN, NM) !! node direction, mode direction, node, mode
     real(wp), intent(in) :: kaa(NB, 3, 3, NM, NM)      !! upper blocks
     real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
     real(wp), intent(out) :: h_new(:, :) !! (history, NB)
     type(form_report_t), intent(inout) :: report(NB)
 
-    real(wp) :: f(NB, NP, NP), s(NB, NP), y(NB, NP, 3, NEN), x(NB, NP, 3, NEN), m(NB, NP)
+    ! Right-hand sides in threes: K_au of each node, and last r_a with two empty ones.
+    real(wp) :: y(NB, NP, 3, NEN + 1), x(NB, NP, 3, NEN + 1)
+    real(wp) :: f(NB, NP, NP), s(NB, NP)
     logical :: ok(NB)
     integer :: i, j, b, n, l, p
 
@@ -190,27 +192,29 @@ contains
     ok = report%ok
     call factor_batch(f, s, report%negative, ok)
     report%ok = ok
-    do b = 1, NEN
-      do i = 1, 3
-        do n = 1, NM
-          do j = 1, 3
-            y(:, 3*n - 3 + j, i, b) = kua(:, i, j, b, n)
-          end do
-        end do
-        call solve_batch(f, s, y(:, :, i, b), x(:, :, i, b))
+    do n = 1, NM
+      do j = 1, 3
+        y(:, 3*n - 3 + j, :, :NEN) = kua(:, :, j, :, n)
       end do
     end do
-    call solve_batch(f, s, ra, m)
-    report%enhanced = 0.0_wp
-    do p = 1, NP
-      report%enhanced = report%enhanced + m(:, p)*ra(:, p)
+    y(:, :, :, NEN + 1) = 0.0_wp
+    y(:, :, 1, NEN + 1) = ra
+    do b = 1, NEN + 1
+      call solve_batch(f, s, y(:, :, :, b), x(:, :, :, b))
     end do
-    report%enhanced = abs(report%enhanced)
-    call subtract(y, x, m, r, k)
+    do l = 1, NB
+      report(l)%enhanced = abs(dot_product(x(l, :, 1, NEN + 1), ra(l, :)))
+    end do
+    call subtract(y, x, x(:, :, 1, NEN + 1), r, k)
     do l = 1, NB
       h_new(:NP, l) = a(l, :)
-      h_new(NP + 1:2*NP, l) = m(l, :)
-      h_new(2*NP + 1:NP*(2 + ND), l) = reshape(x(l, :, :, :), [NP*ND])
+      h_new(NP + 1:2*NP, l) = x(l, :, 1, NEN + 1)
+      do b = 1, NEN
+        do i = 1, 3
+          p = NP*(3*b + i - 2)
+          h_new(p + 1:p + NP, l) = x(l, :, i, b)
+        end do
+      end do
     end do
   end subroutine condense_batch
 
@@ -252,40 +256,52 @@ contains
     end do
   end subroutine factor_batch
 
-  !> x = K_aa^-1 y with the factors of factor_batch.
+  !> x = K_aa^-1 y for three right-hand sides, with the factors of factor_batch.
   pure subroutine solve_batch(f, s, y, x)
-    real(wp), intent(in) :: f(NB, NP, NP), s(NB, NP), y(NB, NP)
-    real(wp), intent(out) :: x(NB, NP)
+    real(wp), intent(in) :: f(NB, NP, NP), s(NB, NP), y(NB, NP, 3)
+    real(wp), intent(out) :: x(NB, NP, 3)
 
-    real(wp) :: v
+    real(wp) :: v1, v2, v3
     integer :: i, j, l
 
     do j = 1, NP
-      !$omp simd private(v)
+      !$omp simd private(v1, v2, v3)
       do l = 1, NB
-        v = y(l, j)
+        v1 = y(l, j, 1)
+        v2 = y(l, j, 2)
+        v3 = y(l, j, 3)
         do i = 1, j - 1
-          v = v - f(l, j, i)*x(l, i)
+          v1 = v1 - f(l, j, i)*x(l, i, 1)
+          v2 = v2 - f(l, j, i)*x(l, i, 2)
+          v3 = v3 - f(l, j, i)*x(l, i, 3)
         end do
-        x(l, j) = v
+        x(l, j, 1) = v1
+        x(l, j, 2) = v2
+        x(l, j, 3) = v3
       end do
     end do
     do j = NP, 1, -1
-      !$omp simd private(v)
+      !$omp simd private(v1, v2, v3)
       do l = 1, NB
-        v = x(l, j)*s(l, j)
+        v1 = x(l, j, 1)*s(l, j)
+        v2 = x(l, j, 2)*s(l, j)
+        v3 = x(l, j, 3)*s(l, j)
         do i = j + 1, NP
-          v = v - f(l, i, j)*x(l, i)
+          v1 = v1 - f(l, i, j)*x(l, i, 1)
+          v2 = v2 - f(l, i, j)*x(l, i, 2)
+          v3 = v3 - f(l, i, j)*x(l, i, 3)
         end do
-        x(l, j) = v
+        x(l, j, 1) = v1
+        x(l, j, 2) = v2
+        x(l, j, 3) = v3
       end do
     end do
   end subroutine solve_batch
 
   !> r - K_ua m and the upper blocks of K - K_ua L.
   pure subroutine subtract(y, x, m, r, k)
-    real(wp), intent(in) :: y(NB, NP, 3, NEN) !! K_au
-    real(wp), intent(in) :: x(NB, NP, 3, NEN) !! L
+    real(wp), intent(in) :: y(NB, NP, 3, NEN + 1) !! K_au
+    real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L
     real(wp), intent(in) :: m(NB, NP)
     real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
 

@@ -211,7 +211,7 @@ contains
     case ('--check');   options%check = .true.
     case ('--quiet');   options%quiet = .true.
     case ('--version'); options%version = .true.
-    case ('--help');    options%help = .true.
+    case default;       options%help = .true.
     end select
   end subroutine store
 

@@ -38,6 +38,7 @@ contains
       deallocate (error)
     end if
     call read_words(build, deck, error)
+    if (.not. allocated(error)) call read_ties(build, deck, error)
     if (.not. allocated(error)) call finish(build)
     errors = build%errors
     model = build%model
@@ -83,6 +84,24 @@ contains
       if (allocated(error)) return
     end do
   end subroutine read_words
+
+  !> FEAP has TIE, and PARAmeters, also between the END of the mesh and BATCh.
+  subroutine read_ties(build, deck, error)
+    type(build_t), intent(inout) :: build
+    type(deck_t), intent(inout) :: deck
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+
+    do
+      call deck%next(record, error)
+      if (allocated(error)) return
+      if (record%is_blank()) cycle
+      if (record%key(1) /= 'tie' .and. record%key(1) /= 'para') exit
+      call read_word(build, deck, record, row_of(build, record%text(1)), error)
+      if (allocated(error)) return
+    end do
+    call deck%put_back(record)
+  end subroutine read_ties
 
   !> One known word; after an error reading goes on behind its set.
   subroutine read_word(build, deck, record, r, error)

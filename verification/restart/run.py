@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""Stops and restarts of a run, compared bit for bit with the run that nothing stopped.
+
+usage: run.py BEZEL [--kills N]
+
+1. SIGTERM while the run is under way: exit code 4, then --restart: curves and fields are equal.
+2. --time-limit: the same, restarted as often as it takes.
+3. kill -9 at random moments: every row and field written before stays readable, the last checkpoint
+   can be restarted, and the restarted run ends like the uninterrupted one.
+
+Prints a line a check and `N passed, N failed`. Needs h5py for the fields (the project's .venv has it).
+"""
+import argparse
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import h5py
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+DECKS = ["full.inp", "reuse.inp"]
+
+
+def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM):
+    """Run a deck; with `wait`, send a signal after so many seconds. Returns the exit code."""
+    process = subprocess.Popen([bezel, "--quiet", "-o", str(out), *options, str(HERE / deck)],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    if wait is not None:
+        time.sleep(wait)
+        process.send_signal(how)
+    return process.wait()
+
+
+def fields(path):
+    """All datasets of a result file: {name: array}."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: found.update({name: item[...]})
+                        if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def same(a, b, stem):
+    """Equal curves and fields of two folders; the reason where they are not."""
+    if (a / f"{stem}_force.dat").read_bytes() != (b / f"{stem}_force.dat").read_bytes():
+        return "the curves differ"
+    left, right = fields(a / f"{stem}.vtkhdf"), fields(b / f"{stem}.vtkhdf")
+    if left.keys() != right.keys():
+        return "the result files hold different datasets"
+    for name in left:
+        if left[name].shape != right[name].shape or left[name].tobytes() != right[name].tobytes():
+            return f"the fields differ in {name}"
+    return None
+
+
+def whole(folder, stem):
+    """After a kill: rows and fields written so far can be read."""
+    curve, result = folder / f"{stem}_force.dat", folder / f"{stem}.vtkhdf"
+    if curve.exists() and len(curve.read_text().splitlines()) > 1:
+        lines = [line for line in curve.read_text().splitlines(keepends=True) if line.endswith("\n")]
+        rows = np.loadtxt(lines, ndmin=2)
+        if not np.isfinite(rows).all():
+            return "a row holds a number that is not finite"
+    if result.exists():
+        try:
+            fields(result)
+        except OSError as error:
+            return f"the result file cannot be read: {error}"
+    return None
+
+
+def go_on(bezel, deck, folder):
+    """Restart from the checkpoint; from the deck where there is none yet."""
+    checkpoint = folder / f"{pathlib.Path(deck).stem}.restart.h5"
+    return run(bezel, deck, folder, *(["--restart", str(checkpoint)] if checkpoint.exists() else []))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("bezel")
+    parser.add_argument("--kills", type=int, default=4)
+    args = parser.parse_args()
+    random.seed(1)
+    passed = failed = 0
+
+    def report(text, trouble):
+        nonlocal passed, failed
+        passed, failed = passed + (trouble is None), failed + (trouble is not None)
+        print(f"{'ok    ' if trouble is None else 'FAILED'} {text}{'' if trouble is None else ': ' + trouble}")
+
+    with tempfile.TemporaryDirectory() as top:
+        for deck in DECKS:
+            stem, top_path = pathlib.Path(deck).stem, pathlib.Path(top)
+            whole_run = top_path / f"{stem}_whole"
+            begin = time.time()
+            code = run(args.bezel, deck, whole_run)
+            seconds = time.time() - begin
+            report(f"{stem}: uninterrupted, {seconds:.1f} s", None if code == 0 else f"exit code {code}")
+            if code != 0:
+                continue
+            part = top_path / f"{stem}_term"
+            code = run(args.bezel, deck, part, wait=0.5 * seconds)
+            report(f"{stem}: SIGTERM ends with code 4", None if code == 4 else f"exit code {code}")
+            code = go_on(args.bezel, deck, part)
+            report(f"{stem}: restarted after SIGTERM", same(whole_run, part, stem) if code == 0 else f"exit code {code}")
+            part = top_path / f"{stem}_limit"
+            codes = [run(args.bezel, deck, part, "--time-limit", f"{0.4 * seconds:.3f}")]
+            while codes[-1] == 4 and len(codes) < 20:
+                codes.append(run(args.bezel, deck, part, "--time-limit", f"{0.4 * seconds:.3f}", "--restart",
+                                 str(part / f"{stem}.restart.h5")))
+            trouble = f"exit codes {codes}" if codes[0] != 4 or codes[-1] != 0 else same(whole_run, part, stem)
+            report(f"{stem}: --time-limit, {len(codes)} parts", trouble)
+            for kill in range(args.kills):
+                part = top_path / f"{stem}_kill{kill}"
+                run(args.bezel, deck, part, wait=random.uniform(0.1, 0.95) * seconds, how=signal.SIGKILL)
+                trouble = whole(part, stem) if part.exists() else None
+                if trouble is None:
+                    code = go_on(args.bezel, deck, part)
+                    trouble = same(whole_run, part, stem) if code == 0 else f"exit code {code}"
+                report(f"{stem}: killed {kill + 1} of {args.kills}", trouble)
+                shutil.rmtree(part, ignore_errors=True)
+    print(f"{passed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
