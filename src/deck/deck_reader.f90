@@ -10,7 +10,8 @@ module deck_reader
   use deck_source, only: source_t, load_source, source_line
   implicit none
   private
-  public :: reader_t, open_reader, next_record, next_unrolled, include_file, source_text
+  public :: reader_t, open_reader, next_record, next_unrolled, include_file, cancel_loops
+  public :: source_text
 
   integer, parameter :: MOST_FILES = 16         !! files open in one another
   integer, parameter :: MOST_LOOPS = 10         !! loops in one another
@@ -112,9 +113,11 @@ contains
 
     do
       call next_record(reader, record, error)
-      if (allocated(error) .or. record%kind == RECORD_END) return
+      if (allocated(error)) exit
+      if (record%kind == RECORD_END) return
       if (reader%nloop > 0) call count_record(reader, record, error)
-      if (allocated(error) .or. record%kind /= RECORD_WORDS) return
+      if (allocated(error)) exit
+      if (record%kind /= RECORD_WORDS) return
       select case (record%key(1))
       case ('incl')
         call include_file(reader, record, error)
@@ -125,9 +128,17 @@ contains
       case default
         return
       end select
-      if (allocated(error)) return
+      if (allocated(error)) exit
     end do
+    call cancel_loops(reader)
   end subroutine next_unrolled
+
+  !> No pass after this one: once there is an error, repeating it helps nobody.
+  subroutine cancel_loops(reader)
+    type(reader_t), intent(inout) :: reader
+
+    reader%loop(:reader%nloop)%left = 0
+  end subroutine cancel_loops
 
   !> Go on in the file that the record names.
   subroutine include_file(reader, record, error)

@@ -6,7 +6,7 @@ module deck_stream
   use deck_expression, only: compute, params_t, set_parameter, trouble_t
   use deck_params, only: is_name, parameter_names
   use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, &
-    source_text
+    cancel_loops, source_text
   use deck_record, only: record_t, check_count, get_word, resolve_path, RECORD_WORDS, &
     RECORD_BLANK, &
     RECORD_COMMENT, RECORD_END
@@ -38,6 +38,7 @@ module deck_stream
     procedure :: next_command
     procedure :: include => include_in_deck
     procedure :: skip
+    procedure :: stop_loops
     procedure :: put_back
   end type deck_t
 
@@ -200,6 +201,13 @@ contains
 
     call include_file(deck%reader, record, error)
   end subroutine include_in_deck
+
+  !> Loops under way end with this pass: for whoever collects an error of one of their records.
+  subroutine stop_loops(deck)
+    class(deck_t), intent(inout) :: deck
+
+    call cancel_loops(deck%reader)
+  end subroutine stop_loops
 
   !> Pass over n records.
   subroutine skip(deck, n, error)
