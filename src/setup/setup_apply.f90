@@ -1,7 +1,7 @@
 !> Conditions by number and by position, applied to the nodes and control points of the whole mesh.
 !!
-!! Order as in FEAP: BOUN FORC DISP FPRO as read; then all of EBOU, EDIS, EFOR, EPRO, CBOU, CFOR, CDIS
-!! and CSUR, each in deck order.
+!! Order as in FEAP: BOUN FORC DISP FPRO as read; then all of EBOU, EDIS, EFOR, EPRO, CBOU, CFOR,
+!! CDIS and CSUR, each in deck order.
 module setup_apply
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
@@ -72,13 +72,15 @@ contains
       if (n <= build%nodes%top) then
         if (build%nodes%given(n)) cycle
       end if
-      call fail(error, DECK_ERROR, 'node '//to_text(n)//' is not defined', build%mention%place%at(i), &
+      call fail(error, DECK_ERROR, 'node '//to_text(n)//' is not defined', &
+        build%mention%place%at(i), &
         'nodes are 1 to '//to_text(mesh%nnode))
       call build%errors%add(error)
     end do
   end subroutine check_mentions
 
-  !> Nodes that FEAP would look at: all with a position, but not control points that are geometry only.
+  !> Nodes that FEAP would look at: all with a position, but no control points that are
+  !! geometry only.
   subroutine mark_active(build, mesh, active)
     type(build_t), intent(in) :: build
     type(mesh_t), intent(in) :: mesh
@@ -137,13 +139,13 @@ contains
       bc%value(:, n) = r%value + merge(bc%value(:, n), 0.0_wp, r%adds .and. r%kind == R_EDIS)
     case (R_EFOR, R_CFOR, R_CSUR)
       bc%force(:, n) = r%value + merge(bc%force(:, n), 0.0_wp, r%adds)
-    case (R_EPRO)
+    case default
       bc%table(:, n) = abs(nint(r%value))
     end select
   end subroutine set_node
 
-  !> Nodes of a plane. FEAP's gap of EBOU and EPRO shrinks with the number of nodes, that of the others
-  !! does not.
+  !> Nodes of a plane. FEAP's gap of EBOU and EPRO shrinks with the number of nodes, that of
+  !! the others does not.
   subroutine mark_plane(mesh, r, active, on)
     type(mesh_t), intent(in) :: mesh
     type(request_t), intent(in) :: r
@@ -208,7 +210,8 @@ contains
           //to_text(maxval(x, active))//' in that direction')
       end associate
     else
-      call fail(error, DECK_ERROR, 'no node lies on the surface', r%place, 'GAP d widens the search')
+      call fail(error, DECK_ERROR, 'no node lies on the surface', r%place, &
+        'GAP d widens the search')
     end if
   end subroutine complain
 

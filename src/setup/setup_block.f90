@@ -11,7 +11,7 @@
 module setup_block
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: to_text, quoted, nearest
+  use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use setup_build, only: build_t, next_data
@@ -53,7 +53,8 @@ contains
     call next_data(build, deck, line, more, error)
     if (allocated(error)) return
     if (.not. more) then
-      call fail(error, DECK_ERROR, 'BLOCk is empty', record%place(1), 'CARTesian r s t, then its master nodes')
+      call fail(error, DECK_ERROR, 'BLOCk is empty', record%place(1), &
+        'CARTesian r s t, then its master nodes')
       return
     end if
     call read_sizes(deck, line, spec, error)
@@ -91,7 +92,8 @@ contains
     integer :: d
 
     if (record%key(1) /= 'cart') then
-      call fail(error, DECK_ERROR, 'unknown kind of BLOCk '//quoted(record%text(1)), record%place(1), &
+      call fail(error, DECK_ERROR, 'unknown kind of BLOCk '//quoted(record%text(1)), &
+        record%place(1), &
         'CARTesian r s t [node1 elmt1 material]; other coordinates are not available')
       return
     end if
@@ -150,8 +152,7 @@ contains
 
     call get_integer(deck, record, 1, i, error)
     if (allocated(error)) then
-      if (record%text(1) /= nearest(record%text(1), ['BRICk   ', 'MATErial'])) &
-        error%hint = 'a master node is: i x y z; other records are BRICk n and MATErial m'
+      error%hint = 'a master node is: i x y z; other records are BRICk n and MATErial m'
       return
     end if
     if (i == 0) then
@@ -161,7 +162,8 @@ contains
     call check_count(record, 2, 4, 'a master node is: i x y z', error)
     if (allocated(error)) return
     if (i < 1 .or. i > 27) then
-      call fail(error, DECK_ERROR, 'master node '//to_text(i), record%place(1), 'master nodes are 1 to 27')
+      call fail(error, DECK_ERROR, 'master node '//to_text(i), record%place(1), &
+        'master nodes are 1 to 27')
       return
     end if
     if (spec%given(i)) then
@@ -210,7 +212,8 @@ contains
     else
       nnode = MAX_NUMBER + 1_i8
     end if
-    if (max(nnode, nelem) > MAX_NUMBER) call fail(error, DECK_ERROR, 'BLOCk of '//to_text(spec%n(1)) &
+    if (max(nnode, nelem) > MAX_NUMBER) call fail(error, DECK_ERROR, 'BLOCk of ' &
+      //to_text(spec%n(1)) &
       //' x '//to_text(spec%n(2))//' x '//to_text(spec%n(3))//' increments has too many nodes', &
       record%place(1), 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes and elements')
   end subroutine check_block

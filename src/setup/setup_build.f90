@@ -15,7 +15,8 @@ module setup_build
   implicit none
   private
   public :: build_t, mesh_word_t, mesh_read_i
-  public :: patch_entry_t, npatch_t, knot_vector_t, support_t, move_t, press_t, column_t, curve_entry_t
+  public :: patch_entry_t, npatch_t, knot_vector_t, support_t, move_t, press_t, column_t, &
+    curve_entry_t
   public :: request_t, tie_t, control_t
   public :: next_data, next_line, skip_set, known_word, check_number, row_of
 
@@ -288,7 +289,8 @@ contains
       call fail(error, DECK_ERROR, what//' number '//to_text(n), place, &
         'numbers are positive; a blank record ends the data')
     else if (n > MAX_NUMBER) then
-      call fail(error, DECK_ERROR, what//' number '//to_text(n)//' is larger than '//to_text(MAX_NUMBER), &
+      call fail(error, DECK_ERROR, what//' number '//to_text(n)//' is larger than ' &
+        //to_text(MAX_NUMBER), &
         place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes and elements')
     end if
   end subroutine check_number

@@ -60,7 +60,8 @@ contains
         call check_words(build, p%material, .false.)
         if (p%npatch == 0) cycle
         if (p%npatch > size(build%npatch)) then
-          call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', p%npatch_place, &
+          call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', &
+            p%npatch_place, &
             'the deck has '//to_text(size(build%npatch))//' NPATch solids')
           call build%errors%add(error)
         else
@@ -100,13 +101,16 @@ contains
     if (m == 0) return
     associate (set => build%model%material(m))
       if (set%given_formulation .and. .not. is_npatch) then
-        call fail(error, DECK_ERROR, 'material '//to_text(number)//' has DISPlacement or ENHAnced, but a PATCh uses it', &
+        call fail(error, DECK_ERROR, 'material '//to_text(number) &
+          //' has DISPlacement or ENHAnced, but a PATCh uses it', &
           set%place, 'remove the word: TYPE decides in a PATCh')
       else if (set%enhanced .and. is_npatch) then
-        call fail(error, DECK_ERROR, 'material '//to_text(number)//' is ENHAnced, but an NPATch uses it', &
+        call fail(error, DECK_ERROR, 'material '//to_text(number) &
+          //' is ENHAnced, but an NPATch uses it', &
           set%place, 'enhanced modes belong to 8-node elements')
       else if (any(set%nurbs_points > 0) .and. .not. is_npatch) then
-        call fail(error, DECK_ERROR, 'material '//to_text(number)//' has NURB interp, but a PATCh uses it', &
+        call fail(error, DECK_ERROR, 'material '//to_text(number) &
+          //' has NURB interp, but a PATCh uses it', &
           set%place, 'remove the word: QUADrature in the PATCh chooses the points')
       end if
     end associate
@@ -197,7 +201,8 @@ contains
       end do
       if (bad == 0) cycle
       associate (block => mesh%block(b))
-        text = 'element '//to_text(block%number(first))//' is inverted: its Jacobian is '//to_text(worst)
+        text = 'element '//to_text(block%number(first))//' is inverted: its Jacobian is ' &
+          //to_text(worst)
         if (bad > 1) text = text//', and '//to_text(bad - 1)//' more are'
         if (block%body > 0) then
           place = mesh%body(block%body)%place

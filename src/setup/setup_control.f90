@@ -126,7 +126,8 @@ contains
     character(4), intent(in) :: key
 
     select case (key)
-    case ('ndm', 'dime', 'ndf', 'dofs', 'nen', 'elno', 'node', 'numn', 'elem', 'nume', 'mate', 'numm')
+    case ('ndm', 'dime', 'ndf', 'dofs', 'nen', 'elno', 'node', 'numn', 'elem', 'nume', 'mate', &
+      'numm')
       is_size = .true.
     case default
       is_size = .false.

@@ -12,7 +12,8 @@ module setup_curve
   private
   public :: read_curve
 
-  character(8), parameter :: WORD(7) = ['FORCe   ', 'TORQue  ', 'DISP    ', 'CONTact ', 'STREss  ', &
+  character(8), parameter :: WORD(7) = ['FORCe   ', 'TORQue  ', 'DISP    ', 'CONTact ', &
+    'STREss  ', &
     'ENERgy  ', 'MAXImum ']
   !> Components of a stress as the deck names them, and where they stand in Voigt's order.
   character(2), parameter :: COMPONENT(9) = ['11', '22', '33', '12', '23', '31', '21', '32', '13']
@@ -76,18 +77,22 @@ contains
     name = lower(record%text(2))
     if (len(name) == 0 .or. len(name) > LONGEST &
       .or. verify(name, 'abcdefghijklmnopqrstuvwxyz0123456789_-') > 0) then
-      call fail(error, DECK_ERROR, 'a curve cannot be named '//quoted(record%text(2)), record%place(2), &
+      call fail(error, DECK_ERROR, 'a curve cannot be named '//quoted(record%text(2)), &
+        record%place(2), &
         'its file is named after it: use up to '//to_text(LONGEST)//' letters, digits, _ and -')
       return
     else if (name == 'tplot') then
-      call fail(error, DECK_ERROR, 'a curve cannot be named '//quoted(record%text(2)), record%place(2), &
+      call fail(error, DECK_ERROR, 'a curve cannot be named '//quoted(record%text(2)), &
+        record%place(2), &
         'TPLOt writes the file of that name')
       return
     end if
     do i = 1, size(build%curve)
       if (lower(build%curve(i)%name) == name) then
-        call fail(error, DECK_ERROR, 'curve '//quoted(record%text(2))//' is defined twice', record%place(2), &
-          'the first one stands in line '//to_text(build%curve(i)%place%line)//'; one CURVe holds many records')
+        call fail(error, DECK_ERROR, 'curve '//quoted(record%text(2))//' is defined twice', &
+          record%place(2), &
+          'the first one stands in line '//to_text(build%curve(i)%place%line) &
+          //'; one CURVe holds many records')
         return
       end if
     end do
@@ -135,7 +140,8 @@ contains
       call fail(error, DECK_ERROR, 'quantities of a contact are not available yet', line%place(1), &
         'FORCe and TORQue over the supports of a body give its resultants')
     case default
-      call fail(error, DECK_ERROR, 'unknown quantity '//quoted(line%text(1))//' of a CURVe', line%place(1), &
+      call fail(error, DECK_ERROR, 'unknown quantity '//quoted(line%text(1))//' of a CURVe', &
+        line%place(1), &
         'did you mean '//nearest(line%text(1), WORD)//'?')
     end select
   end subroutine read_column
@@ -156,7 +162,8 @@ contains
     if (allocated(error)) return
     associate (d => column%quantity%component)
       if (d < 1 .or. d > 3) then
-        call fail(error, DECK_ERROR, 'direction '//to_text(d), line%place(i), 'directions are 1, 2 and 3')
+        call fail(error, DECK_ERROR, 'direction '//to_text(d), line%place(i), &
+          'directions are 1, 2 and 3')
         return
       end if
       column%quantity%column = name//to_text(d)
@@ -174,7 +181,8 @@ contains
 
     i = 2
     call read_where(deck, line, i, column%at, error)
-    if (.not. allocated(error)) call check_count(line, i + 5, i + 5, 'TORQue WHERE px py pz  ax ay az', error)
+    if (.not. allocated(error)) call check_count(line, i + 5, i + 5, &
+      'TORQue WHERE px py pz  ax ay az', error)
     do d = 1, 6
       if (allocated(error)) return
       call get_real(deck, line, i + d - 1, x(d), error)
@@ -210,7 +218,8 @@ contains
       if (line%text(6) == COMPONENT(d)) exit
     end do
     if (d == 0) then
-      call fail(error, DECK_ERROR, 'unknown component '//quoted(line%text(6))//' of the stress', line%place(6), &
+      call fail(error, DECK_ERROR, 'unknown component '//quoted(line%text(6))//' of the stress', &
+        line%place(6), &
         'components are 11 22 33 12 23 31')
       return
     end if

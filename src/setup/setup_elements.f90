@@ -2,7 +2,8 @@
 !!
 !! A record is `n g m i j k ...`: number, increment of the node numbers for the elements generated
 !! behind it, material, nodes. `ELEMents,OLD` puts the increment behind the nodes; `MATErial m`
-!! behind ELEMents overrides the material. FEAP reads 16 numbers a record: 27 nodes go on in a second.
+!! behind ELEMents overrides the material. FEAP reads 16 numbers a record: 27 nodes go on in a
+!! second one.
 !!
 !! Source: FEAPpv's manual
 module setup_elements
@@ -160,7 +161,8 @@ contains
     if (allocated(error)) return
     build%in_set = .true. ! a blank second record is one of zeros
     if (.not. more) return
-    call check_count(second, 1, FEAP_FIELDS, 'the second record of an element holds its other nodes', error)
+    call check_count(second, 1, FEAP_FIELDS, &
+      'the second record of an element holds its other nodes', error)
     if (allocated(error)) return
     field = [field, [(0, i=first%n + 1, FEAP_FIELDS)], [(0, i=1, second%n)]]
     do i = 1, second%n

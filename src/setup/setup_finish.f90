@@ -94,7 +94,8 @@ contains
       call fail(error, DECK_ERROR, 'the mesh has no elements', build%control%place, &
         'give ELEMents, BLOCk, NPATch or PATCh')
     else if (mesh%nnode > MAX_NUMBER) then
-      call fail(error, DECK_ERROR, 'the mesh has '//to_text(mesh%nnode)//' nodes', build%control%place, &
+      call fail(error, DECK_ERROR, 'the mesh has '//to_text(mesh%nnode)//' nodes', &
+        build%control%place, &
         'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
     end if
     if (allocated(error)) call build%errors%add(error)

@@ -1,4 +1,4 @@
-!> Nodes and elements of a FEAP mesh while the deck is read: lists that grow with the largest number.
+!> Nodes and elements of a FEAP mesh while the deck is read: lists that grow with their numbers.
 module setup_lists
   use base_kinds, only: wp
   use base_error, only: place_t

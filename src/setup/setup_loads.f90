@@ -28,8 +28,9 @@ contains
       f = 0.0_wp
       do b = 1, size(model%mesh%block)
         associate (set => model%material(model%mesh%block(b)%material))
-          if (set%body_table == table(i) .and. any(abs(set%body_force) > 0.0_wp)) &
+          if (set%body_table == table(i) .and. any(abs(set%body_force) > 0.0_wp)) then
             call add_body_force(model%mesh, model%mesh%block(b), set%body_force, f)
+          end if
         end associate
       end do
       do b = 1, size(model%bc%pressure)
@@ -53,7 +54,8 @@ contains
     allocate (table(0))
     do b = 1, size(model%mesh%block)
       associate (set => model%material(model%mesh%block(b)%material))
-        if (all(table /= set%body_table) .and. any(abs(set%body_force) > 0.0_wp)) table = [table, set%body_table]
+        if (all(table /= set%body_table) .and. any(abs(set%body_force) > 0.0_wp)) table = [table, &
+          set%body_table]
       end associate
     end do
     do b = 1, size(model%bc%pressure)

@@ -10,7 +10,7 @@ module setup_locate
 
   integer, parameter :: MAX_ITER = 50
   real(wp), parameter :: BORDER = 1.0e-6_wp !! a point this far off an element's border lies in it
-  real(wp), parameter :: WIDER = 0.5_wp     !! curved elements leave the box of their nodes by less of its size
+  real(wp), parameter :: WIDER = 0.5_wp     !! curved elements leave the box of their nodes by less
   real(wp), parameter :: SINGULAR = 1.0e-10_wp !! share of the largest determinant a map may have
 
 contains

@@ -1,4 +1,5 @@
-!> MATErial: a law, small or finite strains, the formulation of ELEMents and BLOCks, density, body force.
+!> MATErial: a law, small or finite strains, the formulation of ELEMents and BLOCks,
+!! density, body force.
 !!
 !!   MATErial m
 !!     SOLId
@@ -22,7 +23,8 @@ module setup_material
   private
   public :: read_material, material_index
 
-  character(12), parameter :: WORD(8) = [character(12) :: 'ELAStic', 'SMALl', 'FINIte', 'DISPlacement', &
+  character(12), parameter :: WORD(8) = [character(12) :: 'ELAStic', 'SMALl', 'FINIte', &
+    'DISPlacement', &
     'ENHAnced', 'DENSity', 'BODY', 'NURB']
   integer, parameter :: MAX_VALUE = 16, MAX_POINT = 16
 
@@ -62,12 +64,15 @@ contains
     if (allocated(error)) return
     set%place = record%place(min(2, record%n))
     if (set%number < 1) then
-      call fail(error, DECK_ERROR, 'material number '//to_text(set%number), set%place, 'numbers are positive')
+      call fail(error, DECK_ERROR, 'material number '//to_text(set%number), set%place, &
+        'numbers are positive')
       return
     end if
     if (material_index(build, set%number) > 0) then
-      call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' is defined twice', set%place, &
-        'the first one stands in line '//to_text(build%model%material(material_index(build, set%number))%place%line))
+      call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' is defined twice', &
+        set%place, &
+        'the first one stands in line '//to_text(build%model%material(material_index(build, &
+        set%number))%place%line))
       return
     end if
     call append(build, set) ! before its records are read: an error in them must not make it unknown
@@ -128,7 +133,8 @@ contains
         return
       end if
       if (draft%seen(w)) then
-        call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in material '//to_text(set%number), &
+        call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in material ' &
+          //to_text(set%number), &
           line%place(1), 'keep one of them')
         return
       end if
@@ -160,7 +166,8 @@ contains
       call check_count(line, 1, 1, 'DISPlacement or ENHAnced stands alone', error)
       if (allocated(error)) return
       if (set%given_formulation) then
-        call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' is both DISPlacement and ENHAnced', &
+        call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
+          //' is both DISPlacement and ENHAnced', &
           line%place(1), 'keep one of them')
         return
       end if
@@ -170,7 +177,7 @@ contains
       call read_density(deck, line, set, error)
     case ('body')
       call read_body(deck, line, set, error)
-    case ('nurb')
+    case default ! NURB
       call read_points(deck, line, set, error)
     end select
   end subroutine read_property
@@ -227,7 +234,7 @@ contains
   !> Names of the numbers of a law: the words between its name and / in `usage`.
   pure subroutine value_names(usage, name, n)
     character(*), intent(in) :: usage
-    character(*), intent(out) :: name(:)
+    character(8), intent(out) :: name(:)
     integer, intent(out) :: n
     integer :: i, j, word
 
@@ -269,7 +276,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (draft%strain /= 0 .and. draft%strain /= strain) then
-      call fail(error, DECK_ERROR, 'the material is both SMALl and FINIte', line%place(1), 'keep one of them')
+      call fail(error, DECK_ERROR, 'the material is both SMALl and FINIte', line%place(1), &
+        'keep one of them')
       return
     end if
     draft%strain = strain
@@ -286,7 +294,8 @@ contains
     call set_strain(line, 2, draft, error)
     if (allocated(error) .or. line%n == 1) return
     if (line%key(2) /= 'volu') then
-      call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(2))//' of FINIte', line%place(2), &
+      call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(2))//' of FINIte', &
+        line%place(2), &
         'FINIte [VOLUme k]')
       return
     end if
@@ -311,7 +320,8 @@ contains
     if (allocated(error)) return
     call get_real(deck, line, line%n, set%density, error)
     if (allocated(error)) return
-    if (set%density < 0.0_wp) call fail(error, DECK_ERROR, 'the density is '//to_text(set%density), &
+    if (set%density < 0.0_wp) call fail(error, DECK_ERROR, 'the density is ' &
+      //to_text(set%density), &
       line%place(line%n), 'a density is not negative')
   end subroutine read_density
 
@@ -349,7 +359,8 @@ contains
     call check_count(line, 2, 5, 'NURB interp q1 q2 q3', error)
     if (allocated(error)) return
     if (line%key(2) /= 'inte') then
-      call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(2))//' of NURB', line%place(2), &
+      call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(2))//' of NURB', &
+        line%place(2), &
         'NURB interp q1 q2 q3')
       return
     end if
@@ -357,7 +368,8 @@ contains
       call get_integer(deck, line, d + 2, set%nurbs_points(d), error, 0)
       if (allocated(error)) return
       if (set%nurbs_points(d) < 0 .or. set%nurbs_points(d) > MAX_POINT) then
-        call fail(error, DECK_ERROR, to_text(set%nurbs_points(d))//' integration points', line%place(d + 2), &
+        call fail(error, DECK_ERROR, to_text(set%nurbs_points(d))//' integration points', &
+          line%place(d + 2), &
           '1 to '//to_text(MAX_POINT)//' points in each direction')
         return
       end if
@@ -380,11 +392,13 @@ contains
     end if
     set%row = laws(draft%law)
     if (draft%strain == 1 .and. set%row%finite) then
-      call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of finite strains', draft%strain_place, &
+      call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of finite strains', &
+        draft%strain_place, &
         'for SMALl strains use ELAStic ISOTropic E nu')
       return
     else if (draft%strain == 2 .and. .not. set%row%finite) then
-      call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of small strains', draft%strain_place, &
+      call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of small strains', &
+        draft%strain_place, &
         'for FINIte strains use ELAStic NEOHook E nu')
       return
     end if

@@ -22,9 +22,11 @@ contains
     associate (c => build%control)
       call compare(build, c%numnp, build%nodes%top, 'numnp', 'nodes')
       call compare(build, c%numel, build%elements%top, 'numel', 'elements')
-      if (size(build%model%material) > 0) &
+      if (size(build%model%material) > 0) then
         call compare(build, c%nummat, maxval(build%model%material%number), 'nummat', 'materials')
-      if (build%elements%top > 0) call compare(build, c%nen, maxval(build%elements%nen), 'nen', 'nodes of an element')
+      end if
+      if (build%elements%top > 0) call compare(build, c%nen, maxval(build%elements%nen), 'nen', &
+        'nodes of an element')
     end associate
   end subroutine count_mesh
 
@@ -35,8 +37,10 @@ contains
     type(error_t), allocatable :: error
 
     if (said == 0 .or. found <= said) return
-    call fail(error, DECK_ERROR, 'the deck has '//to_text(found)//' '//what//', its control record says ' &
-      //to_text(said), build%control%place, name//' counts them; with '//name//' = 0 they are counted here')
+    call fail(error, DECK_ERROR, 'the deck has '//to_text(found)//' '//what &
+      //', its control record says ' &
+      //to_text(said), build%control%place, name//' counts them; with '//name &
+      //' = 0 they are counted here')
     call build%errors%add(error)
   end subroutine compare
 
@@ -62,7 +66,8 @@ contains
     if (build%errors%count() > 0) return
     call load_elements(rows)
     do g = 1, size(group_nen)
-      call make_block(build, pack([(n, n=1, build%elements%top)], group == g), group_material(g), group_nen(g), &
+      call make_block(build, pack([(n, n=1, build%elements%top)], group == g), group_material(g), &
+        group_nen(g), &
         rows, mesh%block(g))
       if (build%errors%count() > 0) return
     end do
@@ -80,7 +85,8 @@ contains
           if (list%node(a, e) <= nodes%top) then
             if (nodes%given(list%node(a, e))) cycle
           end if
-          call fail(error, DECK_ERROR, 'element '//to_text(e)//' refers to node '//to_text(list%node(a, e)) &
+          call fail(error, DECK_ERROR, 'element '//to_text(e)//' refers to node ' &
+            //to_text(list%node(a, e)) &
             //', which is not defined', build%places%at(list%place(e)), &
             'define it by COORdinates or BLOCk; node numbers go to '//to_text(nodes%top))
           call build%errors%add(error)
@@ -130,10 +136,12 @@ contains
       if (set%enhanced) block%name = 'Q1E9'
       if (nen == 27) block%name = 'Q2'
       if (nen == 27 .and. set%enhanced) then
-        call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' is ENHAnced, but its elements have 27 nodes', &
+        call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
+          //' is ENHAnced, but its elements have 27 nodes', &
           set%place, 'enhanced modes belong to 8-node elements; 27-node elements do not need them')
       else if (any(set%nurbs_points > 0)) then
-        call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' has NURB interp, but its elements are bricks', &
+        call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
+          //' has NURB interp, but its elements are bricks', &
           set%place, 'NURB interp belongs to an NPATch')
       end if
       if (allocated(error)) call build%errors%add(error)

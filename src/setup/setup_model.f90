@@ -19,8 +19,8 @@ module setup_model
 
 contains
 
-  !> Read the mesh part of a deck. Independent errors are collected in `errors`; `error` is one after
-  !! which reading could not go on.
+  !> Read the mesh part of a deck. Independent errors are collected in `errors`; `error` is one
+  !! after which reading could not go on.
   subroutine build_model(deck, model, errors, error)
     type(deck_t), intent(inout) :: deck
     type(model_t), intent(inout) :: model
@@ -49,7 +49,8 @@ contains
     type(build_t), intent(inout) :: build
 
     call load_mesh_words(build%row)
-    allocate (build%model%material(0), build%patch(0), build%npatch(0), build%knots(0), build%support(0))
+    allocate (build%model%material(0), build%patch(0), build%npatch(0), build%knots(0), &
+      build%support(0))
     allocate (build%move(0), build%press(0), build%curve(0), build%tie(0))
   end subroutine start
 
@@ -70,8 +71,10 @@ contains
         if (allocated(error)) return
       end if
       if (record%is_blank()) cycle
-      if (record%is_end() .or. record%key(1) == 'batc' .or. record%key(1) == 'inte' .or. record%key(1) == 'stop') then
-        call fail(error, DECK_ERROR, 'the mesh has no END', record%place(1), 'END closes the mesh, before BATCh')
+      if (record%is_end() .or. record%key(1) == 'batc' .or. record%key(1) == 'inte' &
+        .or. record%key(1) == 'stop') then
+        call fail(error, DECK_ERROR, 'the mesh has no END', record%place(1), &
+          'END closes the mesh, before BATCh')
         return
       end if
       if (record%key(1) == 'end') exit
@@ -148,7 +151,8 @@ contains
     associate (row => build%row(build%closed))
       belongs = index(' '//trim(row%records)//' ', ' '//trim(upper(record%key(1)))//' ') > 0
       if (row%has_numbers) belongs = belongs .or. scan(key, '0123456789') == 1
-      if (belongs) hint = quoted(record%text(1))//' may belong to '//trim(row%name)//', which the blank record in line ' &
+      if (belongs) hint = quoted(record%text(1))//' may belong to '//trim(row%name) &
+        //', which the blank record in line ' &
         //to_text(build%closed_line)//' closed'
     end associate
   end function closed_hint
@@ -195,7 +199,8 @@ contains
         call deck%next_of_set(next, error)
       end if
       if (allocated(error) .or. next%is_blank()) return
-      if (to_blank .and. .not. (next%is_end() .or. next%key(1) == 'end' .or. next%key(1) == 'batc')) cycle
+      if (to_blank .and. .not. (next%is_end() .or. next%key(1) == 'end' &
+        .or. next%key(1) == 'batc')) cycle
       if (next%kind == RECORD_WORDS .and. .not. known_word(build, next%text(1))) cycle
       build%has_pending = .true.
       build%pending = next

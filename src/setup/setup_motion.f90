@@ -62,7 +62,8 @@ contains
     case ('rota')
       call read_rotation(deck, record, i, m, error)
     case default
-      call fail(error, DECK_ERROR, merge('the motion is missing     ', 'unknown motion of the body', &
+      call fail(error, DECK_ERROR, merge('the motion is missing     ', &
+        'unknown motion of the body', &
         record%is_empty(i)), record%place(i), MOVE_USAGE)
     end select
     if (allocated(error)) return
@@ -96,7 +97,8 @@ contains
         end if
       end if
     end do
-    if (.not. any(m%motion%acts)) call fail(error, DECK_ERROR, 'MOVE leaves all three directions free', &
+    if (.not. any(m%motion%acts)) call fail(error, DECK_ERROR, &
+      'MOVE leaves all three directions free', &
       record%place(i + 1), 'give a number in at least one direction')
     i = i + 4
   end subroutine read_translation
@@ -120,7 +122,8 @@ contains
     end do
     length = norm2(x(4:6))
     if (.not. length > 0.0_wp) then
-      call fail(error, DECK_ERROR, 'the axis of rotation has no length', record%place(i + 4), MOVE_USAGE)
+      call fail(error, DECK_ERROR, 'the axis of rotation has no length', record%place(i + 4), &
+        MOVE_USAGE)
       return
     end if
     m%motion%rotates = .true.
@@ -142,12 +145,14 @@ contains
     table = 0
     if (record%n < i) return
     if (record%key(i) /= 'prop') then
-      call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(i)), record%place(i), usage)
+      call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(i)), record%place(i), &
+        usage)
       return
     end if
     call get_integer(deck, record, i + 1, table, error)
     if (allocated(error)) return
-    if (table < 0) call fail(error, DECK_ERROR, 'load table '//to_text(table), record%place(i + 1), &
+    if (table < 0) call fail(error, DECK_ERROR, 'load table '//to_text(table), &
+      record%place(i + 1), &
       'load tables are counted from 1; 0 is their sum')
     i = i + 2
   end subroutine read_table
@@ -182,7 +187,8 @@ contains
     if (allocated(error)) return
     if (i <= record%n) then
       if (record%key(i) /= 'foll') then
-        call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(i)), record%place(i), USAGE)
+        call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(i)), record%place(i), &
+          USAGE)
         return
       end if
       p%pressure%follower = .true.

@@ -1,7 +1,7 @@
 !> Values by node number, with generation: BOUNdary, FORCe, DISPlacement, FPROportional.
 !!
-!! FEAP's ways of generation, in which the increment of a record serves the nodes before the next one:
-!! FORC and DISP interpolate, FPRO repeats, BOUN repeats negative codes only.
+!! FEAP's ways of generation, in which the increment of a record serves the nodes before the next
+!! one: FORC and DISP interpolate, FPRO repeats, BOUN repeats negative codes only.
 !!
 !! Source: FEAPpv's manual
 module setup_nodal
@@ -25,7 +25,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: n, step, last, last_step, code(3)
 
-    call check_count(record, 1, 1, 'BOUNdary stands alone; its data follow: n g code1 code2 code3', error)
+    call check_count(record, 1, 1, &
+      'BOUNdary stands alone; its data follow: n g code1 code2 code3', error)
     if (allocated(error)) return
     n = 0
     step = 0
@@ -38,7 +39,8 @@ contains
         if (last > 0) where (code == 0 .and. all(:, last) < 0) code = -1
         all(:, n) = code
       end associate
-      if (last > 0 .and. last_step /= 0) call repeat_negative(build, last, n, sign(last_step, n - last))
+      if (last > 0 .and. last_step /= 0) call repeat_negative(build, last, n, sign(last_step, &
+        n - last))
     end do
   end subroutine read_boundary
 
@@ -62,7 +64,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: n, step, last, last_step, number(3), i
 
-    call check_count(record, 1, 1, 'FPROportional stands alone; its data follow: n g k1 k2 k3', error)
+    call check_count(record, 1, 1, 'FPROportional stands alone; its data follow: n g k1 k2 k3', &
+      error)
     if (allocated(error)) return
     n = 0
     step = 0
@@ -98,7 +101,8 @@ contains
     end do
   end subroutine read_integers
 
-  !> Number and increment of a record; n = 0 at the end of the data (a blank record, or a node 0 as in FEAP).
+  !> Number and increment of a record; n = 0 at the end of the data (a blank record, or a
+  !! node 0 as in FEAP).
   subroutine read_head(build, deck, usage, record, n, step, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
@@ -136,7 +140,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call check_count(record, 1, 1, 'FORCe stands alone; its data follow: n g f1 f2 f3', error)
-    if (.not. allocated(error)) call read_reals(build, deck, 'a force is: n g f1 f2 f3', .true., error)
+    if (.not. allocated(error)) call read_reals(build, deck, 'a force is: n g f1 f2 f3', .true., &
+      error)
   end subroutine read_forces
 
   !> DISPlacement: `n g u1 u2 u3`.
@@ -146,8 +151,10 @@ contains
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
 
-    call check_count(record, 1, 1, 'DISPlacement stands alone; its data follow: n g u1 u2 u3', error)
-    if (.not. allocated(error)) call read_reals(build, deck, 'a displacement is: n g u1 u2 u3', .false., error)
+    call check_count(record, 1, 1, 'DISPlacement stands alone; its data follow: n g u1 u2 u3', &
+      error)
+    if (.not. allocated(error)) call read_reals(build, deck, 'a displacement is: n g u1 u2 u3', &
+      .false., error)
   end subroutine read_displacements
 
   !> Records of vectors, turned by TRANsform; those in between lie on a straight line.

@@ -62,7 +62,8 @@ contains
       if (allocated(error)) return
       if (n < 1) return
       if (n == last) then
-        call fail(error, DECK_ERROR, 'node '//to_text(n)//' stands twice in succession', record%place(1))
+        call fail(error, DECK_ERROR, 'node '//to_text(n)//' stands twice in succession', &
+          record%place(1))
         return
       end if
       if (last_step /= 0) call fill_between(build, last, n, sign(last_step, n - last), weighted)
@@ -156,7 +157,8 @@ contains
     logical :: more
     integer :: i, j
 
-    call check_count(record, 1, 1, 'TRANsform stands alone; four records of three numbers follow', error)
+    call check_count(record, 1, 1, &
+      'TRANsform stands alone; four records of three numbers follow', error)
     if (allocated(error)) return
     t = 0.0_wp
     do i = 1, 4

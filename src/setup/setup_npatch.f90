@@ -40,7 +40,8 @@ contains
       call next_data(build, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
       if (line%key(1) /= 'open' .and. line%key(1) /= 'knot') then
-        call fail(error, DECK_ERROR, 'unknown kind of knot vector '//quoted(line%text(1)), line%place(1), &
+        call fail(error, DECK_ERROR, 'unknown kind of knot vector '//quoted(line%text(1)), &
+          line%place(1), &
           'open id len k1 k2 ...')
         return
       end if
@@ -89,7 +90,8 @@ contains
         call next_data(build, deck, line, more, error)
         if (allocated(error)) return
         if (.not. more) then
-          call fail(error, DECK_ERROR, to_text(i - 1)//' of '//to_text(n)//' knots are given', first%place(3))
+          call fail(error, DECK_ERROR, to_text(i - 1)//' of '//to_text(n)//' knots are given', &
+            first%place(3))
           return
         end if
         at = 1
@@ -97,7 +99,8 @@ contains
       call get_real(deck, line, at, x(i), error)
       if (allocated(error)) return
     end do
-    if (at < line%n) call fail(error, DECK_ERROR, 'more than '//to_text(n)//' knots are given', line%place(at + 1))
+    if (at < line%n) call fail(error, DECK_ERROR, 'more than '//to_text(n)//' knots are given', &
+      line%place(at + 1))
   end subroutine read_values
 
   !> NPATch: solids.
@@ -118,7 +121,8 @@ contains
       call next_data(build, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
       if (line%key(1) /= 'soli') then
-        call fail(error, DECK_ERROR, 'unknown kind of NPATch '//quoted(line%text(1)), line%place(1), &
+        call fail(error, DECK_ERROR, 'unknown kind of NPATch '//quoted(line%text(1)), &
+          line%place(1), &
           'solid ma n1 n2 n3 k1 k2 k3')
         return
       end if
@@ -130,7 +134,8 @@ contains
         if (.not. allocated(error)) call get_integer(deck, line, d + 2, p%n(d), error)
         if (.not. allocated(error)) call get_integer(deck, line, d + 5, p%knot(d), error)
         if (allocated(error)) return
-        if (p%n(d) < 2) call fail(error, DECK_ERROR, to_text(p%n(d))//' control points in direction ' &
+        if (p%n(d) < 2) call fail(error, DECK_ERROR, to_text(p%n(d)) &
+          //' control points in direction ' &
           //to_text(d), line%place(d + 2), 'at least 2')
         if (allocated(error)) return
       end do
@@ -177,7 +182,8 @@ contains
           end if
           at = at + 1
           call get_integer(deck, line, at, p%node(i, j, k), error)
-          if (.not. allocated(error)) call check_number('control point', p%node(i, j, k), line%place(at), error)
+          if (.not. allocated(error)) call check_number('control point', p%node(i, j, k), &
+            line%place(at), error)
           if (allocated(error)) return
         end do
         if (at < line%n) then

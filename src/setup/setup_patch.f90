@@ -6,14 +6,16 @@ module setup_patch
   use deck_record, only: record_t, check_count, resolve_path
   use deck_stream, only: deck_t, get_integer, get_real
   use patch_file, only: read_patch_file
-  use patch_spec, only: patch_spec_t, enrich_t, placement_t, GEO_NONE, GEO_BOX, GEO_HEMISPHERE, GEO_NURBS
+  use patch_spec, only: patch_spec_t, enrich_t, placement_t, GEO_NONE, GEO_BOX, GEO_HEMISPHERE, &
+    GEO_NURBS
   use setup_build, only: build_t, patch_entry_t, next_line
   use setup_where, only: read_face
   implicit none
   private
   public :: read_patch, patch_named
 
-  character(12), parameter :: WORD(13) = [character(12) :: 'BOX', 'HEMIsphere', 'NPATch', 'FILE', 'ROTAte', &
+  character(12), parameter :: WORD(13) = [character(12) :: 'BOX', 'HEMIsphere', 'NPATch', 'FILE', &
+    'ROTAte', &
     'TRANslate', 'ELEMents', 'KNOTs', 'TYPE', 'ENRIch', 'QUADrature', 'MATErial', '']
   character(*), parameter :: TYPES = 'known types: Q1 Q1E9 Q2 IGA RIGId'
   character(4), parameter :: RESERVED(3) = ['node', 'poin', 'plan']
@@ -47,17 +49,19 @@ contains
     patch%spec%name = record%text(2)
     patch%spec%place = record%place(2)
     if (any(record%key(2) == RESERVED) .or. record%is_empty(2)) then
-      call fail(error, DECK_ERROR, 'a patch cannot be named '//quoted(record%text(2)), record%place(2), &
+      call fail(error, DECK_ERROR, 'a patch cannot be named '//quoted(record%text(2)), &
+        record%place(2), &
         'NODE, POINt and PLANe have their own meaning where a patch may stand')
       return
     else if (patch_named(build, record%text(2)) > 0) then
-      call fail(error, DECK_ERROR, 'patch '//quoted(record%text(2))//' is defined twice', record%place(2), &
+      call fail(error, DECK_ERROR, 'patch '//quoted(record%text(2))//' is defined twice', &
+        record%place(2), &
         'the first one stands in line ' &
         //to_text(build%patch(patch_named(build, record%text(2)))%spec%place%line))
       return
     end if
     allocate (patch%spec%enrich(0), patch%spec%placement(0))
-    call append(build, patch) ! before its records are read: an error in them must not make it unknown
+    call append(build, patch) ! now: an error in its records must not make it unknown
     seen = .false.
     do
       call next_line(build, deck, line, more, error)
@@ -67,12 +71,15 @@ contains
         if (key_of(WORD(w)) == line%key(1)) exit
       end do
       if (w == 0) then
-        call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a PATCh', line%place(1), &
+        call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a PATCh', &
+          line%place(1), &
           'did you mean '//nearest(line%text(1), WORD)//'?')
         return
       end if
-      if (seen(w) .and. all(WORD(w) /= ['ROTAte      ', 'TRANslate   ', 'KNOTs       ', 'ENRIch      '])) then
-        call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in patch '//quoted(patch%spec%name), &
+      if (seen(w) .and. all(WORD(w) /= ['ROTAte      ', 'TRANslate   ', 'KNOTs       ', &
+        'ENRIch      '])) then
+        call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in patch ' &
+          //quoted(patch%spec%name), &
           line%place(1), 'keep one of them')
         return
       end if
@@ -107,7 +114,8 @@ contains
     select case (line%key(1))
     case ('box', 'hemi', 'npat', 'file')
       if (patch%spec%geometry /= GEO_NONE) then
-        call fail(error, DECK_ERROR, 'patch '//quoted(patch%spec%name)//' has two geometries', line%place(1), &
+        call fail(error, DECK_ERROR, 'patch '//quoted(patch%spec%name)//' has two geometries', &
+          line%place(1), &
           'give one of BOX, HEMIsphere, NPATch and FILE')
         return
       end if
@@ -124,7 +132,7 @@ contains
       call read_enrich(deck, line, patch%spec, error)
     case ('quad')
       call read_quadrature(deck, line, patch%spec, error)
-    case ('mate')
+    case default ! MATErial
       call check_count(line, 2, 2, 'MATErial m', error)
       if (allocated(error)) return
       call get_integer(deck, line, 2, patch%material, error)
@@ -150,7 +158,8 @@ contains
         if (allocated(error)) return
         do i = 4, 6
           if (.not. x(i) > 0.0_wp) then
-            call fail(error, DECK_ERROR, 'a box of length '//to_text(x(i))//' in direction '//to_text(i - 3), &
+            call fail(error, DECK_ERROR, 'a box of length '//to_text(x(i))//' in direction ' &
+              //to_text(i - 3), &
               line%place(i + 1), 'lengths are positive')
             return
           end if
@@ -181,10 +190,11 @@ contains
         call get_integer(deck, line, 2, patch%npatch, error)
         if (allocated(error)) return
         patch%npatch_place = line%place(2)
-        if (patch%npatch < 1) call fail(error, DECK_ERROR, 'NPATch '//to_text(patch%npatch), line%place(2), &
+        if (patch%npatch < 1) call fail(error, DECK_ERROR, 'NPATch '//to_text(patch%npatch), &
+          line%place(2), &
           'NPATch solids are counted from 1')
         spec%geometry = GEO_NURBS
-      case ('file')
+      case default ! FILE
         call check_count(line, 2, 3, 'FILE path [name]', error)
         if (allocated(error)) return
         call read_patch_file(resolve_path(line, 2), line%text(3), spec%nurbs, line%place(2), error)
@@ -252,10 +262,12 @@ contains
       call get_integer(deck, line, d + 1, n, error)
       if (allocated(error)) return
       if (n < 1) then
-        call fail(error, DECK_ERROR, to_text(n)//' elements in direction '//to_text(d), line%place(d + 1), &
+        call fail(error, DECK_ERROR, to_text(n)//' elements in direction '//to_text(d), &
+          line%place(d + 1), &
           'numbers of elements are positive')
       else if (spec%nelem(d) > 0 .and. spec%nelem(d) /= n) then
-        call fail(error, DECK_ERROR, 'ELEMents and KNOTs disagree in direction '//to_text(d), line%place(d + 1), &
+        call fail(error, DECK_ERROR, 'ELEMents and KNOTs disagree in direction '//to_text(d), &
+          line%place(d + 1), &
           'the KNOTs make '//to_text(spec%nelem(d))//' elements')
       end if
       spec%nelem(d) = n
@@ -274,9 +286,11 @@ contains
     if (.not. allocated(error)) call get_integer(deck, line, 2, d, error)
     if (allocated(error)) return
     if (d < 1 .or. d > 3) then
-      call fail(error, DECK_ERROR, 'direction '//to_text(d), line%place(2), 'directions are 1, 2 and 3')
+      call fail(error, DECK_ERROR, 'direction '//to_text(d), line%place(2), &
+        'directions are 1, 2 and 3')
     else if (allocated(spec%knots(d)%u)) then
-      call fail(error, DECK_ERROR, 'KNOTs of direction '//to_text(d)//' stand twice', line%place(2), &
+      call fail(error, DECK_ERROR, 'KNOTs of direction '//to_text(d)//' stand twice', &
+        line%place(2), &
         'keep one of them')
     end if
     if (allocated(error)) return
@@ -285,7 +299,8 @@ contains
     if (allocated(error)) return
     do i = 2, line%n - 2
       if (spec%knots(d)%u(i) > spec%knots(d)%u(i - 1)) cycle
-      call fail(error, DECK_ERROR, 'the knots do not rise', line%place(i + 2), 'list them in rising order')
+      call fail(error, DECK_ERROR, 'the knots do not rise', line%place(i + 2), &
+        'list them in rising order')
       return
     end do
     if (spec%nelem(d) > 0 .and. spec%nelem(d) /= line%n - 1) call fail(error, DECK_ERROR, &
@@ -317,10 +332,12 @@ contains
       return
     case default
       if (line%key(2) == 'rigi') then
-        call fail(error, DECK_ERROR, 'a rigid patch needs contact, which is not available yet', line%place(2), &
+        call fail(error, DECK_ERROR, 'a rigid patch needs contact, which is not available yet', &
+          line%place(2), &
           'give it a TYPE of solid elements and FIX or MOVE all of it')
       else
-        call fail(error, DECK_ERROR, 'unknown element type '//quoted(line%text(2)), line%place(2), TYPES)
+        call fail(error, DECK_ERROR, 'unknown element type '//quoted(line%text(2)), &
+          line%place(2), TYPES)
       end if
       return
     end select
@@ -359,7 +376,8 @@ contains
         e%tapered = .true.
         if (.not. e%eas) call fail(error, DECK_ERROR, 'TAPEred without EAS', line%place(i), USAGE)
       case default
-        call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(i))//' of ENRIch', line%place(i), USAGE)
+        call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(i))//' of ENRIch', &
+          line%place(i), USAGE)
       end select
       if (allocated(error)) return
       i = i + 1
@@ -383,7 +401,8 @@ contains
       if (allocated(error)) return
       call get_integer(deck, line, i, n, error)
       if (allocated(error)) return
-      if (n < 1 .or. n > MAX_POINT) call fail(error, DECK_ERROR, to_text(n)//' integration points', &
+      if (n < 1 .or. n > MAX_POINT) call fail(error, DECK_ERROR, to_text(n) &
+        //' integration points', &
         line%place(i), '1 to '//to_text(MAX_POINT)//' points in each direction')
       if (i == 2) spec%q = n
       if (i == 3) spec%qz = n
@@ -412,7 +431,8 @@ contains
     subroutine complain(what, hint)
       character(*), intent(in) :: what, hint
 
-      call fail(error, DECK_ERROR, 'patch '//quoted(patch%spec%name)//' has no '//what, patch%spec%place, hint)
+      call fail(error, DECK_ERROR, 'patch '//quoted(patch%spec%name)//' has no '//what, &
+        patch%spec%place, hint)
     end subroutine complain
   end subroutine check_complete
 

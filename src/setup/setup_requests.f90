@@ -14,7 +14,8 @@ module setup_requests
   private
   public :: read_ebou, read_edis, read_efor, read_epro, read_cbou, read_cdis, read_cfor, read_csur
 
-  integer, parameter, public :: R_EBOU = 1, R_EDIS = 2, R_EFOR = 3, R_EPRO = 4, R_CBOU = 5, R_CFOR = 6, &
+  integer, parameter, public :: R_EBOU = 1, R_EDIS = 2, R_EFOR = 3, R_EPRO = 4, R_CBOU = 5, &
+    R_CFOR = 6, &
     R_CDIS = 7, R_CSUR = 8 !! in the order in which FEAP applies them
 
 contains
@@ -105,7 +106,8 @@ contains
     case ('set')
       adds = .false.
     case default
-      call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of '//record%text(1), &
+      call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of ' &
+        //record%text(1), &
         record%place(2), 'options are ADD and SET')
     end select
   end subroutine read_mode
@@ -243,7 +245,8 @@ contains
     if (kind == R_CBOU) words = 'NODE, SURFace and GAP'
     if (kind == R_CSUR) words = 'SURFace, NORMal, NODE and GAP'
     call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1)), line%place(1), &
-      'did you mean '//nearest(line%text(1), ['NODE   ', 'SURFace', 'GAP    '])//'? records are '//words)
+      'did you mean '//nearest(line%text(1), ['NODE   ', 'SURFace', 'GAP    '])//'? records are ' &
+      //words)
   end subroutine complain
 
   !> NODE x y z and three values.
@@ -321,7 +324,8 @@ contains
       given(i) = .true.
     end do
     if (.not. all(given(:4))) then
-      call fail(error, DECK_ERROR, 'the surface lacks its corner '//to_text(findfalse(given(:4))), s%place, &
+      call fail(error, DECK_ERROR, 'the surface lacks its corner ' &
+        //to_text(findfalse(given(:4))), s%place, &
         'points 1 to 4 are the corners')
       return
     end if

@@ -88,10 +88,12 @@ contains
     if (allocated(column%body)) quantity%body = body_index(model%mesh, column%body)
     if (column%at%kind /= 0) call find_nodes(model%mesh, column%at, quantity%node, error)
     if (quantity%kind == Q_STRESS) then
-      call locate_point(model%mesh, quantity%body, quantity%point, quantity%block, quantity%elem, quantity%xi)
+      call locate_point(model%mesh, quantity%body, quantity%point, quantity%block, quantity%elem, &
+        quantity%xi)
       if (quantity%block > 0) return
       if (allocated(column%body)) then
-        call fail(error, DECK_ERROR, 'the point lies outside patch '//quoted(column%body), quantity%place, &
+        call fail(error, DECK_ERROR, 'the point lies outside patch '//quoted(column%body), &
+          quantity%place, &
           'it is a point of the reference configuration')
       else
         call fail(error, DECK_ERROR, 'the point lies outside the mesh', quantity%place, &

@@ -1,4 +1,4 @@
-!> An NPATch as geometry of a PATCh, or as a body of its own whose control points are the given nodes.
+!> An NPATch as geometry of a PATCh, or as a body of its own with the given control points.
 module setup_solid
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
@@ -49,7 +49,8 @@ contains
               if (.not. nodes%given(n)) n = nodes%top + 1
             end if
             if (n > nodes%top) then
-              call fail(error, DECK_ERROR, 'NPATch refers to control point '//to_text(p%node(i, j, l)) &
+              call fail(error, DECK_ERROR, 'NPATch refers to control point '//to_text(p%node(i, &
+                j, l)) &
                 //', which is not defined', p%place, 'define it by NURBs')
               return
             end if
@@ -76,7 +77,8 @@ contains
       if (build%knots(i)%number == p%knot(d)) exit
     end do
     if (i == 0) then
-      call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d))//' of the NPATch is not defined', p%place, &
+      call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d)) &
+        //' of the NPATch is not defined', p%place, &
         'define it by KNOTs: open id len k1 k2 ...')
       return
     end if
@@ -156,7 +158,8 @@ contains
           e = e + 1
           block%ext%iop(:, e) = [iop1(i), iop2(j), iop3(l)]
           associate (a => first1(i), b => first2(j), c => first3(l))
-            block%conn(:, e) = reshape(build%npatch(k)%node(a:a + p(1), b:b + p(2), c:c + p(3)), [block%nen])
+            block%conn(:, e) = reshape(build%npatch(k)%node(a:a + p(1), b:b + p(2), c:c + p(3)), &
+              [block%nen])
             if (allocated(block%ext%w)) block%ext%w(:, e) = &
               reshape(patch%cp(4, a:a + p(1), b:b + p(2), c:c + p(3)), [block%nen])
           end associate

@@ -1,7 +1,7 @@
-!> Surfaces of CSURface and CBOUndary: nodes near a nine-node patch, and its pressure on element faces.
+!> Surfaces of CSURface and CBOUndary: nodes near a nine-node patch, its pressure on faces.
 !!
-!! FEAP's sign: a positive pressure acts along the normal of the patch (points 1 2 3 4 counter-clockwise),
-!! which must be the outward one of the faces it meets: it pulls.
+!! FEAP's sign: a positive pressure acts along the normal of the patch (points 1 2 3 4
+!! counter-clockwise), which must be the outward one of the faces it meets: it pulls.
 !!
 !! Source: FEAPpv's manual
 module setup_surface
@@ -16,13 +16,14 @@ module setup_surface
   private
   public :: mark_surface, load_surface
 
-  real(wp), parameter :: BOX_SHARE = 1.0e-4_wp   !! FEAP's gap: share of the sum of the patch's extents
-  real(wp), parameter :: SIZE_SHARE = 1.0e-3_wp  !! and share of each extent over the cube root of the nodes
-  real(wp), parameter :: BEYOND = 1.0e-4_wp      !! a projection this far off the patch's border is on it
+  real(wp), parameter :: BOX_SHARE = 1.0e-4_wp   !! FEAP's gap: share of the sum of the extents
+  real(wp), parameter :: SIZE_SHARE = 1.0e-3_wp  !! share of an extent over nodes^(1/3)
+  real(wp), parameter :: BEYOND = 1.0e-4_wp      !! a foot this far off the border is on it
   real(wp), parameter :: ALIGNED = 0.8_wp        !! least cosine of the normals
   integer, parameter :: MAX_ITER = 100
   !> Signs of FEAP's nine points in the patch's parameters.
-  integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], AT2(9) = [-1, -1, 1, 1, -1, 0, 1, 0, 0]
+  integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], AT2(9) = [-1, -1, 1, 1, -1, 0, &
+    1, 0, 0]
 
 contains
 
@@ -55,13 +56,14 @@ contains
     if (r%gap > 0.0_wp) then
       gap = r%gap
     else
-      gap = max(BOX_SHARE*sum(high - low), SIZE_SHARE*maxval(high - low)/real(nnode, wp)**(1.0_wp/3.0_wp))
+      gap = max(BOX_SHARE*sum(high - low), SIZE_SHARE*maxval(high - low)/real(nnode, &
+        wp)**(1.0_wp/3.0_wp))
     end if
     low = low - 1.5_wp*gap
     high = high + 1.5_wp*gap
   end subroutine search_box
 
-  !> Foot of a point on the patch by Newton's method; `on` where it lies within the gap and the border.
+  !> Foot of a point on the patch by Newton's method; `on` within the gap and the border.
   pure subroutine project(patch, x, gap, xi, normal, on)
     real(wp), intent(in) :: patch(:, :) !! (4, 9)
     real(wp), intent(in) :: x(3), gap
@@ -79,7 +81,8 @@ contains
       t1 = matmul(patch(:3, :), d(1, :))
       t2 = matmul(patch(:3, :), d(2, :))
       r = [dot_product(dx, t1), dot_product(dx, t2)]
-      a = reshape([dot_product(t1, t1), dot_product(t1, t2), dot_product(t1, t2), dot_product(t2, t2)], [2, 2])
+      a = reshape([dot_product(t1, t1), dot_product(t1, t2), dot_product(t1, t2), dot_product(t2, &
+        t2)], [2, 2])
       det = a(1, 1)*a(2, 2) - a(1, 2)**2
       if (.not. det > epsilon(det)*a(1, 1)*a(2, 2)) return
       step = -[a(2, 2)*r(1) - a(1, 2)*r(2), a(1, 1)*r(2) - a(1, 2)*r(1)]/det
@@ -146,7 +149,8 @@ contains
     type(boundary_t), intent(inout) :: bc
     logical, intent(inout) :: met
     real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :), x(:, :)
-    real(wp) :: p(4), corner(3, 4), area(3), t1(3), t2(3), normal(3), load, low(3), high(3), gap, foot(2), g(9), d(2, 9)
+    real(wp) :: p(4), corner(3, 4), area(3), t1(3), t2(3), normal(3), load, low(3), high(3), gap, &
+      foot(2), g(9), d(2, 9)
     logical :: lies
     integer :: a, q, i, j
 

@@ -11,7 +11,8 @@ module setup_table
   use setup_nodes, only: read_coordinates, read_nurbs, read_transform
   use setup_npatch, only: read_knots, read_npatch
   use setup_patch, only: read_patch
-  use setup_requests, only: read_ebou, read_edis, read_efor, read_epro, read_cbou, read_cdis, read_cfor, &
+  use setup_requests, only: read_ebou, read_edis, read_efor, read_epro, read_cbou, read_cdis, &
+    read_cfor, &
     read_csur
   use setup_words, only: read_para, read_print, read_tie
   implicit none
@@ -47,7 +48,8 @@ contains
     call add(table, 'PARAmeters', WORDS, read_para)
     call add(table, 'PRINt', ALONE, read_print)
     call add(table, 'NOPRint', ALONE, read_print)
-    call add(table, 'MATErial', WORDS, read_material, 'SOLI ELAS SMAL FINI DISP ENHA DENS BODY NURB')
+    call add(table, 'MATErial', WORDS, read_material, &
+      'SOLI ELAS SMAL FINI DISP ENHA DENS BODY NURB')
     call add(table, 'NURBs', NUMBERS, read_nurbs)
     call add(table, 'KNOTs', WORDS, read_knots, 'OPEN')
     call add(table, 'NPATch', WORDS, read_npatch, 'SOLI')

@@ -15,7 +15,7 @@ module setup_tie
   public :: tie_nodes
 
   real(wp), parameter :: SHARE = 1.0e-3_wp
-  integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! nodes in a search cell; cells in a direction
+  integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! of the search grid
 
 contains
 
@@ -63,7 +63,8 @@ contains
       low(d) = minval(mesh%xr(d, :), mesh%used)
       high(d) = maxval(mesh%xr(d, :), mesh%used)
     end do
-    tol = (high - low)*merge(tie%tolerance, SHARE/sqrt(real(mesh%nnode, wp)), tie%tolerance > 0.0_wp)
+    tol = (high - low)*merge(tie%tolerance, SHARE/sqrt(real(mesh%nnode, wp)), &
+      tie%tolerance > 0.0_wp)
     call classify(build, tie, mesh, tol, class)
     cells = max(1, min(MOST_CELLS, int((real(mesh%nnode, wp)/PER_CELL)**(1.0_wp/3.0_wp))))
     width = (high - low)/cells

@@ -12,8 +12,9 @@ module setup_where
 
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5
 
-  character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is two of them, 1-,3+'
-  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! share of the mesh's extent over sqrt(nodes), as EBOUndary
+  character(*), &
+    parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is two of them, 1-,3+'
+  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! of the mesh's extent over sqrt(nodes), as EBOUndary
 
   !> A place in the reference mesh, resolved after TIE.
   type :: where_t
@@ -77,7 +78,8 @@ contains
     integer :: f, second
 
     if (record%is_empty(i + 1)) then
-      call fail(error, DECK_ERROR, 'the face of '//quoted(place%body)//' is missing', record%place(i + 1), &
+      call fail(error, DECK_ERROR, 'the face of '//quoted(place%body)//' is missing', &
+        record%place(i + 1), &
         FACE_HINT)
       return
     end if
@@ -163,17 +165,19 @@ contains
       end associate
     case (W_NODE)
       if (place%node < 1 .or. place%node > mesh%nnode) then
-        call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' is not in the mesh', place%place, &
+        call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' is not in the mesh', &
+          place%place, &
           'nodes are 1 to '//to_text(mesh%nnode))
         return
       else if (.not. mesh%used(place%node)) then
-        call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' belongs to no element', place%place)
+        call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' belongs to no element', &
+          place%place)
         return
       end if
       on(place%node) = .true.
     case (W_POINT)
       on(nearest_node(mesh, place%x)) = .true.
-    case (W_PLANE)
+    case default ! W_PLANE
       call find_plane(mesh, place%direction, place%x(1), on)
     end select
     on = on .and. mesh%used

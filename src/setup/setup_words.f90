@@ -42,7 +42,8 @@ contains
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: USAGE = 'TIE, or TIE,,direction,coordinate, TIE,NODE,n1,n2, TIE,MATErial,m1,m2'
+    character(*), &
+      parameter :: USAGE = 'TIE, or TIE,,direction,coordinate, TIE,NODE,n1,n2, TIE,MATErial,m1,m2'
     type(tie_t) :: t
 
     call check_count(record, 1, 5, USAGE, error)
@@ -59,13 +60,15 @@ contains
       call get_integer(deck, record, 3, t%from, error)
       if (.not. allocated(error)) call get_integer(deck, record, 4, t%to, error)
       if (allocated(error)) return
-      if (t%from < 1 .or. t%to < t%from) call fail(error, DECK_ERROR, 'nodes '//to_text(t%from)//' to ' &
+      if (t%from < 1 .or. t%to < t%from) call fail(error, DECK_ERROR, 'nodes '//to_text(t%from) &
+        //' to ' &
         //to_text(t%to), record%place(3), 'TIE,NODE,first,last')
     case ('mate')
       call get_integer(deck, record, 3, t%material(1), error)
       if (.not. allocated(error)) call get_integer(deck, record, 4, t%material(2), error)
     case default
-      call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of TIE', record%place(2), USAGE)
+      call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of TIE', &
+        record%place(2), USAGE)
     end select
     if (allocated(error)) return
     call get_real(deck, record, 5, t%tolerance, error, 0.0_wp)
