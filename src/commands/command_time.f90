@@ -55,6 +55,10 @@ contains
       return
     end if
     call set_dt(run%control, run%state%time, command%x(1))
+    ! the step under way ends at the new anchor: closing it must not count a target
+    if (run%plan%open .and. run%plan%timed) run%control%target = -run%control%passed
+    ! A step under way is counted when it closes, and it ends where the new targets begin.
+    if (run%plan%open .and. run%plan%timed) run%control%target = -run%control%passed
   end subroutine run_dt
 
   !> Close the step under way and open the next one.
