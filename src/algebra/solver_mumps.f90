@@ -19,6 +19,9 @@ module solver_mumps
   integer, parameter :: INITIALISE = -1, FINISH = -2 !! values of JOB
   integer, parameter :: ANALYSE_JOB = 1, FACTORISE_JOB = 2, SOLVE_JOB = 3
   integer, parameter :: SYMMETRIC_GENERAL = 2, UNSYMMETRIC = 0 !! values of SYM
+  !> Low-rank blocks are cut in the order of elimination: MUMPS 5.5 hands SCOTCH 7, which would group
+  !! them otherwise, a graph without initialising it, and crashes now and then.
+  integer, parameter :: CLUSTERING = 482, PLAIN = 3 !! an index and a value of KEEP
   integer, parameter :: LAST_MARGIN = 1000    !! largest work space beyond the estimate [%]
   !> A pivot of the scaled matrix below this is an exact zero but for rounding (an equation without
   !! stiffness). Free bodies leave larger ones: see null_space.
@@ -94,12 +97,14 @@ contains
       call set_controls(self%s%icntl, symmetric, self%low_rank > 0.0_wp, ordering)
       self%s%cntl(3) = real(NULL_PIVOT_SINGLE, sp)
       self%s%cntl(7) = real(self%low_rank, sp)
+      self%s%keep(CLUSTERING) = PLAIN
       call give_pattern(self%s%n, self%s%nnz, self%s%irn, self%s%jcn, self%s%perm_in)
       allocate (self%s%a(size(row)))
     else
       call set_controls(self%d%icntl, symmetric, self%low_rank > 0.0_wp, ordering)
       self%d%cntl(3) = NULL_PIVOT
       self%d%cntl(7) = self%low_rank
+      self%d%keep(CLUSTERING) = PLAIN
       call give_pattern(self%d%n, self%d%nnz, self%d%irn, self%d%jcn, self%d%perm_in)
       allocate (self%d%a(size(row)))
     end if
