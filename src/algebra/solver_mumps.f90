@@ -19,8 +19,8 @@ module solver_mumps
   integer, parameter :: INITIALISE = -1, FINISH = -2 !! values of JOB
   integer, parameter :: ANALYSE_JOB = 1, FACTORISE_JOB = 2, SOLVE_JOB = 3
   integer, parameter :: SYMMETRIC_GENERAL = 2, UNSYMMETRIC = 0 !! values of SYM
-  !> Low-rank blocks are cut in the order of elimination: MUMPS 5.5 hands SCOTCH 7, which would group
-  !! them otherwise, a graph without initialising it, and crashes now and then.
+  !> Low-rank blocks are cut in the order of elimination: MUMPS 5.5 hands SCOTCH 7, which would
+  !! group them otherwise, a graph without initialising it, and crashes now and then.
   integer, parameter :: CLUSTERING = 482, PLAIN = 3 !! an index and a value of KEEP
   integer, parameter :: LAST_MARGIN = 1000    !! largest work space beyond the estimate [%]
   !> A pivot of the scaled matrix below this is an exact zero but for rounding (an equation without
