@@ -107,7 +107,8 @@ contains
     end select
   end subroutine read_table
 
-  !> `2 n`: n (t, p) pairs a record, up to a blank record.
+  !> `2 n`: n (t, p) pairs a record, up to a blank record; a pair 0 0 or a record that is not full is
+  !! the last one, and the blank record may be missing behind it (FEAP).
   subroutine read_pairs(run, opening, table, error)
     type(run_t), intent(inout) :: run
     type(record_t), intent(in) :: opening
@@ -116,14 +117,20 @@ contains
     type(record_t) :: record
     integer :: i, n
     real(wp) :: t, p
+    logical :: done
 
     call get_integer(run%deck, opening, 2, n, error, 1)
     if (allocated(error)) return
     allocate (table%t(0), table%p(0))
+    done = .false.
     do
       call run%deck%next_of_set(record, error)
       if (allocated(error)) return
       if (record%kind /= RECORD_WORDS) exit
+      if (done) then
+        call run%deck%put_back(record)
+        exit
+      end if
       call check_count(record, 2, 2*max(n, 1), 'pairs t p: at most '//to_text(max(n, 1))//' of them a record here', error)
       if (allocated(error)) return
       if (mod(record%n, 2) /= 0) then
@@ -136,6 +143,8 @@ contains
         call get_real(run%deck, record, i + 1, p, error)
         if (allocated(error)) return
         if (size(table%t) > 0) then
+          done = .not. (abs(t) + abs(p) > 0.0_wp)
+          if (done) exit
           if (t <= table%t(size(table%t))) then
             call fail(error, DECK_ERROR, 'times of a table must increase', record%place(i))
             return
@@ -144,6 +153,7 @@ contains
         table%t = [table%t, t]
         table%p = [table%p, p]
       end do
+      done = done .or. record%n < 2*n
     end do
     if (size(table%t) == 0) call fail(error, DECK_ERROR, 'a table without pairs', opening%place(1), &
       'behind `2 n` put pairs t p, one a record, and a blank record')

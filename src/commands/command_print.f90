@@ -1,5 +1,6 @@
 !> DISP, REAC, STRE: FEAP's tables in <stem>.out; PRIN and NOPR switch them on and off.
 module command_print
+  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use byte_file, only: open_bytes
   use command_type, only: run_t, command_t, command_row_t
@@ -16,7 +17,7 @@ contains
 
     row%key = 'disp'
     row%word = 'DISPlacement'
-    row%usage = 'DISP,[ALL],[n1],[n2],[step]'
+    row%usage = 'DISP,[ALL | COOR,d,x],[n1],[n2],[step]'
     row%nmax = 4
     row%run => run_print
   end function describe_disp
@@ -26,7 +27,7 @@ contains
 
     row%key = 'reac'
     row%word = 'REACtion'
-    row%usage = 'REAC,[ALL],[n1],[n2],[step]'
+    row%usage = 'REAC,[ALL | COOR,d,x],[n1],[n2],[step]'
     row%nmax = 4
     row%run => run_print
   end function describe_reac
@@ -36,7 +37,7 @@ contains
 
     row%key = 'stre'
     row%word = 'STREss'
-    row%usage = 'STRE,[ALL | NODE],[n1],[n2],[step]'
+    row%usage = 'STRE,[ALL | NODE | COOR,d,x],[n1],[n2],[step]'
     row%nmax = 4
     row%run => run_print
   end function describe_stre
@@ -88,12 +89,12 @@ contains
     if (allocated(error)) return
     select case (command%record%key(1))
     case ('disp')
-      call print_displacements(run%out, run%model, run%state, nodes(run, first, last, step), error)
+      call print_displacements(run%out, run%model, run%state, chosen(run, command, first, last, step), error)
     case ('reac')
-      call print_reactions(run%out, run%model, run%state, nodes(run, first, last, step), error)
+      call print_reactions(run%out, run%model, run%state, chosen(run, command, first, last, step), error)
     case default
-      if (command%option == 'node') then
-        call print_nodal_stresses(run%out, run%model, run%state, nodes(run, first, last, step), error)
+      if (any(command%option == ['node', 'coor'])) then
+        call print_nodal_stresses(run%out, run%model, run%state, chosen(run, command, first, last, step), error)
       else
         call print_stresses(run%out, run%model, run%state, first, last, step, error)
       end if
@@ -107,24 +108,46 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: most
 
-    if (all(command%option /= ['    ', 'all ', 'node']) .or. &
+    if (all(command%option /= ['    ', 'all ', 'node', 'coor']) .or. &
       (command%option == 'node' .and. command%record%key(1) /= 'stre')) then
       call fail(error, DECK_ERROR, "unknown option '"//command%record%text(2)//"'", command%record%place(2), &
         trim(run%row(command%row)%usage))
       return
     end if
     most = run%model%mesh%nnode
-    if (command%record%key(1) == 'stre' .and. command%option /= 'node') most = sum(run%model%mesh%block%nelem)
+    if (command%record%key(1) == 'stre' .and. all(command%option /= ['node', 'coor'])) most = sum(run%model%mesh%block%nelem)
     first = 1
     last = most
     step = 1
-    if (command%option == 'all' .or. .not. command%x(1) > 0.5_8) return
+    if (command%option == 'coor' .and. all(nint(command%x(1)) /= [1, 2, 3])) then
+      call fail(error, DECK_ERROR, 'directions are 1, 2 and 3', command%record%place(min(3, command%record%n)), &
+        trim(run%row(command%row)%usage))
+    end if
+    if (any(command%option == ['all ', 'coor']) .or. .not. command%x(1) > 0.5_8) return
     first = nint(command%x(1))
     last = max(first, nint(command%x(2)))
     step = max(1, nint(command%x(3)))
     if (last > most) call fail(error, DECK_ERROR, 'the range ends beyond the mesh', command%record%place(4), &
       trim(run%row(command%row)%usage))
   end subroutine read_range
+
+  !> The nodes of a range, or those of a plane (COOR).
+  pure function chosen(run, command, first, last, step) result(list)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: first, last, step
+    integer, allocatable :: list(:)
+    real(wp) :: gap
+    integer :: i, d
+
+    list = nodes(run, first, last, step)
+    if (command%option /= 'coor') return
+    d = nint(command%x(1))
+    associate (x => run%model%mesh%xr)
+      gap = 1.0e-3_wp/sqrt(real(size(x, 2), wp))*(maxval(x(d, list)) - minval(x(d, list)))
+      list = pack(list, [(abs(x(d, list(i)) - command%x(2)) <= gap, i=1, size(list))])
+    end associate
+  end function chosen
 
   pure function nodes(run, first, last, step) result(list)
     type(run_t), intent(in) :: run

@@ -38,7 +38,7 @@ contains
       deallocate (error)
     end if
     call read_words(build, deck, error)
-    if (.not. allocated(error)) call read_ties(build, deck, error)
+    if (.not. (allocated(error) .or. build%ended)) call read_ties(build, deck, error)
     if (.not. allocated(error)) call finish(build)
     errors = build%errors
     model = build%model
@@ -84,7 +84,7 @@ contains
       else
         call read_word(build, deck, record, r, error)
       end if
-      if (allocated(error)) return
+      if (allocated(error) .or. build%ended) return
     end do
   end subroutine read_words
 
@@ -106,6 +106,20 @@ contains
     call deck%put_back(record)
   end subroutine read_ties
 
+  !> FEAP's manual writes `BOUNdary conditions`: words of explanation behind a word that has lists.
+  pure function without_remark(record) result(plain)
+    type(record_t), intent(in) :: record
+    type(record_t) :: plain
+    integer :: i
+
+    plain = record
+    if (all(record%key(1) /= ['coor', 'boun', 'forc', 'disp', 'fpro', 'bloc'])) return
+    do i = 2, record%n
+      if (all(record%key(i) /= ['cond', 'rest', 'code', 'data', 'node', 'all '])) return
+    end do
+    plain%n = 1
+  end function without_remark
+
   !> One known word; after an error reading goes on behind its set.
   subroutine read_word(build, deck, record, r, error)
     type(build_t), intent(inout) :: build
@@ -126,7 +140,7 @@ contains
       build%closed_line = 0
     end if
     read => build%row(r)%read
-    call read(build, deck, record, found)
+    call read(build, deck, without_remark(record), found)
     if (.not. allocated(found)) return
     if (build%row(r)%name == 'PARAmeters' .or. found%code /= DECK_ERROR) then
       call move_alloc(found, error) ! what follows would fail without the parameters
@@ -134,6 +148,7 @@ contains
     end if
     if (len(belongs) > 0 .and. found%place%line == record%line) found%hint = belongs
     call build%errors%add(found)
+    call deck%stop_loops()
     call skip_set(build, deck, error)
   end subroutine read_word
 
@@ -185,12 +200,13 @@ contains
     to_blank = build%row(r)%has_set .and. .not. build%row(r)%has_numbers
     hint = closed_hint(build, record)
     if (len(hint) == 0) then
-      hint = 'did you mean '//word//'?'
+      hint = 'nearest known: '//word
     else
       to_blank = .true.
     end if
     call fail(found, DECK_ERROR, 'unknown word '//quoted(record%text(1)), record%place(1), hint)
     call build%errors%add(found)
+    call deck%stop_loops()
     build%incomplete = .true.
     do
       if (any(word == OURS)) then
