@@ -31,11 +31,12 @@ OPT_sanitize := $(OPT_debug) -fsanitize=address,undefined -fno-omit-frame-pointe
 OPT_coverage := -O0 -g --coverage
 OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
 # Files whose inner loops carry the run time.
-KERNELS      := solid_batch solid_batch_algebra solid_panel solid_point solid_form solid_condense \
-                mate_neohooke mate_linear
+KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
+                solid_form solid_condense mate_neohooke mate_linear
 # These once more for wider vector registers, under other names (@ becomes _v3, _v4): the program
 # takes what its processor has (solid_simd). Fused products are worth 15 % here.
-WIDE         := elements/solid_batch@ elements/solid_batch@_algebra materials/mate_neohooke@
+WIDE         := elements/solid_batch@ elements/solid_batch@_algebra elements/solid_batch@_condense \
+                materials/mate_neohooke@
 MARCH_v3     := -march=x86-64-v3 -ffp-contract=fast
 MARCH_v4     := -march=x86-64-v4 -mprefer-vector-width=512 -ffp-contract=fast
 wide          = $(and $(filter x86_64,$(shell uname -m)),$(MARCH$(findstring _v3,$1)$(findstring _v4,$1)))

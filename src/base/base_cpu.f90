@@ -4,10 +4,15 @@ module base_cpu
   private
   public :: vector_level
 
+  character(8), parameter :: LEVEL_3(7) = [character(8) :: 'avx2', 'bmi1', 'bmi2', 'f16c', 'fma', &
+    'abm', 'movbe']
+  character(8), parameter :: LEVEL_4(5) = [character(8) :: 'avx512f', 'avx512bw', 'avx512cd', &
+    'avx512dq', 'avx512vl']
+
 contains
 
-  !> Level of the x86-64 instruction set: 4 (AVX-512), 3 (AVX2 and FMA), 1 (any; other processors too).
-  !! The names are those of the kernel's list, the levels those of the x86-64 psABI.
+  !> Level of the x86-64 instruction set, as its ABI counts: 4 (AVX-512), 3 (AVX2 and FMA) or
+  !! 1 (any; other processors and systems without /proc too).
   function vector_level() result(level)
     integer :: level
 
@@ -22,9 +27,8 @@ contains
       read (unit, '(a)', iostat=status) line
       if (status /= 0) exit
       if (line(:5) /= 'flags') cycle
-      if (has(line, [character(8) :: 'avx2', 'bmi1', 'bmi2', 'f16c', 'fma', 'abm', 'movbe'])) level = 3
-      if (level == 3 .and. has(line, [character(8) :: 'avx512f', 'avx512bw', 'avx512cd', 'avx512dq', &
-        'avx512vl'])) level = 4
+      if (.not. has(line, LEVEL_3)) exit
+      level = merge(4, 3, has(line, LEVEL_4))
       exit
     end do
     close (unit)

@@ -13,7 +13,8 @@ module element_type
   !> The member of a family: degrees and, for spline functions, Bezier extraction and weights.
   type :: cell_t
     integer :: degree(3) = 1            !! degrees in the element's own directions
-    real(wp), allocatable :: c1(:, :)   !! (p+1, p+1) extraction operator of direction 1: N = C B; not allocated: Lagrange
+    !> Extraction operators (p+1, p+1) of the directions, N = C B; not allocated: Lagrange.
+    real(wp), allocatable :: c1(:, :)   !! direction 1
     real(wp), allocatable :: c2(:, :)   !! direction 2
     real(wp), allocatable :: c3(:, :)   !! direction 3 (tri-variate elements only)
     real(wp), allocatable :: w(:)       !! weights of the control points; not allocated: all one
@@ -34,12 +35,12 @@ module element_type
     integer, allocatable :: first(:)  !! (nface+1) where a face's nodes begin in `node`
     integer, allocatable :: node(:)   !! local nodes of the faces, one after the other
     integer :: vtk = 0                !! VTK cell type (12 Q1, 79 Bezier, 10 tetrahedron)
-    integer, allocatable :: vtk_node(:) !! local node of each VTK point; not allocated for Bezier cells
+    integer, allocatable :: vtk_node(:) !! local node of each VTK point; spline cells: none
   end type topology_t
 
   !> What happened in an element.
   type :: form_report_t
-    logical :: ok = .true.          !! .false.: inverted, or the condensation is singular: cut the step
+    logical :: ok = .true.          !! .false.: inverted, or condensation singular: cut the step
     integer :: negative = 0         !! negative eigenvalues of the condensed block
     real(wp) :: enhanced = 0.0_wp   !! |r_a . K_aa^-1 r_a|: energy of the enhanced residual [F L]
   end type form_report_t
@@ -97,9 +98,11 @@ module element_type
     !> Residual and consistent tangent of one element, enhanced modes condensed.
     !!
     !! History of an element with nmode > 0 (length history_length(nen, nmode) of solid_form):
-    !! the parameters a at (u - du), the vector m = K_aa^-1 r_a and the matrix L = K_aa^-1 K_au there.
+    !! the parameters a at (u - du), the vector m = K_aa^-1 r_a and the matrix L = K_aa^-1 K_au
+    !! there.
     !! The kernel sets a_new = a - scale*m - L du, forms, and returns a_new, m_new, L_new.
-    pure subroutine element_form_i(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
+    pure subroutine element_form_i(basis, material, prop, xr, u, du, scale, h_old, h_new, &
+        r, k, report)
       import :: basis_t, material_t, form_report_t, wp
       implicit none
       type(basis_t), intent(in) :: basis
@@ -108,7 +111,8 @@ module element_type
       real(wp), intent(in) :: xr(:, :)    !! (3, nen) reference positions [L]
       real(wp), intent(in) :: u(:, :)     !! (3, nen) trial displacements [L]
       real(wp), intent(in) :: du(:, :)    !! (3, nen) u minus the displacements h_old belongs to
-      real(wp), intent(in) :: scale       !! share of the Newton step in du: 0 at the start of a step, 1 full, less in a line search
+      !> Share of the Newton step in du: 0 at the start of a step, 1 full, less in a line search.
+      real(wp), intent(in) :: scale
       real(wp), intent(in) :: h_old(:)    !! (nhist)
       real(wp), intent(out) :: h_new(:)   !! (nhist)
       real(wp), intent(out) :: r(:, :)    !! (3, nen) internal force [F]
@@ -117,7 +121,8 @@ module element_type
     end subroutine element_form_i
 
     !> The same for NB elements of one class; the first index is the element.
-    pure subroutine element_batch_i(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
+    pure subroutine element_batch_i(basis, material, prop, xr, u, du, scale, h_old, h_new, &
+        r, k, report)
       import :: basis_t, material_t, form_report_t, wp, NB
       implicit none
       type(basis_t), intent(in) :: basis
@@ -130,7 +135,8 @@ module element_type
       real(wp), intent(in) :: h_old(:, :)    !! (nhist, NB)
       real(wp), intent(out) :: h_new(:, :)
       real(wp), intent(out) :: r(:, :, :)    !! (NB, 3, nen)
-      real(wp), intent(out) :: k(:, :, :, :, :) !! (NB, 3, 3, nen, nen): dr(i,a)/du(j,b) at (:, i, j, a, b)
+      !> (NB, 3, 3, nen, nen): dr(i,a)/du(j,b) at (:, i, j, a, b)
+      real(wp), intent(out) :: k(:, :, :, :, :)
       type(form_report_t), intent(out) :: report(NB)
     end subroutine element_batch_i
   end interface

@@ -8,7 +8,8 @@
 module elmt_q1n2
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
-  use hexa_shape, only: linear, surface_functions, tensor_rule, touches, join_faces, MAX_DEGREE, CORNER
+  use hexa_shape, only: linear, surface_functions, tensor_rule, touches, join_faces, &
+    MAX_DEGREE, CORNER
   use solid_form, only: form
   implicit none
   private

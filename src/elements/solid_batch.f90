@@ -8,8 +8,9 @@ module solid_batch
   use basis_type, only: basis_t
   use element_type, only: form_report_t, NB
   use material_type, only: material_t
-  use solid_batch_algebra, only: advance_batch, condense_batch, set_column, set_force, mirror, &
-    scale_group, clear_failed, NEN, NM, NC
+  use solid_batch_algebra, only: set_map, invert, scale_group, set_column, set_force, mirror, &
+    clear_failed, NEN, NM, NC
+  use solid_batch_condense, only: advance_batch, condense_batch
   implicit none
   private
   public :: form_batch
@@ -224,7 +225,8 @@ contains
         if (material%finite) then
           !$omp simd
           do l = 1, NB
-            gm(l, i, n, b) = dg(l, 1, i)*m(l, 1, b) + dg(l, 2, i)*m(l, 2, b) + dg(l, 3, i)*m(l, 3, b)
+            gm(l, i, n, b) = dg(l, 1, i)*m(l, 1, b) + dg(l, 2, i)*m(l, 2, b) &
+              + dg(l, 3, i)*m(l, 3, b)
           end do
         else
           gm(:, i, n, b) = m(:, i, b)
@@ -232,90 +234,5 @@ contains
       end do
     end do
   end subroutine evaluate_point
-
-  !> sum_a x_a x dN_a.
-  pure subroutine set_map(dshp, x, map)
-    real(wp), intent(in) :: dshp(3, NEN), x(NB, 3, NEN)
-    real(wp), intent(out) :: map(NB, 3, 3)
-
-    real(wp) :: m11, m21, m31, m12, m22, m32, m13, m23, m33
-    integer :: a, l
-
-    !$omp simd private(m11, m21, m31, m12, m22, m32, m13, m23, m33)
-    do l = 1, NB
-      m11 = 0.0_wp
-      m21 = 0.0_wp
-      m31 = 0.0_wp
-      m12 = 0.0_wp
-      m22 = 0.0_wp
-      m32 = 0.0_wp
-      m13 = 0.0_wp
-      m23 = 0.0_wp
-      m33 = 0.0_wp
-      do a = 1, NEN
-        m11 = m11 + x(l, 1, a)*dshp(1, a)
-        m21 = m21 + x(l, 2, a)*dshp(1, a)
-        m31 = m31 + x(l, 3, a)*dshp(1, a)
-        m12 = m12 + x(l, 1, a)*dshp(2, a)
-        m22 = m22 + x(l, 2, a)*dshp(2, a)
-        m32 = m32 + x(l, 3, a)*dshp(2, a)
-        m13 = m13 + x(l, 1, a)*dshp(3, a)
-        m23 = m23 + x(l, 2, a)*dshp(3, a)
-        m33 = m33 + x(l, 3, a)*dshp(3, a)
-      end do
-      map(l, 1, 1) = m11
-      map(l, 2, 1) = m21
-      map(l, 3, 1) = m31
-      map(l, 1, 2) = m12
-      map(l, 2, 2) = m22
-      map(l, 3, 2) = m32
-      map(l, 1, 3) = m13
-      map(l, 2, 3) = m23
-      map(l, 3, 3) = m33
-    end do
-  end subroutine set_map
-
-  !> Inverses in place; where a determinant is not positive and finite, ok becomes .false.
-  !! and the numbers stay harmless.
-  pure subroutine invert(a, det, ok)
-    real(wp), intent(inout) :: a(NB, 3, 3)
-    real(wp), intent(out) :: det(NB)
-    logical, intent(inout) :: ok(NB)
-
-    real(wp) :: c(NB, 3, 3), s(NB), bad
-    integer :: i, j, l
-
-    !$omp simd
-    do l = 1, NB
-      c(l, 1, 1) = a(l, 2, 2)*a(l, 3, 3) - a(l, 2, 3)*a(l, 3, 2)
-      c(l, 2, 1) = a(l, 2, 3)*a(l, 3, 1) - a(l, 2, 1)*a(l, 3, 3)
-      c(l, 3, 1) = a(l, 2, 1)*a(l, 3, 2) - a(l, 2, 2)*a(l, 3, 1)
-      c(l, 1, 2) = a(l, 1, 3)*a(l, 3, 2) - a(l, 1, 2)*a(l, 3, 3)
-      c(l, 2, 2) = a(l, 1, 1)*a(l, 3, 3) - a(l, 1, 3)*a(l, 3, 1)
-      c(l, 3, 2) = a(l, 1, 2)*a(l, 3, 1) - a(l, 1, 1)*a(l, 3, 2)
-      c(l, 1, 3) = a(l, 1, 2)*a(l, 2, 3) - a(l, 1, 3)*a(l, 2, 2)
-      c(l, 2, 3) = a(l, 1, 3)*a(l, 2, 1) - a(l, 1, 1)*a(l, 2, 3)
-      c(l, 3, 3) = a(l, 1, 1)*a(l, 2, 2) - a(l, 1, 2)*a(l, 2, 1)
-      det(l) = a(l, 1, 1)*c(l, 1, 1) + a(l, 1, 2)*c(l, 2, 1) + a(l, 1, 3)*c(l, 3, 1)
-    end do
-    bad = 0.0_wp
-    !$omp simd reduction(+:bad)
-    do l = 1, NB
-      bad = bad + merge(0.0_wp, 1.0_wp, det(l) > 0.0_wp .and. det(l) <= huge(bad))
-    end do
-    if (bad > 0.0_wp) then
-      ok = ok .and. det > 0.0_wp .and. det <= huge(det)
-      where (.not. (det > 0.0_wp .and. det <= huge(det))) det = 1.0_wp
-    end if
-    s = 1.0_wp/det
-    do j = 1, 3
-      do i = 1, 3
-        !$omp simd
-        do l = 1, NB
-          a(l, i, j) = c(l, i, j)*s(l)
-        end do
-      end do
-    end do
-  end subroutine invert
 
 end module solid_batch

@@ -1,17 +1,14 @@
-!> Sums over points and condensation for NB elements side by side; see solid_batch.
+!> Maps and sums over points for NB elements side by side; see solid_batch.
 module solid_batch_algebra
   use base_kinds, only: wp
-  use element_type, only: form_report_t, NB
+  use element_type, only: NB
   implicit none
   private
-  public :: advance_batch, condense_batch, set_column, set_force, mirror
-  public :: scale_group, clear_failed
+  public :: set_map, invert, scale_group, set_column, set_force, mirror, clear_failed
 
   integer, parameter, public :: NEN = 8 !! nodes
   integer, parameter, public :: NM = 3  !! enhanced modes, if any
-  integer, parameter, public :: NC = 8  !! points in a group; a constant, or the loops would not become vectors
-  integer, parameter :: NP = 3*NM       !! enhanced parameters
-  integer, parameter :: ND = 3*NEN      !! dofs of the nodes
+  integer, parameter, public :: NC = 8  !! points in a group; constant, or it costs the vectors
 
 contains
 
@@ -147,221 +144,90 @@ contains
     end do
   end subroutine set_force
 
-  !> Enhanced parameters after the nodes moved by du: a - scale m - L du.
-  pure subroutine advance_batch(h, du, scale, a)
-    real(wp), intent(in) :: h(:, :) !! (history, NB)
-    real(wp), intent(in) :: du(NB, ND), scale
-    real(wp), intent(out) :: a(NB, NP)
+  !> sum_a x_a x dN_a.
+  pure subroutine set_map(dshp, x, map)
+    real(wp), intent(in) :: dshp(3, NEN), x(NB, 3, NEN)
+    real(wp), intent(out) :: map(NB, 3, 3)
 
-    real(wp) :: s(NP)
-    integer :: l, j
+    real(wp) :: m11, m21, m31, m12, m22, m32, m13, m23, m33
+    integer :: a, l
 
+    !$omp simd private(m11, m21, m31, m12, m22, m32, m13, m23, m33)
     do l = 1, NB
-      s = h(:NP, l) - scale*h(NP + 1:2*NP, l)
-      do j = 1, ND
-        s = s - h(NP*(j + 1) + 1:NP*(j + 2), l)*du(l, j)
+      m11 = 0.0_wp
+      m21 = 0.0_wp
+      m31 = 0.0_wp
+      m12 = 0.0_wp
+      m22 = 0.0_wp
+      m32 = 0.0_wp
+      m13 = 0.0_wp
+      m23 = 0.0_wp
+      m33 = 0.0_wp
+      do a = 1, NEN
+        m11 = m11 + x(l, 1, a)*dshp(1, a)
+        m21 = m21 + x(l, 2, a)*dshp(1, a)
+        m31 = m31 + x(l, 3, a)*dshp(1, a)
+        m12 = m12 + x(l, 1, a)*dshp(2, a)
+        m22 = m22 + x(l, 2, a)*dshp(2, a)
+        m32 = m32 + x(l, 3, a)*dshp(2, a)
+        m13 = m13 + x(l, 1, a)*dshp(3, a)
+        m23 = m23 + x(l, 2, a)*dshp(3, a)
+        m33 = m33 + x(l, 3, a)*dshp(3, a)
       end do
-      a(l, :) = s
+      map(l, 1, 1) = m11
+      map(l, 2, 1) = m21
+      map(l, 3, 1) = m31
+      map(l, 1, 2) = m12
+      map(l, 2, 2) = m22
+      map(l, 3, 2) = m32
+      map(l, 1, 3) = m13
+      map(l, 2, 3) = m23
+      map(l, 3, 3) = m33
     end do
-  end subroutine advance_batch
+  end subroutine set_map
 
-  !> Eliminate the enhanced parameters as `condense` does, upper blocks only.
-  pure subroutine condense_batch(a, ra, kua, kaa, r, k, h_new, report)
-    real(wp), intent(in) :: a(NB, NP), ra(NB, NP)
-    real(wp), intent(in) :: kua(NB, 3, 3, NEN, NM) !! node direction, mode direction, node, mode
-    real(wp), intent(in) :: kaa(NB, 3, 3, NM, NM)      !! upper blocks
-    real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
-    real(wp), intent(out) :: h_new(:, :) !! (history, NB)
-    type(form_report_t), intent(inout) :: report(NB)
-
-    ! Right-hand sides in threes: K_au of each node, and last r_a with two empty ones.
-    real(wp) :: y(NB, NP, 3, NEN + 1), x(NB, NP, 3, NEN + 1)
-    real(wp) :: f(NB, NP, NP), s(NB, NP)
-    logical :: ok(NB)
-    integer :: i, j, b, n, l, p
-
-    do n = 1, NM
-      do b = 1, n
-        do j = 1, 3
-          do i = 1, 3
-            f(:, 3*n - 3 + j, 3*b - 3 + i) = kaa(:, i, j, b, n)
-          end do
-        end do
-      end do
-    end do
-    ok = report%ok
-    call factor_batch(f, s, report%negative, ok)
-    report%ok = ok
-    do n = 1, NM
-      do j = 1, 3
-        y(:, 3*n - 3 + j, :, :NEN) = kua(:, :, j, :, n)
-      end do
-    end do
-    y(:, :, :, NEN + 1) = 0.0_wp
-    y(:, :, 1, NEN + 1) = ra
-    do b = 1, NEN + 1
-      call solve_batch(f, s, y(:, :, :, b), x(:, :, :, b))
-    end do
-    do l = 1, NB
-      report(l)%enhanced = abs(dot_product(x(l, :, 1, NEN + 1), ra(l, :)))
-    end do
-    call subtract(y, x, x(:, :, 1, NEN + 1), r, k)
-    do l = 1, NB
-      h_new(:NP, l) = a(l, :)
-      h_new(NP + 1:2*NP, l) = x(l, :, 1, NEN + 1)
-      do b = 1, NEN
-        do i = 1, 3
-          p = NP*(3*b + i - 2)
-          h_new(p + 1:p + NP, l) = x(l, :, i, b)
-        end do
-      end do
-    end do
-  end subroutine condense_batch
-
-  !> Factors L D L^T without pivoting, as ldl_factor; s holds 1/D.
-  pure subroutine factor_batch(f, s, negative, ok)
-    real(wp), intent(inout) :: f(NB, NP, NP) !! lower triangle; out: unit lower factor
-    real(wp), intent(out) :: s(NB, NP)
-    integer, intent(out) :: negative(NB)
+  !> Inverses in place; where a determinant is not positive and finite, ok becomes .false.
+  !! and the numbers stay harmless.
+  pure subroutine invert(a, det, ok)
+    real(wp), intent(inout) :: a(NB, 3, 3)
+    real(wp), intent(out) :: det(NB)
     logical, intent(inout) :: ok(NB)
 
-    real(wp) :: size_of(NB, NP), v(NB)
-    logical :: lost(NB)
-    integer :: i, j, p, l
-
-    negative = 0
-    do j = 1, NP
-      size_of(:, j) = abs(f(:, j, j))
-    end do
-    do j = 1, NP
-      lost = .not. abs(f(:, j, j)) > NP*epsilon(1.0_wp)*size_of(:, j)
-      if (any(lost)) then
-        ok = ok .and. .not. lost
-        where (lost) f(:, j, j) = 1.0_wp ! harmless: the element is refused
-      end if
-      where (f(:, j, j) < 0.0_wp) negative = negative + 1
-      s(:, j) = 1.0_wp/f(:, j, j)
-      do i = j + 1, NP
-        v = f(:, i, j)*s(:, j)
-        do p = i, NP
-          !$omp simd
-          do l = 1, NB
-            f(l, p, i) = f(l, p, i) - v(l)*f(l, p, j)
-          end do
-        end do
-      end do
-      do i = j + 1, NP
-        f(:, i, j) = f(:, i, j)*s(:, j)
-      end do
-    end do
-  end subroutine factor_batch
-
-  !> x = K_aa^-1 y for three right-hand sides, with the factors of factor_batch.
-  pure subroutine solve_batch(f, s, y, x)
-    real(wp), intent(in) :: f(NB, NP, NP), s(NB, NP), y(NB, NP, 3)
-    real(wp), intent(out) :: x(NB, NP, 3)
-
-    real(wp) :: v1, v2, v3
+    real(wp) :: c(NB, 3, 3), s(NB), bad
     integer :: i, j, l
 
-    do j = 1, NP
-      !$omp simd private(v1, v2, v3)
-      do l = 1, NB
-        v1 = y(l, j, 1)
-        v2 = y(l, j, 2)
-        v3 = y(l, j, 3)
-        do i = 1, j - 1
-          v1 = v1 - f(l, j, i)*x(l, i, 1)
-          v2 = v2 - f(l, j, i)*x(l, i, 2)
-          v3 = v3 - f(l, j, i)*x(l, i, 3)
-        end do
-        x(l, j, 1) = v1
-        x(l, j, 2) = v2
-        x(l, j, 3) = v3
-      end do
+    !$omp simd
+    do l = 1, NB
+      c(l, 1, 1) = a(l, 2, 2)*a(l, 3, 3) - a(l, 2, 3)*a(l, 3, 2)
+      c(l, 2, 1) = a(l, 2, 3)*a(l, 3, 1) - a(l, 2, 1)*a(l, 3, 3)
+      c(l, 3, 1) = a(l, 2, 1)*a(l, 3, 2) - a(l, 2, 2)*a(l, 3, 1)
+      c(l, 1, 2) = a(l, 1, 3)*a(l, 3, 2) - a(l, 1, 2)*a(l, 3, 3)
+      c(l, 2, 2) = a(l, 1, 1)*a(l, 3, 3) - a(l, 1, 3)*a(l, 3, 1)
+      c(l, 3, 2) = a(l, 1, 2)*a(l, 3, 1) - a(l, 1, 1)*a(l, 3, 2)
+      c(l, 1, 3) = a(l, 1, 2)*a(l, 2, 3) - a(l, 1, 3)*a(l, 2, 2)
+      c(l, 2, 3) = a(l, 1, 3)*a(l, 2, 1) - a(l, 1, 1)*a(l, 2, 3)
+      c(l, 3, 3) = a(l, 1, 1)*a(l, 2, 2) - a(l, 1, 2)*a(l, 2, 1)
+      det(l) = a(l, 1, 1)*c(l, 1, 1) + a(l, 1, 2)*c(l, 2, 1) + a(l, 1, 3)*c(l, 3, 1)
     end do
-    do j = NP, 1, -1
-      !$omp simd private(v1, v2, v3)
-      do l = 1, NB
-        v1 = x(l, j, 1)*s(l, j)
-        v2 = x(l, j, 2)*s(l, j)
-        v3 = x(l, j, 3)*s(l, j)
-        do i = j + 1, NP
-          v1 = v1 - f(l, i, j)*x(l, i, 1)
-          v2 = v2 - f(l, i, j)*x(l, i, 2)
-          v3 = v3 - f(l, i, j)*x(l, i, 3)
-        end do
-        x(l, j, 1) = v1
-        x(l, j, 2) = v2
-        x(l, j, 3) = v3
-      end do
+    bad = 0.0_wp
+    !$omp simd reduction(+:bad)
+    do l = 1, NB
+      bad = bad + merge(0.0_wp, 1.0_wp, det(l) > 0.0_wp .and. det(l) <= huge(bad))
     end do
-  end subroutine solve_batch
-
-  !> r - K_ua m and the upper blocks of K - K_ua L.
-  pure subroutine subtract(y, x, m, r, k)
-    real(wp), intent(in) :: y(NB, NP, 3, NEN + 1) !! K_au
-    real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L
-    real(wp), intent(in) :: m(NB, NP)
-    real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
-
-    real(wp) :: k11, k21, k31, k12, k22, k32, k13, k23, k33
-    integer :: a, b, p, l
-
-    do a = 1, NEN
-      !$omp simd private(k11, k21, k31)
-      do l = 1, NB
-        k11 = r(l, 1, a)
-        k21 = r(l, 2, a)
-        k31 = r(l, 3, a)
-        do p = 1, NP
-          k11 = k11 - y(l, p, 1, a)*m(l, p)
-          k21 = k21 - y(l, p, 2, a)*m(l, p)
-          k31 = k31 - y(l, p, 3, a)*m(l, p)
-        end do
-        r(l, 1, a) = k11
-        r(l, 2, a) = k21
-        r(l, 3, a) = k31
-      end do
-    end do
-    do b = 1, NEN
-      do a = 1, b
-        !$omp simd private(k11, k21, k31, k12, k22, k32, k13, k23, k33)
+    if (bad > 0.0_wp) then
+      ok = ok .and. det > 0.0_wp .and. det <= huge(det)
+      where (.not. (det > 0.0_wp .and. det <= huge(det))) det = 1.0_wp
+    end if
+    s = 1.0_wp/det
+    do j = 1, 3
+      do i = 1, 3
+        !$omp simd
         do l = 1, NB
-          k11 = k(l, 1, 1, a, b)
-          k21 = k(l, 2, 1, a, b)
-          k31 = k(l, 3, 1, a, b)
-          k12 = k(l, 1, 2, a, b)
-          k22 = k(l, 2, 2, a, b)
-          k32 = k(l, 3, 2, a, b)
-          k13 = k(l, 1, 3, a, b)
-          k23 = k(l, 2, 3, a, b)
-          k33 = k(l, 3, 3, a, b)
-          do p = 1, NP
-            k11 = k11 - y(l, p, 1, a)*x(l, p, 1, b)
-            k21 = k21 - y(l, p, 2, a)*x(l, p, 1, b)
-            k31 = k31 - y(l, p, 3, a)*x(l, p, 1, b)
-            k12 = k12 - y(l, p, 1, a)*x(l, p, 2, b)
-            k22 = k22 - y(l, p, 2, a)*x(l, p, 2, b)
-            k32 = k32 - y(l, p, 3, a)*x(l, p, 2, b)
-            k13 = k13 - y(l, p, 1, a)*x(l, p, 3, b)
-            k23 = k23 - y(l, p, 2, a)*x(l, p, 3, b)
-            k33 = k33 - y(l, p, 3, a)*x(l, p, 3, b)
-          end do
-          k(l, 1, 1, a, b) = k11
-          k(l, 2, 1, a, b) = k21
-          k(l, 3, 1, a, b) = k31
-          k(l, 1, 2, a, b) = k12
-          k(l, 2, 2, a, b) = k22
-          k(l, 3, 2, a, b) = k32
-          k(l, 1, 3, a, b) = k13
-          k(l, 2, 3, a, b) = k23
-          k(l, 3, 3, a, b) = k33
+          a(l, i, j) = c(l, i, j)*s(l)
         end do
       end do
-      call mirror(b, k)
     end do
-  end subroutine subtract
+  end subroutine invert
 
   !> Row b from column b, which is still in the cache: K_ba is the transpose of K_ab.
   pure subroutine mirror(b, k)

@@ -62,7 +62,8 @@ contains
     h_new(:np) = reshape(a, [np])
     call integrate(basis, material, prop, xr, u, a, rfull, full, report%ok)
     if (report%ok) then
-      call condense(nd, np, full, rfull, k, r, h_new(np + 1:2*np), h_new(2*np + 1:np*(2 + nd)), report)
+      call condense(nd, np, full, rfull, k, r, h_new(np + 1:2*np), &
+        h_new(2*np + 1:np*(2 + nd)), report)
     else
       r = 0.0_wp
       k = 0.0_wp
@@ -136,7 +137,8 @@ contains
   end subroutine integrate
 
   !> Gradients, volume, stress and tangent at one point.
-  pure subroutine evaluate_point(basis, material, prop, q, xu, a, centre, jac0, g, w, tau, lam, mus, c, ok)
+  pure subroutine evaluate_point(basis, material, prop, q, xu, a, centre, jac0, &
+      g, w, tau, lam, mus, c, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)
@@ -149,8 +151,8 @@ contains
     real(wp) :: dg(3, 3), t(3, 3), back(3, 3), jac, det, m(3, basis%nmode)
     integer :: j
 
-    call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, centre, jac0, &
-      dg, t, jac, m, ok)
+    call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, &
+      centre, jac0, dg, t, jac, m, ok)
     if (.not. ok) return
     w = basis%wgt(q)*jac
     if (associated(material%moduli)) then
@@ -166,7 +168,8 @@ contains
       m = matmul(transpose(back), m)
     end if
     do j = 1, 3
-      g(:basis%nen, j) = t(1, j)*basis%dshp(1, :, q) + t(2, j)*basis%dshp(2, :, q) + t(3, j)*basis%dshp(3, :, q)
+      g(:basis%nen, j) = t(1, j)*basis%dshp(1, :, q) + t(2, j)*basis%dshp(2, :, q) &
+        + t(3, j)*basis%dshp(3, :, q)
       g(basis%nen + 1:, j) = m(j, :)
     end do
   end subroutine evaluate_point

@@ -6,7 +6,7 @@ module solid_panel
   private
   public :: add_moduli, add_general, add_symmetric, fold
 
-  integer, parameter, public :: CHUNK = 27 !! points a panel; keeps panels of cubic elements in the cache
+  integer, parameter, public :: CHUNK = 27 !! points a panel: so that panels stay in the cache
 
 contains
 
@@ -19,8 +19,9 @@ contains
     real(wp), intent(inout) :: p(n, 3, n, 3) !! function, direction, function, direction
 
     real(wp) :: gl(n, 3, nq), gm(n, 3, nq), keep
-    integer :: q, i, j
+    integer :: q, i, j, ld
 
+    ld = 3*n ! a direction is n rows of the panel
     keep = merge(0.0_wp, 1.0_wp, first)
     do q = 1, nq
       gl(:, :, q) = (w(q)*lam(q))*g(:, :, q)
@@ -28,25 +29,18 @@ contains
     end do
     do j = 1, 3
       do i = 1, j - 1
-        call add_block(keep, n, nq, gl(1, i, 1), g(1, j, 1), p(1, i, 1, j))
-        call add_block(1.0_wp, n, nq, gm(1, j, 1), g(1, i, 1), p(1, i, 1, j))
+        call dgemm('N', 'T', n, n, nq, 1.0_wp, gl(1, i, 1), ld, g(1, j, 1), ld, &
+          keep, p(1, i, 1, j), ld)
+        call dgemm('N', 'T', n, n, nq, 1.0_wp, gm(1, j, 1), ld, g(1, i, 1), ld, &
+          1.0_wp, p(1, i, 1, j), ld)
       end do
     end do
     gl = gl + gm
     do i = 1, 3
-      call add_block(keep, n, nq, gl(1, i, 1), g(1, i, 1), p(1, i, 1, i))
+      call dgemm('N', 'T', n, n, nq, 1.0_wp, gl(1, i, 1), ld, g(1, i, 1), ld, &
+        keep, p(1, i, 1, i), ld)
     end do
   end subroutine add_moduli
-
-  !> One block: keep c + functions a by functions b, summed over the points.
-  pure subroutine add_block(keep, n, nq, a, b, c)
-    real(wp), intent(in) :: keep !! 0: set, 1: add
-    integer, intent(in) :: n, nq
-    real(wp), intent(in) :: a(3*n, *), b(3*n, *) !! the first n of a column count
-    real(wp), intent(inout) :: c(3*n, *)
-
-    call dgemm('N', 'T', n, n, nq, 1.0_wp, a, 3*n, b, 3*n, keep, c, 3*n)
-  end subroutine add_block
 
   !> p += B^T c B with a full 6 by 6 tangent, all blocks.
   pure subroutine add_general(first, n, nq, g, w, c, p)
@@ -75,7 +69,8 @@ contains
           cb(:, :, j) = cb(:, :, j) + (w(q)*c(j, i, q))*b(:, :, i)
         end do
       end do
-      call dgemm('N', 'T', 3*n, 3*n, 6, 1.0_wp, b, 3*n, cb, 3*n, merge(0.0_wp, 1.0_wp, first .and. q == 1), p, 3*n)
+      call dgemm('N', 'T', 3*n, 3*n, 6, 1.0_wp, b, 3*n, cb, 3*n, &
+        merge(0.0_wp, 1.0_wp, first .and. q == 1), p, 3*n)
     end do
   end subroutine add_general
 

@@ -17,7 +17,7 @@ module solid_recover
     real(wp) :: sig(6) = 0.0_wp   !! Cauchy stress, Voigt order 11 22 33 12 23 31 [F/L^2]
     real(wp) :: mises = 0.0_wp    !! von Mises stress [F/L^2]
     real(wp) :: energy = 0.0_wp   !! stored energy per reference volume [F/L^2]
-    real(wp) :: volume = 0.0_wp   !! weight of the point times det J: its share of the reference volume [L^3]
+    real(wp) :: volume = 0.0_wp   !! weight times det J: its share of the reference volume [L^3]
   end type recovered_t
 
 contains
@@ -32,7 +32,7 @@ contains
     real(wp), intent(in) :: u(:, :)   !! (3, nen)
     real(wp), intent(in) :: param(:)  !! (3*nmode or more) history of the element: parameters first
     type(recovered_t), intent(out) :: point(:) !! (nq)
-    logical, intent(out) :: ok        !! .false.: inverted at a point, whose stress and energy are zero
+    logical, intent(out) :: ok        !! .false.: inverted at a point, where stress is zero
 
     real(wp) :: a(3, basis%nmode), m(3, basis%nmode), centre(3, 3), inverse(3, 3), jac0, jac
     real(wp) :: xu(6, basis%nen)
@@ -49,8 +49,8 @@ contains
     do q = 1, basis%nq
       point(q)%xr = matmul(xr, basis%shp(:, q))
       point(q)%xc = point(q)%xr + matmul(u, basis%shp(:, q))
-      call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, centre, jac0, &
-        point(q)%dg, inverse, jac, m, fine)
+      call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, &
+        centre, jac0, point(q)%dg, inverse, jac, m, fine)
       if (fine) then
         point(q)%volume = basis%wgt(q)*jac
         call add_stress(material, prop, point(q), fine)

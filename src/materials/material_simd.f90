@@ -20,6 +20,7 @@ contains
       call replace(table, describe_v4())
     case (3)
       call replace(table, describe_v3())
+    case default ! what the table has runs anywhere
     end select
   end subroutine widen
 

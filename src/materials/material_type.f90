@@ -7,7 +7,7 @@ module material_type
   public :: material_set_i, material_batch_i
 
   integer, parameter, public :: MAX_PROP = 16 !! length of a row of properties
-  integer, parameter, public :: NB = 8 !! points or elements in a batch, side by side in the vector registers
+  integer, parameter, public :: NB = 8 !! points or elements side by side in the vector registers
 
   !> Columns of prop(:). The deck gives the first three, `set` derives the others.
   integer, parameter, public :: E_MOD = 1  !! Young's modulus [F/L^2]
@@ -50,7 +50,7 @@ module material_type
       real(wp), intent(in) :: prop(:)   !! (nprop)
       real(wp), intent(in) :: dg(3, 3)  !! deformation gradient [-]
       real(wp), intent(out) :: tau(6)   !! stress [F/L^2]
-      real(wp), intent(out) :: c(6, 6)  !! spatial tangent: Lie derivative of tau against d; small: d tau / d eps
+      real(wp), intent(out) :: c(6, 6)  !! Lie derivative of tau against d; small: d tau/d eps
       logical, intent(out) :: ok        !! .false.: no stress for this dg (det <= 0)
     end subroutine material_stress_i
 

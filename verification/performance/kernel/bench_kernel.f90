@@ -1,8 +1,11 @@
 !> Times the element kernels: residual and tangent, microseconds an element on one core, beside
 !! what dgemm reaches here. Results of many elements are summed so that nothing can be left out.
 program bench_kernel
+  use base_cpu, only: vector_level
   use base_kinds, only: wp, i8
   use basis_type, only: basis_t
+  use blas_choice, only: choose_blas_kernel
+  use blas_threads, only: blas_kernel, set_threads
   use element_table, only: load_elements
   use element_type, only: element_t, cell_t, rule_t, topology_t, form_report_t, NB
   use lapack, only: dgemm
@@ -19,6 +22,10 @@ program bench_kernel
   real(wp) :: check
 
   check = 0.0_wp
+  call choose_blas_kernel()
+  call set_threads(1)
+  print '(a, i0, 2a)', ' element kernels, one thread; x86-64 level ', vector_level(), &
+    ', BLAS kernel ', blas_kernel()
   call load_elements(element)
   call load_materials(material)
   call time_dgemm(500)
@@ -78,7 +85,8 @@ contains
     real(wp) :: du(3, basis%nen)
 
     du = 0.0_wp
-    allocate (h_old(history_length(basis%nen, row%nmode)), h_new(history_length(basis%nen, row%nmode)))
+    allocate (h_old(history_length(basis%nen, row%nmode)))
+    allocate (h_new, mold=h_old)
     h_old = 0.0_wp
     call law%set([1.0_wp, 0.2_wp, 3.0_wp], prop)
     t = huge(t)
@@ -112,7 +120,8 @@ contains
     if (.not. associated(row%form_batch)) return
     du = 0.0_wp
     allocate (k(NB, 3, 3, basis%nen, basis%nen))
-    allocate (h_old(history_length(basis%nen, row%nmode), NB), h_new(history_length(basis%nen, row%nmode), NB))
+    allocate (h_old(history_length(basis%nen, row%nmode), NB))
+    allocate (h_new, mold=h_old)
     h_old = 0.0_wp
     call law%set([1.0_wp, 0.2_wp, 3.0_wp], prop)
     do e = 1, NB
@@ -163,8 +172,8 @@ contains
     character(*), intent(in) :: name
     integer, intent(in) :: degree(3), nen
     real(wp), allocatable, intent(out) :: x(:, :)
-    real(wp), parameter :: CORNERS(2, 4) = reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, &
-      -1.0_wp, 1.0_wp], [2, 4])
+    real(wp), parameter :: CORNERS(2, 4) = reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, &
+      1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp], [2, 4])
     integer :: i, j, k, a
 
     allocate (x(3, nen))
