@@ -37,7 +37,6 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (allocated(error) .or. run%dry) return
-    if (.not. allocated(run%noted)) allocate (run%noted(size(run%row)), source=.false.)
     if (run%noted(command%row)) return
     run%noted(command%row) = .true.
     call log_line("note: '"//command%record%text(1)//"' is accepted and does nothing here")

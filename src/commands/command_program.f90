@@ -29,6 +29,7 @@ contains
 
     call load_commands(run%row)
     allocate (run%command(0), run%loop(0))
+    allocate (run%noted(size(run%row)), source=.false.)
     params = run%deck%params
     control = run%control
     run%dry = .true.
@@ -73,6 +74,11 @@ contains
         return
       end if
       if (record%key(1) == 'end') exit
+      if (record%key(1) == 'incl') then
+        call run%deck%include(record, error)
+        if (allocated(error)) return
+        cycle
+      end if
       call add_command(run, record, found)
       if (allocated(found)) call errors%add(found)
     end do

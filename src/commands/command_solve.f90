@@ -2,6 +2,7 @@
 module command_solve
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_log, only: log_line
   use command_progress, only: show_iteration
   use command_type, only: run_t, command_t, command_row_t
   use command_loop, only: leave_loop, mark_step, cut_back
@@ -84,6 +85,7 @@ contains
     if (allocated(error) .or. run%dry) return
     call ensure_step(run)
     symmetric = command%record%key(1) == 'tang' .or. .not. is_unsymmetric(run%model)
+    if (symmetric .and. is_unsymmetric(run%model)) call note_once(run, command%row)
     if (.not. abs(command%x(1)) > 0.0_wp) then
       run%pass = pass_t()
       call form_system(run%newton, run%model, run%state, symmetric, run%pass, error)
@@ -96,6 +98,16 @@ contains
     if (allocated(error)) return
     call after_solve(run, error)
   end subroutine run_tangent
+
+  !> TANG on a model whose tangent is not symmetric.
+  subroutine note_once(run, row)
+    type(run_t), intent(inout) :: run
+    integer, intent(in) :: row
+
+    if (run%noted(row)) return
+    run%noted(row) = .true.
+    call log_line('note: TANG takes the symmetric part of the tangent; UTAN takes all of it')
+  end subroutine note_once
 
   !> FORM: the residual at the displacements of now (the tangent comes with it).
   subroutine run_form(run, command, error)

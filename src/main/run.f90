@@ -2,6 +2,7 @@
 module run
   use base_error, only: error_t, fail, NO_SOLUTION, STOPPED
   use base_error_list, only: error_list_t
+  use command_check, only: check_tables
   use command_close, only: close_step
   use command_files, only: close_files, drop_anchor, restore_run
   use command_line, only: options_t
@@ -32,6 +33,8 @@ contains
     call read_program(job, errors, error)
     if (allocated(error) .or. errors%count() > 0) return
     call check_settings(job%deck, error)
+    if (allocated(error)) return
+    call check_tables(job%model%bc, job%nfactor, error)
     if (allocated(error)) return
     job%deck_text = deck_text(job%deck)
     call number_equations(job%model%mesh, job%model%bc, job%model%eq, job%model%neq, job%model%ndof)

@@ -9,6 +9,9 @@ module model_basis
   private
   public :: tabulate_basis, tabulate_block, tabulate_points
 
+  !> The cube of their number is an integer; beyond, every element is a class of its own.
+  integer, parameter :: MOST_OPERATORS = 1290
+
 contains
 
   !> Fill rule, basis and ibasis of all blocks that have none yet.
@@ -49,7 +52,9 @@ contains
     integer, allocatable :: key(:), order(:)
     integer :: e, n, nop
 
-    if (allocated(block%ext%w)) then
+    nop = 0
+    if (allocated(block%ext%op)) nop = size(block%ext%op) + 1
+    if (allocated(block%ext%w) .or. nop > MOST_OPERATORS) then
       class = [(e, e=1, block%nelem)]
       first = class
       return
@@ -59,7 +64,6 @@ contains
       first = [1]
       return
     end if
-    nop = size(block%ext%op) + 1
     allocate (key(block%nelem), order(block%nelem), first(block%nelem))
     key = block%ext%iop(1, :) + nop*(block%ext%iop(2, :) + nop*block%ext%iop(3, :))
     call sort_index(key, order)

@@ -131,6 +131,11 @@ contains
       pass%trouble = name_singularity(model, pass%solve%null)
       return
     end if
+    if (.not. pass%solve%converged) then
+      pass%ok = .false.
+      pass%trouble = 'the tangent is so nearly singular that its system cannot be solved'
+      return
+    end if
     newton%iterations = newton%iterations + 1
     newton%exact = newton%exact .and. newton%mode == FULL
     call full_vector(model%eq, newton%dx, du)
