@@ -11,6 +11,7 @@ module deck_reader
   implicit none
   private
   public :: reader_t, open_reader, next_record, next_unrolled, include_file, cancel_loops
+  public :: check_loops
   public :: source_text
 
   integer, parameter :: MOST_FILES = 16         !! files open in one another
@@ -132,6 +133,16 @@ contains
     end do
     call cancel_loops(reader)
   end subroutine next_unrolled
+
+  !> At END no loop may be open.
+  subroutine check_loops(reader, error)
+    type(reader_t), intent(in) :: reader
+    type(error_t), allocatable, intent(out) :: error
+
+    if (reader%nloop == 0) return
+    call fail(error, DECK_ERROR, 'LOOP has no NEXT before END', reader%loop(reader%nloop)%place, &
+      'close it with NEXT in the same part of the deck')
+  end subroutine check_loops
 
   !> No pass after this one: once there is an error, repeating it helps nobody.
   subroutine cancel_loops(reader)

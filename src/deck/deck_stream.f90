@@ -6,7 +6,7 @@ module deck_stream
   use deck_expression, only: compute, params_t, set_parameter, trouble_t
   use deck_params, only: is_name, parameter_names
   use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, &
-    cancel_loops, source_text
+    cancel_loops, check_loops, source_text
   use deck_record, only: record_t, check_count, get_word, resolve_path, RECORD_WORDS, &
     RECORD_BLANK, &
     RECORD_COMMENT, RECORD_END
@@ -143,7 +143,9 @@ contains
       if (allocated(error)) return
     end if
     deck%consumed = deck%consumed + 1
-    if (record%key(1) == 'end') deck%consumed = 0
+    if (record%key(1) /= 'end') return
+    deck%consumed = 0
+    call check_loops(deck%reader, error)
   end subroutine next
 
   !> Give a record back: it is the next one again.

@@ -137,6 +137,7 @@ module setup_build
     integer :: nrequest = 0
     type(request_t), allocatable :: request(:) !! (>= nrequest)
     type(tie_t), allocatable :: tie(:)
+    logical :: ended = .false.         !! the deck ended inside a set
     logical :: incomplete = .false.    !! an unknown word was skipped: names may be missing
     logical :: in_set = .false.        !! reading stands between a word and its blank record
     logical :: keeps_comments = .false. !! in this set a comment does not count as blank
@@ -221,6 +222,8 @@ contains
       build%closed_line = record%line
     else if (record%is_end()) then
       build%in_set = .false.
+      build%ended = .true.
+      build%incomplete = .true.
       call fail(error, DECK_ERROR, 'the deck ends inside '//trim(build%row(build%closed)%name), &
         build%closed_place, 'close it with a blank record, and the mesh with END')
     else

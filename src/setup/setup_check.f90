@@ -5,6 +5,7 @@ module setup_check
   use base_text, only: to_text, quoted, nearest
   use mesh, only: mesh_t
   use setup_build, only: build_t
+  use setup_lists, only: MAX_NUMBER
   use setup_material, only: material_index
   use setup_patch, only: patch_named
   use setup_solid, only: npatch_name
@@ -58,6 +59,7 @@ contains
         if (.not. allocated(p%material_place%file)) cycle ! its own error is in the list
         call check_material(build, p%material, p%material_place)
         call check_words(build, p%material, .false.)
+        call check_patch_size(build, i)
         if (p%npatch == 0) cycle
         if (p%npatch > size(build%npatch)) then
           call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', &
@@ -70,6 +72,22 @@ contains
       end associate
     end do
   end subroutine check_patches
+
+  !> Nothing is meshed that a mesh cannot hold; the other patches are counted at the end.
+  subroutine check_patch_size(build, i)
+    type(build_t), intent(inout) :: build
+    integer, intent(in) :: i
+    type(error_t), allocatable :: error
+    real(wp) :: n
+
+    associate (spec => build%patch(i)%spec)
+      n = product(real(spec%nelem, wp)*merge(2.0_wp, 1.0_wp, spec%type == 'Q2') + 1.0_wp)
+      if (n <= MAX_NUMBER) return
+      call fail(error, DECK_ERROR, 'patch '//quoted(spec%name)//' has '//to_text(n)//' nodes', &
+        spec%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+    end associate
+    call build%errors%add(error)
+  end subroutine check_patch_size
 
   subroutine check_material(build, number, place)
     type(build_t), intent(inout) :: build
@@ -170,7 +188,7 @@ contains
     if (size(names) == 0) then
       hint = 'the deck has no PATCh; NODE n, POINt x y z and PLANe direction coordinate need none'
     else
-      hint = 'did you mean '//nearest(name, names)//'?'
+      hint = 'nearest known: '//nearest(name, names)
     end if
     call fail(error, DECK_ERROR, 'patch '//quoted(name)//' is not defined', place, hint)
     call build%errors%add(error)

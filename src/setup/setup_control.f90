@@ -4,7 +4,7 @@ module setup_control
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count, RECORD_WORDS, RECORD_END
   use deck_stream, only: deck_t, get_integer
-  use setup_build, only: build_t
+  use setup_build, only: build_t, known_word
   implicit none
   private
   public :: read_title, read_control
@@ -73,9 +73,9 @@ contains
       return
     end if
     build%control%place = record%place(1)
-    if (is_size(record%key(1))) then
+    if (is_size(record)) then
       do while (record%kind == RECORD_WORDS)
-        if (.not. is_size(record%key(1))) then
+        if (.not. is_size(record)) then
           build%has_pending = .true.
           build%pending = record
           exit
@@ -86,13 +86,14 @@ contains
         if (allocated(error)) return
       end do
     else
-      call check_count(record, 6, 9, USAGE, error)
-      if (allocated(error)) then
-        build%has_pending = .true. ! more likely a mesh word than a control record
+      if (known_word(build, record%text(1))) then
+        build%has_pending = .true.
         build%pending = record
         call fail(error, DECK_ERROR, 'the control record is missing', record%place(1), USAGE)
         return
       end if
+      call check_count(record, 6, 9, USAGE, error)
+      if (allocated(error)) return
       do i = 1, record%n
         call get_integer(deck, record, i, n(i), error, 0)
         if (allocated(error)) return
@@ -121,14 +122,15 @@ contains
     end if
   end subroutine read_control
 
-  !> FEAP's names of the numbers of the control record.
-  pure logical function is_size(key)
-    character(4), intent(in) :: key
+  !> FEAP's names of the numbers of the control record; two of them are mesh words without their =.
+  pure logical function is_size(record)
+    type(record_t), intent(in) :: record
 
-    select case (key)
-    case ('ndm', 'dime', 'ndf', 'dofs', 'nen', 'elno', 'node', 'numn', 'elem', 'nume', 'mate', &
-      'numm')
+    select case (record%key(1))
+    case ('ndm', 'dime', 'ndf', 'dofs', 'nen', 'elno', 'node', 'numn', 'nume', 'numm')
       is_size = .true.
+    case ('elem', 'mate')
+      is_size = index(record%raw, '=') > 0
     case default
       is_size = .false.
     end select

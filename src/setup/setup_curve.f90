@@ -142,7 +142,7 @@ contains
     case default
       call fail(error, DECK_ERROR, 'unknown quantity '//quoted(line%text(1))//' of a CURVe', &
         line%place(1), &
-        'did you mean '//nearest(line%text(1), WORD)//'?')
+        'nearest known: '//nearest(line%text(1), WORD))
     end select
   end subroutine read_column
 

@@ -129,7 +129,7 @@ contains
       end do
       if (w == 0) then
         call fail(error, DECK_ERROR, 'unknown property '//quoted(line%text(1)), line%place(1), &
-          'did you mean '//nearest(line%text(1), WORD)//'?')
+          'nearest known: '//nearest(line%text(1), WORD))
         return
       end if
       if (draft%seen(w)) then
@@ -228,6 +228,8 @@ contains
     case ('nu')
       if (.not. (x > -1.0_wp .and. x < 0.5_wp)) call fail(error, DECK_ERROR, &
         "Poisson's ratio is "//to_text(x), place, 'nu lies between -1 and 0.5, without the ends')
+    case default
+      continue ! no bound that all laws share
     end select
   end subroutine check_value
 

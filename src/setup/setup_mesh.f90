@@ -25,8 +25,9 @@ contains
       if (size(build%model%material) > 0) then
         call compare(build, c%nummat, maxval(build%model%material%number), 'nummat', 'materials')
       end if
-      if (build%elements%top > 0) call compare(build, c%nen, maxval(build%elements%nen), 'nen', &
-        'nodes of an element')
+      if (build%elements%top > 0) then
+        call compare(build, c%nen, maxval(build%elements%nen), 'nen', 'nodes of an element')
+      end if
     end associate
   end subroutine count_mesh
 

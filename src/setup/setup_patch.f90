@@ -73,7 +73,7 @@ contains
       if (w == 0) then
         call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a PATCh', &
           line%place(1), &
-          'did you mean '//nearest(line%text(1), WORD)//'?')
+          'nearest known: '//nearest(line%text(1), WORD))
         return
       end if
       if (seen(w) .and. all(WORD(w) /= ['ROTAte      ', 'TRANslate   ', 'KNOTs       ', &

@@ -6,7 +6,7 @@
 module setup_requests
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: to_text, quoted, nearest
+  use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use setup_build, only: build_t, request_t, next_data
@@ -245,8 +245,7 @@ contains
     if (kind == R_CBOU) words = 'NODE, SURFace and GAP'
     if (kind == R_CSUR) words = 'SURFace, NORMal, NODE and GAP'
     call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1)), line%place(1), &
-      'did you mean '//nearest(line%text(1), ['NODE   ', 'SURFace', 'GAP    '])//'? records are ' &
-      //words)
+      'records are '//words)
   end subroutine complain
 
   !> NODE x y z and three values.
