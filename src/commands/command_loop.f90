@@ -149,9 +149,12 @@ contains
 
     cuts = ''
     if (run%control%cuts > 0) cuts = ' after '//to_text(run%control%cuts)//' cut-backs'
-    hint = 'residual '//to_text(run%pass%residual)//', largest at node '//to_text(run%pass%worst(2)) &
-      //', dof u'//'?xyz'(run%pass%worst(1) + 1:run%pass%worst(1) + 1)
-    if (.not. run%control%automatic) hint = hint//'; smaller steps may help: AUTO,,dtmin,dtmax'
+    hint = ''
+    if (run%pass%worst(2) > 0) hint = 'residual '//to_text(run%pass%residual)//', largest at node ' &
+      //to_text(run%pass%worst(2))//', dof u'//'xyz'(run%pass%worst(1):run%pass%worst(1))//'; '
+    hint = hint//'smaller steps may help: AUTO,,dtmin,dtmax'
+    if (run%control%automatic) hint = hint//' with a smaller dtmin'
+    if (run%pass%solve%singular) hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'
     call fail(error, NO_SOLUTION, 'step '//to_text(step)//' failed'//cuts//': '//why, &
       run%command(run%pc)%record%place(1), hint)
   end subroutine give_up

@@ -69,9 +69,10 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     type(sweep_t), intent(out) :: sweep
+    real(wp) :: start
     integer :: b
 
-    sweep%seconds = -wall_seconds()
+    start = wall_seconds()
     asm%f_int = 0.0_wp
     call set_zero(asm%k)
     do b = 1, size(model%mesh%block)
@@ -83,10 +84,10 @@ contains
           call form_elements(asm, model, state, b, sweep)
         end if
       end associate
-      if (.not. sweep%ok) return
+      if (.not. sweep%ok) exit
     end do
-    call external_force(asm, model, state)
-    sweep%seconds = sweep%seconds + wall_seconds()
+    if (sweep%ok) call external_force(asm, model, state)
+    sweep%seconds = wall_seconds() - start
   end subroutine form
 
   !> One block, element by element.

@@ -3,6 +3,7 @@ module newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
   use base_error, only: error_t
+  use base_text, only: to_text
   use model, only: model_t, state_t
   use csr, only: multiply
   use linear_system, only: linear_system_t, solve_report_t, new_linear_system, FULL
@@ -93,7 +94,7 @@ contains
     call form(newton%asm, model, state, pass%sweep)
     pass%ok = pass%sweep%ok
     if (.not. pass%ok) then
-      pass%trouble = 'an element is inverted or its enhanced modes are singular'
+      pass%trouble = name_element(model, pass%sweep)
       return
     end if
     call accept_iteration(state)
@@ -105,6 +106,20 @@ contains
       pass%trouble = 'the residual is not a number'
     end if
   end subroutine form_system
+
+  !> Which element failed, and of what.
+  function name_element(model, sweep) result(text)
+    type(model_t), intent(in) :: model
+    type(sweep_t), intent(in) :: sweep
+    character(:), allocatable :: text
+
+    associate (block => model%mesh%block(sweep%block))
+      text = trim(block%name)//' element '//to_text(block%number(sweep%elem))
+      if (block%body > 0) text = text//" of '"//model%mesh%body(block%body)%name//"'"
+      text = text//' is inverted'
+      if (block%row%nmode > 0) text = text//', or its enhanced modes are singular'
+    end associate
+  end function name_element
 
   !> Solve for the increment of the last formed system and add it.
   subroutine solve_system(newton, model, state, line_search, pass, error)
