@@ -6,6 +6,7 @@
 !! what the processor's flags allow. A value the user has set is never touched.
 module blas_choice
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+  use base_cpu, only: vector_level
   use blas_threads, only: blas_kernel
   implicit none
   private
@@ -37,29 +38,17 @@ contains
     call get_environment_variable('OPENBLAS_CORETYPE', length=length, status=status)
     if (status == 0) return
     if (all(blas_kernel() /= [character(8) :: 'Prescott', 'Generic', 'Core2'])) return
-    wanted = kernel_of_flags()
-    if (wanted == '') return
+    select case (vector_level())
+    case (4)
+      wanted = 'SkylakeX'
+    case (3)
+      wanted = 'Haswell'
+    case default
+      return
+    end select
     if (c_setenv('OPENBLAS_CORETYPE'//c_null_char, wanted//c_null_char, 0_c_int) /= 0) return
     call start_again()
   end subroutine choose_blas_kernel
-
-  !> Kernel for the vector instructions that the processor lists; empty: nothing better.
-  function kernel_of_flags() result(name)
-    character(:), allocatable :: name
-    character(8192) :: line
-    integer :: unit, status
-
-    name = ''
-    open (newunit=unit, file='/proc/cpuinfo', action='read', status='old', iostat=status)
-    do while (status == 0)
-      read (unit, '(a)', iostat=status) line
-      if (line(:5) /= 'flags') cycle
-      if (index(line, ' avx2 ') > 0 .and. index(line, ' fma ') > 0) name = 'Haswell'
-      if (index(line, ' avx512f ') > 0 .and. index(line, ' avx512vl ') > 0) name = 'SkylakeX'
-      exit
-    end do
-    close (unit, iostat=status)
-  end function kernel_of_flags
 
   !> The same program with the same arguments; returns only where that fails.
   subroutine start_again()

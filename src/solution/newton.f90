@@ -8,6 +8,8 @@ module newton
   use csr, only: multiply
   use linear_system, only: linear_system_t, solve_report_t, new_linear_system, FULL
   use assembly, only: assembler_t, sweep_t, new_assembler, form
+  use line_search, only: search_line, step_by
+  use nodal_vector, only: free_part, full_vector
   use prescribed, only: prescribed_values
   use solution_state, only: accept_iteration
   use singularity, only: name_singularity
@@ -18,8 +20,6 @@ module newton
   real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2 !! of an energy, relative to sum |f||u|
   real(wp), parameter :: FORCE_TOLERANCE = 1.0e-9_wp   !! of the residual, relative to the largest nodal force
   real(wp), parameter :: FORCING = 1.0e-3_wp           !! relative residual of a linear solve where factors are kept
-  real(wp), parameter :: LINE_TOLERANCE = 0.8_wp       !! FEAP's: slope left after a line search
-  integer, parameter :: LINE_TRIALS = 10
 
   !> The iteration of the step under way.
   type :: newton_t
@@ -122,11 +122,11 @@ contains
   end function name_element
 
   !> Solve for the increment of the last formed system and add it.
-  subroutine solve_system(newton, model, state, line_search, pass, error)
+  subroutine solve_system(newton, model, state, searches, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    logical, intent(in) :: line_search
+    logical, intent(in) :: searches !! look along the increment
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: du(:, :), force(:, :)
@@ -164,25 +164,25 @@ contains
     newton%largest_energy = max(newton%largest_energy, pass%energy)
     call judge(newton, pass, moved)
     if (.not. pass%ok) return
-    if (line_search .and. .not. moved) then
-      call search_line(newton, model, state, du, pass)
+    if (searches .and. .not. moved) then
+      call search_line(newton%asm, model, state, newton%dx, du, dot_product(newton%dx, newton%rhs), pass%line)
     else
       call step_by(state, du, 1.0_wp)
     end if
   end subroutine solve_system
 
   !> One pass of TANG,,1 or UTAN,,1.
-  subroutine newton_pass(newton, model, state, symmetric, line_search, pass, error)
+  subroutine newton_pass(newton, model, state, symmetric, searches, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    logical, intent(in) :: symmetric, line_search
+    logical, intent(in) :: symmetric, searches
     type(pass_t), intent(out) :: pass
     type(error_t), allocatable, intent(out) :: error
 
     call form_system(newton, model, state, symmetric, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
-    call solve_system(newton, model, state, line_search, pass, error)
+    call solve_system(newton, model, state, searches, pass, error)
   end subroutine newton_pass
 
   !> Reactions at the final displacements; a step whose test has not passed yet is tested once more.
@@ -220,77 +220,6 @@ contains
       newton%converged = pass%residual <= FORCE_TOLERANCE*pass%sweep%largest
   end subroutine judge
 
-  !> Displacements move by s du from where the history stands.
-  pure subroutine step_by(state, du, s)
-    type(state_t), intent(inout) :: state
-    real(wp), intent(in) :: du(:, :), s
-
-    state%u = state%u_base + s*du
-    state%scale = s
-  end subroutine step_by
-
-  !> FEAP's line search: a share s of the step with |du.r(s)| <= 0.8 |du.r(0)|, by regula falsi with
-  !! the Illinois modification; halved first while an element inverts.
-  subroutine search_line(newton, model, state, du, pass)
-    type(newton_t), intent(inout) :: newton
-    type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
-    real(wp), intent(in) :: du(:, :)
-    type(pass_t), intent(inout) :: pass
-    real(wp) :: g, g0, ga, gb, s, sa, sb
-    logical :: ok
-    integer :: i
-
-    g0 = dot_product(newton%dx, newton%rhs)
-    s = 1.0_wp
-    do i = 1, LINE_TRIALS
-      call slope(newton, model, state, du, s, g, ok)
-      if (ok) exit
-      s = 0.5_wp*s
-    end do
-    sa = 0.0_wp
-    ga = g0
-    sb = s
-    gb = g
-    do i = 1, LINE_TRIALS
-      if (.not. ok .or. abs(g) <= LINE_TOLERANCE*abs(g0) .or. ga*gb > 0.0_wp) exit
-      s = sb - gb*(sb - sa)/(gb - ga)
-      call slope(newton, model, state, du, s, g, ok)
-      if (g*ga > 0.0_wp) then
-        sa = s
-        ga = g
-        gb = 0.5_wp*gb
-      else
-        sb = s
-        gb = g
-        ga = 0.5_wp*ga
-      end if
-    end do
-    pass%line = s
-    call step_by(state, du, s)
-  end subroutine search_line
-
-  !> du.r at a share of the step.
-  subroutine slope(newton, model, state, du, s, g, ok)
-    type(newton_t), intent(inout) :: newton
-    type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
-    real(wp), intent(in) :: du(:, :), s
-    real(wp), intent(out) :: g
-    logical, intent(out) :: ok
-    type(sweep_t) :: sweep
-    real(wp), allocatable :: r(:)
-
-    call step_by(state, du, s)
-    call form(newton%asm, model, state, sweep)
-    ok = sweep%ok
-    g = 0.0_wp
-    if (.not. ok) return
-    allocate (r(size(newton%rhs)))
-    call free_part(model%eq, newton%asm%f_ext - newton%asm%f_int, r)
-    g = dot_product(newton%dx, r)
-  end subroutine slope
-
   !> Pattern and analysis, once, and again only where TANG and UTAN alternate.
   subroutine prepare_newton(newton, model, symmetric, error)
     type(newton_t), intent(inout) :: newton
@@ -309,35 +238,6 @@ contains
     newton%ready = .true.
     if (.not. allocated(newton%rhs)) allocate (newton%rhs(model%neq), newton%dx(model%neq))
   end subroutine prepare_newton
-
-  !> The free components of a nodal vector, in the order of the equations.
-  pure subroutine free_part(eq, f, x)
-    integer, intent(in) :: eq(:, :)
-    real(wp), intent(in) :: f(:, :)
-    real(wp), intent(out) :: x(:)
-    integer :: i, n
-
-    do n = 1, size(eq, 2)
-      do i = 1, 3
-        if (eq(i, n) > 0) x(eq(i, n)) = f(i, n)
-      end do
-    end do
-  end subroutine free_part
-
-  !> A nodal vector from its free components; zero elsewhere.
-  pure subroutine full_vector(eq, x, f)
-    integer, intent(in) :: eq(:, :)
-    real(wp), intent(in) :: x(:)
-    real(wp), intent(out) :: f(:, :)
-    integer :: i, n
-
-    f = 0.0_wp
-    do n = 1, size(eq, 2)
-      do i = 1, 3
-        if (eq(i, n) > 0) f(i, n) = x(eq(i, n))
-      end do
-    end do
-  end subroutine full_vector
 
   !> Largest residual over the free dofs.
   pure subroutine find_worst(model, reaction, pass)

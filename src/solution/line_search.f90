@@ -1,0 +1,87 @@
+!> Line search along a Newton increment.
+module line_search
+  use base_kinds, only: wp
+  use assembly, only: assembler_t, sweep_t, form
+  use model, only: model_t, state_t
+  use nodal_vector, only: free_part
+  implicit none
+  private
+  public :: search_line, step_by
+
+  real(wp), parameter :: LINE_TOLERANCE = 0.8_wp       !! FEAP's: slope left after a line search
+  integer, parameter :: LINE_TRIALS = 10
+
+contains
+
+  !> Displacements move by s du from where the history stands.
+  pure subroutine step_by(state, du, s)
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: du(:, :), s
+
+    state%u = state%u_base + s*du
+    state%scale = s
+  end subroutine step_by
+
+  !> FEAP's line search: a share s of the step with |du.r(s)| <= 0.8 |du.r(0)|, by regula falsi with
+  !! the Illinois modification; halved first while an element inverts.
+  subroutine search_line(asm, model, state, dx, du, g0, s)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: dx(:)      !! (neq) the increment
+    real(wp), intent(in) :: du(:, :)   !! (3, nnode) the same
+    real(wp), intent(in) :: g0         !! du.r(0)
+    real(wp), intent(out) :: s         !! share that was taken
+    real(wp) :: g, ga, gb, sa, sb
+    logical :: ok
+    integer :: i
+
+    s = 1.0_wp
+    do i = 1, LINE_TRIALS
+      call slope(asm, model, state, dx, du, s, g, ok)
+      if (ok) exit
+      s = 0.5_wp*s
+    end do
+    sa = 0.0_wp
+    ga = g0
+    sb = s
+    gb = g
+    do i = 1, LINE_TRIALS
+      if (.not. ok .or. abs(g) <= LINE_TOLERANCE*abs(g0) .or. ga*gb > 0.0_wp) exit
+      s = sb - gb*(sb - sa)/(gb - ga)
+      call slope(asm, model, state, dx, du, s, g, ok)
+      if (g*ga > 0.0_wp) then
+        sa = s
+        ga = g
+        gb = 0.5_wp*gb
+      else
+        sb = s
+        gb = g
+        ga = 0.5_wp*ga
+      end if
+    end do
+    call step_by(state, du, s)
+  end subroutine search_line
+
+  !> du.r at a share of the step.
+  subroutine slope(asm, model, state, dx, du, s, g, ok)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: dx(:), du(:, :), s
+    real(wp), intent(out) :: g
+    logical, intent(out) :: ok
+    type(sweep_t) :: sweep
+    real(wp), allocatable :: r(:)
+
+    call step_by(state, du, s)
+    call form(asm, model, state, sweep)
+    ok = sweep%ok
+    g = 0.0_wp
+    if (.not. ok) return
+    allocate (r(size(dx)))
+    call free_part(model%eq, asm%f_ext - asm%f_int, r)
+    g = dot_product(dx, r)
+  end subroutine slope
+
+end module line_search
