@@ -172,15 +172,17 @@ verify: setup
 verify-all: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $(B)/bezel --all
+	@$(PYTHON) verification/restart/run.py $(B)/bezel
 demo: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m post.figures.demo --bezel $(B)/bezel --out $(BUILD)/demo
 
 # Programs that time a part, verification/performance/<part>/bench_<part>.f90, then the decks.
 BENCH := $(patsubst verification/performance/%.f90,$(B)/%,$(wildcard verification/performance/*/bench_*.f90))
-bench: setup
+bench:
+	@tools/setup.sh bench
 	@$(MAKE) $(B)/bezel $(BENCH) && for b in $(BENCH); do $$b || exit 1; done
-	@[ ! -f verification/performance/bench.py ] || $(PYTHON) verification/performance/bench.py --bezel $(B)/bezel
+	@$(PYTHON) verification/performance/bench.py --bezel $(B)/bezel
 $(BENCH): $(B)/%: verification/performance/%.f90 $(B)/libbezel.a
 	@mkdir -p $(@D); $(FC) -std=f2008 $(WARN) $(OPT) -J$(@D) -I$(B) $^ $(LIBS) -o $@
 

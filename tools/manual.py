@@ -27,18 +27,31 @@ def main(argv=None):
     parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     parser.add_argument("--out", type=pathlib.Path, default=TOP / "build/manual")
     o = parser.parse_args(argv)
-    keys = sorted({word[:4].upper() for word in mesh_words() + command_words(o.bezel) + OF_THE_STREAM})
+    keys = sorted(
+        {word[:4].upper() for word in mesh_words() + command_words(o.bezel) + OF_THE_STREAM}
+    )
     complaints = check_index(keys)
     examples = {}
     for key in keys:
         complaints += check_page(key, examples)
-    complaints += [f"{p.name}: no word of the deck has this page" for p in PAGES.glob("[A-Z]*.md") if p.stem not in keys]
+    complaints += [
+        f"{p.name}: no word of the deck has this page"
+        for p in PAGES.glob("[A-Z]*.md")
+        if p.stem not in keys
+    ]
     o.out.mkdir(parents=True, exist_ok=True)
     for deck in sorted(set(examples.values())):
         complaints += run_example(o.bezel.resolve(), deck, o.out)
     unused = set((TOP / "input/manual").glob("*.inp")) - set(examples.values())
     complaints += [f"input/manual/{deck.name}: no page names it" for deck in sorted(unused)]
-    print("\n".join([*complaints, f"{len(keys)} words, {len(set(examples.values()))} examples, {len(complaints)} complaints"]))
+    print(
+        "\n".join(
+            [
+                *complaints,
+                f"{len(keys)} words, {len(set(examples.values()))} examples, {len(complaints)} complaints",
+            ]
+        )
+    )
     return 1 if complaints else 0
 
 
@@ -49,7 +62,9 @@ def mesh_words():
 
 def command_words(bezel):
     """Words of the table of commands, as the program lists them."""
-    listing = subprocess.run([bezel, "--list", "commands"], capture_output=True, text=True, check=True).stdout
+    listing = subprocess.run(
+        [bezel, "--list", "commands"], capture_output=True, text=True, check=True
+    ).stdout
     return re.findall(r"^  (\w+)", listing, re.M)
 
 

@@ -2,6 +2,7 @@
 # Bring a machine to where `make check` and `make demo` run; quick and silent when nothing is missing.
 # usage: tools/setup.sh            compiler, libraries, Python packages of `post` in .venv
 #        tools/setup.sh dev        and the tools of `make lint`, `make coverage`, `make doc`
+#        tools/setup.sh bench      and FElupe and CalculiX, which `make bench` compares with
 #        tools/setup.sh libraries  only look, install nothing; says what is missing
 # With apt and the right to use it (root, or sudo) missing packages are installed; otherwise one
 # sentence names them, and this ends with 1.
@@ -116,9 +117,10 @@ pip_install() {
   copy=.venv/$(basename "$1")
   cmp -s "$1" "$copy" && return
   echo "installing Python packages of $1 into .venv: this is done once"
-  if ! .venv/bin/python -m pip install --quiet --disable-pip-version-check --requirement "$1" < /dev/null; then
+  if ! .venv/bin/python -m pip install --quiet --disable-pip-version-check --requirement "$1" \
+    --constraint post/requirements.txt < /dev/null; then
     echo "missing: the Python packages of $1; pip could not install them into .venv (is there a network?)" >&2
-    exit 1
+    return 1
   fi
   cp "$1" "$copy"
 }
@@ -128,7 +130,7 @@ case ${1:-} in
     lack=$(missing_program)
     # shellcheck disable=SC2086
     [ -z "$lack" ] || complain $lack ;;
-  '' | dev)
+  '' | dev | bench)
     lack=$(missing_program; missing_python)
     if [ -n "$lack" ]; then
       apt_install
@@ -141,8 +143,13 @@ case ${1:-} in
       "$(find_python)" -m venv .venv
     fi
     pip_install post/requirements.txt
-    [ "${1:-}" != dev ] || pip_install tools/requirements-dev.txt ;;
+    case ${1:-} in
+      dev) pip_install tools/requirements-dev.txt ;;
+      bench) # what cannot be had is left out of the comparison
+        has ccx || { APT=calculix-ccx; apt_install; }
+        pip_install tools/requirements-bench.txt || true ;;
+    esac ;;
   *)
-    sed -n '2,7s/^# //p' "$0"
+    sed -n '2,8s/^# //p' "$0"
     exit 1 ;;
 esac
