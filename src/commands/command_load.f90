@@ -3,7 +3,7 @@ module command_load
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
-  use command_type, only: run_t, command_t, command_row_t, data_t
+  use command_type, only: run_t, command_t, command_row_t, new_row, data_t
   use deck_expression, only: set_parameter
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: check_count, get_integer, get_real, get_assignment
@@ -20,23 +20,15 @@ contains
   function describe_prop() result(row)
     type(command_row_t) :: row
 
-    row%key = 'prop'
-    row%word = 'PROP'
-    row%usage = 'PROP,,k1[,k2], then a table behind END for each'
-    row%nmax = 3
-    row%run => run_prop
-    row%data => read_tables
+    row = new_row('PROP', 'PROP,,k1[,k2], then a table behind END for each', &
+      3, run_prop, read_tables)
   end function describe_prop
 
   function describe_para() result(row)
     type(command_row_t) :: row
 
-    row%key = 'para'
-    row%word = 'PARAmeter'
-    row%usage = 'PARAmeter, then name = value records behind END'
-    row%nmax = 0
-    row%run => run_para
-    row%data => read_assignments
+    row = new_row('PARAmeter', 'PARAmeter, then name = value records behind END', &
+      0, run_para, read_assignments)
   end function describe_para
 
   !> First and last number of the tables that a PROP defines.

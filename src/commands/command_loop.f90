@@ -3,7 +3,7 @@ module command_loop
   use base_error, only: error_t, fail, NO_SOLUTION, DECK_ERROR
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use command_type, only: run_t, command_t, command_row_t, loop_t
+  use command_type, only: run_t, command_t, command_row_t, new_row, loop_t
   use solution_state, only: restore_step
   use step_control, only: cut_step, on_target
   implicit none
@@ -17,20 +17,13 @@ contains
   function describe_loop() result(row)
     type(command_row_t) :: row
 
-    row%key = 'loop'
-    row%word = 'LOOP'
-    row%usage = 'LOOP,name,n'
-    row%run => run_loop
+    row = new_row('LOOP', 'LOOP,name,n', 2, run_loop)
   end function describe_loop
 
   function describe_next() result(row)
     type(command_row_t) :: row
 
-    row%key = 'next'
-    row%word = 'NEXT'
-    row%usage = 'NEXT,name'
-    row%nmax = 1
-    row%run => run_next
+    row = new_row('NEXT', 'NEXT,name', 1, run_next)
   end function describe_next
 
   subroutine run_loop(run, command, error)

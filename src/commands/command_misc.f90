@@ -2,7 +2,7 @@
 module command_misc
   use base_error, only: error_t, fail, DECK_ERROR
   use base_log, only: log_line
-  use command_type, only: run_t, command_t, command_row_t
+  use command_type, only: run_t, command_t, command_row_t, new_row
   implicit none
   private
   public :: describe_note, describe_arcl
@@ -24,11 +24,7 @@ contains
   function describe_arcl() result(row)
     type(command_row_t) :: row
 
-    row%key = 'arcl'
-    row%word = 'ARCLength'
-    row%usage = 'ARCLength: not available yet'
-    row%nmax = 4
-    row%run => run_arcl
+    row = new_row('ARCLength', 'ARCLength: not available yet', 4, run_arcl)
   end function describe_arcl
 
   subroutine run_note(run, command, error)

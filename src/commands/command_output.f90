@@ -2,7 +2,7 @@
 module command_output
   use base_error, only: error_t, fail, DECK_ERROR
   use command_files, only: open_files, write_fields, write_checkpoint
-  use command_type, only: run_t, command_t, command_row_t
+  use command_type, only: run_t, command_t, command_row_t, new_row
   implicit none
   private
   public :: describe_plot, describe_output, describe_save
@@ -12,31 +12,19 @@ contains
   function describe_plot() result(row)
     type(command_row_t) :: row
 
-    row%key = 'plot'
-    row%word = 'PLOT'
-    row%usage = 'PLOT'
-    row%nmax = 9
-    row%run => run_plot
+    row = new_row('PLOT', 'PLOT', 9, run_plot)
   end function describe_plot
 
   function describe_output() result(row)
     type(command_row_t) :: row
 
-    row%key = 'outp'
-    row%word = 'OUTPut'
-    row%usage = 'OUTPut,,every n'
-    row%nmax = 3
-    row%run => run_output
+    row = new_row('OUTPut', 'OUTPut,,every n', 3, run_output)
   end function describe_output
 
   function describe_save() result(row)
     type(command_row_t) :: row
 
-    row%key = 'save'
-    row%word = 'SAVE'
-    row%usage = 'SAVE'
-    row%nmax = 2
-    row%run => run_save
+    row = new_row('SAVE', 'SAVE', 2, run_save)
   end function describe_save
 
   !> The step under way is written when it closes; between steps the state of now at once.

@@ -3,7 +3,7 @@ module command_print
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use byte_file, only: open_bytes
-  use command_type, only: run_t, command_t, command_row_t
+  use command_type, only: run_t, command_t, command_row_t, new_row
   use newton, only: form_system, pass_t
   use print_tables, only: print_displacements, print_reactions, print_stresses, print_nodal_stresses
   implicit none
@@ -15,51 +15,31 @@ contains
   function describe_disp() result(row)
     type(command_row_t) :: row
 
-    row%key = 'disp'
-    row%word = 'DISPlacement'
-    row%usage = 'DISP,[ALL | COOR,d,x],[n1],[n2],[step]'
-    row%nmax = 4
-    row%run => run_print
+    row = new_row('DISPlacement', 'DISP,[ALL | COOR,d,x],[n1],[n2],[step]', 4, run_print)
   end function describe_disp
 
   function describe_reac() result(row)
     type(command_row_t) :: row
 
-    row%key = 'reac'
-    row%word = 'REACtion'
-    row%usage = 'REAC,[ALL | COOR,d,x],[n1],[n2],[step]'
-    row%nmax = 4
-    row%run => run_print
+    row = new_row('REACtion', 'REAC,[ALL | COOR,d,x],[n1],[n2],[step]', 4, run_print)
   end function describe_reac
 
   function describe_stre() result(row)
     type(command_row_t) :: row
 
-    row%key = 'stre'
-    row%word = 'STREss'
-    row%usage = 'STRE,[ALL | NODE | COOR,d,x],[n1],[n2],[step]'
-    row%nmax = 4
-    row%run => run_print
+    row = new_row('STREss', 'STRE,[ALL | NODE | COOR,d,x],[n1],[n2],[step]', 4, run_print)
   end function describe_stre
 
   function describe_prin() result(row)
     type(command_row_t) :: row
 
-    row%key = 'prin'
-    row%word = 'PRINt'
-    row%usage = 'PRINt'
-    row%nmax = 1
-    row%run => run_switch
+    row = new_row('PRINt', 'PRINt', 1, run_switch)
   end function describe_prin
 
   function describe_nopr() result(row)
     type(command_row_t) :: row
 
-    row%key = 'nopr'
-    row%word = 'NOPRint'
-    row%usage = 'NOPRint'
-    row%nmax = 1
-    row%run => run_switch
+    row = new_row('NOPRint', 'NOPRint', 1, run_switch)
   end function describe_nopr
 
   subroutine run_switch(run, command, error)

@@ -4,7 +4,7 @@ module command_solve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_log, only: log_line
   use command_progress, only: show_iteration
-  use command_type, only: run_t, command_t, command_row_t
+  use command_type, only: run_t, command_t, command_row_t, new_row
   use command_loop, only: leave_loop, mark_step, cut_back
   use linear_system, only: FULL, REUSE, SINGLE, LOWRANK
   use model, only: model_t
@@ -19,60 +19,37 @@ contains
   function describe_tang() result(row)
     type(command_row_t) :: row
 
-    row%key = 'tang'
-    row%word = 'TANG'
-    row%usage = 'TANG,[LINE],[1]'
-    row%nmax = 4
-    row%run => run_tangent
+    row = new_row('TANG', 'TANG,[LINE],[1]', 4, run_tangent)
   end function describe_tang
 
   function describe_utan() result(row)
     type(command_row_t) :: row
 
-    row%key = 'utan'
-    row%word = 'UTAN'
-    row%usage = 'UTAN,[LINE],[1]'
-    row%nmax = 4
-    row%run => run_tangent
+    row = new_row('UTAN', 'UTAN,[LINE],[1]', 4, run_tangent)
   end function describe_utan
 
   function describe_form() result(row)
     type(command_row_t) :: row
 
-    row%key = 'form'
-    row%word = 'FORM'
-    row%usage = 'FORM'
-    row%nmax = 1
-    row%run => run_form
+    row = new_row('FORM', 'FORM', 1, run_form)
   end function describe_form
 
   function describe_solv() result(row)
     type(command_row_t) :: row
 
-    row%key = 'solv'
-    row%word = 'SOLV'
-    row%usage = 'SOLV,[LINE]'
-    row%nmax = 2
-    row%run => run_solve
+    row = new_row('SOLV', 'SOLV,[LINE]', 2, run_solve)
   end function describe_solv
 
   function describe_tol() result(row)
     type(command_row_t) :: row
 
-    row%key = 'tol'
-    row%word = 'TOL'
-    row%usage = 'TOL,,energy'
-    row%nmax = 4
-    row%run => run_tolerance
+    row = new_row('TOL', 'TOL,,energy', 4, run_tolerance)
   end function describe_tol
 
   function describe_factor() result(row)
     type(command_row_t) :: row
 
-    row%key = 'fact'
-    row%word = 'FACTor'
-    row%usage = 'FACTor REUSe | SINGle | LOWRank eps'
-    row%run => run_factor
+    row = new_row('FACTor', 'FACTor REUSe | SINGle | LOWRank eps', 2, run_factor)
   end function describe_factor
 
   subroutine run_tangent(run, command, error)

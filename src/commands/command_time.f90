@@ -3,7 +3,7 @@ module command_time
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
-  use command_type, only: run_t, command_t, command_row_t
+  use command_type, only: run_t, command_t, command_row_t, new_row
   use command_close, only: close_step
   use command_loop, only: mark_step
   use newton, only: begin_newton
@@ -18,30 +18,19 @@ contains
   function describe_dt() result(row)
     type(command_row_t) :: row
 
-    row%key = 'dt'
-    row%word = 'DT'
-    row%usage = 'DT,,dt'
-    row%run => run_dt
+    row = new_row('DT', 'DT,,dt', 2, run_dt)
   end function describe_dt
 
   function describe_time() result(row)
     type(command_row_t) :: row
 
-    row%key = 'time'
-    row%word = 'TIME'
-    row%usage = 'TIME'
-    row%nmax = 0
-    row%run => run_time
+    row = new_row('TIME', 'TIME', 0, run_time)
   end function describe_time
 
   function describe_auto() result(row)
     type(command_row_t) :: row
 
-    row%key = 'auto'
-    row%word = 'AUTO'
-    row%usage = 'AUTO,,dtmin,dtmax'
-    row%nmax = 3
-    row%run => run_auto
+    row = new_row('AUTO', 'AUTO,,dtmin,dtmax', 3, run_auto)
   end function describe_auto
 
   subroutine run_dt(run, command, error)

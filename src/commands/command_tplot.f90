@@ -3,7 +3,7 @@ module command_tplot
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
-  use command_type, only: run_t, command_t, command_row_t, data_t
+  use command_type, only: run_t, command_t, command_row_t, new_row, data_t
   use curve_type, only: curve_t, quantity_t, Q_FORCE, Q_DISP
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: check_count, get_integer, get_real
@@ -19,11 +19,8 @@ contains
   function describe_tplo() result(row)
     type(command_row_t) :: row
 
-    row%key = 'tplo'
-    row%word = 'TPLOt'
-    row%usage = 'TPLOt,,interval, then DISP or REAC records behind END'
-    row%run => run_tplot
-    row%data => read_tplot
+    row = new_row('TPLOt', 'TPLOt,,interval, then DISP or REAC records behind END', &
+      2, run_tplot, read_tplot)
   end function describe_tplo
 
   subroutine run_tplot(run, command, error)

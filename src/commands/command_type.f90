@@ -2,6 +2,7 @@
 module command_type
   use base_kinds, only: wp
   use base_error, only: error_t
+  use base_text, only: key_of
   use base_timer, only: timers_t
   use deck_record, only: record_t
   use deck_stream, only: deck_t
@@ -16,7 +17,7 @@ module command_type
   use curve_file, only: curve_file_t
   implicit none
   private
-  public :: run_t, command_t, command_row_t, loop_t, data_t, command_run_i, command_data_i, plan_t, row_t, anchor_t
+  public :: run_t, command_t, command_row_t, loop_t, data_t, command_run_i, command_data_i, plan_t, row_t, anchor_t, new_row
 
   !> Data records a command owns, read before the run starts.
   type :: data_t
@@ -138,5 +139,23 @@ module command_type
       type(error_t), allocatable, intent(out) :: error
     end subroutine command_data_i
   end interface
+
+contains
+
+  !> A row of the table: `nmax` fields at most stand behind the word.
+  function new_row(word, usage, nmax, run, data) result(row)
+    character(*), intent(in) :: word, usage
+    integer, intent(in) :: nmax
+    procedure(command_run_i) :: run
+    procedure(command_data_i), optional :: data
+    type(command_row_t) :: row
+
+    row%key = key_of(word)
+    row%word = word
+    row%usage = usage
+    row%nmax = nmax
+    row%run => run
+    if (present(data)) row%data => data
+  end function new_row
 
 end module command_type
