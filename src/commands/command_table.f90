@@ -33,6 +33,7 @@ contains
     block; use command_output, only: describe_plot; table = [table, describe_plot()]; end block
     block; use command_output, only: describe_output; table = [table, describe_output()]; end block
     block; use command_output, only: describe_save; table = [table, describe_save()]; end block
+    block; use command_restart, only: describe_rest; table = [table, describe_rest()]; end block
     block; use command_misc, only: describe_arcl; table = [table, describe_arcl()]; end block
     block; use command_misc, only: describe_note; table = [table, describe_note('opti', 'OPTImize')]; end block
     block; use command_misc, only: describe_note; table = [table, describe_note('opts', 'OPTS')]; end block

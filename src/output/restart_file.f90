@@ -60,13 +60,14 @@ contains
   end subroutine write_checkpoint
 
   !> Read the last checkpoint, or the one before it.
-  subroutine read_checkpoint(path, print, state, bag, error, before)
+  subroutine read_checkpoint(path, print, state, bag, error, before, any_deck)
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
     type(state_t), intent(inout) :: state !! of the model at time 0: gives the sizes
     type(bag_t), intent(out) :: bag
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: before
+    logical, intent(in), optional :: any_deck !! .true.: another deck of the same mesh may have written it
     type(error_t), allocatable :: second
     type(hdf5_t) :: file
     character(:), allocatable :: group
@@ -78,7 +79,7 @@ contains
       if (index(error%message, ''': ') == 0 .and. is_there) call refuse_file(path, error)
       return
     end if
-    call check_fingerprint(file, path, print, error)
+    call check_fingerprint(file, path, print, error, any_deck)
     group = 'last'
     if (present(before)) then
       if (before) group = 'before'
@@ -141,13 +142,18 @@ contains
     if (.not. allocated(error)) call put_attribute(file, '/', 'sizes', print%sizes, error)
   end subroutine write_fingerprint
 
-  subroutine check_fingerprint(file, path, print, error)
+  subroutine check_fingerprint(file, path, print, error, any_deck)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
     type(error_t), allocatable, intent(out) :: error
+    logical, intent(in), optional :: any_deck
     character(:), allocatable :: content, version, deck_hash
     integer :: sizes(4)
+    logical :: same_deck
+
+    same_deck = .true.
+    if (present(any_deck)) same_deck = .not. any_deck
 
     call get_attribute(file, '/', 'content', content, error)
     if (.not. allocated(error)) call get_attribute(file, '/', 'version', version, error)
@@ -158,7 +164,7 @@ contains
     else if (version /= print%version) then
       call fail(error, DECK_ERROR, '''' // path // ''' was written by version ' // version // &
         ', this is ' // print%version, hint='restart with the version that wrote it')
-    else if (deck_hash /= print%deck_hash) then
+    else if (same_deck .and. deck_hash /= print%deck_hash) then
       call fail(error, DECK_ERROR, '''' // path // ''' belongs to another deck', &
         hint='restart with the deck, the included files and the --set values of that run')
     else if (any(sizes /= print%sizes)) then
