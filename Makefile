@@ -161,9 +161,10 @@ deck_errors: $(B)/bezel
 	@$(PYTHON) verification/deck_errors/run.py --bezel $<
 post_tests:
 	@$(PYTHON) -W error::DeprecationWarning:post -m unittest discover -q -s post/tests -t .
+PATCHES := $(patsubst verification/patch/%/expect.toml,%,$(wildcard verification/patch/*/expect.toml))
 patch: $(B)/bezel
-	@$(PYTHON) verification/verify.py --bezel $< --out $(B)/verify \
-	  $(patsubst verification/patch/%/expect.toml,--case %,$(wildcard verification/patch/*/expect.toml))
+	@[ -z '$(PATCHES)' ] || $(PYTHON) verification/verify.py --bezel $< --out $(B)/verify \
+	  $(addprefix --case ,$(PATCHES))
 
 .PHONY: verify verify-all bench demo
 verify: setup
