@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from post import _style
+from post import _style, _surface
 
 
 @dataclass
@@ -15,6 +15,14 @@ class Scene:
     edges: object
     outline: object
     caption: str
+
+    def mirror(self, axis):
+        """Add the mirror image across the plane where a coordinate (0 1 2) is zero."""
+        self.surface = _surface.mirrored(self.surface, axis)
+        self.edges, self.outline = (
+            part and part.n_points and _surface.mirrored(part, axis) or None
+            for part in (self.edges, self.outline)
+        )
 
 
 def render(scenes, limits, cmap, camera, size):
@@ -34,11 +42,17 @@ def render(scenes, limits, cmap, camera, size):
         )
         plot.add_mesh(smooth, scalars="shown", clim=limits, cmap=cmap, show_scalar_bar=False,
                       smooth_shading=True, ambient=0.55, diffuse=0.5, specular=0.0)  # fmt: skip
-        if scene.edges is not None and scene.edges.n_points:
-            _add_lines(plot, scene.edges, "#1a1a1a", 2.0)
-        if scene.outline is not None and scene.outline.n_points:
-            _add_lines(plot, scene.outline, "#777777", 1.6)
         direction, up = camera
+        shift = 0.003 * np.ptp(box.reshape(3, 2), axis=1).max() * unit(direction)
+        for lines, colour, width in (
+            (scene.edges, "#1a1a1a", 2.0),
+            (scene.outline, "#777777", 1.6),
+        ):
+            if lines is not None and lines.n_points:
+                # Towards the camera, so that the surface does not cover them; the projection is
+                # parallel: they stay where they are in the picture.
+                moved = lines.translate(shift, inplace=False)
+                plot.add_mesh(moved, color=colour, line_width=width, lighting=False)
         plot.enable_parallel_projection()
         plot.view_vector(direction, viewup=up, bounds=box)
         plot.enable_anti_aliasing("ssaa")
@@ -47,11 +61,13 @@ def render(scenes, limits, cmap, camera, size):
     return _cropped(images)
 
 
-def _add_lines(plot, lines, colour, width):
-    """Lines just in front of the surface that they lie on."""
-    mapper = plot.add_mesh(lines, color=colour, line_width=width, lighting=False).mapper
-    mapper.SetResolveCoincidentTopologyToPolygonOffset()
-    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-1.0, -6.0)
+def unit(direction):
+    """(3) of length one.
+
+    >>> unit((0, 0, 2)).tolist()
+    [0.0, 0.0, 1.0]
+    """
+    return np.asarray(direction, dtype=float) / np.linalg.norm(direction)
 
 
 def _cropped(images):

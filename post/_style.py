@@ -74,9 +74,11 @@ def element(name):
     bulk = name.split(" on ")[0].split("+")[0]
     bulk = {"Q1N2": "Q1", "Q2N2": "Q2", "Q1E9N2": "Q1E9"}.get(bulk, bulk)
     faces = 0 if " on " not in name else 2 if " and " in name else 1
-    enhanced_layer = faces > 0 and layer.startswith("Q1E9")
+    colour = _BULK.get(bulk, COLOURS[4])
+    if faces > 0 and layer.startswith("Q1E9"):  # the enriched layer is enhanced as well
+        colour = COLOURS[5] if layer.endswith("tapered") else COLOURS[3]
     return {
-        "color": COLOURS[3] if enhanced_layer else _BULK.get(bulk, COLOURS[4]),
+        "color": colour,
         "marker": ("o", "s", "^")[faces] if bulk != "IGA2" else "D",
         "linestyle": "-" if faces == 0 else ("--", ":")[faces - 1],
         "markerfacecolor": "white" if faces else None,

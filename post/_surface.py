@@ -63,6 +63,29 @@ def outline(grid, angle=25.0):
     )
 
 
+def mirrored(part, axis):
+    """A surface or lines and their mirror image across the plane where a coordinate (0 1 2) is
+    zero; what lies in the plane is left out.
+    """
+    import pyvista
+
+    cells = part.regular_faces if part.n_lines == 0 else None
+    lines = [] if cells is not None else [part.get_cell(i).point_ids for i in range(part.n_cells)]
+    away = np.abs(part.points[:, axis]) > 1e-6 * max(part.length, 1e-300)
+    if cells is not None:
+        half = pyvista.PolyData.from_regular_faces(part.points, cells[away[cells].any(axis=1)])
+    else:
+        kept = [ids for ids in lines if away[ids].any()]
+        half = pyvista.PolyData(part.points, lines=[n for ids in kept for n in (len(ids), *ids)])
+    for name in part.point_data:
+        half.point_data[name] = part.point_data[name]
+    other = half.copy()
+    other.points[:, axis] *= -1.0
+    if cells is not None:
+        other = other.flip_faces()
+    return half.append_polydata(other)
+
+
 def _outer_edges(grid):
     """(cell, edge of the cell) of each edge of a face that only one cell has."""
     faces = {}

@@ -26,18 +26,24 @@ VIEWS = {
 
 
 def draw(paths, output, scalar="displacement", component=None, step="last", warp=1.0, view="iso",
-         limits=None, cmap=None, labels=None, edges=True, outline=True, level=None, size=(1400, 1200)):  # fmt: skip
+         limits=None, cmap=None, labels=None, edges=True, outline=True, level=None, size=(1400, 1200),
+         mirror="", say_step=True):  # fmt: skip
     """Draw one result file, or several side by side with one colour scale, into the file `output`.
 
     step: as post._grid.load; component: 1 2 3, 11 22 33 12 23 31 or magnitude; view: a key of VIEWS
     or
-    'azimuth,elevation' in degrees; limits: (low, high) of the colours; size: pixels of one panel.
+    'azimuth,elevation' in degrees; limits: (low, high) of the colours; size: pixels of one panel; mirror: letters of 'xyz', the model
+    is part of a body that is symmetric to these coordinates' zero planes (scalars only); say_step:
+    below a panel with a label too.
     Returns the limits that were used.
     """
     prepare()
     shown = [_scene(p, scalar, component, step, warp, edges, outline, level) for p in paths]
     for scene, label in zip(shown, labels or [None] * len(shown)):
-        scene.caption = f"{label}, {scene.caption}" if label else scene.caption
+        for letter in mirror:
+            scene.mirror("xyz".index(letter))
+        if label:
+            scene.caption = f"{label}, {scene.caption}" if say_step else label
     limits, cmap = _scalar.colours([s.surface["shown"] for s in shown], limits, cmap)
     camera = _camera(view)
     images = _picture.render(shown, limits, cmap, camera, size)
@@ -99,7 +105,7 @@ def main(argv):
         [p.rsplit("/", 1)[-1].rsplit(".", 1)[0] for p in paths] if len(paths) > 1 else None
     )
     draw(paths, o.output, o.scalar, o.component, step, o.warp, o.view, o.range, o.cmap, labels,
-         not o.no_edges, not o.no_outline, o.level, tuple(o.size))  # fmt: skip
+         not o.no_edges, not o.no_outline, o.level, tuple(o.size), o.mirror)  # fmt: skip
     return 0
 
 
@@ -152,6 +158,13 @@ def _parser():
     )
     p.add_argument(
         "--label", action="append", dest="labels", help="words below a panel, one for each file"
+    )
+    p.add_argument(
+        "--mirror",
+        default="",
+        choices=[a + b + c for a in ("", "x") for b in ("", "y") for c in ("", "z")],
+        metavar="xyz",
+        help="letters of coordinates: the model is part of a body that is symmetric to their zero planes",
     )
     p.add_argument("--no-edges", action="store_true", help="leave out the elements' edges")
     p.add_argument(

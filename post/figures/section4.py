@@ -2,7 +2,7 @@
 enhanced strains.
 
 Drawn from verification/benchmark/section4/results.csv, which `verify.py --study --case section4`
-writes:
+writes, and from field.csv beside it, which study.py there writes:
 
     python -m post.figures.section4 [--results FILE] [--to doc/verification/figures]
 """
@@ -40,7 +40,7 @@ class Results:
         """(nmesh) values of a column for an element type, from coarse to fine; empty where it was
         not run.
 
-        name: n, dofs, force (of the whole cube) or error (not negative).
+        name: force (of the whole cube), error (not negative), or another column of the table.
         """
         c = self.table.columns
         rows = np.flatnonzero((c["test"] == self.test) & (c["elements"] == elements))
@@ -49,9 +49,9 @@ class Results:
             return QUARTERS * c["force_quarter"][rows]
         return np.abs(c["error"][rows]) if name == "error" else c[name][rows]
 
-    def series(self, types):
+    def series(self, types, name="error"):
         """Errors over degrees of freedom (post.convergence.Series) of those types that were run."""
-        found = [Series(t, self.column(t, "dofs"), self.column(t, "error")) for t in types]
+        found = [Series(t, self.column(t, "dofs"), self.column(t, name)) for t in types]
         found = [s for s in found if len(s.x)]
         if not found:
             raise Unreadable(f"'{self.path}' has no {self.test} results of {', '.join(types)}")
@@ -71,7 +71,11 @@ def improvement(results, enriched, plain="Q1"):
     return np.arange(1, len(n) + 1), pick(plain) / pick(enriched)
 
 
-def errors(ax, results, types, title):
+def errors(ax, results, types, title, share=None):
+    """Errors over degrees of freedom; on the axes of `share` where there are some."""
+    if share is not None:  # before drawing, so that the limits hold the lines of both
+        ax.sharex(share)
+        ax.sharey(share)
     plot(ax, results.series(types), guides=())
     ax.set_title(title, loc="left")
 
@@ -95,11 +99,8 @@ def forces(ax, results, types, title):
 def figure_9(results, plt):
     figure, axes = plt.subplots(2, 2, figsize=(_style.PAGE, 5.6))
     errors(axes[0, 0], results, Q1, "a) linear")
-    errors(axes[0, 1], results, Q1E9, "b) linear with enhanced strains")
-    errors(axes[1, 0], results, Q2, "c) quadratic")
-    for ax in axes.flat[1:3]:
-        ax.sharex(axes[0, 0])
-        ax.sharey(axes[0, 0])
+    errors(axes[0, 1], results, Q1E9, "b) linear with enhanced strains", axes[0, 0])
+    errors(axes[1, 0], results, Q2, "c) quadratic", axes[0, 0])
     forces(axes[1, 1], results, ("Q1", "Q1E9", "Q2", "IGA2"), "d) force")
     return figure
 
@@ -113,9 +114,7 @@ def figure_10(results, plt):
 def figure_12(results, plt):
     figure, axes = plt.subplots(2, 2, figsize=(_style.PAGE, 5.6))
     errors(axes[0, 0], results, Q1, "a) linear")
-    errors(axes[0, 1], results, Q2, "b) quadratic")
-    axes[0, 1].sharex(axes[0, 0])
-    axes[0, 1].sharey(axes[0, 0])
+    errors(axes[0, 1], results, Q2, "b) quadratic", axes[0, 0])
     ax = axes[1, 0]
     for elements in Q1[1:3]:
         mesh, factor = improvement(results, elements)
@@ -131,24 +130,49 @@ def figure_12(results, plt):
     return figure
 
 
-def figure_enhanced(compression, extension, plt):
-    """What the paper leaves to future research: enhanced strains in the enriched layer too."""
-    types = ("Q1E9", "Q1E9+Q1N2" + ONE, "Q1E9+Q1N2" + TWO, "Q1E9+Q1E9N2" + ONE, "Q1E9+Q1E9N2" + TWO)
-    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.2))
-    errors(axes[0], compression, types, "compression")
-    errors(axes[1], extension, types, "extension")
+def figure_enhanced(compression, extension, fields, plt):
+    """What the paper leaves to future research: enhanced strains in the enriched layer too.
+
+    fields: (Results, Results) of errors of fields, or None.
+    """
+    layers = ("Q1E9+Q1N2", "Q1E9+Q1E9N2", "Q1E9+Q1E9N2 tapered")
+    types = ("Q1E9", *(layer + faces for layer in layers for faces in (ONE, TWO)))
+    columns = [("error", "force")]
+    if fields:
+        columns += [
+            ("displacement_face", "displacement, face"),
+            ("mises_face", "von Mises stress, face"),
+        ]
+    figure, axes = plt.subplots(
+        2, len(columns), figsize=(_style.PAGE, 5.2), squeeze=False, sharex="col"
+    )
+    for row, results in enumerate((compression, extension)):
+        for ax, (column, what) in zip(axes[row], columns):
+            shown = results if column == "error" else fields[row]
+            for s in shown.series(types, column):
+                ax.loglog(
+                    s.x, s.error, label=_style.element_label(s.name), **_style.element(s.name)
+                )
+            ax.set_title(f"{results.test}: {what}", loc="left")
+        axes[row, 0].set_ylabel("relative error")
+    for ax in axes[1]:
+        ax.set_xlabel("degrees of freedom")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4 if fields else 2)
     return figure
 
 
 def draw(results=RESULTS, to=FIGURES):
     """Draw all four figures from a table of results into a folder."""
     compression, extension = Results(results, "compression"), Results(results, "extension")
+    more = pathlib.Path(results).with_name("field.csv")
+    fields = [Results(more, r.test) for r in (compression, extension)] if more.exists() else None
     with _style.styled() as plt:
         for name, figure in (
             ("section4_figure9", figure_9(compression, plt)),
             ("section4_figure10", figure_10(compression, plt)),
             ("section4_figure12", figure_12(extension, plt)),
-            ("section4_enhanced", figure_enhanced(compression, extension, plt)),
+            ("section4_enhanced", figure_enhanced(compression, extension, fields, plt)),
         ):
             _style.save(figure, pathlib.Path(to) / f"{name}.png")
 

@@ -77,6 +77,18 @@ class Pictures(Scratch):
         self.assertEqual(edges.n_lines, 20)
         self.assertEqual(edges.n_points, 20 * 9)
 
+    def test_a_mirrored_part_is_whole_and_open_in_the_plane(self):
+        from post import _grid, _surface
+
+        grid = _grid.load(self.run_file)[0]
+        for part in (_surface.surface(grid), _surface.edges(grid), _surface.outline(grid)):
+            whole = _surface.mirrored(part, 0)
+            low, high = whole.bounds[:2]
+            self.assertAlmostEqual(low, -high, 12)
+            self.assertAlmostEqual(high, part.bounds[1], 12)
+            self.assertEqual(whole.n_cells % 2, 0)
+            self.assertLessEqual(whole.n_cells, 2 * part.n_cells)
+
     def test_a_picture_is_written_and_is_not_blank(self):
         from matplotlib.image import imread
 
