@@ -51,6 +51,8 @@ module element_type
     character(100) :: source = ''    !! formulation and reference, for the log
     logical :: spline = .false.      !! functions need extraction (cell%c1, ...)
     integer :: nmode = 0             !! enhanced modes; three parameters each, condensed
+    integer :: deck_nodes = 0        !! nodes of a record of ELEMents; 0: not an element of ELEM
+    integer :: deck_order(27) = 0    !! own node of each of them; 0: in the same order
     procedure(element_rule_i), pointer, nopass :: rule => null()
     procedure(element_functions_i), pointer, nopass :: functions => null()
     procedure(element_topology_i), pointer, nopass :: topology => null()

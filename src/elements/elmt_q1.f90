@@ -23,6 +23,7 @@ contains
     type(element_t) :: row
 
     row%name = 'Q1'
+    row%deck_nodes = 8
     row%source = 'tri-linear hexahedron'
     row%rule => set_rule
     row%functions => functions

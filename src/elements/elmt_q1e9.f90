@@ -23,6 +23,7 @@ contains
     type(element_t) :: row
 
     row%name = 'Q1E9'
+    row%deck_nodes = 8
     row%source = 'tri-linear hexahedron, nine enhanced modes (Simo and Armero 1992)'
     row%nmode = 3
     row%rule => set_rule

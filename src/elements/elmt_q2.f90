@@ -10,9 +10,12 @@ module elmt_q2
   use solid_form, only: form
   implicit none
   private
-  public :: describe
+  public :: describe, FEAP27
 
   integer, parameter :: VTK_BEZIER_HEXAHEDRON = 79
+  !> Position of FEAP's 27 element nodes in tensor order.
+  integer, parameter :: FEAP27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, &
+    10, 12, 18, 16, 5, 23, 13, 15, 11, 17, 14]
 
 contains
 
@@ -21,6 +24,8 @@ contains
     type(element_t) :: row
 
     row%name = 'Q2'
+    row%deck_nodes = 27
+    row%deck_order = FEAP27
     row%source = 'tri-quadratic Lagrange hexahedron, 27 nodes'
     row%rule => set_rule
     row%functions => functions

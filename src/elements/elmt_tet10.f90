@@ -23,6 +23,7 @@ contains
     type(element_t) :: row
 
     row%name = 'TET10'
+    row%deck_nodes = 10
     row%source = 'quadratic tetrahedron, 10 nodes'
     row%rule => set_rule
     row%functions => functions

@@ -14,6 +14,7 @@ module setup_block
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
+  use elmt_q2, only: FEAP27
   use setup_build, only: build_t, next_data
   use setup_lists, only: grow_nodes, grow_elements, add_place, MAX_NUMBER
   implicit none
@@ -22,10 +23,7 @@ module setup_block
 
   integer, parameter :: BRICK_8 = 10, BRICK_27 = 12 !! FEAP's block types
 
-  !> Position of FEAP's 27 element nodes in tensor order (xi fastest, each -1, 0, 1).
-  integer, parameter :: FEAP27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, &
-    10, 12, 18, 16, 5, 23, 13, 15, 11, 17, 14]
-  !> The same for the 27 master nodes of a block, which FEAP counts another way.
+  !> Position of FEAP's 27 master nodes in tensor order; its element nodes are counted another way.
   integer, parameter :: MASTER27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 10, 12, 18, 16, 2, 6, 8, 4, 5, &
     20, 24, 26, 22, 23, 11, 15, 17, 13, 14]
 

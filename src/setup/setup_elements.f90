@@ -11,6 +11,8 @@ module setup_elements
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
+  use element_table, only: load_elements
+  use element_type, only: element_t
   use setup_build, only: build_t, next_data, check_number
   use setup_lists, only: grow_elements, add_place
   implicit none
@@ -18,7 +20,7 @@ module setup_elements
   public :: read_elements
 
   integer, parameter :: FEAP_FIELDS = 16 !! numbers of a record in FEAP
-  character(*), parameter :: USAGE = 'an element is: n g m and its 8 or 27 nodes'
+  character(*), parameter :: USAGE = 'an element is: n g m and its 8, 10 or 27 nodes'
 
   !> One record.
   type :: entry_t
@@ -36,16 +38,18 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
     type(entry_t) :: e, last
+    type(element_t), allocatable :: rows(:)
     logical :: more, old
     integer :: material
 
+    call load_elements(rows)
     call read_options(deck, record, old, material, error)
     if (allocated(error)) return
     do
       call next_data(build, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
       last = e
-      call read_entry(build, deck, line, old, e, error)
+      call read_entry(build, deck, line, old, rows%deck_nodes, e, error)
       if (allocated(error) .or. e%number == 0) return
       if (material > 0) e%material = material
       if (e%number <= last%number) then
@@ -89,11 +93,12 @@ contains
   end subroutine read_options
 
   !> One element; number 0 ends the data as a blank record does (FEAP).
-  subroutine read_entry(build, deck, record, old, e, error)
+  subroutine read_entry(build, deck, record, old, allowed, e, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     logical, intent(in) :: old
+    integer, intent(in) :: allowed(:) !! numbers of nodes that elements have
     type(entry_t), intent(out) :: e
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: field(:)
@@ -107,12 +112,12 @@ contains
     end if
     call check_number('element', e%number, record%place(1), error)
     if (allocated(error)) return
-    call collect(build, deck, record, field, error)
+    call collect(build, deck, record, merge(2, 3, old) + minval(allowed, allowed > 0), field, error)
     if (allocated(error)) return
     if (old) then ! n m nodes g: the increment is the last of the numbers that are there
       e%material = field(2)
       n = size(field) - 2
-      if (n == 9 .or. n == 28) then
+      if (.not. any(allowed == n) .and. any(allowed == n - 1)) then
         e%step = field(size(field))
         n = n - 1
       end if
@@ -127,7 +132,7 @@ contains
       if (field(i) /= 0) n = i
     end do
     e%nen = n
-    if (n /= 8 .and. n /= 27) then
+    if (n == 0 .or. .not. any(allowed == n)) then
       call fail(error, DECK_ERROR, 'element '//to_text(e%number)//' has '//to_text(n)//' nodes', &
         record%place(1), USAGE)
       return
@@ -137,17 +142,18 @@ contains
   end subroutine read_entry
 
   !> All numbers of an element: those of its first record, and of a second where FEAP needs one.
-  subroutine collect(build, deck, first, field, error)
+  subroutine collect(build, deck, first, least, field, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: first
+    integer, intent(in) :: least !! fields of a record
     integer, allocatable, intent(out) :: field(:)
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: second
     integer :: i
     logical :: more, goes_on
 
-    call check_count(first, 11, 31, USAGE, error)
+    call check_count(first, least, 31, USAGE, error)
     if (allocated(error)) return
     allocate (field(first%n))
     do i = 1, first%n

@@ -6,7 +6,6 @@ module setup_mesh
   use element_table, only: load_elements
   use element_type, only: element_t
   use mesh, only: mesh_t, block_t
-  use setup_block, only: FEAP27
   use setup_build, only: build_t
   use setup_material, only: material_index
   implicit none
@@ -130,37 +129,39 @@ contains
     type(element_t), intent(in) :: rows(:)
     type(block_t), intent(inout) :: block
     type(error_t), allocatable :: error
-    integer :: e
+    integer :: e, found
 
     associate (set => build%model%material(material))
-      block%name = 'Q1'
-      if (set%enhanced) block%name = 'Q1E9'
-      if (nen == 27) block%name = 'Q2'
-      if (nen == 27 .and. set%enhanced) then
+      found = 0
+      do e = 1, size(rows)
+        if (rows(e)%deck_nodes == nen .and. (rows(e)%nmode > 0 .eqv. set%enhanced)) found = e
+      end do
+      if (found == 0) then
         call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
-          //' is ENHAnced, but its elements have 27 nodes', &
-          set%place, 'enhanced modes belong to 8-node elements; 27-node elements do not need them')
+          //' is ENHAnced, but its elements have '//to_text(nen)//' nodes', &
+          set%place, 'enhanced modes belong to 8-node elements; '//to_text(nen) &
+          //'-node elements do not need them')
       else if (any(set%nurbs_points > 0)) then
         call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
           //' has NURB interp, but its elements are bricks', &
           set%place, 'NURB interp belongs to an NPATch')
       end if
       if (allocated(error)) call build%errors%add(error)
-      do e = 1, size(rows)
-        if (rows(e)%name == block%name) block%row = rows(e)
-      end do
+      if (found == 0) return
+      block%row = rows(found)
+      block%name = block%row%name
     end associate
     block%material = material
     block%nen = nen
     block%nelem = size(list)
     block%number = list
-    block%ext%degree = merge(2, 1, nen == 27)
+    block%ext%degree = merge(1, 2, nen == 8)
     allocate (block%conn(nen, size(list)))
     do e = 1, size(list)
-      if (nen == 27) then
-        block%conn(FEAP27, e) = build%elements%node(:, list(e))
+      if (block%row%deck_order(1) > 0) then
+        block%conn(block%row%deck_order(:nen), e) = build%elements%node(:nen, list(e))
       else
-        block%conn(:, e) = build%elements%node(:8, list(e))
+        block%conn(:, e) = build%elements%node(:nen, list(e))
       end if
     end do
   end subroutine make_block
