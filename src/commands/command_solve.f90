@@ -62,7 +62,10 @@ contains
     if (allocated(error) .or. run%dry) return
     call ensure_step(run)
     symmetric = command%record%key(1) == 'tang' .or. .not. is_unsymmetric(run%model)
-    if (symmetric .and. is_unsymmetric(run%model)) call note_once(run, command%row)
+    if (symmetric .and. is_unsymmetric(run%model)) then
+      run%newton%exact = .false.
+      call note_once(run, command%row)
+    end if
     if (.not. abs(command%x(1)) > 0.0_wp) then
       run%pass = pass_t()
       call form_system(run%newton, run%model, run%state, symmetric, run%pass, error)

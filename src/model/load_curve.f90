@@ -22,7 +22,7 @@ contains
     type(load_table_t), intent(in) :: table
     real(wp), intent(in) :: time
     real(wp) :: factor
-    real(wp) :: s
+    real(wp) :: s, gap
     integer :: i, n
 
     factor = 0.0_wp
@@ -30,7 +30,8 @@ contains
     case (0)
       factor = time
     case (1)
-      if (time < table%tmin .or. time > table%tmax) return
+      gap = 8*epsilon(time)*max(abs(time), abs(table%tmin), abs(table%tmax)) ! 3 x 0.1 is not above 0.3
+      if (time < table%tmin - gap .or. time > table%tmax + gap) return
       s = time - table%tmin
       factor = table%a(1) + table%a(2)*s &
         + table%a(3)*sin(table%a(4)*s + table%a(5))**max(table%power, 1)

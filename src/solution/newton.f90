@@ -11,6 +11,7 @@ module newton
   use line_search, only: search_line, step_by
   use nodal_vector, only: free_part, full_vector
   use prescribed, only: prescribed_values
+  use rounding_floor, only: floor_t, node_spacing, find_floor
   use solution_state, only: accept_iteration
   use singularity, only: name_singularity
   implicit none
@@ -18,7 +19,7 @@ module newton
   public :: newton_t, pass_t, begin_newton, prepare_newton, form_system, solve_system, newton_pass, close_newton
 
   real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2 !! of an energy, relative to sum |f||u|
-  real(wp), parameter :: FORCE_TOLERANCE = 1.0e-9_wp   !! of the residual, relative to the largest nodal force
+  real(wp), parameter :: RESIDUAL = 1.0e-9_wp   !! of the residual, relative to the largest nodal force
   real(wp), parameter :: FORCING = 1.0e-3_wp           !! relative residual of a linear solve where factors are kept
 
   !> The iteration of the step under way.
@@ -32,11 +33,12 @@ module newton
     real(wp) :: tolerance = 1.0e-16_wp !! TOL
     integer :: iterations = 0          !! solves in this step
     logical :: converged = .false.
-    logical :: exact = .true.          !! every solve of the step was full Newton
+    logical :: exact = .true.          !! every solve of the step was full Newton: no kept factors, no symmetric part
     real(wp) :: largest_energy = 0.0_wp
     real(wp), allocatable :: rhs(:)    !! (neq)
     real(wp), allocatable :: dx(:)     !! (neq)
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made
+    real(wp), allocatable :: spacing(:) !! (nnode) to the nearest neighbour [L]
     logical :: moves = .false.
   end type newton_t
 
@@ -45,6 +47,7 @@ module newton
     logical :: ok = .true.             !! .false.: the step must be cut
     character(:), allocatable :: trouble !! why
     type(sweep_t) :: sweep
+    type(floor_t) :: floor             !! what rounding leaves
     type(solve_report_t) :: solve
     real(wp) :: energy = 0.0_wp        !! |du.r| [F L]
     real(wp) :: ratio = 0.0_wp         !! to the largest of the step
@@ -98,6 +101,7 @@ contains
       return
     end if
     call accept_iteration(state)
+    pass%floor = find_floor(newton%asm%k, newton%spacing, state%u)
     state%reaction = newton%asm%f_int - newton%asm%f_ext
     call free_part(model%eq, -state%reaction, newton%rhs)
     call find_worst(model, state%reaction, pass)
@@ -197,9 +201,24 @@ contains
     if (allocated(error) .or. .not. pass%ok) return
     if (newton%converged) return
     if (newton%moves) return
-    newton%converged = pass%residual <= FORCE_TOLERANCE*pass%sweep%largest &
-      .and. pass%sweep%enhanced <= max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding)
+    newton%converged = pass%residual <= force_tolerance(pass) &
+      .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
   end subroutine close_newton
+
+  !> Largest |du.r| that passes the test.
+  pure real(wp) function energy_tolerance(newton, pass) result(energy)
+    type(newton_t), intent(in) :: newton
+    type(pass_t), intent(in) :: pass
+
+    energy = max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding, pass%floor%energy)
+  end function energy_tolerance
+
+  !> Largest residual that passes the test.
+  pure real(wp) function force_tolerance(pass) result(force)
+    type(pass_t), intent(in) :: pass
+
+    force = max(RESIDUAL*pass%sweep%largest, pass%floor%force)
+  end function force_tolerance
 
   !> The convergence test (DECK.md, TOL).
   subroutine judge(newton, pass, moved)
@@ -214,10 +233,8 @@ contains
       pass%trouble = 'the energy of the increment is not a number'
       return
     end if
-    newton%converged = .not. moved .and. &
-      pass%energy <= max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding)
-    if (newton%converged .and. .not. newton%exact) &
-      newton%converged = pass%residual <= FORCE_TOLERANCE*pass%sweep%largest
+    newton%converged = .not. moved .and. pass%energy <= energy_tolerance(newton, pass)
+    if (newton%converged .and. .not. newton%exact) newton%converged = pass%residual <= force_tolerance(pass)
   end subroutine judge
 
   !> Pattern and analysis, once, and again only where TANG and UTAN alternate.
@@ -236,6 +253,7 @@ contains
     if (allocated(error)) return
     newton%symmetric = symmetric
     newton%ready = .true.
+    if (.not. allocated(newton%spacing)) newton%spacing = node_spacing(model%mesh)
     if (.not. allocated(newton%rhs)) allocate (newton%rhs(model%neq), newton%dx(model%neq))
   end subroutine prepare_newton
 
