@@ -40,7 +40,7 @@ def main(argv=None):
         if p.stem not in keys
     ]
     o.out.mkdir(parents=True, exist_ok=True)
-    for deck in sorted(set(examples.values())):
+    for deck in sorted(set(examples.values()), key=lambda d: (d.stem == "rest", d)):  # after save
         complaints += run_example(o.bezel.resolve(), deck, o.out)
     unused = set((TOP / "input/manual").glob("*.inp")) - set(examples.values())
     complaints += [f"input/manual/{deck.name}: no page names it" for deck in sorted(unused)]
@@ -100,7 +100,7 @@ def check_page(key, examples):
 def run_example(bezel, deck, out):
     """Complaints about a run."""
     start = time.monotonic()
-    run = subprocess.run([bezel, "--quiet", "-o", out, deck], capture_output=True, text=True)
+    run = subprocess.run([bezel, "--quiet", deck], cwd=out, capture_output=True, text=True)
     seconds = time.monotonic() - start
     name = deck.relative_to(TOP)
     if run.returncode != 0:

@@ -3,6 +3,9 @@ module command_output
   use base_error, only: error_t, fail, DECK_ERROR
   use command_files, only: open_files, write_fields, write_checkpoint
   use command_type, only: run_t, command_t, command_row_t, new_row
+  use deck_stream, only: get_integer
+  use fields, only: known_fields
+  use result_file, only: choose_fields
   implicit none
   private
   public :: describe_plot, describe_output, describe_save
@@ -18,7 +21,8 @@ contains
   function describe_output() result(row)
     type(command_row_t) :: row
 
-    row = new_row('OUTPut', 'OUTPut,,every n', 3, run_output)
+    row = new_row('OUTPut', 'OUTPut,,every n [fields]', 8, run_output)
+    row%reads = .true.
   end function describe_output
 
   function describe_save() result(row)
@@ -42,19 +46,37 @@ contains
     end if
   end subroutine run_plot
 
-  !> OUTPut,,every n: fields of every n-th step.
+  !> OUTPut,,every n [fields]: every n-th step is written, all fields or these.
   subroutine run_output(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
-    integer :: n
+    character(16), allocatable :: field(:)
+    character(16) :: known(size(known_fields()))
+    integer :: i, j, n
 
-    n = nint(command%x(2))
-    if (command%record%key(3) /= 'ever' .or. n < 1) then
+    known = known_fields()
+    n = 0
+    if (command%record%key(3) == 'ever') call get_integer(run%deck, command%record, 4, n, error)
+    if (allocated(error)) return
+    if (n < 1) then
       call fail(error, DECK_ERROR, 'OUTPut says how often fields are written', command%record%place(1), &
         'write OUTPut,,every n with n of at least 1')
       return
     end if
+    allocate (field(command%record%n - 4))
+    do i = 1, size(field)
+      field(i) = command%record%text(i + 4)
+      do j = 1, size(known)
+        if (known(j)(:4) == command%record%key(i + 4)) field(i) = known(j)
+      end do
+      call choose_fields(run%result, field(:i), error)
+      if (allocated(error)) then
+        error%place = command%record%place(i + 4)
+        return
+      end if
+    end do
+    if (size(field) == 0) call choose_fields(run%result, field, error)
     if (run%dry) return
     run%plan%every = n
   end subroutine run_output

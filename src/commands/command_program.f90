@@ -42,6 +42,8 @@ contains
       if (record%key(1) /= 'batc') then
         call fail(error, DECK_ERROR, "unexpected '"//record%text(1)//"'", record%place(1), &
           'after the mesh come BATCh ... END, the data of its commands and STOP')
+        if (scan(record%text(1)//' ', '0123456789.+-') == 1) error%hint = &
+          'no command is left that reads it; a blank record is the table p = t where a PROP reads one'
         return
       end if
       call read_batch(run, record, errors, error)
@@ -215,7 +217,7 @@ contains
     associate (command => run%command(run%pc))
       command%option = command%record%key(2)
       command%x = 0.0_8
-      do i = 1, min(size(command%x), command%record%n - 2)
+      do i = 1, merge(0, min(size(command%x), command%record%n - 2), run%row(command%row)%reads)
         call get_real(run%deck, command%record, i + 2, command%x(i), error, 0.0_8)
         if (allocated(error)) return
       end do

@@ -52,6 +52,7 @@ module command_type
     character(12) :: word = ''
     integer :: nmax = 2             !! most fields after the word
     character(60) :: usage = ''     !! shown in hints and by --list
+    logical :: reads = .false.      !! it reads the fields behind the option itself: words among them
     procedure(command_run_i), pointer, nopass :: run => null()
     procedure(command_data_i), pointer, nopass :: data => null() !! reads the command's records after END
   end type command_row_t
