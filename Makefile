@@ -156,7 +156,7 @@ setup:
 check: setup
 	@$(MAKE) tests
 tests:
-	@for goal in $(B)/bezel runner unit deck_errors post_tests patch; do $(MAKE) $$goal || exit 1; done
+	@for goal in $(B)/bezel runner unit deck_errors manual post_tests patch; do $(MAKE) $$goal || exit 1; done
 deck_errors: $(B)/bezel
 	@$(PYTHON) verification/deck_errors/run.py --bezel $<
 post_tests:
@@ -218,12 +218,12 @@ doc:
 	@.venv/bin/ford --quiet --src_dir $(abspath src) --output_dir $(abspath $(BUILD))/doc $(BUILD)/doc_source/ford.md
 	@echo "  $(BUILD)/doc/index.html"
 manual: $(B)/bezel
-	@$(PYTHON) tools/manual.py --bezel $<
+	@$(PYTHON) tools/manual.py --bezel $< --out $(B)/manual
 clean:
 	@rm -rf $(BUILD)
 
 #: make               $(BUILD)/release/bezel
-#: make check         unit tests, deck errors, tests of post, patch tests: what a commit must pass
+#: make check         unit tests, bad decks, manual, post, patch tests: what a commit must pass
 #: make unit T=word   the unit tests whose path has the word, and what they need
 #: make verify        patch tests and quick benchmarks; verify-all: every one
 #: make demo          runs a deck, draws its figure, says where it is
