@@ -227,7 +227,8 @@ contains
 
   ! --- numbers ---------------------------------------------------------------------------------
 
-  !> Field i as a number. An empty or missing field is `default`, or an error where there is none.
+  !> Field i as a number. An empty or missing field is `default`; where there is none, an empty field
+  !! between two commas is 0 and a missing one an error.
   subroutine get_real(deck, record, i, x, error, default)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
@@ -242,7 +243,7 @@ contains
         record%raw(record%first(i):record%last(i)), x, error)
     else if (present(default)) then
       x = default
-    else
+    else if (i > record%n) then
       call fail(error, DECK_ERROR, 'a number is missing in field '//to_text(i), record%place(i))
     end if
   end subroutine get_real
