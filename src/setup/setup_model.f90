@@ -41,8 +41,24 @@ contains
     if (.not. (allocated(error) .or. build%ended)) call read_ties(build, deck, error)
     if (.not. allocated(error)) call finish(build)
     errors = build%errors
-    model = build%model
+    call hand_over(build%model, model)
   end subroutine build_model
+
+  !> The model without a second copy of its arrays.
+  subroutine hand_over(from, to)
+    type(model_t), intent(inout) :: from, to
+
+    if (allocated(from%title)) call move_alloc(from%title, to%title)
+    if (allocated(from%material)) call move_alloc(from%material, to%material)
+    if (allocated(from%curve)) call move_alloc(from%curve, to%curve)
+    to%mesh%nnode = from%mesh%nnode
+    if (allocated(from%mesh%xr)) call move_alloc(from%mesh%xr, to%mesh%xr)
+    if (allocated(from%mesh%is_control)) call move_alloc(from%mesh%is_control, to%mesh%is_control)
+    if (allocated(from%mesh%used)) call move_alloc(from%mesh%used, to%mesh%used)
+    if (allocated(from%mesh%block)) call move_alloc(from%mesh%block, to%mesh%block)
+    if (allocated(from%mesh%body)) call move_alloc(from%mesh%body, to%mesh%body)
+    to%bc = from%bc
+  end subroutine hand_over
 
   !> An empty model.
   subroutine start(build)
