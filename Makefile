@@ -163,8 +163,8 @@ post_tests:
 	@$(PYTHON) -W error::DeprecationWarning:post -m unittest discover -q -s post/tests -t .
 PATCHES := $(patsubst verification/patch/%/expect.toml,%,$(wildcard verification/patch/*/expect.toml))
 patch: $(B)/bezel
-	@[ -z '$(PATCHES)' ] || $(PYTHON) verification/verify.py --bezel $< --out $(B)/verify \
-	  $(addprefix --case ,$(PATCHES))
+	@$(PYTHON) verification/verify.py --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
+	  > $(B)/patch.txt; code=$$?; grep -v '  ok$$' $(B)/patch.txt; exit $$code
 
 .PHONY: verify verify-all bench demo
 verify: setup
