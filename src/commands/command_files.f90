@@ -135,7 +135,7 @@ contains
     run%anchor%set = .true.
   end subroutine drop_anchor
 
-  !> Go on from a checkpoint.
+  !> Go on from a checkpoint; no file is touched yet.
   subroutine restore_run(run, path, error)
     type(run_t), intent(inout) :: run
     character(*), intent(in) :: path
@@ -156,7 +156,6 @@ contains
     run%kept = run%state%step
     run%plan%open = .false.
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path)
-    call open_files(run, error)          ! cuts back what a run that went on has written
   end subroutine restore_run
 
   subroutine close_files(run, error)

@@ -187,6 +187,9 @@ contains
     do
       call run%deck%next_of_set(record, error)
       if (allocated(error)) return
+      if (record%is_end() .and. size(data%name) == 0) call fail(error, DECK_ERROR, 'the data of this PARAmeter are missing', &
+        command%record%place(1), 'behind the END of BATCh put name = value records and a blank one')
+      if (allocated(error)) return
       if (record%kind /= RECORD_WORDS) exit
       call get_assignment(run%deck, record, name, value, error)
       if (allocated(error)) return

@@ -2,7 +2,9 @@
 module command_output
   use base_error, only: error_t, fail, DECK_ERROR
   use command_files, only: open_files, write_fields, write_checkpoint
+  use base_text, only: to_text
   use command_type, only: run_t, command_t, command_row_t, new_row
+  use deck_record, only: record_t
   use deck_stream, only: get_integer
   use fields, only: known_fields
   use result_file, only: choose_fields
@@ -77,9 +79,43 @@ contains
       end if
     end do
     if (size(field) == 0) call choose_fields(run%result, field, error)
-    if (run%dry) return
+    if (run%dry) then
+      call compare_fields(run, command, error)
+      return
+    end if
     run%plan%every = n
   end subroutine run_output
+
+  !> One result file has one set of fields: every OUTPut of a deck must ask for the same ones.
+  subroutine compare_fields(run, command, error)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    do i = 1, run%pc - 1
+      if (run%command(i)%record%key(1) /= 'outp') cycle
+      if (all(asks_for(run%command(i)%record) .eqv. asks_for(command%record))) cycle
+      call fail(error, DECK_ERROR, 'OUTPut asks for other fields than the one in line ' &
+        //to_text(run%command(i)%record%line), command%record%place(1), &
+        'a result file has the same fields in all steps: name all of them in both')
+      return
+    end do
+  end subroutine compare_fields
+
+  !> Which of the known fields an OUTPut names; none: all.
+  pure function asks_for(record) result(wanted)
+    type(record_t), intent(in) :: record
+    logical :: wanted(size(known_fields()))
+    character(16) :: known(size(known_fields()))
+    integer :: i, j
+
+    known = known_fields()
+    wanted = record%n < 5
+    do i = 5, record%n
+      wanted = wanted .or. [(known(j)(:4) == record%key(i), j=1, size(known))]
+    end do
+  end function asks_for
 
   subroutine run_save(run, command, error)
     type(run_t), intent(inout) :: run

@@ -2,13 +2,14 @@
 module command_restart
   use base_error, only: error_t, fail, DECK_ERROR
   use base_log, only: log_line
-  use base_text, only: to_text
+  use base_text, only: to_text, quoted
   use bag, only: bag_t
   use command_type, only: run_t, command_t, command_row_t, new_row
   use load_curve, only: load_table_t
+  use model, only: state_t
   use program_version, only: VERSION
   use restart_file, only: fingerprint_t, make_fingerprint, read_checkpoint
-  use solution_state, only: set_factors
+  use solution_state, only: new_state, set_factors
   use step_control, only: set_dt
   implicit none
   private
@@ -29,27 +30,56 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
     type(load_table_t), allocatable :: table(:)
-    type(fingerprint_t) :: print
-    type(bag_t) :: bag
-    character(:), allocatable :: path
+    type(state_t) :: state
+    integer :: i
 
-    if (run%dry) return
-    if (run%plan%open .or. run%files_open) then
-      call fail(error, DECK_ERROR, 'RESTart behind a step', command%record%place(1), 'put it before the first TIME or TANG')
+    do i = 1, run%pc - 1
+      if (all(run%command(i)%record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', 'rest'])) cycle
+      call fail(error, DECK_ERROR, 'RESTart behind '//quoted(run%command(i)%record%text(1)), &
+        command%record%place(1), 'put it before the first TIME or TANG')
+      return
+    end do
+    if (run%dry) then                  ! a wrong file is told before anything is written
+      call new_state(run%model, state)
+      call read_state(run, command, state, error)
+      if (.not. allocated(error)) return
+      if (error%code /= DECK_ERROR) deallocate (error) ! the run itself will meet it
       return
     end if
-    path = run%stem//'.restart.h5'
-    if (command%record%n > 1) path = command%record%text(2)
-    call make_fingerprint(VERSION, run%deck_text, run%model, print)
     table = run%state%table
-    call read_checkpoint(path, print, run%state, bag, error, any_deck=.true.)
+    call read_state(run, command, run%state, error)
     if (allocated(error)) return
     call move_alloc(table, run%state%table)
     call set_factors(run%state)
     if (run%control%dt > 0.0_8) call set_dt(run%control, run%state%time, run%control%dt)
     run%restarted = .true.
     run%kept = run%state%step
-    call log_line('goes on after step '//to_text(run%state%step)//' of '//path)
+    call log_line('goes on after step '//to_text(run%state%step)//' of '//path_of(run, command))
   end subroutine run_restart
+
+  !> The state in the file that the command names.
+  subroutine read_state(run, command, state, error)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    type(state_t), intent(inout) :: state
+    type(error_t), allocatable, intent(out) :: error
+    type(fingerprint_t) :: print
+    type(bag_t) :: bag
+
+    call make_fingerprint(VERSION, '', run%model, print)
+    call read_checkpoint(path_of(run, command), print, state, bag, error, any_deck=.true.)
+    if (.not. allocated(error)) return
+    error%place = command%record%place(1)
+    if (error%code == DECK_ERROR) error%hint = 'the file must be of the same mesh and version'
+  end subroutine read_state
+
+  function path_of(run, command) result(path)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    character(:), allocatable :: path
+
+    path = run%stem//'.restart.h5'
+    if (command%record%n > 1) path = command%record%text(2)
+  end function path_of
 
 end module command_restart

@@ -111,16 +111,30 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call check_option(command, error)
-    if (allocated(error) .or. run%dry) return
-    if (.not. run%newton%ready .or. .not. run%plan%open) then
+    if (allocated(error)) return
+    if (.not. is_formed(run)) then
       call fail(error, DECK_ERROR, 'SOLV before anything was formed', command%record%place(1), &
-        'put TANG or FORM before it')
+        'put TANG or FORM before it, behind TIME')
       return
     end if
+    if (run%dry) return
     call solve_system(run%newton, run%model, run%state, command%option == 'line', run%pass, error)
     if (allocated(error)) return
     call after_solve(run, error)
   end subroutine run_solve
+
+  !> A TANG, UTAN or FORM stands between SOLV and the TIME before it.
+  function is_formed(run) result(yes)
+    type(run_t), intent(in) :: run
+    logical :: yes
+    integer :: i
+
+    yes = .false.
+    do i = run%pc - 1, 1, -1
+      yes = any(run%command(i)%record%key(1) == ['tang', 'utan', 'form'])
+      if (yes .or. run%command(i)%record%key(1) == 'time') return
+    end do
+  end function is_formed
 
   !> Book, show and act on a solve.
   subroutine after_solve(run, error)

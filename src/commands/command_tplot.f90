@@ -41,6 +41,7 @@ contains
     type(record_t) :: record
     type(curve_t) :: curve
     type(quantity_t) :: quantity
+    integer :: i
 
     allocate (data%value(0))
     curve%name = 'tplot'
@@ -59,6 +60,11 @@ contains
       call fail(error, DECK_ERROR, 'TPLOt has no records', curve%place, 'behind END put '//USAGE//', and a blank record')
       return
     end if
+    do i = 1, size(run%model%curve)
+      if (run%model%curve(i)%name /= 'tplot') cycle
+      run%model%curve(i)%quantity = [run%model%curve(i)%quantity, curve%quantity] ! one file for all TPLOt
+      return
+    end do
     run%model%curve = [run%model%curve, curve]
   end subroutine read_tplot
 

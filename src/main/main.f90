@@ -1,6 +1,6 @@
 !> From arguments to exit code. Start reading at run.f90.
 program main
-  use base_error, only: error_t, render
+  use base_error, only: error_t, render, DECK_ERROR
   use base_error_list, only: error_list_t
   use base_file, only: make_folder, lock_file, unlock_file, lock_t
   use base_log, only: open_log, close_log, log_line, set_quiet, progress
@@ -10,6 +10,7 @@ program main
   use blas_choice, only: choose_blas_kernel
   use blas_threads, only: set_threads
   use check_deck, only: print_check
+  use command_files, only: restore_run
   use command_line, only: options_t, read_command_line, print_help
   use command_type, only: run_t
   use listing, only: list_model
@@ -22,7 +23,7 @@ program main
   type(options_t) :: options
   type(run_t), allocatable :: job
   type(error_list_t) :: errors
-  type(error_t), allocatable :: error, second
+  type(error_t), allocatable :: error, second, refused
   type(lock_t) :: lock
   integer :: code
 
@@ -45,6 +46,7 @@ program main
   call set_threads(options%threads)
   allocate (job)
   call new_timers(job%timers)
+  job%stem = options%outdir//'/'//options%stem
   call read_deck(options, job, errors, error)
   if (errors%count() > 0) then
     if (allocated(error)) call errors%add(error)
@@ -58,9 +60,13 @@ program main
     call finish(0)
   end if
 
+  ! A checkpoint of another deck is the deck's fault: no file may be touched by then.
+  if (allocated(options%restart)) call restore_run(job, options%restart, refused)
+  if (allocated(refused)) then
+    if (refused%code == DECK_ERROR) call stop_on(refused)
+  end if
   call make_folder(options%outdir, error)
   call stop_on(error)
-  job%stem = options%outdir//'/'//options%stem
   job%time_limit = options%time_limit
   call lock_file(job%stem//'.lock', lock, error)
   call stop_on(error)
@@ -70,7 +76,8 @@ program main
   call list_model(job%model)
   call catch_signals()
 
-  call execute(options, job, error)
+  if (.not. allocated(refused)) call execute(job, error)
+  if (allocated(refused)) call move_alloc(refused, error)
   call progress('')
   code = 0
   if (allocated(error)) then

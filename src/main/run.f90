@@ -4,7 +4,7 @@ module run
   use base_error_list, only: error_list_t
   use command_check, only: check_tables
   use command_close, only: close_step
-  use command_files, only: close_files, drop_anchor, restore_run
+  use command_files, only: close_files, drop_anchor, open_files
   use command_line, only: options_t
   use command_program, only: read_program, refresh
   use command_stop, only: stop_wanted, stop_run
@@ -30,6 +30,7 @@ contains
     if (allocated(error)) return
     call build_model(job%deck, job%model, errors, error)
     if (allocated(error) .or. errors%count() > 0) return
+    call number_equations(job%model%mesh, job%model%bc, job%model%eq, job%model%neq, job%model%ndof)
     call read_program(job, errors, error)
     if (allocated(error) .or. errors%count() > 0) return
     call check_settings(job%deck, error)
@@ -37,19 +38,17 @@ contains
     call check_tables(job%model%bc, job%nfactor, error)
     if (allocated(error)) return
     job%deck_text = deck_text(job%deck)
-    call number_equations(job%model%mesh, job%model%bc, job%model%eq, job%model%neq, job%model%ndof)
     call new_state(job%model, job%state)
   end subroutine read_deck
 
   !> Command after command; a failed step moves the counter back to its TIME (command_loop, cut_back).
-  subroutine execute(options, job, error)
-    type(options_t), intent(in) :: options
+  subroutine execute(job, error)
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error
     type(command_t) :: command
     logical :: closed
 
-    if (allocated(options%restart)) call restore_run(job, options%restart, error)
+    if (job%restarted) call open_files(job, error) ! cuts back what a run that went on has written
     if (allocated(error)) return
     call drop_anchor(job)
     do
