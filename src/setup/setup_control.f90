@@ -61,11 +61,10 @@ contains
     type(deck_t), intent(inout) :: deck
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
-    integer :: n(9), ndm, ndf, i
+    integer :: ndm, ndf
 
     call next_words(deck, record, error)
     if (allocated(error)) return
-    n = 0
     ndm = 0
     ndf = 3
     if (record%kind == RECORD_END) then
@@ -74,42 +73,11 @@ contains
     end if
     build%control%place = record%place(1)
     if (is_size(record)) then
-      do while (record%kind == RECORD_WORDS)
-        if (.not. is_size(record)) then
-          build%has_pending = .true.
-          build%pending = record
-          exit
-        end if
-        call read_size(build, deck, record, ndm, ndf, error)
-        if (allocated(error)) return
-        call deck%next_of_set(record, error)
-        if (allocated(error)) return
-      end do
+      call read_sizes(build, deck, record, ndm, ndf, error)
     else
-      if (known_word(build, record%text(1))) then
-        build%has_pending = .true.
-        build%pending = record
-        call fail(error, DECK_ERROR, 'the control record is missing', record%place(1), USAGE)
-        return
-      end if
-      call check_count(record, 6, 9, USAGE, error)
-      if (allocated(error)) return
-      do i = 1, record%n
-        call get_integer(deck, record, i, n(i), error, 0)
-        if (allocated(error)) return
-        if (n(i) < 0) call fail(error, DECK_ERROR, 'the control record holds '//to_text(n(i)), &
-          record%place(i), 'counts are not negative; zeros are counted')
-        if (allocated(error)) return
-      end do
-      associate (c => build%control)
-        c%numnp = n(1)
-        c%numel = n(2)
-        c%nummat = n(3)
-        c%nen = n(6)
-      end associate
-      ndm = n(4)
-      ndf = n(5)
+      call read_numbers(build, deck, record, ndm, ndf, error)
     end if
+    if (allocated(error)) return
     if (ndm /= 3) then
       call fail(error, DECK_ERROR, 'ndm is '//to_text(ndm), build%control%place, &
         'this program is for three dimensions: ndm = 3')
@@ -121,6 +89,64 @@ contains
         'elements of a FEAP mesh have 8, 10 or 27 nodes')
     end if
   end subroutine read_control
+
+  !> `ndm = 3` and its like, up to a blank record or another word.
+  subroutine read_sizes(build, deck, record, ndm, ndf, error)
+    type(build_t), intent(inout) :: build
+    type(deck_t), intent(inout) :: deck
+    type(record_t), intent(inout) :: record
+    integer, intent(inout) :: ndm, ndf
+    type(error_t), allocatable, intent(out) :: error
+
+    do while (record%kind == RECORD_WORDS)
+      if (.not. is_size(record)) then
+        build%has_pending = .true.
+        build%pending = record
+        exit
+      end if
+      call read_size(build, deck, record, ndm, ndf, error)
+      if (allocated(error)) return
+      call deck%next_of_set(record, error)
+      if (allocated(error)) return
+    end do
+  end subroutine read_sizes
+
+  !> FEAP's six numbers; three more size its arrays and mean nothing here.
+  subroutine read_numbers(build, deck, record, ndm, ndf, error)
+    type(build_t), intent(inout) :: build
+    type(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(out) :: ndm, ndf
+    type(error_t), allocatable, intent(out) :: error
+    integer :: n(9), i
+
+    n = 0
+    ndm = 0
+    ndf = 3
+    if (known_word(build, record%text(1))) then
+      build%has_pending = .true.
+      build%pending = record
+      call fail(error, DECK_ERROR, 'the control record is missing', record%place(1), USAGE)
+      return
+    end if
+    call check_count(record, 6, 9, USAGE, error)
+    if (allocated(error)) return
+    do i = 1, record%n
+      call get_integer(deck, record, i, n(i), error, 0)
+      if (allocated(error)) return
+      if (n(i) < 0) call fail(error, DECK_ERROR, 'the control record holds '//to_text(n(i)), &
+        record%place(i), 'counts are not negative; zeros are counted')
+      if (allocated(error)) return
+    end do
+    associate (c => build%control)
+      c%numnp = n(1)
+      c%numel = n(2)
+      c%nummat = n(3)
+      c%nen = n(6)
+    end associate
+    ndm = n(4)
+    ndf = n(5)
+  end subroutine read_numbers
 
   !> FEAP's names of the numbers of the control record; two of them are mesh words without their =.
   pure logical function is_size(record)

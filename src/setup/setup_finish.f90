@@ -36,13 +36,13 @@ contains
       call mark_used(model%mesh)
       call check_size(build, model%mesh)
       if (build%errors%count() > 0) return
+      call tabulate_basis(model%mesh) ! surface loads ask for its rules
       call apply_conditions(build, model%mesh, model%bc)
       call tie_nodes(build, model%mesh, model%bc)
       call resolve_supports(build, model)
       call resolve_loads(build, model)
       call resolve_curves(build, model)
       if (build%errors%count() > 0) return
-      call tabulate_basis(model%mesh)
       call check_jacobians(build, model%mesh)
       if (build%errors%count() > 0) return
       call integrate_loads(model)

@@ -1,6 +1,5 @@
 !> Conditions by position, applied to all nodes and control points at the END of the mesh:
-!! EBOUndary EDISplacement EFORce EPROportional (planes), CBOUndary CDISplacement CFORce CSURface
-!! (points and surfaces).
+!! EBOUndary EDISplacement EFORce EPROportional name planes; setup_places reads points and surfaces.
 !!
 !! Source: FEAPpv's manual
 module setup_requests
@@ -12,7 +11,8 @@ module setup_requests
   use setup_build, only: build_t, request_t, next_data
   implicit none
   private
-  public :: read_ebou, read_edis, read_efor, read_epro, read_cbou, read_cdis, read_cfor, read_csur
+  public :: read_ebou, read_edis, read_efor, read_epro
+  public :: read_mode, read_gap, get_value, append_request
 
   integer, parameter, public :: R_EBOU = 1, R_EDIS = 2, R_EFOR = 3, R_EPRO = 4, R_CBOU = 5, &
     R_CFOR = 6, &
@@ -55,42 +55,6 @@ contains
 
     call read_planes(build, deck, record, R_EPRO, 'direction coordinate k1 k2 k3', error)
   end subroutine read_epro
-
-  subroutine read_cbou(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_places(build, deck, record, R_CBOU, 'x y z code1 code2 code3', error)
-  end subroutine read_cbou
-
-  subroutine read_cdis(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_places(build, deck, record, R_CDIS, 'x y z u1 u2 u3', error)
-  end subroutine read_cdis
-
-  subroutine read_cfor(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_places(build, deck, record, R_CFOR, 'x y z f1 f2 f3', error)
-  end subroutine read_cfor
-
-  subroutine read_csur(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_places(build, deck, record, R_CSUR, 'x y z f1 f2 f3', error)
-  end subroutine read_csur
 
   !> ADD or SET behind the word; without either the word's own way.
   subroutine read_mode(record, adds, error)
@@ -154,7 +118,7 @@ contains
       end do
       if (allocated(error)) return
       r%place = line%place(1)
-      call append(build, r)
+      call append_request(build, r)
     end do
     build%in_set = .false.
   end subroutine read_planes
@@ -190,173 +154,7 @@ contains
       'the distance within which nodes are found is positive')
   end subroutine read_gap
 
-  !> Records NODE, SURFace, GAP, CARTesian and NORMal.
-  subroutine read_places(build, deck, record, kind, usage, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    integer, intent(in) :: kind
-    character(*), intent(in) :: usage
-    type(error_t), allocatable, intent(out) :: error
-    type(record_t) :: line
-    type(request_t) :: r
-    logical :: more, again
-
-    r%kind = kind
-    call read_mode(record, r%adds, error)
-    if (allocated(error)) return
-    again = .false.
-    do
-      if (.not. again) then
-        call next_data(build, deck, line, more, error)
-        if (allocated(error) .or. .not. more) return
-      end if
-      again = .false.
-      r%place = line%place(1)
-      select case (line%key(1))
-      case ('gap')
-        call read_gap(deck, line, r%gap, error)
-      case ('cart')
-        call check_count(line, 1, 1, 'CARTesian stands alone', error)
-      case ('node')
-        call read_node(deck, line, usage, r, error)
-        if (.not. allocated(error)) call append(build, r)
-      case default
-        if (line%key(1) == 'norm' .and. kind == R_CSUR) then
-          call check_count(line, 1, 1, 'NORMal stands alone', error)
-        else if (line%key(1) == 'surf' .and. (kind == R_CSUR .or. kind == R_CBOU)) then
-          call read_surface(build, deck, r, line, again, error)
-        else
-          call complain(line, kind, error)
-        end if
-      end select
-      if (allocated(error)) return
-      if (.not. build%in_set) return
-    end do
-  end subroutine read_places
-
-  subroutine complain(line, kind, error)
-    type(record_t), intent(in) :: line
-    integer, intent(in) :: kind
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: words
-
-    words = 'NODE and GAP'
-    if (kind == R_CBOU) words = 'NODE, SURFace and GAP'
-    if (kind == R_CSUR) words = 'SURFace, NORMal, NODE and GAP'
-    call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1)), line%place(1), &
-      'records are '//words)
-  end subroutine complain
-
-  !> NODE x y z and three values.
-  subroutine read_node(deck, record, usage, r, error)
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    character(*), intent(in) :: usage
-    type(request_t), intent(inout) :: r
-    type(error_t), allocatable, intent(out) :: error
-    integer :: d
-
-    call check_count(record, 5, 7, 'NODE '//usage, error)
-    do d = 1, 3
-      if (allocated(error)) return
-      call get_real(deck, record, d + 1, r%at(d), error, 0.0_wp)
-      if (allocated(error)) return
-      call get_value(deck, record, d + 4, r%kind, r%value(d), error)
-    end do
-    r%direction = 0
-  end subroutine read_node
-
-  !> SURFace [codes], then its points `i x y z [p]`; `next` is the record behind them if `again`.
-  subroutine read_surface(build, deck, r, next, again, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(request_t), intent(inout) :: r
-    type(record_t), intent(inout) :: next
-    logical, intent(out) :: again
-    type(error_t), allocatable, intent(out) :: error
-    type(record_t) :: line
-    type(request_t) :: s
-    logical :: given(9), more
-    integer :: i, d
-
-    again = .false.
-    s = r
-    if (r%kind == R_CBOU) then
-      do d = 1, 3
-        call get_value(deck, next, d + 1, r%kind, s%value(d), error)
-        if (allocated(error)) return
-      end do
-    else
-      call check_count(next, 1, 1, 'SURFace stands alone; its points follow: i x y z p', error)
-      if (allocated(error)) return
-    end if
-    allocate (s%surface(4, 9), source=0.0_wp)
-    given = .false.
-    do
-      call next_data(build, deck, line, more, error)
-      if (allocated(error)) return
-      if (.not. more) exit
-      if (is_place_word(line%key(1))) then
-        again = .true.
-        next = line
-        exit
-      end if
-      call get_integer(deck, line, 1, i, error)
-      if (allocated(error)) return
-      if (i == 0) then
-        build%in_set = .false.
-        exit
-      end if
-      call check_count(line, 4, merge(5, 4, r%kind == R_CSUR), &
-        'a point of the surface is: i x y z'//trim(merge(' p', '  ', r%kind == R_CSUR)), error)
-      if (allocated(error)) return
-      if (i < 1 .or. i > 9) then
-        call fail(error, DECK_ERROR, 'point '//to_text(i)//' of a surface', line%place(1), &
-          'points 1 to 4 are the corners, 5 to 8 the middles of the edges, 9 the centre')
-        return
-      end if
-      do d = 1, 4
-        call get_real(deck, line, d + 1, s%surface(d, i), error, 0.0_wp)
-        if (allocated(error)) return
-      end do
-      given(i) = .true.
-    end do
-    if (.not. all(given(:4))) then
-      call fail(error, DECK_ERROR, 'the surface lacks its corner ' &
-        //to_text(findfalse(given(:4))), s%place, &
-        'points 1 to 4 are the corners')
-      return
-    end if
-    call fill_surface(s%surface, given)
-    call append(build, s)
-  end subroutine read_surface
-
-  pure logical function is_place_word(key)
-    character(4), intent(in) :: key
-
-    is_place_word = any(key == ['node', 'surf', 'gap ', 'cart', 'norm'])
-  end function is_place_word
-
-  pure integer function findfalse(mask) result(i)
-    logical, intent(in) :: mask(:)
-
-    i = minloc(merge(1, 0, mask), 1)
-  end function findfalse
-
-  !> Missing middles: of edges half the sum of the corners, of the centre as on a serendipity face.
-  pure subroutine fill_surface(x, given)
-    real(wp), intent(inout) :: x(:, :) !! (4, 9)
-    logical, intent(in) :: given(9)
-    integer :: i
-
-    do i = 1, 4
-      if (.not. given(i + 4)) x(:, i + 4) = 0.5_wp*(x(:, i) + x(:, mod(i, 4) + 1))
-    end do
-    if (.not. given(9)) x(:, 9) = 0.5_wp*sum(x(:, 5:8), 2) - 0.25_wp*sum(x(:, 1:4), 2)
-  end subroutine fill_surface
-
-  subroutine append(build, r)
+  subroutine append_request(build, r)
     type(build_t), intent(inout) :: build
     type(request_t), intent(in) :: r
     type(request_t), allocatable :: longer(:)
@@ -371,6 +169,6 @@ contains
     end if
     build%request(n + 1) = r
     build%nrequest = n + 1
-  end subroutine append
+  end subroutine append_request
 
 end module setup_requests

@@ -11,9 +11,8 @@ module setup_table
   use setup_nodes, only: read_coordinates, read_nurbs, read_transform
   use setup_npatch, only: read_knots, read_npatch
   use setup_patch, only: read_patch
-  use setup_requests, only: read_ebou, read_edis, read_efor, read_epro, read_cbou, read_cdis, &
-    read_cfor, &
-    read_csur
+  use setup_places, only: read_cbou, read_cdis, read_cfor, read_csur
+  use setup_requests, only: read_ebou, read_edis, read_efor, read_epro
   use setup_words, only: read_para, read_print, read_tie
   implicit none
   private

@@ -56,7 +56,7 @@ contains
     integer, intent(inout) :: new(:)
     integer, allocatable :: head(:, :, :), next(:), class(:)
     real(wp) :: low(3), high(3), tol(3), width(3)
-    integer :: n, m, d, at(3), i, j, k, cells(3)
+    integer :: n, m, d, at(3), cells(3)
 
     if (.not. any(mesh%used)) return
     do d = 1, 3
@@ -76,18 +76,7 @@ contains
     do n = 1, mesh%nnode
       if (class(n) == 0 .or. new(n) /= n) cycle
       at = cell_of(mesh%xr(:, n))
-      m = 0
-      search: do k = max(1, at(3) - 1), min(cells(3), at(3) + 1)
-        do j = max(1, at(2) - 1), min(cells(2), at(2) + 1)
-          do i = max(1, at(1) - 1), min(cells(1), at(1) + 1)
-            m = head(i, j, k)
-            do while (m > 0)
-              if (matches(n, m)) exit search
-              m = next(m)
-            end do
-          end do
-        end do
-      end do search
+      m = partner(n, at)
       if (m > 0) then
         new(n) = m
       else
@@ -104,6 +93,25 @@ contains
 
       c = max(1, min(cells, int((x - low)/width) + 1))
     end function cell_of
+
+    !> A node kept so far that is in reach; 0: none.
+    pure integer function partner(n, at) result(m)
+      integer, intent(in) :: n, at(3)
+      integer :: i, j, k
+
+      do k = max(1, at(3) - 1), min(cells(3), at(3) + 1)
+        do j = max(1, at(2) - 1), min(cells(2), at(2) + 1)
+          do i = max(1, at(1) - 1), min(cells(1), at(1) + 1)
+            m = head(i, j, k)
+            do while (m > 0)
+              if (matches(n, m)) return
+              m = next(m)
+            end do
+          end do
+        end do
+      end do
+      m = 0
+    end function partner
 
     pure logical function matches(a, b)
       integer, intent(in) :: a, b
