@@ -4,7 +4,7 @@ module command_tplot
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
   use command_type, only: run_t, command_t, command_row_t, new_row, data_t
-  use curve_type, only: curve_t, quantity_t, Q_FORCE, Q_DISP
+  use curve_type, only: curve_t, quantity_t, Q_NODAL, Q_DISP
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: check_count, get_integer, get_real
   use model, only: model_t
@@ -82,7 +82,7 @@ contains
     case ('disp')
       quantity%kind = Q_DISP
     case ('reac')
-      quantity%kind = Q_FORCE
+      quantity%kind = Q_NODAL
     case default
       call fail(error, DECK_ERROR, "no history of '"//record%text(1)//"'", record%place(1), &
         USAGE//'; stresses: CURVe with STREss')

@@ -7,7 +7,7 @@ module curve_type
   public :: curve_t, quantity_t
 
   integer, parameter, public :: Q_FORCE = 1, Q_TORQUE = 2, Q_DISP = 3, Q_STRESS = 4, Q_ENERGY = 5, Q_MAX_DISP = 6, &
-    Q_MAX_MISES = 7
+    Q_MAX_MISES = 7, Q_NODAL = 8 !! Q_NODAL: FEAP's reactions
 
   !> One column.
   type :: quantity_t

@@ -9,9 +9,11 @@ module face_rule
 contains
 
   !> Gauss points of local face `side` (xi-, xi+, eta-, eta+, zeta-, zeta+), exact for the pressure
-  !! integral of a polynomial face: degree 3p - 1 in each direction.
-  subroutine face_points(degree, side, xi, w)
+  !! integral of a polynomial face: degree 3p - 1 in each direction; as many as the element's own
+  !! rule has where that is more (rational faces, QUADrature).
+  subroutine face_points(degree, inner, side, xi, w)
     integer, intent(in) :: degree(3)               !! of the cell
+    real(wp), intent(in) :: inner(:, :)            !! (3, n) points of the element's rule
     integer, intent(in) :: side
     real(wp), allocatable, intent(out) :: xi(:, :) !! (3, nq)
     real(wp), allocatable, intent(out) :: w(:)     !! (nq)
@@ -19,8 +21,8 @@ contains
     integer :: d, a, b, i, j, n1, n2, q
 
     call face_directions(side, d, a, b)
-    n1 = (3*degree(a) + 1)/2
-    n2 = (3*degree(b) + 1)/2
+    n1 = max((3*degree(a) + 1)/2, levels(inner(a, :)))
+    n2 = max((3*degree(b) + 1)/2, levels(inner(b, :)))
     allocate (x1(n1), w1(n1), x2(n2), w2(n2), xi(3, n1*n2), w(n1*n2))
     call gauss(n1, x1, w1)
     call gauss(n2, x2, w2)
@@ -35,6 +37,18 @@ contains
       end do
     end do
   end subroutine face_points
+
+  !> How many different coordinates there are in [-1,1].
+  pure integer function levels(x)
+    real(wp), intent(in) :: x(:)
+    real(wp), parameter :: SAME = 1.0e-6_wp
+    integer :: i
+
+    levels = 0
+    do i = 1, size(x)
+      if (all(abs(x(:i - 1) - x(i)) > SAME)) levels = levels + 1
+    end do
+  end function levels
 
   !> Normal direction d of a face and its two tangents, (a, b, d) right-handed.
   pure subroutine face_directions(side, d, a, b)

@@ -4,6 +4,7 @@ module print_tables
   use base_error, only: error_t
   use byte_file, only: byte_file_t, write_text, flush_bytes
   use model, only: model_t, state_t
+  use nodal_reaction, only: reactions_at
   use solid_recover, only: recovered_t, recover
   use stress_projection, only: project_stress
   implicit none
@@ -35,7 +36,7 @@ contains
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_displacements
 
-  !> Reactions (internal minus external force: of the support on the body), their sums over the
+  !> Reactions (FEAP's: nodal forces are not taken off), their sums over the
   !! printed and over all nodes, sums of magnitudes, and the work measure u.R.
   subroutine print_reactions(file, model, state, node, error)
     type(byte_file_t), intent(in) :: file
@@ -44,20 +45,23 @@ contains
     integer, intent(in) :: node(:)
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: text
+    real(wp), allocatable :: r(:, :)
     integer :: i
 
+    allocate (r(3, model%mesh%nnode))
+    r = reactions_at(model, state, [(i, i=1, model%mesh%nnode)])
     text = heading('N o d a l    R e a c t i o n s', model, state) // LF // &
       '    Node          1 dof          2 dof          3 dof' // LF
     call write_text(file, text, error)
     do i = 1, size(node)
       if (allocated(error)) return
-      call write_text(file, row([node(i)], state%reaction(:, node(i))), error)
+      call write_text(file, row([node(i)], r(:, node(i))), error)
     end do
     if (allocated(error)) return
-    text = LF // ' Pr.Sum ' // numbers(sum(state%reaction(:, node), 2)) // LF // &
-      '   Sum  ' // numbers(sum(state%reaction, 2)) // LF // &
-      '  |Sum| ' // numbers(sum(abs(state%reaction), 2)) // LF // &
-      '   Energy: Displacements * Reactions = ' // numbers([sum(state%u*state%reaction)]) // LF
+    text = LF // ' Pr.Sum ' // numbers(sum(r(:, node), 2)) // LF // &
+      '   Sum  ' // numbers(sum(r, 2)) // LF // &
+      '  |Sum| ' // numbers(sum(abs(r), 2)) // LF // &
+      '   Energy: Displacements * Reactions = ' // numbers([sum(state%u*r)]) // LF
     call write_text(file, text, error)
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_reactions

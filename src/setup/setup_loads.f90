@@ -113,7 +113,7 @@ contains
     do i = 1, size(p%elem)
       associate (block => mesh%block(p%block(i)))
         call block_cell(block, p%elem(i), cell)
-        call face_points(cell%degree, p%side(i), xi, w)
+        call face_points(cell%degree, block%rule%xi, p%side(i), xi, w)
         allocate (shp(block%nen), dshp(3, block%nen))
         do q = 1, size(w)
           call block%row%functions(cell, xi(:, q), shp, dshp)

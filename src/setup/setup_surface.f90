@@ -171,7 +171,7 @@ contains
     call project(r%surface, matmul(x, shp), huge(gap), foot, normal, lies)
     if (.not. dot_product(area, normal) > ALIGNED*norm2(area)*norm2(normal)) return
     met = .true.
-    call face_points(cell%degree, f, xi, w)
+    call face_points(cell%degree, block%rule%xi, f, xi, w)
     call face_directions(f, i, a, j)
     do q = 1, size(w)
       call block%row%functions(cell, xi(:, q), shp, dshp)

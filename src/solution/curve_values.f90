@@ -1,8 +1,10 @@
 !> Values of the quantities a CURVe asks for, at the state of now.
 module curve_values
   use base_kinds, only: wp
-  use curve_type, only: quantity_t, Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, Q_MAX_MISES
+  use curve_type, only: quantity_t, Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, Q_MAX_MISES, &
+    Q_NODAL
   use model, only: model_t, state_t
+  use nodal_reaction, only: reactions_at
   use point_values, only: stress_at, body_energy, largest_mises
   implicit none
   private
@@ -17,12 +19,17 @@ contains
     type(quantity_t), intent(in) :: quantity
     real(wp) :: value
     real(wp) :: sig(6)
+    real(wp), allocatable :: r(:, :)
     integer :: i
 
     value = 0.0_wp
     select case (quantity%kind)
     case (Q_FORCE)
       value = sum(state%reaction(quantity%component, quantity%node))
+    case (Q_NODAL)
+      allocate (r(3, size(quantity%node)))
+      r = reactions_at(model, state, quantity%node)
+      value = sum(r(quantity%component, :))
     case (Q_TORQUE)
       value = torque(model, state, quantity)
     case (Q_DISP)

@@ -26,7 +26,7 @@ contains
     real(wp) :: sign
 
     call block_cell(block, e, cell)
-    call face_points(cell%degree, side, xi, w)
+    call face_points(cell%degree, block%rule%xi, side, xi, w)
     call face_directions(side, d, da, db)
     sign = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
     f = 0.0_wp
