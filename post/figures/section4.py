@@ -135,30 +135,36 @@ def figure_enhanced(compression, extension, fields, plt):
 
     fields: (Results, Results) of errors of fields, or None.
     """
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
     layers = ("Q1E9+Q1N2", "Q1E9+Q1E9N2", "Q1E9+Q1E9N2 tapered")
     types = ("Q1E9", *(layer + faces for layer in layers for faces in (ONE, TWO)))
-    columns = [("error", "force")]
+    columns = {"error": "force"}
     if fields:
-        columns += [
-            ("displacement_face", "displacement, face"),
-            ("mises_face", "von Mises stress, face"),
-        ]
+        columns |= {
+            "displacement_face": "normal displacement, face",
+            "mises_face": "von Mises stress, face",
+        }
     figure, axes = plt.subplots(
-        2, len(columns), figsize=(_style.PAGE, 5.2), squeeze=False, sharex="col"
+        2, len(columns), figsize=(_style.PAGE, 5.0), squeeze=False, sharex=True
     )
     for row, results in enumerate((compression, extension)):
-        for ax, (column, what) in zip(axes[row], columns):
+        for ax, column in zip(axes[row], columns):
             shown = results if column == "error" else fields[row]
             for s in shown.series(types, column):
                 ax.loglog(
                     s.x, s.error, label=_style.element_label(s.name), **_style.element(s.name)
                 )
-            ax.set_title(f"{results.test}: {what}", loc="left")
-        axes[row, 0].set_ylabel("relative error")
+            ax.yaxis.set_major_locator(LogLocator(subs=(1, 3) if column == "error" else (1, 2, 5)))
+            ax.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+            ax.yaxis.set_minor_formatter(NullFormatter())
+        axes[row, 0].set_ylabel(f"{results.test}: relative error")
+    for ax, title in zip(axes[0], columns.values()):
+        ax.set_title(title, loc="left")
     for ax in axes[1]:
         ax.set_xlabel("degrees of freedom")
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4 if fields else 2)
+    handles, labels = axes[0, -1].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3 if fields else 2)
     return figure
 
 

@@ -91,6 +91,7 @@ def locking(runner):
 def _automatic(runner, name):
     """A deck of this folder with automatic steps, down to a hundredth of its own."""
     text = (HERE / f"{name}.inp").read_text()
+    text = re.sub(r"  FACTor.*\n", "", text)  # pivots of every iteration are wanted
     text = text.replace("  LOOP,time", "  AUTO,,0.01/steps,1/steps\n  LOOP,time")
     return _deck(runner, f"{name}_auto", text)
 
@@ -147,8 +148,6 @@ def _field_deck(runner, name):
     curve = "\n".join(["", "CURVe,points", *records, "", ""])
     text = text.replace("INCLude cube.inc\n", "INCLude cube.inc\n" + curve)
     text = text.replace("  NEXT,time\n", "  NEXT,time\n  PLOT\n")
-    if "FACTor" not in text:
-        text = text.replace("BATCh\n", "BATCh\n  FACTor REUSe\n")
     return _deck(runner, f"{name}_field", text)
 
 
