@@ -9,7 +9,7 @@ module command_check
 
 contains
 
-  !> Every load number has a PROP; 0, the sum of all tables, needs none.
+  !> Every load number has a PROP; 0, the sum of all tables, needs none. Without any PROP all factors are 1.
   subroutine check_tables(bc, ntable, error)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: ntable   !! highest table that a PROP defines
@@ -17,6 +17,7 @@ contains
     type(place_t) :: nowhere
     integer :: i
 
+    if (ntable == 0) return
     do i = 1, size(bc%motion)
       call check(bc%motion(i)%table, bc%motion(i)%place)
     end do
