@@ -4,11 +4,12 @@ module byte_file
   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_ptr, c_null_ptr, c_null_char, &
     c_loc, c_associated
   use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_kinds, only: i8
   use base_file, only: replace_file, remove_file, system_reason
   implicit none
   private
   public :: byte_file_t, open_bytes, write_text, write_bytes, flush_bytes, close_bytes
-  public :: write_whole, reason
+  public :: write_whole, find_room, reason
 
   !> An open stream.
   type :: byte_file_t
@@ -112,6 +113,29 @@ contains
     if (.not. allocated(error)) call replace_file(path // '.part', path, error)
     if (allocated(error)) call remove_file(path // '.part')
   end subroutine write_whole
+
+  !> Is there room for so many bytes? Found by writing them to a file that is removed at once.
+  subroutine find_room(path, count, error)
+    character(*), intent(in) :: path
+    integer(i8), intent(in) :: count
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: ignored
+    type(byte_file_t) :: file
+    character(:), allocatable :: piece
+    integer(i8) :: done
+
+    call open_bytes(file, path, .false., error)
+    if (allocated(error)) return
+    piece = repeat(' ', 1048576)
+    done = 0
+    do while (done < count .and. .not. allocated(error))
+      call write_text(file, piece(:min(int(len(piece), i8), count - done)), error)
+      done = done + len(piece)
+    end do
+    if (.not. allocated(error)) call flush_bytes(file, error)
+    call close_bytes(file, ignored)
+    call remove_file(path)
+  end subroutine find_room
 
   !> Why a library could not write or read a file, found by trying: ': no space left on device',
   !! or nothing where the system finds no fault.

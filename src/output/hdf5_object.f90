@@ -40,6 +40,12 @@ module hdf5_object
       integer(c_int), value :: overwrite
       integer(c_int) :: status
     end function setenv
+
+    function h5dont_atexit() bind(C, name='H5dont_atexit') result(status)
+      import :: c_int
+      implicit none
+      integer(c_int) :: status
+    end function h5dont_atexit
   end interface
 
 contains
@@ -255,6 +261,7 @@ contains
     integer :: status
 
     status = setenv('HDF5_USE_FILE_LOCKING' // c_null_char, 'FALSE' // c_null_char, 1_c_int)
+    status = h5dont_atexit()  ! its own tidying at the exit crashes (1.10.8) after a write to a full disk
     call h5open_f(status)
     call h5eset_auto_f(0, status)
     call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)

@@ -9,12 +9,15 @@ module restart_file
   use model, only: model_t, state_t
   use bag, only: bag_t
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, has_object, copy_object, &
-    put_attribute, get_attribute
-  use base_file, only: replace_file, remove_file
+    put_attribute, get_attribute, flush_file
+  use base_file, only: replace_file, remove_file, inspect, file_t
+  use byte_file, only: find_room
   use restart_state, only: write_state, read_state, write_bag, read_bag
   implicit none
   private
   public :: fingerprint_t, make_fingerprint, write_checkpoint, read_checkpoint, text_hash
+
+  integer(i8), parameter :: MARGIN = 65536 !! bytes for the structure of a copy
 
   !> Whose checkpoint it is.
   type :: fingerprint_t
@@ -126,10 +129,23 @@ contains
     if (allocated(ignored)) old_step = huge(1)
     if (old_step(1) <= step) then
       group = merge('last  ', 'before', old_step(1) < step)
-      if (has_object(old, trim(group))) call copy_object(old, trim(group), file, 'before', error)
+      if (has_object(old, trim(group))) call copy_group(old, trim(group), file, path, error)
     end if
     call close_file(old, ignored)
   end subroutine keep_before
+
+  !> HDF5 1.10.8 crashes where the disk is full while it copies: there must be room before.
+  subroutine copy_group(old, group, file, path, error)
+    type(hdf5_t), intent(in) :: old, file
+    character(*), intent(in) :: group, path
+    type(error_t), allocatable, intent(out) :: error
+    type(file_t) :: size_of
+
+    call flush_file(file, error)
+    call inspect(path, size_of)
+    if (.not. allocated(error)) call find_room(path // '.room', size_of%size + MARGIN, error)
+    if (.not. allocated(error)) call copy_object(old, group, file, 'before', error)
+  end subroutine copy_group
 
   subroutine write_fingerprint(file, print, error)
     type(hdf5_t), intent(in) :: file
