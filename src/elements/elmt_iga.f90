@@ -29,12 +29,13 @@ contains
     row%form => form
   end function describe
 
+  !> p + 1 points a direction; q alone counts for all three: no direction is special.
   subroutine set_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz
     type(rule_t), intent(out) :: rule
 
-    call tensor_rule(cell%degree + 1, q, qz, rule)
+    call tensor_rule(cell%degree + 1, q, merge(qz, q, qz > 0), rule)
   end subroutine set_rule
 
   !> R_A = w_A N_A / W with N the product of three directions.
