@@ -200,15 +200,16 @@ coverage:
 # --- Style and documents -----------------------------------------------------------------------
 .PHONY: lint format doc manual clean help
 PYTHONS := post tools verification
+FORMAT  := .venv/bin/fprettify --indent 2 --line-length 100 --recursive src
 lint:
 	@tools/setup.sh dev
 	@.venv/bin/fortitude check --config-file fortitude.toml src
 	@.venv/bin/ruff check $(PYTHONS) && .venv/bin/ruff format --check $(PYTHONS)
 	@awk -v strict=1 -f src/depend.awk $(SOURCES) > /dev/null
-	@$(PYTHON) tools/format.py --diff src
+	@difference=$$($(FORMAT) --diff 2>&1); [ -z "$$difference" ] || { echo "$$difference"; exit 1; }
 format:
 	@tools/setup.sh dev
-	@$(PYTHON) tools/format.py src && .venv/bin/ruff format $(PYTHONS)
+	@$(FORMAT) && .venv/bin/ruff format $(PYTHONS)
 # The pages are written for a repository's viewer: # Title, $$..$$ in a line, links to .md files.
 FORD_WAY := '1s/^\# (.*)/---\ntitle: \1\n---/; s/(^|[^$$])\$$([^$$]+)\$$/\1\\(\2\\)/g; s/\]\(([A-Za-z0-9_/]+)\.md/](\1.html/g'
 doc:
