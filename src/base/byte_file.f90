@@ -9,7 +9,7 @@ module byte_file
   implicit none
   private
   public :: byte_file_t, open_bytes, write_text, write_bytes, flush_bytes, close_bytes
-  public :: write_whole, find_room, reason
+  public :: write_whole, take_room, reason
 
   !> An open stream.
   type :: byte_file_t
@@ -114,8 +114,8 @@ contains
     if (allocated(error)) call remove_file(path // '.part')
   end subroutine write_whole
 
-  !> Is there room for so many bytes? Found by writing them to a file that is removed at once.
-  subroutine find_room(path, count, error)
+  !> Make a file longer by so many bytes, so that there is room for what comes.
+  subroutine take_room(path, count, error)
     character(*), intent(in) :: path
     integer(i8), intent(in) :: count
     type(error_t), allocatable, intent(out) :: error
@@ -124,7 +124,7 @@ contains
     character(:), allocatable :: piece
     integer(i8) :: done
 
-    call open_bytes(file, path, .false., error)
+    call open_bytes(file, path, .true., error)
     if (allocated(error)) return
     piece = repeat(' ', 1048576)
     done = 0
@@ -134,8 +134,7 @@ contains
     end do
     if (.not. allocated(error)) call flush_bytes(file, error)
     call close_bytes(file, ignored)
-    call remove_file(path)
-  end subroutine find_room
+  end subroutine take_room
 
   !> Why a library could not write or read a file, found by trying: ': no space left on device',
   !! or nothing where the system finds no fault.

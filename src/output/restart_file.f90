@@ -11,7 +11,7 @@ module restart_file
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, has_object, copy_object, &
     put_attribute, get_attribute, flush_file
   use base_file, only: replace_file, remove_file, inspect, file_t
-  use byte_file, only: find_room
+  use byte_file, only: take_room
   use restart_state, only: write_state, read_state, write_bag, read_bag
   implicit none
   private
@@ -142,8 +142,8 @@ contains
     type(file_t) :: size_of
 
     call flush_file(file, error)
-    call inspect(path, size_of)
-    if (.not. allocated(error)) call find_room(path // '.room', size_of%size + MARGIN, error)
+    call inspect(path // '.part', size_of) ! one state, as the one to be copied
+    if (.not. allocated(error)) call take_room(path // '.part', size_of%size + MARGIN, error)
     if (.not. allocated(error)) call copy_object(old, group, file, 'before', error)
   end subroutine copy_group
 

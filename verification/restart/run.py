@@ -7,12 +7,14 @@ usage: run.py BEZEL [--kills N]
 2. --time-limit: the same, restarted as often as it takes.
 3. kill -9 at random moments: every row and field written before stays readable, the last checkpoint
    can be restarted, and the restarted run ends like the uninterrupted one.
+4. Files that may not grow beyond a size, as on a full disk: exit code 3.
 
 Prints a line a check and `N passed, N failed`. Needs h5py for the fields (the project's .venv has it).
 """
 import argparse
 import pathlib
 import random
+import resource
 import shutil
 import signal
 import subprocess
@@ -27,10 +29,12 @@ HERE = pathlib.Path(__file__).resolve().parent
 DECKS = ["full.inp", "reuse.inp"]
 
 
-def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM):
-    """Run a deck; with `wait`, send a signal after so many seconds. Returns the exit code."""
+def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM, room=None):
+    """Run a deck; with `wait`, send a signal after so many seconds; `room`: most bytes of a file.
+    Returns the exit code."""
+    limit = room and (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)))
     process = subprocess.Popen([bezel, "--quiet", "-o", str(out), *options, str(HERE / deck)],
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=limit)
     if wait is not None:
         time.sleep(wait)
         process.send_signal(how)
@@ -125,6 +129,11 @@ def main():
                     trouble = same(whole_run, part, stem) if code == 0 else f"exit code {code}"
                 report(f"{stem}: killed {kill + 1} of {args.kills}", trouble)
                 shutil.rmtree(part, ignore_errors=True)
+            size = max(file.stat().st_size for file in whole_run.iterdir())
+            for share in (0.01, 0.1, 0.3, 0.6, 0.9):
+                code = run(args.bezel, deck, top_path / "full_disk", room=int(share * size))
+                report(f"{stem}: files of {share:.0%} of their size", None if code == 3 else f"exit code {code}")
+                shutil.rmtree(top_path / "full_disk", ignore_errors=True)
     print(f"{passed} passed, {failed} failed")
     return 1 if failed else 0
 
