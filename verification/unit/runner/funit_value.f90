@@ -36,21 +36,29 @@ contains
   subroutine take_3(value, f)
     class(*), intent(in) :: value(:, :, :)
     type(flat_t), intent(inout) :: f
-    integer :: i
 
-    do i = 1, size(value, 3)
-      call take_2(value(:, :, i), f)
-    end do
+    select type (value)
+    type is (real(dp)); call take_1(pack(value, .true.), f)
+    type is (real(sp)); call take_1(pack(value, .true.), f)
+    type is (integer); call take_1(pack(value, .true.), f)
+    type is (integer(i8)); call take_1(pack(value, .true.), f)
+    type is (logical); call take_1(pack(value, .true.), f)
+    type is (character(*)); call take_1(pack(value, .true.), f)
+    end select
   end subroutine take_3
 
   subroutine take_2(value, f)
     class(*), intent(in) :: value(:, :)
     type(flat_t), intent(inout) :: f
-    integer :: i
 
-    do i = 1, size(value, 2)
-      call take_1(value(:, i), f)
-    end do
+    select type (value)
+    type is (real(dp)); call take_1(pack(value, .true.), f)
+    type is (real(sp)); call take_1(pack(value, .true.), f)
+    type is (integer); call take_1(pack(value, .true.), f)
+    type is (integer(i8)); call take_1(pack(value, .true.), f)
+    type is (logical); call take_1(pack(value, .true.), f)
+    type is (character(*)); call take_1(pack(value, .true.), f)
+    end select
   end subroutine take_2
 
   !> Append a list.
