@@ -146,7 +146,7 @@ def figure_enhanced(compression, extension, fields, plt):
             "mises_face": "von Mises stress, face",
         }
     figure, axes = plt.subplots(
-        2, len(columns), figsize=(_style.PAGE, 5.0), squeeze=False, sharex=True
+        2, len(columns), figsize=(_style.PAGE, 5.0), squeeze=False, sharex="col"
     )
     for row, results in enumerate((compression, extension)):
         for ax, column in zip(axes[row], columns):
@@ -156,8 +156,10 @@ def figure_enhanced(compression, extension, fields, plt):
                     s.x, s.error, label=_style.element_label(s.name), **_style.element(s.name)
                 )
             ax.yaxis.set_major_locator(LogLocator(subs=(1, 3) if column == "error" else (1, 2, 5)))
-            ax.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-            ax.yaxis.set_minor_formatter(NullFormatter())
+            ax.xaxis.set_major_locator(LogLocator(subs=(1,) if column == "error" else (1, 2, 5)))
+            for axis in (ax.xaxis, ax.yaxis):
+                axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+                axis.set_minor_formatter(NullFormatter())
         axes[row, 0].set_ylabel(f"{results.test}: relative error")
     for ax, title in zip(axes[0], columns.values()):
         ax.set_title(title, loc="left")
