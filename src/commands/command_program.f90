@@ -7,7 +7,7 @@ module command_program
   use base_error_list, only: error_list_t
   use base_text, only: nearest
   use command_table, only: load_commands
-  use command_type, only: run_t, command_t, loop_t, data_t
+  use command_type, only: run_t, command_t, command_row_t, loop_t, data_t
   use deck_expression, only: params_t
   use deck_record, only: record_t, RECORD_WORDS, RECORD_END
   use deck_stream, only: check_count, get_real
@@ -65,9 +65,12 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
     type(error_t), allocatable :: found
-    integer :: first
+    type(command_t), allocatable :: list(:)
+    integer :: first, n
 
     first = size(run%command) + 1
+    n = size(run%command)
+    call move_alloc(run%command, list)
     do
       call run%deck%next_command(record, error)
       if (allocated(error)) return
@@ -81,41 +84,47 @@ contains
         if (allocated(error)) return
         cycle
       end if
-      call add_command(run, record, found)
+      call add_command(run%row, record, list, n, found)
       if (allocated(found)) call errors%add(found)
     end do
+    run%command = list(:n)
     if (errors%count() > 0) return
     call match_loops(run, first, error)
     if (allocated(error)) return
     call run_dry(run, first, error)
   end subroutine read_batch
 
-  subroutine add_command(run, record, error)
-    type(run_t), intent(inout) :: run
+  !> Put one command behind the first n of a list that is longer.
+  subroutine add_command(row, record, list, n, error)
+    type(command_row_t), intent(in) :: row(:)
     type(record_t), intent(in) :: record
+    type(command_t), allocatable, intent(inout) :: list(:)
+    integer, intent(inout) :: n
     type(error_t), allocatable, intent(out) :: error
     type(command_t), allocatable :: longer(:)
     type(command_t) :: command
-    integer :: i, n
+    integer :: i
 
     command%row = 0
-    do i = 1, size(run%row)
-      if (run%row(i)%key == record%key(1)) command%row = i
+    do i = 1, size(row)
+      if (row(i)%key == record%key(1)) command%row = i
     end do
     if (command%row == 0) then
       call fail(error, DECK_ERROR, "unknown command '"//record%text(1)//"'", record%place(1), &
-        'nearest known: '//nearest(record%text(1), run%row(:)%word))
+        'nearest known: '//nearest(record%text(1), row(:)%word))
       return
     end if
-    call check_count(record, 1, run%row(command%row)%nmax + 1, trim(run%row(command%row)%usage), error)
+    call check_count(record, 1, row(command%row)%nmax + 1, trim(row(command%row)%usage), error)
     if (allocated(error)) return
     command%record = record
     allocate (command%data(0))
-    n = size(run%command)
-    allocate (longer(n + 1))
-    longer(:n) = run%command
-    longer(n + 1) = command
-    call move_alloc(longer, run%command)
+    if (n == size(list)) then
+      allocate (longer(2*n + 32))
+      longer(:n) = list
+      call move_alloc(longer, list)
+    end if
+    n = n + 1
+    list(n) = command
   end subroutine add_command
 
   !> Pair LOOP and NEXT.

@@ -131,9 +131,13 @@ module setup_build
     type(npatch_t), allocatable :: npatch(:)
     type(knot_vector_t), allocatable :: knots(:)
     type(support_t), allocatable :: support(:)
+    integer :: nsupport = 0
     type(move_t), allocatable :: move(:)
+    integer :: nmove = 0
     type(press_t), allocatable :: press(:)
+    integer :: npress = 0
     type(curve_entry_t), allocatable :: curve(:)
+    integer :: ncurve = 0
     integer :: nrequest = 0
     type(request_t), allocatable :: request(:) !! (>= nrequest)
     type(tie_t), allocatable :: tie(:)

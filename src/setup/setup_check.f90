@@ -29,16 +29,16 @@ contains
       call check_words(build, build%npatch(i)%material, .true.)
     end do
     call check_element_materials(build)
-    do i = 1, size(build%support)
+    do i = 1, build%nsupport
       call check_where(build, build%support(i)%at)
     end do
-    do i = 1, size(build%move)
+    do i = 1, build%nmove
       call check_where(build, build%move(i)%at)
     end do
-    do i = 1, size(build%press)
+    do i = 1, build%npress
       call check_where(build, build%press(i)%at)
     end do
-    do i = 1, size(build%curve)
+    do i = 1, build%ncurve
       do j = 1, size(build%curve(i)%column)
         associate (c => build%curve(i)%column(j))
           if (c%at%kind /= 0) call check_where(build, c%at)

@@ -42,28 +42,34 @@ contains
     curve%name = record%text(2)
     curve%place = record%place(2)
     allocate (curve%column(0))
+    n = 0
     do
       call next_line(build, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
       call read_column(deck, line, column, error)
       if (allocated(error)) return
-      n = size(curve%column)
-      allocate (columns(n + 1))
-      columns(:n) = curve%column
-      columns(n + 1) = column
-      call move_alloc(columns, curve%column)
+      if (n == size(curve%column)) then
+        allocate (columns(2*n + 8))
+        columns(:n) = curve%column
+        call move_alloc(columns, curve%column)
+      end if
+      n = n + 1
+      curve%column(n) = column
     end do
-    if (size(curve%column) == 0) then
+    curve%column = curve%column(:n)
+    if (n == 0) then
       call fail(error, DECK_ERROR, 'curve '//quoted(curve%name)//' has no records', curve%place, &
         'records are '//word_list())
       return
     end if
-    n = size(build%curve)
-    allocate (longer(n + 1))
-    longer(:n) = build%curve
-    longer(n + 1) = curve
-    call move_alloc(longer, build%curve)
+    if (build%ncurve == size(build%curve)) then
+      allocate (longer(2*build%ncurve + 8))
+      longer(:build%ncurve) = build%curve
+      call move_alloc(longer, build%curve)
+    end if
+    build%ncurve = build%ncurve + 1
+    build%curve(build%ncurve) = curve
   end subroutine read_curve
 
   !> A name makes a file's name: letters, digits, - and _.
@@ -87,7 +93,7 @@ contains
         'TPLOt writes the file of that name')
       return
     end if
-    do i = 1, size(build%curve)
+    do i = 1, build%ncurve
       if (lower(build%curve(i)%name) == name) then
         call fail(error, DECK_ERROR, 'curve '//quoted(record%text(2))//' is defined twice', &
           record%place(2), &

@@ -36,10 +36,13 @@ contains
       call get_integer(deck, record, i + d - 1, s%code(d), error, 0)
     end do
     if (allocated(error)) return
-    allocate (longer(size(build%support) + 1))
-    longer(:size(build%support)) = build%support
-    longer(size(longer)) = s
-    call move_alloc(longer, build%support)
+    if (build%nsupport == size(build%support)) then
+      allocate (longer(2*build%nsupport + 8))
+      longer(:build%nsupport) = build%support
+      call move_alloc(longer, build%support)
+    end if
+    build%nsupport = build%nsupport + 1
+    build%support(build%nsupport) = s
   end subroutine read_fix
 
   !> MOVE,WHERE TRANslate or ROTAte [PROP k].
@@ -71,10 +74,13 @@ contains
     if (allocated(error)) return
     call check_count(record, i - 1, i - 1, MOVE_USAGE, error)
     if (allocated(error)) return
-    allocate (longer(size(build%move) + 1))
-    longer(:size(build%move)) = build%move
-    longer(size(longer)) = m
-    call move_alloc(longer, build%move)
+    if (build%nmove == size(build%move)) then
+      allocate (longer(2*build%nmove + 8))
+      longer(:build%nmove) = build%move
+      call move_alloc(longer, build%move)
+    end if
+    build%nmove = build%nmove + 1
+    build%move(build%nmove) = m
   end subroutine read_move
 
   !> TRANslate dx dy dz; * leaves a direction free. i ends behind it.
@@ -196,10 +202,13 @@ contains
     end if
     call check_count(record, i - 1, i - 1, USAGE, error)
     if (allocated(error)) return
-    allocate (longer(size(build%press) + 1))
-    longer(:size(build%press)) = build%press
-    longer(size(longer)) = p
-    call move_alloc(longer, build%press)
+    if (build%npress == size(build%press)) then
+      allocate (longer(2*build%npress + 8))
+      longer(:build%npress) = build%press
+      call move_alloc(longer, build%press)
+    end if
+    build%npress = build%npress + 1
+    build%press(build%npress) = p
   end subroutine read_pressure
 
 end module setup_motion

@@ -22,7 +22,7 @@ contains
     integer, allocatable :: node(:)
     integer :: i, j
 
-    do i = 1, size(build%support)
+    do i = 1, build%nsupport
       call find_nodes(model%mesh, build%support(i)%at, node, error)
       if (allocated(error)) call build%errors%add(error)
       do j = 1, size(node)
@@ -31,8 +31,8 @@ contains
         end associate
       end do
     end do
-    allocate (model%bc%motion(size(build%move)))
-    do i = 1, size(build%move)
+    allocate (model%bc%motion(build%nmove))
+    do i = 1, build%nmove
       model%bc%motion(i) = build%move(i)%motion
       call find_nodes(model%mesh, build%move(i)%at, model%bc%motion(i)%node, error)
       if (allocated(error)) call build%errors%add(error)
@@ -46,8 +46,8 @@ contains
     type(error_t), allocatable :: error
     integer :: i
 
-    allocate (model%bc%pressure(size(build%press)))
-    do i = 1, size(build%press)
+    allocate (model%bc%pressure(build%npress))
+    do i = 1, build%npress
       associate (p => model%bc%pressure(i))
         p = build%press(i)%pressure
         call find_faces(model%mesh, build%press(i)%at, p%block, p%elem, p%side, error)
@@ -62,8 +62,8 @@ contains
     type(error_t), allocatable :: error
     integer :: i, j
 
-    allocate (model%curve(size(build%curve)))
-    do i = 1, size(build%curve)
+    allocate (model%curve(build%ncurve))
+    do i = 1, build%ncurve
       associate (from => build%curve(i))
         model%curve(i)%name = from%name
         model%curve(i)%place = from%place
