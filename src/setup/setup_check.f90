@@ -200,7 +200,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(error_t), allocatable :: error
     type(place_t) :: place
-    character(:), allocatable :: text
+    character(:), allocatable :: text, hint
     real(wp) :: least, worst
     integer :: b, e, first, bad
 
@@ -222,14 +222,15 @@ contains
         text = 'element '//to_text(block%number(first))//' is inverted: its Jacobian is ' &
           //to_text(worst)
         if (bad > 1) text = text//', and '//to_text(bad - 1)//' more are'
+        hint = 'the first four nodes go counter-clockwise seen from the other four'
         if (block%body > 0) then
           place = mesh%body(block%body)%place
+          hint = 'more elements follow the shape more closely; or enrich other faces'
         else
           place = build%places%at(build%elements%place(block%number(first)))
         end if
       end associate
-      call fail(error, DECK_ERROR, text, place, &
-        'the first four nodes go counter-clockwise seen from the other four')
+      call fail(error, DECK_ERROR, text, place, hint)
       call build%errors%add(error)
     end do
   end subroutine check_jacobians
