@@ -28,7 +28,7 @@ OPT_release  := -O2 -g -ffp-contract=off
 OPT_debug    := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow \
                 -finit-real=snan -finit-derived -fbacktrace
 OPT_sanitize := $(OPT_debug) -fsanitize=address,undefined -fno-omit-frame-pointer
-OPT_coverage := -O0 -g --coverage
+OPT_coverage := -O0 -g --coverage -Wno-uninitialized # which is wrong without optimisation
 OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
 # Files whose inner loops carry the run time.
 KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
@@ -182,8 +182,8 @@ demo: setup
 BENCH := $(patsubst verification/performance/%.f90,$(B)/%,$(wildcard verification/performance/*/bench_*.f90))
 bench:
 	@tools/setup.sh bench
-	@$(MAKE) $(B)/bezel $(BENCH) && for b in $(BENCH); do $$b || exit 1; done
-	@$(PYTHON) verification/performance/bench.py --bezel $(B)/bezel
+	@$(MAKE) $(B)/bezel $(BENCH)
+	@$(PYTHON) verification/performance/bench.py --bezel $(B)/bezel --out $(BUILD)/bench --parts $(BENCH) $(ARGS)
 $(BENCH): $(B)/%: verification/performance/%.f90 $(B)/libbezel.a
 	@mkdir -p $(@D); $(FC) -std=f2008 $(WARN) $(OPT) -J$(@D) -I$(B) $^ $(LIBS) -o $@
 
