@@ -11,7 +11,7 @@ module linear_system
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
-  use base_system, only: available_memory_mb, wall_seconds
+  use base_system, only: available_memory_mb, return_memory, wall_seconds
   use csr_pattern, only: block_matrix_t
   use csr_extract, only: entries_t, gather
   use solver_type, only: solver_t
@@ -218,7 +218,11 @@ contains
     real(wp), parameter :: MEBIBYTE = 1.048576_wp
 
     memory_mb = ls%available_mb
-    if (.not. memory_mb > 0.0_wp) memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
+    if (memory_mb > 0.0_wp) return
+    memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
+    if (memory_mb + ls%solver%info%used_mb >= ls%estimate_mb) return
+    call return_memory() ! what earlier solvers left
+    memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
   end function memory_mb
 
   !> Iterate with the factors at hand: by conjugate gradients where all is positive definite as far

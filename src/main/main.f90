@@ -4,7 +4,7 @@ program main
   use base_error_list, only: error_list_t
   use base_file, only: make_folder, lock_file, unlock_file, lock_t
   use base_log, only: open_log, close_log, log_line, set_quiet, progress
-  use base_system, only: finish, catch_signals, start_clock, wall_seconds
+  use base_system, only: finish, catch_signals, start_clock, wall_seconds, keep_memory
   use base_text, only: to_text
   use base_timer, only: new_timers
   use blas_choice, only: choose_blas_kernel
@@ -29,6 +29,7 @@ program main
 
   call start_clock()
   call choose_blas_kernel()
+  call keep_memory()
   call read_command_line(options, error)
   call stop_on(error)
   if (options%help) then
