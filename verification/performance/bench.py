@@ -1,145 +1,176 @@
-"""Times the quarter cube of section 4 (n = 16 unless set) on one core, beside FElupe and CalculiX where they are installed.
+#!/usr/bin/env python3
+"""Time bezel beside FElupe and CalculiX: `make bench`, or
+`bench.py --bezel build/release/bezel [--n 16] [--rounds 2] [--large 32] [--parts PROGRAM ...]`.
 
-usage: bench.py [--bezel build/release/bezel] [--n 16] [--update]
-
-Prints processor seconds of whole runs and of an iteration, forces, and the change against record.json, which --update
-rewrites. FElupe: `tools/setup.sh bench` installs tools/requirements-bench.txt into .venv; CalculiX: apt install calculix-ccx.
+The cube of cube.inp, one thread. Every run stands between two of bezel's full Newton iteration
+(A B A), and only ratios within such a triple are compared with the targets: what else the machine
+does then matters little. Medians over the rounds. Writes build/bench/bench.json and bench.md and
+prints the change against record.json; `--record` makes this run the record. Slow is never wrong:
+the exit code is 0 as long as bezel runs and its force is FElupe's.
 """
 
 import argparse
+import datetime
 import json
-import os
 import pathlib
-import platform
-import shutil
-import subprocess
+import re
+import statistics
 import sys
-import tempfile
+
+import bench_runs as runs
+import bench_table as table
 
 HERE = pathlib.Path(__file__).resolve().parent
-TOP = HERE.parent.parent
-LIFT, STEPS = -0.25, 5
-ONE = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
-WAYS = {"full": "bezel", "reuse": "bezel, FACTor REUSe", "single": "bezel, FACTor SINGle"}
+FULL = "full"
+OURS = {  # name: element, FACTor
+    "reuse": ("Q1", "REUSe"),
+    "single": ("Q1", "SINGle"),
+    "reuse, Q1E9": ("Q1E9", "REUSe"),
+}
+OTHERS = ("felupe", "felupe, symmetric", "calculix")
+SAME_FORCE = 1e-6  # relative, between bezel and FElupe
 
 
-def main(argv=None):
-    """Run everything, print the table; returns the exit code."""
-    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    p.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
-    p.add_argument("--n", type=int, default=16, help="elements along half an edge (default 16)")
-    p.add_argument("--update", action="store_true", help="write record.json")
-    o = p.parse_args(argv)
-    rows = {}
-    with tempfile.TemporaryDirectory() as folder:
-        for way, label in WAYS.items():
-            rows[label] = run_bezel(o.bezel.resolve(), way, o.n, folder)
-        rows["FElupe"] = run_felupe(o.n)
-        rows["CalculiX"] = run_calculix(o.n, folder)
-    record_file = HERE / "record.json"
-    record = json.loads(record_file.read_text()) if record_file.exists() else {}
-    print_table(rows, o.n, record)
-    if o.update:
-        machine = {"processor": processor(), "n": o.n}
-        kept = {label: row for label, row in rows.items() if row}
-        record_file.write_text(json.dumps({"machine": machine, "runs": kept}, indent=2) + "\n")
-    return 0
-
-
-def processor_seconds(command, **options):
-    """User and system seconds of a command, and its result."""
-    before = os.times()
-    result = subprocess.run(
-        command, env=os.environ | ONE, capture_output=True, text=True, **options
-    )
-    after = os.times()
-    seconds = (
-        after.children_user + after.children_system - before.children_user - before.children_system
-    )
-    if result.returncode != 0:
-        sys.exit(
-            f"bench: {' '.join(map(str, command))} ended with code {result.returncode}\n{result.stderr}"
-        )
-    return seconds, result
-
-
-def run_bezel(bezel, way, n, folder):
-    """One of our ways to solve linear systems."""
-    deck = HERE / "cube" / f"{way}.inp"
-    command = [bezel, "--quiet", "--threads", "1", "--set", f"n={n}", "-o", folder, deck]
-    seconds, _ = processor_seconds(command)
-    report = json.loads((pathlib.Path(folder) / f"{way}.report.json").read_text())
-    parts, total = report["seconds"], report["seconds"]["total"]
-    return {
-        "iterations": report["iterations"],
-        "seconds": seconds,
-        "force": report["final"]["force"]["force_3"],
-        "assembly": parts["assembly"] / total,
+def main():
+    """Run, print, compare."""
+    o = parser().parse_args()
+    folder = pathlib.Path(o.out).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    bezel = str(pathlib.Path(o.bezel).resolve())
+    parts = {}
+    for program in map(pathlib.Path, o.parts):
+        print(f"bench: {program.name}", flush=True)
+        arguments = [str(o.n)] if "solver" in program.name else []
+        parts[program.name] = runs.run_program(program.resolve(), folder, arguments)
+    result = {
+        "date": datetime.date.today().isoformat(),
+        "n": o.n,
+        "rounds": o.rounds,
+        "machine": runs.machine("".join(parts.values())),
+        "missing": [],
     }
+    result["runs"] = time_cube(bezel, folder, o.n, o.rounds, result["missing"])
+    result["kernels"] = read_kernels(parts)
+    if o.large:
+        print(f"bench: one step at n={o.large}", flush=True)
+        large = runs.run_bezel(bezel, folder, "large", o.large, steps=1)
+        short = runs.run_bezel(bezel, folder, "short", o.large, steps=1, limit_mb=o.short)
+        result["large"] = large | {"n": o.large, "limit_mb": o.short}
+        result["large"]["short_of_memory"] = short.get("message", "it ran")
+    return finish(result, folder, parts, o.record)
 
 
-def run_felupe(n):
-    """FElupe in the Python of .venv; None where it is not installed. Its import is not counted."""
-    script = HERE / "cube" / "felupe_cube.py"
-    if subprocess.run([sys.executable, "-c", "import felupe"], capture_output=True).returncode != 0:
-        return None
-    _, result = processor_seconds([sys.executable, script, str(n), str(LIFT), str(STEPS)])
-    return json.loads(result.stdout)
+def parser():
+    """The command line."""
+    p = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    p.add_argument("--bezel", default="build/release/bezel")
+    p.add_argument("--out", default="build/bench", help="folder of all files")
+    p.add_argument("--n", type=int, default=16, help="elements along half an edge (8: quick)")
+    p.add_argument("--rounds", type=int, default=2)
+    p.add_argument("--large", type=int, default=32, help="n of the one large step; 0: none")
+    p.add_argument("--short", type=float, default=2000, help="MB in which the large step fails")
+    p.add_argument("--parts", nargs="*", default=[], help="programs that time a part")
+    p.add_argument("--record", action="store_true", help="keep this run as record.json")
+    return p
 
 
-def run_calculix(n, folder):
-    """CalculiX; None where it is not installed."""
-    if not shutil.which("ccx"):
-        return None
-    command = [sys.executable, HERE / "cube" / "calculix_cube.py", str(n), str(LIFT), str(STEPS)]
-    deck = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    (pathlib.Path(folder) / "cube.inp").write_text(deck)
-    seconds, _ = processor_seconds(["ccx", "-i", "cube"], cwd=folder)
-    increments = (pathlib.Path(folder) / "cube.sta").read_text().splitlines()[2:]
-    total = (pathlib.Path(folder) / "cube.dat").read_text().split()
-    return {
-        "iterations": sum(int(line.split()[3]) for line in increments),
-        "seconds": seconds,
-        "force": float(total[-1]),
-    }
+def time_cube(bezel, folder, n, rounds, missing):
+    """{name: {"wall", "cpu", ..., "ratio_cpu", "ratio_wall"}}; ratios to the full runs around."""
+    samples, pairs = {}, {}
+    names = [*OURS, *OTHERS]
+
+    def full():
+        return note(samples, FULL, runs.run_bezel(bezel, folder, FULL, n))
+
+    for turn in range(rounds):
+        before = full()
+        for name in list(names):
+            print(f"bench: round {turn + 1} of {rounds}, {name}", flush=True)
+            try:
+                found = note(samples, name, run_one(bezel, folder, name, n))
+            except runs.Unavailable as reason:
+                missing.append(str(reason))
+                names.remove(name)
+                continue
+            after = full()
+            pairs.setdefault(name, []).append((before, found, after))
+            before = after
+    rows = {name: summary(list_) for name, list_ in samples.items()}
+    for name, triples in pairs.items():
+        for clock in ("cpu", "wall"):
+            rows[name][f"run_{clock}"], rows[name][f"iteration_{clock}"] = ratios(triples, clock)
+    return rows
 
 
-def print_table(rows, n, record):
-    """What was measured, and against the record of this processor."""
-    print(
-        f"\ncube, {n} x {n} x {2 * n} Q1 elements, {STEPS} steps, one core of {processor()}; processor seconds"
-    )
-    print(
-        f"{'':24}{'iterations':>11}{'seconds':>9}{'each':>9}{'of full':>9}{'force':>14}{'record':>9}"
-    )
-    full = rows["bezel"]
-    same = record.get("machine") == {"processor": processor(), "n": n}
-    for label, row in rows.items():
-        if row is None:
-            print(f"{label:24}not installed")
-            continue
-        each = row["seconds"] / row["iterations"]
-        ratio = each / (full["seconds"] / full["iterations"])
-        if label.startswith("bezel,"):
-            ratio = row["seconds"] / full["seconds"]
-        old = record.get("runs", {}).get(label) if same else None
-        change = f"{100 * (row['seconds'] / old['seconds'] - 1):+8.0f}%" if old else f"{'-':>9}"
-        print(
-            f"{label:24}{row['iterations']:11}{row['seconds']:9.2f}{each:9.3f}{ratio:9.2f}{row['force']:14.8f}{change}"
-        )
-    print("of full: whole run, for our own ways; time of an iteration, for the other codes")
-    print(f"assembly takes {100 * full['assembly']:.1f} % of the full run")
-
-
-def processor():
-    """Name of the processor."""
+def run_one(bezel, folder, name, n):
+    """One run that is not full Newton."""
+    if name in OURS:
+        element, factor = OURS[name]
+        return runs.run_bezel(bezel, folder, name.replace(", ", "_"), n, element, factor)
+    place = folder / name.replace(", ", "_")
+    place.mkdir(exist_ok=True)
+    if name == "calculix":
+        return runs.run_calculix(place, n)
+    if name == "felupe, symmetric":
+        return runs.run_felupe(place, n, "symmetric")
     try:
-        lines = pathlib.Path("/proc/cpuinfo").read_text().splitlines()
-        return next(
-            line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")
-        )
-    except (OSError, StopIteration):
-        return platform.processor() or "unknown"
+        return runs.run_felupe(place, n, "pardiso") | {"solver": "Pardiso"}
+    except runs.Unavailable:
+        return runs.run_felupe(place, n, "superlu") | {"solver": "SuperLU (no pypardiso)"}
+
+
+def note(samples, name, found):
+    """Keep a sample; a run of bezel that fails ends the bench."""
+    if found.get("code"):
+        sys.exit(f"bench: error: bezel ended with {found['code']}: {found['message']}")
+    samples.setdefault(name, []).append(found)
+    return found
+
+
+def summary(samples):
+    """Medians, and what does not vary."""
+    row = dict(samples[-1])
+    for key in ("wall", "cpu", "share", "memory"):
+        if key in row:
+            row[key] = statistics.median(s[key] for s in samples)
+    row["samples"] = len(samples)
+    return row
+
+
+def ratios(triples, clock):
+    """(other run / full run, seconds an iteration of the other / of the full run), medians."""
+    whole, each = [], []
+    for before, other, after in triples:
+        full_run = (before[clock] + after[clock]) / 2
+        whole.append(other[clock] / full_run)
+        each.append(whole[-1] * before["iterations"] / other["iterations"])
+    return statistics.median(whole), statistics.median(each)
+
+
+def read_kernels(parts):
+    """{"dgemm": GFLOP/s, element and law: us in batch, us alone} from what bench_kernel prints."""
+    found = {}
+    for line in "".join(parts.values()).splitlines():
+        if m := re.match(r"\s*dgemm\s+(\d+):\s+([\d.]+)", line):
+            found[f"dgemm {m[1]} [GFLOP/s]"] = float(m[2])
+        elif m := re.match(r"\s*(\w+)\s+\d+\s+\d+\s+(\w+)\s+(-|[\d.]+)\s+([\d.]+)\s*$", line):
+            found[f"{m[1]}, {m[2]} [us]"] = float(m[4] if m[3] == "-" else m[3])
+    return found
+
+
+def finish(result, folder, parts, keep):
+    """Write, print, compare; the exit code."""
+    record_path = HERE / "record.json"
+    record = json.loads(record_path.read_text()) if record_path.exists() else None
+    text = table.render(result, record, SAME_FORCE)
+    (folder / "bench.json").write_text(json.dumps(result, indent=1) + "\n")
+    (folder / "bench.md").write_text(text)
+    (folder / "parts.txt").write_text("\n".join(parts.values()))
+    if keep:
+        record_path.write_text(json.dumps(result, indent=1) + "\n")
+    print(text)
+    print(f"bench: written to {folder}/bench.md, bench.json, parts.txt")
+    return 0 if table.same_force(result, SAME_FORCE) else 1
 
 
 if __name__ == "__main__":

@@ -1,0 +1,154 @@
+"""The table of `make bench` in markdown, beside the targets and the record."""
+
+TITLES = {
+    "full": "bezel, full Newton",
+    "reuse": "bezel, FACTor REUSe",
+    "single": "bezel, FACTor SINGle",
+    "reuse, Q1E9": "bezel, Q1E9, FACTor REUSe",
+    "felupe": "FElupe",
+    "felupe, symmetric": "FElupe, Pardiso on the upper triangle",
+    "calculix": "CalculiX, C3D8",
+}
+
+
+def same_force(result, tolerance):
+    """Do bezel's ways agree with each other and with FElupe? Q1E9 and CalculiX solve another."""
+    rows = result["runs"]
+    same = [n for n in ("reuse", "single", "felupe", "felupe, symmetric") if n in rows]
+    return all(difference(rows, name) <= tolerance for name in same)
+
+
+def difference(rows, name):
+    """Relative, of the force at the end, from full Newton's."""
+    return abs(rows[name]["force"] / rows["full"]["force"] - 1)
+
+
+def render(result, record, tolerance):
+    """All of it."""
+    parts = [head(result), cube(result, tolerance), targets(result), kernels(result)]
+    if "large" in result:
+        parts.append(large(result["large"]))
+    if record:
+        parts.append(change(result, record))
+    return "\n".join(parts)
+
+
+def head(result):
+    """Machine and versions."""
+    m = result["machine"]
+    versions = {row["version"] for row in result["runs"].values() if "version" in row}
+    lines = [
+        f"{result['date']}: {m['cpu']}, {m['cores']} cores, {m['memory_gib']} GiB, one thread, "
+        f"load averages {m['load']} at the start.",
+        f"{', '.join(sorted(versions))}; gfortran {m['gfortran']}, MUMPS {m['mumps']}, "
+        f"OpenBLAS {m['openblas']} with its {m['blas_kernel']} kernels.",
+        *(f"{text}." for text in result["missing"]),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def cube(result, tolerance):
+    """One row a program."""
+    n = result["n"]
+    lines = [
+        f"Cube of section 4, {n} x {n} x {2 * n} elements, 25 % compression in five steps; medians "
+        f"of {result['rounds']} rounds; ratios to the full Newton runs just before and after.",
+        "",
+        "| run | iterations | cpu s | wall s | cpu s an iteration | whole run / full, cpu (wall) "
+        "| iteration / full, cpu (wall) | assembly | MB | force | differs |",
+        "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    rows = result["runs"]
+    for name, title in TITLES.items():
+        if name not in rows:
+            continue
+        r = rows[name]
+        whole = each = "1"
+        if name != "full":
+            whole = f"{r['run_cpu']:.2f} ({r['run_wall']:.2f})"
+            each = f"{r['iteration_cpu']:.2f} ({r['iteration_wall']:.2f})"
+        share = f"{100 * r['share']:.1f} %" if "share" in r else ""
+        title += f", {r['solver']}" if "solver" in r else ""
+        lines.append(
+            f"| {title} | {r['iterations']} | {r['cpu']:.2f} | {r['wall']:.2f} "
+            f"| {r['cpu'] / r['iterations']:.3f} | {whole} | {each} | {share} "
+            f"| {r['memory']:.0f} | {r['force']:.10f} | {difference(rows, name):.1e} |"
+        )
+    lines += [
+        "",
+        "Whole processes, but of FElupe the iterations alone. Q1E9 is another element. CalculiX's "
+        "neo-Hooke has (J - 1)^2 where ours has (ln J)^2: its force differs.",
+        f"Same force to {tolerance:.0e}: {'yes' if same_force(result, tolerance) else 'NO'}.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def targets(result):
+    """What the project wants."""
+    rows, lines = result["runs"], ["| target | wanted | found |", "|---|--:|--:|"]
+
+    def line(text, wanted, found, good):
+        lines.append(f"| {text} | {wanted} | {found}{'' if good else ' (missed)'} |")
+
+    for name, wanted in (("felupe", 2.0), ("felupe, symmetric", 2.0), ("calculix", 3.5)):
+        if name in rows:
+            found = rows[name]["iteration_cpu"]
+            text = f"one iteration of {TITLES[name]} / one of ours, cpu"
+            line(text, f"{wanted}", f"{found:.2f}", found >= wanted)
+    found = 1 / rows["single"]["run_cpu"]
+    line("full run / run with reused single factors, cpu", "4", f"{found:.2f}", found >= 4)
+    share = rows["full"]["share"]
+    line("assembly, share of a full run", "5 %", f"{100 * share:.1f} %", share <= 0.05)
+    for key, value in result["kernels"].items():
+        if key.startswith("Q1, "):
+            line(f"{key[:-5]}: residual and tangent", "0.5 us", f"{value:.2f} us", value <= 0.5)
+    return "\n".join(lines) + "\n"
+
+
+def kernels(result):
+    """Microseconds an element."""
+    if not result["kernels"]:
+        return ""
+    lines = ["| kernel | |", "|---|--:|"]
+    lines += [f"| {key} | {value:g} |" for key, value in result["kernels"].items()]
+    return "\n".join(lines) + "\n"
+
+
+def large(r):
+    """The one large step."""
+    if "message" in r:
+        return f"n = {r['n']}: {r['message']}\n"
+    return (
+        f"n = {r['n']}, {r['equations']} equations, one step: {r['iterations']} iterations, "
+        f"{r['cpu']:.0f} s cpu, {r['wall']:.0f} s wall, {r['memory'] / 1024:.1f} GiB. "
+        f"Within {r['limit_mb']:.0f} MB:\n\n```\n{r['short_of_memory']}\n```\n"
+    )
+
+
+def change(result, record):
+    """Against the record."""
+    if record["n"] != result["n"]:
+        return f"The record of {record['date']} is of n = {record['n']}: no comparison.\n"
+    lines = [
+        f"Against the record of {record['date']} ({record['machine']['cpu']}, "
+        f"{record['machine']['blas_kernel']} kernels):",
+        "",
+        "| | record | now | change |",
+        "|---|--:|--:|--:|",
+    ]
+
+    def line(text, old, new):
+        lines.append(f"| {text} | {old:.3g} | {new:.3g} | {100 * (new / old - 1):+.0f} % |")
+
+    for name, row in result["runs"].items():
+        old = record["runs"].get(name)
+        if not old:
+            continue
+        each = [r["cpu"] / r["iterations"] for r in (old, row)]
+        line(f"{TITLES[name]}, cpu s an iteration", *each)
+        if name != "full":
+            line(f"{TITLES[name]}, whole run / full", old["run_cpu"], row["run_cpu"])
+    for key, value in result["kernels"].items():
+        if key in record["kernels"]:
+            line(key, record["kernels"][key], value)
+    return "\n".join(lines) + "\n"
