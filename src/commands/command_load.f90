@@ -3,6 +3,7 @@ module command_load
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
+  use command_number, only: whole_field
   use command_type, only: run_t, command_t, command_row_t, new_row, data_t
   use deck_expression, only: set_parameter
   use deck_record, only: record_t, RECORD_WORDS
@@ -37,9 +38,12 @@ contains
     integer, intent(out) :: first, last
     type(error_t), allocatable, intent(out) :: error
 
-    first = max(1, nint(command%x(1)))
-    last = max(first, nint(command%x(2)))
-    if (any(command%x(:2) < 0.0_wp) .or. any(abs(command%x(:2) - anint(command%x(:2))) > 0.0_wp) .or. last > MOST_TABLES) &
+    call whole_field(command, 1, first, error)
+    call whole_field(command, 2, last, error)
+    if (allocated(error)) return
+    first = max(1, first)
+    last = max(first, last)
+    if (any(command%x(:2) < 0.0_wp) .or. last > MOST_TABLES) &
       call fail(error, DECK_ERROR, 'table numbers are whole, from 1 to '//to_text(MOST_TABLES), &
         command%record%place(3), 'write PROP,,k')
   end subroutine table_range

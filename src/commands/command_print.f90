@@ -3,6 +3,7 @@ module command_print
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use byte_file, only: open_bytes
+  use command_number, only: whole_field
   use command_type, only: run_t, command_t, command_row_t, new_row
   use newton, only: form_system, pass_t
   use print_tables, only: print_displacements, print_reactions, print_stresses, print_nodal_stresses
@@ -99,14 +100,17 @@ contains
     first = 1
     last = most
     step = 1
-    if (command%option == 'coor' .and. all(nint(command%x(1)) /= [1, 2, 3])) then
+    if (command%option == 'coor' .and. all(abs(command%x(1) - [1, 2, 3]) > 0)) then
       call fail(error, DECK_ERROR, 'directions are 1, 2 and 3', command%record%place(min(3, command%record%n)), &
         trim(run%row(command%row)%usage))
     end if
     if (any(command%option == ['all ', 'coor']) .or. .not. command%x(1) > 0.5_8) return
-    first = nint(command%x(1))
-    last = max(first, nint(command%x(2)))
-    step = max(1, nint(command%x(3)))
+    call whole_field(command, 1, first, error)
+    call whole_field(command, 2, last, error)
+    call whole_field(command, 3, step, error)
+    if (allocated(error)) return
+    last = max(first, last)
+    step = max(1, step)
     if (last > most) call fail(error, DECK_ERROR, 'the range ends beyond the mesh', command%record%place(4), &
       trim(run%row(command%row)%usage))
   end subroutine read_range

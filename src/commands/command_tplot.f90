@@ -3,6 +3,7 @@ module command_tplot
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
+  use command_number, only: whole_field
   use command_type, only: run_t, command_t, command_row_t, new_row, data_t
   use curve_type, only: curve_t, quantity_t, Q_NODAL, Q_DISP
   use deck_record, only: record_t, RECORD_WORDS
@@ -28,8 +29,11 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
+    integer :: every
+
+    call whole_field(command, 1, every, error)
     if (allocated(error) .or. run%dry) return
-    run%tplot_every = max(1, nint(command%x(1)))
+    run%tplot_every = max(1, every)
   end subroutine run_tplot
 
   !> The records become a curve of their own; SHOW is FEAP's and does nothing here.
