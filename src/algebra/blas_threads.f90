@@ -1,6 +1,8 @@
 !> Threads of the BLAS.
 module blas_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_ptr
+  use base_kinds, only: wp
+  use lapack, only: dgemm
   implicit none
   private
   public :: set_threads, blas_kernel
@@ -25,7 +27,20 @@ contains
     integer, intent(in) :: n
 
     call openblas_set_num_threads(int(max(n, 1), c_int))
+    call claim_buffer()
   end subroutine set_threads
+
+  !> Let OpenBLAS take its buffer while there is memory: it keeps it, and asks for ever where there
+  !! is none. Products of small matrices need no buffer.
+  subroutine claim_buffer()
+    integer, parameter :: LARGE = 128
+    real(wp), allocatable :: a(:, :), c(:, :)
+
+    allocate (a(LARGE, LARGE), c(LARGE, LARGE))
+    a = 0.0_wp
+    c = 0.0_wp
+    call dgemm('N', 'N', LARGE, LARGE, LARGE, 1.0_wp, a, LARGE, a, LARGE, 0.0_wp, c, LARGE)
+  end subroutine claim_buffer
 
   !> The processor OpenBLAS was tuned for, to stand beside every measured time.
   function blas_kernel() result(name)

@@ -10,7 +10,7 @@
 module linear_system
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
-  use base_error, only: error_t, fail, BUG, NO_SOLUTION
+  use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
   use base_system, only: available_memory_mb, return_memory, wall_seconds
   use csr_pattern, only: block_matrix_t
   use csr_extract, only: entries_t, gather
@@ -180,13 +180,16 @@ contains
 
     real(wp), allocatable :: values(:)
     real(wp) :: start
+    integer :: stat
 
     start = wall_seconds()
     ls%has_factors = .false.
     do
       if (.not. ls%analysed) call prepare(ls, a, error)
       if (allocated(error)) return
-      allocate (values(size(ls%entries%row)))
+      allocate (values(size(ls%entries%row)), stat=stat)
+      if (stat /= 0) call fail(error, SYSTEM_ERROR, 'no memory for the values of the tangent')
+      if (allocated(error)) return
       call gather(ls%entries, a, values)
       call ls%solver%factorise(values, memory_mb(ls), error)
       if (allocated(error)) return

@@ -6,6 +6,7 @@ module solver_mumps
     ieee_set_underflow_mode, ieee_support_underflow_control
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
+  use base_text, only: to_text
   use solver_type, only: solver_t
   use solver_mumps_control, only: set_controls, set_fronts, set_panels, FIRST_MARGIN, &
     ORDER_AMD, ORDER_GIVEN, ORDER_PORD
@@ -84,7 +85,7 @@ contains
     integer, intent(in) :: order(:)
     type(error_t), allocatable, intent(out) :: error
 
-    integer :: ordering
+    integer :: ordering, stat
 
     call self%free()
     ordering = merge(ORDER_GIVEN, self%ordering, size(order) > 0)
@@ -102,7 +103,7 @@ contains
       self%s%cntl(7) = real(self%low_rank, sp)
       self%s%keep(CLUSTERING) = PLAIN
       call give_pattern(self%s%n, self%s%nnz, self%s%irn, self%s%jcn, self%s%perm_in)
-      allocate (self%s%a(size(row)))
+      if (stat == 0) allocate (self%s%a(size(row)), stat=stat)
     else
       call set_controls(self%d%icntl, symmetric, self%low_rank > 0.0_wp, ordering)
       call set_fronts(self%d%keep)
@@ -110,7 +111,12 @@ contains
       self%d%cntl(7) = self%low_rank
       self%d%keep(CLUSTERING) = PLAIN
       call give_pattern(self%d%n, self%d%nnz, self%d%irn, self%d%jcn, self%d%perm_in)
-      allocate (self%d%a(size(row)))
+      if (stat == 0) allocate (self%d%a(size(row)), stat=stat)
+    end if
+    if (stat /= 0) then
+      call fail(error, SYSTEM_ERROR, 'no memory for the tangent of '//to_text(neq)//' equations', &
+                hint='use a coarser mesh or a machine with more memory')
+      return
     end if
     call run(self, ANALYSE_JOB, error)
     if (allocated(error)) return
@@ -128,11 +134,12 @@ contains
     subroutine give_pattern(n, nnz, irn, jcn, perm_in)
       integer, intent(out) :: n
       integer(i8), intent(out) :: nnz
-      integer, pointer, intent(out) :: irn(:), jcn(:), perm_in(:)
+      integer, pointer, intent(inout) :: irn(:), jcn(:), perm_in(:)
 
       n = neq
       nnz = size(row, kind=i8)
-      allocate (irn(nnz), jcn(nnz), perm_in(size(order)))
+      allocate (irn(nnz), jcn(nnz), perm_in(size(order)), stat=stat)
+      if (stat /= 0) return
       irn = row
       jcn = col
       perm_in = order
@@ -319,13 +326,17 @@ contains
     type(error_t), allocatable :: ignored
 
     if (associated(self%d)) then
-      if (associated(self%d%irn)) deallocate (self%d%irn, self%d%jcn, self%d%perm_in)
+      if (associated(self%d%irn)) deallocate (self%d%irn)
+      if (associated(self%d%jcn)) deallocate (self%d%jcn)
+      if (associated(self%d%perm_in)) deallocate (self%d%perm_in)
       if (associated(self%d%a)) deallocate (self%d%a)
       call run(self, FINISH, ignored)
       deallocate (self%d)
     end if
     if (associated(self%s)) then
-      if (associated(self%s%irn)) deallocate (self%s%irn, self%s%jcn, self%s%perm_in)
+      if (associated(self%s%irn)) deallocate (self%s%irn)
+      if (associated(self%s%jcn)) deallocate (self%s%jcn)
+      if (associated(self%s%perm_in)) deallocate (self%s%perm_in)
       if (associated(self%s%a)) deallocate (self%s%a)
       call run(self, FINISH, ignored)
       deallocate (self%s)

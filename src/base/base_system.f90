@@ -127,7 +127,8 @@ contains
     done = c_malloc_trim(0_c_size_t)
   end subroutine return_memory
 
-  !> Memory that can still be had [MiB], the limit of a container included; huge: unknown.
+  !> Memory that can still be had [MiB], the limits of a container and of `ulimit -v` included;
+  !! huge: unknown.
   function available_memory_mb() result(mb)
     real(wp) :: mb, limit, used, cache
 
@@ -142,6 +143,9 @@ contains
       cache = value_of('/sys/fs/cgroup/memory/memory.stat', 'total_inactive_file')
     end if
     if (limit > 0.0_wp) mb = min(mb, max(limit - max(used - cache, 0.0_wp), 0.0_wp)/1024.0_wp**2)
+    limit = value_of('/proc/self/limits', 'Max address space')/1024.0_wp**2 ! ulimit -v
+    used = value_of('/proc/self/status', 'VmSize:')/1024.0_wp
+    if (limit > 0.0_wp) mb = min(mb, max(limit - used, 0.0_wp))
   end function available_memory_mb
 
   !> The number behind a name at the start of a line of a system file; 0 where there is none.
