@@ -5,6 +5,7 @@ module model
   use material_type, only: material_t, MAX_PROP
   use mesh, only: mesh_t
   use boundary, only: boundary_t
+  use contact_pair, only: contact_t, contact_state_t
   use curve_type, only: curve_t
   use load_curve, only: load_table_t
   implicit none
@@ -31,6 +32,7 @@ module model
     type(mesh_t) :: mesh
     type(material_set_t), allocatable :: material(:)
     type(boundary_t) :: bc
+    type(contact_t), allocatable :: contact(:)
     type(curve_t), allocatable :: curve(:)
     !> Equations of the free dofs: equation number, or 0 where prescribed.
     integer, allocatable :: eq(:, :)     !! (3, nnode)
@@ -57,6 +59,7 @@ module model
     real(wp), allocatable :: factor(:)    !! factor of each load table
     type(load_table_t), allocatable :: table(:)
     type(history_t), allocatable :: history(:) !! one a block
+    type(contact_state_t), allocatable :: contact(:) !! one a contact
   end type state_t
 
 end module model

@@ -50,6 +50,7 @@ contains
 
     if (allocated(from%title)) call move_alloc(from%title, to%title)
     if (allocated(from%material)) call move_alloc(from%material, to%material)
+    if (allocated(from%contact)) call move_alloc(from%contact, to%contact)
     if (allocated(from%curve)) call move_alloc(from%curve, to%curve)
     to%mesh%nnode = from%mesh%nnode
     if (allocated(from%mesh%xr)) call move_alloc(from%mesh%xr, to%mesh%xr)
@@ -65,7 +66,7 @@ contains
     type(build_t), intent(inout) :: build
 
     call load_mesh_words(build%row)
-    allocate (build%model%material(0), build%patch(0), build%npatch(0), build%knots(0), &
+    allocate (build%model%material(0), build%model%contact(0), build%patch(0), build%npatch(0), build%knots(0), &
       build%support(0))
     allocate (build%move(0), build%press(0), build%curve(0), build%tie(0))
   end subroutine start

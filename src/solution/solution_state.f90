@@ -1,6 +1,7 @@
 !> What a step changes, and how it is kept, accepted and restored.
 module solution_state
   use base_kinds, only: wp
+  use contact_history, only: new_contact_state, restore_contact_step, keep_contact_step
   use model, only: model_t, state_t, history_t
   use solid_form, only: history_length
   use load_curve, only: table_factor
@@ -30,6 +31,10 @@ contains
         allocate (state%history(b)%iter(n, block%nelem), source=0.0_wp)
         allocate (state%history(b)%trial(n, block%nelem), source=0.0_wp)
       end associate
+    end do
+    allocate (state%contact(size(model%contact)))
+    do b = 1, size(model%contact)
+      call new_contact_state(model%contact(b), state%contact(b))
     end do
   end subroutine new_state
 
@@ -82,6 +87,9 @@ contains
     do b = 1, size(state%history)
       state%history(b)%step = state%history(b)%iter(:size(state%history(b)%step, 1), :)
     end do
+    do b = 1, size(state%contact)
+      call keep_contact_step(state%contact(b))
+    end do
   end subroutine accept_step_state
 
   !> Back to the start of the step; `step` and `time` are its number and time then.
@@ -99,6 +107,9 @@ contains
     do b = 1, size(state%history)
       state%history(b)%iter = 0.0_wp
       state%history(b)%iter(:size(state%history(b)%step, 1), :) = state%history(b)%step
+    end do
+    do b = 1, size(state%contact)
+      call restore_contact_step(state%contact(b))
     end do
     call set_factors(state)
   end subroutine restore_step

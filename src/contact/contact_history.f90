@@ -1,0 +1,59 @@
+!> History of the integration points of contacts: made, accepted, brought back.
+module contact_history
+  use base_kinds, only: wp
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t
+  use contact_type, only: OPEN
+  implicit none
+  private
+  public :: new_contact_state, restore_contact_step, keep_contact_step
+
+contains
+
+  !> No point has a foot yet; a rigid side has no points.
+  subroutine new_contact_state(contact, state)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(out) :: state
+    integer :: k, np
+
+    do k = 1, 2
+      np = contact%side(k)%nelem*contact%nq
+      if (contact%side(k)%rigid) np = 0
+      call new_points(np, state%side(k))
+    end do
+  end subroutine new_contact_state
+
+  subroutine new_points(np, points)
+    integer, intent(in) :: np
+    type(contact_points_t), intent(out) :: points
+
+    allocate (points%foot(np), points%foot_step(np), points%slide(np), source=0)
+    allocate (points%foot_xi(2, np), points%foot_xi_step(2, np), points%slide_xi(2, np), source=0.0_wp)
+    allocate (points%multiplier(np), points%pressure(np), points%area(np), source=0.0_wp)
+    allocate (points%gap(np), source=huge(1.0_wp))
+    allocate (points%traction(3, np), points%elastic(3, np), source=0.0_wp)
+    allocate (points%state(np), source=OPEN)
+  end subroutine new_points
+
+  !> A cut: projections start where they stood at the start of the step.
+  subroutine restore_contact_step(state)
+    type(contact_state_t), intent(inout) :: state
+    integer :: k
+
+    do k = 1, 2
+      state%side(k)%foot = state%side(k)%foot_step
+      state%side(k)%foot_xi = state%side(k)%foot_xi_step
+    end do
+  end subroutine restore_contact_step
+
+  !> The step is done: what is now is what a cut brings back.
+  subroutine keep_contact_step(state)
+    type(contact_state_t), intent(inout) :: state
+    integer :: k
+
+    do k = 1, 2
+      state%side(k)%foot_step = state%side(k)%foot
+      state%side(k)%foot_xi_step = state%side(k)%foot_xi
+    end do
+  end subroutine keep_contact_step
+
+end module contact_history
