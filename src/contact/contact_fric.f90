@@ -1,0 +1,61 @@
+!> COULomb: stick on a tangential penalty, slip at mu times the pressure.
+!!
+!! prop(1)  coefficient of friction mu [-]
+!! prop(2)  tangential penalty parameter eps_t [F/L^3]
+!! Source:  Corbett and Sauer 2015, eqs (27) to (29), predictor and corrector; sliding points as in
+!!          Sauer and De Lorenzis 2015
+module contact_fric
+  use base_kinds, only: wp
+  use contact_type, only: contact_law_t, FRICTION, STICK, SLIP
+  implicit none
+  private
+  public :: describe, coulomb
+
+contains
+
+  !> Row of the table of contact laws.
+  function describe() result(row)
+    type(contact_law_t) :: row
+
+    row%name = 'COULomb'
+    row%role = FRICTION
+    row%usage = 'FRICtion COULomb mu PENAlty eps | AUTO [AFTEr time]'
+    row%source = 'Coulomb friction; Corbett and Sauer 2015, eqs (27) to (29)'
+    row%nprop = 2
+    row%friction => coulomb
+  end function describe
+
+  !> The predictor sticks; where it exceeds mu p the traction slides back to mu p.
+  pure subroutine coulomb(prop, d, p, t, dtdd, dtdp, elastic, state)
+    real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: d(3), p
+    real(wp), intent(out) :: t(3), dtdd(3, 3), dtdp(3), elastic(3)
+    integer, intent(out) :: state
+    real(wp) :: most, size, e(3)
+    integer :: i
+
+    most = prop(1)*p
+    size = norm2(d)
+    dtdd = 0.0_wp
+    dtdp = 0.0_wp
+    if (prop(2)*size <= most) then
+      state = STICK
+      t = -prop(2)*d
+      elastic = d
+      do i = 1, 3
+        dtdd(i, i) = -prop(2)
+      end do
+      return
+    end if
+    state = SLIP
+    e = d/size
+    t = -most*e
+    elastic = (most/prop(2))*e
+    dtdp = -prop(1)*e
+    do i = 1, 3
+      dtdd(:, i) = (most/size)*e*e(i)
+      dtdd(i, i) = dtdd(i, i) - most/size
+    end do
+  end subroutine coulomb
+
+end module contact_fric

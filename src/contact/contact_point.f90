@@ -1,0 +1,181 @@
+!> Traction at one point of a surface and its derivatives: the laws and the kinematics of the foot.
+!!
+!! The point x belongs to side k, its foot x_p = x_l(xi_p) and its sliding point x_s = x_l(xi_s) to
+!! side l. What varies is x, x_p with xi_p held, the tangents of l at xi_p, and x_s with xi_s held;
+!! the way of xi_p itself follows from (x - x_p).a_alpha = 0 and is eliminated here. Where the foot
+!! stands on an interior edge of facets only the parameter along it moves, on a vertex none.
+module contact_point
+  use base_kinds, only: wp
+  use contact_foot, only: foot_t
+  use contact_pair, only: contact_t
+  use contact_type, only: OPEN, TOUCH
+  implicit none
+  private
+  public :: point_t, slope_t, traction_at
+
+  !> A distance this small, relative to the tangents, has no direction.
+  real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
+
+  !> Where a point stands and what acts on it.
+  type :: point_t
+    real(wp) :: x(3) = 0.0_wp          !! position [L]
+    logical :: slides = .false.        !! friction acts, and there is a stored sliding point
+    real(wp) :: xs(3) = 0.0_wp         !! its position [L]
+    real(wp) :: multiplier = 0.0_wp    !! of the augmentation [F/L^2]
+    integer :: state = OPEN
+    real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
+    real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
+    real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i
+  end type point_t
+
+  !> Derivatives of a vector against what varies.
+  type :: slope_t
+    real(wp) :: x(3, 3) = 0.0_wp       !! against x
+    real(wp) :: p(3, 3) = 0.0_wp       !! against x_p, xi_p held
+    real(wp) :: a(3, 3, 2) = 0.0_wp    !! against the tangents of l there
+    real(wp) :: s(3, 3) = 0.0_wp       !! against x_s, xi_s held
+  end type slope_t
+
+contains
+
+  !> Traction of the normal and the friction law, and its derivatives.
+  pure subroutine traction_at(contact, foot, point, dt)
+    type(contact_t), intent(in) :: contact
+    type(foot_t), intent(in) :: foot
+    type(point_t), intent(inout) :: point
+    type(slope_t), intent(out) :: dt
+    type(slope_t) :: dn
+    real(wp) :: n(3), dp, dpdx(3)
+
+    point%t = 0.0_wp
+    point%elastic = 0.0_wp
+    point%state = OPEN
+    call contact%normal%normal(contact%normal_prop, foot%gap, point%multiplier, point%p, dp)
+    if (.not. point%p > 0.0_wp) return
+    point%state = TOUCH
+    call vary_normal(foot, point%x, n, dn)
+    dpdx = dp*n                        ! the gap varies with n.(dx - dx_p)
+    point%t = point%p*n
+    dt%x = outer(n, dpdx) + point%p*dn%x
+    dt%p = -outer(n, dpdx) + point%p*dn%p
+    dt%a = point%p*dn%a
+    if (point%slides) call add_friction(contact, point, n, dn, dpdx, dt)
+  end subroutine traction_at
+
+  !> Unit normal at the foot and how it varies.
+  pure subroutine vary_normal(foot, x, n, dn)
+    type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: x(3)       !! the point
+    real(wp), intent(out) :: n(3)
+    type(slope_t), intent(out) :: dn
+    real(wp) :: g(3), h(3, 2), hess(2, 2), metric(2, 2), up(3, 2), c(2, 2)
+    integer :: i, j
+
+    n = foot%n
+    g = x - foot%x
+    call find_hessian(foot, g, metric, hess)
+    hess = inverse(hess, foot%free)
+    h = matmul(foot%a, hess)
+    if (all(foot%free)) then
+      up = matmul(foot%a, inverse(metric, foot%free))
+      c(1, 1) = dot_product(n, foot%b(:, 1))
+      c(2, 2) = dot_product(n, foot%b(:, 2))
+      c(1, 2) = dot_product(n, foot%b(:, 3))
+      c(2, 1) = c(1, 2)
+      c = matmul(c, hess)
+      h = matmul(up, c)
+      dn%x = -matmul(h, transpose(foot%a))
+      dn%p = -dn%x
+      do j = 1, 2
+        dn%a(:, :, j) = -outer(up(:, j), n) - outer(h(:, j), g)
+      end do
+    else if (abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) then
+      n = g/foot%gap                   ! along the shortest way, in the cone of the facets' normals
+      dn%x = -matmul(h, transpose(foot%a))
+      do i = 1, 3
+        dn%x(i, i) = dn%x(i, i) + 1.0_wp
+      end do
+      dn%x = (dn%x - outer(n, n))/foot%gap
+      dn%p = -dn%x
+      do j = 1, 2
+        dn%a(:, :, j) = -outer(h(:, j), g)/foot%gap
+      end do
+    end if
+  end subroutine vary_normal
+
+  !> Metric of the foot, and second derivative of half the squared distance.
+  pure subroutine find_hessian(foot, g, metric, hess)
+    type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: g(3)
+    real(wp), intent(out) :: metric(2, 2), hess(2, 2)
+
+    metric = matmul(transpose(foot%a), foot%a)
+    hess(1, 1) = metric(1, 1) - dot_product(g, foot%b(:, 1))
+    hess(2, 2) = metric(2, 2) - dot_product(g, foot%b(:, 2))
+    hess(1, 2) = metric(1, 2) - dot_product(g, foot%b(:, 3))
+    hess(2, 1) = hess(1, 2)
+  end subroutine find_hessian
+
+  !> Friction: d = (1 - n n)(x - x_s).
+  pure subroutine add_friction(contact, point, n, dn, dpdx, dt)
+    type(contact_t), intent(in) :: contact
+    type(point_t), intent(inout) :: point
+    real(wp), intent(in) :: n(3), dpdx(3)
+    type(slope_t), intent(in) :: dn
+    type(slope_t), intent(inout) :: dt
+    real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
+    integer :: i
+
+    y = point%x - point%xs
+    yn = dot_product(y, n)
+    d = y - yn*n
+    call contact%friction%friction(contact%friction_prop, d, point%p, t, dtdd, dtdp, &
+      point%elastic, point%state)
+    point%t = point%t + t
+    project = -outer(n, n)
+    dddn = -outer(n, y)
+    do i = 1, 3
+      project(i, i) = project(i, i) + 1.0_wp
+      dddn(i, i) = dddn(i, i) - yn
+    end do
+    project = matmul(dtdd, project)
+    dddn = matmul(dtdd, dddn)
+    dt%x = dt%x + project + matmul(dddn, dn%x) + outer(dtdp, dpdx)
+    dt%p = dt%p + matmul(dddn, dn%p) - outer(dtdp, dpdx)
+    do i = 1, 2
+      dt%a(:, :, i) = dt%a(:, :, i) + matmul(dddn, dn%a(:, :, i))
+    end do
+    dt%s = -project
+  end subroutine add_friction
+
+  !> Inverse on the directions that are free, zero elsewhere.
+  pure function inverse(m, free) result(mi)
+    real(wp), intent(in) :: m(2, 2)
+    logical, intent(in) :: free(2)
+    real(wp) :: mi(2, 2)
+
+    mi = 0.0_wp
+    if (all(free)) then
+      mi(1, 1) = m(2, 2)
+      mi(2, 2) = m(1, 1)
+      mi(1, 2) = -m(1, 2)
+      mi(2, 1) = -m(2, 1)
+      mi = mi/(m(1, 1)*m(2, 2) - m(1, 2)*m(2, 1))
+    else if (free(1)) then
+      mi(1, 1) = 1.0_wp/m(1, 1)
+    else if (free(2)) then
+      mi(2, 2) = 1.0_wp/m(2, 2)
+    end if
+  end function inverse
+
+  pure function outer(a, b) result(c)
+    real(wp), intent(in) :: a(3), b(3)
+    real(wp) :: c(3, 3)
+    integer :: j
+
+    do j = 1, 3
+      c(:, j) = a*b(j)
+    end do
+  end function outer
+
+end module contact_point
