@@ -8,18 +8,24 @@ module curve_type
 
   integer, parameter, public :: Q_FORCE = 1, Q_TORQUE = 2, Q_DISP = 3, Q_STRESS = 4, Q_ENERGY = 5, Q_MAX_DISP = 6, &
     Q_MAX_MISES = 7, Q_NODAL = 8 !! Q_NODAL: FEAP's reactions
+  !> Of one side of a contact. Shares (STICK, SLIP, DEBONDED) lie between 0 and 1.
+  integer, parameter, public :: Q_CONTACT_FORCE = 9, Q_CONTACT_TORQUE = 10, &
+    Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, &
+    Q_CONTACT_AREA = 15, Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
 
   !> One column.
   type :: quantity_t
     integer :: kind = 0
     character(:), allocatable :: column  !! its name in the table
     integer, allocatable :: node(:)      !! nodes summed or averaged over
-    integer :: component = 0             !! 1 to 3; stress: Voigt 1 to 6 (11 22 33 12 23 31)
+    !> 1 to 3; stress: Voigt 1 to 6 (11 22 33 12 23 31); tractions of a contact: 0 the magnitude
+    integer :: component = 0
     real(wp) :: point(3) = 0.0_wp        !! on the axis of a torque; of a stress
     real(wp) :: axis(3) = 0.0_wp
     integer :: body = 0                  !! ENERgy, MAXImum: 0 for all
     integer :: block = 0, elem = 0       !! STREss: where the reference point was found
     real(wp) :: xi(3) = 0.0_wp           !! and its parent coordinates there
+    integer :: contact = 0, side = 0     !! quantities of a contact: index in the model, side 1 or 2
     type(place_t) :: place
   end type quantity_t
 
