@@ -11,6 +11,7 @@ usage: run.py BEZEL [--kills N]
 
 Prints a line a check and `N passed, N failed`. Needs h5py for the fields (the project's .venv has it).
 """
+
 import argparse
 import pathlib
 import random
@@ -33,8 +34,12 @@ def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM, room=None):
     """Run a deck; with `wait`, send a signal after so many seconds; `room`: most bytes of a file.
     Returns the exit code."""
     limit = room and (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)))
-    process = subprocess.Popen([bezel, "--quiet", "-o", str(out), *options, str(HERE / deck)],
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=limit)
+    process = subprocess.Popen(
+        [bezel, "--quiet", "-o", str(out), *options, str(HERE / deck)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        preexec_fn=limit,
+    )
     if wait is not None:
         time.sleep(wait)
         process.send_signal(how)
@@ -45,8 +50,11 @@ def fields(path):
     """All datasets of a result file: {name: array}."""
     found = {}
     with h5py.File(path) as file:
-        file.visititems(lambda name, item: found.update({name: item[...]})
-                        if isinstance(item, h5py.Dataset) else None)
+        file.visititems(
+            lambda name, item: (
+                found.update({name: item[...]}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
     return found
 
 
@@ -67,7 +75,9 @@ def whole(folder, stem):
     """After a kill: rows and fields written so far can be read."""
     curve, result = folder / f"{stem}_force.dat", folder / f"{stem}.vtkhdf"
     if curve.exists() and len(curve.read_text().splitlines()) > 1:
-        lines = [line for line in curve.read_text().splitlines(keepends=True) if line.endswith("\n")]
+        lines = [
+            line for line in curve.read_text().splitlines(keepends=True) if line.endswith("\n")
+        ]
         rows = np.loadtxt(lines, ndmin=2)
         if not np.isfinite(rows).all():
             return "a row holds a number that is not finite"
@@ -82,7 +92,9 @@ def whole(folder, stem):
 def go_on(bezel, deck, folder):
     """Restart from the checkpoint; from the deck where there is none yet."""
     checkpoint = folder / f"{pathlib.Path(deck).stem}.restart.h5"
-    return run(bezel, deck, folder, *(["--restart", str(checkpoint)] if checkpoint.exists() else []))
+    return run(
+        bezel, deck, folder, *(["--restart", str(checkpoint)] if checkpoint.exists() else [])
+    )
 
 
 def main():
@@ -96,7 +108,9 @@ def main():
     def report(text, trouble):
         nonlocal passed, failed
         passed, failed = passed + (trouble is None), failed + (trouble is not None)
-        print(f"{'ok    ' if trouble is None else 'FAILED'} {text}{'' if trouble is None else ': ' + trouble}")
+        print(
+            f"{'ok    ' if trouble is None else 'FAILED'} {text}{'' if trouble is None else ': ' + trouble}"
+        )
 
     with tempfile.TemporaryDirectory() as top:
         for deck in DECKS:
@@ -105,24 +119,49 @@ def main():
             begin = time.time()
             code = run(args.bezel, deck, whole_run)
             seconds = time.time() - begin
-            report(f"{stem}: uninterrupted, {seconds:.1f} s", None if code == 0 else f"exit code {code}")
+            report(
+                f"{stem}: uninterrupted, {seconds:.1f} s",
+                None if code == 0 else f"exit code {code}",
+            )
             if code != 0:
                 continue
             part = top_path / f"{stem}_term"
             code = run(args.bezel, deck, part, wait=0.5 * seconds)
             report(f"{stem}: SIGTERM ends with code 4", None if code == 4 else f"exit code {code}")
             code = go_on(args.bezel, deck, part)
-            report(f"{stem}: restarted after SIGTERM", same(whole_run, part, stem) if code == 0 else f"exit code {code}")
+            report(
+                f"{stem}: restarted after SIGTERM",
+                same(whole_run, part, stem) if code == 0 else f"exit code {code}",
+            )
             part = top_path / f"{stem}_limit"
             codes = [run(args.bezel, deck, part, "--time-limit", f"{0.4 * seconds:.3f}")]
             while codes[-1] == 4 and len(codes) < 20:
-                codes.append(run(args.bezel, deck, part, "--time-limit", f"{0.4 * seconds:.3f}", "--restart",
-                                 str(part / f"{stem}.restart.h5")))
-            trouble = f"exit codes {codes}" if codes[0] != 4 or codes[-1] != 0 else same(whole_run, part, stem)
+                codes.append(
+                    run(
+                        args.bezel,
+                        deck,
+                        part,
+                        "--time-limit",
+                        f"{0.4 * seconds:.3f}",
+                        "--restart",
+                        str(part / f"{stem}.restart.h5"),
+                    )
+                )
+            trouble = (
+                f"exit codes {codes}"
+                if codes[0] != 4 or codes[-1] != 0
+                else same(whole_run, part, stem)
+            )
             report(f"{stem}: --time-limit, {len(codes)} parts", trouble)
             for kill in range(args.kills):
                 part = top_path / f"{stem}_kill{kill}"
-                run(args.bezel, deck, part, wait=random.uniform(0.1, 0.95) * seconds, how=signal.SIGKILL)
+                run(
+                    args.bezel,
+                    deck,
+                    part,
+                    wait=random.uniform(0.1, 0.95) * seconds,
+                    how=signal.SIGKILL,
+                )
                 trouble = whole(part, stem) if part.exists() else None
                 if trouble is None:
                     code = go_on(args.bezel, deck, part)
@@ -132,7 +171,10 @@ def main():
             size = max(file.stat().st_size for file in whole_run.iterdir())
             for share in (0.01, 0.1, 0.3, 0.6, 0.9):
                 code = run(args.bezel, deck, top_path / "full_disk", room=int(share * size))
-                report(f"{stem}: files of {share:.0%} of their size", None if code == 3 else f"exit code {code}")
+                report(
+                    f"{stem}: files of {share:.0%} of their size",
+                    None if code == 3 else f"exit code {code}",
+                )
                 shutil.rmtree(top_path / "full_disk", ignore_errors=True)
     print(f"{passed} passed, {failed} failed")
     return 1 if failed else 0
