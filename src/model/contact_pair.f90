@@ -5,7 +5,7 @@ module contact_pair
   use contact_type, only: contact_law_t, MAX_LAW_PROP
   implicit none
   private
-  public :: contact_t, surface_t, surface_kind_t, contact_points_t, contact_state_t
+  public :: contact_t, surface_t, surface_kind_t, contact_points_t, contact_state_t, bond_t
 
   !> Functions of surface elements of one kind: N = C B with Bernstein polynomials B on [-1,1]^2,
   !! the first direction fastest. Facets and Lagrange patches are written this way too.
@@ -39,6 +39,13 @@ module contact_pair
     logical, allocatable :: outer(:)         !! (nvertex) the vertex lies on the outer boundary
   end type surface_t
 
+  !> Where reference points are bonded: the half space that a normal points into, or a box.
+  type :: bond_t
+    logical :: is_box = .false.
+    real(wp) :: a(3) = 0.0_wp                !! point of the plane, or low corner [L]
+    real(wp) :: b(3) = 0.0_wp                !! unit normal [-], or high corner [L]
+  end type bond_t
+
   !> CONTact of the deck.
   type :: contact_t
     character(:), allocatable :: name
@@ -54,6 +61,11 @@ module contact_pair
     logical :: has_cohesive = .false.
     type(contact_law_t) :: cohesive
     real(wp) :: cohesive_prop(MAX_LAW_PROP) = 0.0_wp
+    type(bond_t), allocatable :: bond(:)     !! all of them hold; none: everywhere
+    real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element
+    !> How the penalty of NORMal was found; not allocated: the deck gives it.
+    character(:), allocatable :: auto
+    logical :: default_depth = .false.       !! the deck gives no DEPTh
     real(wp) :: depth = 0.0_wp               !! a deeper penetration is no contact [L]
     integer :: nq = 0                        !! integration points of a surface element
     real(wp), allocatable :: xi(:, :)        !! (2, nq)
@@ -71,6 +83,7 @@ module contact_pair
     integer, allocatable :: slide(:)         !! (np)
     real(wp), allocatable :: slide_xi(:, :)  !! (2, np)
     real(wp), allocatable :: multiplier(:)   !! (np) pressure of the augmentation [F/L^2]
+    real(wp), allocatable :: multiplier_step(:) !! (np) at the start of the step
     !> What the last sweep found.
     integer, allocatable :: state(:)         !! (np) OPEN, STICK, SLIP, TOUCH
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no foot
