@@ -1,12 +1,14 @@
 !> The contents of a checkpoint: the state and the commands' bag, in a group of an HDF5 file.
 module restart_state
-  use base_kinds, only: wp, i8
+  use base_kinds, only: wp
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use model, only: state_t
   use load_curve, only: load_table_t
   use bag, only: bag_t, item_t, ITEM_REAL, ITEM_INTEGER, ITEM_TEXT, put
-  use hdf5_file, only: hdf5_t, make_group, reserve, put_rows => put, get_rows => get, get_shape, &
-    put_attribute, get_attribute, AS_REAL, AS_INT32, AS_UINT8
+  use hdf5_file, only: hdf5_t, make_group, put_attribute, get_attribute, AS_INT32, AS_UINT8
+  use restart_arrays, only: write_reals, read_reals, write_integers, read_integers, write_matrix, &
+    read_matrix, name
+  use restart_contact, only: write_contact, read_contact
   implicit none
   private
   public :: write_state, read_state, write_bag, read_bag
@@ -40,6 +42,7 @@ contains
       if (allocated(error)) return
       call write_matrix(file, group // name('/history_iter', b), state%history(b)%iter, error)
     end do
+    if (.not. allocated(error)) call write_contact(file, group, state%contact, error)
   end subroutine write_state
 
   !> The state must have the sizes of the model.
@@ -76,6 +79,7 @@ contains
       if (allocated(error)) return
       call read_matrix(file, group // name('/history_iter', b), state%history(b)%iter, error)
     end do
+    if (.not. allocated(error)) call read_contact(file, group, state%contact, error)
   end subroutine read_state
 
   subroutine write_bag(file, group, bag, error)
@@ -205,94 +209,5 @@ contains
       call get(bag, name('p', i), table(i)%p, ignored)
     end do
   end subroutine unpack_tables
-
-  subroutine write_reals(file, path, values, error)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: path
-    real(wp), intent(in), contiguous :: values(:)
-    type(error_t), allocatable, intent(out) :: error
-
-    call reserve(file, path, AS_REAL, 0, size(values, kind=i8), error)
-    if (.not. allocated(error)) call put_rows(file, path, values, error)
-  end subroutine write_reals
-
-  subroutine write_integers(file, path, values, kind, error)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: path
-    integer, intent(in), contiguous :: values(:)
-    integer, intent(in) :: kind
-    type(error_t), allocatable, intent(out) :: error
-
-    call reserve(file, path, kind, 0, size(values, kind=i8), error)
-    if (.not. allocated(error)) call put_rows(file, path, values, error)
-  end subroutine write_integers
-
-  !> A matrix without rows or columns is not stored.
-  subroutine write_matrix(file, path, values, error)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: path
-    real(wp), intent(in), contiguous :: values(:, :)
-    type(error_t), allocatable, intent(out) :: error
-
-    if (size(values) == 0) return
-    call reserve(file, path, AS_REAL, size(values, 1), size(values, 2, i8), error)
-    if (.not. allocated(error)) call put_rows(file, path, values, error)
-  end subroutine write_matrix
-
-  subroutine read_reals(file, path, values, error)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: path
-    real(wp), allocatable, intent(inout) :: values(:)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: ncol, nrow
-
-    call get_shape(file, path, ncol, nrow, error)
-    if (allocated(error)) return
-    if (allocated(values)) deallocate (values)
-    allocate (values(nrow))
-    call get_rows(file, path, values, error)
-  end subroutine read_reals
-
-  subroutine read_integers(file, path, values, error)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: path
-    integer, allocatable, intent(inout) :: values(:)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: ncol, nrow
-
-    call get_shape(file, path, ncol, nrow, error)
-    if (allocated(error)) return
-    if (allocated(values)) deallocate (values)
-    allocate (values(nrow))
-    call get_rows(file, path, values, error)
-  end subroutine read_integers
-
-  !> The shape must be as expected.
-  subroutine read_matrix(file, path, values, error)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: path
-    real(wp), intent(inout), contiguous :: values(:, :)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: ncol, nrow
-
-    if (size(values) == 0) return
-    call get_shape(file, path, ncol, nrow, error)
-    if (allocated(error)) return
-    if (ncol /= size(values, 1) .or. nrow /= size(values, 2)) then
-      call fail(error, SYSTEM_ERROR, 'damaged')
-    else
-      call get_rows(file, path, values, error)
-    end if
-  end subroutine read_matrix
-
-  pure function name(stem, k)
-    character(*), intent(in) :: stem
-    integer, intent(in) :: k
-    character(:), allocatable :: name
-    character(12) :: digits
-
-    write (digits, '("_", i0)') k
-    name = stem // trim(digits)
-  end function name
 
 end module restart_state
