@@ -1,0 +1,275 @@
+!> Smooth fields of one side of a contact, from its integration points to nodes and control points:
+!!
+!!   T_A = int N_A t da / int N_A da
+!!
+!! on the current surface, interpolated with the same functions (Sauer 2013). Values at the points
+!! themselves oscillate; only these fields are to be compared and looked at.
+module contact_smooth
+  use base_kinds, only: wp
+  use contact_pair, only: contact_t, contact_points_t, surface_t, surface_kind_t
+  use contact_surface, only: surface_functions_at, make_rational
+  use contact_type, only: OPEN, STICK, SLIP, TOUCH
+  implicit none
+  private
+  public :: smooth_t, smooth_side, largest_pressure, largest_tangential
+
+  !> Coefficients at the nodes of a side.
+  type :: smooth_t
+    integer, allocatable :: node(:)         !! (n) nodes and control points of the side, each once
+    integer, allocatable :: at(:)           !! (size(surface%node)) their places in `node`
+    real(wp), allocatable :: traction(:, :) !! (3, n) on this side [F/L^2]
+    real(wp), allocatable :: pressure(:)    !! (n) [F/L^2]
+    real(wp), allocatable :: slip(:, :)     !! (3, n) [L] contact_points_t, elastic
+    real(wp), allocatable :: state(:)       !! (n) 0 open, 1 stick (or no friction), 2 slip
+    real(wp), allocatable :: gap(:)         !! (n) [L] of the points above the other surface
+  end type smooth_t
+
+  !> Rows of the sums; 1 to 8 as in add_point.
+  integer, parameter :: AREA = 9, GAP = 10, GAP_AREA = 11, NSUM = 11
+
+  !> Where a field is looked at: NGRID x NGRID points an element, evenly spread from border to
+  !! border: fields of facets have their largest values at corners.
+  integer, parameter :: NGRID = 10
+
+  !> Functions of one kind of elements at these points, without weights.
+  type :: table_t
+    real(wp), allocatable :: shp(:, :)      !! (nsf, NGRID**2)
+    real(wp), allocatable :: dshp(:, :, :)  !! (2, nsf, NGRID**2)
+  end type table_t
+
+contains
+
+  !> All fields of side k; it must not be rigid.
+  subroutine smooth_side(contact, k, points, field)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(contact_points_t), intent(in) :: points
+    type(smooth_t), intent(out) :: field
+    real(wp), allocatable :: total(:, :), shp(:), dshp(:, :)
+    integer :: e, i, q
+
+    associate (own => contact%side(k))
+      call number_nodes(own, field)
+      allocate (total(NSUM, size(field%node)), source=0.0_wp)
+      do e = 1, own%nelem
+        associate (kind => own%kind(own%ikind(e)), first => own%first(e), &
+                   last => own%first(e + 1) - 1)
+          do q = 1, contact%nq
+            i = (e - 1)*contact%nq + q
+            shp = kind%shp(:, q)
+            dshp = kind%dshp(:, :, q)
+            if (allocated(own%w)) call make_rational(own%w(first:last), shp, dshp)
+            call add_point(points, i, shp, field%at(first:last), total)
+          end do
+        end associate
+      end do
+    end associate
+    call divide(total, points, field)
+  end subroutine smooth_side
+
+  !> Give each node of the side a place.
+  pure subroutine number_nodes(surface, field)
+    type(surface_t), intent(in) :: surface
+    type(smooth_t), intent(inout) :: field
+    integer, allocatable :: place(:)
+    integer :: i, n
+
+    allocate (place(maxval(surface%node)), source=0)
+    allocate (field%at(size(surface%node)))
+    n = 0
+    do i = 1, size(surface%node)
+      if (place(surface%node(i)) == 0) then
+        n = n + 1
+        place(surface%node(i)) = n
+      end if
+      field%at(i) = place(surface%node(i))
+    end do
+    allocate (field%node(n))
+    field%node(field%at) = surface%node
+  end subroutine number_nodes
+
+  !> Values of one point, times its area and the functions there.
+  pure subroutine add_point(points, i, shp, at, total)
+    type(contact_points_t), intent(in) :: points
+    integer, intent(in) :: i
+    real(wp), intent(in) :: shp(:)         !! (nsf)
+    integer, intent(in) :: at(:)           !! (nsf)
+    real(wp), intent(inout) :: total(:, :) !! (NSUM, n)
+    real(wp) :: value(NSUM)
+    integer :: a
+
+    value = 0.0_wp
+    value(AREA) = 1.0_wp
+    if (points%state(i) /= OPEN) then
+      value(1:3) = points%traction(:, i)
+      value(4) = points%pressure(i)
+      value(5:7) = points%elastic(:, i)
+      value(8) = share_of(points%state(i))
+    end if
+    if (points%foot(i) > 0 .and. points%gap(i) < huge(1.0_wp)) then
+      value(GAP) = points%gap(i)
+      value(GAP_AREA) = 1.0_wp
+    end if
+    value = points%area(i)*value
+    do a = 1, size(shp)
+      total(:, at(a)) = total(:, at(a)) + shp(a)*value
+    end do
+  end subroutine add_point
+
+  pure real(wp) function share_of(state)
+    integer, intent(in) :: state
+
+    select case (state)
+    case (STICK, TOUCH)
+      share_of = 1.0_wp
+    case (SLIP)
+      share_of = 2.0_wp
+    case default
+      share_of = 0.0_wp
+    end select
+  end function share_of
+
+  !> Means. A node round which no point has a foot is shown as far as the farthest point with one.
+  pure subroutine divide(total, points, field)
+    real(wp), intent(in) :: total(:, :)
+    type(contact_points_t), intent(in) :: points
+    type(smooth_t), intent(inout) :: field
+    real(wp) :: far
+    integer :: a, n
+
+    n = size(total, 2)
+    far = maxval(points%gap, mask=points%foot > 0 .and. points%gap < huge(far))
+    if (far < -0.5_wp*huge(far)) far = 0.0_wp   ! no point has a foot
+    allocate (field%traction(3, n), field%slip(3, n), source=0.0_wp)
+    allocate (field%pressure(n), field%state(n), source=0.0_wp)
+    allocate (field%gap(n), source=far)
+    do a = 1, n
+      if (total(AREA, a) > 0.0_wp) then
+        field%traction(:, a) = total(1:3, a)/total(AREA, a)
+        field%pressure(a) = total(4, a)/total(AREA, a)
+        field%slip(:, a) = total(5:7, a)/total(AREA, a)
+        field%state(a) = total(8, a)/total(AREA, a)
+      end if
+      if (total(GAP_AREA, a) > 0.0_wp) field%gap(a) = min(far, total(GAP, a)/total(GAP_AREA, a))
+    end do
+  end subroutine divide
+
+  !> Largest magnitude of the smooth pressure on NGRID x NGRID points an element.
+  function largest_pressure(contact, k, field) result(largest)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(smooth_t), intent(in) :: field
+    real(wp) :: largest
+    type(table_t), allocatable :: table(:)
+    real(wp), allocatable :: shp(:), dshp(:, :)
+    integer :: e, i
+
+    largest = 0.0_wp
+    associate (own => contact%side(k))
+      call tabulate(own%kind, table)
+      do e = 1, own%nelem
+        associate (at => field%at(own%first(e):own%first(e + 1) - 1))
+          if (all(abs(field%pressure(at)) <= 0.0_wp)) cycle
+          do i = 1, NGRID**2
+            call take(own, e, table(own%ikind(e)), i, shp, dshp)
+            largest = max(largest, abs(dot_product(shp, field%pressure(at))))
+          end do
+        end associate
+      end do
+    end associate
+  end function largest_pressure
+
+  !> Largest tangential traction on NGRID x NGRID points an element: the part of the smooth traction
+  !! in the tangent plane of the current surface there, its magnitude or one component's. Points
+  !! without a tangent plane (degenerate corners of a patch) are left out.
+  function largest_tangential(contact, k, field, x, component) result(largest)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(smooth_t), intent(in) :: field
+    real(wp), intent(in) :: x(:, :)        !! (3, nnode) current positions [L]
+    integer, intent(in) :: component       !! 1 to 3; 0: the magnitude
+    real(wp) :: largest
+    type(table_t), allocatable :: table(:)
+    real(wp), allocatable :: shp(:), dshp(:, :)
+    real(wp) :: t(3), n(3)
+    logical :: flat
+    integer :: e, i
+
+    largest = 0.0_wp
+    associate (own => contact%side(k))
+      call tabulate(own%kind, table)
+      do e = 1, own%nelem
+        associate (at => field%at(own%first(e):own%first(e + 1) - 1), &
+                   node => own%node(own%first(e):own%first(e + 1) - 1))
+          if (all(abs(field%traction(:, at)) <= 0.0_wp)) cycle
+          do i = 1, NGRID**2
+            call take(own, e, table(own%ikind(e)), i, shp, dshp)
+            call find_normal(x(:, node), dshp, n, flat)
+            if (.not. flat) cycle
+            t = matmul(field%traction(:, at), shp)
+            t = t - dot_product(t, n)*n
+            largest = max(largest, merge(norm2(t), abs(t(max(component, 1))), component == 0))
+          end do
+        end associate
+      end do
+    end associate
+  end function largest_tangential
+
+  !> Functions of all kinds on the grid.
+  subroutine tabulate(kind, table)
+    type(surface_kind_t), intent(in) :: kind(:)
+    type(table_t), allocatable, intent(out) :: table(:)
+    integer :: i, j, k
+
+    allocate (table(size(kind)))
+    do k = 1, size(kind)
+      allocate (table(k)%shp(kind(k)%nsf, NGRID**2), table(k)%dshp(2, kind(k)%nsf, NGRID**2))
+      do j = 1, NGRID
+        do i = 1, NGRID
+          associate (n => (j - 1)*NGRID + i)
+            call surface_functions_at(kind(k), [place(i), place(j)], table(k)%shp(:, n), &
+                                      table(k)%dshp(:, :, n))
+          end associate
+        end do
+      end do
+    end do
+  end subroutine tabulate
+
+  !> i-th of NGRID places from -1 to 1.
+  pure real(wp) function place(i)
+    integer, intent(in) :: i
+
+    place = real(2*i - NGRID - 1, wp)/real(NGRID - 1, wp)
+  end function place
+
+  !> Functions of element e at grid point i, weights included.
+  pure subroutine take(surface, e, table, i, shp, dshp)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e, i
+    type(table_t), intent(in) :: table
+    real(wp), allocatable, intent(inout) :: shp(:), dshp(:, :)
+
+    shp = table%shp(:, i)
+    dshp = table%dshp(:, :, i)
+    if (.not. allocated(surface%w)) return
+    call make_rational(surface%w(surface%first(e):surface%first(e + 1) - 1), shp, dshp)
+  end subroutine take
+
+  !> Unit normal; flat = .false. where the tangents span no plane.
+  pure subroutine find_normal(x, dshp, n, flat)
+    real(wp), intent(in) :: x(:, :)        !! (3, nsf)
+    real(wp), intent(in) :: dshp(:, :)     !! (2, nsf)
+    real(wp), intent(out) :: n(3)
+    logical, intent(out) :: flat
+    real(wp), parameter :: NO_PLANE = 1.0e-6_wp !! sine of the angle of the tangents [-]
+    real(wp) :: a(3), b(3), size
+
+    a = matmul(x, dshp(1, :))
+    b = matmul(x, dshp(2, :))
+    n = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+    size = norm2(n)
+    flat = size > NO_PLANE*norm2(a)*norm2(b)
+    if (flat) n = n/size
+  end subroutine find_normal
+
+end module contact_smooth
