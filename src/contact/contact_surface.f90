@@ -1,0 +1,198 @@
+!> Surfaces of contact: made from element faces, tabulated at the integration points.
+module contact_surface
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp, i8
+  use base_sort, only: sort_index
+  use contact_edges, only: connect_elements
+  use contact_kind, only: find_kind, same_kind, is_mixed, surface_functions_at, make_rational
+  use contact_pair, only: contact_t, surface_t, surface_kind_t
+  use element_type, only: cell_t, topology_t
+  use mesh, only: mesh_t, block_cell
+  use quadrature, only: gauss_quad
+  implicit none
+  private
+  public :: build_surface, tabulate_contact, surface_functions_at, make_rational
+
+  !> Element faces with the same functions.
+  type :: class_t
+    integer :: kind = 0
+    integer, allocatable :: local(:) !! (nsf) nodes of the element that they belong to
+  end type class_t
+
+contains
+
+  !> The surface that element faces make up.
+  subroutine build_surface(mesh, block, elem, side, name, surface, error)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6
+    character(*), intent(in) :: name
+    type(surface_t), intent(out) :: surface
+    type(error_t), allocatable, intent(out) :: error
+    integer(i8), allocatable :: key(:)
+    type(class_t), allocatable :: class(:)
+    integer, allocatable :: iclass(:)
+
+    surface%name = name
+    surface%nelem = size(elem)
+    surface%block = block
+    surface%elem = elem
+    surface%face = side
+    call check_faces(mesh, surface, error)
+    if (allocated(error)) return
+    call find_keys(mesh, surface, key)
+    call find_classes(mesh, key, surface, class, iclass)
+    call gather_nodes(mesh, class, iclass, surface)
+    call connect_elements(mesh%xr, surface, error)
+  end subroutine build_surface
+
+  !> Only faces of hexahedra are patches.
+  subroutine check_faces(mesh, surface, error)
+    type(mesh_t), intent(in) :: mesh
+    type(surface_t), intent(in) :: surface
+    type(error_t), allocatable, intent(out) :: error
+    type(cell_t) :: cell
+    type(topology_t) :: topology
+    integer :: b
+
+    do b = 1, size(mesh%block)
+      if (.not. any(surface%block == b)) cycle
+      call block_cell(mesh%block(b), 1, cell)
+      call mesh%block(b)%row%topology(cell, topology)
+      if (topology%nface == 6) cycle
+      call fail(error, DECK_ERROR, 'contact of surface '//surface%name//': elements ' &
+        //trim(mesh%block(b)%name)//' have no four-sided faces', &
+        hint='surfaces of contact are faces of hexahedra')
+      return
+    end do
+  end subroutine check_faces
+
+  !> Faces with equal keys have the same functions: block, face and extraction operators.
+  subroutine find_keys(mesh, surface, key)
+    type(mesh_t), intent(in) :: mesh
+    type(surface_t), intent(in) :: surface
+    integer(i8), allocatable, intent(out) :: key(:) !! (nelem); negative: a class of its own
+    integer, parameter :: MOST_OPERATORS = 100000
+    integer(i8) :: n
+    type(cell_t) :: cell
+    integer :: f, d
+
+    allocate (key(surface%nelem))
+    do f = 1, surface%nelem
+      associate (ext => mesh%block(surface%block(f))%ext, e => surface%elem(f))
+        key(f) = 6*int(surface%block(f), i8) + surface%face(f)
+        if (.not. allocated(ext%op)) cycle
+        n = size(ext%op) + 1
+        do d = 1, 3
+          key(f) = key(f)*n + ext%iop(d, e)
+        end do
+        cell%degree = ext%degree
+        if (allocated(ext%w)) cell%w = ext%w(:, e)
+        if (n > MOST_OPERATORS .or. is_mixed(cell, mesh%block(surface%block(f))%nen, &
+          surface%face(f))) key(f) = -f
+        if (allocated(cell%w)) deallocate (cell%w)
+      end associate
+    end do
+  end subroutine find_keys
+
+  !> Kinds of functions, each once.
+  subroutine find_classes(mesh, key, surface, class, iclass)
+    type(mesh_t), intent(in) :: mesh
+    integer(i8), intent(in) :: key(:)
+    type(surface_t), intent(inout) :: surface
+    type(class_t), allocatable, intent(out) :: class(:)
+    integer, allocatable, intent(out) :: iclass(:) !! (nelem)
+    type(surface_kind_t), allocatable :: kind(:)
+    type(surface_kind_t) :: new
+    type(cell_t) :: cell
+    integer :: order(size(key)), i, f, n, nkind
+
+    call sort_index(key, order)
+    allocate (class(size(key)), iclass(size(key)), kind(size(key)))
+    n = 0
+    nkind = 0
+    do i = 1, size(key)
+      f = order(i)
+      if (i > 1) then
+        if (key(f) == key(order(i - 1))) then
+          iclass(f) = n
+          cycle
+        end if
+      end if
+      n = n + 1
+      iclass(f) = n
+      associate (block => mesh%block(surface%block(f)))
+        call block_cell(block, surface%elem(f), cell)
+        call find_kind(block%row, cell, block%nen, surface%face(f), new, class(n)%local)
+      end associate
+      do while (class(n)%kind < nkind)
+        class(n)%kind = class(n)%kind + 1
+        if (same_kind(new, kind(class(n)%kind))) exit
+        if (class(n)%kind == nkind) class(n)%kind = nkind + 1
+      end do
+      class(n)%kind = max(class(n)%kind, 1)
+      if (class(n)%kind > nkind) then
+        nkind = nkind + 1
+        kind(nkind) = new
+      end if
+    end do
+    surface%kind = kind(:nkind)
+    surface%ikind = class(iclass)%kind
+  end subroutine find_classes
+
+  !> Nodes of the faces, and weights where an element has some.
+  subroutine gather_nodes(mesh, class, iclass, surface)
+    type(mesh_t), intent(in) :: mesh
+    type(class_t), intent(in) :: class(:)
+    integer, intent(in) :: iclass(:)
+    type(surface_t), intent(inout) :: surface
+    type(cell_t) :: cell
+    logical :: rational
+    integer :: f, i
+
+    allocate (surface%first(surface%nelem + 1))
+    surface%first(1) = 1
+    rational = .false.
+    do f = 1, surface%nelem
+      surface%first(f + 1) = surface%first(f) + size(class(iclass(f))%local)
+      rational = rational .or. allocated(mesh%block(surface%block(f))%ext%w)
+    end do
+    allocate (surface%node(surface%first(surface%nelem + 1) - 1))
+    if (rational) allocate (surface%w(size(surface%node)), source=1.0_wp)
+    do f = 1, surface%nelem
+      associate (block => mesh%block(surface%block(f)), local => class(iclass(f))%local, &
+          first => surface%first(f), last => surface%first(f + 1) - 1)
+        surface%node(first:last) = block%conn(local, surface%elem(f))
+        if (.not. allocated(block%ext%w)) cycle
+        call block_cell(block, surface%elem(f), cell)
+        if (is_mixed(cell, block%nen, surface%face(f))) cycle
+        do i = first, last
+          if (local(i - first + 1) <= size(cell%w)) surface%w(i) = cell%w(local(i - first + 1))
+        end do
+      end associate
+    end do
+  end subroutine gather_nodes
+
+  !> Gauss points n1 x n2, first direction fastest, and the functions of both sides at them.
+  subroutine tabulate_contact(contact, n1, n2)
+    type(contact_t), intent(inout) :: contact
+    integer, intent(in) :: n1, n2
+    integer :: s, k, q
+
+    contact%nq = n1*n2
+    if (allocated(contact%xi)) deallocate (contact%xi, contact%wgt)
+    allocate (contact%xi(2, contact%nq), contact%wgt(contact%nq))
+    call gauss_quad(n1, n2, contact%xi, contact%wgt)
+    do s = 1, 2
+      do k = 1, size(contact%side(s)%kind)
+        associate (kind => contact%side(s)%kind(k))
+          if (allocated(kind%shp)) deallocate (kind%shp, kind%dshp)
+          allocate (kind%shp(kind%nsf, contact%nq), kind%dshp(2, kind%nsf, contact%nq))
+          do q = 1, contact%nq
+            call surface_functions_at(kind, contact%xi(:, q), kind%shp(:, q), kind%dshp(:, :, q))
+          end do
+        end associate
+      end do
+    end do
+  end subroutine tabulate_contact
+
+end module contact_surface

@@ -1,0 +1,121 @@
+!> Moving a point along a surface.
+module contact_walk
+  use base_kinds, only: wp
+  use contact_foot, only: shape_t
+  use contact_pair, only: surface_t
+  use contact_shape, only: surface_point
+  implicit none
+  private
+  public :: walk, step_across
+
+  integer, parameter :: MOST_CROSSINGS = 100
+  real(wp), parameter :: FLAT = 1.0e-12_wp !! squared sine between tangents that have no plane
+
+contains
+
+  !> Move (elem, xi) by the tangential vector v: dxi = v . a^alpha, on the next element's tangent
+  !! plane behind a border with what is left; along the outer border where v leads over it.
+  pure subroutine walk(surface, shape, elem, xi, v, clamped)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    integer, intent(inout) :: elem
+    real(wp), intent(inout) :: xi(2)
+    real(wp), intent(in) :: v(3)      !! [L]
+    logical, intent(out) :: clamped   !! the outer border held it
+    real(wp) :: left, share, d(2)
+    integer :: crossing, i, k, next, behind
+    logical :: held(2), ok
+
+    clamped = .false.
+    held = .false.
+    behind = 0 ! the edge it came over
+    left = 1.0_wp
+    do crossing = 1, MOST_CROSSINGS
+      call tangential_step(surface, shape, elem, xi, left*v, held, d, ok)
+      if (.not. ok) return
+      call first_border(xi, d, share, i)
+      xi = max(-1.0_wp, min(1.0_wp, xi + share*d))
+      if (i == 0) return
+      left = left*(1.0_wp - share)
+      k = 2*i - merge(1, 0, d(i) < 0.0_wp)
+      xi(i) = sign(1.0_wp, d(i))
+      next = surface%neighbour(k, elem)
+      if (next == 0) clamped = .true.
+      if (next == 0 .or. k == behind) then ! a fold sends it back: along the edge
+        held(i) = .true.
+        if (all(held)) return
+      else
+        behind = abs(surface%edge(k, elem))
+        call step_across(surface, k, elem, xi)
+        held = .false.
+      end if
+    end do
+  end subroutine walk
+
+  !> The point of an edge in the element behind it.
+  pure subroutine step_across(surface, k, elem, xi)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: k            !! edge, with a neighbour
+    integer, intent(inout) :: elem
+    real(wp), intent(inout) :: xi(2)
+    integer :: m
+    real(wp) :: t
+
+    m = surface%edge(k, elem)
+    t = sign(1.0_wp, real(m, wp))*xi(merge(2, 1, k < 3))
+    elem = surface%neighbour(k, elem)
+    m = abs(m)
+    xi = merge(-1.0_wp, 1.0_wp, mod(m, 2) == 1)
+    xi(merge(2, 1, m < 3)) = t
+  end subroutine step_across
+
+  !> v . a^alpha; a parameter that is held does not move.
+  pure subroutine tangential_step(surface, shape, elem, xi, v, held, d, ok)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: elem
+    real(wp), intent(in) :: xi(2), v(3)
+    logical, intent(in) :: held(2)
+    real(wp), intent(out) :: d(2)
+    logical, intent(out) :: ok
+    real(wp) :: x(3), a(3, 2), b(3, 3), m11, m22, m12, g(2), det
+
+    call surface_point(surface, shape, elem, xi, x, a, b)
+    m11 = dot_product(a(:, 1), a(:, 1))
+    m22 = dot_product(a(:, 2), a(:, 2))
+    m12 = dot_product(a(:, 1), a(:, 2))
+    g = [dot_product(v, a(:, 1)), dot_product(v, a(:, 2))]
+    det = m11*m22 - m12*m12
+    d = 0.0_wp
+    ok = det > FLAT*m11*m22
+    if (.not. ok) return
+    if (held(1)) then
+      d(2) = g(2)/m22
+    else if (held(2)) then
+      d(1) = g(1)/m11
+    else
+      d = [m22*g(1) - m12*g(2), m11*g(2) - m12*g(1)]/det
+    end if
+  end subroutine tangential_step
+
+  !> Share of the step up to the first border, and the parameter that meets it; 0: none.
+  pure subroutine first_border(xi, d, share, i)
+    real(wp), intent(in) :: xi(2), d(2)
+    real(wp), intent(out) :: share
+    integer, intent(out) :: i
+    real(wp) :: way
+    integer :: j
+
+    share = 1.0_wp
+    i = 0
+    do j = 1, 2
+      way = sign(1.0_wp, d(j)) - xi(j) ! to the border ahead
+      if (.not. abs(d(j)) > abs(way)*(1.0_wp + epsilon(1.0_wp))) cycle
+      if (abs(way) <= share*abs(d(j))) then
+        share = abs(way/d(j))
+        i = j
+      end if
+    end do
+  end subroutine first_border
+
+end module contact_walk
