@@ -2,14 +2,14 @@
 !! The only file that sees MUMPS.
 !! Source: Amestoy, Duff, L'Excellent and Koster 2001 [bib: amestoy2001]; users' guide of MUMPS 5.5
 module solver_mumps
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_get_underflow_mode, &
-    ieee_set_underflow_mode, ieee_support_underflow_control
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_get_underflow_mode
+  use, intrinsic :: ieee_arithmetic, only: ieee_set_underflow_mode, ieee_support_underflow_control
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
   use base_text, only: to_text
   use solver_type, only: solver_t
   use solver_mumps_control, only: set_controls, set_fronts, set_panels, FIRST_MARGIN, &
-    ORDER_AMD, ORDER_GIVEN, ORDER_PORD
+                                  ORDER_AMD, ORDER_GIVEN, ORDER_PORD
   use solver_mumps_text, only: check_memory, describe_failure
   implicit none
   private
@@ -138,7 +138,9 @@ contains
 
       n = neq
       nnz = size(row, kind=i8)
-      allocate (irn(nnz), jcn(nnz), perm_in(size(order)), stat=stat)
+      allocate (irn(nnz), stat=stat)
+      if (stat == 0) allocate (jcn(nnz), stat=stat)
+      if (stat == 0) allocate (perm_in(size(order)), stat=stat)
       if (stat /= 0) return
       irn = row
       jcn = col
@@ -303,8 +305,9 @@ contains
     if (self%infog(1) < 0) call describe_failure(self%infog(1), self%infog(2), self%neq, error)
   end subroutine run
 
-  !> Numbers below the normal range count as zero meanwhile: factors of a matrix with a strong diagonal
-  !! decay into that range in single precision, where a factorisation took seven times as long.
+  !> Numbers below the normal range count as zero meanwhile: factors of a matrix with a strong
+  !! diagonal decay into that range in single precision, where a factorisation took seven times as
+  !! long.
   subroutine smumps_flushed(id)
     type(smumps_struc), intent(inout) :: id
 

@@ -29,18 +29,18 @@ contains
   end subroutine set_controls
 
   !> Smaller fronts than by default: nodes of the elimination tree are merged with fewer pivots. On
-  !! cubes of 26 and 82 thousand equations this saved 9 and 7 % of the operations and of the entries.
-  !! KEEP is not in the guide; these have stood in MUMPS's dini_defaults.F since 5.0. Before the
-  !! analysis.
+  !! cubes of 26 and 82 thousand equations this saved 9 and 7 % of the operations and of the
+  !! entries. KEEP is not in the guide; these have stood in MUMPS's dini_defaults.F since 5.0.
+  !! Before the analysis.
   pure subroutine set_fronts(keep)
     integer, intent(inout) :: keep(:)
 
     keep(1) = 2
   end subroutine set_fronts
 
-  !> Narrower inner panels than by default (16 and 32 columns) for symmetric matrices: inside a panel
-  !! MUMPS updates column by column, which took a fifth of the time; the rest is dgemm. Saved 15 % of
-  !! a factorisation of 26 thousand equations. After the analysis.
+  !> Narrower inner panels than by default (16 and 32 columns) for symmetric matrices: inside a
+  !! panel MUMPS updates column by column, which took a fifth of the time; the rest is dgemm. Saved
+  !! 15 % of a factorisation of 26 thousand equations. After the analysis.
   pure subroutine set_panels(keep)
     integer, intent(inout) :: keep(:)
 

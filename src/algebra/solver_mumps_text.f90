@@ -20,7 +20,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (need_mb <= available_mb) return
-   call fail(error, SYSTEM_ERROR, 'the factorisation of '//to_text(neq)//' equations needs about ' &
+    call fail(error, SYSTEM_ERROR, 'the factorisation of '//to_text(neq) &
+              //' equations needs about ' &
               //to_text(nint(need_mb, i8))//' MB of memory, '//to_text(nint(available_mb, i8)) &
               //' MB are available')
     error%hint = HALF
@@ -37,7 +38,8 @@ contains
     select case (code)
     case (-6)
       call fail(error, NO_SOLUTION, 'the tangent is singular: its pattern has rank ' &
-        //to_text(detail)//' of '//to_text(neq), hint='look for nodes without stiffness or support')
+                //to_text(detail)//' of '//to_text(neq), &
+                hint='look for nodes without stiffness or support')
     case (-10)
       call fail(error, NO_SOLUTION, 'the tangent is singular', &
                 hint='look for free bodies and missing supports')
@@ -49,7 +51,8 @@ contains
                 //' equations ('//amount(detail)//' numbers could not be allocated)', hint=HALF)
     case (-8, -9, -11, -14, -15, -19)
       call fail(error, SYSTEM_ERROR, 'pivoting needs far more work space than foreseen (' &
-           //amount(detail)//' numbers short)', hint='the tangent may be close to singular; '//HALF)
+                //amount(detail)//' numbers short)', &
+                hint='the tangent may be close to singular; '//HALF)
     case (-17, -20)
       call fail(error, SYSTEM_ERROR, 'a message buffer of MUMPS is too small')
     case (-51, -52)

@@ -4,10 +4,11 @@ module base_cpu
   private
   public :: vector_level
 
-  character(8), parameter :: LEVEL_3(7) = [character(8) :: 'avx2', 'bmi1', 'bmi2', 'f16c', 'fma', &
-    'abm', 'movbe']
-  character(8), parameter :: LEVEL_4(5) = [character(8) :: 'avx512f', 'avx512bw', 'avx512cd', &
-    'avx512dq', 'avx512vl']
+  character(8), parameter :: LEVEL_3(7) = &
+                             ['avx2    ', 'bmi1    ', 'bmi2    ', 'f16c    ', 'fma     ', &
+                              'abm     ', 'movbe   ']
+  character(8), parameter :: LEVEL_4(5) = &
+                             ['avx512f ', 'avx512bw', 'avx512cd', 'avx512dq', 'avx512vl']
 
 contains
 

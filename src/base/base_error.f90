@@ -93,7 +93,7 @@ contains
     call cut_out(place, source, column)
     nchar = 0
     if (place%column > 0) nchar = characters(place%text(:min(place%column - 1, len(place%text)))) &
-      + max(place%column - 1 - len(place%text), 0) + 1
+                                  + max(place%column - 1 - len(place%text), 0) + 1
     if (place%column > 0) then
       text = place%file//':'//trim(number)//':'//decimal(nchar)//': '//text
     else
@@ -101,7 +101,7 @@ contains
     end if
     text = text//new_line('a')//repeat(' ', margin)//trim(number)//' | '//printable(source)
     if (place%column > 0) text = text//new_line('a')//repeat(' ', margin + len_trim(number)) &
-      //' | '//caret(source, column, place%width)
+                                 //' | '//caret(source, column, place%width)
   end function head
 
   !> The part of a source line that is shown, and the column of the spot in it.
@@ -156,7 +156,7 @@ contains
     text = source
     do i = 1, len(text)
       if ((iachar(text(i:i)) < 32 .and. text(i:i) /= achar(9)) &
-        .or. iachar(text(i:i)) == 127) text(i:i) = '?'
+          .or. iachar(text(i:i)) == 127) text(i:i) = '?'
     end do
   end function printable
 

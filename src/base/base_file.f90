@@ -3,14 +3,14 @@ module base_file
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_kinds, only: i8
   use base_libc, only: c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, c_unlink, c_errno, &
-    c_strerror, &
-    c_strlen, statx_t, AT_FDCWD, AT_EMPTY_PATH, F_TLOCK, STATX_BASIC
+                       c_strerror, &
+                       c_strlen, statx_t, AT_FDCWD, AT_EMPTY_PATH, F_TLOCK, STATX_BASIC
   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_null_char, c_ptr, c_associated, &
-    c_f_pointer
+                                                                            c_f_pointer
   implicit none
   private
   public :: file_t, inspect, make_folder, replace_file, remove_file, lock_file, unlock_file, &
-    lock_t, folder_of, base_name
+            lock_t, folder_of, base_name
   public :: system_reason
 
   integer, parameter, public :: FILE_ABSENT = 0, FILE_REGULAR = 1, FILE_FOLDER = 2, FILE_OTHER = 3
@@ -56,7 +56,7 @@ contains
     integer(i8) :: identity(2)
 
     identity = [ior(ishft(int(buffer%dev_major, i8), 32), int(buffer%dev_minor, i8)), &
-      int(buffer%ino, i8)]
+                int(buffer%ino, i8)]
   end function identity_of
 
   !> Make a folder and those above it; one that is there already is fine.
@@ -85,8 +85,9 @@ contains
     character(*), intent(in) :: from, to
     type(error_t), allocatable, intent(out) :: error
 
-    if (c_rename(c_text(from), c_text(to)) /= 0) call fail(error, SYSTEM_ERROR, &
-      "cannot write '"//to//"': "//system_reason())
+    if (c_rename(c_text(from), c_text(to)) /= 0) then
+      call fail(error, SYSTEM_ERROR, "cannot write '"//to//"': "//system_reason())
+    end if
   end subroutine replace_file
 
   !> Remove a file if it is there.
@@ -118,7 +119,7 @@ contains
       if (c_lockf(lock%fd, F_TLOCK, 0_c_long) /= 0) then
         failed = c_close(lock%fd)
         call fail(error, SYSTEM_ERROR, "another run holds '"//path//"'", &
-          hint='wait for it, or give this run another folder (-o) or name (--name)')
+                  hint='wait for it, or give this run another folder (-o) or name (--name)')
         return
       end if
       ! The holder before us may have removed the file between our two calls: then it locks nothing.

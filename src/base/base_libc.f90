@@ -1,19 +1,19 @@
 !> The C library's calls that we use, as they are (glibc, Linux). base_system gives them a Fortran
 !! face.
 module base_libc
-  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_ptr, c_funptr, c_int16_t, &
-    c_int32_t, c_int64_t, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_ptr, c_funptr
+  use, intrinsic :: iso_c_binding, only: c_int16_t, c_int32_t, c_int64_t, c_size_t
   implicit none
   private
   public :: c_exit, c_isatty, c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, c_unlink, &
-    c_signal, c_mallopt, c_malloc_trim, &
-    c_getpid, c_errno, c_strerror, c_strlen, statx_t
+            c_signal, c_mallopt, c_malloc_trim, &
+            c_getpid, c_errno, c_strerror, c_strlen, statx_t
 
   integer(c_int), parameter, public :: AT_FDCWD = -100, AT_EMPTY_PATH = 4096, F_TLOCK = 2
   integer(c_int), parameter, public :: M_TRIM_THRESHOLD = -1, M_MMAP_MAX = -4 !! mallopt
   integer(c_int), parameter, public :: STATX_BASIC = 2047
   integer(c_int), parameter, public :: SIGINT = 2, SIGUSR1 = 10, SIGPIPE = 13, SIGTERM = 15, &
-    SIGXFSZ = 25
+                                       SIGXFSZ = 25
 
   !> struct statx: the same on every architecture.
   type, bind(C) :: statx_t

@@ -9,7 +9,7 @@ module base_log
   implicit none
   private
   public :: open_log, close_log, log_line, warn, warning_count, progress, clear_progress, tell, &
-    set_quiet
+            set_quiet
 
   type(byte_file_t) :: file
   logical :: opened = .false.

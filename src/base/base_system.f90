@@ -3,14 +3,14 @@
 module base_system
   use base_kinds, only: wp, i8
   use base_libc, only: c_exit, c_isatty, c_signal, c_getpid, SIGINT, SIGUSR1, SIGPIPE, SIGTERM, &
-    SIGXFSZ, c_mallopt, c_malloc_trim, M_TRIM_THRESHOLD, M_MMAP_MAX
+                       SIGXFSZ, c_mallopt, c_malloc_trim, M_TRIM_THRESHOLD, M_MMAP_MAX
   use, intrinsic :: iso_c_binding, only: c_int, c_funptr, c_funloc, c_intptr_t, c_size_t
   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
   implicit none
   private
   public :: finish, stderr_is_terminal, catch_signals, stop_requested, stop_signal
-  public :: start_clock, wall_seconds, cpu_seconds, process_id, peak_memory_mb, available_memory_mb, &
-    keep_memory, return_memory
+  public :: start_clock, wall_seconds, cpu_seconds, process_id, peak_memory_mb, &
+            available_memory_mb, keep_memory, return_memory
 
   integer(c_int), volatile :: caught = 0 !! number of the signal that asked us to stop
   integer(i8) :: origin = -huge(0_i8)    !! count of the clock when the run began
@@ -67,10 +67,10 @@ contains
     character(:), allocatable :: name
 
     select case (caught)
-    case (0);       name = ''
+    case (0); name = ''
     case (SIGTERM); name = 'SIGTERM'
-    case (SIGINT);  name = 'SIGINT'
-    case default;   name = 'SIGUSR1'
+    case (SIGINT); name = 'SIGINT'
+    case default; name = 'SIGUSR1'
     end select
   end function stop_signal
 

@@ -144,8 +144,8 @@ contains
     do i = 1, size(list)
       if (len_trim(list(i)) == 0) cycle
       here = 8*min(distance(lower(word(:n)), lower(trim(list(i)))), &
-        distance(lower(word(:min(n, 4))), lower(list(i)(:min(len_trim(list(i)), 4))))) &
-        + min(7, distance(lower(word(:n)), lower(trim(list(i)))))
+                   distance(lower(word(:min(n, 4))), lower(list(i) (:min(len_trim(list(i)), 4))))) &
+             + min(7, distance(lower(word(:n)), lower(trim(list(i)))))
       if (here >= best) cycle
       best = here
       found = trim(list(i))
@@ -164,11 +164,12 @@ contains
       row(0, 2) = i
       do j = 1, len(b)
         row(j, 2) = min(row(j, 1) + 1, row(j - 1, 2) + 1, row(j - 1, 1) + merge(0, 1, &
-          a(i:i) == b(j:j)))
+                                                                                a(i:i) == b(j:j)))
       end do
       do j = 2, merge(len(b), 0, i > 1)
-        if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) row(j, 2) = min(row(j, 2), &
-          row(j - 2, 0) + 1)
+        if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) then
+          row(j, 2) = min(row(j, 2), row(j - 2, 0) + 1)
+        end if
       end do
       row(:, 0) = row(:, 1)
       row(:, 1) = row(:, 2)

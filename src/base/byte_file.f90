@@ -2,7 +2,7 @@
 !! (libgfortran 12 returns iostat 0 from write, flush and close).
 module byte_file
   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_ptr, c_null_ptr, c_null_char, &
-    c_loc, c_associated
+                                                                            c_loc, c_associated
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_kinds, only: i8
   use base_file, only: replace_file, remove_file, system_reason
@@ -59,7 +59,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     file%path = path
-    file%stream = c_fopen(path // c_null_char, merge('ab', 'wb', appends) // c_null_char)
+    file%stream = c_fopen(path//c_null_char, merge('ab', 'wb', appends)//c_null_char)
     if (.not. c_associated(file%stream)) call refuse('create', path, error)
   end subroutine open_bytes
 
@@ -106,12 +106,12 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(byte_file_t) :: file
 
-    call open_bytes(file, path // '.part', .false., error)
+    call open_bytes(file, path//'.part', .false., error)
     if (allocated(error)) return
     call write_text(file, text, error)
     if (.not. allocated(error)) call close_bytes(file, error)
-    if (.not. allocated(error)) call replace_file(path // '.part', path, error)
-    if (allocated(error)) call remove_file(path // '.part')
+    if (.not. allocated(error)) call replace_file(path//'.part', path, error)
+    if (allocated(error)) call remove_file(path//'.part')
   end subroutine write_whole
 
   !> Make a file longer by so many bytes, so that there is room for what comes.
@@ -146,21 +146,21 @@ contains
     type(error_t), allocatable :: error
 
     text = ''
-    probe%stream = c_fopen(path // c_null_char, merge('r+', 'rb', writes) // c_null_char)
-    if (.not. c_associated(probe%stream)) text = ': ' // system_reason()
+    probe%stream = c_fopen(path//c_null_char, merge('r+', 'rb', writes)//c_null_char)
+    if (.not. c_associated(probe%stream)) text = ': '//system_reason()
     call close_bytes(probe, error)
     if (.not. writes) return
-    probe%path = path // '.probe'
-    probe%stream = c_fopen(probe%path // c_null_char, 'wb' // c_null_char)
+    probe%path = path//'.probe'
+    probe%stream = c_fopen(probe%path//c_null_char, 'wb'//c_null_char)
     if (.not. c_associated(probe%stream)) then
-      text = ': ' // system_reason()
+      text = ': '//system_reason()
       return
     end if
     call write_text(probe, repeat(' ', 65536), error)
     if (.not. allocated(error)) call flush_bytes(probe, error)
-    if (allocated(error)) text = ': ' // system_reason()
+    if (allocated(error)) text = ': '//system_reason()
     call close_bytes(probe, error)
-    call remove_file(path // '.probe')
+    call remove_file(path//'.probe')
   end function reason
 
   subroutine refuse(verb, path, error)
@@ -168,7 +168,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call fail(error, SYSTEM_ERROR, &
-      'cannot ' // verb // ' ''' // path // ''': ' // system_reason())
+              'cannot '//verb//' '''//path//''': '//system_reason())
   end subroutine refuse
 
 end module byte_file

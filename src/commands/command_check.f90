@@ -9,7 +9,8 @@ module command_check
 
 contains
 
-  !> Every load number has a PROP; 0, the sum of all tables, needs none. Without any PROP all factors are 1.
+  !> Every load number has a PROP; 0, the sum of all tables, needs none. Without any PROP all
+  !! factors are 1.
   subroutine check_tables(bc, ntable, error)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: ntable   !! highest table that a PROP defines
@@ -39,7 +40,7 @@ contains
 
       if (allocated(error) .or. table <= ntable) return
       call fail(error, DECK_ERROR, 'load table '//to_text(table)//' is not defined', place, &
-        'put PROP,,'//to_text(table)//' among the commands and its data behind END')
+                'put PROP,,'//to_text(table)//' among the commands and its data behind END')
     end subroutine check
 
   end subroutine check_tables

@@ -27,8 +27,9 @@ contains
     end associate
     call put(bag, 'newton_reals', [run%newton%tolerance, run%newton%eps])
     call put(bag, 'newton_integers', [run%newton%mode, merge(1, 0, run%newton%symmetric)])
-    call put(bag, 'plan', [run%plan%every, run%iterations, run%cutbacks, &
-      run%negative_pivots, merge(1, 0, run%failed_step), run%plan%cutbacks, merge(1, 0, run%plan%retry)])
+    call put(bag, 'plan', &
+             [run%plan%every, run%iterations, run%cutbacks, run%negative_pivots, &
+              merge(1, 0, run%failed_step), run%plan%cutbacks, merge(1, 0, run%plan%retry)])
     call put(bag, 'parameters', parameter_values(run))
   end subroutine pack_run
 
@@ -63,7 +64,8 @@ contains
     found = all(there(6:8))
     if (.not. found) return
     associate (c => run%control)
-      c%dt = x(1); c%anchor = x(2); c%size = x(3); c%dtmin = x(4); c%dtmax = x(5); c%from = x(6); c%to = x(7)
+      c%dt = x(1); c%anchor = x(2); c%size = x(3)
+      c%dtmin = x(4); c%dtmax = x(5); c%from = x(6); c%to = x(7)
       c%target = n(1); c%passed = n(2); c%quiet = n(3); c%cuts = n(4)
     end associate
     call unpack_policies(bag, run, found)

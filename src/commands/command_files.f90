@@ -13,10 +13,12 @@ module command_files
   use linear_system, only: FULL
   use program_version, only: VERSION
   use result_file, only: open_result, write_result, close_result
-  use restart_file, only: fingerprint_t, make_fingerprint, store => write_checkpoint, read_checkpoint
+  use restart_file, only: fingerprint_t, make_fingerprint, store => write_checkpoint, &
+                          read_checkpoint
   implicit none
   private
-  public :: open_files, write_rows, write_fields, write_checkpoint, write_anchor, drop_anchor, close_files, restore_run
+  public :: open_files, write_rows, write_fields, write_checkpoint, write_anchor, drop_anchor, &
+            close_files, restore_run
 
   integer, parameter :: LONG = 64 !! longest name of a column
 
@@ -38,9 +40,11 @@ contains
           column(j) = curve%quantity(j)%column
         end do
         if (run%restarted) then
-          call open_curve(run%curve(i), run%stem//'_'//curve%name//'.dat', column, run%nfactor, error, run%kept)
+          call open_curve(run%curve(i), run%stem//'_'//curve%name//'.dat', column, run%nfactor, &
+                          error, run%kept)
         else
-          call open_curve(run%curve(i), run%stem//'_'//curve%name//'.dat', column, run%nfactor, error)
+          call open_curve(run%curve(i), run%stem//'_'//curve%name//'.dat', column, run%nfactor, &
+                          error)
         end if
         if (allocated(error)) return
         deallocate (column)
@@ -68,8 +72,8 @@ contains
         do j = 1, size(value)
           value(j) = quantity_value(run%model, run%state, curve%quantity(j))
         end do
-        call write_row(run%curve(i), run%state%step, run%state%time, factor, run%newton%iterations, &
-          run%plan%cutbacks, run%newton%converged, value, error)
+        call write_row(run%curve(i), run%state%step, run%state%time, factor, &
+                       run%newton%iterations, run%plan%cutbacks, run%newton%converged, value, error)
         if (allocated(error)) return
         call move_alloc(value, run%last_row(i)%value)
       end associate
@@ -108,7 +112,8 @@ contains
     call make_fingerprint(VERSION, run%deck_text, run%model, print)
     call store(run%stem//'.restart.h5', print, run%anchor%state, run%anchor%bag, error)
     if (allocated(error)) return
-    call log_line('checkpoint after step '//to_text(run%anchor%state%step)//' in '//run%stem//'.restart.h5')
+    call log_line('checkpoint after step '//to_text(run%anchor%state%step)//' in '//run%stem &
+                  //'.restart.h5')
   end subroutine write_checkpoint
 
   !> The same of the last anchor, for a stop that was not foreseen.
@@ -149,7 +154,8 @@ contains
     if (allocated(error)) return
     call unpack_run(bag, run, found)
     if (.not. found) then
-      call fail(error, SYSTEM_ERROR, "'"//path//"' does not hold a whole checkpoint", hint='start again from the deck')
+      call fail(error, SYSTEM_ERROR, "'"//path//"' does not hold a whole checkpoint", &
+                hint='start again from the deck')
       return
     end if
     run%restarted = .true.

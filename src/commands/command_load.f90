@@ -22,14 +22,14 @@ contains
     type(command_row_t) :: row
 
     row = new_row('PROP', 'PROP,,k1[,k2], then a table behind END for each', &
-      3, run_prop, read_tables)
+                  3, run_prop, read_tables)
   end function describe_prop
 
   function describe_para() result(row)
     type(command_row_t) :: row
 
     row = new_row('PARAmeter', 'PARAmeter, then name = value records behind END', &
-      0, run_para, read_assignments)
+                  0, run_para, read_assignments)
   end function describe_para
 
   !> First and last number of the tables that a PROP defines.
@@ -43,9 +43,10 @@ contains
     if (allocated(error)) return
     first = max(1, first)
     last = max(first, last)
-    if (any(command%x(:2) < 0.0_wp) .or. last > MOST_TABLES) &
+    if (any(command%x(:2) < 0.0_wp) .or. last > MOST_TABLES) then
       call fail(error, DECK_ERROR, 'table numbers are whole, from 1 to '//to_text(MOST_TABLES), &
-        command%record%place(3), 'write PROP,,k')
+                command%record%place(3), 'write PROP,,k')
+    end if
   end subroutine table_range
 
   subroutine read_tables(run, command, data, error)
@@ -77,8 +78,10 @@ contains
     call run%deck%next_of_set(record, error)
     if (allocated(error)) return
     if (record%kind /= RECORD_WORDS) then
-      if (record%is_end()) call fail(error, DECK_ERROR, 'the data of this PROP are missing', &
-        command%record%place(1), 'behind the END of BATCh put a table, or a blank record for p = t')
+      if (record%is_end()) then
+        call fail(error, DECK_ERROR, 'the data of this PROP are missing', command%record%place(1), &
+                  'behind the END of BATCh put a table, or a blank record for p = t')
+      end if
       return
     end if
     call get_integer(run%deck, record, 1, table%kind, error)
@@ -90,21 +93,25 @@ contains
       if (.not. allocated(error)) call get_real(run%deck, record, 3, table%tmin, error, 0.0_wp)
       if (.not. allocated(error)) call get_real(run%deck, record, 4, table%tmax, error, 0.0_wp)
       do i = 1, 5
-        if (.not. allocated(error)) call get_real(run%deck, record, 4 + i, table%a(i), error, 0.0_wp)
+        if (.not. allocated(error)) then
+          call get_real(run%deck, record, 4 + i, table%a(i), error, 0.0_wp)
+        end if
       end do
-      if (.not. allocated(error) .and. table%tmax <= table%tmin) call fail(error, DECK_ERROR, &
-        'tmax must be larger than tmin', record%place(4), '1 k tmin tmax a1 a2 a3 a4 a5')
+      if (.not. allocated(error) .and. table%tmax <= table%tmin) then
+        call fail(error, DECK_ERROR, 'tmax must be larger than tmin', record%place(4), &
+                  '1 k tmin tmax a1 a2 a3 a4 a5')
+      end if
     case (2)
       call check_count(record, 1, 2, '2 n, then pairs t p, one a record, and a blank record', error)
       if (.not. allocated(error)) call read_pairs(run, record, table, error)
     case default
-      call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of a load table", record%place(1), &
-        'types: 1 (formula), 2 (pairs)')
+      call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of a load table", &
+                record%place(1), 'types: 1 (formula), 2 (pairs)')
     end select
   end subroutine read_table
 
-  !> `2 n`: n (t, p) pairs a record, up to a blank record; a pair 0 0 or a record that is not full is
-  !! the last one, and the blank record may be missing behind it (FEAP).
+  !> `2 n`: n (t, p) pairs a record, up to a blank record; a pair 0 0 or a record that is not full
+  !! is the last one, and the blank record may be missing behind it (FEAP).
   subroutine read_pairs(run, opening, table, error)
     type(run_t), intent(inout) :: run
     type(record_t), intent(in) :: opening
@@ -127,10 +134,12 @@ contains
         call run%deck%put_back(record)
         exit
       end if
-      call check_count(record, 2, 2*max(n, 1), 'pairs t p: at most '//to_text(max(n, 1))//' of them a record here', error)
+      call check_count(record, 2, 2*max(n, 1), &
+                       'pairs t p: at most '//to_text(max(n, 1))//' of them a record here', error)
       if (allocated(error)) return
       if (mod(record%n, 2) /= 0) then
-        call fail(error, DECK_ERROR, 'a time without a factor', record%place(record%n), 'write pairs t p')
+        call fail(error, DECK_ERROR, 'a time without a factor', record%place(record%n), &
+                  'write pairs t p')
         return
       end if
       do i = 1, record%n, 2
@@ -151,8 +160,10 @@ contains
       end do
       done = done .or. record%n < 2*n
     end do
-    if (size(table%t) == 0) call fail(error, DECK_ERROR, 'a table without pairs', opening%place(1), &
-      'behind `2 n` put pairs t p, one a record, and a blank record')
+    if (size(table%t) == 0) then
+      call fail(error, DECK_ERROR, 'a table without pairs', opening%place(1), &
+                'behind `2 n` put pairs t p, one a record, and a blank record')
+    end if
   end subroutine read_pairs
 
   subroutine run_prop(run, command, error)
@@ -191,8 +202,11 @@ contains
     do
       call run%deck%next_of_set(record, error)
       if (allocated(error)) return
-      if (record%is_end() .and. size(data%name) == 0) call fail(error, DECK_ERROR, 'the data of this PARAmeter are missing', &
-        command%record%place(1), 'behind the END of BATCh put name = value records and a blank one')
+      if (record%is_end() .and. size(data%name) == 0) then
+        call fail(error, DECK_ERROR, 'the data of this PARAmeter are missing', &
+                  command%record%place(1), &
+                  'behind the END of BATCh put name = value records and a blank one')
+      end if
       if (allocated(error)) return
       if (record%kind /= RECORD_WORDS) exit
       call get_assignment(run%deck, record, name, value, error)
@@ -211,7 +225,7 @@ contains
     if (run%dry) return
     do i = 1, size(command%data(command%visit)%value)
       call set_parameter(run%deck%params, trim(command%data(command%visit)%name(i)), &
-        command%data(command%visit)%value(i))
+                         command%data(command%visit)%value(i))
     end do
     if (allocated(error)) return
   end subroutine run_para

@@ -1,5 +1,6 @@
 !> LOOP and NEXT, and where a failed step goes back to.
 module command_loop
+  use base_kinds, only: wp
   use base_error, only: error_t, fail, NO_SOLUTION, DECK_ERROR
   use base_log, only: log_line, warn
   use base_text, only: to_text
@@ -32,10 +33,11 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(loop_t) :: loop
 
-    if (command%x(1) < 1.0_8 .or. command%x(1) > MOST_PASSES .or. &
-      abs(command%x(1) - anint(command%x(1))) > 0.0_8) then
-      call fail(error, DECK_ERROR, 'a loop runs a whole number of times, from 1 to 1000000000, not ' &
-        //to_text(command%x(1)), command%record%place(3), 'write LOOP,name,n')
+    if (command%x(1) < 1.0_wp .or. command%x(1) > MOST_PASSES .or. &
+        abs(command%x(1) - anint(command%x(1))) > 0.0_wp) then
+      call fail(error, DECK_ERROR, &
+                'a loop runs a whole number of times, from 1 to 1000000000, not ' &
+                //to_text(command%x(1)), command%record%place(3), 'write LOOP,name,n')
       return
     end if
     loop = loop_t(at=run%pc, count=1, limit=nint(command%x(1)))
@@ -63,8 +65,10 @@ contains
     else
       run%loop = run%loop(:top - 1)
       if (run%control%automatic .and. run%command(command%mate)%solves .and. run%plan%solved &
-        .and. .not. run%newton%converged) call cut_back(run, 'no convergence after ' &
-        //to_text(run%newton%iterations)//' iterations', error)
+          .and. .not. run%newton%converged) then
+        call cut_back(run, 'no convergence after '//to_text(run%newton%iterations)//' iterations', &
+                      error)
+      end if
     end if
   end subroutine run_next
 
@@ -80,8 +84,8 @@ contains
     run%loop = run%loop(:top - 1)
   end subroutine leave_loop
 
-  !> A step failed: restore all of it and go back to its TIME with a smaller one; an error where that
-  !! cannot be.
+  !> A step failed: restore all of it and go back to its TIME with a smaller one; an error where
+  !! that cannot be.
   subroutine cut_back(run, why, error)
     type(run_t), intent(inout) :: run
     character(*), intent(in) :: why
@@ -98,7 +102,8 @@ contains
     end if
     run%plan%cutbacks = run%plan%cutbacks + 1
     run%cutbacks = run%cutbacks + 1
-    call log_line('  step '//to_text(step)//' is cut: '//why//'; next try dt = '//to_text(run%control%size))
+    call log_line('  step '//to_text(step)//' is cut: '//why//'; next try dt = ' &
+                  //to_text(run%control%size))
     call rewind_step(run)
     run%pc = run%pc - 1                ! its TIME is next
     run%plan%retry = .true.
@@ -143,13 +148,18 @@ contains
     cuts = ''
     if (run%control%cuts > 0) cuts = ' after '//to_text(run%control%cuts)//' cut-backs'
     hint = ''
-    if (run%pass%worst(2) > 0) hint = 'residual '//to_text(run%pass%residual)//', largest at node ' &
-      //to_text(run%pass%worst(2))//', dof u'//'xyz'(run%pass%worst(1):run%pass%worst(1))//'; '
+    if (run%pass%worst(2) > 0) then
+      hint = 'residual '//to_text(run%pass%residual)//', largest at node ' &
+             //to_text(run%pass%worst(2))//', dof u'//'xyz' (run%pass%worst(1):run%pass%worst(1)) &
+             //'; '
+    end if
     hint = hint//'smaller steps may help: AUTO,,dtmin,dtmax'
     if (run%control%automatic) hint = hint//' with a smaller dtmin'
-    if (run%pass%solve%singular) hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'
+    if (run%pass%solve%singular) then
+      hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'
+    end if
     call fail(error, NO_SOLUTION, 'step '//to_text(step)//' failed'//cuts//': '//why, &
-      run%command(run%pc)%record%place(1), hint)
+              run%command(run%pc)%record%place(1), hint)
   end subroutine give_up
 
 end module command_loop

@@ -45,7 +45,7 @@ contains
 
     if (.not. run%dry) return              ! every command runs dry first
     call fail(error, DECK_ERROR, 'path following is not available yet', command%record%place(1), &
-      'use AUTO,,dtmin,dtmax')
+              'use AUTO,,dtmin,dtmax')
   end subroutine run_arcl
 
 end module command_misc

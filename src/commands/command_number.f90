@@ -19,8 +19,8 @@ contains
     n = 0
     if (allocated(error)) return
     if (abs(command%x(i)) > huge(n) .or. abs(command%x(i) - anint(command%x(i))) > 0) then
-      call fail(error, DECK_ERROR, quoted(command%record%text(i + 2))//' is not a whole number that can be counted to', &
-        command%record%place(i + 2))
+      call fail(error, DECK_ERROR, quoted(command%record%text(i + 2)) &
+                //' is not a whole number that can be counted to', command%record%place(i + 2))
     else
       n = nint(command%x(i))
     end if

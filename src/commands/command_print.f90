@@ -70,12 +70,15 @@ contains
     if (allocated(error)) return
     select case (command%record%key(1))
     case ('disp')
-      call print_displacements(run%out, run%model, run%state, chosen(run, command, first, last, step), error)
+      call print_displacements(run%out, run%model, run%state, &
+                               chosen(run, command, first, last, step), error)
     case ('reac')
-      call print_reactions(run%out, run%model, run%state, chosen(run, command, first, last, step), error)
+      call print_reactions(run%out, run%model, run%state, chosen(run, command, first, last, step), &
+                           error)
     case default
       if (any(command%option == ['node', 'coor'])) then
-        call print_nodal_stresses(run%out, run%model, run%state, chosen(run, command, first, last, step), error)
+        call print_nodal_stresses(run%out, run%model, run%state, &
+                                  chosen(run, command, first, last, step), error)
       else
         call print_stresses(run%out, run%model, run%state, first, last, step, error)
       end if
@@ -90,29 +93,33 @@ contains
     integer :: most
 
     if (all(command%option /= ['    ', 'all ', 'node', 'coor']) .or. &
-      (command%option == 'node' .and. command%record%key(1) /= 'stre')) then
-      call fail(error, DECK_ERROR, "unknown option '"//command%record%text(2)//"'", command%record%place(2), &
-        trim(run%row(command%row)%usage))
+        (command%option == 'node' .and. command%record%key(1) /= 'stre')) then
+      call fail(error, DECK_ERROR, "unknown option '"//command%record%text(2)//"'", &
+                command%record%place(2), trim(run%row(command%row)%usage))
       return
     end if
     most = run%model%mesh%nnode
-    if (command%record%key(1) == 'stre' .and. all(command%option /= ['node', 'coor'])) most = sum(run%model%mesh%block%nelem)
+    if (command%record%key(1) == 'stre' .and. all(command%option /= ['node', 'coor'])) then
+      most = sum(run%model%mesh%block%nelem)
+    end if
     first = 1
     last = most
     step = 1
     if (command%option == 'coor' .and. all(abs(command%x(1) - [1, 2, 3]) > 0)) then
-      call fail(error, DECK_ERROR, 'directions are 1, 2 and 3', command%record%place(min(3, command%record%n)), &
-        trim(run%row(command%row)%usage))
+      call fail(error, DECK_ERROR, 'directions are 1, 2 and 3', &
+                command%record%place(min(3, command%record%n)), trim(run%row(command%row)%usage))
     end if
-    if (any(command%option == ['all ', 'coor']) .or. .not. command%x(1) > 0.5_8) return
+    if (any(command%option == ['all ', 'coor']) .or. .not. command%x(1) > 0.5_wp) return
     call whole_field(command, 1, first, error)
     call whole_field(command, 2, last, error)
     call whole_field(command, 3, step, error)
     if (allocated(error)) return
     last = max(first, last)
     step = max(1, step)
-    if (last > most) call fail(error, DECK_ERROR, 'the range ends beyond the mesh', command%record%place(4), &
-      trim(run%row(command%row)%usage))
+    if (last > most) then
+      call fail(error, DECK_ERROR, 'the range ends beyond the mesh', command%record%place(4), &
+                trim(run%row(command%row)%usage))
+    end if
   end subroutine read_range
 
   !> The nodes of a range, or those of a plane (COOR).

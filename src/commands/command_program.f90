@@ -1,8 +1,9 @@
 !> Reads the solution part of a deck: BATCh ... END and the data records behind it.
 !!
-!! Everything is read and checked before anything is solved or written: the commands run once dry, and
-!! those with data read their records then, in the order in which they will run.
+!! Everything is read and checked before anything is solved or written: the commands run once dry,
+!! and those with data read their records then, in the order in which they will run.
 module command_program
+  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use base_error_list, only: error_list_t
   use base_text, only: nearest
@@ -41,9 +42,11 @@ contains
       if (record%key(1) == 'stop') exit
       if (record%key(1) /= 'batc') then
         call fail(error, DECK_ERROR, "unexpected '"//record%text(1)//"'", record%place(1), &
-          'after the mesh come BATCh ... END, the data of its commands and STOP')
-        if (scan(record%text(1)//' ', '0123456789.+-') == 1) error%hint = &
-          'no command is left that reads it; a blank record is the table p = t where a PROP reads one'
+                  'after the mesh come BATCh ... END, the data of its commands and STOP')
+        if (scan(record%text(1)//' ', '0123456789.+-') == 1) then
+          error%hint = 'no command is left that reads it; a blank record is the table p = t ' &
+                       //'where a PROP reads one'
+        end if
         return
       end if
       call read_batch(run, record, errors, error)
@@ -75,7 +78,8 @@ contains
       call run%deck%next_command(record, error)
       if (allocated(error)) return
       if (record%kind == RECORD_END) then
-        call fail(error, DECK_ERROR, 'BATCh has no END', opening%place(1), 'close the commands with END')
+        call fail(error, DECK_ERROR, 'BATCh has no END', opening%place(1), &
+                  'close the commands with END')
         return
       end if
       if (record%key(1) == 'end') exit
@@ -111,7 +115,7 @@ contains
     end do
     if (command%row == 0) then
       call fail(error, DECK_ERROR, "unknown command '"//record%text(1)//"'", record%place(1), &
-        'nearest known: '//nearest(record%text(1), row(:)%word))
+                'nearest known: '//nearest(record%text(1), row(:)%word))
       return
     end if
     call check_count(record, 1, row(command%row)%nmax + 1, trim(row(command%row)%usage), error)
@@ -132,50 +136,58 @@ contains
     type(run_t), intent(inout) :: run
     integer, intent(in) :: first
     type(error_t), allocatable, intent(out) :: error
-    integer :: open(64), depth, i
+    integer :: loop(64), depth, i
 
     depth = 0
     do i = first, size(run%command)
       select case (run%command(i)%record%key(1))
       case ('loop')
-        if (depth == size(open)) then
-          call fail(error, DECK_ERROR, 'loops are nested deeper than 64', run%command(i)%record%place(1))
+        if (depth == size(loop)) then
+          call fail(error, DECK_ERROR, 'loops are nested deeper than 64', &
+                    run%command(i)%record%place(1))
           return
         end if
         depth = depth + 1
-        open(depth) = i
+        loop(depth) = i
       case ('next')
         if (depth == 0) then
-          call fail(error, DECK_ERROR, 'NEXT without LOOP', run%command(i)%record%place(1), 'remove it, or put LOOP,name,n before')
+          call fail(error, DECK_ERROR, 'NEXT without LOOP', run%command(i)%record%place(1), &
+                    'remove it, or put LOOP,name,n before')
           return
         end if
-        if (open(depth) == i - 1) then
-          call fail(error, DECK_ERROR, 'this loop does nothing', run%command(i - 1)%record%place(1), &
-            'put commands between LOOP and NEXT, or remove both')
+        if (loop(depth) == i - 1) then
+          call fail(error, DECK_ERROR, 'this loop does nothing', &
+                    run%command(i - 1)%record%place(1), &
+                    'put commands between LOOP and NEXT, or remove both')
           return
         end if
-        if (run%command(i)%record%n > 1 .and. run%command(open(depth))%record%n > 1) then
-          if (run%command(i)%record%key(2) /= run%command(open(depth))%record%key(2)) then
-            call fail(error, DECK_ERROR, "NEXT closes '"//run%command(open(depth))%record%text(2)//"', not '" &
-              //run%command(i)%record%text(2)//"'", run%command(i)%record%place(2), 'loops are closed inside out')
+        if (run%command(i)%record%n > 1 .and. run%command(loop(depth))%record%n > 1) then
+          if (run%command(i)%record%key(2) /= run%command(loop(depth))%record%key(2)) then
+            call fail(error, DECK_ERROR, "NEXT closes '"//run%command(loop(depth))%record%text(2) &
+                      //"', not '"//run%command(i)%record%text(2)//"'", &
+                      run%command(i)%record%place(2), 'loops are closed inside out')
             return
           end if
         end if
-        run%command(i)%mate = open(depth)
-        run%command(open(depth))%mate = i
+        run%command(i)%mate = loop(depth)
+        run%command(loop(depth))%mate = i
         depth = depth - 1
       case ('time')
-        if (depth > 0) run%command(open(depth))%holds_time = .true.
+        if (depth > 0) run%command(loop(depth))%holds_time = .true.
       case ('tang', 'utan', 'solv')
-        if (depth > 0) run%command(open(depth))%solves = .true.
+        if (depth > 0) run%command(loop(depth))%solves = .true.
+      case default
+        cycle
       end select
     end do
-    if (depth > 0) call fail(error, DECK_ERROR, 'LOOP has no NEXT', run%command(open(depth))%record%place(1), &
-      'close it with NEXT before END')
+    if (depth > 0) then
+      call fail(error, DECK_ERROR, 'LOOP has no NEXT', run%command(loop(depth))%record%place(1), &
+                'close it with NEXT before END')
+    end if
   end subroutine match_loops
 
-  !> Walk through the commands without solving: fields are evaluated and data records read. A loop is
-  !! repeated only where a command in it reads data.
+  !> Walk through the commands without solving: fields are evaluated and data records read. A loop
+  !! is repeated only where a command in it reads data.
   subroutine run_dry(run, first, error)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: first
@@ -225,9 +237,9 @@ contains
 
     associate (command => run%command(run%pc))
       command%option = command%record%key(2)
-      command%x = 0.0_8
+      command%x = 0.0_wp
       do i = 1, merge(0, min(size(command%x), command%record%n - 2), run%row(command%row)%reads)
-        call get_real(run%deck, command%record, i + 2, command%x(i), error, 0.0_8)
+        call get_real(run%deck, command%record, i + 2, command%x(i), error, 0.0_wp)
         if (allocated(error)) return
       end do
       command%visit = command%visit + 1

@@ -15,14 +15,16 @@ contains
     type(run_t), intent(in) :: run
     character(160) :: line
 
-    write (line, '(a,i6,a,es12.5,a,i3,3(a,es10.3))') 'step', run%state%step, '  time', run%state%time, &
-      '  iteration', run%newton%iterations, '  residual', run%pass%residual, '  energy', run%pass%energy, &
-      '  ratio', run%pass%ratio
-    if (run%pass%solve%iterations > 1) line = trim(line)//'  krylov '//to_text(run%pass%solve%iterations)
+    write (line, '(a,i6,a,es12.5,a,i3,3(a,es10.3))') 'step', run%state%step, '  time', &
+      run%state%time, '  iteration', run%newton%iterations, '  residual', run%pass%residual, &
+      '  energy', run%pass%energy, '  ratio', run%pass%ratio
+    if (run%pass%solve%iterations > 1) then
+      line = trim(line)//'  krylov '//to_text(run%pass%solve%iterations)
+    end if
     if (run%pass%line < 1.0_wp) line = trim(line)//'  line '//to_text(run%pass%line)
     call log_line(trim(line))
-    write (line, '(a,i0,a,f0.4,a,i0,a,es8.1,a)') 'step ', run%state%step, '  load ', load(run), '  iteration ', &
-      run%newton%iterations, '  residual ', run%pass%residual, time_left(run)
+    write (line, '(a,i0,a,f0.4,a,i0,a,es8.1,a)') 'step ', run%state%step, '  load ', load(run), &
+      '  iteration ', run%newton%iterations, '  residual ', run%pass%residual, time_left(run)
     call progress(trim(line))
   end subroutine show_iteration
 

@@ -2,6 +2,7 @@
 module command_restart
   use base_error, only: error_t, fail, DECK_ERROR
   use base_log, only: log_line
+  use base_kinds, only: wp
   use base_text, only: to_text, quoted
   use bag, only: bag_t
   use command_type, only: run_t, command_t, command_row_t, new_row
@@ -23,8 +24,8 @@ contains
     row = new_row('RESTart', 'RESTart [file]', 1, run_restart)
   end function describe_rest
 
-  !> Displacements, history, time and step number come from the checkpoint; load tables stay those of
-  !! this deck, and the next target of DT is counted from there. The mesh must be the same.
+  !> Displacements, history, time and step number come from the checkpoint; load tables stay those
+  !! of this deck, and the next target of DT is counted from there. The mesh must be the same.
   subroutine run_restart(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -34,9 +35,12 @@ contains
     integer :: i
 
     do i = 1, run%pc - 1
-      if (all(run%command(i)%record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', 'rest'])) cycle
+      if (all(run%command(i)%record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', &
+                                               'rest'])) then
+        cycle
+      end if
       call fail(error, DECK_ERROR, 'RESTart behind '//quoted(run%command(i)%record%text(1)), &
-        command%record%place(1), 'put it before the first TIME or TANG')
+                command%record%place(1), 'put it before the first TIME or TANG')
       return
     end do
     if (run%dry) then                  ! a wrong file is told before anything is written
@@ -51,7 +55,7 @@ contains
     if (allocated(error)) return
     call move_alloc(table, run%state%table)
     call set_factors(run%state)
-    if (run%control%dt > 0.0_8) call set_dt(run%control, run%state%time, run%control%dt)
+    if (run%control%dt > 0.0_wp) call set_dt(run%control, run%state%time, run%control%dt)
     run%restarted = .true.
     run%kept = run%state%step
     call log_line('goes on after step '//to_text(run%state%step)//' of '//path_of(run, command))

@@ -33,9 +33,9 @@ contains
     if (allocated(error)) return
     call close_files(run, error)
     if (allocated(error)) return
-    call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step)//'; the checkpoint is of step ' &
-      //to_text(run%anchor%state%step), &
-      hint='go on with --restart '//run%stem//'.restart.h5')
+    call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step) &
+              //'; the checkpoint is of step '//to_text(run%anchor%state%step), &
+              hint='go on with --restart '//run%stem//'.restart.h5')
   end subroutine stop_run
 
 end module command_stop

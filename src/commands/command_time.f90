@@ -40,7 +40,7 @@ contains
 
     if (.not. command%x(1) > 0.0_wp) then
       call fail(error, DECK_ERROR, 'a time step is positive, not '//to_text(command%x(1)), &
-        command%record%place(3), 'write DT,,dt')
+                command%record%place(3), 'write DT,,dt')
       return
     end if
     call set_dt(run%control, run%state%time, command%x(1))
@@ -60,7 +60,8 @@ contains
     real(wp) :: to
 
     if (run%control%dt <= 0.0_wp) then
-      call fail(error, DECK_ERROR, 'TIME without a time step', command%record%place(1), 'put DT,,dt before it')
+      call fail(error, DECK_ERROR, 'TIME without a time step', command%record%place(1), &
+                'put DT,,dt before it')
       return
     end if
     if (run%dry) return
@@ -69,7 +70,9 @@ contains
     left = 1
     top = size(run%loop)
     if (top > 0) then
-      if (run%command(run%loop(top)%at)%holds_time) left = run%loop(top)%limit - run%loop(top)%count + 1
+      if (run%command(run%loop(top)%at)%holds_time) then
+        left = run%loop(top)%limit - run%loop(top)%count + 1
+      end if
     end if
     call mark_step(run)
     to = next_step(run%control, run%state%time, left)
@@ -86,8 +89,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (.not. command%x(1) > 0.0_wp .or. command%x(2) < command%x(1)) then
-      call fail(error, DECK_ERROR, 'AUTO needs 0 < dtmin <= dtmax, not '//to_text(command%x(1))//' and ' &
-        //to_text(command%x(2)), command%record%place(3), 'write AUTO,,dtmin,dtmax')
+      call fail(error, DECK_ERROR, 'AUTO needs 0 < dtmin <= dtmax, not '//to_text(command%x(1)) &
+                //' and '//to_text(command%x(2)), command%record%place(3), &
+                'write AUTO,,dtmin,dtmax')
       return
     end if
     call set_auto(run%control, command%x(1), command%x(2))

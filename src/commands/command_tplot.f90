@@ -21,7 +21,7 @@ contains
     type(command_row_t) :: row
 
     row = new_row('TPLOt', 'TPLOt,,interval, then DISP or REAC records behind END', &
-      2, run_tplot, read_tplot)
+                  2, run_tplot, read_tplot)
   end function describe_tplo
 
   subroutine run_tplot(run, command, error)
@@ -61,12 +61,14 @@ contains
       curve%quantity = [curve%quantity, quantity]
     end do
     if (size(curve%quantity) == 0) then
-      call fail(error, DECK_ERROR, 'TPLOt has no records', curve%place, 'behind END put '//USAGE//', and a blank record')
+      call fail(error, DECK_ERROR, 'TPLOt has no records', curve%place, &
+                'behind END put '//USAGE//', and a blank record')
       return
     end if
     do i = 1, size(run%model%curve)
       if (run%model%curve(i)%name /= 'tplot') cycle
-      run%model%curve(i)%quantity = [run%model%curve(i)%quantity, curve%quantity] ! one file for all TPLOt
+      ! One file for all TPLOt.
+      run%model%curve(i)%quantity = [run%model%curve(i)%quantity, curve%quantity]
       return
     end do
     run%model%curve = [run%model%curve, curve]
@@ -89,7 +91,7 @@ contains
       quantity%kind = Q_NODAL
     case default
       call fail(error, DECK_ERROR, "no history of '"//record%text(1)//"'", record%place(1), &
-        USAGE//'; stresses: CURVe with STREss')
+                USAGE//'; stresses: CURVe with STREss')
       return
     end select
     call get_integer(run%deck, record, 2, node, error, 0)
@@ -103,12 +105,13 @@ contains
     if (node == 0) node = nearest_node(run%model, x)
     if (node < 1 .or. node > run%model%mesh%nnode) then
       call fail(error, DECK_ERROR, 'the mesh has no node '//to_text(node), record%place(2), &
-        'nodes are numbered from 1 to '//to_text(run%model%mesh%nnode))
+                'nodes are numbered from 1 to '//to_text(run%model%mesh%nnode))
     else if (quantity%component < 1 .or. quantity%component > 3) then
       call fail(error, DECK_ERROR, 'directions are 1, 2 and 3', record%place(3), USAGE)
     end if
     quantity%node = [node]
-    quantity%column = merge('disp', 'reac', quantity%kind == Q_DISP)//'_'//to_text(node)//'_'//to_text(quantity%component)
+    quantity%column = merge('disp', 'reac', quantity%kind == Q_DISP)//'_'//to_text(node)//'_' &
+                      //to_text(quantity%component)
     quantity%place = record%place(1)
   end subroutine read_history
 

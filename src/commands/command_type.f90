@@ -17,7 +17,8 @@ module command_type
   use curve_file, only: curve_file_t
   implicit none
   private
-  public :: run_t, command_t, command_row_t, loop_t, data_t, command_run_i, command_data_i, plan_t, row_t, anchor_t, new_row
+  public :: run_t, command_t, command_row_t, loop_t, data_t, command_run_i, command_data_i, &
+            plan_t, row_t, anchor_t, new_row
 
   !> Data records a command owns, read before the run starts.
   type :: data_t
@@ -52,9 +53,10 @@ module command_type
     character(12) :: word = ''
     integer :: nmax = 2             !! most fields after the word
     character(60) :: usage = ''     !! shown in hints and by --list
-    logical :: reads = .false.      !! it reads the fields behind the option itself: words among them
+    logical :: reads = .false. !! it reads the fields behind the option itself: words among them
     procedure(command_run_i), pointer, nopass :: run => null()
-    procedure(command_data_i), pointer, nopass :: data => null() !! reads the command's records after END
+    procedure(command_data_i), pointer, nopass :: data => null() !! reads the command's records
+    !! after END
   end type command_row_t
 
   !> What is written when, and the step under way as the user sees it.
@@ -80,8 +82,9 @@ module command_type
     real(wp), allocatable :: value(:)
   end type row_t
 
-  !> The last moment a restart can begin at and still repeat this run to the last bit. With FULL factorisation
-  !! that is the end of any step; where factors are kept it must be one at which they were forgotten.
+  !> The last moment a restart can begin at and still repeat this run to the last bit. With FULL
+  !! factorisation that is the end of any step; where factors are kept it must be one at which they
+  !! were forgotten.
   type :: anchor_t
     logical :: set = .false.
     type(state_t) :: state

@@ -62,7 +62,7 @@ contains
       p%at = p%at + 1
     else if (p%at > len(p%text)) then
       call complain(p, "this '(' is not closed", first, 1, &
-        'a blank ends an expression, except behind PARAmeter')
+                    'a blank ends an expression, except behind PARAmeter')
     else
       call complain(p, 'unexpected '//quoted(character_at(p)), p%at, 1)
     end if
@@ -84,7 +84,7 @@ contains
 
     p%depth = p%depth + 1
     if (p%depth > DEEPEST) call complain(p, 'nested deeper than 100', at, 1, &
-      'split the expression by PARAmeter')
+                                         'split the expression by PARAmeter')
   end subroutine descend
 
   subroutine check_size(p, value, at, width)

@@ -6,8 +6,8 @@ module deck_expression
   use deck_number, only: scan_number
   use deck_params, only: params_t, set_parameter
   use deck_parser, only: parse_sum
-  use, intrinsic :: ieee_exceptions, only: ieee_get_status, ieee_set_status, &
-    ieee_set_halting_mode, ieee_status_type, ieee_usual
+  use, intrinsic :: ieee_exceptions, only: ieee_get_status, ieee_set_status, ieee_set_halting_mode
+  use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_usual
   implicit none
   private
   public :: evaluate, compute, trouble_t

@@ -9,10 +9,10 @@ module deck_function
   public :: apply_function, function_index, function_names
 
   integer, parameter :: MANY = huge(1)
-  character(5), parameter :: NAMES(20) = [character(5) :: &
-    'sin', 'cos', 'tan', 'asin', 'acos', 'atan', 'sind', 'cosd', 'tand', 'asind', 'acosd', &
-    'atand', &
-    'sqrt', 'exp', 'log', 'abs', 'int', 'min', 'max', 'atan2']
+  character(5), parameter :: NAMES(20) = &
+                             ['sin  ', 'cos  ', 'tan  ', 'asin ', 'acos ', 'atan ', 'sind ', &
+                              'cosd ', 'tand ', 'asind', 'acosd', 'atand', 'sqrt ', 'exp  ', &
+                              'log  ', 'abs  ', 'int  ', 'min  ', 'max  ', 'atan2']
   real(wp), parameter, public :: PI = acos(-1.0_wp)
 
 contains
@@ -46,35 +46,35 @@ contains
     call argument_counts(f, least, most)
     if (size(x) < least .or. size(x) > most) then
       trouble = "'"//trim(NAMES(f))//"' takes "//to_text(least)//merge(' or more', '        ', &
-        most == MANY)
+                                                                       most == MANY)
       trouble = trim(trouble)//' argument'//trim(merge('s', ' ', least > 1 .or. most == MANY)) &
-        //', not '//to_text(size(x))
+                //', not '//to_text(size(x))
       return
     end if
     call check_domain(f, x, trouble)
     if (allocated(trouble)) return
     select case (trim(NAMES(f)))
-    case ('sin');   value = sin(x(1))
-    case ('cos');   value = cos(x(1))
-    case ('tan');   value = tan(x(1))
-    case ('asin');  value = asin(x(1))
-    case ('acos');  value = acos(x(1))
-    case ('atan');  value = atan(x(1))
-    case ('sind');  value = sine_of_degrees(x(1))
-    case ('cosd');  value = cosine_of_degrees(x(1))
-    case ('tand');  value = sine_of_degrees(x(1))/cosine_of_degrees(x(1))
+    case ('sin'); value = sin(x(1))
+    case ('cos'); value = cos(x(1))
+    case ('tan'); value = tan(x(1))
+    case ('asin'); value = asin(x(1))
+    case ('acos'); value = acos(x(1))
+    case ('atan'); value = atan(x(1))
+    case ('sind'); value = sine_of_degrees(x(1))
+    case ('cosd'); value = cosine_of_degrees(x(1))
+    case ('tand'); value = sine_of_degrees(x(1))/cosine_of_degrees(x(1))
     case ('asind'); value = asin(x(1))*180/PI
     case ('acosd'); value = acos(x(1))*180/PI
     case ('atand'); value = atan(x(1))*180/PI
-    case ('sqrt');  value = sqrt(x(1))
-    case ('exp');   value = exp(x(1))
-    case ('log');   value = log(x(1))
-    case ('abs');   value = abs(x(1))
-    case ('int');   value = aint(x(1))
-    case ('min');   value = minval(x)
-    case ('max');   value = maxval(x)
+    case ('sqrt'); value = sqrt(x(1))
+    case ('exp'); value = exp(x(1))
+    case ('log'); value = log(x(1))
+    case ('abs'); value = abs(x(1))
+    case ('int'); value = aint(x(1))
+    case ('min'); value = minval(x)
+    case ('max'); value = maxval(x)
     case ('atan2'); value = atan2(x(1), x(2))
-    case default;   trouble = 'unknown function'
+    case default; trouble = 'unknown function'
     end select
   end subroutine apply_function
 
@@ -108,10 +108,10 @@ contains
       if (.not. x(1) > 0.0_wp) trouble = 'log of a number that is not positive: '//to_text(x(1))
     case ('asin', 'acos', 'asind', 'acosd')
       if (abs(x(1)) > 1.0_wp) trouble = trim(NAMES(f))//' of a number outside -1 to 1: ' &
-        //to_text(x(1))
+                                        //to_text(x(1))
     case ('tand')
       if (.not. abs(cosine_of_degrees(x(1))) > 0.0_wp) trouble = 'tand has no value at ' &
-        //to_text(x(1))
+                                                                 //to_text(x(1))
     case ('atan2')
       if (.not. any(abs(x) > 0.0_wp)) trouble = 'atan2 has no value at 0, 0'
     case default

@@ -14,7 +14,7 @@ module deck_lexer
   public :: read_record
 
   integer, parameter :: OTHER = 0, BLANK = 1, COMMA = 2, COMMENT = 3, QUOTE = 4, OPENING = 5, &
-    CLOSING = 6
+                        CLOSING = 6
   character(*), parameter :: QUOTES = 'quotes stand round a whole field: "..."'
 
   !> State while the lines of a record are cut. Characters are counted in the text of the whole
@@ -70,7 +70,7 @@ contains
     record%kind = RECORD_WORDS
     if (record%n == 0) record%kind = merge(RECORD_COMMENT, RECORD_BLANK, cutter%commented)
     if (cutter%wrong > 0) call fail(error, DECK_ERROR, cutter%why, &
-      record%spot(cutter%wrong - shift, 1), cutter%hint)
+                                    record%spot(cutter%wrong - shift, 1), cutter%hint)
   end subroutine read_record
 
   !> Add the fields of one line.
@@ -155,8 +155,10 @@ contains
     select case (class_of(text(cutter%at:cutter%at)))
     case (BLANK, COMMA, COMMENT)
     case default
-      if (.not. ends_line(text(cutter%at:cutter%last))) call complain(cutter, cutter%at, &
-        'a separator is missing behind the quote', 'put a blank or a comma')
+      if (.not. ends_line(text(cutter%at:cutter%last))) then
+        call complain(cutter, cutter%at, 'a separator is missing behind the quote', &
+                      'put a blank or a comma')
+      end if
     end select
   end subroutine cut_quoted
 
@@ -234,12 +236,12 @@ contains
 
     select case (c)
     case (' ', achar(9), achar(11), achar(12)); class = BLANK
-    case (',', '=');                            class = COMMA
-    case ('!');                                 class = COMMENT
-    case ('"');                                 class = QUOTE
-    case ('(');                                 class = OPENING
-    case (')');                                 class = CLOSING
-    case default;                               class = OTHER
+    case (',', '='); class = COMMA
+    case ('!'); class = COMMENT
+    case ('"'); class = QUOTE
+    case ('('); class = OPENING
+    case (')'); class = CLOSING
+    case default; class = OTHER
     end select
   end function class_of
 

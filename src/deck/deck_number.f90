@@ -8,10 +8,9 @@ module deck_number
 
   character(*), parameter :: DIGITS = '0123456789'
   real(wp), parameter :: TEN(0:22) = [1e0_wp, 1e1_wp, 1e2_wp, 1e3_wp, 1e4_wp, 1e5_wp, 1e6_wp, &
-    1e7_wp, &
-    1e8_wp, 1e9_wp, 1e10_wp, 1e11_wp, 1e12_wp, 1e13_wp, 1e14_wp, 1e15_wp, 1e16_wp, 1e17_wp, &
-    1e18_wp, &
-    1e19_wp, 1e20_wp, 1e21_wp, 1e22_wp]
+                                      1e7_wp, 1e8_wp, 1e9_wp, 1e10_wp, 1e11_wp, 1e12_wp, 1e13_wp, &
+                                      1e14_wp, 1e15_wp, 1e16_wp, 1e17_wp, 1e18_wp, 1e19_wp, &
+                                      1e20_wp, 1e21_wp, 1e22_wp]
 
 contains
 
@@ -125,8 +124,8 @@ contains
       value = 0.0_wp
       trouble = 'the number is too large'
       if (index(text, '-') > 0) trouble = 'the number is too small'
-    else if (.not. abs(value) > 0.0_wp .and. scan(text(:merge(at - 1, scan(text//'e', &
-      'eEdD') - 1, at > 0)), '123456789') > 0) then
+    else if (.not. abs(value) > 0.0_wp .and. scan(text(:merge(at - 1, scan(text//'e', 'eEdD') - 1, &
+                                                              at > 0)), '123456789') > 0) then
       trouble = 'the number is too small'
     end if
   end subroutine read_slowly

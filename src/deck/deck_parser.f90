@@ -9,7 +9,7 @@ module deck_parser
   use base_kinds, only: wp
   use base_text, only: lower, nearest, quoted
   use deck_cursor, only: parser_t, next_character, character_at, close_parenthesis, descend, &
-    check_size, complain
+                         check_size, complain
   use deck_function, only: apply_function, function_index, function_names
   use deck_number, only: scan_number
   use deck_params, only: params_t, find_parameter, parameter_names
@@ -19,7 +19,7 @@ module deck_parser
 
   integer, parameter :: MOST_ARGUMENTS = 32
   character(*), parameter :: NAME_CHARACTERS = &
-    'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789'
+                             'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789'
 
 contains
 
@@ -182,7 +182,7 @@ contains
     f = function_index(lower(p%text(first:first + n - 1)))
     if (f == 0) then
       call complain(p, 'unknown function '//quoted(p%text(first:first + n - 1)), first, n, &
-        'nearest known: '//nearest(p%text(first:first + n - 1), function_names()))
+                    'nearest known: '//nearest(p%text(first:first + n - 1), function_names()))
       return
     end if
     open = p%at
@@ -223,8 +223,8 @@ contains
     else if (whole .and. abs(exponent) <= 64.0_wp) then
       base = base**nint(exponent)
     else if (base < 0.0_wp) then
-      base = sign(abs(base)**exponent, merge(1.0_wp, -1.0_wp, .not. abs(mod(exponent, &
-        2.0_wp)) > 0.0_wp))
+      base = sign(abs(base)**exponent, merge(1.0_wp, -1.0_wp,.not. abs(mod(exponent, &
+                                                                           2.0_wp)) > 0.0_wp))
     else
       base = base**exponent
     end if
@@ -240,7 +240,7 @@ contains
     name = p%text(first:first + n - 1)
     if (function_index(lower(name)) > 0) then
       call complain(p, quoted(name)//' is a function: its argument is missing', first, n, &
-        'write '//name//'(...)')
+                    'write '//name//'(...)')
       return
     end if
     hint = nearest(name, parameter_names(params))

@@ -67,7 +67,7 @@ contains
     text = reader%source(1)%text
     do i = 2, reader%nsource
       text = text//new_line('a')//'! --- '//base_name(reader%source(i)%path)//new_line('a') &
-        //reader%source(i)%text
+             //reader%source(i)%text
     end do
   end function source_text
 
@@ -79,7 +79,7 @@ contains
 
     do
       associate (frame => reader%frame(reader%nframe), &
-        source => reader%source(reader%frame(reader%nframe)%source))
+                 source => reader%source(reader%frame(reader%nframe)%source))
         if (frame%line <= source%nline) then
           call read_record(source, frame%line, record, error)
           return
@@ -87,7 +87,7 @@ contains
         if (reader%nloop > 0) then
           if (reader%loop(reader%nloop)%frame == reader%nframe) then
             call fail(error, DECK_ERROR, 'LOOP has no NEXT', reader%loop(reader%nloop)%place, &
-              'close it with NEXT in the same file')
+                      'close it with NEXT in the same file')
             reader%nloop = reader%nloop - 1
             return
           end if
@@ -141,7 +141,7 @@ contains
 
     if (reader%nloop == 0) return
     call fail(error, DECK_ERROR, 'LOOP has no NEXT before END', reader%loop(reader%nloop)%place, &
-      'close it with NEXT in the same part of the deck')
+              'close it with NEXT in the same part of the deck')
   end subroutine check_loops
 
   !> No pass after this one: once there is an error, repeating it helps nobody.
@@ -172,13 +172,13 @@ contains
       if (file%kind == FILE_ABSENT) exit
       if (any(reader%source(reader%frame(i)%source)%identity /= file%identity)) cycle
       call fail(error, DECK_ERROR, quoted(path)//' includes itself'//chain(reader, i + 1), &
-        record%place(2), &
-        'remove one of the INCLude records')
+                record%place(2), &
+                'remove one of the INCLude records')
       return
     end do
     if (reader%nframe == MOST_FILES) then
       call fail(error, DECK_ERROR, 'files include one another deeper than '//to_text(MOST_FILES), &
-        record%place(2))
+                record%place(2))
       return
     end if
     call find_source(reader, path, file, record%place(2), i, error)
@@ -253,7 +253,7 @@ contains
 
     if (reader%nloop == MOST_LOOPS) then
       call fail(error, DECK_ERROR, 'loops are nested deeper than '//to_text(MOST_LOOPS), &
-        record%place(1))
+                record%place(1))
       return
     end if
     loop%frame = reader%nframe
@@ -267,8 +267,8 @@ contains
     if (allocated(error)) return
     if (n < 1.0_wp .or. n > MOST_PASSES .or. abs(n - anint(n)) > 0.0_wp) then
       call fail(error, DECK_ERROR, 'a loop runs a whole number of times, from 1 to ' &
-        //to_text(MOST_PASSES) &
-        //', not '//to_text(n), record%place(2), 'LOOP,n ... NEXT')
+                //to_text(MOST_PASSES) &
+                //', not '//to_text(n), record%place(2), 'LOOP,n ... NEXT')
       return
     end if
     reader%loop(reader%nloop)%left = nint(n) - 1
@@ -285,14 +285,15 @@ contains
     if (paired) paired = reader%loop(reader%nloop)%frame == reader%nframe
     if (.not. paired) then
       call fail(error, DECK_ERROR, 'NEXT without LOOP', record%place(1), &
-        'remove it, or put LOOP,n before, in the same file')
+                'remove it, or put LOOP,n before, in the same file')
       return
     end if
     call check_count(record, 1, 2, 'NEXT', error)
     associate (loop => reader%loop(reader%nloop))
-      if (loop%nrecord <= 1 .and. .not. allocated(error)) call fail(error, DECK_ERROR, &
-        'this loop does nothing', &
-        loop%place, 'put records between LOOP and NEXT, or remove both')
+      if (loop%nrecord <= 1 .and. .not. allocated(error)) then
+        call fail(error, DECK_ERROR, 'this loop does nothing', loop%place, &
+                  'put records between LOOP and NEXT, or remove both')
+      end if
       if (loop%left > 0 .and. .not. allocated(error)) then
         loop%left = loop%left - 1
         loop%nrecord = 2
@@ -315,7 +316,7 @@ contains
     reader%repeated = reader%repeated + 1
     if (reader%repeated <= MOST_REPEATED) return
     call fail(error, DECK_ERROR, 'loops make more than '//to_text(MOST_REPEATED)//' records', &
-      reader%loop(1)%place, 'use fewer passes')
+              reader%loop(1)%place, 'use fewer passes')
     reader%nloop = 0
     reader%nframe = 1
     reader%frame(1)%line = reader%source(1)%nline + 1

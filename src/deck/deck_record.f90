@@ -157,7 +157,7 @@ contains
 
     word = record%text(i)
     if (record%is_empty(i)) call fail(error, DECK_ERROR, 'a word is missing in field ' &
-      //to_text(i), record%place(i))
+                                      //to_text(i), record%place(i))
   end subroutine get_word
 
   !> The path that field i names, relative to the file in which the record stands.

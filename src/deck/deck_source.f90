@@ -47,8 +47,8 @@ contains
     source%identity = file%identity
     allocate (character(int(file%size)) :: source%text)
     open (newunit=unit, file=path, status='old', action='read', access='stream', &
-      form='unformatted', &
-      iostat=io, iomsg=reason)
+          form='unformatted', &
+          iostat=io, iomsg=reason)
     if (io == 0) then
       read (unit, iostat=io, iomsg=reason) source%text
       close (unit)
@@ -90,7 +90,7 @@ contains
 
     text = ''
     if (line >= 1 &
-      .and. line <= source%nline) text = source%text(source%first(line):source%last(line))
+        .and. line <= source%nline) text = source%text(source%first(line):source%last(line))
   end function source_line
 
   !> NUL characters, or more than one control character in fifty.
@@ -121,7 +121,7 @@ contains
       n = 0
       at = 1
       if (index(source%text(:min(3, len(source%text))), char(239)//char(187) &
-        //char(191)) == 1) at = 4
+                //char(191)) == 1) at = 4
       do while (at <= len(source%text))
         i = at
         do while (i <= len(source%text))

@@ -6,16 +6,16 @@ module deck_stream
   use deck_expression, only: compute, params_t, set_parameter, trouble_t
   use deck_params, only: is_name, parameter_names
   use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, &
-    cancel_loops, check_loops, source_text
+                         cancel_loops, check_loops, source_text
   use deck_record, only: record_t, check_count, get_word, resolve_path, RECORD_WORDS, &
-    RECORD_BLANK, &
-    RECORD_COMMENT, RECORD_END
+                         RECORD_BLANK, &
+                         RECORD_COMMENT, RECORD_END
   implicit none
   private
   public :: deck_t, open_deck, check_settings, deck_text
   public :: get_real, get_integer, get_assignment, read_parameters
   public :: record_t, check_count, get_word, resolve_path, RECORD_WORDS, RECORD_BLANK, &
-    RECORD_COMMENT, RECORD_END
+            RECORD_COMMENT, RECORD_END
 
   !> A parameter that the command line sets.
   type :: setting_t
@@ -75,20 +75,20 @@ contains
     name = lower(trim(adjustl(text(:max(equal - 1, 0)))))
     if (.not. is_name(name)) then
       call fail(error, DECK_ERROR, quoted('--set '//text)//' does not set a parameter', &
-        hint='write --set name=value')
+                hint='write --set name=value')
       return
     end if
     do j = 1, i - 1
       if (deck%setting(j)%name == name) call fail(error, DECK_ERROR, 'parameter '//quoted(name) &
-        //' is set twice', &
-        hint='give one --set '//name//'=value')
+                                                  //' is set twice', &
+                                                  hint='give one --set '//name//'=value')
     end do
     if (allocated(error)) return
     deck%setting(i)%name = name
     call compute(none, text(equal + 1:), deck%setting(i)%value, trouble)
     if (allocated(trouble)) call fail(error, DECK_ERROR, 'in '//quoted('--set '//text)//': ' &
-      //trouble%message, &
-      hint='write --set name=value')
+                                      //trouble%message, &
+                                      hint='write --set name=value')
   end subroutine read_setting
 
   !> A parameter that the command line sets and the deck does not is a mistake. To be called when
@@ -109,7 +109,7 @@ contains
         hint = 'the deck has no parameters'
       end if
       call fail(error, DECK_ERROR, '--set '//quoted(deck%setting(i)%name) &
-        //': the deck has no such parameter', hint=hint)
+                //': the deck has no such parameter', hint=hint)
       return
     end do
   end subroutine check_settings
@@ -123,7 +123,7 @@ contains
     text = source_text(deck%reader)
     do i = 1, size(deck%setting)
       text = text//new_line('a')//'! --set '//deck%setting(i)%name//'=' &
-        //to_text(deck%setting(i)%value, 17)
+             //to_text(deck%setting(i)%value, 17)
     end do
   end function deck_text
 
@@ -227,8 +227,8 @@ contains
 
   ! --- numbers ---------------------------------------------------------------------------------
 
-  !> Field i as a number. An empty or missing field is `default`; where there is none, an empty field
-  !! between two commas is 0 and a missing one an error.
+  !> Field i as a number. An empty or missing field is `default`; where there is none, an empty
+  !! field between two commas is 0 and a missing one an error.
   subroutine get_real(deck, record, i, x, error, default)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
@@ -240,7 +240,7 @@ contains
     x = 0.0_wp
     if (.not. record%is_empty(i)) then
       call compute_at(deck%params, record, record%first(i), &
-        record%raw(record%first(i):record%last(i)), x, error)
+                      record%raw(record%first(i):record%last(i)), x, error)
     else if (present(default)) then
       x = default
     else if (i > record%n) then
@@ -267,11 +267,10 @@ contains
     if (allocated(error)) return
     if (abs(x) > huge(n)) then
       call fail(error, DECK_ERROR, quoted(record%text(i))//' is larger than '//to_text(huge(n)), &
-        record%place(i))
+                record%place(i))
     else if (abs(x - anint(x)) > 4*epsilon(x)*abs(x)) then
-      call fail(error, DECK_ERROR, quoted(record%text(i))//' is not a whole number: '//to_text(x, &
-        10), &
-        record%place(i), 'int(...) cuts what is behind the point')
+      call fail(error, DECK_ERROR, quoted(record%text(i))//' is not a whole number: ' &
+                //to_text(x, 10), record%place(i), 'int(...) cuts what is behind the point')
     else
       n = nint(x)
     end if
@@ -291,7 +290,7 @@ contains
     name = lower(record%text(1))
     if (.not. is_name(name)) then
       call fail(error, DECK_ERROR, quoted(record%text(1))//' is not a name', record%place(1), &
-        'a name begins with a letter, then letters, digits and underscores')
+                'a name begins with a letter, then letters, digits and underscores')
       return
     end if
     call check_count(record, 2, huge(1), 'name = expression', error)
@@ -348,7 +347,7 @@ contains
     call compute(params, expression, value, trouble)
     if (.not. allocated(trouble)) return
     call fail(error, DECK_ERROR, trouble%message, record%spot(first + trouble%at - 1, &
-      trouble%width))
+                                                              trouble%width))
     if (allocated(trouble%hint)) error%hint = trouble%hint
   end subroutine compute_at
 

@@ -104,7 +104,7 @@ module element_type
     !! there.
     !! The kernel sets a_new = a - scale*m - L du, forms, and returns a_new, m_new, L_new.
     pure subroutine element_form_i(basis, material, prop, xr, u, du, scale, h_old, h_new, &
-        r, k, report)
+                                   r, k, report)
       import :: basis_t, material_t, form_report_t, wp
       implicit none
       type(basis_t), intent(in) :: basis
@@ -124,7 +124,7 @@ module element_type
 
     !> The same for NB elements of one class; the first index is the element.
     pure subroutine element_batch_i(basis, material, prop, xr, u, du, scale, h_old, h_new, &
-        r, k, report)
+                                    r, k, report)
       import :: basis_t, material_t, form_report_t, wp, NB
       implicit none
       type(basis_t), intent(in) :: basis

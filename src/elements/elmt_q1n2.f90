@@ -9,7 +9,7 @@ module elmt_q1n2
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
   use hexa_shape, only: linear, surface_functions, tensor_rule, touches, join_faces, &
-    MAX_DEGREE, CORNER
+                        MAX_DEGREE, CORNER
   use solid_form, only: form
   implicit none
   private
@@ -88,7 +88,7 @@ contains
     end do
     do i = 1, 4
       on(a + i, :) = [CORNER(1, i) < 0, CORNER(1, i) > 0, CORNER(2, i) < 0, CORNER(2, i) > 0, &
-        .false., .true.]
+                      .false., .true.]
     end do
     call join_faces(on, topology)
     topology%vtk = VTK_BEZIER_HEXAHEDRON

@@ -15,7 +15,7 @@ module elmt_q2
   integer, parameter :: VTK_BEZIER_HEXAHEDRON = 79
   !> Position of FEAP's 27 element nodes in tensor order.
   integer, parameter :: FEAP27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, &
-    10, 12, 18, 16, 5, 23, 13, 15, 11, 17, 14]
+                                      10, 12, 18, 16, 5, 23, 13, 15, 11, 17, 14]
 
 contains
 
@@ -83,7 +83,7 @@ contains
     call tensor_faces(tensor, topology)
     topology%vtk = VTK_BEZIER_HEXAHEDRON
     topology%vtk_node = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, 10, 12, 18, 16, &
-      13, 15, 11, 17, 5, 23, 14]
+                         13, 15, 11, 17, 5, 23, 14]
   end subroutine set_topology
 
 end module elmt_q2

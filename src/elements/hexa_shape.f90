@@ -13,8 +13,8 @@ module hexa_shape
   integer, parameter, public :: MAX_DEGREE = 15 !! of a direction: gauss gives as many points
 
   !> Signs of the corners, counter-clockwise from (-,-), lower plane first (FEAP and VTK order).
-  integer, parameter :: CORNER(3, 8) = reshape([ &
-    -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
+  integer, parameter :: CORNER(3, 8) = reshape([-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, &
+                                                -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
 
   !> Functions below this share of the largest are rounding of an extraction operator's zero.
   real(wp), parameter :: ZERO_SHARE = 1.0e-12_wp

@@ -9,7 +9,7 @@ module solid_batch
   use element_type, only: form_report_t, NB
   use material_type, only: material_t
   use solid_batch_algebra, only: set_map, invert, scale_group, set_column, set_force, mirror, &
-    clear_failed, NEN, NM, NC
+                                 clear_failed, NEN, NM, NC
   use solid_batch_condense, only: advance_batch, condense_batch
   implicit none
   private
@@ -73,7 +73,7 @@ contains
       n = min(NC, basis%nq - q0)
       do q = 1, n
         call evaluate_point(basis, material, prop, q0 + q, xr, u, a, centre, jac0, q, &
-          g, gm, w(:, q), tau(:, :, q), lam(:, q), mus(:, q), ok)
+                            g, gm, w(:, q), tau(:, :, q), lam(:, q), mus(:, q), ok)
       end do
       if (n < NC) then ! the last group may be short: its missing points weigh nothing
         g(:, :, n + 1:, :) = 0.0_wp
@@ -149,7 +149,7 @@ contains
 
   !> Gradients, volume, stress and moduli at one point of each element.
   pure subroutine evaluate_point(basis, material, prop, q, xr, u, a, centre, jac0, n, &
-      g, gm, w, tau, lam, mus, ok)
+                                 g, gm, w, tau, lam, mus, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)
@@ -180,7 +180,8 @@ contains
         !$omp simd
         do l = 1, NB
           m(l, j, b) = (jac0(l)/jac(l))*(centre(l, 1, j)*basis%mode(1, b, q) &
-            + centre(l, 2, j)*basis%mode(2, b, q) + centre(l, 3, j)*basis%mode(3, b, q))
+                                         + centre(l, 2, j)*basis%mode(2, b, q) &
+                                         + centre(l, 3, j)*basis%mode(3, b, q))
           dg(l, 1, j) = dg(l, 1, j) + a(l, 1, b)*m(l, j, b)
           dg(l, 2, j) = dg(l, 2, j) + a(l, 2, b)*m(l, j, b)
           dg(l, 3, j) = dg(l, 3, j) + a(l, 3, b)*m(l, j, b)
@@ -216,7 +217,7 @@ contains
         !$omp simd
         do l = 1, NB
           g(l, i, n, b) = t(l, 1, i)*basis%dshp(1, b, q) + t(l, 2, i)*basis%dshp(2, b, q) &
-            + t(l, 3, i)*basis%dshp(3, b, q)
+                          + t(l, 3, i)*basis%dshp(3, b, q)
         end do
       end do
     end do
@@ -226,7 +227,7 @@ contains
           !$omp simd
           do l = 1, NB
             gm(l, i, n, b) = dg(l, 1, i)*m(l, 1, b) + dg(l, 2, i)*m(l, 2, b) &
-              + dg(l, 3, i)*m(l, 3, b)
+                             + dg(l, 3, i)*m(l, 3, b)
           end do
         else
           gm(:, i, n, b) = m(:, i, b)

@@ -63,7 +63,7 @@ contains
     call integrate(basis, material, prop, xr, u, a, rfull, full, report%ok)
     if (report%ok) then
       call condense(nd, np, full, rfull, k, r, h_new(np + 1:2*np), &
-        h_new(2*np + 1:np*(2 + nd)), report)
+                    h_new(2*np + 1:np*(2 + nd)), report)
     else
       r = 0.0_wp
       k = 0.0_wp
@@ -114,7 +114,7 @@ contains
       if (.not. ok) exit
       n = n + 1
       call evaluate_point(basis, material, prop, q, xu, a, centre, jac0, &
-        g(:, :, n), w(n), tau(:, n), lam(n), mus(n), c(:, :, n), ok)
+                          g(:, :, n), w(n), tau(:, n), lam(n), mus(n), c(:, :, n), ok)
       if (n < CHUNK .and. q < basis%nq .or. .not. ok) cycle
       call add_residual(q <= CHUNK, nall, n, g, w, tau, f)
       if (.not. material%finite) tau(:, :n) = 0.0_wp ! no geometric part
@@ -138,7 +138,7 @@ contains
 
   !> Gradients, volume, stress and tangent at one point.
   pure subroutine evaluate_point(basis, material, prop, q, xu, a, centre, jac0, &
-      g, w, tau, lam, mus, c, ok)
+                                 g, w, tau, lam, mus, c, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)
@@ -152,7 +152,7 @@ contains
     integer :: j
 
     call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, &
-      centre, jac0, dg, t, jac, m, ok)
+                centre, jac0, dg, t, jac, m, ok)
     if (.not. ok) return
     w = basis%wgt(q)*jac
     if (associated(material%moduli)) then
@@ -169,7 +169,7 @@ contains
     end if
     do j = 1, 3
       g(:basis%nen, j) = t(1, j)*basis%dshp(1, :, q) + t(2, j)*basis%dshp(2, :, q) &
-        + t(3, j)*basis%dshp(3, :, q)
+                         + t(3, j)*basis%dshp(3, :, q)
       g(basis%nen + 1:, j) = m(j, :)
     end do
   end subroutine evaluate_point

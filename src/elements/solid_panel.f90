@@ -30,15 +30,15 @@ contains
     do j = 1, 3
       do i = 1, j - 1
         call dgemm('N', 'T', n, n, nq, 1.0_wp, gl(1, i, 1), ld, g(1, j, 1), ld, &
-          keep, p(1, i, 1, j), ld)
+                   keep, p(1, i, 1, j), ld)
         call dgemm('N', 'T', n, n, nq, 1.0_wp, gm(1, j, 1), ld, g(1, i, 1), ld, &
-          1.0_wp, p(1, i, 1, j), ld)
+                   1.0_wp, p(1, i, 1, j), ld)
       end do
     end do
     gl = gl + gm
     do i = 1, 3
       call dgemm('N', 'T', n, n, nq, 1.0_wp, gl(1, i, 1), ld, g(1, i, 1), ld, &
-        keep, p(1, i, 1, i), ld)
+                 keep, p(1, i, 1, i), ld)
     end do
   end subroutine add_moduli
 
@@ -70,7 +70,7 @@ contains
         end do
       end do
       call dgemm('N', 'T', 3*n, 3*n, 6, 1.0_wp, b, 3*n, cb, 3*n, &
-        merge(0.0_wp, 1.0_wp, first .and. q == 1), p, 3*n)
+                 merge(0.0_wp, 1.0_wp, first .and. q == 1), p, 3*n)
     end do
   end subroutine add_general
 

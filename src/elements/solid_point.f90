@@ -41,7 +41,7 @@ contains
     do n = 1, nmode
       do j = 1, 3
         m(j, n) = (jac0/jac)*(centre(1, j)*mode(1, n) + centre(2, j)*mode(2, n) &
-          + centre(3, j)*mode(3, n))
+                              + centre(3, j)*mode(3, n))
         dg(:, j) = dg(:, j) + a(:, n)*m(j, n)
       end do
     end do

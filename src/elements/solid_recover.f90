@@ -50,7 +50,7 @@ contains
       point(q)%xr = matmul(xr, basis%shp(:, q))
       point(q)%xc = point(q)%xr + matmul(u, basis%shp(:, q))
       call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, &
-        centre, jac0, point(q)%dg, inverse, jac, m, fine)
+                  centre, jac0, point(q)%dg, inverse, jac, m, fine)
       if (fine) then
         point(q)%volume = basis%wgt(q)*jac
         call add_stress(material, prop, point(q), fine)
@@ -82,7 +82,7 @@ contains
     real(wp) :: mises
 
     mises = sqrt(0.5_wp*((sig(1) - sig(2))**2 + (sig(2) - sig(3))**2 + (sig(3) - sig(1))**2) &
-      + 3.0_wp*(sig(4)**2 + sig(5)**2 + sig(6)**2))
+                 + 3.0_wp*(sig(4)**2 + sig(5)**2 + sig(6)**2))
   end function von_mises
 
 end module solid_recover

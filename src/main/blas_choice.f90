@@ -1,9 +1,10 @@
 !> Makes OpenBLAS use the vector unit there is.
 !!
 !! OpenBLAS chooses its kernels when it is loaded, by the model number of the processor. One that is
-!! newer than the library gets the oldest kernels (Debian 12's 0.3.21 on a processor of 2023 runs dgemm
-!! at 9 instead of 70 GFLOP/s). Then this program starts itself once more with OPENBLAS_CORETYPE set to
-!! what the processor's flags allow. A value the user has set is never touched.
+!! newer than the library gets the oldest kernels (Debian 12's 0.3.21 on a processor of 2023 runs
+!! dgemm at 9 instead of 70 GFLOP/s). Then this program starts itself once more with
+!! OPENBLAS_CORETYPE set to what the processor's flags allow. A value the user has set is never
+!! touched.
 module blas_choice
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use base_cpu, only: vector_level
@@ -12,6 +13,7 @@ module blas_choice
   private
   public :: choose_blas_kernel
 
+  ! allow(assumed-size)
   interface
     integer(c_int) function c_setenv(name, value, overwrite) bind(c, name='setenv')
       import :: c_char, c_int

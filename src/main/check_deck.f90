@@ -18,15 +18,16 @@ contains
 
     print '(a)', 'nodes      '//to_text(count(job%model%mesh%used))
     do b = 1, size(job%model%mesh%block)
-      print '(a)', 'elements   '//to_text(job%model%mesh%block(b)%nelem)//' '//trim(job%model%mesh%block(b)%name)
+      print '(a)', 'elements   '//to_text(job%model%mesh%block(b)%nelem)//' ' &
+        //trim(job%model%mesh%block(b)%name)
     end do
     print '(a)', 'dofs       '//to_text(job%model%ndof)
     print '(a)', 'equations  '//to_text(job%model%neq)
     print '(a)', 'commands   '//to_text(size(job%command))
     call prepare_newton(job%newton, job%model, .true., error)
     if (allocated(error)) return
-    print '(a)', 'memory     about '//to_text(job%newton%system%estimate_mb, 3)//' MB for a factorisation, ' &
-      //to_text(available_memory_mb(), 3)//' MB available'
+    print '(a)', 'memory     about '//to_text(job%newton%system%estimate_mb, 3) &
+      //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
     print '(a)', 'no problems found'
   end subroutine print_check
 

@@ -29,11 +29,12 @@ module command_line
     character(72) :: help
   end type option_t
 
-  type(option_t), parameter :: TABLE(11) = [ &
+  type(option_t), parameter :: &
+    TABLE(11) = [ &
     option_t('-o', 'DIR', &
-    'folder of the results, made when absent (default: the working folder)'), &
+             'folder of the results, made when absent (default: the working folder)'), &
     option_t('--name', 'STEM', &
-    'name of the results (default: of the deck, without its extension)'), &
+             'name of the results (default: of the deck, without its extension)'), &
     option_t('--set', 'name=value', 'set a parameter of the deck; may be repeated'), &
     option_t('--check', '', 'read the deck, report sizes, memory and problems; solve nothing'), &
     option_t('--restart', 'FILE', 'go on from a checkpoint'), &
@@ -43,10 +44,10 @@ module command_line
     option_t('--list', '[WHAT]', 'list elements, materials, contacts or commands'), &
     option_t('--version', '', 'print the version'), &
     option_t('--help', '', 'print this')]
-  character(9), parameter :: LISTS(4) = [character(9) :: 'elements', 'materials', 'contacts', &
-    'commands']
+  character(9), parameter :: LISTS(4) = &
+                             ['elements ', 'materials', 'contacts ', 'commands ']
   character(*), parameter :: USAGE = 'usage: bezel [options] deck', &
-    MORE = 'bezel --help lists the options'
+                             MORE = 'bezel --help lists the options'
 
 contains
 
@@ -98,7 +99,7 @@ contains
         call take_option(arguments, i, name, row, value, error)
         if (allocated(error)) return
         if (seen(row) .and. name /= '--set') call complain(error, quoted(name) &
-          //' is given twice', MORE)
+                                                           //' is given twice', MORE)
         seen(row) = .true.
         if (.not. allocated(error)) call store(options, name, value, error)
         if (options%help .or. options%version) return
@@ -147,8 +148,8 @@ contains
       if (TABLE(row)%name == name) exit
     end do
     if (row == 0) then
-      call complain(error, 'unknown option '//quoted(name), 'nearest known: '//nearest(name, &
-        TABLE%name)//'; '//MORE)
+      call complain(error, 'unknown option '//quoted(name), &
+                    'nearest known: '//nearest(name, TABLE%name)//'; '//MORE)
     else if (TABLE(row)%value == '') then
       if (allocated(value)) call complain(error, quoted(name)//' takes no value', MORE)
     else if (name == '--list') then
@@ -161,8 +162,9 @@ contains
     end if
     if (allocated(error)) return
     if (.not. allocated(value)) value = ''
-    if (TABLE(row)%value /= '' .and. name /= '--list' .and. value == '') call complain(error, &
-      quoted(name)//' needs a value', trim(name)//' '//trim(TABLE(row)%value))
+    if (TABLE(row)%value /= '' .and. name /= '--list' .and. value == '') then
+      call complain(error, quoted(name)//' needs a value', trim(name)//' '//trim(TABLE(row)%value))
+    end if
 
   contains
 
@@ -184,7 +186,7 @@ contains
       options%outdir = value
     case ('--name')
       if (index(value, '/') > 0) call complain(error, quoted('--name '//value)//' is not a name', &
-        'give the folder with -o')
+                                               'give the folder with -o')
       options%stem = value
     case ('--set')
       options%settings = [character(len(options%settings)) :: options%settings, value]
@@ -193,25 +195,27 @@ contains
     case ('--threads')
       call number_of(name, value, x, error)
       if (allocated(error)) return
-      if (x < 1.0_wp .or. x > 1024.0_wp .or. abs(x - anint(x)) > 0.0_wp) call complain(error, &
-        quoted(name//' '//value)//' is not a number of threads', &
-        'give a whole number from 1 to 1024')
+      if (x < 1.0_wp .or. x > 1024.0_wp .or. abs(x - anint(x)) > 0.0_wp) then
+        call complain(error, quoted(name//' '//value)//' is not a number of threads', &
+                      'give a whole number from 1 to 1024')
+      end if
       if (.not. allocated(error)) options%threads = nint(x)
     case ('--time-limit')
       call number_of(name, value, options%time_limit, error)
       if (allocated(error)) return
       if (.not. options%time_limit > 0.0_wp) call complain(error, quoted(name//' '//value) &
-        //' is no time', &
-        'give seconds, more than 0')
+                                                           //' is no time', &
+                                                           'give seconds, more than 0')
     case ('--list')
       options%list = value
-      if (value /= '' .and. all(LISTS /= value)) call complain(error, 'there is no list ' &
-        //quoted(value), &
-        'nearest known: '//nearest(value, LISTS))
-    case ('--check');   options%check = .true.
-    case ('--quiet');   options%quiet = .true.
+      if (value /= '' .and. all(LISTS /= value)) then
+        call complain(error, 'there is no list '//quoted(value), &
+                      'nearest known: '//nearest(value, LISTS))
+      end if
+    case ('--check'); options%check = .true.
+    case ('--quiet'); options%quiet = .true.
     case ('--version'); options%version = .true.
-    case default;       options%help = .true.
+    case default; options%help = .true.
     end select
   end subroutine store
 
@@ -224,7 +228,7 @@ contains
 
     call compute(none, value, x, trouble)
     if (allocated(trouble)) call complain(error, 'in '//quoted(name//' '//value)//': ' &
-      //trouble%message, 'give a number')
+                                          //trouble%message, 'give a number')
   end subroutine number_of
 
   !> The deck's file name without its last extension.

@@ -41,7 +41,8 @@ contains
     call new_state(job%model, job%state)
   end subroutine read_deck
 
-  !> Command after command; a failed step moves the counter back to its TIME (command_loop, cut_back).
+  !> Command after command; a failed step moves the counter back to its TIME (command_loop,
+  !! cut_back).
   subroutine execute(job, error)
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error
@@ -71,8 +72,10 @@ contains
     if (allocated(error)) return
     call close_files(job, error)
     if (allocated(error)) return
-    if (job%failed_step) call fail(error, NO_SOLUTION, 'some steps were closed before they converged', &
-      hint='see the warnings in the log')
+    if (job%failed_step) then
+      call fail(error, NO_SOLUTION, 'some steps were closed before they converged', &
+                hint='see the warnings in the log')
+    end if
   end subroutine execute
 
 end module run

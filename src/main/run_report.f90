@@ -32,6 +32,8 @@ contains
       report%status = 'no_solution'
     case (STOPPED)
       report%status = 'stopped'
+    case default
+      report%status = 'failed'
     end select
     report%steps = job%state%step
     report%iterations = job%iterations
@@ -41,7 +43,8 @@ contains
     report%negative_pivots = job%negative_pivots
     report%peak_memory_mb = peak_memory_mb()
     do i = 1, size(job%model%mesh%block)
-      call add_count(report%element, trim(job%model%mesh%block(i)%name), job%model%mesh%block(i)%nelem)
+      call add_count(report%element, trim(job%model%mesh%block(i)%name), &
+                     job%model%mesh%block(i)%nelem)
     end do
     allocate (part, source=[character(24) :: job%timers%names(), 'total'])
     do i = 1, size(part)

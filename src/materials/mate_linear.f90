@@ -121,8 +121,8 @@ contains
 
     call moduli(prop, dg, tau, lam, mus, ok)
     w = 0.5_wp*(tau(1)*(dg(1, 1) - 1.0_wp) + tau(2)*(dg(2, 2) - 1.0_wp) &
-      + tau(3)*(dg(3, 3) - 1.0_wp) + tau(4)*(dg(1, 2) + dg(2, 1)) &
-      + tau(5)*(dg(2, 3) + dg(3, 2)) + tau(6)*(dg(3, 1) + dg(1, 3)))
+                + tau(3)*(dg(3, 3) - 1.0_wp) + tau(4)*(dg(1, 2) + dg(2, 1)) &
+                + tau(5)*(dg(2, 3) + dg(3, 2)) + tau(6)*(dg(3, 1) + dg(1, 3)))
   end function energy
 
 end module mate_linear

@@ -120,8 +120,8 @@ contains
     !$omp simd
     do n = 1, NB
       jac(n) = dg(n, 1, 1)*(dg(n, 2, 2)*dg(n, 3, 3) - dg(n, 2, 3)*dg(n, 3, 2)) &
-        + dg(n, 1, 2)*(dg(n, 2, 3)*dg(n, 3, 1) - dg(n, 2, 1)*dg(n, 3, 3)) &
-        + dg(n, 1, 3)*(dg(n, 2, 1)*dg(n, 3, 2) - dg(n, 2, 2)*dg(n, 3, 1))
+               + dg(n, 1, 2)*(dg(n, 2, 3)*dg(n, 3, 1) - dg(n, 2, 1)*dg(n, 3, 3)) &
+               + dg(n, 1, 3)*(dg(n, 2, 1)*dg(n, 3, 2) - dg(n, 2, 2)*dg(n, 3, 1))
     end do
     ok = .true.
     bad = 0.0_wp

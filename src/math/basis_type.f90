@@ -14,7 +14,8 @@ module basis_type
     real(wp), allocatable :: dshp(:, :, :)  !! (3, nen, nq) parent derivatives
     real(wp), allocatable :: wgt(:)         !! (nq) weights of the rule
     real(wp), allocatable :: mode(:, :, :)  !! (3, nmode, nq) parent covectors of the enhanced modes
-    real(wp), allocatable :: dshp0(:, :)    !! (3, nen) parent derivatives at the centre (with enhancement only)
+    real(wp), allocatable :: dshp0(:, :) !! (3, nen) parent derivatives at the centre (with
+    !! enhancement only)
   end type basis_t
 
 end module basis_type

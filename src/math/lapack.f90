@@ -5,7 +5,7 @@ module lapack
   implicit none
   private
   public :: dgemm, dgemv, dsyrk, dsyr2k, dgbsv, dgesv, dgetrf, dgetrs, dsytrf, dsytrs, dpotrf, &
-    dpotrs, dsyev
+            dpotrs, dsyev
 
   interface
     pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)

@@ -2,7 +2,7 @@
 module nurbs
   use base_kinds, only: wp
   use bspline, only: spline_t, nfunction, nspan, span_list, find_span, basis_derivatives, &
-    with_knots, elevated, insertion_row, elevation_row
+                     with_knots, elevated, insertion_row, elevation_row
   implicit none
   private
   public :: nurbs_t, spline_t, new_nurbs, elevate, insert_knots, refine, evaluate, face_of
@@ -60,7 +60,7 @@ contains
     type(nurbs_t), intent(in) :: patch
 
     is_rational = any(abs(patch%cp(4, :, :, :) - patch%cp(4, 1, 1, 1)) &
-      > 4*epsilon(1.0_wp)*abs(patch%cp(4, 1, 1, 1)))
+                      > 4*epsilon(1.0_wp)*abs(patch%cp(4, 1, 1, 1)))
   end function is_rational
 
   !> Raise the degree of direction d by t; spans and continuity stay.

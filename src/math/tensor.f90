@@ -15,8 +15,8 @@ contains
     real(wp), intent(in) :: a(3, 3)
 
     det3 = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
-      - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) &
-      + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
+           - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) &
+           + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
   end function det3
 
   !> Inverse and determinant; `b` is not to be used where det = 0.
@@ -61,7 +61,7 @@ contains
     real(wp) :: v(6)
 
     v = [a(1, 1), a(2, 2), a(3, 3), 0.5_wp*(a(1, 2) + a(2, 1)), 0.5_wp*(a(2, 3) + a(3, 2)), &
-      0.5_wp*(a(3, 1) + a(1, 3))]
+         0.5_wp*(a(3, 1) + a(1, 3))]
   end function to_voigt
 
   !> Factors L D L^T of a symmetric matrix, in place (lower part); the number of negative

@@ -7,8 +7,9 @@ module boundary
   private
   public :: boundary_t, motion_t, pressure_t, dead_load_t
 
-  !> Rigid motion of a set of nodes: MOVE. Acts on reference positions; all moves of one node add up in deck order
-  !! (rotations about their axes first applied to the reference position, then the translations).
+  !> Rigid motion of a set of nodes: MOVE. Acts on reference positions; all moves of one node add up
+  !! in deck order (rotations about their axes first applied to the reference position, then the
+  !! translations).
   type :: motion_t
     integer, allocatable :: node(:)
     logical :: rotates = .false.
@@ -38,12 +39,15 @@ module boundary
 
   type :: boundary_t
     integer, allocatable :: fixed(:, :)       !! (3, nnode) restraint code; not 0: prescribed
-    real(wp), allocatable :: value(:, :)      !! (3, nnode) prescribed displacement at factor 1 [L] (DISP, EDIS, CDIS)
-    real(wp), allocatable :: force(:, :)      !! (3, nnode) nodal force at factor 1 [F] (FORC, EFOR, CFOR)
-    integer, allocatable :: table(:, :)       !! (3, nnode) load number of the two above (FPRO, EPRO)
+    real(wp), allocatable :: value(:, :) !! (3, nnode) prescribed displacement at factor 1 [L]
+    !! (DISP, EDIS, CDIS)
+    real(wp), allocatable :: force(:, :) !! (3, nnode) nodal force at factor 1 [F] (FORC, EFOR,
+    !! CFOR)
+    integer, allocatable :: table(:, :) !! (3, nnode) load number of the two above (FPRO, EPRO)
     type(motion_t), allocatable :: motion(:)
     type(pressure_t), allocatable :: pressure(:)
-    type(dead_load_t), allocatable :: dead(:) !! body forces, CSURf and dead pressures, once integrated
+    type(dead_load_t), allocatable :: dead(:) !! body forces, CSURf and dead pressures, once
+    !! integrated
   end type boundary_t
 
 end module boundary

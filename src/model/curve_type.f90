@@ -6,12 +6,14 @@ module curve_type
   private
   public :: curve_t, quantity_t
 
-  integer, parameter, public :: Q_FORCE = 1, Q_TORQUE = 2, Q_DISP = 3, Q_STRESS = 4, Q_ENERGY = 5, Q_MAX_DISP = 6, &
-    Q_MAX_MISES = 7, Q_NODAL = 8 !! Q_NODAL: FEAP's reactions
+  integer, parameter, public :: Q_FORCE = 1, Q_TORQUE = 2, Q_DISP = 3, Q_STRESS = 4, &
+                                Q_ENERGY = 5, Q_MAX_DISP = 6, Q_MAX_MISES = 7
+  integer, parameter, public :: Q_NODAL = 8 !! FEAP's reactions
   !> Of one side of a contact. Shares (STICK, SLIP, DEBONDED) lie between 0 and 1.
   integer, parameter, public :: Q_CONTACT_FORCE = 9, Q_CONTACT_TORQUE = 10, &
-    Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, &
-    Q_CONTACT_AREA = 15, Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
+                                Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, &
+                                Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, Q_CONTACT_AREA = 15, &
+                                Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
 
   !> One column.
   type :: quantity_t

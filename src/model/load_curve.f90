@@ -30,11 +30,12 @@ contains
     case (0)
       factor = time
     case (1)
-      gap = 8*epsilon(time)*max(abs(time), abs(table%tmin), abs(table%tmax)) ! 3 x 0.1 is not above 0.3
+      ! 3 x 0.1 is not above 0.3
+      gap = 8*epsilon(time)*max(abs(time), abs(table%tmin), abs(table%tmax))
       if (time < table%tmin - gap .or. time > table%tmax + gap) return
       s = time - table%tmin
       factor = table%a(1) + table%a(2)*s &
-        + table%a(3)*sin(table%a(4)*s + table%a(5))**max(table%power, 1)
+               + table%a(3)*sin(table%a(4)*s + table%a(5))**max(table%power, 1)
     case (2)
       n = size(table%t)
       factor = table%p(n)
@@ -42,9 +43,11 @@ contains
         if (time >= table%t(i)) cycle
         factor = table%p(i)
         if (i > 1) factor = table%p(i - 1) + (table%p(i) - table%p(i - 1)) &
-          *((time - table%t(i - 1))/(table%t(i) - table%t(i - 1)))
+                            *((time - table%t(i - 1))/(table%t(i) - table%t(i - 1)))
         exit
       end do
+    case default                     ! no table
+      return
     end select
   end function table_factor
 

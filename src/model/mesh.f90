@@ -28,7 +28,8 @@ module mesh
     integer :: material = 0        !! index into the model's materials
     integer :: body = 0            !! index into mesh%body; 0: FEAP mesh
     integer :: nen = 0, nelem = 0
-    integer, allocatable :: conn(:, :)   !! (nen, nelem) nodes; a node may stand twice (collapsed prisms)
+    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a node may stand twice (collapsed
+    !! prisms)
     integer, allocatable :: number(:)    !! (nelem) element number shown to the user
     type(extraction_t) :: ext
     type(rule_t) :: rule
@@ -55,8 +56,9 @@ module mesh
   !> Nodes and everything that stands on them.
   type :: mesh_t
     integer :: nnode = 0
-    real(wp), allocatable :: xr(:, :)      !! (3, nnode) reference positions of nodes and control points [L]
-    logical, allocatable :: is_control(:)  !! (nnode) a control point (its position is a coefficient)
+    real(wp), allocatable :: xr(:, :) !! (3, nnode) reference positions of nodes and control points
+    !! [L]
+    logical, allocatable :: is_control(:) !! (nnode) a control point (its position is a coefficient)
     logical, allocatable :: used(:)        !! (nnode) belongs to an element
     type(block_t), allocatable :: block(:)
     type(body_t), allocatable :: body(:)
@@ -72,9 +74,9 @@ contains
 
     cell%degree = block%ext%degree
     if (allocated(block%ext%op)) then
-      if (block%ext%iop(1, e) > 0) cell%c1 = block%ext%op(block%ext%iop(1, e))%c
-      if (block%ext%iop(2, e) > 0) cell%c2 = block%ext%op(block%ext%iop(2, e))%c
-      if (block%ext%iop(3, e) > 0) cell%c3 = block%ext%op(block%ext%iop(3, e))%c
+      if (block%ext%iop(1, e) > 0) allocate (cell%c1, source=block%ext%op(block%ext%iop(1, e))%c)
+      if (block%ext%iop(2, e) > 0) allocate (cell%c2, source=block%ext%op(block%ext%iop(2, e))%c)
+      if (block%ext%iop(3, e) > 0) allocate (cell%c3, source=block%ext%op(block%ext%iop(3, e))%c)
     end if
     if (allocated(block%ext%w)) cell%w = block%ext%w(:, e)
   end subroutine block_cell

@@ -21,7 +21,8 @@ module model
     real(wp) :: body_force(3) = 0.0_wp   !! [F/L^3] at factor 1
     integer :: body_table = 0
     logical :: enhanced = .false.        !! ENHAnced (ELEM and BLOC meshes)
-    logical :: given_formulation = .false. !! DISPlacement or ENHAnced was said (an error in a PATCh)
+    logical :: given_formulation = .false. !! DISPlacement or ENHAnced was said (an error in a
+    !! PATCh)
     integer :: nurbs_points(3) = 0       !! NURB interp q1 q2 q3
     type(place_t) :: place
   end type material_set_t
@@ -55,7 +56,8 @@ module model
     real(wp), allocatable :: u_step(:, :) !! at the start of the step
     real(wp), allocatable :: u_base(:, :) !! where history%iter belongs: the last iteration
     real(wp) :: scale = 0.0_wp            !! share of the Newton step in u - u_base
-    real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; free dofs: the residual
+    real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; free
+    !! dofs: the residual
     real(wp), allocatable :: factor(:)    !! factor of each load table
     type(load_table_t), allocatable :: table(:)
     type(history_t), allocatable :: history(:) !! one a block

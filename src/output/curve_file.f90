@@ -34,8 +34,8 @@ contains
 
     curve%ncolumn = size(columns)
     curve%nfactor = nfactor
-    text = header(columns, nfactor) // new_line('a')
-    if (present(keep)) text = text // rows_up_to(path, keep)
+    text = header(columns, nfactor)//new_line('a')
+    if (present(keep)) text = text//rows_up_to(path, keep)
     call write_whole(path, text, error)
     if (.not. allocated(error)) call open_bytes(curve%file, path, .true., error)
   end subroutine open_curve
@@ -54,22 +54,22 @@ contains
     integer :: i
 
     if (.not. all(ieee_is_finite([time, factor, values]))) then
-      call fail(error, BUG, 'a value for ''' // curve%file%path // ''' is not a number')
+      call fail(error, BUG, 'a value for '''//curve%file%path//''' is not a number')
       return
     end if
     if (size(values) /= curve%ncolumn .or. size(factor) /= curve%nfactor) then
-      call fail(error, BUG, 'a row for ''' // curve%file%path // ''' has the wrong length')
+      call fail(error, BUG, 'a row for '''//curve%file%path//''' has the wrong length')
       return
     end if
-    line = whole(step) // number(time)
+    line = whole(step)//number(time)
     do i = 1, size(factor)
-      line = line // number(factor(i))
+      line = line//number(factor(i))
     end do
-    line = line // whole(iterations) // whole(cutbacks) // whole(merge(1, 0, converged))
+    line = line//whole(iterations)//whole(cutbacks)//whole(merge(1, 0, converged))
     do i = 1, size(values)
-      line = line // number(values(i))
+      line = line//number(values(i))
     end do
-    call write_text(curve%file, line // new_line('a'), error)
+    call write_text(curve%file, line//new_line('a'), error)
     if (.not. allocated(error)) call flush_bytes(curve%file, error)
   end subroutine write_row
 
@@ -83,6 +83,7 @@ contains
   !> Names of columns made distinct: the second of a name ends with _2, the third with _3.
   pure subroutine curve_names(columns, names)
     character(*), intent(in) :: columns(:)
+    ! allow(C072)
     character(*), intent(out) :: names(:)
     character(12) :: suffix
     integer :: i, k
@@ -93,7 +94,7 @@ contains
       do while (any(names(:i - 1) == names(i)))
         k = k + 1
         write (suffix, '("_", i0)') k
-        names(i) = trim(columns(i)) // suffix
+        names(i) = trim(columns(i))//suffix
       end do
     end do
   end subroutine curve_names
@@ -106,17 +107,17 @@ contains
     character(12) :: digits
     integer :: i
 
-    line = '#' // right('step', NARROW - 1) // right('time', WIDTH)
+    line = '#'//right('step', NARROW - 1)//right('time', WIDTH)
     do i = 1, nfactor
       write (digits, '(i0)') i
-      line = line // right('factor_' // trim(digits), WIDTH)
+      line = line//right('factor_'//trim(digits), WIDTH)
     end do
-    line = line // right('iterations', NARROW) // right('cutbacks', NARROW) // &
-      right('converged', NARROW)
+    line = line//right('iterations', NARROW)//right('cutbacks', NARROW)// &
+           right('converged', NARROW)
     allocate (names(size(columns)))
     call curve_names(columns, names)
     do i = 1, size(names)
-      line = line // right(trim(names(i)), WIDTH)
+      line = line//right(trim(names(i)), WIDTH)
     end do
   end function header
 
@@ -158,7 +159,7 @@ contains
     integer, intent(in) :: width
     character(:), allocatable :: field
 
-    field = repeat(' ', max(1, width - len(text))) // text
+    field = repeat(' ', max(1, width - len(text)))//text
   end function right
 
   pure function number(x) result(field)

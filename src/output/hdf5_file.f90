@@ -6,17 +6,18 @@
 !! killed. Readers are let in while we write (no file lock).
 module hdf5_file
   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc
-  use hdf5, only: HID_T, HSIZE_T, H5S_SELECT_SET_F, H5D_ALLOC_TIME_EARLY_F, &
-    H5D_FILL_TIME_NEVER_F, H5P_DATASET_CREATE_F, H5T_IEEE_F64LE, H5T_STD_I64LE, H5T_STD_I32LE, &
-    H5T_STD_U8LE, H5T_NATIVE_DOUBLE, H5T_NATIVE_INTEGER, h5pcreate_f, h5pclose_f, &
-    h5pset_alloc_time_f, h5pset_fill_time_f, h5dcreate_f, h5dopen_f, h5dclose_f, h5dwrite_f, &
-    h5dread_f, h5dget_space_f, h5screate_simple_f, h5sclose_f, h5sselect_hyperslab_f, &
-    h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5pset_chunk_f, &
-    h5dset_extent_f
+  use hdf5, only: HID_T, HSIZE_T, H5S_SELECT_SET_F, H5D_ALLOC_TIME_EARLY_F, H5D_FILL_TIME_NEVER_F, &
+                  H5P_DATASET_CREATE_F, H5T_IEEE_F64LE, H5T_STD_I64LE, H5T_STD_I32LE, &
+                  H5T_STD_U8LE, H5T_NATIVE_DOUBLE, H5T_NATIVE_INTEGER, h5pcreate_f, h5pclose_f, &
+                  h5pset_alloc_time_f, h5pset_fill_time_f, h5dcreate_f, h5dopen_f, h5dclose_f, &
+                  h5dwrite_f, h5dread_f, h5dget_space_f, h5screate_simple_f, h5sclose_f, &
+                  h5sselect_hyperslab_f, h5sget_simple_extent_dims_f, &
+                  h5sget_simple_extent_ndims_f, h5pset_chunk_f, h5dset_extent_f
   use base_kinds, only: wp, i8
   use base_error, only: error_t
   use hdf5_object, only: hdf5_t, create_file, open_file, close_file, flush_file, make_group, &
-    has_object, copy_object, has_attribute, put_attribute, get_attribute, refuse
+                         has_object, copy_object, has_attribute, put_attribute, get_attribute, &
+                         refuse
   implicit none
   private
   public :: hdf5_t, create_file, open_file, close_file, flush_file, make_group, has_object
@@ -99,7 +100,7 @@ contains
     nrow = 0
     call h5dopen_f(file%id, name, set, status)
     if (status /= 0) then
-      call refuse(file, 'cannot find ''' // name // ''' in', error)
+      call refuse(file, 'cannot find '''//name//''' in', error)
       return
     end if
     call h5dget_space_f(set, space, status)
@@ -145,8 +146,8 @@ contains
       call h5dclose_f(set, ignored)
     end if
     if (status /= 0) then
-      call refuse(file, trim(merge('cannot write', 'cannot read ', writes)) // ' ''' // name // &
-        ''' of', error)
+      call refuse(file, trim(merge('cannot write', 'cannot read ', writes))//' '''//name// &
+                  ''' of', error)
     end if
   end subroutine move_rows
 
@@ -186,7 +187,7 @@ contains
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_DOUBLE, c_loc(values), 0, &
-      size(values, 1), row(first), .true., error)
+                   size(values, 1), row(first), .true., error)
   end subroutine put_real_1
 
   subroutine put_real_2(file, name, values, error, first)
@@ -197,7 +198,7 @@ contains
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_DOUBLE, c_loc(values), size(values, 1), &
-      size(values, 2), row(first), .true., error)
+                   size(values, 2), row(first), .true., error)
   end subroutine put_real_2
 
   subroutine put_integer_1(file, name, values, error, first)
@@ -208,7 +209,7 @@ contains
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), 0, &
-      size(values, 1), row(first), .true., error)
+                   size(values, 1), row(first), .true., error)
   end subroutine put_integer_1
 
   subroutine put_integer_2(file, name, values, error, first)
@@ -219,7 +220,7 @@ contains
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), size(values, 1), &
-      size(values, 2), row(first), .true., error)
+                   size(values, 2), row(first), .true., error)
   end subroutine put_integer_2
 
   subroutine get_real_1(file, name, values, error, first)
@@ -230,7 +231,7 @@ contains
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_DOUBLE, c_loc(values), 0, &
-      size(values, 1), row(first), .false., error)
+                   size(values, 1), row(first), .false., error)
   end subroutine get_real_1
 
   subroutine get_real_2(file, name, values, error, first)
@@ -241,7 +242,7 @@ contains
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_DOUBLE, c_loc(values), size(values, 1), &
-      size(values, 2), row(first), .false., error)
+                   size(values, 2), row(first), .false., error)
   end subroutine get_real_2
 
   subroutine get_integer_1(file, name, values, error, first)
@@ -252,7 +253,7 @@ contains
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), 0, &
-      size(values, 1), row(first), .false., error)
+                   size(values, 1), row(first), .false., error)
   end subroutine get_integer_1
 
   subroutine get_integer_2(file, name, values, error, first)
@@ -263,7 +264,7 @@ contains
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), size(values, 1), &
-      size(values, 2), row(first), .false., error)
+                   size(values, 2), row(first), .false., error)
   end subroutine get_integer_2
 
   !> Row to begin with; the first where nothing is said.

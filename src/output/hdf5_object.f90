@@ -3,13 +3,14 @@
 module hdf5_object
   use, intrinsic :: iso_c_binding, only: c_int, c_char, c_null_char, c_ptr, c_loc
   use hdf5, only: HID_T, HSIZE_T, SIZE_T, H5F_ACC_TRUNC_F, H5F_ACC_RDONLY_F, H5F_ACC_RDWR_F, &
-    H5F_CLOSE_STRONG_F, H5F_SCOPE_GLOBAL_F, H5P_FILE_ACCESS_F, H5S_SCALAR_F, H5T_FORTRAN_S1, &
-    H5T_STD_I64LE, H5T_NATIVE_INTEGER, h5open_f, h5eset_auto_f, h5fcreate_f, h5fopen_f, &
-    h5fclose_f, h5fflush_f, h5pcreate_f, h5pclose_f, h5pset_fclose_degree_f, h5gcreate_f, &
-    h5gclose_f, h5acreate_by_name_f, h5aopen_by_name_f, h5aclose_f, h5awrite_f, h5aread_f, &
-    h5aexists_by_name_f, h5aget_type_f, h5tcopy_f, h5tclose_f, h5tset_size_f, h5tget_size_f, &
-    h5screate_f, h5screate_simple_f, h5sclose_f, h5lexists_f, h5ocopy_f, h5aget_storage_size_f, &
-    h5oopen_f, h5oclose_f, h5aopen_f, h5acreate_f, h5pset_meta_block_size_f
+                  H5F_CLOSE_STRONG_F, H5F_SCOPE_GLOBAL_F, H5P_FILE_ACCESS_F, H5S_SCALAR_F, &
+                  H5T_FORTRAN_S1, H5T_STD_I64LE, H5T_NATIVE_INTEGER, h5open_f, h5eset_auto_f, &
+                  h5fcreate_f, h5fopen_f, h5fclose_f, h5fflush_f, h5pcreate_f, h5pclose_f, &
+                  h5pset_fclose_degree_f, h5gcreate_f, h5gclose_f, h5acreate_by_name_f, &
+                  h5aopen_by_name_f, h5aclose_f, h5awrite_f, h5aread_f, h5aexists_by_name_f, &
+                  h5aget_type_f, h5tcopy_f, h5tclose_f, h5tset_size_f, h5tget_size_f, h5screate_f, &
+                  h5screate_simple_f, h5sclose_f, h5lexists_f, h5ocopy_f, h5aget_storage_size_f, &
+                  h5oopen_f, h5oclose_f, h5aopen_f, h5acreate_f, h5pset_meta_block_size_f
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use byte_file, only: reason
   implicit none
@@ -32,6 +33,7 @@ module hdf5_object
     module procedure get_text, get_integers
   end interface get_attribute
 
+  ! allow(assumed-size)
   interface
     function setenv(name, value, overwrite) bind(C) result(status)
       import :: c_int, c_char
@@ -77,7 +79,7 @@ contains
     call start_library(access)
     file%path = path
     call h5fopen_f(path, merge(H5F_ACC_RDWR_F, H5F_ACC_RDONLY_F, writable), file%id, status, &
-      access_prp=access)
+                   access_prp=access)
     if (status /= 0) call refuse(file, 'cannot open', error)
     call h5pclose_f(access, status)
   end subroutine open_file
@@ -228,7 +230,7 @@ contains
       call h5tclose_f(type, ignored)
       call h5aclose_f(attribute, ignored)
     end if
-    if (status /= 0) call refuse(file, 'cannot read ''' // name // ''' of', error)
+    if (status /= 0) call refuse(file, 'cannot read '''//name//''' of', error)
   end subroutine get_text
 
   !> As many integers as `value` holds; fewer or more in the file is a failure.
@@ -247,11 +249,11 @@ contains
     call h5aopen_by_name_f(file%id, object, name, attribute, status)
     if (status == 0) then
       call h5aget_storage_size_f(attribute, bytes, status)
-      if (bytes /= 8 * size(value)) status = -1
+      if (bytes /= 8*size(value)) status = -1
       if (status == 0) call h5aread_f(attribute, H5T_NATIVE_INTEGER, place, status)
       call h5aclose_f(attribute, ignored)
     end if
-    if (status /= 0) call refuse(file, 'cannot read ''' // name // ''' of', error)
+    if (status /= 0) call refuse(file, 'cannot read '''//name//''' of', error)
   end subroutine get_integers
 
   !> Library on, its own printing off, no locks (a viewer may hold the file open), and closing a
@@ -260,8 +262,9 @@ contains
     integer(HID_T), intent(out) :: access
     integer :: status
 
-    status = setenv('HDF5_USE_FILE_LOCKING' // c_null_char, 'FALSE' // c_null_char, 1_c_int)
-    status = h5dont_atexit()  ! its own tidying at the exit crashes (1.10.8) after a write to a full disk
+    status = setenv('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char, 1_c_int)
+    ! HDF5's own tidying at the exit crashes (1.10.8) after a write to a full disk.
+    status = h5dont_atexit()
     call h5open_f(status)
     call h5eset_auto_f(0, status)
     call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
@@ -275,9 +278,9 @@ contains
     character(*), intent(in) :: verb !! e.g. 'cannot write'
     type(error_t), allocatable, intent(out) :: error
 
-    call fail(error, SYSTEM_ERROR, verb // ' ''' // file%path // '''' // &
-      reason(file%path, writes=verb == 'cannot write' .or. verb == 'cannot create' .or. &
-      verb == 'cannot finish'))
+    call fail(error, SYSTEM_ERROR, verb//' '''//file%path//''''// &
+              reason(file%path, writes=verb == 'cannot write' .or. verb == 'cannot create' .or. &
+                     verb == 'cannot finish'))
   end subroutine refuse
 
 end module hdf5_object

@@ -24,13 +24,13 @@ contains
     do while (i <= len(text))
       n = utf8_length(text(i:))
       if (n > 1) then
-        json = json // text(i:i + n - 1)
+        json = json//text(i:i + n - 1)
       else
-        json = json // escaped(text(i:i), n == 0)
+        json = json//escaped(text(i:i), n == 0)
       end if
       i = i + max(n, 1)
     end do
-    json = json // '"'
+    json = json//'"'
   end function json_string
 
   !> One byte; `strange`: it is no character of UTF-8, and is read as Latin 1.
@@ -42,17 +42,17 @@ contains
 
     select case (iachar(byte))
     case (34, 92)
-      json = achar(92) // byte
+      json = achar(92)//byte
     case (9)
-      json = achar(92) // 't'
+      json = achar(92)//'t'
     case (10)
-      json = achar(92) // 'n'
+      json = achar(92)//'n'
     case (13)
-      json = achar(92) // 'r'
+      json = achar(92)//'r'
     case default
       if (strange .or. iachar(byte) < 32 .or. iachar(byte) == 127) then
         write (digits, '(z4.4)') iachar(byte)
-        json = achar(92) // 'u' // digits
+        json = achar(92)//'u'//digits
       else
         json = byte
       end if
@@ -121,7 +121,7 @@ contains
     character(*), intent(in) :: name, value
     character(:), allocatable :: json
 
-    json = json_string(name) // ': ' // value
+    json = json_string(name)//': '//value
   end function json_member
 
   !> Members in braces.
@@ -129,7 +129,7 @@ contains
     character(*), intent(in) :: members !! joined by commas
     character(:), allocatable :: json
 
-    json = '{' // members // '}'
+    json = '{'//members//'}'
   end function json_object
 
 end module json_text

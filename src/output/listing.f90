@@ -16,14 +16,15 @@ contains
     integer :: b, m
 
     call log_line('title     '//model%title)
-    call log_line('nodes     '//to_text(count(model%mesh%used))//' in use, '//to_text(count(model%mesh%is_control)) &
-      //' of them control points')
+    call log_line('nodes     '//to_text(count(model%mesh%used))//' in use, ' &
+                  //to_text(count(model%mesh%is_control))//' of them control points')
     call log_line('dofs      '//to_text(model%ndof)//', equations '//to_text(model%neq))
     do b = 1, size(model%mesh%block)
       associate (block => model%mesh%block(b))
-        call log_line('elements  '//to_text(block%nelem)//' '//trim(block%name)//where_of(model, block%body) &
-          //', '//to_text(block%nen)//' nodes, '//to_text(block%rule%nq)//' points, material ' &
-          //to_text(model%material(block%material)%number))
+        call log_line('elements  '//to_text(block%nelem)//' '//trim(block%name) &
+                      //where_of(model, block%body)//', '//to_text(block%nen)//' nodes, ' &
+                      //to_text(block%rule%nq)//' points, material ' &
+                      //to_text(model%material(block%material)%number))
         call log_line('          '//trim(block%row%source))
       end associate
     end do

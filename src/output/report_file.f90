@@ -7,7 +7,7 @@ module report_file
   implicit none
   private
   public :: report_t, named_count_t, named_real_t, curve_row_t, write_report, add_count, add_real, &
-    add_curve
+            add_curve
 
   type :: named_count_t
     character(:), allocatable :: name
@@ -46,23 +46,23 @@ contains
     type(report_t), intent(in) :: report
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: text
-    character(*), parameter :: SEP = ',' // new_line('a') // '  '
+    character(*), parameter :: SEP = ','//new_line('a')//'  '
 
-    text = '{' // new_line('a') // '  ' // &
-      json_member('version', json_string(given(report%version))) // SEP // &
-      json_member('deck', json_string(given(report%deck))) // SEP // &
-      json_member('status', json_string(trim(report%status))) // SEP // &
-      json_member('exit_code', json_number(report%exit_code)) // SEP // &
-      json_member('steps', json_number(report%steps)) // SEP // &
-      json_member('iterations', json_number(report%iterations)) // SEP // &
-      json_member('cutbacks', json_number(report%cutbacks)) // SEP // &
-      json_member('dofs', json_number(report%dofs)) // SEP // &
-      json_member('equations', json_number(report%equations)) // SEP // &
-      json_member('elements', counts(report)) // SEP // &
-      json_member('negative_pivots', json_number(report%negative_pivots)) // SEP // &
-      json_member('seconds', seconds(report)) // SEP // &
-      json_member('peak_memory_mb', json_number(report%peak_memory_mb)) // SEP // &
-      json_member('final', finals(report)) // new_line('a') // '}' // new_line('a')
+    text = '{'//new_line('a')//'  '// &
+           json_member('version', json_string(given(report%version)))//SEP// &
+           json_member('deck', json_string(given(report%deck)))//SEP// &
+           json_member('status', json_string(trim(report%status)))//SEP// &
+           json_member('exit_code', json_number(report%exit_code))//SEP// &
+           json_member('steps', json_number(report%steps))//SEP// &
+           json_member('iterations', json_number(report%iterations))//SEP// &
+           json_member('cutbacks', json_number(report%cutbacks))//SEP// &
+           json_member('dofs', json_number(report%dofs))//SEP// &
+           json_member('equations', json_number(report%equations))//SEP// &
+           json_member('elements', counts(report))//SEP// &
+           json_member('negative_pivots', json_number(report%negative_pivots))//SEP// &
+           json_member('seconds', seconds(report))//SEP// &
+           json_member('peak_memory_mb', json_number(report%peak_memory_mb))//SEP// &
+           json_member('final', finals(report))//new_line('a')//'}'//new_line('a')
     call write_whole(path, text, error)
   end subroutine write_report
 
@@ -130,8 +130,8 @@ contains
     json = ''
     if (allocated(report%element)) then
       do i = 1, size(report%element)
-        if (i > 1) json = json // ', '
-        json = json // json_member(report%element(i)%name, json_number(report%element(i)%n))
+        if (i > 1) json = json//', '
+        json = json//json_member(report%element(i)%name, json_number(report%element(i)%n))
       end do
     end if
     json = json_object(json)
@@ -153,11 +153,11 @@ contains
     json = ''
     if (allocated(report%final)) then
       do i = 1, size(report%final)
-        if (i > 1) json = json // ', '
+        if (i > 1) json = json//', '
         if (allocated(report%final(i)%column)) then
-          json = json // json_member(report%final(i)%name, reals(report%final(i)%column))
+          json = json//json_member(report%final(i)%name, reals(report%final(i)%column))
         else
-          json = json // json_member(report%final(i)%name, '{}')
+          json = json//json_member(report%final(i)%name, '{}')
         end if
       end do
     end if
@@ -171,8 +171,8 @@ contains
 
     json = ''
     do i = 1, size(list)
-      if (i > 1) json = json // ', '
-      json = json // json_member(list(i)%name, json_number(list(i)%value))
+      if (i > 1) json = json//', '
+      json = json//json_member(list(i)%name, json_number(list(i)%value))
     end do
     json = json_object(json)
   end function reals

@@ -9,7 +9,7 @@ module restart_file
   use model, only: model_t, state_t
   use bag, only: bag_t
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, has_object, copy_object, &
-    put_attribute, get_attribute, flush_file
+                       put_attribute, get_attribute, flush_file
   use base_file, only: replace_file, remove_file, inspect, file_t
   use byte_file, only: take_room
   use restart_state, only: write_state, read_state, write_bag, read_bag
@@ -48,7 +48,7 @@ contains
     type(error_t), allocatable :: second
     type(hdf5_t) :: file
 
-    call create_file(file, path // '.part', error)
+    call create_file(file, path//'.part', error)
     if (.not. allocated(error)) call write_fingerprint(file, print, error)
     if (.not. allocated(error)) call write_state(file, 'last', state, error)
     if (.not. allocated(error)) call write_bag(file, 'last/bag', bag, error)
@@ -58,8 +58,8 @@ contains
     else
       call close_file(file, error)
     end if
-    if (.not. allocated(error)) call replace_file(path // '.part', path, error)
-    if (allocated(error)) call remove_file(path // '.part')
+    if (.not. allocated(error)) call replace_file(path//'.part', path, error)
+    if (allocated(error)) call remove_file(path//'.part')
   end subroutine write_checkpoint
 
   !> Read the last checkpoint, or the one before it.
@@ -70,7 +70,8 @@ contains
     type(bag_t), intent(out) :: bag
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: before
-    logical, intent(in), optional :: any_deck !! .true.: another deck of the same mesh may have written it
+    logical, intent(in), optional :: any_deck !! .true.: another deck of the same mesh may have
+    !! written it
     type(error_t), allocatable :: second
     type(hdf5_t) :: file
     character(:), allocatable :: group
@@ -90,10 +91,10 @@ contains
     if (.not. allocated(error)) then
       if (has_object(file, group)) then
         call read_state(file, group, state, error)
-        if (.not. allocated(error)) call read_bag(file, group // '/bag', bag, error)
+        if (.not. allocated(error)) call read_bag(file, group//'/bag', bag, error)
         if (allocated(error)) call refuse_file(path, error)
       else
-        call fail(error, SYSTEM_ERROR, '''' // path // ''' holds one checkpoint only')
+        call fail(error, SYSTEM_ERROR, ''''//path//''' holds one checkpoint only')
       end if
     end if
     call close_file(file, second)
@@ -103,8 +104,8 @@ contains
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
 
-    call fail(error, SYSTEM_ERROR, '''' // path // ''' is no restart file, or it is damaged', &
-      hint='restart from a file <deck>.restart.h5 of this program')
+    call fail(error, SYSTEM_ERROR, ''''//path//''' is no restart file, or it is damaged', &
+              hint='restart from a file <deck>.restart.h5 of this program')
   end subroutine refuse_file
 
   !> Copy what was the last checkpoint; one of this very step is replaced, not kept.
@@ -142,8 +143,8 @@ contains
     type(file_t) :: size_of
 
     call flush_file(file, error)
-    call inspect(path // '.part', size_of) ! one state, as the one to be copied
-    if (.not. allocated(error)) call take_room(path // '.part', size_of%size + MARGIN, error)
+    call inspect(path//'.part', size_of) ! one state, as the one to be copied
+    if (.not. allocated(error)) call take_room(path//'.part', size_of%size + MARGIN, error)
     if (.not. allocated(error)) call copy_object(old, group, file, 'before', error)
   end subroutine copy_group
 
@@ -178,14 +179,14 @@ contains
     if (allocated(error)) then
       call refuse_file(path, error)
     else if (version /= print%version) then
-      call fail(error, DECK_ERROR, '''' // path // ''' was written by version ' // version // &
-        ', this is ' // print%version, hint='restart with the version that wrote it')
+      call fail(error, DECK_ERROR, ''''//path//''' was written by version '//version// &
+                ', this is '//print%version, hint='restart with the version that wrote it')
     else if (same_deck .and. deck_hash /= print%deck_hash) then
-      call fail(error, DECK_ERROR, '''' // path // ''' belongs to another deck', &
-        hint='restart with the deck, the included files and the --set values of that run')
+      call fail(error, DECK_ERROR, ''''//path//''' belongs to another deck', &
+                hint='restart with the deck, the included files and the --set values of that run')
     else if (any(sizes /= print%sizes)) then
-      call fail(error, DECK_ERROR, '''' // path // ''' belongs to another mesh', &
-        hint='restart with the deck, the included files and the --set values of that run')
+      call fail(error, DECK_ERROR, ''''//path//''' belongs to another mesh', &
+                hint='restart with the deck, the included files and the --set values of that run')
     end if
   end subroutine check_fingerprint
 

@@ -9,7 +9,7 @@ module vtkhdf_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: replace_file, remove_file
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, flush_file, put, get, &
-    put_attribute, get_attribute, set_length
+                       put_attribute, get_attribute, set_length
   use view, only: view_t
   use fields, only: field_t, describe_field
   use vtkhdf_layout, only: run_info_t, write_layout
@@ -103,7 +103,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call fail(error, DECK_ERROR, 'the fields of a result file cannot change after its first step', &
-      hint='give OUTPut its fields before the first PLOT')
+              hint='give OUTPut its fields before the first PLOT')
   end subroutine refuse_change
 
   !> Values of one step into its place; then, as one write (see vtkhdf_layout), it is counted.
@@ -123,7 +123,7 @@ contains
 
     first = int(k - 1, i8)*npoint + 1
     do i = 1, size(names)
-      path = 'VTKHDF/PointData/' // trim(names(i))
+      path = 'VTKHDF/PointData/'//trim(names(i))
       if (field(i)%ncomp == 1) then
         call put(file, path, field(i)%values(1, :), error, first)
       else
@@ -134,8 +134,8 @@ contains
     call put(file, 'VTKHDF/Steps/StepNumber', [step], error, int(k, i8))
     if (.not. allocated(error)) call flush_file(file, error)
     if (.not. allocated(error)) call put_attribute(file, GROUP, 'NSteps', [k], error)
-    if (.not. allocated(error)) call set_length(file, GROUP // '/Values', int(k, i8), error)
-    if (.not. allocated(error)) call put(file, GROUP // '/Values', [time], error, int(k, i8))
+    if (.not. allocated(error)) call set_length(file, GROUP//'/Values', int(k, i8), error)
+    if (.not. allocated(error)) call put(file, GROUP//'/Values', [time], error, int(k, i8))
   end subroutine write_step
 
   !> The file anew with another room, and the steps it has.
@@ -148,7 +148,7 @@ contains
     type(hdf5_t) :: old, new
     character(:), allocatable :: part
 
-    part = result%path // '.part'
+    part = result%path//'.part'
     call create_file(new, part, error)
     if (allocated(error)) return
     call write_layout(new, view, result%xr, result%info, result%names, room, error)
@@ -186,7 +186,7 @@ contains
     do k = 1, result%nstep
       first = int(k - 1, i8)*npoint + 1
       do i = 1, size(field)
-        path = 'VTKHDF/PointData/' // trim(field(i)%name)
+        path = 'VTKHDF/PointData/'//trim(field(i)%name)
         if (field(i)%ncomp == 1) then
           call get(old, path, field(i)%values(1, :), error, first)
         else
@@ -231,13 +231,13 @@ contains
     known = known_fields()
     do i = 1, size(known)
       here(i) = .false.
-      if (.not. allocated(error)) here(i) = has_object(file, 'VTKHDF/PointData/' // trim(known(i)))
+      if (.not. allocated(error)) here(i) = has_object(file, 'VTKHDF/PointData/'//trim(known(i)))
     end do
     call close_file(file, second)
     if (allocated(error)) return
     if (npoint(1) /= view%npoint) then
-      call fail(error, SYSTEM_ERROR, '''' // result%path // ''' belongs to another mesh', &
-        hint='restart with another --name, or in another folder')
+      call fail(error, SYSTEM_ERROR, ''''//result%path//''' belongs to another mesh', &
+                hint='restart with another --name, or in another folder')
       return
     end if
     result%nstep = min(keep, n(1))

@@ -79,13 +79,13 @@ contains
     call write_list(file, 'VTKHDF/NumberOfCells', [view%ncell], AS_INT64, 'cells', error)
     if (allocated(error)) return
     call write_list(file, 'VTKHDF/NumberOfConnectivityIds', [size(view%conn)], AS_INT64, &
-      'length of the connectivity', error)
+                    'length of the connectivity', error)
     if (allocated(error)) return
     call write_list(file, 'VTKHDF/Connectivity', view%conn - 1, AS_INT64, 'points of the cells', &
-      error)
+                    error)
     if (allocated(error)) return
     call write_list(file, 'VTKHDF/Offsets', view%first - 1, AS_INT64, &
-      'where the points of a cell begin', error)
+                    'where the points of a cell begin', error)
     if (allocated(error)) return
     call write_list(file, 'VTKHDF/Types', view%vtk, AS_UINT8, 'VTK cell type', error)
     if (allocated(error)) return
@@ -93,7 +93,7 @@ contains
     if (.not. allocated(error)) call put(file, 'VTKHDF/Points', xr, error)
     if (.not. allocated(error)) then
       call describe(file, 'VTKHDF/Points', 'reference position; of a Bezier cell: control point', &
-        'L', 'point', error)
+                    'L', 'point', error)
     end if
   end subroutine write_geometry
 
@@ -105,30 +105,30 @@ contains
 
     call make_group(file, GROUP, error)
     if (.not. allocated(error)) then
-      call write_list(file, GROUP // '/material', view%material, AS_INT64, 'MATErial', error)
+      call write_list(file, GROUP//'/material', view%material, AS_INT64, 'MATErial', error)
     end if
     if (.not. allocated(error)) then
-      call write_list(file, GROUP // '/body', view%body, AS_INT64, &
-        'PATCh in the order of the deck; 0: FEAP mesh', error)
+      call write_list(file, GROUP//'/body', view%body, AS_INT64, &
+                      'PATCh in the order of the deck; 0: FEAP mesh', error)
     end if
     if (.not. allocated(error)) then
-      call write_list(file, GROUP // '/type', view%block, AS_INT64, &
-        'element type: ' // view%type_names, error)
+      call write_list(file, GROUP//'/type', view%block, AS_INT64, &
+                      'element type: '//view%type_names, error)
     end if
     if (.not. allocated(error)) then
-      call write_list(file, GROUP // '/element', view%element, AS_INT64, 'element number', error)
+      call write_list(file, GROUP//'/element', view%element, AS_INT64, 'element number', error)
     end if
     if (allocated(error) .or. .not. view%has_bezier) return
-    call reserve(file, GROUP // '/HigherOrderDegrees', AS_REAL, 3, int(view%ncell, i8), error)
+    call reserve(file, GROUP//'/HigherOrderDegrees', AS_REAL, 3, int(view%ncell, i8), error)
     if (.not. allocated(error)) then
-      call put(file, GROUP // '/HigherOrderDegrees', real(view%degree, wp), error)
+      call put(file, GROUP//'/HigherOrderDegrees', real(view%degree, wp), error)
     end if
     if (.not. allocated(error)) then
-      call describe(file, GROUP // '/HigherOrderDegrees', 'degrees of the cell', '-', 'cell', error)
+      call describe(file, GROUP//'/HigherOrderDegrees', 'degrees of the cell', '-', 'cell', error)
     end if
     if (.not. allocated(error)) then
-      call put_attribute(file, GROUP // '/HigherOrderDegrees', 'Attribute', 'HigherOrderDegrees', &
-        error)
+      call put_attribute(file, GROUP//'/HigherOrderDegrees', 'Attribute', 'HigherOrderDegrees', &
+                         error)
     end if
   end subroutine write_cell_data
 
@@ -157,9 +157,9 @@ contains
     do i = 1, size(names)
       if (allocated(error)) return
       call describe_field(trim(names(i)), field)
-      path = 'VTKHDF/PointData/' // trim(names(i))
+      path = 'VTKHDF/PointData/'//trim(names(i))
       call reserve(file, path, AS_REAL, merge(field%ncomp, 0, field%ncomp > 1), &
-        int(room, i8)*view%npoint, error)
+                   int(room, i8)*view%npoint, error)
       if (.not. allocated(error)) then
         call describe(file, path, trim(field%description), trim(field%dimension), 'point', error)
       end if
@@ -178,42 +178,46 @@ contains
     integer, intent(in) :: room
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: GROUP = 'VTKHDF/Steps'
-    character(*), parameter :: CELLS(5) = [character(18) :: 'material', 'body', 'type', 'element', &
-      'HigherOrderDegrees']
-    character(*), parameter :: ALWAYS(5) = [character(21) :: 'PartOffsets', 'PointOffsets', &
-      'CellOffsets', 'ConnectivityIdOffsets', 'NumberOfParts']
+    character(*), parameter :: CELLS(5) = &
+                               ['material          ', 'body              ', &
+                                'type              ', 'element           ', 'HigherOrderDegrees']
+    character(*), parameter :: ALWAYS(5) = &
+                               ['PartOffsets          ', 'PointOffsets         ', &
+                                'CellOffsets          ', 'ConnectivityIdOffsets', &
+                                'NumberOfParts        ']
     integer :: i, k
 
     call make_group(file, GROUP, error)
     if (.not. allocated(error)) call put_attribute(file, GROUP, 'NSteps', [0], error)
     if (.not. allocated(error)) then
-      call reserve(file, GROUP // '/Values', AS_REAL, 0, 1_i8, error, most=int(room, i8))
+      call reserve(file, GROUP//'/Values', AS_REAL, 0, 1_i8, error, most=int(room, i8))
     end if
-    if (.not. allocated(error)) call make_group(file, GROUP // '/PointDataOffsets', error)
-    if (.not. allocated(error)) call make_group(file, GROUP // '/CellDataOffsets', error)
+    if (.not. allocated(error)) call make_group(file, GROUP//'/PointDataOffsets', error)
+    if (.not. allocated(error)) call make_group(file, GROUP//'/CellDataOffsets', error)
     if (.not. allocated(error)) then
-      call write_list(file, GROUP // '/StepNumber', spread(0, 1, room), AS_INT64, &
-        'number of the step in the analysis', error)
+      call write_list(file, GROUP//'/StepNumber', spread(0, 1, room), AS_INT64, &
+                      'number of the step in the analysis', error)
     end if
     if (allocated(error)) return
     do i = 1, 5
       if (allocated(error)) return
-      call write_starts(file, GROUP // '/' // trim(ALWAYS(i)), &
-        spread(merge(1.0_wp, 0.0_wp, i == 5), 1, room), error, table=i == 3 .or. i == 4)
+      call write_starts(file, GROUP//'/'//trim(ALWAYS(i)), &
+                        spread(merge(1.0_wp, 0.0_wp, i == 5), 1, room), error, table=i == 3 &
+                        .or. i == 4)
     end do
     do i = 1, merge(5, 4, view%has_bezier)
       if (allocated(error)) return
-      call write_starts(file, GROUP // '/CellDataOffsets/' // trim(CELLS(i)), &
-        spread(0.0_wp, 1, room), error)
+      call write_starts(file, GROUP//'/CellDataOffsets/'//trim(CELLS(i)), &
+                        spread(0.0_wp, 1, room), error)
     end do
     if (view%has_bezier .and. .not. allocated(error)) then
-      call write_starts(file, GROUP // '/PointDataOffsets/RationalWeights', &
-        spread(0.0_wp, 1, room), error)
+      call write_starts(file, GROUP//'/PointDataOffsets/RationalWeights', &
+                        spread(0.0_wp, 1, room), error)
     end if
     do i = 1, size(names)
       if (allocated(error)) return
-      call write_starts(file, GROUP // '/PointDataOffsets/' // trim(names(i)), &
-        [(real(k, wp)*view%npoint, k=0, room - 1)], error)
+      call write_starts(file, GROUP//'/PointDataOffsets/'//trim(names(i)), &
+                        [(real(k, wp)*view%npoint, k=0, room - 1)], error)
     end do
   end subroutine write_offsets
 

@@ -35,8 +35,8 @@ contains
 
     if (all(breaks(2:) > breaks(:size(breaks) - 1))) return
     call fail(error, DECK_ERROR, 'knots of direction '//to_text(d)//" of patch '"//spec%name &
-      //"' do not rise from "//to_text(breaks(1))//' to '//to_text(breaks(size(breaks))), &
-      spec%place, 'KNOTs,dir lists the interior knots only, each once')
+              //"' do not rise from "//to_text(breaks(1))//' to '//to_text(breaks(size(breaks))), &
+              spec%place, 'KNOTs,dir lists the interior knots only, each once')
   end subroutine check_rising
 
   !> Element ends of a NURBS patch and the knots to insert.
@@ -59,13 +59,14 @@ contains
     end if
     m = spec%nelem(d)/size(k)
     if (m*size(k) /= spec%nelem(d)) then
-      call fail(error, DECK_ERROR, to_text(spec%nelem(d))//' elements in direction '//to_text(d) &
-        //" of patch '"//spec%name//"', which has "//to_text(size(k))//' knot spans', spec%place, &
-        'give a multiple of '//to_text(size(k))//', or KNOTs,'//to_text(d)//' list')
+      call fail(error, DECK_ERROR, &
+                to_text(spec%nelem(d))//' elements in direction '//to_text(d)//" of patch '" &
+                //spec%name//"', which has "//to_text(size(k))//' knot spans', spec%place, &
+                'give a multiple of '//to_text(size(k))//', or KNOTs,'//to_text(d)//' list')
       return
     end if
     breaks = [((old(e) + (old(e + 1) - old(e))*i/m, i=0, m - 1), e=1, size(k)), &
-      old(size(old))]
+              old(size(old))]
     insert = pack(breaks, [(mod(e - 1, m) /= 0, e=1, size(breaks))])
   end subroutine nurbs_breaks
 
@@ -88,14 +89,14 @@ contains
       j = minloc(abs(breaks - old(i)), 1)
       if (abs(breaks(j) - old(i)) > SAME*(old(size(old)) - old(1))) then
         call fail(error, DECK_ERROR, "patch '"//spec%name//"' has a knot at "//to_text(old(i)) &
-          //' in direction '//to_text(d)//' that KNOTs leaves out', spec%place, &
-          'knots cannot be removed: add it to the list')
+                  //' in direction '//to_text(d)//' that KNOTs leaves out', spec%place, &
+                  'knots cannot be removed: add it to the list')
         return
       end if
       breaks(j) = old(i)
       is_old(j) = .true.
     end do
-    insert = pack(breaks, .not. is_old)
+    insert = pack(breaks,.not. is_old)
   end subroutine graded_breaks
 
 end module patch_breaks

@@ -32,7 +32,7 @@ contains
       call read_gismo(text, name, patch, error)
     else
       call complain(text, 'the format is not known', error, &
-        "known formats: 'MFEM NURBS mesh v1.0', and G+Smo XML")
+                    "known formats: 'MFEM NURBS mesh v1.0', and G+Smo XML")
     end if
     if (allocated(error)) return
     call check_nurbs(patch, quoted(path), place, error)

@@ -77,20 +77,20 @@ contains
     text%at = 0
     if (n == 0 .and. len(others) > 0) then
       call complain(text, 'the file has no body, only'//others, error, &
-        'a body is a geometry TensorNurbs3 or TensorBSpline3')
+                    'a body is a geometry TensorNurbs3 or TensorBSpline3')
     else if (n == 0) then
       call complain(text, 'the file has no geometry', error, &
-        'a body is a geometry TensorNurbs3 or TensorBSpline3')
+                    'a body is a geometry TensorNurbs3 or TensorBSpline3')
     else if (first == 0) then
       call complain(text, 'the file has no body '//quoted(trim(name)), error, 'it has'//found)
     else if (n > 1 .and. len_trim(name) == 0) then
       call complain(text, 'the file has '//to_text(n)//' bodies', error, &
-        'name one by its id:'//found)
+                    'name one by its id:'//found)
     else
       length = index(text%all(first:), '</Geometry>')
       text%at = first
       if (length == 0) call complain(text, 'the geometry has no end', error, &
-        'the file seems to be cut off')
+                                     'the file seems to be cut off')
       last = first + length - 2
     end if
   end subroutine choose
@@ -145,7 +145,7 @@ contains
     if (allocated(error)) return
     call next_word(part, word)
     if (len(word) > 0) call complain(part, quoted(word)//' after the last of '//to_text(size(x)) &
-      //' numbers', error)
+                                     //' numbers', error)
   end subroutine read_all
 
   !> Knots, weights and points between the present position and the end of the text.
@@ -165,7 +165,7 @@ contains
       if (allocated(error)) return
       if (nfunction(dir(d)) <= dir(d)%degree .or. nfunction(dir(d)) > len(text%all)/n) then
         call complain(text, to_text(size(dir(d)%knots))//' knots of degree ' &
-          //to_text(dir(d)%degree)//' in direction '//to_text(d), error)
+                      //to_text(dir(d)%degree)//' in direction '//to_text(d), error)
         return
       end if
       n = n*nfunction(dir(d))

@@ -39,7 +39,7 @@ contains
     call add_control_points(geo, solid, draft, node)
     cell%degree = spec%degree
     call new_block(draft, spec, 'IGA'//to_text(spec%degree), row, cell%degree, &
-      (spec%degree + 1)**3, product(geo%n), ib)
+                   (spec%degree + 1)**3, product(geo%n), ib)
     if (is_rational(solid)) allocate (draft%block(ib)%ext%w(draft%block(ib)%nen, product(geo%n)))
     call row%rule(cell, spec%q, spec%qz, draft%block(ib)%rule)
     do k = 1, geo%n(3)

@@ -63,7 +63,7 @@ contains
     type(draft_t), intent(inout) :: draft
     !> Corners in FEAP's and VTK's order.
     integer, parameter :: CORNER(3, 8) = reshape([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &
-      0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
+                                                  0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
     integer :: i(3), a, f, m
 
     m = layer%lattice%m
@@ -211,7 +211,7 @@ contains
       edge(t%axis) = at(t%axis) + merge(1, -1, t%side == 0)
       mask = iand(border_mask(layer%lattice, at), shiftl(3, 2*third - 2))
       call add_node(draft, 0.5_wp*(point(geo, parameters_at(geo, 2, foot)) &
-        + point(geo, parameters_at(geo, 2, edge))), .false., mask, node)
+                                   + point(geo, parameters_at(geo, 2, edge))), .false., mask, node)
       layer%middle(at(third), is, it) = node
     end associate
   end subroutine middle_node

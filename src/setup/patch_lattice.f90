@@ -35,7 +35,7 @@ contains
             mask = border_mask(lattice, [i, j, k])
             if (any([(enriched(f) .and. btest(mask, f - 1), f=1, 6)])) cycle
             call add_node(draft, point(geo, parameters_at(geo, m, [i, j, k])), .false., mask, &
-              lattice%node(i, j, k))
+                          lattice%node(i, j, k))
           end do
         end do
       end do

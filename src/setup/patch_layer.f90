@@ -52,7 +52,7 @@ contains
         if (allocated(error)) return
         if (row%nmode == 0) then ! one rule for both: one block
           call layer_block(spec, layer%surface(s), e, row, m, nhexa(s) + nprism(s), 0, draft, &
-            layer%hexa(s))
+                           layer%hexa(s))
           layer%prism(s) = layer%hexa(s)
         else
           call layer_block(spec, layer%surface(s), e, row, m, nhexa(s), 0, draft, layer%hexa(s))
@@ -79,7 +79,7 @@ contains
     cell%degree = [s%degree(s%xi), s%degree(s%eta), m]
     ncp = (cell%degree(1) + 1)*(cell%degree(2) + 1)
     call new_block(draft, spec, block_name(spec, e), row, cell%degree, ncp + m*(m + 1)**2, nelem, &
-      ib)
+                   ib)
     if (s%rational) allocate (draft%block(ib)%ext%w(ncp, nelem))
     call row%rule(cell, spec%q, max(spec%qz, least), draft%block(ib)%rule)
   end subroutine layer_block

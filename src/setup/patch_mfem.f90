@@ -55,10 +55,10 @@ contains
     text%at = 0
     if (len_trim(name) == 0) then
       call complain(text, 'the file has '//to_text(n)//' patches', error, &
-        'name one by its number: FILE path 1')
+                    'name one by its number: FILE path 1')
     else
       call complain(text, 'the file has no patch '//quoted(trim(name)), error, &
-        'it has patches 1 to '//to_text(n))
+                    'it has patches 1 to '//to_text(n))
     end if
   end subroutine choose
 
@@ -93,8 +93,8 @@ contains
       case ('')
         call complain(text, 'the file ends before its knotvectors', error)
       case default
-        call complain(text, 'section '//quoted(word)//' is not supported', error, &
-          'known sections: dimension elements boundary edges vertices knotvectors weights')
+        call complain(text, 'section '//quoted(word)//' is not supported', error, 'known ' &
+                      //'sections: dimension elements boundary edges vertices knotvectors weights')
       end select
       if (allocated(error)) return
     end do
@@ -173,7 +173,7 @@ contains
       if (allocated(error)) return
       if (ncp <= dir(i)%degree) then
         call complain(text, to_text(ncp)//' control points for degree '//to_text(dir(i)%degree), &
-          error)
+                      error)
         return
       end if
       allocate (dir(i)%knots(ncp + dir(i)%degree + 1))
@@ -199,7 +199,7 @@ contains
       call complain(text, 'an element has a vertex twice', error)
     else if (maxval(mfem%edge(1, :)) >= size(mfem%dir)) then
       call complain(text, 'an edge has a knot vector that is not among the ' &
-        //to_text(size(mfem%dir))//' of the file', error)
+                    //to_text(size(mfem%dir))//' of the file', error)
     end if
   end subroutine check_topology
 
@@ -245,7 +245,7 @@ contains
     end do
     if (dimension /= 3 .or. ordering > 1) then
       call complain(text, 'VDim '//to_text(dimension)//', Ordering '//to_text(ordering), error, &
-        'VDim is 3, Ordering 0 or 1')
+                    'VDim is 3, Ordering 0 or 1')
       return
     end if
     do i = 1, merge(n, 3, ordering == 1)

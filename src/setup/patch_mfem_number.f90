@@ -15,10 +15,10 @@ module patch_mfem_number
 
   !> Where the eight vertices of an element stand in its directions.
   integer, parameter :: CORNER(3, 0:7) = reshape([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &
-    0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
+                                                  0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
   !> Vertices of its faces, in the order that numbers the inner points.
   integer, parameter :: QUAD(4, 6) = reshape([3, 2, 1, 0, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, &
-    3, 0, 4, 7, 4, 5, 6, 7], [4, 6])
+                                              3, 0, 4, 7, 4, 5, 6, 7], [4, 6])
 
   !> A file as read.
   type :: mfem_t
@@ -78,7 +78,7 @@ contains
     end do
     mfem%first_elem(size(mfem%vertex, 2) + 1) = int(min(total, int(huge(1), i8)))
     if (total > len(text%all)) call complain(text, to_text(total) &
-      //' control points cannot stand in this file', error)
+                                             //' control points cannot stand in this file', error)
   end subroutine number_points
 
   !> Control points of an element in its directions.
@@ -95,7 +95,7 @@ contains
       i = find_edge(mfem, mfem%vertex(1, e), mfem%vertex(FAR(d) + 1, e))
       if (i == 0) then
         call complain(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
-          error)
+                      error)
         return
       end if
       n(d) = nfunction(mfem%dir(mfem%edge(1, i) + 1))
@@ -158,12 +158,12 @@ contains
         i = find_edge(mfem, vertex(a + 1), vertex(b + 1))
         if (i == 0) then
           call complain(text, 'element '//to_text(e) &
-            //' has an edge that the section edges lacks', error)
+                        //' has an edge that the section edges lacks', error)
           return
         end if
         if (nfunction(mfem%dir(mfem%edge(1, i) + 1)) /= n(axis(a, b))) then
           call complain(text, 'opposite edges of element '//to_text(e) &
-            //' have different numbers of control points', error)
+                        //' have different numbers of control points', error)
           return
         end if
         number = mfem%first_edge(i) + inner_index(a, b)
@@ -171,7 +171,7 @@ contains
         i = find_face(mfem%face, vertex(local + 1))
         v = [(findloc(vertex, mfem%face(a, i), 1) - 1, a=1, 4)]
         number = mfem%first_face(i) + inner_index(v(1), v(2)) &
-          + (n(axis(v(1), v(2))) - 2)*(inner_index(v(1), v(4)) - 1)
+                 + (n(axis(v(1), v(2))) - 2)*(inner_index(v(1), v(4)) - 1)
       case default
         number = mfem%first_elem(e) + ijk(1) - 1 + (n(1) - 2)*(ijk(2) - 2 + (n(2) - 2)*(ijk(3) - 2))
       end select

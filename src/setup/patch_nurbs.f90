@@ -29,7 +29,7 @@ contains
     end if
     do d = 1, 3
       call check_knots(patch%dir(d), size(patch%cp, d + 1), what//', direction '//to_text(d), &
-        place, error)
+                       place, error)
       if (allocated(error)) return
     end do
     do i = 1, 4
@@ -38,8 +38,10 @@ contains
         return
       end if
     end do
-    if (any(.not. patch%cp(4, :, :, :) > 0.0_wp)) call fail(error, DECK_ERROR, what &
-      //' has the weight '//to_text(minval(patch%cp(4, :, :, :))), place, 'weights are positive')
+    if (any(.not. patch%cp(4, :, :, :) > 0.0_wp)) then
+      call fail(error, DECK_ERROR, what//' has the weight ' &
+                //to_text(minval(patch%cp(4, :, :, :))), place, 'weights are positive')
+    end if
   end subroutine check_nurbs
 
   subroutine check_knots(s, n, what, place, error)
@@ -53,15 +55,15 @@ contains
     p = s%degree
     if (p < 1 .or. p > MAX_DEGREE) then
       call fail(error, DECK_ERROR, what//': degree '//to_text(p), place, 'degrees are 1 to ' &
-        //to_text(MAX_DEGREE))
+                //to_text(MAX_DEGREE))
       return
     end if
     last = 0
     if (allocated(s%knots)) last = size(s%knots)
     if (last /= n + p + 1 .or. n < p + 1) then
       call fail(error, DECK_ERROR, what//': '//to_text(last)//' knots for '//to_text(n) &
-        //' control points of degree '//to_text(p), place, &
-        'there are as many knots as control points plus degree plus one')
+                //' control points of degree '//to_text(p), place, &
+                'there are as many knots as control points plus degree plus one')
       return
     end if
     if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
@@ -69,15 +71,15 @@ contains
       return
     end if
     if (s%knots(p + 1) > s%knots(1) .or. s%knots(last - p) < s%knots(last) &
-      .or. .not. s%knots(last) > s%knots(1)) then
+        .or. .not. s%knots(last) > s%knots(1)) then
       call fail(error, DECK_ERROR, what//': the knot vector is not open', place, &
-        'its first and last knot each stand '//to_text(p + 1)//' times')
+                'its first and last knot each stand '//to_text(p + 1)//' times')
       return
     end if
     do i = 2, last - p - 1
       if (s%knots(i + p) > s%knots(i)) cycle
       call fail(error, DECK_ERROR, what//': the knot '//to_text(s%knots(i))//' stands more than ' &
-        //to_text(p)//' times', place, 'the patch would fall apart there: make two patches')
+                //to_text(p)//' times', place, 'the patch would fall apart there: make two patches')
       return
     end do
   end subroutine check_knots
@@ -108,16 +110,16 @@ contains
     if (least > 0.0_wp) return
     if (most <= 0.0_wp .and. least < 0.0_wp) then
       call fail(error, DECK_ERROR, "patch '"//name//"' is left-handed: its Jacobian is negative", &
-        place, 'exchange directions 1 and 2 (numbers, knots and order of the points), ' &
-        //'or run direction 3 the other way')
+                place, 'exchange directions 1 and 2 (numbers, knots and order of the points), ' &
+                //'or run direction 3 the other way')
     else if (least < 0.0_wp) then
       call fail(error, DECK_ERROR, "patch '"//name//"' folds over: its Jacobian changes sign", &
-        place, 'worst in knot span '//to_text(bad(1))//' '//to_text(bad(2))//' ' &
-        //to_text(bad(3)))
+                place, 'worst in knot span '//to_text(bad(1))//' '//to_text(bad(2))//' ' &
+                //to_text(bad(3)))
     else
       call fail(error, DECK_ERROR, "patch '"//name//"' has no volume in knot span " &
-        //to_text(bad(1))//' '//to_text(bad(2))//' '//to_text(bad(3)), place, &
-        'use more elements, or another order')
+                //to_text(bad(1))//' '//to_text(bad(2))//' '//to_text(bad(3)), place, &
+                'use more elements, or another order')
     end if
 
   contains

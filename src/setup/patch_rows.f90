@@ -26,7 +26,7 @@ contains
       return
     end do
     call fail(error, DECK_ERROR, "patch '"//spec%name//"' needs elements of type '"//trim(name) &
-      //"', which this program does not have", spec%place)
+              //"', which this program does not have", spec%place)
   end subroutine find_row
 
 end module patch_rows

@@ -65,7 +65,7 @@ contains
     allocate (surface(size(spec%enrich)))
     do i = 1, size(surface)
       call make_space(geo, spec%enrich(i)%face, spec%enrich(i)%degree, spec%enrich(i)%raise, &
-        surface(i))
+                      surface(i))
       do j = 1, 2
         associate (s => surface(i))
           s%degree(s%dir(j)) = s%space%dir(j)%degree

@@ -37,14 +37,14 @@ contains
       call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it is no regular file', place)
     else if (file%size > MAX_SIZE) then
       call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it has ' &
-        //to_text(file%size)//' bytes', place, 'spline files are text of less than 1 GB')
+                //to_text(file%size)//' bytes', place, 'spline files are text of less than 1 GB')
     end if
     if (allocated(error)) return
     text%path = path
     text%place = place
     allocate (character(int(file%size)) :: text%all)
     open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &
-      action='read', iostat=status)
+          action='read', iostat=status)
     if (status == 0 .and. file%size > 0) read (unit, iostat=status) text%all
     if (status /= 0) then
       call fail(error, DECK_ERROR, 'cannot read '//quoted(path), place, 'check its permissions')
@@ -70,7 +70,7 @@ contains
       if (text%all(i:i) == achar(10)) line = line + 1
     end do
     call fail(error, DECK_ERROR, quoted(text%path)//', line '//to_text(line)//': '//message, &
-      text%place, hint)
+              text%place, hint)
   end subroutine complain
 
   !> Next word; empty at the end of the file.

@@ -38,7 +38,7 @@ contains
     if (allocated(error)) return
     if (.not. more) then
       call fail(error, DECK_ERROR, 'BLOCk is empty', record%place(1), &
-        'CARTesian r s t, then its master nodes')
+                'CARTesian r s t, then its master nodes')
       return
     end if
     call read_sizes(deck, line, spec, error)
@@ -77,8 +77,8 @@ contains
 
     if (record%key(1) /= 'cart') then
       call fail(error, DECK_ERROR, 'unknown kind of BLOCk '//quoted(record%text(1)), &
-        record%place(1), &
-        'CARTesian r s t [node1 elmt1 material]; other coordinates are not available')
+                record%place(1), &
+                'CARTesian r s t [node1 elmt1 material]; other coordinates are not available')
       return
     end if
     call check_count(record, 4, 8, 'CARTesian r s t [node1 elmt1 material type]', error)
@@ -86,8 +86,10 @@ contains
       if (allocated(error)) return
       call get_integer(deck, record, d + 1, spec%n(d), error)
       if (allocated(error)) return
-      if (spec%n(d) < 1) call fail(error, DECK_ERROR, 'BLOCk has '//to_text(spec%n(d)) &
-        //' increments in direction '//to_text(d), record%place(d + 1), 'increments are positive')
+      if (spec%n(d) < 1) then
+        call fail(error, DECK_ERROR, 'BLOCk has '//to_text(spec%n(d))//' increments in direction ' &
+                  //to_text(d), record%place(d + 1), 'increments are positive')
+      end if
     end do
     if (.not. allocated(error)) call get_integer(deck, record, 5, spec%node, error, 0)
     if (.not. allocated(error)) call get_integer(deck, record, 6, spec%element, error, 0)
@@ -95,12 +97,15 @@ contains
     if (.not. allocated(error)) call get_integer(deck, record, 8, spec%type, error, 0)
     if (allocated(error)) return
     if (spec%type == 0) spec%type = BRICK_8
-    if (spec%type /= BRICK_8 .and. spec%type /= BRICK_27) call fail(error, DECK_ERROR, &
-      'BLOCk of type '//to_text(spec%type), record%place(8), &
-      'types are 10 (8-node bricks) and 12 (27-node bricks)')
+    if (spec%type /= BRICK_8 .and. spec%type /= BRICK_27) then
+      call fail(error, DECK_ERROR, 'BLOCk of type '//to_text(spec%type), record%place(8), &
+                'types are 10 (8-node bricks) and 12 (27-node bricks)')
+    end if
     if (allocated(error)) return
-    if (spec%node < 0) call fail(error, DECK_ERROR, 'BLOCk begins at node '//to_text(spec%node), &
-      record%place(5), 'node numbers are positive; 0 goes on behind the last one')
+    if (spec%node < 0) then
+      call fail(error, DECK_ERROR, 'BLOCk begins at node '//to_text(spec%node), record%place(5), &
+                'node numbers are positive; 0 goes on behind the last one')
+    end if
   end subroutine read_sizes
 
   subroutine read_brick(deck, record, spec, error)
@@ -121,7 +126,7 @@ contains
       spec%type = BRICK_27
     case default
       call fail(error, DECK_ERROR, 'BRICk with '//to_text(n)//' nodes', record%place(2), &
-        'bricks have 8 or 27 nodes')
+                'bricks have 8 or 27 nodes')
     end select
   end subroutine read_brick
 
@@ -147,7 +152,7 @@ contains
     if (allocated(error)) return
     if (i < 1 .or. i > 27) then
       call fail(error, DECK_ERROR, 'master node '//to_text(i), record%place(1), &
-        'master nodes are 1 to 27')
+                'master nodes are 1 to 27')
       return
     end if
     if (spec%given(i)) then
@@ -173,15 +178,15 @@ contains
     do i = 1, 8
       if (spec%given(i)) cycle
       call fail(error, DECK_ERROR, 'BLOCk lacks its master node '//to_text(i), record%place(1), &
-        'master nodes 1 to 8 are the corners and must be given')
+                'master nodes 1 to 8 are the corners and must be given')
       return
     end do
     if (spec%type == BRICK_27) then
       do d = 1, 3
         if (mod(spec%n(d), 2) == 0) cycle
         call fail(error, DECK_ERROR, 'BLOCk of 27-node bricks has '//to_text(spec%n(d)) &
-          //' increments in direction '//to_text(d), record%place(1), &
-          'each brick spans two increments: give even numbers')
+                  //' increments in direction '//to_text(d), record%place(1), &
+                  'each brick spans two increments: give even numbers')
         return
       end do
     end if
@@ -196,10 +201,11 @@ contains
     else
       nnode = MAX_NUMBER + 1_i8
     end if
-    if (max(nnode, nelem) > MAX_NUMBER) call fail(error, DECK_ERROR, 'BLOCk of ' &
-      //to_text(spec%n(1)) &
-      //' x '//to_text(spec%n(2))//' x '//to_text(spec%n(3))//' increments has too many nodes', &
-      record%place(1), 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes and elements')
+    if (max(nnode, nelem) > MAX_NUMBER) then
+      call fail(error, DECK_ERROR, 'BLOCk of '//to_text(spec%n(1))//' x '//to_text(spec%n(2)) &
+                //' x '//to_text(spec%n(3))//' increments has too many nodes', record%place(1), &
+                'a mesh has at most '//to_text(MAX_NUMBER)//' nodes and elements')
+    end if
   end subroutine check_block
 
 end module setup_block

@@ -14,7 +14,7 @@ module setup_block_mesh
 
   !> Position of FEAP's 27 master nodes in tensor order; its element nodes are counted another way.
   integer, parameter :: MASTER27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 10, 12, 18, 16, 2, 6, 8, 4, 5, &
-    20, 24, 26, 22, 23, 11, 15, 17, 13, 14]
+                                        20, 24, 26, 22, 23, 11, 15, 17, 13, 14]
 
   !> What a BLOCk says.
   type :: block_spec_t
@@ -60,7 +60,7 @@ contains
     real(wp), intent(inout) :: x(3, 3, 3)
 
     x(:, 2, 2) = 0.5_wp*(x(:, 2, 1) + x(:, 1, 2) + x(:, 3, 2) + x(:, 2, 3)) &
-      - 0.25_wp*(x(:, 1, 1) + x(:, 3, 1) + x(:, 1, 3) + x(:, 3, 3))
+                 - 0.25_wp*(x(:, 1, 1) + x(:, 3, 1) + x(:, 1, 3) + x(:, 3, 3))
   end subroutine fill_face
 
   !> Sum that FEAP takes for the middle of the block: edges of its lower and upper faces and the
@@ -70,8 +70,8 @@ contains
     real(wp) :: s(3)
 
     s = x(:, 2, 1, 1) + x(:, 3, 2, 1) + x(:, 2, 3, 1) + x(:, 1, 2, 1) &
-      + x(:, 2, 1, 3) + x(:, 3, 2, 3) + x(:, 2, 3, 3) + x(:, 1, 2, 3) &
-      + x(:, 2, 1, 2) + x(:, 3, 2, 2) + x(:, 2, 3, 2) + x(:, 1, 2, 2)
+        + x(:, 2, 1, 3) + x(:, 3, 2, 3) + x(:, 2, 3, 3) + x(:, 1, 2, 3) &
+        + x(:, 2, 1, 2) + x(:, 3, 2, 2) + x(:, 2, 3, 2) + x(:, 1, 2, 2)
   end function sum_edges
 
   pure function sum_corners(x) result(s)
@@ -174,8 +174,8 @@ contains
     real(wp), intent(in) :: t(3, 3)
 
     mirrored = t(1, 1)*(t(2, 2)*t(3, 3) - t(2, 3)*t(3, 2)) &
-      + t(1, 2)*(t(2, 3)*t(3, 1) - t(2, 1)*t(3, 3)) &
-      + t(1, 3)*(t(2, 1)*t(3, 2) - t(2, 2)*t(3, 1)) < 0.0_wp
+               + t(1, 2)*(t(2, 3)*t(3, 1) - t(2, 1)*t(3, 3)) &
+               + t(1, 3)*(t(2, 1)*t(3, 2) - t(2, 2)*t(3, 1)) < 0.0_wp
   end function mirrored
 
   !> Lower and upper face exchanged.

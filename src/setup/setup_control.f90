@@ -9,8 +9,8 @@ module setup_control
   private
   public :: read_title, read_control
 
-  character(*), parameter :: USAGE = &
-    'write ndm = 3 and a blank record, or six numbers: numnp numel nummat ndm ndf nen'
+  character(*), parameter :: USAGE = 'write ndm = 3 and a blank record, or six numbers: numnp ' &
+                             //'numel nummat ndm ndf nen'
 
 contains
 
@@ -26,10 +26,10 @@ contains
     if (allocated(error)) return
     if (record%kind == RECORD_END) then
       call fail(error, DECK_ERROR, 'the deck holds no record', record%place(1), &
-        'it begins with FEAP ** title')
+                'it begins with FEAP ** title')
     else if (record%key(1) /= 'feap') then
       call fail(error, DECK_ERROR, 'the deck begins with '//quoted(record%text(1)), &
-        record%place(1), 'its first record is FEAP ** title')
+                record%place(1), 'its first record is FEAP ** title')
     else
       at = record%place(1)
       build%model%title = title_of(at%text, at%column)
@@ -80,13 +80,13 @@ contains
     if (allocated(error)) return
     if (ndm /= 3) then
       call fail(error, DECK_ERROR, 'ndm is '//to_text(ndm), build%control%place, &
-        'this program is for three dimensions: ndm = 3')
+                'this program is for three dimensions: ndm = 3')
     else if (ndf /= 3) then
       call fail(error, DECK_ERROR, 'ndf is '//to_text(ndf), build%control%place, &
-        'a node has three displacements: ndf = 3')
+                'a node has three displacements: ndf = 3')
     else if (build%control%nen > 27) then
       call fail(error, DECK_ERROR, 'nen is '//to_text(build%control%nen), build%control%place, &
-        'elements of a FEAP mesh have 8, 10 or 27 nodes')
+                'elements of a FEAP mesh have 8, 10 or 27 nodes')
     end if
   end subroutine read_control
 
@@ -135,7 +135,7 @@ contains
       call get_integer(deck, record, i, n(i), error, 0)
       if (allocated(error)) return
       if (n(i) < 0) call fail(error, DECK_ERROR, 'the control record holds '//to_text(n(i)), &
-        record%place(i), 'counts are not negative; zeros are counted')
+                              record%place(i), 'counts are not negative; zeros are counted')
       if (allocated(error)) return
     end do
     associate (c => build%control)
@@ -176,7 +176,7 @@ contains
     if (allocated(error)) return
     if (n < 0) then
       call fail(error, DECK_ERROR, record%text(1)//' is '//to_text(n), record%place(2), &
-        'counts are not negative; zeros are counted')
+                'counts are not negative; zeros are counted')
       return
     end if
     select case (record%key(1))

@@ -54,7 +54,7 @@ contains
       if (material > 0) e%material = material
       if (e%number <= last%number) then
         call fail(error, DECK_ERROR, 'element '//to_text(e%number)//' stands behind element ' &
-          //to_text(last%number), line%place(1), 'list the elements in rising order')
+                  //to_text(last%number), line%place(1), 'list the elements in rising order')
         return
       end if
       if (last%number > 0) call generate(build, last, e%number, line, error)
@@ -85,7 +85,7 @@ contains
         if (allocated(error)) return
       case default
         call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(i))//' of ELEMents', &
-          record%place(i), 'options are OLD and MATErial m')
+                  record%place(i), 'options are OLD and MATErial m')
         return
       end select
       i = i + 1
@@ -134,7 +134,7 @@ contains
     e%nen = n
     if (n == 0 .or. .not. any(allowed == n)) then
       call fail(error, DECK_ERROR, 'element '//to_text(e%number)//' has '//to_text(n)//' nodes', &
-        record%place(1), USAGE)
+                record%place(1), USAGE)
       return
     end if
     e%node(:n) = field(:n)
@@ -168,7 +168,7 @@ contains
     build%in_set = .true. ! a blank second record is one of zeros
     if (.not. more) return
     call check_count(second, 1, FEAP_FIELDS, &
-      'the second record of an element holds its other nodes', error)
+                     'the second record of an element holds its other nodes', error)
     if (allocated(error)) return
     field = [field, [(0, i=first%n + 1, FEAP_FIELDS)], [(0, i=1, second%n)]]
     do i = 1, second%n
@@ -206,7 +206,7 @@ contains
     do i = 1, e%nen
       if (e%node(i) > 0) cycle
       call fail(error, DECK_ERROR, 'node '//to_text(i)//' of element '//to_text(e%number)//' is ' &
-        //to_text(e%node(i)), record%place(1), 'node numbers are positive')
+                //to_text(e%node(i)), record%place(1), 'node numbers are positive')
       return
     end do
     if (e%place == 0) then

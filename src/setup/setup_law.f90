@@ -42,7 +42,7 @@ contains
     end do
     if (i == 0) then
       call fail(error, DECK_ERROR, 'unknown law '//quoted(line%text(2)), line%place(2), &
-        'known laws: '//law_names(laws))
+                'known laws: '//law_names(laws))
       return
     end if
     draft%law = i
@@ -69,10 +69,12 @@ contains
     select case (name)
     case ('E')
       if (.not. x > 0.0_wp) call fail(error, DECK_ERROR, "Young's modulus is "//to_text(x), place, &
-        'E is positive')
+                                      'E is positive')
     case ('nu')
-      if (.not. (x > -1.0_wp .and. x < 0.5_wp)) call fail(error, DECK_ERROR, &
-        "Poisson's ratio is "//to_text(x), place, 'nu lies between -1 and 0.5, without the ends')
+      if (.not. (x > -1.0_wp .and. x < 0.5_wp)) then
+        call fail(error, DECK_ERROR, "Poisson's ratio is "//to_text(x), place, &
+                  'nu lies between -1 and 0.5, without the ends')
+      end if
     case default
       continue ! no bound that all laws share
     end select
@@ -134,7 +136,7 @@ contains
 
     if (draft%strain /= 0 .and. draft%strain /= strain) then
       call fail(error, DECK_ERROR, 'the material is both SMALl and FINIte', line%place(1), &
-        'keep one of them')
+                'keep one of them')
       return
     end if
     draft%strain = strain
@@ -152,8 +154,8 @@ contains
     if (allocated(error) .or. line%n == 1) return
     if (line%key(2) /= 'volu') then
       call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(2))//' of FINIte', &
-        line%place(2), &
-        'FINIte [VOLUme k]')
+                line%place(2), &
+                'FINIte [VOLUme k]')
       return
     end if
     call check_count(line, 3, 3, 'FINIte [VOLUme k]', error)
@@ -161,9 +163,10 @@ contains
     call get_integer(deck, line, 3, draft%volume, error)
     if (allocated(error)) return
     draft%volume_place = line%place(3)
-    if (draft%volume < 1 .or. draft%volume > 3) call fail(error, DECK_ERROR, &
-      'volumetric function '//to_text(draft%volume), line%place(3), &
-      'VOLUme is 1, 2 or 3; 3 is Lam/2 (ln J)^2')
+    if (draft%volume < 1 .or. draft%volume > 3) then
+      call fail(error, DECK_ERROR, 'volumetric function '//to_text(draft%volume), line%place(3), &
+                'VOLUme is 1, 2 or 3; 3 is Lam/2 (ln J)^2')
+    end if
   end subroutine read_finite
 
   !> The records must belong together.
@@ -176,26 +179,26 @@ contains
 
     if (draft%law == 0) then
       call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' has no law', set%place, &
-        'give '//trim(laws(size(laws))%usage))
+                'give '//trim(laws(size(laws))%usage))
       return
     end if
     set%row = laws(draft%law)
     if (draft%strain == 1 .and. set%row%finite) then
       call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of finite strains', &
-        draft%strain_place, &
-        'for SMALl strains use ELAStic ISOTropic E nu')
+                draft%strain_place, &
+                'for SMALl strains use ELAStic ISOTropic E nu')
       return
     else if (draft%strain == 2 .and. .not. set%row%finite) then
       call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of small strains', &
-        draft%strain_place, &
-        'for FINIte strains use ELAStic NEOHook E nu')
+                draft%strain_place, &
+                'for FINIte strains use ELAStic NEOHook E nu')
       return
     end if
     n = draft%nvalue
     if (draft%volume > 0) then
       if (index(set%row%usage, 'VOLUme') == 0) then
         call fail(error, DECK_ERROR, trim(set%row%name)//' has no volumetric function to choose', &
-          draft%volume_place, 'remove VOLUme')
+                  draft%volume_place, 'remove VOLUme')
         return
       end if
       n = n + 1

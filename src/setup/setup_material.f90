@@ -22,9 +22,9 @@ module setup_material
   private
   public :: read_material, material_index
 
-  character(12), parameter :: WORD(8) = [character(12) :: 'ELAStic', 'SMALl', 'FINIte', &
-    'DISPlacement', &
-    'ENHAnced', 'DENSity', 'BODY', 'NURB']
+  character(12), parameter :: WORD(8) = &
+                              ['ELAStic     ', 'SMALl       ', 'FINIte      ', 'DISPlacement', &
+                               'ENHAnced    ', 'DENSity     ', 'BODY        ', 'NURB        ']
   integer, parameter :: MAX_POINT = 16 !! of a direction
 
 contains
@@ -53,14 +53,13 @@ contains
     set%place = record%place(min(2, record%n))
     if (set%number < 1) then
       call fail(error, DECK_ERROR, 'material number '//to_text(set%number), set%place, &
-        'numbers are positive')
+                'numbers are positive')
       return
     end if
     if (material_index(build, set%number) > 0) then
       call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' is defined twice', &
-        set%place, &
-        'the first one stands in line '//to_text(build%model%material(material_index(build, &
-        set%number))%place%line))
+                set%place, 'the first one stands in line ' &
+                //to_text(build%model%material(material_index(build, set%number))%place%line))
       return
     end if
     call append(build, set) ! before its records are read: an error in them must not make it unknown
@@ -68,12 +67,12 @@ contains
     if (allocated(error)) return
     if (.not. more) then
       call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' is empty', set%place, &
-        'SOLId, then ELAStic and other properties')
+                'SOLId, then ELAStic and other properties')
       return
     end if
     if (line%key(1) /= 'soli') then
       call fail(error, DECK_ERROR, 'unknown element type '//quoted(line%text(1))//' of material ' &
-        //to_text(set%number), line%place(1), 'the only type is SOLId')
+                //to_text(set%number), line%place(1), 'the only type is SOLId')
       return
     end if
     call check_count(line, 1, 1, 'SOLId stands alone', error)
@@ -118,13 +117,13 @@ contains
       end do
       if (w == 0) then
         call fail(error, DECK_ERROR, 'unknown property '//quoted(line%text(1)), line%place(1), &
-          'nearest known: '//nearest(line%text(1), WORD))
+                  'nearest known: '//nearest(line%text(1), WORD))
         return
       end if
       if (seen(w)) then
         call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in material ' &
-          //to_text(set%number), &
-          line%place(1), 'keep one of them')
+                  //to_text(set%number), &
+                  line%place(1), 'keep one of them')
         return
       end if
       seen(w) = .true.
@@ -155,8 +154,8 @@ contains
       if (allocated(error)) return
       if (set%given_formulation) then
         call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
-          //' is both DISPlacement and ENHAnced', &
-          line%place(1), 'keep one of them')
+                  //' is both DISPlacement and ENHAnced', &
+                  line%place(1), 'keep one of them')
         return
       end if
       set%given_formulation = .true.
@@ -182,8 +181,8 @@ contains
     call get_real(deck, line, line%n, set%density, error)
     if (allocated(error)) return
     if (set%density < 0.0_wp) call fail(error, DECK_ERROR, 'the density is ' &
-      //to_text(set%density), &
-      line%place(line%n), 'a density is not negative')
+                                        //to_text(set%density), &
+                                        line%place(line%n), 'a density is not negative')
   end subroutine read_density
 
   !> BODY [FORCe] b1 b2 b3. FEAP passes over the field behind BODY.
@@ -197,7 +196,7 @@ contains
     first = 3
     if (line%key(2) == 'heat') then
       call fail(error, DECK_ERROR, 'BODY HEAT is a heat source', line%place(2), &
-        'this program solves no heat flow: BODY FORCe b1 b2 b3')
+                'this program solves no heat flow: BODY FORCe b1 b2 b3')
       return
     end if
     if (.not. (line%is_empty(2) .or. line%key(2) == 'forc' .or. line%n >= 5)) first = 2
@@ -221,8 +220,8 @@ contains
     if (allocated(error)) return
     if (line%key(2) /= 'inte') then
       call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(2))//' of NURB', &
-        line%place(2), &
-        'NURB interp q1 q2 q3')
+                line%place(2), &
+                'NURB interp q1 q2 q3')
       return
     end if
     do d = 1, 3
@@ -230,8 +229,8 @@ contains
       if (allocated(error)) return
       if (set%nurbs_points(d) < 0 .or. set%nurbs_points(d) > MAX_POINT) then
         call fail(error, DECK_ERROR, to_text(set%nurbs_points(d))//' integration points', &
-          line%place(d + 2), &
-          '1 to '//to_text(MAX_POINT)//' points in each direction')
+                  line%place(d + 2), &
+                  '1 to '//to_text(MAX_POINT)//' points in each direction')
         return
       end if
       if (set%nurbs_points(d) == 0) set%nurbs_points(d) = 5

@@ -38,9 +38,9 @@ contains
 
     if (said == 0 .or. found <= said) return
     call fail(error, DECK_ERROR, 'the deck has '//to_text(found)//' '//what &
-      //', its control record says ' &
-      //to_text(said), build%control%place, name//' counts them; with '//name &
-      //' = 0 they are counted here')
+              //', its control record says ' &
+              //to_text(said), build%control%place, name//' counts them; with '//name &
+              //' = 0 they are counted here')
     call build%errors%add(error)
   end subroutine compare
 
@@ -67,8 +67,8 @@ contains
     call load_elements(rows)
     do g = 1, size(group_nen)
       call make_block(build, pack([(n, n=1, build%elements%top)], group == g), group_material(g), &
-        group_nen(g), &
-        rows, mesh%block(g))
+                      group_nen(g), &
+                      rows, mesh%block(g))
       if (build%errors%count() > 0) return
     end do
   end subroutine make_mesh
@@ -86,9 +86,9 @@ contains
             if (nodes%given(list%node(a, e))) cycle
           end if
           call fail(error, DECK_ERROR, 'element '//to_text(e)//' refers to node ' &
-            //to_text(list%node(a, e)) &
-            //', which is not defined', build%places%at(list%place(e)), &
-            'define it by COORdinates or BLOCk; node numbers go to '//to_text(nodes%top))
+                    //to_text(list%node(a, e)) &
+                    //', which is not defined', build%places%at(list%place(e)), &
+                    'define it by COORdinates or BLOCk; node numbers go to '//to_text(nodes%top))
           call build%errors%add(error)
           exit
         end do
@@ -138,13 +138,13 @@ contains
       end do
       if (found == 0) then
         call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
-          //' is ENHAnced, but its elements have '//to_text(nen)//' nodes', &
-          set%place, 'enhanced modes belong to 8-node elements; '//to_text(nen) &
-          //'-node elements do not need them')
+                  //' is ENHAnced, but its elements have '//to_text(nen)//' nodes', &
+                  set%place, 'enhanced modes belong to 8-node elements; '//to_text(nen) &
+                  //'-node elements do not need them')
       else if (any(set%nurbs_points > 0)) then
         call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
-          //' has NURB interp, but its elements are bricks', &
-          set%place, 'NURB interp belongs to an NPATch')
+                  //' has NURB interp, but its elements are bricks', &
+                  set%place, 'NURB interp belongs to an NPATch')
       end if
       if (allocated(error)) call build%errors%add(error)
       if (found == 0) return

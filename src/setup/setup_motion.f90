@@ -12,8 +12,8 @@ module setup_motion
   public :: read_fix, read_move, read_pressure
 
   real(wp), parameter :: DEGREE = acos(-1.0_wp)/180.0_wp
-  character(*), parameter :: MOVE_USAGE = &
-    'MOVE,WHERE TRANslate dx dy dz [PROP k], or ROTAte px py pz  ax ay az  degrees [PROP k]'
+  character(*), parameter :: MOVE_USAGE = 'MOVE,WHERE TRANslate dx dy dz [PROP k], or ROTAte px ' &
+                             //'py pz  ax ay az  degrees [PROP k]'
 
 contains
 
@@ -66,8 +66,8 @@ contains
       call read_rotation(deck, record, i, m, error)
     case default
       call fail(error, DECK_ERROR, merge('the motion is missing     ', &
-        'unknown motion of the body', &
-        record%is_empty(i)), record%place(i), MOVE_USAGE)
+                                         'unknown motion of the body', &
+                                         record%is_empty(i)), record%place(i), MOVE_USAGE)
     end select
     if (allocated(error)) return
     call read_table(deck, record, i, m%motion%table, MOVE_USAGE, error)
@@ -103,9 +103,10 @@ contains
         end if
       end if
     end do
-    if (.not. any(m%motion%acts)) call fail(error, DECK_ERROR, &
-      'MOVE leaves all three directions free', &
-      record%place(i + 1), 'give a number in at least one direction')
+    if (.not. any(m%motion%acts)) then
+      call fail(error, DECK_ERROR, 'MOVE leaves all three directions free', record%place(i + 1), &
+                'give a number in at least one direction')
+    end if
     i = i + 4
   end subroutine read_translation
 
@@ -129,7 +130,7 @@ contains
     length = norm2(x(4:6))
     if (.not. length > 0.0_wp) then
       call fail(error, DECK_ERROR, 'the axis of rotation has no length', record%place(i + 4), &
-        MOVE_USAGE)
+                MOVE_USAGE)
       return
     end if
     m%motion%rotates = .true.
@@ -152,14 +153,14 @@ contains
     if (record%n < i) return
     if (record%key(i) /= 'prop') then
       call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(i)), record%place(i), &
-        usage)
+                usage)
       return
     end if
     call get_integer(deck, record, i + 1, table, error)
     if (allocated(error)) return
     if (table < 0) call fail(error, DECK_ERROR, 'load table '//to_text(table), &
-      record%place(i + 1), &
-      'load tables are counted from 1; 0 is their sum')
+                             record%place(i + 1), &
+                             'load tables are counted from 1; 0 is their sum')
     i = i + 2
   end subroutine read_table
 
@@ -179,7 +180,7 @@ contains
     if (allocated(error)) return
     if (p%at%kind /= W_FACES) then
       call fail(error, DECK_ERROR, 'a pressure acts on a face of a patch', p%at%place, &
-        USAGE//'; on a FEAP mesh use CSURface')
+                USAGE//'; on a FEAP mesh use CSURface')
       return
     end if
     p%pressure%place = record%place(1)
@@ -194,7 +195,7 @@ contains
     if (i <= record%n) then
       if (record%key(i) /= 'foll') then
         call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(i)), record%place(i), &
-          USAGE)
+                  USAGE)
         return
       end if
       p%pressure%follower = .true.

@@ -26,7 +26,7 @@ contains
     integer :: n, step, last, last_step, code(3)
 
     call check_count(record, 1, 1, &
-      'BOUNdary stands alone; its data follow: n g code1 code2 code3', error)
+                     'BOUNdary stands alone; its data follow: n g code1 code2 code3', error)
     if (allocated(error)) return
     n = 0
     step = 0
@@ -40,7 +40,7 @@ contains
         all(:, n) = code
       end associate
       if (last > 0 .and. last_step /= 0) call repeat_negative(build, last, n, sign(last_step, &
-        n - last))
+                                                                                   n - last))
     end do
   end subroutine read_boundary
 
@@ -65,7 +65,7 @@ contains
     integer :: n, step, last, last_step, number(3), i
 
     call check_count(record, 1, 1, 'FPROportional stands alone; its data follow: n g k1 k2 k3', &
-      error)
+                     error)
     if (allocated(error)) return
     n = 0
     step = 0
@@ -141,7 +141,7 @@ contains
 
     call check_count(record, 1, 1, 'FORCe stands alone; its data follow: n g f1 f2 f3', error)
     if (.not. allocated(error)) call read_reals(build, deck, 'a force is: n g f1 f2 f3', .true., &
-      error)
+                                                error)
   end subroutine read_forces
 
   !> DISPlacement: `n g u1 u2 u3`.
@@ -152,9 +152,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call check_count(record, 1, 1, 'DISPlacement stands alone; its data follow: n g u1 u2 u3', &
-      error)
+                     error)
     if (.not. allocated(error)) call read_reals(build, deck, 'a displacement is: n g u1 u2 u3', &
-      .false., error)
+                                                .false., error)
   end subroutine read_displacements
 
   !> Records of vectors, turned by TRANsform; those in between lie on a straight line.

@@ -63,7 +63,7 @@ contains
       if (n < 1) return
       if (n == last) then
         call fail(error, DECK_ERROR, 'node '//to_text(n)//' stands twice in succession', &
-          record%place(1))
+                  record%place(1))
         return
       end if
       if (last_step /= 0) call fill_between(build, last, n, sign(last_step, n - last), weighted)
@@ -109,7 +109,7 @@ contains
       if (allocated(error)) return
       if (.not. w > 0.0_wp) then
         call fail(error, DECK_ERROR, 'control point '//to_text(n)//' has the weight '//to_text(w), &
-          record%place(6), 'weights are positive')
+                  record%place(6), 'weights are positive')
         return
       end if
     end if
@@ -158,7 +158,7 @@ contains
     integer :: i, j
 
     call check_count(record, 1, 1, &
-      'TRANsform stands alone; four records of three numbers follow', error)
+                     'TRANsform stands alone; four records of three numbers follow', error)
     if (allocated(error)) return
     t = 0.0_wp
     do i = 1, 4
@@ -167,7 +167,7 @@ contains
       if (.not. more) then
         if (i == 4) exit ! a blank vector is zero (FEAP)
         call fail(error, DECK_ERROR, 'TRANsform has '//to_text(i - 1)//' of its four records', &
-          record%place(1), 'three rows of the matrix, then the vector')
+                  record%place(1), 'three rows of the matrix, then the vector')
         return
       end if
       call check_count(row, 1, 3, 'a row of TRANsform is three numbers', error)
@@ -181,10 +181,12 @@ contains
     build%turn = transpose(t(:, :3))
     build%shift = t(:, 4)
     size = norm2(build%turn)
-    volume = dot_product(t(:, 1), [t(2, 2)*t(3, 3) - t(3, 2)*t(2, 3), &
-      t(3, 2)*t(1, 3) - t(1, 2)*t(3, 3), t(1, 2)*t(2, 3) - t(2, 2)*t(1, 3)])
-    if (.not. abs(volume) > 1.0e-12_wp*size**3) call fail(error, DECK_ERROR, &
-      'the matrix of TRANsform is singular', record%place(1), 'its rows must not lie in one plane')
+    volume = dot_product(t(:, 1), [t(2, 2)*t(3, 3) - t(3, 2)*t(2, 3), t(3, 2)*t(1, 3) &
+                                   - t(1, 2)*t(3, 3), t(1, 2)*t(2, 3) - t(2, 2)*t(1, 3)])
+    if (.not. abs(volume) > 1.0e-12_wp*size**3) then
+      call fail(error, DECK_ERROR, 'the matrix of TRANsform is singular', record%place(1), &
+                'its rows must not lie in one plane')
+    end if
   end subroutine read_transform
 
 end module setup_nodes

@@ -41,8 +41,8 @@ contains
       if (allocated(error) .or. .not. more) return
       if (line%key(1) /= 'open' .and. line%key(1) /= 'knot') then
         call fail(error, DECK_ERROR, 'unknown kind of knot vector '//quoted(line%text(1)), &
-          line%place(1), &
-          'open id len k1 k2 ...')
+                  line%place(1), &
+                  'open id len k1 k2 ...')
         return
       end if
       call check_count(line, 4, huge(1), 'open id len k1 k2 ...', error)
@@ -52,13 +52,15 @@ contains
       if (allocated(error)) return
       if (n < 4 .or. n > MAX_KNOT) then
         call fail(error, DECK_ERROR, 'a knot vector of '//to_text(n)//' knots', line%place(3), &
-          'an open knot vector has at least 4 knots, and here at most '//to_text(MAX_KNOT))
+                  'an open knot vector has at least 4 knots, and here at most '//to_text(MAX_KNOT))
         return
       end if
       v%place = line%place(2)
       do i = 1, size(build%knots)
-        if (build%knots(i)%number == v%number) call fail(error, DECK_ERROR, &
-          'knot vector '//to_text(v%number)//' is defined twice', v%place)
+        if (build%knots(i)%number == v%number) then
+          call fail(error, DECK_ERROR, 'knot vector '//to_text(v%number)//' is defined twice', &
+                    v%place)
+        end if
       end do
       if (.not. allocated(error)) call read_values(build, deck, line, n, v%u, error)
       if (allocated(error)) return
@@ -91,7 +93,7 @@ contains
         if (allocated(error)) return
         if (.not. more) then
           call fail(error, DECK_ERROR, to_text(i - 1)//' of '//to_text(n)//' knots are given', &
-            first%place(3))
+                    first%place(3))
           return
         end if
         at = 1
@@ -100,7 +102,7 @@ contains
       if (allocated(error)) return
     end do
     if (at < line%n) call fail(error, DECK_ERROR, 'more than '//to_text(n)//' knots are given', &
-      line%place(at + 1))
+                               line%place(at + 1))
   end subroutine read_values
 
   !> NPATch: solids.
@@ -122,8 +124,8 @@ contains
       if (allocated(error) .or. .not. more) return
       if (line%key(1) /= 'soli') then
         call fail(error, DECK_ERROR, 'unknown kind of NPATch '//quoted(line%text(1)), &
-          line%place(1), &
-          'solid ma n1 n2 n3 k1 k2 k3')
+                  line%place(1), &
+                  'solid ma n1 n2 n3 k1 k2 k3')
         return
       end if
       call check_count(line, 8, 8, 'solid ma n1 n2 n3 k1 k2 k3', error)
@@ -135,13 +137,13 @@ contains
         if (.not. allocated(error)) call get_integer(deck, line, d + 5, p%knot(d), error)
         if (allocated(error)) return
         if (p%n(d) < 2) call fail(error, DECK_ERROR, to_text(p%n(d)) &
-          //' control points in direction ' &
-          //to_text(d), line%place(d + 2), 'at least 2')
+                                  //' control points in direction ' &
+                                  //to_text(d), line%place(d + 2), 'at least 2')
         if (allocated(error)) return
       end do
       if (product(int(p%n, i8)) > MAX_NUMBER .or. maxval(p%n) > MAX_KNOT) then
         call fail(error, DECK_ERROR, 'NPATch has too many control points', line%place(3), &
-          'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+                  'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
         return
       end if
       call read_rows(build, deck, p, error)
@@ -174,8 +176,8 @@ contains
             if (allocated(error)) return
             if (.not. more) then
               call fail(error, DECK_ERROR, 'row '//to_text(i + p%n(1)*(j - 1))//' of ' &
-                //to_text(p%n(1)*p%n(2))//' of the NPATch is missing or short', p%place, &
-                'each row holds '//to_text(p%n(3))//' control points, along direction 3')
+                        //to_text(p%n(1)*p%n(2))//' of the NPATch is missing or short', p%place, &
+                        'each row holds '//to_text(p%n(3))//' control points, along direction 3')
               return
             end if
             at = 0
@@ -183,12 +185,12 @@ contains
           at = at + 1
           call get_integer(deck, line, at, p%node(i, j, k), error)
           if (.not. allocated(error)) call check_number('control point', p%node(i, j, k), &
-            line%place(at), error)
+                                                        line%place(at), error)
           if (allocated(error)) return
         end do
         if (at < line%n) then
           call fail(error, DECK_ERROR, 'a row of the NPATch holds more than '//to_text(p%n(3)) &
-            //' control points', line%place(at + 1), 'each row runs along direction 3')
+                    //' control points', line%place(at + 1), 'each row runs along direction 3')
           return
         end if
       end do

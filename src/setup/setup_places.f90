@@ -10,7 +10,7 @@ module setup_places
   use deck_stream, only: deck_t, get_integer, get_real
   use setup_build, only: build_t, request_t, next_data
   use setup_requests, only: read_mode, read_gap, get_value, append_request, R_CBOU, R_CDIS, &
-    R_CFOR, R_CSUR
+                            R_CFOR, R_CSUR
   implicit none
   private
   public :: read_cbou, read_cdis, read_cfor, read_csur
@@ -108,7 +108,7 @@ contains
     if (kind == R_CBOU) words = 'NODE, SURFace and GAP'
     if (kind == R_CSUR) words = 'SURFace, NORMal, NODE and GAP'
     call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1)), line%place(1), &
-      'records are '//words)
+              'records are '//words)
   end subroutine complain
 
   !> NODE x y z and three values.
@@ -175,8 +175,8 @@ contains
     end do
     if (.not. all(given(:4))) then
       call fail(error, DECK_ERROR, 'the surface lacks its corner ' &
-        //to_text(findfalse(given(:4))), s%place, &
-        'points 1 to 4 are the corners')
+                //to_text(findfalse(given(:4))), s%place, &
+                'points 1 to 4 are the corners')
       return
     end if
     call fill_surface(s%surface, given)
@@ -195,12 +195,12 @@ contains
 
     call get_integer(deck, line, 1, i, error)
     if (allocated(error) .or. i == 0) return
-    call check_count(line, 4, merge(5, 4, kind == R_CSUR), &
-      'a point of the surface is: i x y z'//trim(merge(' p', '  ', kind == R_CSUR)), error)
+    call check_count(line, 4, merge(5, 4, kind == R_CSUR), 'a point of the surface is: i x y z' &
+                     //trim(merge(' p', '  ', kind == R_CSUR)), error)
     if (allocated(error)) return
     if (i < 1 .or. i > 9) then
       call fail(error, DECK_ERROR, 'point '//to_text(i)//' of a surface', line%place(1), &
-        'points 1 to 4 are the corners, 5 to 8 the middles of the edges, 9 the centre')
+                'points 1 to 4 are the corners, 5 to 8 the middles of the edges, 9 the centre')
       return
     end if
     do d = 1, 4

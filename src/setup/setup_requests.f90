@@ -15,8 +15,8 @@ module setup_requests
   public :: read_mode, read_gap, get_value, append_request
 
   integer, parameter, public :: R_EBOU = 1, R_EDIS = 2, R_EFOR = 3, R_EPRO = 4, R_CBOU = 5, &
-    R_CFOR = 6, &
-    R_CDIS = 7, R_CSUR = 8 !! in the order in which FEAP applies them
+                                R_CFOR = 6, &
+                                R_CDIS = 7, R_CSUR = 8 !! in the order in which FEAP applies them
 
 contains
 
@@ -71,8 +71,8 @@ contains
       adds = .false.
     case default
       call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of ' &
-        //record%text(1), &
-        record%place(2), 'options are ADD and SET')
+                //record%text(1), &
+                record%place(2), 'options are ADD and SET')
     end select
   end subroutine read_mode
 
@@ -108,7 +108,7 @@ contains
       if (allocated(error)) return
       if (r%direction < 1 .or. r%direction > 3) then
         call fail(error, DECK_ERROR, 'direction '//to_text(r%direction), line%place(1), &
-          'directions are 1, 2 and 3')
+                  'directions are 1, 2 and 3')
         return
       end if
       call get_real(deck, line, 2, r%at(1), error)
@@ -151,7 +151,7 @@ contains
     if (.not. allocated(error)) call get_real(deck, record, 2, gap, error)
     if (allocated(error)) return
     if (.not. gap > 0.0_wp) call fail(error, DECK_ERROR, 'GAP '//to_text(gap), record%place(2), &
-      'the distance within which nodes are found is positive')
+                                      'the distance within which nodes are found is positive')
   end subroutine read_gap
 
   subroutine append_request(build, r)

@@ -49,9 +49,9 @@ contains
               if (.not. nodes%given(n)) n = nodes%top + 1
             end if
             if (n > nodes%top) then
-              call fail(error, DECK_ERROR, 'NPATch refers to control point '//to_text(p%node(i, &
-                j, l)) &
-                //', which is not defined', p%place, 'define it by NURBs')
+              call fail(error, DECK_ERROR, 'NPATch refers to control point ' &
+                        //to_text(p%node(i, j, l))//', which is not defined', p%place, &
+                        'define it by NURBs')
               return
             end if
             w = nodes%weight(n)
@@ -78,8 +78,8 @@ contains
     end do
     if (i == 0) then
       call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d)) &
-        //' of the NPATch is not defined', p%place, &
-        'define it by KNOTs: open id len k1 k2 ...')
+                //' of the NPATch is not defined', p%place, &
+                'define it by KNOTs: open id len k1 k2 ...')
       return
     end if
     s%knots = build%knots(i)%u
@@ -159,7 +159,7 @@ contains
           block%ext%iop(:, e) = [iop1(i), iop2(j), iop3(l)]
           associate (a => first1(i), b => first2(j), c => first3(l))
             block%conn(:, e) = reshape(build%npatch(k)%node(a:a + p(1), b:b + p(2), c:c + p(3)), &
-              [block%nen])
+                                       [block%nen])
             if (allocated(block%ext%w)) block%ext%w(:, e) = &
               reshape(patch%cp(4, a:a + p(1), b:b + p(2), c:c + p(3)), [block%nen])
           end associate

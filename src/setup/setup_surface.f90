@@ -23,7 +23,7 @@ module setup_surface
   integer, parameter :: MAX_ITER = 100
   !> Signs of FEAP's nine points in the patch's parameters.
   integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], AT2(9) = [-1, -1, 1, 1, -1, 0, &
-    1, 0, 0]
+                                                                           1, 0, 0]
 
 contains
 
@@ -57,7 +57,7 @@ contains
       gap = r%gap
     else
       gap = max(BOX_SHARE*sum(high - low), SIZE_SHARE*maxval(high - low)/real(nnode, &
-        wp)**(1.0_wp/3.0_wp))
+                                                                              wp)**(1.0_wp/3.0_wp))
     end if
     low = low - 1.5_wp*gap
     high = high + 1.5_wp*gap
@@ -81,8 +81,8 @@ contains
       t1 = matmul(patch(:3, :), d(1, :))
       t2 = matmul(patch(:3, :), d(2, :))
       r = [dot_product(dx, t1), dot_product(dx, t2)]
-      a = reshape([dot_product(t1, t1), dot_product(t1, t2), dot_product(t1, t2), dot_product(t2, &
-        t2)], [2, 2])
+      a = reshape([dot_product(t1, t1), dot_product(t1, t2), dot_product(t1, t2), &
+                   dot_product(t2, t2)], [2, 2])
       det = a(1, 1)*a(2, 2) - a(1, 2)**2
       if (.not. det > epsilon(det)*a(1, 1)*a(2, 2)) return
       step = -[a(2, 2)*r(1) - a(1, 2)*r(2), a(1, 1)*r(2) - a(1, 2)*r(1)]/det
@@ -135,8 +135,10 @@ contains
         end do
       end do
     end do
-    if (.not. met) call fail(error, DECK_ERROR, 'no element face lies on the surface', r%place, &
-      'its points 1 2 3 4 go counter-clockwise seen from outside; GAP d widens the search')
+    if (.not. met) then
+      call fail(error, DECK_ERROR, 'no element face lies on the surface', r%place, 'its points 1 ' &
+                //'2 3 4 go counter-clockwise seen from outside; GAP d widens the search')
+    end if
   end subroutine load_surface
 
   !> One face: its corners must lie on the patch and its normal along the patch's.
@@ -150,7 +152,7 @@ contains
     logical, intent(inout) :: met
     real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :), x(:, :)
     real(wp) :: p(4), corner(3, 4), area(3), t1(3), t2(3), normal(3), load, low(3), high(3), gap, &
-      foot(2), g(9), d(2, 9)
+                foot(2), g(9), d(2, 9)
     logical :: lies
     integer :: a, q, i, j
 
@@ -207,7 +209,7 @@ contains
     real(wp), intent(in) :: p(4), u, v
 
     interpolated = 0.25_wp*(p(1)*(1.0_wp - u)*(1.0_wp - v) + p(2)*(1.0_wp + u)*(1.0_wp - v) &
-      + p(3)*(1.0_wp + u)*(1.0_wp + v) + p(4)*(1.0_wp - u)*(1.0_wp + v))
+                            + p(3)*(1.0_wp + u)*(1.0_wp + v) + p(4)*(1.0_wp - u)*(1.0_wp + v))
   end function interpolated
 
   pure function cross(a, b) result(c)

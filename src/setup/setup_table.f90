@@ -48,12 +48,12 @@ contains
     call add(table, 'PRINt', ALONE, read_print)
     call add(table, 'NOPRint', ALONE, read_print)
     call add(table, 'MATErial', WORDS, read_material, &
-      'SOLI ELAS SMAL FINI DISP ENHA DENS BODY NURB')
+             'SOLI ELAS SMAL FINI DISP ENHA DENS BODY NURB')
     call add(table, 'NURBs', NUMBERS, read_nurbs)
     call add(table, 'KNOTs', WORDS, read_knots, 'OPEN')
     call add(table, 'NPATch', WORDS, read_npatch, 'SOLI')
     call add(table, 'PATCh', WORDS, read_patch, &
-      'BOX HEMI NPAT FILE ROTA TRAN ELEM KNOT TYPE ENRI QUAD MATE')
+             'BOX HEMI NPAT FILE ROTA TRAN ELEM KNOT TYPE ENRI QUAD MATE')
     call add(table, 'FIX', ALONE, read_fix)
     call add(table, 'MOVE', ALONE, read_move)
     call add(table, 'PRESsure', ALONE, read_pressure)

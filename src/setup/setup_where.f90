@@ -59,7 +59,7 @@ contains
       if (allocated(error)) return
       if (place%direction < 1 .or. place%direction > 3) then
         call fail(error, DECK_ERROR, 'direction '//to_text(place%direction), record%place(i + 1), &
-          'directions are 1, 2 and 3')
+                  'directions are 1, 2 and 3')
         return
       end if
       call get_real(deck, record, i + 2, place%x(1), error)
@@ -79,8 +79,8 @@ contains
 
     if (record%is_empty(i + 1)) then
       call fail(error, DECK_ERROR, 'the face of '//quoted(place%body)//' is missing', &
-        record%place(i + 1), &
-        FACE_HINT)
+                record%place(i + 1), &
+                FACE_HINT)
       return
     end if
     place%kind = W_FACES
@@ -99,7 +99,7 @@ contains
         if (second > 0) then
           if ((second + 1)/2 == (f + 1)/2) then
             call fail(error, DECK_ERROR, 'faces '//record%text(i + 1)//' and '//record%text(i + 2) &
-              //' have no common edge', record%place(i + 2), FACE_HINT)
+                      //' have no common edge', record%place(i + 2), FACE_HINT)
             return
           end if
           place%kind = W_EDGE
@@ -120,7 +120,7 @@ contains
 
     f = face_number(record%text(i))
     if (f == 0) call fail(error, DECK_ERROR, 'unknown face '//quoted(record%text(i)), &
-      record%place(i), FACE_HINT)
+                          record%place(i), FACE_HINT)
   end subroutine read_face
 
   pure integer function face_number(text) result(f)
@@ -166,12 +166,12 @@ contains
     case (W_NODE)
       if (place%node < 1 .or. place%node > mesh%nnode) then
         call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' is not in the mesh', &
-          place%place, &
-          'nodes are 1 to '//to_text(mesh%nnode))
+                  place%place, &
+                  'nodes are 1 to '//to_text(mesh%nnode))
         return
       else if (.not. mesh%used(place%node)) then
         call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' belongs to no element', &
-          place%place)
+                  place%place)
         return
       end if
       on(place%node) = .true.

@@ -54,28 +54,31 @@ contains
       call get_integer(deck, record, 3, t%direction, error, 0)
       if (.not. allocated(error)) call get_real(deck, record, 4, t%coordinate, error, 0.0_wp)
       if (allocated(error)) return
-      if (t%direction < 0 .or. t%direction > 3) call fail(error, DECK_ERROR, &
-        'direction '//to_text(t%direction), record%place(3), 'directions are 1, 2 and 3')
+      if (t%direction < 0 .or. t%direction > 3) then
+        call fail(error, DECK_ERROR, 'direction '//to_text(t%direction), record%place(3), &
+                  'directions are 1, 2 and 3')
+      end if
     case ('node')
       call get_integer(deck, record, 3, t%from, error)
       if (.not. allocated(error)) call get_integer(deck, record, 4, t%to, error)
       if (allocated(error)) return
-      if (t%from < 1 .or. t%to < t%from) call fail(error, DECK_ERROR, 'nodes '//to_text(t%from) &
-        //' to ' &
-        //to_text(t%to), record%place(3), 'TIE,NODE,first,last')
+      if (t%from < 1 .or. t%to < t%from) then
+        call fail(error, DECK_ERROR, 'nodes '//to_text(t%from)//' to '//to_text(t%to), &
+                  record%place(3), 'TIE,NODE,first,last')
+      end if
     case ('mate')
       call get_integer(deck, record, 3, t%material(1), error)
       if (.not. allocated(error)) call get_integer(deck, record, 4, t%material(2), error)
     case default
       call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of TIE', &
-        record%place(2), USAGE)
+                record%place(2), USAGE)
     end select
     if (allocated(error)) return
     call get_real(deck, record, 5, t%tolerance, error, 0.0_wp)
     if (allocated(error)) return
     if (t%tolerance < 0.0_wp) then
       call fail(error, DECK_ERROR, 'tolerance '//to_text(t%tolerance), record%place(5), &
-        'a share of the size of the mesh; 0 is the default')
+                'a share of the size of the mesh; 0 is the default')
       return
     end if
     build%tie = [build%tie, t]

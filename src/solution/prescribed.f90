@@ -11,7 +11,8 @@ module prescribed
 contains
 
   !> Displacement of every prescribed dof; zero elsewhere.
-  !! The rotations of a node act on its reference position in deck order, then its translations add up.
+  !! The rotations of a node act on its reference position in deck order, then its translations add
+  !! up.
   subroutine prescribed_values(model, factor, up)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: factor(:)  !! (ntable)
@@ -21,17 +22,21 @@ contains
     up = 0.0_wp
     do n = 1, model%mesh%nnode
       do i = 1, 3
-        if (model%bc%fixed(i, n) /= 0 .and. abs(model%bc%value(i, n)) > 0.0_wp) &
+        if (model%bc%fixed(i, n) /= 0 .and. abs(model%bc%value(i, n)) > 0.0_wp) then
           up(i, n) = model%bc%value(i, n)*load_factor(factor, model%bc%table(i, n))
+        end if
       end do
     end do
     do m = 1, size(model%bc%motion)
-      if (model%bc%motion(m)%rotates) &
-        call rotate(model%bc%motion(m), model%mesh%xr, load_factor(factor, model%bc%motion(m)%table), up)
+      if (model%bc%motion(m)%rotates) then
+        call rotate(model%bc%motion(m), model%mesh%xr, &
+                    load_factor(factor, model%bc%motion(m)%table), up)
+      end if
     end do
     do m = 1, size(model%bc%motion)
-      if (.not. model%bc%motion(m)%rotates) &
+      if (.not. model%bc%motion(m)%rotates) then
         call translate(model%bc%motion(m), load_factor(factor, model%bc%motion(m)%table), up)
+      end if
     end do
   end subroutine prescribed_values
 

@@ -1,8 +1,9 @@
 !> What rounding alone leaves of forces and energies, where a body is at rest or moves rigidly.
 !!
 !! Positions are known to epsilon of themselves, so a nodal force is known to epsilon times the
-!! stiffness of the node times its displacement or its distance to its neighbours. Without this a step
-!! in which nothing changes (a load held after unloading) is all noise and never passes a relative test.
+!! stiffness of the node times its displacement or its distance to its neighbours. Without this a
+!! step in which nothing changes (a load held after unloading) is all noise and never passes a
+!! relative test.
 module rounding_floor
   use base_kinds, only: wp
   use csr, only: block_matrix_t, block_position

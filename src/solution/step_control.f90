@@ -57,8 +57,9 @@ contains
 
     control%from = time
     control%passed = 1
-    if (control%automatic .and. control%size >= 2*control%dt) &
+    if (control%automatic .and. control%size >= 2*control%dt) then
       control%passed = max(1, min(left, int(control%size/control%dt*(1 + epsilon(1.0_wp)*8))))
+    end if
     to = control%anchor + (control%target + control%passed)*control%dt
     gap = to - time
     if (control%automatic) then
