@@ -2,11 +2,11 @@
 module command_output
   use base_error, only: error_t, fail, DECK_ERROR
   use command_files, only: open_files, write_fields, write_checkpoint
-  use base_text, only: to_text
+  use base_text, only: to_text, quoted
   use command_type, only: run_t, command_t, command_row_t, new_row
   use deck_record, only: record_t
   use deck_stream, only: get_integer
-  use fields, only: known_fields
+  use fields, only: known_fields, named_fields
   use result_file, only: choose_fields
   implicit none
   private
@@ -53,38 +53,43 @@ contains
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
-    character(16), allocatable :: field(:)
-    character(16) :: known(size(known_fields()))
-    integer :: i, j, n
+    integer :: i, n
 
-    known = known_fields()
     n = 0
     if (command%record%key(3) == 'ever') call get_integer(run%deck, command%record, 4, n, error)
     if (allocated(error)) return
     if (n < 1) then
-      call fail(error, DECK_ERROR, 'OUTPut says how often fields are written', command%record%place(1), &
-        'write OUTPut,,every n with n of at least 1')
+      call fail(error, DECK_ERROR, 'OUTPut says how often fields are written', &
+                command%record%place(1), 'write OUTPut,,every n with n of at least 1')
       return
     end if
-    allocate (field(command%record%n - 4))
-    do i = 1, size(field)
-      field(i) = command%record%text(i + 4)
-      do j = 1, size(known)
-        if (known(j)(:4) == command%record%key(i + 4)) field(i) = known(j)
-      end do
-      call choose_fields(run%result, field(:i), error)
-      if (allocated(error)) then
-        error%place = command%record%place(i + 4)
-        return
-      end if
+    do i = 5, command%record%n
+      call check_field(run, command%record, i, error)
+      if (allocated(error)) return
     end do
-    if (size(field) == 0) call choose_fields(run%result, field, error)
+    call choose_fields(run%result, asks_for(command%record) .and. command%record%n > 4)
     if (run%dry) then
       call compare_fields(run, command, error)
       return
     end if
     run%plan%every = n
   end subroutine run_output
+
+  !> A field that there is.
+  subroutine check_field(run, record, i, error)
+    type(run_t), intent(in) :: run
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: i
+    type(error_t), allocatable, intent(out) :: error
+
+    if (.not. any(named_fields(record%text(i)))) then
+      call fail(error, DECK_ERROR, 'unknown field '//quoted(record%text(i)), record%place(i), &
+                'known fields: displacement stress mises pressure reaction contact')
+    else if (record%key(i) == 'cont' .and. size(run%model%contact) == 0) then
+      call fail(error, DECK_ERROR, 'field '//quoted(record%text(i))//' of a deck without contact', &
+                record%place(i), 'a block CONTact,name defines a contact')
+    end if
+  end subroutine check_field
 
   !> One result file has one set of fields: every OUTPut of a deck must ask for the same ones.
   subroutine compare_fields(run, command, error)
@@ -97,8 +102,8 @@ contains
       if (run%command(i)%record%key(1) /= 'outp') cycle
       if (all(asks_for(run%command(i)%record) .eqv. asks_for(command%record))) cycle
       call fail(error, DECK_ERROR, 'OUTPut asks for other fields than the one in line ' &
-        //to_text(run%command(i)%record%line), command%record%place(1), &
-        'a result file has the same fields in all steps: name all of them in both')
+                //to_text(run%command(i)%record%line), command%record%place(1), &
+                'a result file has the same fields in all steps: name all of them in both')
       return
     end do
   end subroutine compare_fields
@@ -107,13 +112,11 @@ contains
   pure function asks_for(record) result(wanted)
     type(record_t), intent(in) :: record
     logical :: wanted(size(known_fields()))
-    character(16) :: known(size(known_fields()))
-    integer :: i, j
+    integer :: i
 
-    known = known_fields()
     wanted = record%n < 5
     do i = 5, record%n
-      wanted = wanted .or. [(known(j)(:4) == record%key(i), j=1, size(known))]
+      wanted = wanted .or. named_fields(record%text(i))
     end do
   end function asks_for
 

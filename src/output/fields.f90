@@ -1,12 +1,14 @@
 !> The fields of a result: what they are called, and their values at the points of the picture.
 module fields
   use base_kinds, only: wp
+  use base_text, only: lower, key_of
+  use contact_fields, only: nodal_contact_t, gather_contact
   use model, only: model_t, state_t
   use view, only: view_t, map_field
   use stress_projection, only: project_stress
   implicit none
   private
-  public :: field_t, known_fields, is_field, describe_field, collect_fields
+  public :: field_t, known_fields, default_fields, named_fields, describe_field, collect_fields
 
   !> One field. Its values at Bezier cells are coefficients, like the positions.
   type :: field_t
@@ -17,23 +19,38 @@ module fields
     real(wp), allocatable :: values(:, :) !! (ncomp, npoint)
   end type field_t
 
-  integer, parameter :: NAME = 16
+  integer, parameter :: NAME = 16, NBODY = 5 !! length of a name; fields of bodies
 
 contains
 
-  !> All fields, in the order in which they are written.
+  !> All fields, in the order in which they are written: those of bodies, then of contacts.
   pure function known_fields() result(names)
-    character(NAME) :: names(5)
+    character(NAME) :: names(NBODY + 5)
 
-    names = [character(NAME) :: 'displacement', 'stress', 'mises', 'pressure', 'reaction']
+    names = [character(NAME) :: 'displacement', 'stress', 'mises', 'pressure', 'reaction', &
+      'contact_pressure', 'contact_traction', 'contact_gap', 'contact_slip', 'contact_state']
   end function known_fields
 
-  pure function is_field(word)
-    character(*), intent(in) :: word
-    logical :: is_field
+  !> What is written where the deck does not choose.
+  pure function default_fields(model) result(names)
+    type(model_t), intent(in) :: model
+    character(NAME), allocatable :: names(:)
 
-    is_field = any(known_fields() == word)
-  end function is_field
+    names = known_fields()
+    if (size(model%contact) == 0) names = names(:NBODY)
+  end function default_fields
+
+  !> Which of the known fields a word of the deck names: by its first four letters, a field of
+  !! contacts by its whole name. CONTact: all of those.
+  pure function named_fields(word) result(named)
+    character(*), intent(in) :: word
+    logical :: named(size(known_fields()))
+    character(NAME) :: known(size(known_fields()))
+
+    known = known_fields()
+    named = known == lower(word)
+    if (.not. any(named)) named = known(:)(:4) == key_of(word)
+  end function named_fields
 
   !> A field without its values.
   pure subroutine describe_field(word, field)
@@ -56,10 +73,28 @@ contains
     case ('pressure')
       field%description = 'minus a third of the trace of the smoothed Cauchy stress'
       field%dimension = 'F/L^2'
+    case ('contact_pressure')
+      field%description = 'contact pressure, smoothed from the integration points'
+      field%dimension = 'F/L^2'
+    case ('contact_traction')
+      field%description = 'contact traction on the surface, smoothed from the integration points'
+      field%dimension = 'F/L^2'
+      field%ncomp = 3
+    case ('contact_gap')
+      field%description = 'normal gap, smoothed; negative: penetration'
+      field%dimension = 'L'
+    case ('contact_slip')
+      field%description = 'tangential way from the stored sliding point, the elastic part; smoothed'
+      field%dimension = 'L'
+      field%ncomp = 3
+    case ('contact_state')
+      field%description = 'mean of 0 open, 1 stick or without friction, 2 slip; smoothed'
     case ('reaction')
       field%description = 'internal minus external nodal force; sums belong to the curves'
       field%dimension = 'F'
       field%ncomp = 3
+    case default
+      field%description = ''           ! no such field: collect_fields gives no values
     end select
   end subroutine describe_field
 
@@ -71,6 +106,7 @@ contains
     character(*), intent(in) :: wanted(:)
     type(field_t), allocatable, intent(out) :: field(:)
     real(wp), allocatable :: stress(:, :), mises(:, :), pressure(:, :)
+    type(nodal_contact_t) :: contact
     integer :: i, n
 
     n = model%mesh%nnode
@@ -80,6 +116,7 @@ contains
       allocate (pressure(1, n))
       pressure(1, :) = -(stress(1, :) + stress(2, :) + stress(3, :))/3.0_wp
     end if
+    if (any(wanted(:)(:8) == 'contact_')) call gather_contact(model, state, contact)
     allocate (field(size(wanted)))
     do i = 1, size(wanted)
       call describe_field(wanted(i), field(i))
@@ -93,8 +130,20 @@ contains
         call map_field(view, mises, field(i)%values)
       case ('pressure')
         call map_field(view, pressure, field(i)%values)
+      case ('contact_pressure')
+        call map_field(view, contact%pressure, field(i)%values)
+      case ('contact_traction')
+        call map_field(view, contact%traction, field(i)%values)
+      case ('contact_gap')
+        call map_field(view, contact%gap, field(i)%values)
+      case ('contact_slip')
+        call map_field(view, contact%slip, field(i)%values)
+      case ('contact_state')
+        call map_field(view, contact%state, field(i)%values)
       case ('reaction')
         call map_field(view, state%reaction, field(i)%values)
+      case default
+        field(i)%values = 0.0_wp
       end select
     end do
   end subroutine collect_fields

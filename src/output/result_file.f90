@@ -1,11 +1,11 @@
 !> Fields of the steps that are to be seen: `<stem>.vtkhdf`, and `<stem>.pvd` with its `.vtu` files.
 module result_file
   use base_kinds, only: wp
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t
   use program_version, only: VERSION
   use model, only: model_t, state_t
   use view, only: view_t, build_view, map_field
-  use fields, only: field_t, known_fields, is_field, collect_fields
+  use fields, only: field_t, known_fields, default_fields, collect_fields
   use vtkhdf_file, only: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf
   use vtu_file, only: vtu_series_t, open_series, append_series
   implicit none
@@ -40,29 +40,20 @@ contains
     call build_view(model, result%view)
     allocate (xr(3, result%view%npoint))
     call map_field(result%view, model%mesh%xr, xr)
-    if (.not. allocated(result%wanted)) result%wanted = known_fields()
+    if (.not. allocated(result%wanted)) result%wanted = default_fields(model)
     call open_series(result%series, stem, keep)
-    call open_vtkhdf(result%hdf, stem // '.vtkhdf', result%view, xr, info, error, keep)
+    call open_vtkhdf(result%hdf, stem//'.vtkhdf', result%view, xr, info, error, keep)
     if (allocated(error)) return
     if (allocated(result%hdf%names)) result%wanted = result%hdf%names
   end subroutine open_result
 
-  !> OUTPut's fields; none: all. To be said before the first step is written.
-  subroutine choose_fields(result, words, error)
+  !> OUTPut's fields; none: those of the model. To be said before the first step is written.
+  subroutine choose_fields(result, wanted)
     type(result_file_t), intent(inout) :: result
-    character(*), intent(in) :: words(:)
-    type(error_t), allocatable, intent(out) :: error
-    character(16) :: known(size(known_fields()))
-    integer :: i
+    logical, intent(in) :: wanted(:) !! of known_fields
 
-    known = known_fields()
-    do i = 1, size(words)
-      if (is_field(words(i))) cycle
-      call fail(error, DECK_ERROR, 'unknown field ''' // trim(words(i)) // '''', &
-        hint='known fields: displacement stress mises pressure reaction')
-      return
-    end do
-    result%wanted = pack(known, [(size(words) == 0 .or. any(words == known(i)), i=1, size(known))])
+    if (allocated(result%wanted)) deallocate (result%wanted)
+    if (any(wanted)) result%wanted = pack(known_fields(), wanted)
   end subroutine choose_fields
 
   !> Write a step to both kinds of file; steps of its number or later ones are replaced.
@@ -77,7 +68,7 @@ contains
     call append_vtkhdf(result%hdf, result%view, state%step, state%time, field, error)
     if (allocated(error)) return
     call append_series(result%series, result%view, result%hdf%xr, state%step, state%time, field, &
-      error)
+                       error)
   end subroutine write_result
 
   !> To be called once at the end of a run, however it ends.
