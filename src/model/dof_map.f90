@@ -2,6 +2,7 @@
 module dof_map
   use mesh, only: mesh_t
   use boundary, only: boundary_t
+  use rigid_block, only: solid_nodes
   implicit none
   private
   public :: number_equations, dof_name
@@ -14,8 +15,8 @@ contains
     type(boundary_t), intent(in) :: bc
     integer, allocatable, intent(out) :: eq(:, :) !! (3, nnode) equation number, or 0
     integer, intent(out) :: neq                   !! free dofs
-    integer, intent(out) :: ndof                  !! dofs of the nodes in use
-    logical, allocatable :: free(:, :)
+    integer, intent(out) :: ndof                  !! dofs of the nodes in use; rigid bodies have none
+    logical, allocatable :: free(:, :), solid(:)
     integer :: i, j, m, n
 
     allocate (eq(3, mesh%nnode), free(3, mesh%nnode))
@@ -35,7 +36,8 @@ contains
         eq(i, n) = neq
       end do
     end do
-    ndof = 3*count(mesh%used)
+    call solid_nodes(mesh, solid)
+    ndof = 3*count(mesh%used .and. solid)
   end subroutine number_equations
 
   !> `dof uy of node 3` for an equation number.

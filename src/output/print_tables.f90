@@ -5,6 +5,7 @@ module print_tables
   use byte_file, only: byte_file_t, write_text, flush_bytes
   use model, only: model_t, state_t
   use nodal_reaction, only: reactions_at
+  use rigid_block, only: is_rigid
   use solid_recover, only: recovered_t, recover
   use stress_projection, only: project_stress
   implicit none
@@ -81,6 +82,7 @@ contains
       '      22-stress      33-stress      12-stress      23-stress      31-stress' // &
       '          Mises' // LF, error)
     do b = 1, size(model%mesh%block)
+      if (is_rigid(model%mesh%block(b))) cycle
       do e = 1, model%mesh%block(b)%nelem
         if (allocated(error)) return
         number = model%mesh%block(b)%number(e)

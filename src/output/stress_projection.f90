@@ -10,6 +10,7 @@ module stress_projection
   use basis_type, only: basis_t
   use mesh, only: block_t
   use model, only: model_t, state_t
+  use rigid_block, only: is_rigid
   use solid_recover, only: recovered_t, recover
   use tensor, only: det3
   implicit none
@@ -31,6 +32,7 @@ contains
 
     allocate (total(NVALUE + 1, model%mesh%nnode), source=0.0_wp)
     do b = 1, size(model%mesh%block)
+      if (is_rigid(model%mesh%block(b))) cycle
       call add_block(model, state, b, total)
     end do
     stress = 0.0_wp

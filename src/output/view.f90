@@ -24,7 +24,7 @@ module view
     integer, allocatable :: conn(:)         !! points of the cells, from 1
     integer, allocatable :: vtk(:)          !! (ncell) VTK cell type
     integer, allocatable :: degree(:, :)    !! (3, ncell)
-    integer, allocatable :: material(:)     !! (ncell) the user's number
+    integer, allocatable :: material(:)     !! (ncell) the user's number; 0: a rigid body
     integer, allocatable :: body(:)         !! (ncell) PATCh, in deck order; 0: FEAP mesh
     integer, allocatable :: block(:)        !! (ncell) block of the mesh: tells the element type
     integer, allocatable :: element(:)      !! (ncell) element number
@@ -82,7 +82,8 @@ contains
         if (.not. class(c)%done) call make_class(block, e, class(c))
         view%ncell = view%ncell + 1
         call add_cell(block%conn(:, e), class(c), view)
-        view%material(view%ncell) = model%material(block%material)%number
+        view%material(view%ncell) = 0 ! of rigid bodies
+        if (block%material > 0) view%material(view%ncell) = model%material(block%material)%number
         view%body(view%ncell) = block%body
         view%block(view%ncell) = b
         view%element(view%ncell) = block%number(e)

@@ -42,11 +42,28 @@ contains
     if (allocated(error)) return
     if (s%type == 'IGA') then
       call build_iga(s, geo, draft, error)
+    else if (s%type == 'RIGID') then
+      s%degree = maxval(geo%coarse%dir%degree)
+      s%q = 1 ! its points serve no integral
+      call build_iga(s, geo, draft, error)
+      if (.not. allocated(error)) call make_rigid(draft)
     else
       call build_lagrange(s, geo, draft, error)
     end if
     if (allocated(error)) return
     call append_draft(draft, s, mesh)
   end subroutine build_body
+
+  !> Splines that are not solved for.
+  subroutine make_rigid(draft)
+    type(draft_t), intent(inout) :: draft
+    integer :: b
+
+    do b = 1, size(draft%block)
+      draft%block(b)%name = 'RIGId'
+      draft%block(b)%row%source = 'rigid surface, prescribed motion'
+      nullify (draft%block(b)%row%form, draft%block(b)%row%form_batch)
+    end do
+  end subroutine make_rigid
 
 end module patch_body

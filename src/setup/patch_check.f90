@@ -55,7 +55,7 @@ contains
     end if
     m = 1
     select case (spec%type) ! nodes an element has along an edge, less one
-    case ('Q1', 'Q1E9')
+    case ('Q1', 'Q1E9', 'RIGID')
     case ('Q2')
       m = 2
     case ('IGA')
@@ -98,7 +98,7 @@ contains
 
     degree = 1
     if (spec%type == 'IGA') degree = spec%degree
-    if (spec%type == 'Q2') degree = 2
+    if (spec%type == 'Q2' .or. spec%type == 'RIGID') degree = 2
     if (size(spec%enrich) > 0) degree = spec%enrich(1)%degree
     if (spec%geometry /= GEO_HEMISPHERE) return
     do i = 2, size(spec%enrich)

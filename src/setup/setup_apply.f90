@@ -8,6 +8,7 @@ module setup_apply
   use base_text, only: to_text
   use boundary, only: boundary_t
   use mesh, only: mesh_t
+  use rigid_block, only: solid_nodes
   use setup_build, only: build_t, request_t
   use setup_lists, only: node_list_t
   use setup_requests, only: R_EBOU, R_EDIS, R_EFOR, R_EPRO, R_CBOU, R_CFOR, R_CDIS, R_CSUR
@@ -80,14 +81,14 @@ contains
   end subroutine check_mentions
 
   !> Nodes that FEAP would look at: all with a position, but no control points that are
-  !! geometry only.
+  !! geometry only, and none of rigid patches, which MOVE moves.
   subroutine mark_active(build, mesh, active)
     type(build_t), intent(in) :: build
     type(mesh_t), intent(in) :: mesh
     logical, allocatable, intent(out) :: active(:)
     integer :: n
 
-    active = mesh%used
+    call solid_nodes(mesh, active)
     n = build%nodes%top
     if (n > 0) active(:n) = active(:n) .or. (build%nodes%given(:n) .and. .not. mesh%is_control(:n))
   end subroutine mark_active

@@ -5,6 +5,7 @@ module setup_build
   use base_error_list, only: error_list_t
   use base_text, only: to_text, quoted, key_of
   use boundary, only: motion_t, pressure_t
+  use contact_spec, only: contact_spec_t
   use curve_type, only: quantity_t
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: deck_t, get_real
@@ -75,6 +76,8 @@ module setup_build
     type(quantity_t) :: quantity
     character(:), allocatable :: body  !! name of a patch; not allocated: none
     type(place_t) :: body_place
+    character(:), allocatable :: contact !! name of a contact; not allocated: none
+    type(place_t) :: contact_place
   end type column_t
 
   type :: curve_entry_t
@@ -136,6 +139,7 @@ module setup_build
     integer :: nmove = 0
     type(press_t), allocatable :: press(:)
     integer :: npress = 0
+    type(contact_spec_t), allocatable :: contact(:)
     type(curve_entry_t), allocatable :: curve(:)
     integer :: ncurve = 0
     integer :: nrequest = 0
@@ -257,7 +261,8 @@ contains
         ends = known_word(build, record%text(1))
       else
         ends = record%key(1) == 'end' .or. record%key(1) == 'batc' .or. record%key(1) == 'patc' &
-          .or. (record%key(1) == 'curv' .or. record%key(1) == 'fix' .or. record%key(1) == 'move')
+          .or. (record%key(1) == 'curv' .or. record%key(1) == 'fix' .or. record%key(1) == 'move') &
+          .or. (record%key(1) == 'cont' .and. index(row%records, 'CONT') == 0)
       end if
     end associate
   end function ends_set

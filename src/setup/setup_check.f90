@@ -4,10 +4,13 @@ module setup_check
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, nearest
   use mesh, only: mesh_t
+  use rigid_block, only: is_rigid
   use setup_build, only: build_t
+  use setup_contact_check, only: check_contacts
   use setup_lists, only: MAX_NUMBER
   use setup_material, only: material_index
   use setup_patch, only: patch_named
+  use setup_rigid, only: check_rigid
   use setup_solid, only: npatch_name
   use setup_where, only: where_t, W_FACES, W_EDGE
   use tensor, only: det3
@@ -46,6 +49,13 @@ contains
         end associate
       end do
     end do
+    do i = 1, size(build%contact)
+      do j = 1, 2
+        call check_where(build, build%contact(i)%at(j))
+      end do
+    end do
+    call check_contacts(build)
+    call check_rigid(build)
   end subroutine check_references
 
   !> Materials and NPATch geometry of the patches.
@@ -56,9 +66,11 @@ contains
 
     do i = 1, size(build%patch)
       associate (p => build%patch(i))
-        if (.not. allocated(p%material_place%file)) cycle ! its own error is in the list
-        call check_material(build, p%material, p%material_place)
-        call check_words(build, p%material, .false.)
+        if (p%spec%type /= 'RIGID') then
+          if (.not. allocated(p%material_place%file)) cycle ! its own error is in the list
+          call check_material(build, p%material, p%material_place)
+          call check_words(build, p%material, .false.)
+        end if
         call check_patch_size(build, i)
         if (p%npatch == 0) cycle
         if (p%npatch > size(build%npatch)) then
@@ -205,6 +217,7 @@ contains
     integer :: b, e, first, bad
 
     do b = 1, size(mesh%block)
+      if (is_rigid(mesh%block(b))) cycle
       bad = 0
       first = 0
       worst = 0.0_wp

@@ -1,12 +1,13 @@
 !> CURVe: tables of quantities, one column a record.
 module setup_curve
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, nearest, lower, key_of
   use curve_type, only: Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, Q_MAX_MISES
   use deck_record, only: record_t, check_count
-  use deck_stream, only: deck_t, get_integer, get_real
+  use deck_stream, only: deck_t, get_real
   use setup_build, only: build_t, curve_entry_t, column_t, next_line
+  use setup_curve_contact, only: read_contact_column
+  use setup_curve_field, only: read_direction, read_axis
   use setup_where, only: read_where
   implicit none
   private
@@ -143,8 +144,7 @@ contains
     case ('maxi')
       call read_maximum(line, column, error)
     case ('cont')
-      call fail(error, DECK_ERROR, 'quantities of a contact are not available yet', line%place(1), &
-        'FORCe and TORQue over the supports of a body give its resultants')
+      call read_contact_column(deck, line, column, error)
     case default
       call fail(error, DECK_ERROR, 'unknown quantity '//quoted(line%text(1))//' of a CURVe', &
         line%place(1), &
@@ -163,17 +163,9 @@ contains
 
     i = 2
     call read_where(deck, line, i, column%at, error)
-    if (.not. allocated(error)) call check_count(line, i, i, usage, error)
-    if (.not. allocated(error)) call get_integer(deck, line, i, column%quantity%component, error)
+    if (.not. allocated(error)) call read_direction(deck, line, i, usage, column%quantity, error)
     if (allocated(error)) return
-    associate (d => column%quantity%component)
-      if (d < 1 .or. d > 3) then
-        call fail(error, DECK_ERROR, 'direction '//to_text(d), line%place(i), &
-          'directions are 1, 2 and 3')
-        return
-      end if
-      column%quantity%column = name//to_text(d)
-    end associate
+    column%quantity%column = name//to_text(column%quantity%component)
   end subroutine read_component
 
   !> TORQue WHERE px py pz  ax ay az.
@@ -182,27 +174,14 @@ contains
     type(record_t), intent(in) :: line
     type(column_t), intent(inout) :: column
     type(error_t), allocatable, intent(out) :: error
-    real(wp) :: x(6), length
-    integer :: i, d
+    integer :: i
 
     i = 2
     call read_where(deck, line, i, column%at, error)
-    if (.not. allocated(error)) call check_count(line, i + 5, i + 5, &
-      'TORQue WHERE px py pz  ax ay az', error)
-    do d = 1, 6
-      if (allocated(error)) return
-      call get_real(deck, line, i + d - 1, x(d), error)
-    end do
+    if (.not. allocated(error)) call read_axis(deck, line, i, 'TORQue WHERE px py pz  ax ay az', &
+      column%quantity, error)
     if (allocated(error)) return
-    length = norm2(x(4:))
-    if (.not. length > 0.0_wp) then
-      call fail(error, DECK_ERROR, 'the axis of the torque has no length', line%place(i + 3), &
-        'TORQue WHERE px py pz  ax ay az')
-      return
-    end if
     column%quantity%kind = Q_TORQUE
-    column%quantity%point = x(:3)
-    column%quantity%axis = x(4:)/length
     column%quantity%column = 'torque'
   end subroutine read_torque
 

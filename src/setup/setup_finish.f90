@@ -5,14 +5,17 @@ module setup_finish
   use mesh, only: mesh_t
   use model, only: model_t
   use model_basis, only: tabulate_basis
+  use rigid_block, only: is_rigid
   use patch_body, only: build_body
   use setup_apply, only: apply_conditions
   use setup_build, only: build_t
   use setup_check, only: check_references, check_jacobians
+  use setup_contact_build, only: build_contacts
   use setup_lists, only: MAX_NUMBER
   use setup_loads, only: integrate_loads
   use setup_material, only: material_index
   use setup_mesh, only: make_mesh, count_mesh
+  use setup_rigid, only: hold_rigid
   use setup_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use setup_solid, only: npatch_geometry, append_npatch
   use setup_tie, only: tie_nodes
@@ -40,10 +43,13 @@ contains
       call apply_conditions(build, model%mesh, model%bc)
       call tie_nodes(build, model%mesh, model%bc)
       call resolve_supports(build, model)
+      call hold_rigid(build, model)
       call resolve_loads(build, model)
       call resolve_curves(build, model)
       if (build%errors%count() > 0) return
       call check_jacobians(build, model%mesh)
+      if (build%errors%count() > 0) return
+      call build_contacts(build, model)
       if (build%errors%count() > 0) return
       call integrate_loads(model)
     end associate
@@ -90,7 +96,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(error_t), allocatable :: error
 
-    if (.not. any(mesh%used)) then
+    if (all(is_rigid(mesh%block))) then
       call fail(error, DECK_ERROR, 'the mesh has no elements', build%control%place, &
         'give ELEMents, BLOCk, NPATch or PATCh')
     else if (mesh%nnode > MAX_NUMBER) then

@@ -6,6 +6,7 @@ module setup_loads
   use face_rule, only: face_points, face_normal
   use mesh, only: mesh_t, block_t, block_cell
   use model, only: model_t
+  use rigid_block, only: is_rigid
   use tensor, only: det3
   implicit none
   private
@@ -27,6 +28,7 @@ contains
       if (.not. allocated(f)) allocate (f(3, model%mesh%nnode))
       f = 0.0_wp
       do b = 1, size(model%mesh%block)
+        if (is_rigid(model%mesh%block(b))) cycle
         associate (set => model%material(model%mesh%block(b)%material))
           if (set%body_table == table(i) .and. any(abs(set%body_force) > 0.0_wp)) then
             call add_body_force(model%mesh, model%mesh%block(b), set%body_force, f)
@@ -53,6 +55,7 @@ contains
 
     allocate (table(0))
     do b = 1, size(model%mesh%block)
+      if (is_rigid(model%mesh%block(b))) cycle
       associate (set => model%material(model%mesh%block(b)%material))
         if (all(table /= set%body_table) .and. any(abs(set%body_force) > 0.0_wp)) table = [table, &
           set%body_table]

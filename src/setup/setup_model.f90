@@ -66,8 +66,8 @@ contains
     type(build_t), intent(inout) :: build
 
     call load_mesh_words(build%row)
-    allocate (build%model%material(0), build%model%contact(0), build%patch(0), build%npatch(0), build%knots(0), &
-      build%support(0))
+    allocate (build%model%material(0), build%model%contact(0), build%patch(0), build%npatch(0))
+    allocate (build%knots(0), build%support(0), build%contact(0))
     allocate (build%move(0), build%press(0), build%curve(0), build%tie(0))
   end subroutine start
 

@@ -118,6 +118,8 @@ contains
         call complain('TYPE', TYPES)
       else if (any(spec%nelem < 1)) then
         call complain('ELEMents', 'give ELEMents n1 n2 n3, or KNOTs in each direction')
+      else if (spec%type == 'RIGID') then
+        call check_bare(patch, error)
       else if (.not. allocated(patch%material_place%file)) then
         call complain('MATErial', 'give MATErial m')
       end if
@@ -132,5 +134,22 @@ contains
         patch%spec%place, hint)
     end subroutine complain
   end subroutine check_complete
+
+  !> A rigid patch is a surface that moves, nothing else.
+  subroutine check_bare(patch, error)
+    type(patch_entry_t), intent(in) :: patch
+    type(error_t), allocatable, intent(out) :: error
+
+    if (allocated(patch%material_place%file)) then
+      call fail(error, DECK_ERROR, 'the rigid patch '//quoted(patch%spec%name)//' has a MATErial', &
+        patch%material_place, 'remove it: a rigid body is moved, not deformed')
+    else if (size(patch%spec%enrich) > 0) then
+      call fail(error, DECK_ERROR, 'the rigid patch '//quoted(patch%spec%name)//' is enriched', &
+        patch%spec%enrich(1)%place, 'remove ENRIch: its faces are the geometry itself')
+    else if (patch%spec%q > 0) then
+      call fail(error, DECK_ERROR, 'the rigid patch '//quoted(patch%spec%name)//' has QUADrature', &
+        patch%spec%place, 'remove it: the surface is not integrated')
+    end if
+  end subroutine check_bare
 
 end module setup_patch

@@ -264,17 +264,14 @@ contains
       if (.not. allocated(error)) call get_integer(deck, line, 3, spec%degree, error)
       return
     case default
-      if (line%key(2) == 'rigi') then
-        call fail(error, DECK_ERROR, 'a rigid patch needs contact, which is not available yet', &
-          line%place(2), &
-          'give it a TYPE of solid elements and FIX or MOVE all of it')
-      else
+      if (line%key(2) /= 'rigi') then
         call fail(error, DECK_ERROR, 'unknown element type '//quoted(line%text(2)), &
           line%place(2), TYPES)
+        return
       end if
-      return
+      spec%type = 'RIGID'
     end select
-    call check_count(line, 2, 2, 'TYPE '//trim(spec%type), error)
+    call check_count(line, 2, 2, 'TYPE '//line%text(2), error)
   end subroutine read_type
 
   !> ENRIch face p [RAISe t] [EAS [TAPEred]].

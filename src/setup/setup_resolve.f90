@@ -6,6 +6,7 @@ module setup_resolve
   use curve_type, only: curve_t, quantity_t, Q_STRESS, Q_MAX_DISP
   use model, only: model_t
   use setup_build, only: build_t, column_t
+  use setup_contact, only: contact_named
   use setup_locate, only: locate_point
   use setup_where, only: find_nodes, find_faces, body_index
   implicit none
@@ -71,6 +72,8 @@ contains
         do j = 1, size(from%column)
           call resolve_column(model, from%column(j), model%curve(i)%quantity(j), error)
           if (allocated(error)) call build%errors%add(error)
+          if (allocated(from%column(j)%contact)) model%curve(i)%quantity(j)%contact = &
+            contact_named(build, from%column(j)%contact)
         end do
       end associate
     end do

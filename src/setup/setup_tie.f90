@@ -9,6 +9,7 @@ module setup_tie
   use base_sort, only: sort_index
   use boundary, only: boundary_t
   use mesh, only: mesh_t, body_t
+  use rigid_block, only: is_rigid
   use setup_build, only: build_t, tie_t
   implicit none
   private
@@ -132,7 +133,9 @@ contains
 
     allocate (class(mesh%nnode), source=0)
     do b = 1, size(mesh%block)
-      number = build%model%material(mesh%block(b)%material)%number
+      number = 0 ! of rigid bodies
+      if (.not. is_rigid(mesh%block(b))) &
+        number = build%model%material(mesh%block(b)%material)%number
       if (tie%material(1) > 0 .and. all(tie%material /= number)) cycle
       do i = 1, mesh%block(b)%nelem
         class(mesh%block(b)%conn(:, i)) = merge(2, 1, number == tie%material(2))

@@ -5,6 +5,7 @@ module point_values
   use mesh, only: block_t
   use model, only: model_t, state_t
   use model_basis, only: tabulate_points
+  use rigid_block, only: is_rigid
   use solid_recover, only: recovered_t, recover
   implicit none
   private
@@ -88,6 +89,7 @@ contains
     mises = 0.0_wp
     do b = 1, size(model%mesh%block)
       if (body > 0 .and. model%mesh%block(b)%body /= body) cycle
+      if (is_rigid(model%mesh%block(b))) cycle
       allocate (point(model%mesh%block(b)%rule%nq))
       do e = 1, model%mesh%block(b)%nelem
         call element_points(model, state, b, e, point, ok)

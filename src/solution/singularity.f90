@@ -4,6 +4,7 @@ module singularity
   use base_text, only: to_text
   use dof_map, only: dof_name
   use model, only: model_t
+  use rigid_block, only: solid_nodes
   implicit none
   private
   public :: name_singularity
@@ -33,14 +34,16 @@ contains
     type(model_t), intent(in) :: model
     character(:), allocatable :: text
     real(wp) :: x(3), centre(3), hold(6), size_of
+    logical, allocatable :: solid(:)
     integer :: i, n
     character(*), parameter :: NAMES(6) = ['move along x', 'move along y', 'move along z', &
       'turn about x', 'turn about y', 'turn about z']
 
+    call solid_nodes(model%mesh, solid)
     centre = 0.0_wp
     n = 0
     do i = 1, model%mesh%nnode
-      if (.not. any(model%eq(:, i) == 0) .or. .not. model%mesh%used(i)) cycle
+      if (.not. any(model%eq(:, i) == 0) .or. .not. solid(i)) cycle
       centre = centre + model%mesh%xr(:, i)
       n = n + 1
     end do
@@ -48,7 +51,7 @@ contains
     size_of = maxval(maxval(model%mesh%xr, 2) - minval(model%mesh%xr, 2))
     hold = 0.0_wp
     do i = 1, model%mesh%nnode
-      if (.not. model%mesh%used(i)) cycle
+      if (.not. solid(i)) cycle
       x = model%mesh%xr(:, i) - centre
       where (model%eq(:, i) == 0) hold(:3) = 1.0_wp
       if (model%eq(1, i) == 0) hold(5:6) = max(hold(5:6), abs([x(3), x(2)])/size_of)
