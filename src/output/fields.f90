@@ -28,7 +28,7 @@ contains
     character(NAME) :: names(NBODY + 5)
 
     names = [character(NAME) :: 'displacement', 'stress', 'mises', 'pressure', 'reaction', &
-      'contact_pressure', 'contact_traction', 'contact_gap', 'contact_slip', 'contact_state']
+             'contact_pressure', 'contact_traction', 'contact_gap', 'contact_slip', 'contact_state']
   end function known_fields
 
   !> What is written where the deck does not choose.
@@ -49,7 +49,7 @@ contains
 
     known = known_fields()
     named = known == lower(word)
-    if (.not. any(named)) named = known(:)(:4) == key_of(word)
+    if (.not. any(named)) named = known(:) (:4) == key_of(word)
   end function named_fields
 
   !> A field without its values.
@@ -116,7 +116,7 @@ contains
       allocate (pressure(1, n))
       pressure(1, :) = -(stress(1, :) + stress(2, :) + stress(3, :))/3.0_wp
     end if
-    if (any(wanted(:)(:8) == 'contact_')) call gather_contact(model, state, contact)
+    if (any(wanted(:) (:8) == 'contact_')) call gather_contact(model, state, contact)
     allocate (field(size(wanted)))
     do i = 1, size(wanted)
       call describe_field(wanted(i), field(i))

@@ -95,7 +95,7 @@ contains
     character(12) :: digits
 
     write (digits, '("_", i0)') k
-    name = stem // trim(digits)
+    name = stem//trim(digits)
   end function name
 
 end module restart_arrays

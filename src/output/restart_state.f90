@@ -7,7 +7,7 @@ module restart_state
   use bag, only: bag_t, item_t, ITEM_REAL, ITEM_INTEGER, ITEM_TEXT, put
   use hdf5_file, only: hdf5_t, make_group, put_attribute, get_attribute, AS_INT32, AS_UINT8
   use restart_arrays, only: write_reals, read_reals, write_integers, read_integers, write_matrix, &
-    read_matrix, name
+                            read_matrix, name
   use restart_contact, only: write_contact, read_contact
   implicit none
   private
@@ -26,21 +26,21 @@ contains
     call make_group(file, group, error)
     if (.not. allocated(error)) call put_attribute(file, group, 'step', [state%step], error)
     if (.not. allocated(error)) then
-      call write_reals(file, group // '/time', [state%time, state%dt, state%scale], error)
+      call write_reals(file, group//'/time', [state%time, state%dt, state%scale], error)
     end if
-    if (.not. allocated(error)) call write_matrix(file, group // '/u', state%u, error)
-    if (.not. allocated(error)) call write_matrix(file, group // '/u_step', state%u_step, error)
-    if (.not. allocated(error)) call write_matrix(file, group // '/u_base', state%u_base, error)
-    if (.not. allocated(error)) call write_matrix(file, group // '/reaction', state%reaction, error)
-    if (.not. allocated(error)) call write_reals(file, group // '/factor', state%factor, error)
+    if (.not. allocated(error)) call write_matrix(file, group//'/u', state%u, error)
+    if (.not. allocated(error)) call write_matrix(file, group//'/u_step', state%u_step, error)
+    if (.not. allocated(error)) call write_matrix(file, group//'/u_base', state%u_base, error)
+    if (.not. allocated(error)) call write_matrix(file, group//'/reaction', state%reaction, error)
+    if (.not. allocated(error)) call write_reals(file, group//'/factor', state%factor, error)
     if (allocated(error)) return
     call pack_tables(state%table, tables)
-    call write_bag(file, group // '/table', tables, error)
+    call write_bag(file, group//'/table', tables, error)
     do b = 1, size(state%history)
       if (allocated(error)) return
-      call write_matrix(file, group // name('/history_step', b), state%history(b)%step, error)
+      call write_matrix(file, group//name('/history_step', b), state%history(b)%step, error)
       if (allocated(error)) return
-      call write_matrix(file, group // name('/history_iter', b), state%history(b)%iter, error)
+      call write_matrix(file, group//name('/history_iter', b), state%history(b)%iter, error)
     end do
     if (.not. allocated(error)) call write_contact(file, group, state%contact, error)
   end subroutine write_state
@@ -58,7 +58,7 @@ contains
     call get_attribute(file, group, 'step', step, error)
     if (allocated(error)) return
     state%step = step(1)
-    call read_reals(file, group // '/time', time, error)
+    call read_reals(file, group//'/time', time, error)
     if (.not. allocated(error)) then
       if (size(time) /= 3) call fail(error, SYSTEM_ERROR, 'damaged')
     end if
@@ -66,18 +66,18 @@ contains
     state%time = time(1)
     state%dt = time(2)
     state%scale = time(3)
-    call read_matrix(file, group // '/u', state%u, error)
-    if (.not. allocated(error)) call read_matrix(file, group // '/u_step', state%u_step, error)
-    if (.not. allocated(error)) call read_matrix(file, group // '/u_base', state%u_base, error)
-    if (.not. allocated(error)) call read_matrix(file, group // '/reaction', state%reaction, error)
-    if (.not. allocated(error)) call read_reals(file, group // '/factor', state%factor, error)
-    if (.not. allocated(error)) call read_bag(file, group // '/table', tables, error)
+    call read_matrix(file, group//'/u', state%u, error)
+    if (.not. allocated(error)) call read_matrix(file, group//'/u_step', state%u_step, error)
+    if (.not. allocated(error)) call read_matrix(file, group//'/u_base', state%u_base, error)
+    if (.not. allocated(error)) call read_matrix(file, group//'/reaction', state%reaction, error)
+    if (.not. allocated(error)) call read_reals(file, group//'/factor', state%factor, error)
+    if (.not. allocated(error)) call read_bag(file, group//'/table', tables, error)
     if (.not. allocated(error)) call unpack_tables(tables, state%table, error)
     do b = 1, size(state%history)
       if (allocated(error)) return
-      call read_matrix(file, group // name('/history_step', b), state%history(b)%step, error)
+      call read_matrix(file, group//name('/history_step', b), state%history(b)%step, error)
       if (allocated(error)) return
-      call read_matrix(file, group // name('/history_iter', b), state%history(b)%iter, error)
+      call read_matrix(file, group//name('/history_iter', b), state%history(b)%iter, error)
     end do
     if (.not. allocated(error)) call read_contact(file, group, state%contact, error)
   end subroutine read_state
@@ -93,7 +93,7 @@ contains
     if (.not. allocated(error)) call put_attribute(file, group, 'items', [bag%n], error)
     do k = 1, bag%n
       if (allocated(error)) return
-      call write_item(file, group // name('/item', k), bag%item(k), error)
+      call write_item(file, group//name('/item', k), bag%item(k), error)
     end do
   end subroutine write_bag
 
@@ -111,7 +111,7 @@ contains
       call write_integers(file, path, item%integers, AS_INT32, error)
     case default
       call write_integers(file, path, [(iachar(item%text(i:i)), i=1, len(item%text))], AS_UINT8, &
-        error)
+                          error)
     end select
     if (.not. allocated(error)) call put_attribute(file, path, 'name', item%name, error)
     if (.not. allocated(error)) call put_attribute(file, path, 'kind', [item%kind], error)
@@ -127,7 +127,7 @@ contains
     call get_attribute(file, group, 'items', n, error)
     do k = 1, n(1)
       if (allocated(error)) return
-      call read_item(file, group // name('/item', k), bag, error)
+      call read_item(file, group//name('/item', k), bag, error)
     end do
   end subroutine read_bag
 
