@@ -105,39 +105,43 @@ contains
     type(surface_kind_t) :: new
     type(cell_t) :: cell
     integer :: order(size(key)), i, f, n, nkind
+    integer(i8) :: last
 
     call sort_index(key, order)
     allocate (class(size(key)), iclass(size(key)), kind(size(key)))
     n = 0
     nkind = 0
+    last = 0
     do i = 1, size(key)
       f = order(i)
-      if (i > 1) then
-        if (key(f) == key(order(i - 1))) then
-          iclass(f) = n
-          cycle
-        end if
+      if (i > 1 .and. key(f) == last) then
+        iclass(f) = n
+        cycle
       end if
+      last = key(f)
       n = n + 1
       iclass(f) = n
       associate (block => mesh%block(surface%block(f)))
         call block_cell(block, surface%elem(f), cell)
         call find_kind(block%row, cell, block%nen, surface%face(f), new, class(n)%local)
       end associate
-      do while (class(n)%kind < nkind)
-        class(n)%kind = class(n)%kind + 1
-        if (same_kind(new, kind(class(n)%kind))) exit
-        if (class(n)%kind == nkind) class(n)%kind = nkind + 1
-      end do
-      class(n)%kind = max(class(n)%kind, 1)
-      if (class(n)%kind > nkind) then
-        nkind = nkind + 1
-        kind(nkind) = new
-      end if
+      class(n)%kind = position_of(new, kind(:nkind))
+      if (class(n)%kind <= nkind) cycle
+      nkind = nkind + 1
+      kind(nkind) = new
     end do
     surface%kind = kind(:nkind)
     surface%ikind = class(iclass)%kind
   end subroutine find_classes
+
+  !> Where a kind stands in the list, or the place behind it.
+  pure integer function position_of(new, kind) result(k)
+    type(surface_kind_t), intent(in) :: new, kind(:)
+
+    do k = 1, size(kind)
+      if (same_kind(new, kind(k))) return
+    end do
+  end function position_of
 
   !> Nodes of the faces, and weights where an element has some.
   subroutine gather_nodes(mesh, class, iclass, surface)
