@@ -141,7 +141,8 @@ contains
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
 
-    call run%timers%add('assembly', run%pass%sweep%seconds)
+    call run%timers%add('assembly', run%pass%sweep%seconds - run%pass%sweep%contact_seconds)
+    if (size(run%model%contact) > 0) call run%timers%add('contact', run%pass%sweep%contact_seconds)
     call run%timers%add('factorise', run%pass%solve%seconds_factor)
     call run%timers%add('solve', run%pass%solve%seconds_solve)
     if (.not. run%pass%ok) then
@@ -172,7 +173,7 @@ contains
     logical :: yes
     integer :: i
 
-    yes = .false.
+    yes = size(model%contact) > 0
     do i = 1, size(model%bc%pressure)
       yes = yes .or. model%bc%pressure(i)%follower
     end do

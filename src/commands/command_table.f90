@@ -22,6 +22,7 @@ contains
     block; use command_solve, only: describe_solv; table = [table, describe_solv()]; end block
     block; use command_solve, only: describe_tol; table = [table, describe_tol()]; end block
     block; use command_solve, only: describe_factor; table = [table, describe_factor()]; end block
+    block; use command_augment, only: describe_augment; table = [table, describe_augment()]; end block
     block; use command_load, only: describe_prop; table = [table, describe_prop()]; end block
     block; use command_load, only: describe_para; table = [table, describe_para()]; end block
     block; use command_print, only: describe_disp; table = [table, describe_disp()]; end block

@@ -38,6 +38,12 @@ contains
     size = norm2(d)
     dtdd = 0.0_wp
     dtdp = 0.0_wp
+    if (.not. most > 0.0_wp) then ! frictionless: no stick at d = 0 either
+      state = SLIP
+      t = 0.0_wp
+      elastic = 0.0_wp
+      return
+    end if
     if (prop(2)*size <= most) then
       state = STICK
       t = -prop(2)*d

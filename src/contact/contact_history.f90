@@ -28,7 +28,8 @@ contains
 
     allocate (points%foot(np), points%foot_step(np), points%slide(np), source=0)
     allocate (points%foot_xi(2, np), points%foot_xi_step(2, np), points%slide_xi(2, np), source=0.0_wp)
-    allocate (points%multiplier(np), points%pressure(np), points%area(np), source=0.0_wp)
+    allocate (points%multiplier(np), points%multiplier_step(np), source=0.0_wp)
+    allocate (points%pressure(np), points%area(np), source=0.0_wp)
     allocate (points%gap(np), source=huge(1.0_wp))
     allocate (points%traction(3, np), points%elastic(3, np), source=0.0_wp)
     allocate (points%state(np), source=OPEN)
@@ -42,6 +43,7 @@ contains
     do k = 1, 2
       state%side(k)%foot = state%side(k)%foot_step
       state%side(k)%foot_xi = state%side(k)%foot_xi_step
+      state%side(k)%multiplier = state%side(k)%multiplier_step
     end do
   end subroutine restore_contact_step
 
@@ -53,6 +55,7 @@ contains
     do k = 1, 2
       state%side(k)%foot_step = state%side(k)%foot
       state%side(k)%foot_xi_step = state%side(k)%foot_xi
+      state%side(k)%multiplier_step = state%side(k)%multiplier
     end do
   end subroutine keep_contact_step
 

@@ -6,6 +6,9 @@ module assembly
   use element_type, only: form_report_t, NB
   use mesh, only: block_t
   use model, only: model_t, state_t, history_t
+  use rigid_block, only: is_rigid
+  use contact_assembly, only: contact_work_t, new_contact_work, find_contact, contact_cliques, &
+    map_contact, add_contact
   use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, set_zero
   use load_curve, only: load_factor
   use follower_load, only: follower_face
@@ -20,6 +23,8 @@ module assembly
 
   type :: assembler_t
     type(block_matrix_t) :: k
+    logical :: new_pattern = .false.   !! the pattern of k changed; whoever analyses it sets it back
+    type(contact_work_t), allocatable :: contact(:)
     type(map_t), allocatable :: map(:)
     real(wp), allocatable :: f_int(:, :) !! (3, nnode) internal force [F]
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
@@ -33,49 +38,77 @@ module assembly
     real(wp) :: enhanced = 0.0_wp        !! energy of the enhanced residuals [F L]
     real(wp) :: rounding = 0.0_wp        !! sum of |f||u| over elements [F L]
     real(wp) :: largest = 0.0_wp         !! largest nodal force of an element [F]
-    real(wp) :: seconds = 0.0_wp         !! wall time
+    real(wp) :: seconds = 0.0_wp         !! wall time, all of it
+    real(wp) :: contact_seconds = 0.0_wp !! of contact: search, pattern, tangent
   end type sweep_t
 
 contains
 
-  !> Pattern and maps; symmetric: upper blocks only.
+  !> Room, pattern and maps; symmetric: upper blocks only.
   subroutine new_assembler(asm, model, symmetric, error)
     type(assembler_t), intent(out) :: asm
     type(model_t), intent(in) :: model
     logical, intent(in) :: symmetric
     type(error_t), allocatable, intent(out) :: error
-    type(clique_t), allocatable :: clique(:)
-    integer :: b, n
 
-    allocate (clique(size(model%mesh%block)), asm%map(size(model%mesh%block)))
-    do b = 1, size(model%mesh%block)
-      clique(b)%conn = model%mesh%block(b)%conn
+    call new_contact_work(model, asm%contact)
+    allocate (asm%f_int(3, model%mesh%nnode), asm%f_ext(3, model%mesh%nnode))
+    call set_pattern(asm, model, symmetric, 0, error)
+  end subroutine new_assembler
+
+  !> Pattern of the elements and of what is in contact in a step.
+  subroutine set_pattern(asm, model, symmetric, step, error)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: symmetric
+    integer, intent(in) :: step
+    type(error_t), allocatable, intent(out) :: error
+    type(clique_t), allocatable :: clique(:)
+    integer :: b, n, nblock
+
+    nblock = size(model%mesh%block)
+    allocate (clique(nblock + 2*size(asm%contact)))
+    do b = 1, nblock
+      n = merge(0, model%mesh%block(b)%nelem, is_rigid(model%mesh%block(b)))
+      clique(b)%conn = model%mesh%block(b)%conn(:, :n)
     end do
+    call contact_cliques(asm%contact, model, step, clique(nblock + 1:))
     call new_pattern(asm%k, model%mesh%nnode, clique, symmetric, error)
     if (allocated(error)) return
-    do b = 1, size(model%mesh%block)
+    if (.not. allocated(asm%map)) allocate (asm%map(nblock))
+    do b = 1, nblock
+      if (is_rigid(model%mesh%block(b))) cycle
       n = model%mesh%block(b)%nen
-      allocate (asm%map(b)%at(n, n, model%mesh%block(b)%nelem))
+      if (.not. allocated(asm%map(b)%at)) allocate (asm%map(b)%at(n, n, model%mesh%block(b)%nelem))
       call element_map(asm%k, model%mesh%block(b)%conn, asm%map(b)%at, error)
       if (allocated(error)) return
     end do
-    allocate (asm%f_int(3, model%mesh%nnode), asm%f_ext(3, model%mesh%nnode))
-  end subroutine new_assembler
+    call map_contact(asm%contact, model, asm%k)
+    asm%new_pattern = .true.
+  end subroutine set_pattern
 
   !> Internal and external forces, and the tangent, at the displacements of `state`.
   !! Each block's trial history is filled; state%u_base is where its history `iter` belongs.
-  subroutine form(asm, model, state, sweep)
+  !! Where contact couples elements anew, the pattern changes too.
+  subroutine form(asm, model, state, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     type(sweep_t), intent(out) :: sweep
+    type(error_t), allocatable, intent(out) :: error
     real(wp) :: start
+    logical :: grown
     integer :: b
 
     start = wall_seconds()
+    call find_contact(asm%contact, model, state, grown)
+    if (grown) call set_pattern(asm, model, asm%k%symmetric, state%step, error)
+    if (allocated(error)) return
+    sweep%contact_seconds = wall_seconds() - start
     asm%f_int = 0.0_wp
     call set_zero(asm%k)
     do b = 1, size(model%mesh%block)
+      if (is_rigid(model%mesh%block(b))) cycle
       associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material))
         if (associated(block%row%form_batch) .and. associated(mat%row%moduli) &
           .and. size(block%basis) == 1) then
@@ -86,9 +119,23 @@ contains
       end associate
       if (.not. sweep%ok) exit
     end do
+    if (sweep%ok) call form_contact(asm, model, state, sweep)
     if (sweep%ok) call external_force(asm, model, state)
     sweep%seconds = wall_seconds() - start
   end subroutine form
+
+  !> Contact tractions on top of the elements.
+  subroutine form_contact(asm, model, state, sweep)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(sweep_t), intent(inout) :: sweep
+    real(wp) :: start
+
+    start = wall_seconds()
+    call add_contact(asm%contact, model, state, asm%k, asm%f_int, sweep%rounding, sweep%largest)
+    sweep%contact_seconds = sweep%contact_seconds + wall_seconds() - start
+  end subroutine form_contact
 
   !> One block, element by element.
   subroutine form_elements(asm, model, state, b, sweep)

@@ -1,6 +1,7 @@
 !> Line search along a Newton increment.
 module line_search
   use base_kinds, only: wp
+  use base_error, only: error_t
   use assembly, only: assembler_t, sweep_t, form
   use model, only: model_t, state_t
   use nodal_vector, only: free_part
@@ -24,7 +25,7 @@ contains
 
   !> FEAP's line search: a share s of the step with |du.r(s)| <= 0.8 |du.r(0)|, by regula falsi with
   !! the Illinois modification; halved first while an element inverts.
-  subroutine search_line(asm, model, state, dx, du, g0, s)
+  subroutine search_line(asm, model, state, dx, du, g0, s, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -32,13 +33,15 @@ contains
     real(wp), intent(in) :: du(:, :)   !! (3, nnode) the same
     real(wp), intent(in) :: g0         !! du.r(0)
     real(wp), intent(out) :: s         !! share that was taken
+    type(error_t), allocatable, intent(out) :: error
     real(wp) :: g, ga, gb, sa, sb
     logical :: ok
     integer :: i
 
     s = 1.0_wp
     do i = 1, LINE_TRIALS
-      call slope(asm, model, state, dx, du, s, g, ok)
+      call slope(asm, model, state, dx, du, s, g, ok, error)
+      if (allocated(error)) return
       if (ok) exit
       s = 0.5_wp*s
     end do
@@ -49,7 +52,8 @@ contains
     do i = 1, LINE_TRIALS
       if (.not. ok .or. abs(g) <= LINE_TOLERANCE*abs(g0) .or. ga*gb > 0.0_wp) exit
       s = sb - gb*(sb - sa)/(gb - ga)
-      call slope(asm, model, state, dx, du, s, g, ok)
+      call slope(asm, model, state, dx, du, s, g, ok, error)
+      if (allocated(error)) return
       if (g*ga > 0.0_wp) then
         sa = s
         ga = g
@@ -64,20 +68,23 @@ contains
   end subroutine search_line
 
   !> du.r at a share of the step.
-  subroutine slope(asm, model, state, dx, du, s, g, ok)
+  subroutine slope(asm, model, state, dx, du, s, g, ok, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: dx(:), du(:, :), s
     real(wp), intent(out) :: g
     logical, intent(out) :: ok
+    type(error_t), allocatable, intent(out) :: error
     type(sweep_t) :: sweep
     real(wp), allocatable :: r(:)
 
     call step_by(state, du, s)
-    call form(asm, model, state, sweep)
-    ok = sweep%ok
+    ok = .false.
     g = 0.0_wp
+    call form(asm, model, state, sweep, error)
+    if (allocated(error)) return
+    ok = sweep%ok
     if (.not. ok) return
     allocate (r(size(dx)))
     call free_part(model%eq, asm%f_ext - asm%f_int, r)

@@ -6,7 +6,8 @@ module newton
   use base_text, only: to_text
   use model, only: model_t, state_t
   use csr, only: multiply
-  use linear_system, only: linear_system_t, solve_report_t, new_linear_system, FULL
+  use linear_system, only: linear_system_t, solve_report_t, new_linear_system, &
+    change_pattern, FULL
   use assembly, only: assembler_t, sweep_t, new_assembler, form
   use line_search, only: search_line, step_by
   use nodal_vector, only: free_part, full_vector
@@ -94,7 +95,8 @@ contains
 
     call prepare_newton(newton, model, symmetric, error)
     if (allocated(error)) return
-    call form(newton%asm, model, state, pass%sweep)
+    call form(newton%asm, model, state, pass%sweep, error)
+    if (allocated(error)) return
     pass%ok = pass%sweep%ok
     if (.not. pass%ok) then
       pass%trouble = name_element(model, pass%sweep)
@@ -138,6 +140,11 @@ contains
 
     allocate (du(3, model%mesh%nnode), force(3, model%mesh%nnode))
     moved = newton%moves
+    if (newton%asm%new_pattern) then
+      call change_pattern(newton%system, newton%asm%k, model%eq, error)
+      if (allocated(error)) return
+      newton%asm%new_pattern = .false.
+    end if
     if (moved) then                       ! tangent predictor for prescribed motion
       call multiply(newton%asm%k, newton%move, force)
       call free_part(model%eq, -state%reaction - force, newton%rhs)
@@ -169,7 +176,8 @@ contains
     call judge(newton, pass, moved)
     if (.not. pass%ok) return
     if (searches .and. .not. moved) then
-      call search_line(newton%asm, model, state, newton%dx, du, dot_product(newton%dx, newton%rhs), pass%line)
+      call search_line(newton%asm, model, state, newton%dx, du, dot_product(newton%dx, newton%rhs), &
+        pass%line, error)
     else
       call step_by(state, du, 1.0_wp)
     end if
@@ -251,6 +259,7 @@ contains
     if (allocated(error)) return
     call new_linear_system(newton%system, newton%asm%k, model%eq, newton%mode, newton%eps, error)
     if (allocated(error)) return
+    newton%asm%new_pattern = .false.
     newton%symmetric = symmetric
     newton%ready = .true.
     if (.not. allocated(newton%spacing)) newton%spacing = node_spacing(model%mesh)

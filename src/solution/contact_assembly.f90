@@ -1,0 +1,288 @@
+!> Contact in the global system: where every point stands, which elements that couples, and the sum
+!! of their forces and derivatives.
+module contact_assembly
+  use base_kinds, only: wp
+  use contact_element, only: work_t, new_work, form_element, touches, element_functions
+  use contact_foot, only: foot_t, shape_t
+  use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, prune_pairs, pair_clique, &
+    map_pairs
+  use contact_project, only: project
+  use contact_search, only: grid_t, update_grid
+  use contact_shape, only: update_shape
+  use contact_slide, only: side_positions, accept_slides
+  use csr, only: block_matrix_t, clique_t
+  use csr_coupling, only: add_coupling
+  use model, only: model_t, state_t
+  implicit none
+  private
+  public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
+    add_contact, accept_contact, friction_acts
+
+  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr reached
+
+  !> Feet of the points of one side on the other.
+  type :: feet_t
+    type(foot_t), allocatable :: at(:)   !! (np)
+  end type feet_t
+
+  !> One contact under way.
+  type :: contact_work_t
+    type(shape_t) :: shape(2)
+    type(grid_t) :: grid(2)
+    type(feet_t) :: feet(2)
+    type(pairs_t) :: pairs(2)
+    type(work_t) :: element(2)
+  end type contact_work_t
+
+contains
+
+  !> Room for all contacts of a model.
+  subroutine new_contact_work(model, work)
+    type(model_t), intent(in) :: model
+    type(contact_work_t), allocatable, intent(out) :: work(:)
+    integer :: c, k
+
+    allocate (work(size(model%contact)))
+    do c = 1, size(work)
+      do k = 1, 2
+        associate (contact => model%contact(c))
+          call new_pairs(work(c)%pairs(k), contact%side(k)%nelem)
+          call new_work(contact, k, work(c)%element(k))
+          if (contact%side(k)%rigid) cycle
+          allocate (work(c)%feet(k)%at(contact%nq*contact%side(k)%nelem))
+        end associate
+      end do
+    end do
+  end subroutine new_contact_work
+
+  !> Friction acts in steps that start at AFTEr or later.
+  pure logical function friction_acts(contact, state) result(acts)
+    type(contact_t), intent(in) :: contact
+    type(state_t), intent(in) :: state
+
+    acts = contact%has_friction
+    if (acts .and. contact%has_after) &
+      acts = state%time - state%dt >= contact%after - AT_ONCE*state%dt
+  end function friction_acts
+
+  !> Project all points; `grown`: elements are coupled now that the pattern does not couple.
+  subroutine find_contact(work, model, state, grown)
+    type(contact_work_t), intent(inout) :: work(:)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    logical, intent(out) :: grown
+    real(wp), allocatable :: x(:, :)
+    logical :: slides
+    integer :: c, k
+
+    grown = .false.
+    if (size(work) == 0) return
+    x = model%mesh%xr + state%u
+    do c = 1, size(work)
+      associate (contact => model%contact(c))
+        slides = friction_acts(contact, state)
+        do k = 1, 2
+          call update_shape(contact%side(k), x, work(c)%shape(k))
+          if (.not. contact%side(3 - k)%rigid) &
+            call update_grid(contact%side(k), work(c)%shape(k), work(c)%grid(k))
+        end do
+        do k = 1, 2
+          if (contact%side(k)%rigid) cycle
+          call find_feet(work(c), contact, k, x, state%contact(c)%side(k))
+          call need_pairs(work(c), contact, k, state%contact(c)%side(k), slides, state%step, grown)
+        end do
+      end associate
+    end do
+  end subroutine find_contact
+
+  !> Feet of the points of side k.
+  subroutine find_feet(work, contact, k, x, points)
+    type(contact_work_t), intent(inout) :: work
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    real(wp), intent(in) :: x(:, :)
+    type(contact_points_t), intent(inout) :: points
+    real(wp) :: xp(3, contact%nq)
+    integer :: e, i, q
+
+    do e = 1, contact%side(k)%nelem
+      call side_positions(contact%side(k), e, x, xp)
+      do q = 1, contact%nq
+        i = (e - 1)*contact%nq + q
+        associate (foot => work%feet(k)%at(i))
+          foot%elem = points%foot(i)
+          foot%xi = points%foot_xi(:, i)
+          call project(contact%side(3 - k), work%shape(3 - k), work%grid(3 - k), xp(:, q), foot, &
+            contact%depth)
+          points%foot(i) = foot%elem
+          points%foot_xi(:, i) = foot%xi
+        end associate
+      end do
+    end do
+  end subroutine find_feet
+
+  !> Pairs of elements that the points in contact couple.
+  subroutine need_pairs(work, contact, k, points, slides, step, grown)
+    type(contact_work_t), intent(inout) :: work
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, step
+    type(contact_points_t), intent(in) :: points
+    logical, intent(in) :: slides
+    logical, intent(inout) :: grown
+    real(wp) :: p, dp
+    integer :: e, i, q
+
+    do e = 1, contact%side(k)%nelem
+      do q = 1, contact%nq
+        i = (e - 1)*contact%nq + q
+        associate (foot => work%feet(k)%at(i))
+          if (.not. touches(contact, foot)) cycle
+          call contact%normal%normal(contact%normal_prop, foot%gap, points%multiplier(i), p, dp)
+          if (.not. p > 0.0_wp) cycle
+          call need_pair(work%pairs(k), e, foot%elem, step, grown)
+          if (slides .and. points%slide(i) > 0) &
+            call need_pair(work%pairs(k), e, points%slide(i), step, grown)
+        end associate
+      end do
+    end do
+  end subroutine need_pairs
+
+  !> Couplings for the pattern, two cliques a contact; pairs not needed in this step are dropped.
+  subroutine contact_cliques(work, model, step, clique)
+    type(contact_work_t), intent(inout) :: work(:)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: step
+    type(clique_t), intent(out) :: clique(:) !! (2*size(work))
+    integer :: c, k
+
+    do c = 1, size(work)
+      do k = 1, 2
+        call prune_pairs(work(c)%pairs(k), step)
+        associate (side => model%contact(c)%side)
+          call pair_clique(work(c)%pairs(k), side(k), side(3 - k), clique(2*c - 2 + k))
+        end associate
+      end do
+    end do
+  end subroutine contact_cliques
+
+  !> Where the couplings stand in a new pattern.
+  subroutine map_contact(work, model, a)
+    type(contact_work_t), intent(inout) :: work(:)
+    type(model_t), intent(in) :: model
+    type(block_matrix_t), intent(in) :: a
+    integer :: c, k
+
+    do c = 1, size(work)
+      do k = 1, 2
+        associate (side => model%contact(c)%side)
+          call map_pairs(work(c)%pairs(k), side(k), side(3 - k), a)
+        end associate
+      end do
+    end do
+  end subroutine map_contact
+
+  !> Forces and derivatives of all contacts, at the feet that find_contact found.
+  subroutine add_contact(work, model, state, a, f, rounding, largest)
+    type(contact_work_t), intent(inout) :: work(:)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(block_matrix_t), intent(inout) :: a
+    real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
+    real(wp), intent(inout) :: rounding, largest   !! see sweep_t
+    real(wp), allocatable :: x(:, :)
+    integer :: c, k
+
+    if (size(work) == 0) return
+    x = model%mesh%xr + state%u
+    do c = 1, size(work)
+      do k = 1, 2
+        if (model%contact(c)%side(k)%rigid) cycle
+        call add_side(work(c), model%contact(c), k, x, friction_acts(model%contact(c), state), &
+          state%u, state%contact(c)%side(k), a, f, rounding, largest)
+      end do
+    end do
+  end subroutine add_contact
+
+  !> One side of one contact.
+  subroutine add_side(work, contact, k, x, slides, u, points, a, f, rounding, largest)
+    type(contact_work_t), intent(inout) :: work
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    real(wp), intent(in) :: x(:, :), u(:, :)
+    logical, intent(in) :: slides
+    type(contact_points_t), intent(inout) :: points
+    type(block_matrix_t), intent(inout) :: a
+    real(wp), intent(inout) :: f(:, :), rounding, largest
+    integer :: b, e, i, n
+
+    associate (own => contact%side(k), other => contact%side(3 - k), part => work%element(k))
+      do e = 1, own%nelem
+        i = (e - 1)*contact%nq
+        call form_element(contact, k, e, x, work%feet(k)%at(i + 1:i + contact%nq), slides, points, &
+          part)
+        if (part%npartner == 0) cycle
+        if (other%rigid) call react(other, work%feet(k)%at(i + 1:i + contact%nq), &
+          points%traction(:, i + 1:i + contact%nq), points%area(i + 1:i + contact%nq), f)
+        associate (mine => own%node(own%first(e):own%first(e + 1) - 1))
+          do b = 1, part%nk
+            n = mine(b)
+            f(:, n) = f(:, n) + part%r(:, b)
+            rounding = rounding + sum(abs(part%r(:, b)*u(:, n)))
+            largest = max(largest, maxval(abs(part%r(:, b))))
+          end do
+          call add_coupling(a, mine, mine, work%pairs(k)%self(e)%at, part%kk)
+          do b = 1, part%npartner
+            n = part%partner(b)
+            call add_coupling(a, mine, other%node(other%first(n):other%first(n + 1) - 1), &
+              work%pairs(k)%map(find_pair(work%pairs(k), e, n))%at, part%kl(:, :, b))
+          end do
+        end associate
+      end do
+    end associate
+  end subroutine add_side
+
+  !> A rigid tool is not integrated: its supports bear the tractions of the other side.
+  subroutine react(tool, feet, traction, area, f)
+    type(surface_t), intent(in) :: tool
+    type(foot_t), intent(in) :: feet(:)          !! (nq)
+    real(wp), intent(in) :: traction(:, :)       !! (3, nq) on the other side [F/L^2]
+    real(wp), intent(in) :: area(:)              !! (nq) [L^2]
+    real(wp), intent(inout) :: f(:, :)
+    real(wp), allocatable :: shp(:), dshp(:, :)
+    integer :: b, e, n, q
+
+    do q = 1, size(feet)
+      e = feet(q)%elem
+      if (e == 0) cycle
+      n = tool%first(e + 1) - tool%first(e)
+      if (allocated(shp)) then
+        if (size(shp) /= n) deallocate (shp, dshp)
+      end if
+      if (.not. allocated(shp)) allocate (shp(n), dshp(2, n))
+      call element_functions(tool, e, feet(q)%xi, shp, dshp)
+      do b = 1, n
+        associate (node => tool%node(tool%first(e) + b - 1))
+          f(:, node) = f(:, node) + shp(b)*area(q)*traction(:, q)
+        end associate
+      end do
+    end do
+  end subroutine react
+
+  !> The step is done: stored sliding points move.
+  subroutine accept_contact(work, model, state)
+    type(contact_work_t), intent(in) :: work(:)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    integer :: c, k
+
+    do c = 1, size(work)
+      do k = 1, 2
+        if (model%contact(c)%side(k)%rigid) cycle
+        call accept_slides(model%contact(c)%side(3 - k), work(c)%shape(3 - k), &
+          state%contact(c)%side(k))
+      end do
+    end do
+  end subroutine accept_contact
+
+end module contact_assembly

@@ -1,0 +1,151 @@
+!> Which surface elements are coupled by contact, and where their couplings stand in the tangent.
+module contact_pairs
+  use contact_pair, only: surface_t
+  use csr, only: block_matrix_t, clique_t
+  use csr_coupling, only: coupling_map
+  implicit none
+  private
+  public :: pairs_t, map_t, new_pairs, need_pair, find_pair, prune_pairs, pair_clique, map_pairs
+
+  !> Block positions of one pair.
+  type :: map_t
+    integer, allocatable :: at(:, :)     !! (nk, nl)
+  end type map_t
+
+  !> Pairs of an element of one side and one of the other. The list of an element is chained.
+  type :: pairs_t
+    integer :: n = 0
+    integer, allocatable :: head(:)      !! (nelem) first pair of an element, 0: none
+    integer, allocatable :: next(:)      !! (>= n) next pair of the same element
+    integer, allocatable :: own(:)       !! (>= n) element of this side
+    integer, allocatable :: partner(:)   !! (>= n) element of the other side
+    integer, allocatable :: used(:)      !! (>= n) step in which it was needed last
+    type(map_t), allocatable :: map(:)   !! (n) of the pattern as it stands
+    type(map_t), allocatable :: self(:)  !! (nelem) of an element with itself, where it has pairs
+  end type pairs_t
+
+contains
+
+  subroutine new_pairs(pairs, nelem)
+    type(pairs_t), intent(out) :: pairs
+    integer, intent(in) :: nelem
+
+    allocate (pairs%head(nelem), source=0)
+    allocate (pairs%next(64), pairs%own(64), pairs%partner(64), pairs%used(64), source=0)
+    allocate (pairs%map(0), pairs%self(nelem))
+  end subroutine new_pairs
+
+  !> Position of a pair; 0: there is none.
+  pure integer function find_pair(pairs, e, partner) result(i)
+    type(pairs_t), intent(in) :: pairs
+    integer, intent(in) :: e, partner
+
+    i = pairs%head(e)
+    do while (i > 0)
+      if (pairs%partner(i) == partner) return
+      i = pairs%next(i)
+    end do
+  end function find_pair
+
+  !> A pair is needed in a step; `grown` becomes true where it is new.
+  subroutine need_pair(pairs, e, partner, step, grown)
+    type(pairs_t), intent(inout) :: pairs
+    integer, intent(in) :: e, partner, step
+    logical, intent(inout) :: grown
+    integer :: i
+
+    i = find_pair(pairs, e, partner)
+    if (i == 0) then
+      grown = .true.
+      i = pairs%n + 1
+      if (i > size(pairs%next)) call grow(pairs)
+      pairs%n = i
+      pairs%own(i) = e
+      pairs%partner(i) = partner
+      pairs%next(i) = pairs%head(e)
+      pairs%head(e) = i
+    end if
+    pairs%used(i) = step
+  end subroutine need_pair
+
+  subroutine grow(pairs)
+    type(pairs_t), intent(inout) :: pairs
+    integer :: n
+
+    n = pairs%n
+    pairs%next = [pairs%next, spread(0, 1, n)]
+    pairs%own = [pairs%own, spread(0, 1, n)]
+    pairs%partner = [pairs%partner, spread(0, 1, n)]
+    pairs%used = [pairs%used, spread(0, 1, n)]
+  end subroutine grow
+
+  !> Forget the pairs that were not needed since a step.
+  subroutine prune_pairs(pairs, step)
+    type(pairs_t), intent(inout) :: pairs
+    integer, intent(in) :: step
+    integer :: e, i, m
+
+    m = 0
+    pairs%head = 0
+    do i = 1, pairs%n
+      if (pairs%used(i) < step) cycle
+      m = m + 1
+      e = pairs%own(i)
+      pairs%own(m) = e
+      pairs%partner(m) = pairs%partner(i)
+      pairs%used(m) = pairs%used(i)
+      pairs%next(m) = pairs%head(e)
+      pairs%head(e) = m
+    end do
+    pairs%n = m
+  end subroutine prune_pairs
+
+  !> Nodes of all pairs, for the pattern; shorter lists are filled with their first node.
+  subroutine pair_clique(pairs, own, other, clique)
+    type(pairs_t), intent(in) :: pairs
+    type(surface_t), intent(in) :: own, other
+    type(clique_t), intent(out) :: clique
+    integer :: i, nk, nl, most
+
+    most = maxval(own%kind%nsf) + maxval(other%kind%nsf)
+    allocate (clique%conn(most, pairs%n))
+    do i = 1, pairs%n
+      associate (e => pairs%own(i), p => pairs%partner(i))
+        nk = own%first(e + 1) - own%first(e)
+        nl = other%first(p + 1) - other%first(p)
+        clique%conn(:, i) = own%node(own%first(e))
+        clique%conn(:nk, i) = own%node(own%first(e):own%first(e + 1) - 1)
+        clique%conn(nk + 1:nk + nl, i) = other%node(other%first(p):other%first(p + 1) - 1)
+      end associate
+    end do
+  end subroutine pair_clique
+
+  !> Positions of all pairs in a matrix.
+  subroutine map_pairs(pairs, own, other, a)
+    type(pairs_t), intent(inout) :: pairs
+    type(surface_t), intent(in) :: own, other
+    type(block_matrix_t), intent(in) :: a
+    integer :: i, nk, nl
+
+    deallocate (pairs%map)
+    allocate (pairs%map(pairs%n))
+    do i = 1, size(pairs%self)
+      if (allocated(pairs%self(i)%at)) deallocate (pairs%self(i)%at)
+    end do
+    do i = 1, pairs%n
+      associate (e => pairs%own(i), p => pairs%partner(i))
+        associate (mine => own%node(own%first(e):own%first(e + 1) - 1), &
+          theirs => other%node(other%first(p):other%first(p + 1) - 1))
+          nk = size(mine)
+          nl = size(theirs)
+          allocate (pairs%map(i)%at(nk, nl))
+          call coupling_map(a, mine, theirs, pairs%map(i)%at)
+          if (allocated(pairs%self(e)%at)) cycle
+          allocate (pairs%self(e)%at(nk, nk))
+          call coupling_map(a, mine, mine, pairs%self(e)%at)
+        end associate
+      end associate
+    end do
+  end subroutine map_pairs
+
+end module contact_pairs
