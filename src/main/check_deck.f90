@@ -4,6 +4,7 @@ module check_deck
   use base_text, only: to_text
   use base_system, only: available_memory_mb
   use command_type, only: run_t
+  use listing_contact, only: contact_size
   use newton, only: prepare_newton
   implicit none
   private
@@ -20,6 +21,9 @@ contains
     do b = 1, size(job%model%mesh%block)
       print '(a)', 'elements   '//to_text(job%model%mesh%block(b)%nelem)//' ' &
         //trim(job%model%mesh%block(b)%name)
+    end do
+    do b = 1, size(job%model%contact)
+      print '(a)', 'contact    '//contact_size(job%model%contact(b))
     end do
     print '(a)', 'dofs       '//to_text(job%model%ndof)
     print '(a)', 'equations  '//to_text(job%model%neq)

@@ -2,6 +2,8 @@
 module program_list
   use command_table, only: load_commands
   use command_type, only: command_row_t
+  use contact_table, only: load_contact_laws
+  use contact_type, only: contact_law_t
   use element_table, only: load_elements
   use element_type, only: element_t
   use material_table, only: load_materials
@@ -18,7 +20,7 @@ contains
 
     if (wanted('elements')) call list_elements()
     if (wanted('materials')) call list_materials()
-    if (wanted('contacts')) print '(a)', 'contacts: none yet'
+    if (wanted('contacts')) call list_contacts()
     if (wanted('commands')) call list_commands()
 
   contains
@@ -52,6 +54,18 @@ contains
       print '(2x,a,2x,a)', table(i)%name, trim(table(i)%source)
     end do
   end subroutine list_materials
+
+  subroutine list_contacts()
+    type(contact_law_t), allocatable :: table(:)
+    integer :: i
+
+    call load_contact_laws(table)
+    print '(a)', 'contacts'
+    do i = 1, size(table)
+      print '(2x,a,2x,a)', table(i)%name, trim(table(i)%source)
+      print '(20x,a)', trim(table(i)%usage)
+    end do
+  end subroutine list_contacts
 
   subroutine list_commands()
     type(command_row_t), allocatable :: table(:)

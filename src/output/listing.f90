@@ -2,8 +2,11 @@
 module listing
   use base_log, only: log_line
   use base_text, only: to_text
+  use listing_contact, only: list_contact
   use material_type, only: material_t
+  use mesh, only: block_t
   use model, only: model_t, material_set_t
+  use rigid_block, only: is_rigid
   implicit none
   private
   public :: list_model
@@ -20,19 +23,31 @@ contains
                   //to_text(count(model%mesh%is_control))//' of them control points')
     call log_line('dofs      '//to_text(model%ndof)//', equations '//to_text(model%neq))
     do b = 1, size(model%mesh%block)
-      associate (block => model%mesh%block(b))
-        call log_line('elements  '//to_text(block%nelem)//' '//trim(block%name) &
-                      //where_of(model, block%body)//', '//to_text(block%nen)//' nodes, ' &
-                      //to_text(block%rule%nq)//' points, material ' &
-                      //to_text(model%material(block%material)%number))
-        call log_line('          '//trim(block%row%source))
-      end associate
+      call list_block(model, model%mesh%block(b))
     end do
     do m = 1, size(model%material)
       call list_material(model%material(m))
     end do
+    do m = 1, size(model%contact)
+      call list_contact(model%contact(m))
+    end do
+    if (any(is_rigid(model%mesh%block)) .and. size(model%contact) == 0) &
+      call log_line('rigid     nothing touches the rigid patches: the deck has no CONTact')
     call log_line('')
   end subroutine list_model
+
+  subroutine list_block(model, block)
+    type(model_t), intent(in) :: model
+    type(block_t), intent(in) :: block
+    character(:), allocatable :: text
+
+    text = 'elements  '//to_text(block%nelem)//' '//trim(block%name)//where_of(model, block%body)
+    if (.not. is_rigid(block)) text = text//', '//to_text(block%nen)//' nodes, ' &
+      //to_text(block%rule%nq)//' points, material ' &
+      //to_text(model%material(block%material)%number)
+    call log_line(text)
+    call log_line('          '//trim(block%row%source))
+  end subroutine list_block
 
   function where_of(model, body) result(text)
     type(model_t), intent(in) :: model

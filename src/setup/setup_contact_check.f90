@@ -64,6 +64,7 @@ contains
         column%contact_place, known_contacts(build, column%contact))
       return
     end if
+    if (build%contact(c)%at(2)%kind == 0) return ! its own error is in the list
     if (column%quantity%kind == Q_CONTACT_DEBONDED .and. .not. build%contact(c)%cohesive%given) &
       call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' has no COHEsive', &
         column%contact_place, 'DEBOnded is a share of what COHEsive holds together')
