@@ -32,7 +32,8 @@ OPT_coverage := -O0 -g --coverage -Wno-uninitialized # which is wrong without op
 OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
 # Files whose inner loops carry the run time.
 KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
-                solid_form solid_condense mate_neohooke mate_linear
+                solid_form solid_condense mate_neohooke mate_linear contact_shape contact_spot \
+                contact_project
 # These once more for wider vector registers, under other names (@ becomes _v3, _v4): the program
 # takes what its processor has (solid_simd). Fused products are worth 15 % here.
 WIDE         := elements/solid_batch@ elements/solid_batch@_algebra elements/solid_batch@_condense \
@@ -60,7 +61,6 @@ SOURCES := $(wildcard src/*/*.f90)
 ifdef MPI
 $(error MPI=1 is not available yet)
 endif
-SOURCES := $(filter-out %/base_comm_mpi.f90,$(SOURCES))
 COPIES  := $(foreach v,_v3 _v4,$(patsubst %,$(B)/wide/%.f90,$(subst @,$v,$(WIDE))))
 OBJECTS := $(patsubst %.f90,$(B)/%.o,$(notdir $(SOURCES) $(COPIES)))
 vpath %.f90 $(wildcard src/*) $(sort $(dir $(COPIES)))
