@@ -2,7 +2,7 @@
 module setup_contact_build
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: quoted
+  use base_text, only: quoted, to_text
   use contact_pair, only: contact_t
   use contact_spec, only: contact_spec_t
   use contact_surface, only: build_surface, tabulate_contact
@@ -17,6 +17,7 @@ module setup_contact_build
   private
   public :: build_contacts
 
+  integer, parameter :: MOST_POINTS = 10000000 !! of a surface
   real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! area over width^2 of an element that has none [-]
 
 contains
@@ -50,6 +51,8 @@ contains
       call make_side(build, spec, k, model, contact, error)
       if (allocated(error)) return
     end do
+    call count_points(spec, contact, error)
+    if (allocated(error)) return
     call tabulate_contact(contact, spec%n(1), spec%n(2))
     do k = 1, 2
       call check_side(spec, k, model, contact, error)
@@ -58,6 +61,20 @@ contains
     call set_depth(spec, contact, error)
     if (.not. allocated(error)) call set_laws(spec, model, contact)
   end subroutine make_contact
+
+  !> Not more points than the program counts.
+  subroutine count_points(spec, contact, error)
+    type(contact_spec_t), intent(in) :: spec
+    type(contact_t), intent(in) :: contact
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: n
+
+    n = real(product(spec%n), wp)*maxval(contact%side%nelem)
+    if (n <= MOST_POINTS) return
+    call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has '//to_text(n) &
+      //' points on a side', contact%place, 'a surface has at most '//to_text(MOST_POINTS) &
+      //' points: give fewer by QUADrature')
+  end subroutine count_points
 
   !> Surface k.
   subroutine make_side(build, spec, k, model, contact, error)

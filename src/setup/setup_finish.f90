@@ -96,7 +96,10 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(error_t), allocatable :: error
 
-    if (all(is_rigid(mesh%block))) then
+    if (any(mesh%used) .and. all(is_rigid(mesh%block))) then
+      call fail(error, DECK_ERROR, 'all bodies are rigid', build%control%place, &
+        'give a body that can be deformed')
+    else if (.not. any(mesh%used)) then
       call fail(error, DECK_ERROR, 'the mesh has no elements', build%control%place, &
         'give ELEMents, BLOCk, NPATch or PATCh')
     else if (mesh%nnode > MAX_NUMBER) then

@@ -3,6 +3,7 @@ module setup_locate
   use base_kinds, only: wp
   use element_type, only: cell_t
   use mesh, only: mesh_t, block_t, block_cell
+  use rigid_block, only: is_rigid
   use tensor, only: det3
   implicit none
   private
@@ -15,7 +16,7 @@ module setup_locate
 
 contains
 
-  !> The first element that holds the point; block is 0 where there is none.
+  !> The first element, of no rigid body, that holds the point; block is 0 where there is none.
   subroutine locate_point(mesh, body, x, block, elem, xi)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: body     !! index of a body; 0: everywhere
@@ -28,6 +29,7 @@ contains
 
     do b = 1, size(mesh%block)
       if (body > 0 .and. mesh%block(b)%body /= body) cycle
+      if (is_rigid(mesh%block(b))) cycle
       do e = 1, mesh%block(b)%nelem
         xe = mesh%xr(:, mesh%block(b)%conn(:, e))
         if (.not. near(xe, x)) cycle

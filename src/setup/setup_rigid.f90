@@ -36,7 +36,7 @@ contains
     do i = 1, build%npress
       associate (at => build%press(i)%at)
         if (names_rigid(build, at)) call complain(build, 'PRESsure on', at%body, at%place, &
-          'MOVE moves it, with all that it presses on')
+          'MOVE moves it; load the body that it touches')
       end associate
     end do
     do i = 1, build%ncurve
