@@ -4,11 +4,13 @@
 !! outwards the search goes on behind the border if it falls there too; if not, the border is an
 !! edge between facets and the foot stays on it. A vertex asks all elements round it.
 module contact_project
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
   use contact_foot, only: foot_t, shape_t
   use contact_pair, only: surface_t
   use contact_search, only: grid_t, nearest_start, is_near
-  use contact_spot, only: spot_t, look_at, find_step, find_push, move_spot
+  use contact_spot, only: spot_t, look_at, find_step, find_push, move_spot, shift_spot, &
+    is_rounding
   use contact_walk, only: step_across
   implicit none
   private
@@ -23,12 +25,14 @@ module contact_project
   real(wp), parameter :: NO_PUSH = 1.0e-10_wp
   !> Steps below this that no longer fall are rounding.
   real(wp), parameter :: STALLED = 1.0e-8_wp
+  !> The last step, which squares an error of this size, needs no evaluation.
+  real(wp), parameter :: LAST_STEP = 3.0e-8_wp
   !> Ends of a descent.
   integer, parameter :: LOST = 0, OFF = 1, SMOOTH = 2, ON_EDGE = 3, ON_VERTEX = 4
 
 contains
 
-  !> Foot of the point x; the search starts at foot%elem and foot%xi, or from the grid where that is
+  !> Foot of the point x on a surface whose grid is up to date; the search starts at foot%elem and foot%xi, or from the grid where that is
   !! no element. No foot, element 0: x lies beyond the outer boundary, farther than `reach` from the
   !! box round the surface, or where tangents are parallel.
   pure subroutine project(surface, shape, grid, x, foot, reach)
@@ -39,17 +43,19 @@ contains
     type(foot_t), intent(inout) :: foot
     real(wp), intent(in), optional :: reach !! [L]
     type(spot_t) :: spot, better
-    integer :: elem, ending, again, changes, edge(2)
+    integer :: elem, ending, again, changes, edge(2), other_edge(2)
     real(wp) :: xi(2)
 
     elem = foot%elem
     foot%elem = 0
     foot%gap = huge(1.0_wp)
-    if (.not. all(abs(x) < sqrt(huge(1.0_wp)))) return
+    if (.not. all(ieee_is_finite(x)) .or. any(grid%n == 0)) return
+    if (maxval(abs(x)) > sqrt(huge(1.0_wp))) return
     if (present(reach)) then
       if (.not. is_near(grid, x, reach)) return
     end if
     ending = LOST
+    spot%f = huge(1.0_wp)
     if (elem >= 1 .and. elem <= surface%nelem) then
       xi = max(-1.0_wp, min(1.0_wp, foot%xi))
       call look_at(surface, shape, elem, xi, x, spot)
@@ -62,14 +68,12 @@ contains
     call nearest_start(grid, x, elem, xi)
     if (elem == 0) return
     call look_at(surface, shape, elem, xi, x, better)
-    call descend(surface, shape, x, better, again, edge, changes)
+    call descend(surface, shape, x, better, again, other_edge, changes)
     if (again >= SMOOTH .and. (ending < SMOOTH .or. better%f < spot%f)) then
-      spot = better
-      ending = again
-    else if (ending >= SMOOTH) then ! the first was as good: find its edge again
-      call descend(surface, shape, x, spot, ending, edge, changes)
+      call set_foot(surface, shape, x, better, again, other_edge, foot)
+    else if (ending >= SMOOTH) then
+      call set_foot(surface, shape, x, spot, ending, edge, foot)
     end if
-    if (ending >= SMOOTH) call set_foot(surface, shape, x, spot, ending, edge, foot)
   end subroutine project
 
   !> From a spot to the closest point.
@@ -81,9 +85,9 @@ contains
     integer, intent(out) :: ending
     integer, intent(out) :: edge(2)    !! edges that the spot rests on; 0: none
     integer, intent(out) :: changes    !! of the element
-    real(wp) :: d(2), push(2), last
+    real(wp) :: d(2), push(2), size, last
     integer :: step, idle
-    logical :: moved, definite
+    logical :: moved, definite, squares
 
     ending = LOST
     idle = 0
@@ -100,15 +104,24 @@ contains
           cycle
         end if
       end if
-      call find_step(spot, edge > 0, d, definite)
-      if (all(abs(d) <= spot%rounding) .or. &
-        (maxval(abs(d)) < STALLED .and. maxval(abs(d)) > 0.25_wp*last)) then
+      call find_step(spot, edge > 0, d, definite, squares)
+      size = max(abs(d(1)), abs(d(2)))
+      if (squares .and. size < LAST_STEP) then
+        if (all(abs(spot%xi + d) < 1.0_wp)) then
+          call shift_spot(x, d, spot)
+          ending = SMOOTH
+          return
+        end if
+      end if
+      if ((is_rounding(spot, 1, d(1)) .and. is_rounding(spot, 2, d(2))) .or. &
+        (size < STALLED .and. size > 0.25_wp*last)) then
         if (definite) call find_ending(surface, push, spot, edge, ending)
         return
       end if
-      last = maxval(abs(d))
       call move_spot(surface, shape, x, d, spot, moved)
       if (.not. moved) return
+      last = size
+      if (any(edge == 0 .and. abs(spot%xi) >= 1.0_wp)) last = huge(1.0_wp) ! cut short
       idle = 0
     end do
   end subroutine descend
@@ -161,7 +174,7 @@ contains
     integer, intent(in) :: i
 
     falls_inwards = spot%regular .and. &
-      -spot%g(i)*spot%xi(i) > spot%rounding(i)*merge(spot%m11, spot%m22, i == 1)
+      spot%g(i)*spot%xi(i) < 0.0_wp .and. .not. is_rounding(spot, i, spot%g(i)/spot%m(i))
   end function falls_inwards
 
   pure integer function corner_at(xi)
@@ -187,7 +200,7 @@ contains
     integer :: i
 
     do i = 1, 2
-      if (push(i) < max(NO_PUSH, 10.0_wp*spot%rounding(i))) edge(i) = 0
+      if (push(i) < NO_PUSH .or. is_rounding(spot, i, 0.1_wp*push(i))) edge(i) = 0
     end do
     ending = SMOOTH
     if (all(edge == 0)) return

@@ -1,5 +1,6 @@
 !> Where to start a projection: the nearest of some sample points of a surface, from a bucket grid.
 module contact_search
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
   use contact_foot, only: shape_t
   use contact_pair, only: surface_t
@@ -42,13 +43,14 @@ contains
     end if
     grid%n = 0
     if (ns == 0) return
+    if (.not. all(ieee_is_finite(shape%bez))) return
     do d = 1, 3
       grid%low(d) = minval(shape%low(d, :))
       grid%high(d) = maxval(shape%high(d, :))
     end do
-    if (.not. all(abs(grid%low) < FAR) .or. .not. all(abs(grid%high) < FAR)) return
+    if (.not. all(max(abs(grid%low), abs(grid%high)) < FAR)) return
     call take_samples(surface, shape, grid)
-    if (.not. all(abs(grid%sample) < FAR)) return
+    if (.not. all(ieee_is_finite(grid%sample))) return
     call choose_width(surface, shape, ns, grid)
     call sort_samples(surface, ns, grid)
   end subroutine update_grid
@@ -65,7 +67,7 @@ contains
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
 
-    per_direction = min(maxval(surface%kind(surface%ikind(e))%degree) + 1, 4)
+    per_direction = min(maxval(surface%kind(surface%ikind(e))%degree) + 1, 3)
   end function per_direction
 
   pure function sample_xi(n, i) result(xi)
@@ -177,7 +179,7 @@ contains
     real(wp), intent(in) :: x(3)       !! finite
     integer, intent(out) :: elem
     real(wp), intent(out) :: xi(2)
-    real(wp) :: best
+    real(wp) :: best, wall, from_low(3)
     integer :: at(3), ring, s
 
     elem = 0
@@ -186,9 +188,11 @@ contains
     at = cell_of(grid, x)
     best = huge(1.0_wp)
     s = 0
-    do ring = 0, maxval(grid%n) ! cells `ring` away: nothing there is nearer than this
-      if (s > 0) then
-        if ((max(ring - 1, 0)*grid%width)**2 > best) exit
+    from_low = x - grid%low - (at - 1)*grid%width
+    wall = max(0.0_wp, minval(min(from_low, grid%width - from_low)))
+    do ring = 0, maxval(grid%n)
+      if (ring > 0 .and. s > 0) then ! nothing in these cells is nearer than this
+        if (((ring - 1)*grid%width + wall)**2 > best) exit
       end if
       call look_in_ring(grid, x, at, ring, best, s)
     end do

@@ -1,9 +1,9 @@
 !> Where a surface is now: its Bezier points, and points with tangents and curvatures on it.
 module contact_shape
   use base_kinds, only: wp
-  use bspline, only: bernstein
   use contact_foot, only: shape_t
   use contact_pair, only: surface_t
+  use hexa_shape, only: MAX_DEGREE
   implicit none
   private
   public :: update_shape, surface_point
@@ -94,13 +94,15 @@ contains
 
     p = surface%kind(surface%ikind(e))%degree
     if (allocated(shape%w)) then
-      call rational_point(p + 1, shape%bez(:, :, e), shape%w(:, e), xi, x, a, b)
+      call rational_point(p(1) + 1, p(2) + 1, shape%bez(1, 1, e), shape%w(1, e), xi, x, a, b)
     else if (p(1) == 2 .and. p(2) == 2) then
       call biquadratic(shape%bez(1, 1, e), xi, x, a, b)
     else if (p(1) == 1 .and. p(2) == 1) then
       call bilinear(shape%bez(1, 1, e), xi, x, a, b)
+    else if (p(1) == 3 .and. p(2) == 3) then
+      call tensor_point(4, 4, shape%bez(1, 1, e), xi, x, a, b) ! the compiler makes a copy for it
     else
-      call tensor_point(3, p(1) + 1, p(2) + 1, shape%bez(1, 1, e), xi, x, a, b)
+      call tensor_point(p(1) + 1, p(2) + 1, shape%bez(1, 1, e), xi, x, a, b)
     end if
   end subroutine surface_point
 
@@ -149,16 +151,59 @@ contains
     b(:, 3) = d(1, 2)*slope(:, 1) + d(2, 2)*slope(:, 2) + d(3, 2)*slope(:, 3)
   end subroutine biquadratic
 
-  !> Any degrees, nc components.
-  pure subroutine tensor_point(nc, n1, n2, p, xi, x, a, b)
-    integer, intent(in) :: nc, n1, n2
-    real(wp), intent(in) :: p(nc, n1, n2), xi(2)
-    real(wp), intent(out) :: x(nc), a(nc, 2), b(nc, 3)
-    real(wp) :: f1(n1), d1(n1), b1(n1), f2(n2), d2(n2), b2(n2), row(nc), slope(nc), bend(nc)
+  !> Bernstein polynomials on [-1,1] with two derivatives; no work arrays from the heap.
+  pure subroutine fill_basis(n, xi, f)
+    integer, intent(in) :: n             !! degree + 1
+    real(wp), intent(in) :: xi
+    real(wp), intent(inout) :: f(0:MAX_DEGREE, 0:2)
+    real(wp) :: low(-2:MAX_DEGREE)
+    integer :: p, q, i
+
+    if (n == 4) then
+      call fill_cubic(0.5_wp*(1.0_wp - xi), 0.5_wp*(1.0_wp + xi), f)
+      return
+    end if
+    p = n - 1
+    low = 0.0_wp
+    low(0) = 1.0_wp
+    f(:p, 2) = 0.0_wp
+    do q = 1, p
+      if (q == p - 1) then ! low has degree p - 2
+        do i = 0, p
+          f(i, 2) = 0.25_wp*p*(p - 1)*(low(i - 2) - 2.0_wp*low(i - 1) + low(i))
+        end do
+      end if
+      if (q == p) then
+        do i = 0, p
+          f(i, 1) = 0.5_wp*p*(low(i - 1) - low(i))
+        end do
+      end if
+      do i = q, 0, -1
+        low(i) = 0.5_wp*((1.0_wp - xi)*low(i) + (1.0_wp + xi)*low(i - 1))
+      end do
+    end do
+    f(:p, 0) = low(0:p)
+  end subroutine fill_basis
+
+  pure subroutine fill_cubic(s, t, f)
+    real(wp), intent(in) :: s, t         !! (1-xi)/2 and (1+xi)/2
+    real(wp), intent(inout) :: f(0:MAX_DEGREE, 0:2)
+
+    f(:3, 0) = [s**3, 3.0_wp*s*s*t, 3.0_wp*s*t*t, t**3]
+    f(:3, 1) = 1.5_wp*[-s*s, s*(s - 2.0_wp*t), t*(2.0_wp*s - t), t*t]
+    f(:3, 2) = 1.5_wp*[s, t - 2.0_wp*s, s - 2.0_wp*t, t]
+  end subroutine fill_cubic
+
+  !> Any degrees.
+  pure subroutine tensor_point(n1, n2, p, xi, x, a, b)
+    integer, intent(in) :: n1, n2
+    real(wp), intent(in) :: p(3, n1, n2), xi(2)
+    real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
+    real(wp) :: f(0:MAX_DEGREE, 0:2), g(0:MAX_DEGREE, 0:2), row(3), slope(3), bend(3)
     integer :: i, j
 
-    call bernstein(n1 - 1, xi(1), f1, d1, b1)
-    call bernstein(n2 - 1, xi(2), f2, d2, b2)
+    call fill_basis(n1, xi(1), f)
+    call fill_basis(n2, xi(2), g)
     x = 0.0_wp
     a = 0.0_wp
     b = 0.0_wp
@@ -167,40 +212,42 @@ contains
       slope = 0.0_wp
       bend = 0.0_wp
       do i = 1, n1
-        row = row + f1(i)*p(:, i, j)
-        slope = slope + d1(i)*p(:, i, j)
-        bend = bend + b1(i)*p(:, i, j)
+        row = row + f(i - 1, 0)*p(:, i, j)
+        slope = slope + f(i - 1, 1)*p(:, i, j)
+        bend = bend + f(i - 1, 2)*p(:, i, j)
       end do
-      x = x + f2(j)*row
-      a(:, 1) = a(:, 1) + f2(j)*slope
-      a(:, 2) = a(:, 2) + d2(j)*row
-      b(:, 1) = b(:, 1) + f2(j)*bend
-      b(:, 2) = b(:, 2) + b2(j)*row
-      b(:, 3) = b(:, 3) + d2(j)*slope
+      x = x + g(j - 1, 0)*row
+      a(:, 1) = a(:, 1) + g(j - 1, 0)*slope
+      a(:, 2) = a(:, 2) + g(j - 1, 1)*row
+      b(:, 1) = b(:, 1) + g(j - 1, 0)*bend
+      b(:, 2) = b(:, 2) + g(j - 1, 2)*row
+      b(:, 3) = b(:, 3) + g(j - 1, 1)*slope
     end do
   end subroutine tensor_point
 
-  !> The same in four homogeneous components, then the quotient.
-  pure subroutine rational_point(n, bez, w, xi, x, a, b)
-    integer, intent(in) :: n(2)
-    real(wp), intent(in) :: bez(:, :), w(:), xi(2)
+  !> The same for w x and w, then the quotient.
+  pure subroutine rational_point(n1, n2, bez, w, xi, x, a, b)
+    integer, intent(in) :: n1, n2
+    real(wp), intent(in) :: bez(3, n1*n2), w(n1*n2), xi(2)
     real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
     integer, parameter :: FIRST(3) = [1, 2, 1], SECOND(3) = [1, 2, 2]
-    real(wp) :: p(4, n(1)*n(2)), h(4), ha(4, 2), hb(4, 3)
+    real(wp) :: p(3, (MAX_DEGREE + 1)**2), q(3, (MAX_DEGREE + 1)**2)
+    real(wp) :: h(3), ha(3, 2), hb(3, 3)
     integer :: i
 
-    do i = 1, size(p, 2)
-      p(:3, i) = w(i)*bez(:, i)
-      p(4, i) = w(i)
+    do i = 1, n1*n2
+      p(:, i) = w(i)*bez(:, i)
+      q(:, i) = w(i)
     end do
-    call tensor_point(4, n(1), n(2), p, xi, h, ha, hb)
-    x = h(:3)/h(4)
+    call tensor_point(n1, n2, p, xi, x, a, b)
+    call tensor_point(n1, n2, q, xi, h, ha, hb)
+    x = x/h(1)
     do i = 1, 2
-      a(:, i) = (ha(:3, i) - ha(4, i)*x)/h(4)
+      a(:, i) = (a(:, i) - ha(1, i)*x)/h(1)
     end do
     do i = 1, 3
-      b(:, i) = (hb(:3, i) - hb(4, i)*x - ha(4, FIRST(i))*a(:, SECOND(i)) &
-        - ha(4, SECOND(i))*a(:, FIRST(i)))/h(4)
+      b(:, i) = (b(:, i) - hb(1, i)*x - ha(1, FIRST(i))*a(:, SECOND(i)) &
+        - ha(1, SECOND(i))*a(:, FIRST(i)))/h(1)
     end do
   end subroutine rational_point
 
