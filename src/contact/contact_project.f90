@@ -6,6 +6,7 @@
 module contact_project
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
+  use contact_border, only: change_element, leave_point, corner_at, corner_xi
   use contact_foot, only: foot_t, shape_t
   use contact_pair, only: surface_t
   use contact_search, only: grid_t, nearest_start, is_near
@@ -44,15 +45,17 @@ contains
     real(wp), intent(in), optional :: reach !! [L]
     type(spot_t) :: spot, better
     integer :: elem, ending, again, changes, edge(2), other_edge(2)
-    real(wp) :: xi(2)
+    real(wp) :: xi(2), far
 
     elem = foot%elem
     foot%elem = 0
     foot%gap = huge(1.0_wp)
     if (.not. all(ieee_is_finite(x)) .or. any(grid%n == 0)) return
-    if (maxval(abs(x)) > sqrt(huge(1.0_wp))) return
+    far = 0.5_wp*sqrt(huge(1.0_wp))
+    if (maxval(abs(x)) > far) return
     if (present(reach)) then
       if (.not. is_near(grid, x, reach)) return
+      far = min(far, reach)
     end if
     ending = LOST
     spot%f = huge(1.0_wp)
@@ -60,7 +63,7 @@ contains
       xi = max(-1.0_wp, min(1.0_wp, foot%xi))
       call look_at(surface, shape, elem, xi, x, spot)
       call descend(surface, shape, x, spot, ending, edge, changes)
-      if (ending >= SMOOTH .and. changes < FAR_AWAY) then
+      if (ending >= SMOOTH .and. changes < FAR_AWAY .and. spot%f <= far**2) then
         call set_foot(surface, shape, x, spot, ending, edge, foot)
         return
       end if
@@ -96,8 +99,10 @@ contains
     do step = 1, MOST_STEPS
       if (.not. spot%regular) return
       call find_push(spot, edge, push)
-      if (any(edge > 0) .and. idle < MOST_CHANGES) then
-        call change_element(surface, shape, x, edge, spot, moved)
+      if (idle < MOST_CHANGES) then
+        moved = .false.
+        if (any(edge > 0)) call change_element(surface, shape, x, edge, spot, moved)
+        if (allocated(surface%point) .and. .not. moved) call leave_point(surface, shape, x, spot, moved)
         if (moved) then
           if (idle == 0) changes = changes + 1
           idle = idle + 1
@@ -125,70 +130,6 @@ contains
       idle = 0
     end do
   end subroutine descend
-
-  !> To an element behind the edges, or round the vertex, where the distance falls.
-  pure subroutine change_element(surface, shape, x, edge, spot, moved)
-    type(surface_t), intent(in) :: surface
-    type(shape_t), intent(in) :: shape
-    real(wp), intent(in) :: x(3)
-    integer, intent(in) :: edge(2)
-    type(spot_t), intent(inout) :: spot
-    logical, intent(out) :: moved
-    type(spot_t) :: other
-    integer :: i, elem, vertex, r
-    real(wp) :: xi(2)
-
-    do i = 1, 2
-      if (edge(i) == 0) cycle
-      elem = spot%elem
-      xi = spot%xi
-      if (surface%neighbour(edge(i), elem) == 0) cycle
-      associate (behind => abs(surface%edge(edge(i), elem)))
-        r = behind
-      end associate
-      call step_across(surface, edge(i), elem, xi)
-      call look_at(surface, shape, elem, xi, x, other)
-      moved = falls_inwards(other, (r + 1)/2)
-      if (moved) then
-        spot = other
-        return
-      end if
-    end do
-    moved = .false.
-    if (any(edge == 0)) return
-    vertex = surface%vertex(corner_at(spot%xi), spot%elem)
-    do r = surface%ring_first(vertex), surface%ring_first(vertex + 1) - 1
-      if (surface%ring_elem(r) == spot%elem) cycle
-      call look_at(surface, shape, surface%ring_elem(r), corner_xi(surface%ring_corner(r)), x, other)
-      moved = falls_inwards(other, 1) .or. falls_inwards(other, 2)
-      if (moved) then
-        spot = other
-        return
-      end if
-    end do
-  end subroutine change_element
-
-  !> Does the distance fall from a border inwards, in direction i?
-  pure logical function falls_inwards(spot, i)
-    type(spot_t), intent(in) :: spot
-    integer, intent(in) :: i
-
-    falls_inwards = spot%regular .and. &
-      spot%g(i)*spot%xi(i) < 0.0_wp .and. .not. is_rounding(spot, i, spot%g(i)/spot%m(i))
-  end function falls_inwards
-
-  pure integer function corner_at(xi)
-    real(wp), intent(in) :: xi(2)
-
-    corner_at = merge(2, 1, xi(1) > 0.0_wp) + merge(2, 0, xi(2) > 0.0_wp)
-  end function corner_at
-
-  pure function corner_xi(c) result(xi)
-    integer, intent(in) :: c
-    real(wp) :: xi(2)
-
-    xi = [merge(1.0_wp, -1.0_wp, mod(c, 2) == 0), merge(1.0_wp, -1.0_wp, c > 2)]
-  end function corner_xi
 
   !> What a spot is where nothing moves any more.
   pure subroutine find_ending(surface, push, spot, edge, ending)

@@ -21,6 +21,8 @@ module contact_spot
   !> Steps this short are taken without a test: the distance does not tell any more.
   real(wp), parameter :: SHORT = 1.0e-4_wp
   integer, parameter :: MOST_HALVINGS = 30
+  !> Share of the way to an edge that is a point which a step may go.
+  real(wp), parameter :: NEARLY = 0.9_wp
 
   !> Without initial values: they would cost as much as an evaluation.
   type :: spot_t
@@ -166,11 +168,17 @@ contains
     way = d
     where (abs(from) >= 1.0_wp .and. from*d > 0.0_wp) way = 0.0_wp ! a rounding outwards stops nothing
     do i = 1, 2
-      if (abs(from(i) + share*way(i)) < 1.0_wp) cycle
+      if ((from(i) + share*way(i))*sign(1.0_wp, way(i)) < 1.0_wp) cycle ! of the border ahead
       if (.not. abs(way(i)) > 0.0_wp) cycle
-      share = max(0.0_wp, (sign(1.0_wp, way(i)) - from(i))/way(i))
+      share = min(share, max(0.0_wp, (sign(1.0_wp, way(i)) - from(i))/way(i)))
       meets = i
     end do
+    if (meets > 0 .and. allocated(surface%point)) then
+      if (surface%point(edge_ahead(meets, d), spot%elem)) then ! tangents vanish there
+        share = NEARLY*share
+        meets = 0
+      end if
+    end if
     do halving = 1, MOST_HALVINGS
       xi = from + share*way
       if (meets > 0) xi(meets) = sign(1.0_wp, way(meets))
@@ -182,6 +190,14 @@ contains
       share = 0.5_wp*share
     end do
   end subroutine move_spot
+
+  !> The edge that a step of parameter i meets.
+  pure integer function edge_ahead(i, d)
+    integer, intent(in) :: i
+    real(wp), intent(in) :: d(2)
+
+    edge_ahead = merge(2*i - 1, 2*i, d(i) < 0.0_wp)
+  end function edge_ahead
 
   !> Take a step so short that a Taylor series is exact to rounding.
   pure subroutine shift_spot(x, d, spot)

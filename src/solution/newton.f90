@@ -23,6 +23,9 @@ module newton
   real(wp), parameter :: RESIDUAL = 1.0e-9_wp   !! of the residual, relative to the largest nodal force
   real(wp), parameter :: FORCING = 1.0e-3_wp           !! relative residual of a linear solve where factors are kept
 
+  real(wp), parameter :: BACK_AND_FORTH = 0.7_wp   !! cosine beyond which an increment takes back the last one
+  real(wp), parameter :: LEAST_SHARE = 0.2_wp      !! of an increment that is damped
+
   !> The iteration of the step under way.
   type :: newton_t
     type(assembler_t) :: asm
@@ -38,6 +41,7 @@ module newton
     real(wp) :: largest_energy = 0.0_wp
     real(wp), allocatable :: rhs(:)    !! (neq)
     real(wp), allocatable :: dx(:)     !! (neq)
+    real(wp), allocatable :: last(:)   !! (neq) what was made of it in the last iteration
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made
     real(wp), allocatable :: spacing(:) !! (nnode) to the nearest neighbour [L]
     logical :: moves = .false.
@@ -179,9 +183,27 @@ contains
       call search_line(newton%asm, model, state, newton%dx, du, dot_product(newton%dx, newton%rhs), &
         pass%line, error)
     else
-      call step_by(state, du, 1.0_wp)
+      if (size(model%contact) > 0) pass%line = damping(newton)
+      call step_by(state, du, pass%line)
     end if
+    newton%last = pass%line*newton%dx
   end subroutine solve_system
+
+  !> Points that change between two states of contact in turn make Newton's iteration go to and fro
+  !! for ever. Where an increment takes most of the last one back, Aitken's share of it is taken.
+  function damping(newton) result(share)
+    type(newton_t), intent(in) :: newton
+    real(wp) :: share
+    real(wp) :: back, both(newton%system%neq)
+
+    share = 1.0_wp
+    if (newton%iterations < 3 .or. .not. allocated(newton%last)) return
+    back = -dot_product(newton%last, newton%dx)
+    if (.not. back > BACK_AND_FORTH*norm2(newton%last)*norm2(newton%dx)) return
+    both = newton%dx - newton%last
+    share = min(1.0_wp, -dot_product(newton%last, both)/dot_product(both, both))
+    if (.not. share > LEAST_SHARE) share = LEAST_SHARE
+  end function damping
 
   !> One pass of TANG,,1 or UTAN,,1.
   subroutine newton_pass(newton, model, state, symmetric, searches, pass, error)
