@@ -4,6 +4,7 @@ module command_close
   use base_log, only: log_line, warn
   use base_text, only: to_text
   use contact_assembly, only: accept_contact
+  use contact_lines, only: list_contacts
   use command_files, only: open_files, write_rows, write_fields, write_checkpoint, drop_anchor
   use linear_system, only: FULL
   use command_loop, only: cut_back
@@ -66,6 +67,7 @@ contains
     if (allocated(error)) return
     call write_rows(run, error)
     if (allocated(error)) return
+    call list_contacts(run%model, run%state, run%newton%asm%f_ext)
     fields = run%plan%plot
     if (run%plan%every > 0) fields = fields .or. mod(run%state%step, run%plan%every) == 0
     if (fields) call write_fields(run, error)

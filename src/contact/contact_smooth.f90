@@ -3,7 +3,9 @@
 !!   T_A = int N_A t da / int N_A da
 !!
 !! on the current surface, interpolated with the same functions (Sauer 2013). Values at the points
-!! themselves oscillate; only these fields are to be compared and looked at.
+!! themselves oscillate; only these fields are to be compared and looked at. Friction's part of the
+!! traction is smoothed by itself: the tangential part of the smooth traction would take in some of
+!! the pressure wherever the surface is curved (5 % of Table 5's values, Corbett and Sauer 2015).
 module contact_smooth
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t, surface_kind_t
@@ -18,14 +20,15 @@ module contact_smooth
     integer, allocatable :: node(:)         !! (n) nodes and control points of the side, each once
     integer, allocatable :: at(:)           !! (size(surface%node)) their places in `node`
     real(wp), allocatable :: traction(:, :) !! (3, n) on this side [F/L^2]
+    real(wp), allocatable :: friction(:, :) !! (3, n) part of it that friction holds [F/L^2]
     real(wp), allocatable :: pressure(:)    !! (n) [F/L^2]
     real(wp), allocatable :: slip(:, :)     !! (3, n) [L] contact_points_t, elastic
     real(wp), allocatable :: state(:)       !! (n) 0 open, 1 stick (or no friction), 2 slip
     real(wp), allocatable :: gap(:)         !! (n) [L] of the points above the other surface
   end type smooth_t
 
-  !> Rows of the sums; 1 to 8 as in add_point.
-  integer, parameter :: AREA = 9, GAP = 10, GAP_AREA = 11, NSUM = 11
+  !> Rows of the sums; 1 to 11 as in add_point.
+  integer, parameter :: AREA = 12, GAP = 13, GAP_AREA = 14, NSUM = 14
 
   !> Where a field is looked at: NGRID x NGRID points an element, evenly spread from border to
   !! border: fields of facets have their largest values at corners.
@@ -105,6 +108,7 @@ contains
       value(4) = points%pressure(i)
       value(5:7) = points%elastic(:, i)
       value(8) = share_of(points%state(i))
+      value(9:11) = friction_of(points%traction(:, i), points%elastic(:, i))
     end if
     if (points%foot(i) > 0 .and. points%gap(i) < huge(1.0_wp)) then
       value(GAP) = points%gap(i)
@@ -115,6 +119,17 @@ contains
       total(:, at(a)) = total(:, at(a)) + shp(a)*value
     end do
   end subroutine add_point
+
+  !> Friction acts along the elastic part of the tangential way, the pressure across it.
+  pure function friction_of(t, elastic) result(friction)
+    real(wp), intent(in) :: t(3), elastic(3)
+    real(wp) :: friction(3)
+    real(wp) :: size
+
+    friction = 0.0_wp
+    size = norm2(elastic)
+    if (size > 0.0_wp) friction = dot_product(t, elastic/size)*(elastic/size)
+  end function friction_of
 
   pure real(wp) function share_of(state)
     integer, intent(in) :: state
@@ -140,7 +155,7 @@ contains
     n = size(total, 2)
     far = maxval(points%gap, mask=points%foot > 0 .and. points%gap < huge(far))
     if (far < -0.5_wp*huge(far)) far = 0.0_wp   ! no point has a foot
-    allocate (field%traction(3, n), field%slip(3, n), source=0.0_wp)
+    allocate (field%traction(3, n), field%friction(3, n), field%slip(3, n), source=0.0_wp)
     allocate (field%pressure(n), field%state(n), source=0.0_wp)
     allocate (field%gap(n), source=far)
     do a = 1, n
@@ -149,71 +164,60 @@ contains
         field%pressure(a) = total(4, a)/total(AREA, a)
         field%slip(:, a) = total(5:7, a)/total(AREA, a)
         field%state(a) = total(8, a)/total(AREA, a)
+        field%friction(:, a) = total(9:11, a)/total(AREA, a)
       end if
       if (total(GAP_AREA, a) > 0.0_wp) field%gap(a) = min(far, total(GAP, a)/total(GAP_AREA, a))
     end do
   end subroutine divide
 
-  !> Largest magnitude of the smooth pressure on NGRID x NGRID points an element.
+  !> Largest smooth pressure on NGRID x NGRID points an element.
   function largest_pressure(contact, k, field) result(largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(smooth_t), intent(in) :: field
     real(wp) :: largest
-    type(table_t), allocatable :: table(:)
-    real(wp), allocatable :: shp(:), dshp(:, :)
-    integer :: e, i
 
-    largest = 0.0_wp
-    associate (own => contact%side(k))
-      call tabulate(own%kind, table)
-      do e = 1, own%nelem
-        associate (at => field%at(own%first(e):own%first(e + 1) - 1))
-          if (all(abs(field%pressure(at)) <= 0.0_wp)) cycle
-          do i = 1, NGRID**2
-            call take(own, e, table(own%ikind(e)), i, shp, dshp)
-            largest = max(largest, abs(dot_product(shp, field%pressure(at))))
-          end do
-        end associate
-      end do
-    end associate
+    largest = largest_of(contact%side(k), field%at, reshape(field%pressure, &
+                                                            [1, size(field%pressure)]))
   end function largest_pressure
 
-  !> Largest tangential traction on NGRID x NGRID points an element: the part of the smooth traction
-  !! in the tangent plane of the current surface there, its magnitude or one component's. Points
-  !! without a tangent plane (degenerate corners of a patch) are left out.
-  function largest_tangential(contact, k, field, x, component) result(largest)
+  !> Largest smooth friction on NGRID x NGRID points an element, its magnitude or one component's.
+  function largest_tangential(contact, k, field, component) result(largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(smooth_t), intent(in) :: field
-    real(wp), intent(in) :: x(:, :)        !! (3, nnode) current positions [L]
     integer, intent(in) :: component       !! 1 to 3; 0: the magnitude
+    real(wp) :: largest
+
+    if (component == 0) then
+      largest = largest_of(contact%side(k), field%at, field%friction)
+    else
+      largest = largest_of(contact%side(k), field%at, field%friction(component:component, :))
+    end if
+  end function largest_tangential
+
+  !> Largest length of an interpolated field.
+  function largest_of(surface, at, value) result(largest)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: at(:)           !! places of the elements' nodes in `value`
+    real(wp), intent(in) :: value(:, :)    !! (ncomp, n)
     real(wp) :: largest
     type(table_t), allocatable :: table(:)
     real(wp), allocatable :: shp(:), dshp(:, :)
-    real(wp) :: t(3), n(3)
-    logical :: flat
     integer :: e, i
 
     largest = 0.0_wp
-    associate (own => contact%side(k))
-      call tabulate(own%kind, table)
-      do e = 1, own%nelem
-        associate (at => field%at(own%first(e):own%first(e + 1) - 1), &
-                   node => own%node(own%first(e):own%first(e + 1) - 1))
-          if (all(abs(field%traction(:, at)) <= 0.0_wp)) cycle
-          do i = 1, NGRID**2
-            call take(own, e, table(own%ikind(e)), i, shp, dshp)
-            call find_normal(x(:, node), dshp, n, flat)
-            if (.not. flat) cycle
-            t = matmul(field%traction(:, at), shp)
-            t = t - dot_product(t, n)*n
-            largest = max(largest, merge(norm2(t), abs(t(max(component, 1))), component == 0))
-          end do
-        end associate
-      end do
-    end associate
-  end function largest_tangential
+    call tabulate(surface%kind, table)
+    do e = 1, surface%nelem
+      associate (mine => at(surface%first(e):surface%first(e + 1) - 1))
+        if (all(abs(value(:, mine)) <= 0.0_wp)) cycle
+        do i = 1, NGRID**2
+          call take(surface, e, table(surface%ikind(e)), i, shp, dshp)
+          largest = max(largest, norm2(matmul(value(:, mine), shp)))
+        end do
+      end associate
+    end do
+  end function largest_of
 
   !> Functions of all kinds on the grid.
   subroutine tabulate(kind, table)
@@ -254,22 +258,5 @@ contains
     if (.not. allocated(surface%w)) return
     call make_rational(surface%w(surface%first(e):surface%first(e + 1) - 1), shp, dshp)
   end subroutine take
-
-  !> Unit normal; flat = .false. where the tangents span no plane.
-  pure subroutine find_normal(x, dshp, n, flat)
-    real(wp), intent(in) :: x(:, :)        !! (3, nsf)
-    real(wp), intent(in) :: dshp(:, :)     !! (2, nsf)
-    real(wp), intent(out) :: n(3)
-    logical, intent(out) :: flat
-    real(wp), parameter :: NO_PLANE = 1.0e-6_wp !! sine of the angle of the tangents [-]
-    real(wp) :: a(3), b(3), size
-
-    a = matmul(x, dshp(1, :))
-    b = matmul(x, dshp(2, :))
-    n = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-    size = norm2(n)
-    flat = size > NO_PLANE*norm2(a)*norm2(b)
-    if (flat) n = n/size
-  end subroutine find_normal
 
 end module contact_smooth

@@ -11,6 +11,7 @@ module contact_fields
   !! the largest state count.
   type :: nodal_contact_t
     real(wp), allocatable :: traction(:, :) !! (3, nnode) on the surface [F/L^2]
+    real(wp), allocatable :: friction(:, :) !! (3, nnode) part of it that friction holds [F/L^2]
     real(wp), allocatable :: pressure(:, :) !! (1, nnode) [F/L^2]
     real(wp), allocatable :: gap(:, :)      !! (1, nnode) [L]
     real(wp), allocatable :: slip(:, :)     !! (3, nnode) [L]
@@ -29,7 +30,7 @@ contains
     integer :: c, k, n
 
     n = model%mesh%nnode
-    allocate (nodal%traction(3, n), nodal%slip(3, n), source=0.0_wp)
+    allocate (nodal%traction(3, n), nodal%friction(3, n), nodal%slip(3, n), source=0.0_wp)
     allocate (nodal%pressure(1, n), nodal%gap(1, n), nodal%state(1, n), source=0.0_wp)
     allocate (met(n), source=.false.)
     do c = 1, size(model%contact)
@@ -50,6 +51,7 @@ contains
     do a = 1, size(field%node)
       n = field%node(a)
       nodal%traction(:, n) = nodal%traction(:, n) + field%traction(:, a)
+      nodal%friction(:, n) = nodal%friction(:, n) + field%friction(:, a)
       nodal%pressure(1, n) = nodal%pressure(1, n) + field%pressure(a)
       nodal%slip(:, n) = nodal%slip(:, n) + field%slip(:, a)
       nodal%state(1, n) = max(nodal%state(1, n), field%state(a))

@@ -25,10 +25,11 @@ contains
 
   !> All fields, in the order in which they are written: those of bodies, then of contacts.
   pure function known_fields() result(names)
-    character(NAME) :: names(NBODY + 5)
+    character(NAME) :: names(NBODY + 6)
 
     names = [character(NAME) :: 'displacement', 'stress', 'mises', 'pressure', 'reaction', &
-             'contact_pressure', 'contact_traction', 'contact_gap', 'contact_slip', 'contact_state']
+             'contact_pressure', 'contact_traction', 'contact_friction', 'contact_gap', &
+             'contact_slip', 'contact_state']
   end function known_fields
 
   !> What is written where the deck does not choose.
@@ -78,6 +79,10 @@ contains
       field%dimension = 'F/L^2'
     case ('contact_traction')
       field%description = 'contact traction on the surface, smoothed from the integration points'
+      field%dimension = 'F/L^2'
+      field%ncomp = 3
+    case ('contact_friction')
+      field%description = 'part of the contact traction that friction holds, smoothed by itself'
       field%dimension = 'F/L^2'
       field%ncomp = 3
     case ('contact_gap')
@@ -134,6 +139,8 @@ contains
         call map_field(view, contact%pressure, field(i)%values)
       case ('contact_traction')
         call map_field(view, contact%traction, field(i)%values)
+      case ('contact_friction')
+        call map_field(view, contact%friction, field(i)%values)
       case ('contact_gap')
         call map_field(view, contact%gap, field(i)%values)
       case ('contact_slip')

@@ -83,7 +83,7 @@ contains
       if (quantity%kind == Q_CONTACT_PRESSURE) then
         value = largest_pressure(contact, k, field)
       else
-        value = largest_tangential(contact, k, field, model%mesh%xr + state%u, quantity%component)
+        value = largest_tangential(contact, k, field, quantity%component)
       end if
     end associate
   end function largest_value
