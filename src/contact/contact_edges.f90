@@ -1,4 +1,4 @@
-!> How the elements of a surface hang together: neighbours, vertices, the outer boundary.
+!> How the elements of a surface hang together: who is behind which edge.
 !!
 !! Edges meet where the same nodes have a trace on them and they lie at the same place in the
 !! reference configuration; an edge that is collapsed to a point (prisms) meets nothing.
@@ -9,12 +9,11 @@ module contact_edges
   use base_text, only: to_text
   use contact_kind, only: surface_functions_at, make_rational
   use contact_pair, only: surface_t
+  use contact_vertices, only: number_vertices
   implicit none
   private
   public :: connect_elements
 
-  !> Corners at the ends of the edges xi-, xi+, eta-, eta+, from - to +.
-  integer, parameter :: END_OF(2, 4) = reshape([1, 3, 2, 4, 1, 2, 3, 4], [2, 4])
   !> Shares of an element's size: edges as close as this are one, as short as this a point.
   real(wp), parameter :: NEAR = 1.0e-6_wp, COLLAPSED = 1.0e-9_wp
   integer, parameter :: NPOINT = 4
@@ -36,11 +35,14 @@ contains
     type(surface_t), intent(inout) :: surface
     type(error_t), allocatable, intent(out) :: error
     type(edges_t) :: edges
+    logical :: point(4, surface%nelem)
 
     call find_edges(xr, surface, edges)
-    call match_edges(edges, surface, error)
+    point = collapsed_edges(edges)
+    call match_edges(edges, point, surface, error)
     if (allocated(error)) return
-    call number_vertices(surface, collapsed_edges(edges))
+    call number_vertices(surface, point)
+    if (any(point)) surface%point = point
   end subroutine connect_elements
 
   !> Nodes and points of all edges.
@@ -134,22 +136,21 @@ contains
       do k = 1, 4
         associate (x => edges%x(:, :, 4*(e - 1) + k))
           yes(k, e) = maxval(abs(x(:, 2:) - spread(x(:, 1), 2, NPOINT - 1))) &
-            <= COLLAPSED*edges%length(e)
+                      <= COLLAPSED*edges%length(e)
         end associate
       end do
     end do
   end function collapsed_edges
 
   !> Pairs of edges.
-  subroutine match_edges(edges, surface, error)
+  subroutine match_edges(edges, point, surface, error)
     type(edges_t), intent(in) :: edges
+    logical, intent(in) :: point(:, :) !! (4, nelem) the edge is a point
     type(surface_t), intent(inout) :: surface
     type(error_t), allocatable, intent(out) :: error
     integer :: order(size(edges%key))
     integer :: i, j, from
-    logical :: point(4, surface%nelem)
 
-    point = collapsed_edges(edges)
     allocate (surface%neighbour(4, surface%nelem), surface%edge(4, surface%nelem), source=0)
     call sort_index(edges%key, order)
     from = 1
@@ -178,8 +179,8 @@ contains
       if (.not. same) return
       if (surface%neighbour(ka, ea) > 0 .or. surface%neighbour(kb, eb) > 0) then
         call fail(error, DECK_ERROR, 'surface '//surface%name//' of a contact: more than two of ' &
-          //'its element faces meet at the edge at node '//to_text(edges%node(edges%first(a))), &
-          hint='name the faces of one side only once, and give a body that touches itself two names')
+             //'its element faces meet at the edge at node '//to_text(edges%node(edges%first(a))), &
+         hint='name the faces of one side only once, and give a body that touches itself two names')
         return
       end if
       surface%neighbour(ka, ea) = eb
@@ -201,100 +202,12 @@ contains
     reverse = .false.
     if (.not. same) return
     same = all(edges%node(edges%first(a):edges%first(a + 1) - 1) &
-      == edges%node(edges%first(b):edges%first(b + 1) - 1))
+               == edges%node(edges%first(b):edges%first(b + 1) - 1))
     if (.not. same) return
     forward = maxval(abs(edges%x(:, :, a) - edges%x(:, :, b)))
     back = maxval(abs(edges%x(:, :, a) - edges%x(:, NPOINT:1:-1, b)))
     reverse = back < forward
     same = min(forward, back) <= NEAR*length
   end subroutine compare_edges
-
-  !> Corners that matched edges join are one vertex, and so are the ends of a collapsed edge.
-  subroutine number_vertices(surface, point)
-    type(surface_t), intent(inout) :: surface
-    logical, intent(in) :: point(:, :) !! (4, nelem) the edge is collapsed
-    integer :: root(4*surface%nelem), number(4*surface%nelem)
-    integer :: e, k, i, m, n
-
-    root = [(i, i=1, 4*surface%nelem)]
-    do e = 1, surface%nelem
-      do k = 1, 4
-        if (point(k, e)) call join(root, corner(e, END_OF(1, k)), corner(e, END_OF(2, k)))
-        n = surface%neighbour(k, e)
-        if (n == 0) cycle
-        m = abs(surface%edge(k, e))
-        do i = 1, 2
-          call join(root, corner(e, END_OF(i, k)), &
-            corner(n, END_OF(merge(3 - i, i, surface%edge(k, e) < 0), m)))
-        end do
-      end do
-    end do
-    n = 0
-    do i = 1, size(root)
-      if (top(root, i) /= i) cycle
-      n = n + 1
-      number(i) = n
-    end do
-    number = number([(top(root, i), i=1, size(root))])
-    surface%vertex = reshape(number, [4, surface%nelem])
-    call find_rings(surface, number, n)
-    allocate (surface%outer(n), source=.false.)
-    do e = 1, surface%nelem
-      do k = 1, 4
-        if (surface%neighbour(k, e) > 0 .or. point(k, e)) cycle
-        surface%outer(surface%vertex(END_OF(:, k), e)) = .true.
-      end do
-    end do
-  end subroutine number_vertices
-
-  pure integer function corner(e, c)
-    integer, intent(in) :: e, c
-
-    corner = 4*(e - 1) + c
-  end function corner
-
-  pure integer function top(root, i)
-    integer, intent(in) :: root(:), i
-
-    top = i
-    do while (root(top) /= top)
-      top = root(top)
-    end do
-  end function top
-
-  pure subroutine join(root, i, j)
-    integer, intent(inout) :: root(:)
-    integer, intent(in) :: i, j
-    integer :: a, b
-
-    a = top(root, i)
-    b = top(root, j)
-    root(max(a, b)) = min(a, b)
-  end subroutine join
-
-  !> Elements round each vertex, in the order of their numbers.
-  subroutine find_rings(surface, number, n)
-    type(surface_t), intent(inout) :: surface
-    integer, intent(in) :: number(:) !! (4*nelem) vertex of each corner
-    integer, intent(in) :: n
-    integer :: next(n), i
-
-    next = 0
-    do i = 1, size(number)
-      next(number(i)) = next(number(i)) + 1
-    end do
-    allocate (surface%ring_first(n + 1), surface%ring_elem(size(number)))
-    allocate (surface%ring_corner(size(number)))
-    surface%ring_first(1) = 1
-    do i = 1, n
-      surface%ring_first(i + 1) = surface%ring_first(i) + next(i)
-    end do
-    next = surface%ring_first(:n)
-    do i = 1, size(number)
-      surface%ring_elem(next(number(i))) = (i + 3)/4
-      surface%ring_corner(next(number(i))) = i - 4*((i - 1)/4)
-      next(number(i)) = next(number(i)) + 1
-    end do
-  end subroutine find_rings
 
 end module contact_edges

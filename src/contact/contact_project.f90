@@ -11,7 +11,7 @@ module contact_project
   use contact_pair, only: surface_t
   use contact_search, only: grid_t, nearest_start, is_near
   use contact_spot, only: spot_t, look_at, find_step, find_push, move_spot, shift_spot, &
-    is_rounding
+                          is_rounding
   use contact_walk, only: step_across
   implicit none
   private
@@ -33,9 +33,10 @@ module contact_project
 
 contains
 
-  !> Foot of the point x on a surface whose grid is up to date; the search starts at foot%elem and foot%xi, or from the grid where that is
-  !! no element. No foot, element 0: x lies beyond the outer boundary, farther than `reach` from the
-  !! box round the surface, or where tangents are parallel.
+  !> Foot of the point x on a surface whose grid is up to date. The search starts at foot%elem and
+  !! foot%xi, or from the grid where that is no element or where what it leads to is farther away
+  !! than `reach`. No foot, element 0: x lies beyond the outer boundary, farther than `reach` from
+  !! the box round the surface, or where tangents are parallel.
   pure subroutine project(surface, shape, grid, x, foot, reach)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -102,7 +103,7 @@ contains
       if (idle < MOST_CHANGES) then
         moved = .false.
         if (any(edge > 0)) call change_element(surface, shape, x, edge, spot, moved)
-        if (allocated(surface%point) .and. .not. moved) call leave_point(surface, shape, x, spot, moved)
+    if (allocated(surface%point) .and. .not. moved) call leave_point(surface, shape, x, spot, moved)
         if (moved) then
           if (idle == 0) changes = changes + 1
           idle = idle + 1
@@ -119,7 +120,7 @@ contains
         end if
       end if
       if ((is_rounding(spot, 1, d(1)) .and. is_rounding(spot, 2, d(2))) .or. &
-        (size < STALLED .and. size > 0.25_wp*last)) then
+          (size < STALLED .and. size > 0.25_wp*last)) then
         if (definite) call find_ending(surface, push, spot, edge, ending)
         return
       end if
@@ -183,7 +184,7 @@ contains
 
     associate (a => spot%a)
       n = [a(2, 1)*a(3, 2) - a(3, 1)*a(2, 2), a(3, 1)*a(1, 2) - a(1, 1)*a(3, 2), &
-        a(1, 1)*a(2, 2) - a(2, 1)*a(1, 2)]
+           a(1, 1)*a(2, 2) - a(2, 1)*a(1, 2)]
     end associate
     n = n/sqrt(n(1)**2 + n(2)**2 + n(3)**2)
   end function normal
@@ -211,7 +212,7 @@ contains
       do r = surface%ring_first(vertex), surface%ring_first(vertex + 1) - 1
         if (surface%ring_elem(r) == spot%elem) cycle
         call look_at(surface, shape, surface%ring_elem(r), corner_xi(surface%ring_corner(r)), x, &
-          other)
+                     other)
         if (other%regular) n = n + normal(other)
       end do
     end if

@@ -219,8 +219,8 @@ contains
           call look_in_row(grid, x, c + low(1), c + high(1), best, nearest)
         else
           if (at(1) - ring >= 1) call look_in_row(grid, x, c + low(1), c + low(1), best, nearest)
-          if (at(1) + ring <= grid%n(1)) &
-            call look_in_row(grid, x, c + high(1), c + high(1), best, nearest)
+          if (at(1) + ring > grid%n(1)) cycle
+          call look_in_row(grid, x, c + high(1), c + high(1), best, nearest)
         end if
       end do
     end do

@@ -23,7 +23,7 @@ contains
         n = product(kind%degree + 1)
         if (allocated(surface%w)) then
           call find_rational(kind%c, surface%node(first:), surface%w(first:), x, &
-            shape%bez(:, :n, e), shape%w(:n, e))
+                             shape%bez(:, :n, e), shape%w(:n, e))
         else
           call find_points(kind%c, surface%node(first:), x, shape%bez(:, :n, e))
         end if
@@ -116,7 +116,7 @@ contains
     a(:, 1) = 0.5_wp*((1.0_wp - t)*(p(:, 2, 1) - p(:, 1, 1)) + t*(p(:, 2, 2) - p(:, 1, 2)))
     a(:, 2) = 0.5_wp*((1.0_wp - s)*(p(:, 1, 2) - p(:, 1, 1)) + s*(p(:, 2, 2) - p(:, 2, 1)))
     x = (1.0_wp - t)*((1.0_wp - s)*p(:, 1, 1) + s*p(:, 2, 1)) &
-      + t*((1.0_wp - s)*p(:, 1, 2) + s*p(:, 2, 2))
+        + t*((1.0_wp - s)*p(:, 1, 2) + s*p(:, 2, 2))
     b(:, :2) = 0.0_wp
     b(:, 3) = 0.25_wp*((p(:, 2, 2) - p(:, 1, 2)) - (p(:, 2, 1) - p(:, 1, 1)))
   end subroutine bilinear
@@ -247,7 +247,7 @@ contains
     end do
     do i = 1, 3
       b(:, i) = (b(:, i) - hb(1, i)*x - ha(1, FIRST(i))*a(:, SECOND(i)) &
-        - ha(1, SECOND(i))*a(:, FIRST(i)))/h(1)
+                 - ha(1, SECOND(i))*a(:, FIRST(i)))/h(1)
     end do
   end subroutine rational_point
 

@@ -1,4 +1,4 @@
-!> A point of a surface as a candidate for the closest point: what is known there, and the next step.
+!> A point of a surface that may be the closest one: what is known there, and the next step.
 module contact_spot
   use base_kinds, only: wp
   use contact_foot, only: shape_t
@@ -166,7 +166,7 @@ contains
     from = spot%xi
     f = spot%f
     way = d
-    where (abs(from) >= 1.0_wp .and. from*d > 0.0_wp) way = 0.0_wp ! a rounding outwards stops nothing
+    where (abs(from) >= 1.0_wp .and. from*d > 0.0_wp) way = 0.0_wp ! rounding stops nothing
     do i = 1, 2
       if ((from(i) + share*way(i))*sign(1.0_wp, way(i)) < 1.0_wp) cycle ! of the border ahead
       if (.not. abs(way(i)) > 0.0_wp) cycle
@@ -206,7 +206,7 @@ contains
 
     spot%xi = spot%xi + d
     spot%x = spot%x + d(1)*(spot%a(:, 1) + 0.5_wp*d(1)*spot%b(:, 1) + d(2)*spot%b(:, 3)) &
-      + d(2)*(spot%a(:, 2) + 0.5_wp*d(2)*spot%b(:, 2))
+             + d(2)*(spot%a(:, 2) + 0.5_wp*d(2)*spot%b(:, 2))
     spot%a(:, 1) = spot%a(:, 1) + d(1)*spot%b(:, 1) + d(2)*spot%b(:, 3)
     spot%a(:, 2) = spot%a(:, 2) + d(1)*spot%b(:, 3) + d(2)*spot%b(:, 2)
     spot%r = x - spot%x

@@ -60,8 +60,8 @@ contains
       call mesh%block(b)%row%topology(cell, topology)
       if (topology%nface == 6) cycle
       call fail(error, DECK_ERROR, 'contact of surface '//surface%name//': elements ' &
-        //trim(mesh%block(b)%name)//' have no four-sided faces', &
-        hint='surfaces of contact are faces of hexahedra')
+                //trim(mesh%block(b)%name)//' have no four-sided faces', &
+                hint='surfaces of contact are faces of hexahedra')
       return
     end do
   end subroutine check_faces
@@ -88,7 +88,7 @@ contains
         cell%degree = ext%degree
         if (allocated(ext%w)) cell%w = ext%w(:, e)
         if (n > MOST_OPERATORS .or. is_mixed(cell, mesh%block(surface%block(f))%nen, &
-          surface%face(f))) key(f) = -f
+                                             surface%face(f))) key(f) = -f
         if (allocated(cell%w)) deallocate (cell%w)
       end associate
     end do
@@ -164,7 +164,7 @@ contains
     if (rational) allocate (surface%w(size(surface%node)), source=1.0_wp)
     do f = 1, surface%nelem
       associate (block => mesh%block(surface%block(f)), local => class(iclass(f))%local, &
-          first => surface%first(f), last => surface%first(f + 1) - 1)
+                 first => surface%first(f), last => surface%first(f + 1) - 1)
         surface%node(first:last) = block%conn(local, surface%elem(f))
         if (.not. allocated(block%ext%w)) cycle
         call block_cell(block, surface%elem(f), cell)

@@ -32,6 +32,7 @@ module contact_pair
     integer, allocatable :: block(:), elem(:), face(:) !! (nelem) the element face it is
     integer, allocatable :: neighbour(:, :)  !! (4, nelem) element behind an edge; 0: the outer boundary
     integer, allocatable :: edge(:, :)       !! (4, nelem) edge there; negative: it runs the other way
+    logical, allocatable :: point(:, :)      !! (4, nelem) edge is a point (prisms); not allocated: none is
     integer, allocatable :: vertex(:, :)     !! (4, nelem) vertex at each corner
     integer, allocatable :: ring_first(:)    !! (nvertex+1) where the elements round a vertex begin
     integer, allocatable :: ring_elem(:)     !! elements round the vertices
