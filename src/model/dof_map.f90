@@ -15,7 +15,7 @@ contains
     type(boundary_t), intent(in) :: bc
     integer, allocatable, intent(out) :: eq(:, :) !! (3, nnode) equation number, or 0
     integer, intent(out) :: neq                   !! free dofs
-    integer, intent(out) :: ndof                  !! dofs of the nodes in use; rigid bodies have none
+    integer, intent(out) :: ndof                  !! dofs of nodes in use, not of rigid bodies
     logical, allocatable :: free(:, :), solid(:)
     integer :: i, j, m, n
 
@@ -50,7 +50,7 @@ contains
 
     at = findloc2(eq, equation)
     write (digits, '(i0)') at(2)
-    name = 'dof u'//'xyz'(max(at(1), 1):max(at(1), 1))//' of node '//trim(digits)
+    name = 'dof u'//'xyz' (max(at(1), 1):max(at(1), 1))//' of node '//trim(digits)
   end function dof_name
 
   !> Place of a value in a table; zero where it is not there.

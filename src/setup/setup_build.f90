@@ -17,7 +17,7 @@ module setup_build
   private
   public :: build_t, mesh_word_t, mesh_read_i
   public :: patch_entry_t, npatch_t, knot_vector_t, support_t, move_t, press_t, column_t, &
-    curve_entry_t
+            curve_entry_t
   public :: request_t, tie_t, control_t
   public :: next_data, next_line, skip_set, known_word, check_number, row_of
 
@@ -233,7 +233,7 @@ contains
       build%ended = .true.
       build%incomplete = .true.
       call fail(error, DECK_ERROR, 'the deck ends inside '//trim(build%row(build%closed)%name), &
-        build%closed_place, 'close it with a blank record, and the mesh with END')
+                build%closed_place, 'close it with a blank record, and the mesh with END')
     else
       more = .true.
       if (.not. ends_set(build, record)) return
@@ -244,8 +244,9 @@ contains
       build%has_pending = .true.
       build%pending = record
       call fail(error, DECK_ERROR, quoted(record%text(1))//' stands inside ' &
-        //trim(build%row(build%closed)%name)//' of line '//to_text(build%closed_place%line), &
-        record%place(1), 'close '//trim(build%row(build%closed)%name)//' with a blank record')
+                //trim(build%row(build%closed)%name)//' of line ' &
+                //to_text(build%closed_place%line), record%place(1), &
+                'close '//trim(build%row(build%closed)%name)//' with a blank record')
     end if
   end subroutine judge
 
@@ -260,9 +261,8 @@ contains
       if (row%has_numbers) then
         ends = known_word(build, record%text(1))
       else
-        ends = record%key(1) == 'end' .or. record%key(1) == 'batc' .or. record%key(1) == 'patc' &
-          .or. (record%key(1) == 'curv' .or. record%key(1) == 'fix' .or. record%key(1) == 'move') &
-          .or. (record%key(1) == 'cont' .and. index(row%records, 'CONT') == 0)
+        ends = any(record%key(1) == [character(4) :: 'end', 'batc', 'patc', 'curv', 'fix', 'move'])
+        if (record%key(1) == 'cont') ends = index(row%records, 'CONT') == 0
       end if
     end associate
   end function ends_set
@@ -299,11 +299,11 @@ contains
 
     if (n < 1) then
       call fail(error, DECK_ERROR, what//' number '//to_text(n), place, &
-        'numbers are positive; a blank record ends the data')
+                'numbers are positive; a blank record ends the data')
     else if (n > MAX_NUMBER) then
       call fail(error, DECK_ERROR, what//' number '//to_text(n)//' is larger than ' &
-        //to_text(MAX_NUMBER), &
-        place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes and elements')
+                //to_text(MAX_NUMBER), &
+                place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes and elements')
     end if
   end subroutine check_number
 

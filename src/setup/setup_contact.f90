@@ -11,8 +11,8 @@ module setup_contact
   private
   public :: read_contact, contact_named
 
-  character(10), parameter :: WORD(7) = [character(10) :: 'SURFaces', 'NORMal', 'FRICtion', &
-    'COHEsive', 'BONDed', 'DEPTh', 'QUADrature']
+  character(10), parameter :: WORD(7) = ['SURFaces  ', 'NORMal    ', 'FRICtion  ', 'COHEsive  ', &
+                                         'BONDed    ', 'DEPTh     ', 'QUADrature']
   integer, parameter :: LONGEST = 32 !! of a name, which becomes part of a column's
 
 contains
@@ -66,14 +66,14 @@ contains
 
     name = lower(record%text(2))
     if (len(name) == 0 .or. len(name) > LONGEST &
-      .or. verify(name, 'abcdefghijklmnopqrstuvwxyz0123456789_-') > 0) then
+        .or. verify(name, 'abcdefghijklmnopqrstuvwxyz0123456789_-') > 0) then
       call fail(error, DECK_ERROR, 'a contact cannot be named '//quoted(record%text(2)), &
-        record%place(2), 'its columns are named after it: use up to '//to_text(LONGEST) &
-        //' letters, digits, _ and -')
+                record%place(2), 'its columns are named after it: use up to '//to_text(LONGEST) &
+                //' letters, digits, _ and -')
     else if (contact_named(build, name) > 0) then
       call fail(error, DECK_ERROR, 'contact '//quoted(record%text(2))//' is defined twice', &
-        record%place(2), 'the first one stands in line ' &
-        //to_text(build%contact(contact_named(build, name))%place%line))
+                record%place(2), 'the first one stands in line ' &
+                //to_text(build%contact(contact_named(build, name))%place%line))
     end if
   end subroutine check_name
 
@@ -103,11 +103,13 @@ contains
     end do
     if (w == 0) then
       call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a CONTact', &
-        line%place(1), 'nearest known: '//nearest(line%text(1), WORD))
+                line%place(1), 'nearest known: '//nearest(line%text(1), WORD))
       return
     end if
-    if (seen(w) .and. WORD(w) /= 'BONDed') call fail(error, DECK_ERROR, trim(WORD(w)) &
-      //' stands twice in contact '//quoted(contact%name), line%place(1), 'keep one of them')
+    if (seen(w) .and. WORD(w) /= 'BONDed') then
+      call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in contact ' &
+                //quoted(contact%name), line%place(1), 'keep one of them')
+    end if
     seen(w) = .true.
   end subroutine check_word
 
@@ -118,13 +120,13 @@ contains
 
     if (contact%at(1)%kind == 0) then
       call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has no SURFaces', &
-        contact%place, 'give SURFaces patch face patch face')
+                contact%place, 'give SURFaces patch face patch face')
     else if (.not. contact%normal%given) then
       call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has no NORMal', &
-        contact%place, 'give NORMal PENAlty eps, or NORMal PENAlty AUTO')
+                contact%place, 'give NORMal PENAlty eps, or NORMal PENAlty AUTO')
     else if (allocated(contact%bond_place%file) .and. .not. contact%cohesive%given) then
       call fail(error, DECK_ERROR, 'BONDed without COHEsive', contact%bond_place, &
-        'COHEsive EXPOnential T0 g0 says what holds the bond; without it remove BONDed')
+                'COHEsive EXPOnential T0 g0 says what holds the bond; without it remove BONDed')
     end if
   end subroutine check_complete
 

@@ -72,7 +72,7 @@ contains
       t(:, j) = (sum_x(:, j + 1) - sum_x(:, 1)*(total(j + 1)/total(1)))/total(1)
     end do
     stretch = norm2([t(2, 1)*t(3, 2) - t(3, 1)*t(2, 2), t(3, 1)*t(1, 2) - t(1, 1)*t(3, 2), &
-      t(1, 1)*t(2, 2) - t(2, 1)*t(1, 2)])
+                     t(1, 1)*t(2, 2) - t(2, 1)*t(1, 2)])
   end function stretch
 
   !> The penalty [F/L^3] and how it was found.
@@ -96,7 +96,7 @@ contains
         if (.not. factor*STIFF*stiffness/h < eps) cycle
         eps = factor*STIFF*stiffness/h
         account = 'AUTO: '//to_text(factor*STIFF)//' E/h of '//s%name//', E = ' &
-          //to_text(stiffness)//', h = '//to_text(h)
+                  //to_text(stiffness)//', h = '//to_text(h)
       end associate
     end do
   end subroutine auto_penalty

@@ -72,8 +72,8 @@ contains
     n = real(product(spec%n), wp)*maxval(contact%side%nelem)
     if (n <= MOST_POINTS) return
     call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has '//to_text(n) &
-      //' points on a side', contact%place, 'a surface has at most '//to_text(MOST_POINTS) &
-      //' points: give fewer by QUADrature')
+              //' points on a side', contact%place, 'a surface has at most '//to_text(MOST_POINTS) &
+              //' points: give fewer by QUADrature')
   end subroutine count_points
 
   !> Surface k.
@@ -125,8 +125,9 @@ contains
 
     call element_areas(model%mesh, contact, k, area, width)
     if (all(area > COLLAPSED*width**2)) return
-    call fail(error, DECK_ERROR, quoted(contact%side(k)%name)//' is collapsed to an edge or a point', &
-      spec%at(k)%face_place, 'a contact acts between faces that have an area')
+    call fail(error, DECK_ERROR, quoted(contact%side(k)%name) &
+              //' is collapsed to an edge or a point', spec%at(k)%face_place, &
+              'a contact acts between faces that have an area')
   end subroutine check_side
 
   !> DEPTh, or half of the thinner body.
@@ -143,8 +144,8 @@ contains
       if (any(t > 0.0_wp)) return
     end associate
     call fail(error, DECK_ERROR, 'the bodies of contact '//quoted(contact%name) &
-      //' have no thickness behind these faces', spec%place, &
-      'give DEPTh d: a penetration deeper than d is no contact')
+              //' have no thickness behind these faces', spec%place, &
+              'give DEPTh d: a penetration deeper than d is no contact')
   end subroutine set_depth
 
   !> Laws and their numbers.
@@ -156,7 +157,7 @@ contains
     contact%normal = spec%normal%row
     contact%normal_prop = spec%normal%prop
     if (spec%normal%auto) call auto_penalty(model, contact, spec%normal%factor, &
-      contact%normal_prop(1), contact%auto)
+                                            contact%normal_prop(1), contact%auto)
     contact%has_friction = spec%friction%given
     if (contact%has_friction) then
       contact%friction = spec%friction%row

@@ -42,11 +42,11 @@ contains
     associate (a => contact%at(1), b => contact%at(2))
       if (lower(a%body) == lower(b%body) .and. iand(a%mask, b%mask) /= 0) then
         call fail(error, DECK_ERROR, 'a face of patch '//quoted(b%body) &
-          //' is on both sides of contact '//quoted(contact%name), b%face_place, &
-          'the two surfaces have no face in common')
+                  //' is on both sides of contact '//quoted(contact%name), b%face_place, &
+                  'the two surfaces have no face in common')
       else if (is_rigid_patch(build, a%body) .and. is_rigid_patch(build, b%body)) then
         call fail(error, DECK_ERROR, 'both bodies of contact '//quoted(contact%name) &
-          //' are rigid', b%place, 'give one of them a TYPE of solid elements')
+                  //' are rigid', b%place, 'give one of them a TYPE of solid elements')
       end if
     end associate
   end subroutine check_surfaces
@@ -61,13 +61,14 @@ contains
     c = contact_named(build, column%contact)
     if (c == 0) then
       call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' is not defined', &
-        column%contact_place, known_contacts(build, column%contact))
+                column%contact_place, known_contacts(build, column%contact))
       return
     end if
     if (build%contact(c)%at(2)%kind == 0) return ! its own error is in the list
-    if (column%quantity%kind == Q_CONTACT_DEBONDED .and. .not. build%contact(c)%cohesive%given) &
+    if (column%quantity%kind == Q_CONTACT_DEBONDED .and. .not. build%contact(c)%cohesive%given) then
       call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' has no COHEsive', &
-        column%contact_place, 'DEBOnded is a share of what COHEsive holds together')
+                column%contact_place, 'DEBOnded is a share of what COHEsive holds together')
+    end if
   end subroutine check_column
 
   function known_contacts(build, name) result(hint)

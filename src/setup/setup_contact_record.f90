@@ -15,8 +15,8 @@ module setup_contact_record
   public :: read_contact_line
 
   character(*), parameter :: SURFACE_USAGE = 'SURFaces patch face patch face'
-  character(*), parameter :: BOND_USAGE = &
-    'BONDed HALFspace px py pz  nx ny nz [GAP d], or BOX x1 y1 z1  x2 y2 z2 [GAP d]'
+  character(*), parameter :: BOND_USAGE = 'BONDed HALFspace px py pz  nx ny nz [GAP d], or ' &
+                             //'BOX x1 y1 z1  x2 y2 z2 [GAP d]'
   integer, parameter :: MAX_POINT = 50 !! integration points of an element in one direction
 
 contains
@@ -62,7 +62,7 @@ contains
       if (allocated(error)) return
       if (contact%at(k)%kind /= W_FACES) then
         call fail(error, DECK_ERROR, 'a contact acts between faces of patches', &
-          contact%at(k)%place, SURFACE_USAGE//'; SIDEs and ALL are several faces')
+                  contact%at(k)%place, SURFACE_USAGE//'; SIDEs and ALL are several faces')
         return
       end if
     end do
@@ -102,19 +102,21 @@ contains
     type(record_t), intent(in) :: line
     type(contact_spec_t), intent(inout) :: contact
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: usage
 
     call find_law(line, 2, FRICTION, contact%friction, error)
     if (allocated(error)) return
-    associate (law => contact%friction, usage => trim(contact%friction%row%usage))
+    usage = trim(contact%friction%row%usage)
+    associate (law => contact%friction)
       call check_count(line, 5, 7, usage, error)
       if (.not. allocated(error)) call get_real(deck, line, 3, law%prop(1), error)
       if (allocated(error)) return
       if (.not. law%prop(1) >= 0.0_wp) then
         call fail(error, DECK_ERROR, 'the coefficient of friction is '//to_text(law%prop(1)), &
-          line%place(3), 'it is not negative')
+                  line%place(3), 'it is not negative')
       else if (line%key(4) /= 'pena') then
         call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(4))//' of FRICtion', &
-          line%place(4), usage)
+                  line%place(4), usage)
       else if (line%key(5) == 'auto') then
         law%auto = .true.
       else
@@ -123,7 +125,7 @@ contains
       if (allocated(error) .or. line%n == 5) return
       if (line%key(6) /= 'afte') then
         call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(6))//' of FRICtion', &
-          line%place(6), usage)
+                  line%place(6), usage)
         return
       end if
       call check_count(line, 7, 7, usage, error)
@@ -172,13 +174,13 @@ contains
     end do
     if (known == '') then
       call fail(error, DECK_ERROR, line%text(1)//' is not available yet', line%place(1), &
-        'this version has no law for it')
+                'this version has no law for it')
     else if (line%is_empty(i)) then
       call fail(error, DECK_ERROR, 'the law of '//line%text(1)//' is missing', line%place(i), &
-        'known laws:'//known)
+                'known laws:'//known)
     else
       call fail(error, DECK_ERROR, 'unknown law '//quoted(line%text(i))//' of '//line%text(1), &
-        line%place(i), 'known laws:'//known)
+                line%place(i), 'known laws:'//known)
     end if
   end subroutine find_law
 
@@ -205,16 +207,16 @@ contains
     end select
     if (line%key(i) /= 'gap') then
       call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(i))//' of BONDed', &
-        line%place(i), BOND_USAGE)
+                line%place(i), BOND_USAGE)
       return
     else if (contact%bond_gap >= 0.0_wp) then
       call fail(error, DECK_ERROR, 'the GAP of the bond stands twice', line%place(i), &
-        'one GAP counts for all records of BONDed')
+                'one GAP counts for all records of BONDed')
       return
     end if
     call check_count(line, i + 1, i + 1, BOND_USAGE, error)
     if (.not. allocated(error)) call read_positive(deck, line, i + 1, 'gap', contact%bond_gap, &
-      error)
+                                                   error)
   end subroutine read_bond
 
   !> HALFspace px py pz  nx ny nz, or BOX x1 y1 z1  x2 y2 z2.
@@ -241,7 +243,7 @@ contains
       bond%b = max(x(:3), x(4:))
     else if (.not. length > 0.0_wp) then
       call fail(error, DECK_ERROR, 'the normal of the half space has no length', line%place(6), &
-        BOND_USAGE)
+                BOND_USAGE)
     else
       bond%b = x(4:)/length
     end if
@@ -260,9 +262,9 @@ contains
       if (allocated(error)) return
       call get_integer(deck, line, d + 1, n(d), error)
       if (allocated(error)) return
-      if (n(d) < 1 .or. n(d) > MAX_POINT) call fail(error, DECK_ERROR, to_text(n(d)) &
-        //' integration points', line%place(d + 1), '1 to '//to_text(MAX_POINT) &
-        //' points in each direction')
+      if (n(d) >= 1 .and. n(d) <= MAX_POINT) cycle
+      call fail(error, DECK_ERROR, to_text(n(d))//' integration points', line%place(d + 1), &
+                '1 to '//to_text(MAX_POINT)//' points in each direction')
     end do
   end subroutine read_quadrature
 

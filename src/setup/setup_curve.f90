@@ -14,8 +14,8 @@ module setup_curve
   public :: read_curve
 
   character(8), parameter :: WORD(7) = ['FORCe   ', 'TORQue  ', 'DISP    ', 'CONTact ', &
-    'STREss  ', &
-    'ENERgy  ', 'MAXImum ']
+                                        'STREss  ', &
+                                        'ENERgy  ', 'MAXImum ']
   !> Components of a stress as the deck names them, and where they stand in Voigt's order.
   character(2), parameter :: COMPONENT(9) = ['11', '22', '33', '12', '23', '31', '21', '32', '13']
   integer, parameter :: VOIGT(9) = [1, 2, 3, 4, 5, 6, 4, 5, 6]
@@ -61,7 +61,7 @@ contains
     curve%column = curve%column(:n)
     if (n == 0) then
       call fail(error, DECK_ERROR, 'curve '//quoted(curve%name)//' has no records', curve%place, &
-        'records are '//word_list())
+                'records are '//word_list())
       return
     end if
     if (build%ncurve == size(build%curve)) then
@@ -83,23 +83,23 @@ contains
 
     name = lower(record%text(2))
     if (len(name) == 0 .or. len(name) > LONGEST &
-      .or. verify(name, 'abcdefghijklmnopqrstuvwxyz0123456789_-') > 0) then
+        .or. verify(name, 'abcdefghijklmnopqrstuvwxyz0123456789_-') > 0) then
       call fail(error, DECK_ERROR, 'a curve cannot be named '//quoted(record%text(2)), &
-        record%place(2), &
-        'its file is named after it: use up to '//to_text(LONGEST)//' letters, digits, _ and -')
+                record%place(2), 'its file is named after it: use up to '//to_text(LONGEST) &
+                //' letters, digits, _ and -')
       return
     else if (name == 'tplot') then
       call fail(error, DECK_ERROR, 'a curve cannot be named '//quoted(record%text(2)), &
-        record%place(2), &
-        'TPLOt writes the file of that name')
+                record%place(2), &
+                'TPLOt writes the file of that name')
       return
     end if
     do i = 1, build%ncurve
       if (lower(build%curve(i)%name) == name) then
         call fail(error, DECK_ERROR, 'curve '//quoted(record%text(2))//' is defined twice', &
-          record%place(2), &
-          'the first one stands in line '//to_text(build%curve(i)%place%line) &
-          //'; one CURVe holds many records')
+                  record%place(2), &
+                  'the first one stands in line '//to_text(build%curve(i)%place%line) &
+                  //'; one CURVe holds many records')
         return
       end if
     end do
@@ -147,8 +147,8 @@ contains
       call read_contact_column(deck, line, column, error)
     case default
       call fail(error, DECK_ERROR, 'unknown quantity '//quoted(line%text(1))//' of a CURVe', &
-        line%place(1), &
-        'nearest known: '//nearest(line%text(1), WORD))
+                line%place(1), &
+                'nearest known: '//nearest(line%text(1), WORD))
     end select
   end subroutine read_column
 
@@ -179,7 +179,7 @@ contains
     i = 2
     call read_where(deck, line, i, column%at, error)
     if (.not. allocated(error)) call read_axis(deck, line, i, 'TORQue WHERE px py pz  ax ay az', &
-      column%quantity, error)
+                                               column%quantity, error)
     if (allocated(error)) return
     column%quantity%kind = Q_TORQUE
     column%quantity%column = 'torque'
@@ -204,8 +204,8 @@ contains
     end do
     if (d == 0) then
       call fail(error, DECK_ERROR, 'unknown component '//quoted(line%text(6))//' of the stress', &
-        line%place(6), &
-        'components are 11 22 33 12 23 31')
+                line%place(6), &
+                'components are 11 22 33 12 23 31')
       return
     end if
     column%quantity%kind = Q_STRESS
@@ -231,7 +231,7 @@ contains
       column%quantity%column = 'max_mises'
     case default
       call fail(error, DECK_ERROR, 'unknown maximum '//quoted(line%text(2)), line%place(2), &
-        'MAXImum displacement|mises [patch]')
+                'MAXImum displacement|mises [patch]')
       return
     end select
     call read_body(line, 3, column)

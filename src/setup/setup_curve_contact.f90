@@ -3,8 +3,8 @@ module setup_curve_contact
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, nearest, lower, key_of
   use curve_type, only: quantity_t, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, &
-    Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, Q_CONTACT_PENETRATION, &
-    Q_CONTACT_DEBONDED
+                        Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, &
+                        Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
   use setup_build, only: column_t
@@ -14,11 +14,12 @@ module setup_curve_contact
   public :: read_contact_column
 
   character(*), parameter :: USAGE = 'CONTact name side '
-  character(11), parameter :: WORD(9) = [character(11) :: 'FORCe', 'TORQue', 'PRESsure', &
-    'TANGential', 'STICk', 'SLIP', 'AREA', 'PENEtration', 'DEBOnded']
+  character(11), parameter :: WORD(9) = ['FORCe      ', 'TORQue     ', 'PRESsure   ', &
+                                         'TANGential ', 'STICk      ', 'SLIP       ', &
+                                         'AREA       ', 'PENEtration', 'DEBOnded   ']
   integer, parameter :: KIND(9) = [Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, &
-    Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, Q_CONTACT_PENETRATION, &
-    Q_CONTACT_DEBONDED]
+                                   Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, &
+                                   Q_CONTACT_AREA, Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED]
 
 contains
 
@@ -38,7 +39,7 @@ contains
     associate (q => column%quantity)
       if (q%side < 1 .or. q%side > 2) then
         call fail(error, DECK_ERROR, 'side '//to_text(q%side)//' of a contact', line%place(3), &
-          'sides are 1 and 2, in the order of its SURFaces')
+                  'sides are 1 and 2, in the order of its SURFaces')
         return
       end if
       do w = size(WORD), 1, -1
@@ -46,7 +47,7 @@ contains
       end do
       if (w == 0) then
         call fail(error, DECK_ERROR, 'unknown quantity '//quoted(line%text(4))//' of a contact', &
-          line%place(4), 'nearest known: '//nearest(line%text(4), WORD))
+                  line%place(4), 'nearest known: '//nearest(line%text(4), WORD))
         return
       end if
       q%kind = KIND(w)
@@ -71,7 +72,7 @@ contains
       call read_axis(deck, line, 5, USAGE//name//' px py pz  ax ay az', quantity, error)
     case (Q_CONTACT_PRESSURE, Q_CONTACT_TANGENTIAL)
       if (line%n > 4) call read_direction(deck, line, 5, USAGE//name//' [direction]', quantity, &
-        error)
+                                          error)
     case default
       call check_count(line, 4, 4, USAGE//name, error)
     end select

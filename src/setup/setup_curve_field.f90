@@ -24,8 +24,9 @@ contains
     call check_count(line, i, i, usage, error)
     if (.not. allocated(error)) call get_integer(deck, line, i, quantity%component, error)
     if (allocated(error)) return
-    if (quantity%component < 1 .or. quantity%component > 3) call fail(error, DECK_ERROR, &
-      'direction '//to_text(quantity%component), line%place(i), 'directions are 1, 2 and 3')
+    if (quantity%component >= 1 .and. quantity%component <= 3) return
+    call fail(error, DECK_ERROR, 'direction '//to_text(quantity%component), line%place(i), &
+              'directions are 1, 2 and 3')
   end subroutine read_direction
 
   !> px py pz  ax ay az in the last fields, from i on.

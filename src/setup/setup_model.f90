@@ -89,9 +89,9 @@ contains
       end if
       if (record%is_blank()) cycle
       if (record%is_end() .or. record%key(1) == 'batc' .or. record%key(1) == 'inte' &
-        .or. record%key(1) == 'stop') then
+          .or. record%key(1) == 'stop') then
         call fail(error, DECK_ERROR, 'the mesh has no END', record%place(1), &
-          'END closes the mesh, before BATCh')
+                  'END closes the mesh, before BATCh')
         return
       end if
       if (record%key(1) == 'end') exit
@@ -157,7 +157,7 @@ contains
       build%closed_line = 0
     end if
     read => build%row(r)%read
-    call read(build, deck, without_remark(record), found)
+    call read (build, deck, without_remark(record), found)
     if (.not. allocated(found)) return
     if (build%row(r)%name == 'PARAmeters' .or. found%code /= DECK_ERROR) then
       call move_alloc(found, error) ! what follows would fail without the parameters
@@ -184,8 +184,8 @@ contains
       belongs = index(' '//trim(row%records)//' ', ' '//trim(upper(record%key(1)))//' ') > 0
       if (row%has_numbers) belongs = belongs .or. scan(key, '0123456789') == 1
       if (belongs) hint = quoted(record%text(1))//' may belong to '//trim(row%name) &
-        //', which the blank record in line ' &
-        //to_text(build%closed_line)//' closed'
+                          //', which the blank record in line ' &
+                          //to_text(build%closed_line)//' closed'
     end associate
   end function closed_hint
 
@@ -233,7 +233,7 @@ contains
       end if
       if (allocated(error) .or. next%is_blank()) return
       if (to_blank .and. .not. (next%is_end() .or. next%key(1) == 'end' &
-        .or. next%key(1) == 'batc')) cycle
+                                .or. next%key(1) == 'batc')) cycle
       if (next%kind == RECORD_WORDS .and. .not. known_word(build, next%text(1))) cycle
       build%has_pending = .true.
       build%pending = next

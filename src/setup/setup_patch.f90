@@ -11,9 +11,11 @@ module setup_patch
   private
   public :: read_patch, patch_named
 
-  character(12), parameter :: WORD(13) = [character(12) :: 'BOX', 'HEMIsphere', 'NPATch', 'FILE', &
-    'ROTAte', &
-    'TRANslate', 'ELEMents', 'KNOTs', 'TYPE', 'ENRIch', 'QUADrature', 'MATErial', '']
+  character(12), parameter :: WORD(13) = ['BOX         ', 'HEMIsphere  ', 'NPATch      ', &
+                                          'FILE        ', 'ROTAte      ', 'TRANslate   ', &
+                                          'ELEMents    ', 'KNOTs       ', 'TYPE        ', &
+                                          'ENRIch      ', 'QUADrature  ', 'MATErial    ', &
+                                          '            ']
   character(4), parameter :: RESERVED(3) = ['node', 'poin', 'plan']
 
 contains
@@ -56,15 +58,15 @@ contains
       end do
       if (w == 0) then
         call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a PATCh', &
-          line%place(1), &
-          'nearest known: '//nearest(line%text(1), WORD))
+                  line%place(1), &
+                  'nearest known: '//nearest(line%text(1), WORD))
         return
       end if
       if (seen(w) .and. all(WORD(w) /= ['ROTAte      ', 'TRANslate   ', 'KNOTs       ', &
-        'ENRIch      '])) then
+                                        'ENRIch      '])) then
         call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in patch ' &
-          //quoted(patch%spec%name), &
-          line%place(1), 'keep one of them')
+                  //quoted(patch%spec%name), &
+                  line%place(1), 'keep one of them')
         return
       end if
       seen(w) = .true.
@@ -83,13 +85,13 @@ contains
 
     if (any(record%key(2) == RESERVED) .or. record%is_empty(2)) then
       call fail(error, DECK_ERROR, 'a patch cannot be named '//quoted(record%text(2)), &
-        record%place(2), &
-        'NODE, POINt and PLANe have their own meaning where a patch may stand')
+                record%place(2), &
+                'NODE, POINt and PLANe have their own meaning where a patch may stand')
     else if (patch_named(build, record%text(2)) > 0) then
       call fail(error, DECK_ERROR, 'patch '//quoted(record%text(2))//' is defined twice', &
-        record%place(2), &
-        'the first one stands in line ' &
-        //to_text(build%patch(patch_named(build, record%text(2)))%spec%place%line))
+                record%place(2), &
+                'the first one stands in line ' &
+                //to_text(build%patch(patch_named(build, record%text(2)))%spec%place%line))
     end if
   end subroutine check_name
 
@@ -131,7 +133,7 @@ contains
       character(*), intent(in) :: what, hint
 
       call fail(error, DECK_ERROR, 'patch '//quoted(patch%spec%name)//' has no '//what, &
-        patch%spec%place, hint)
+                patch%spec%place, hint)
     end subroutine complain
   end subroutine check_complete
 
@@ -142,13 +144,13 @@ contains
 
     if (allocated(patch%material_place%file)) then
       call fail(error, DECK_ERROR, 'the rigid patch '//quoted(patch%spec%name)//' has a MATErial', &
-        patch%material_place, 'remove it: a rigid body is moved, not deformed')
+                patch%material_place, 'remove it: a rigid body is moved, not deformed')
     else if (size(patch%spec%enrich) > 0) then
       call fail(error, DECK_ERROR, 'the rigid patch '//quoted(patch%spec%name)//' is enriched', &
-        patch%spec%enrich(1)%place, 'remove ENRIch: its faces are the geometry itself')
+                patch%spec%enrich(1)%place, 'remove ENRIch: its faces are the geometry itself')
     else if (patch%spec%q > 0) then
       call fail(error, DECK_ERROR, 'the rigid patch '//quoted(patch%spec%name)//' has QUADrature', &
-        patch%spec%place, 'remove it: the surface is not integrated')
+                patch%spec%place, 'remove it: the surface is not integrated')
     end if
   end subroutine check_bare
 

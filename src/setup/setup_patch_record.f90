@@ -7,7 +7,7 @@ module setup_patch_record
   use deck_stream, only: deck_t, get_integer, get_real
   use patch_file, only: read_patch_file
   use patch_spec, only: patch_spec_t, enrich_t, placement_t, GEO_NONE, GEO_BOX, GEO_HEMISPHERE, &
-    GEO_NURBS
+                        GEO_NURBS
   use setup_build, only: patch_entry_t
   use setup_where, only: read_face
   implicit none
@@ -31,8 +31,8 @@ contains
     case ('box', 'hemi', 'npat', 'file')
       if (patch%spec%geometry /= GEO_NONE) then
         call fail(error, DECK_ERROR, 'patch '//quoted(patch%spec%name)//' has two geometries', &
-          line%place(1), &
-          'give one of BOX, HEMIsphere, NPATch and FILE')
+                  line%place(1), &
+                  'give one of BOX, HEMIsphere, NPATch and FILE')
         return
       end if
       call read_geometry(deck, line, patch, error)
@@ -75,13 +75,13 @@ contains
       if (allocated(error)) return
       patch%npatch_place = line%place(2)
       if (patch%npatch < 1) call fail(error, DECK_ERROR, 'NPATch '//to_text(patch%npatch), &
-        line%place(2), 'NPATch solids are counted from 1')
+                                      line%place(2), 'NPATch solids are counted from 1')
       patch%spec%geometry = GEO_NURBS
     case default ! FILE
       call check_count(line, 2, 3, 'FILE path [name]', error)
       if (allocated(error)) return
       call read_patch_file(resolve_path(line, 2), line%text(3), patch%spec%nurbs, line%place(2), &
-        error)
+                           error)
       patch%spec%geometry = GEO_NURBS
     end select
   end subroutine read_geometry
@@ -101,7 +101,7 @@ contains
     do i = 4, 6
       if (x(i) > 0.0_wp) cycle
       call fail(error, DECK_ERROR, 'a box of length '//to_text(x(i))//' in direction ' &
-        //to_text(i - 3), line%place(i + 1), 'lengths are positive')
+                //to_text(i - 3), line%place(i + 1), 'lengths are positive')
       return
     end do
     spec%geometry = GEO_BOX
@@ -123,11 +123,11 @@ contains
     if (allocated(error)) return
     if (.not. x(1) > 0.0_wp) then
       call fail(error, DECK_ERROR, 'a hemisphere of radius '//to_text(x(1)), line%place(2), &
-        'the radius is positive')
+                'the radius is positive')
       return
     else if (.not. (x(2) > 0.0_wp .and. x(2) < x(1))) then
       call fail(error, DECK_ERROR, 'a hemisphere of radius '//to_text(x(1))//' and thickness ' &
-        //to_text(x(2)), line%place(3), 'the thickness lies between 0 and the radius')
+                //to_text(x(2)), line%place(3), 'the thickness lies between 0 and the radius')
       return
     end if
     spec%geometry = GEO_HEMISPHERE
@@ -167,7 +167,7 @@ contains
       length = norm2(x(4:6))
       if (.not. length > 0.0_wp) then
         call fail(error, DECK_ERROR, 'the axis of rotation has no length', line%place(5), &
-          'ROTAte px py pz  ax ay az  degrees')
+                  'ROTAte px py pz  ax ay az  degrees')
         return
       end if
       p%point = x(:3)
@@ -196,12 +196,12 @@ contains
       if (allocated(error)) return
       if (n < 1) then
         call fail(error, DECK_ERROR, to_text(n)//' elements in direction '//to_text(d), &
-          line%place(d + 1), &
-          'numbers of elements are positive')
+                  line%place(d + 1), &
+                  'numbers of elements are positive')
       else if (spec%nelem(d) > 0 .and. spec%nelem(d) /= n) then
         call fail(error, DECK_ERROR, 'ELEMents and KNOTs disagree in direction '//to_text(d), &
-          line%place(d + 1), &
-          'the KNOTs make '//to_text(spec%nelem(d))//' elements')
+                  line%place(d + 1), &
+                  'the KNOTs make '//to_text(spec%nelem(d))//' elements')
       end if
       spec%nelem(d) = n
     end do
@@ -220,11 +220,11 @@ contains
     if (allocated(error)) return
     if (d < 1 .or. d > 3) then
       call fail(error, DECK_ERROR, 'direction '//to_text(d), line%place(2), &
-        'directions are 1, 2 and 3')
+                'directions are 1, 2 and 3')
     else if (allocated(spec%knots(d)%u)) then
       call fail(error, DECK_ERROR, 'KNOTs of direction '//to_text(d)//' stand twice', &
-        line%place(2), &
-        'keep one of them')
+                line%place(2), &
+                'keep one of them')
     end if
     if (allocated(error)) return
     allocate (spec%knots(d)%u(line%n - 2))
@@ -233,12 +233,13 @@ contains
     do i = 2, line%n - 2
       if (spec%knots(d)%u(i) > spec%knots(d)%u(i - 1)) cycle
       call fail(error, DECK_ERROR, 'the knots do not rise', line%place(i + 2), &
-        'list them in rising order')
+                'list them in rising order')
       return
     end do
-    if (spec%nelem(d) > 0 .and. spec%nelem(d) /= line%n - 1) call fail(error, DECK_ERROR, &
-      'ELEMents and KNOTs disagree in direction '//to_text(d), line%place(2), &
-      'the KNOTs make '//to_text(line%n - 1)//' elements')
+    if (spec%nelem(d) > 0 .and. spec%nelem(d) /= line%n - 1) then
+      call fail(error, DECK_ERROR, 'ELEMents and KNOTs disagree in direction '//to_text(d), &
+                line%place(2), 'the KNOTs make '//to_text(line%n - 1)//' elements')
+    end if
     spec%nelem(d) = line%n - 1
   end subroutine read_knots
 
@@ -266,7 +267,7 @@ contains
     case default
       if (line%key(2) /= 'rigi') then
         call fail(error, DECK_ERROR, 'unknown element type '//quoted(line%text(2)), &
-          line%place(2), TYPES)
+                  line%place(2), TYPES)
         return
       end if
       spec%type = 'RIGID'
@@ -299,7 +300,7 @@ contains
         call get_integer(deck, line, i, e%raise, error)
         if (allocated(error)) return
         if (e%raise < 0) call fail(error, DECK_ERROR, 'RAISe '//to_text(e%raise), line%place(i), &
-          'orders are raised by 0 or more')
+                                   'orders are raised by 0 or more')
       case ('eas')
         e%eas = .true.
       case ('tape')
@@ -307,7 +308,7 @@ contains
         if (.not. e%eas) call fail(error, DECK_ERROR, 'TAPEred without EAS', line%place(i), USAGE)
       case default
         call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(i))//' of ENRIch', &
-          line%place(i), USAGE)
+                  line%place(i), USAGE)
       end select
       if (allocated(error)) return
       i = i + 1
@@ -331,9 +332,10 @@ contains
       if (allocated(error)) return
       call get_integer(deck, line, i, n, error)
       if (allocated(error)) return
-      if (n < 1 .or. n > MAX_POINT) call fail(error, DECK_ERROR, to_text(n) &
-        //' integration points', &
-        line%place(i), '1 to '//to_text(MAX_POINT)//' points in each direction')
+      if (n < 1 .or. n > MAX_POINT) then
+        call fail(error, DECK_ERROR, to_text(n)//' integration points', line%place(i), &
+                  '1 to '//to_text(MAX_POINT)//' points in each direction')
+      end if
       if (i == 2) spec%q = n
       if (i == 3) spec%qz = n
     end do

@@ -92,15 +92,15 @@ contains
     if (column%at%kind /= 0) call find_nodes(model%mesh, column%at, quantity%node, error)
     if (quantity%kind == Q_STRESS) then
       call locate_point(model%mesh, quantity%body, quantity%point, quantity%block, quantity%elem, &
-        quantity%xi)
+                        quantity%xi)
       if (quantity%block > 0) return
       if (allocated(column%body)) then
         call fail(error, DECK_ERROR, 'the point lies outside patch '//quoted(column%body), &
-          quantity%place, &
-          'it is a point of the reference configuration')
+                  quantity%place, &
+                  'it is a point of the reference configuration')
       else
         call fail(error, DECK_ERROR, 'the point lies outside the mesh', quantity%place, &
-          'it is a point of the reference configuration')
+                  'it is a point of the reference configuration')
       end if
     else if (quantity%kind == Q_MAX_DISP) then
       on = model%mesh%used

@@ -36,7 +36,7 @@ contains
     do i = 1, build%npress
       associate (at => build%press(i)%at)
         if (names_rigid(build, at)) call complain(build, 'PRESsure on', at%body, at%place, &
-          'MOVE moves it; load the body that it touches')
+                                                  'MOVE moves it; load the body that it touches')
       end associate
     end do
     do i = 1, build%ncurve
@@ -52,8 +52,9 @@ contains
 
     associate (c => build%curve(i)%column(j))
       if (.not. allocated(c%body) .or. c%quantity%kind == Q_MAX_DISP) return
-      if (is_rigid_patch(build, c%body)) call complain(build, 'stress or energy of', c%body, &
-        c%body_place, 'ask for the body that it touches')
+      if (.not. is_rigid_patch(build, c%body)) return
+      call complain(build, 'stress or energy of', c%body, c%body_place, &
+                    'ask for the body that it touches')
     end associate
   end subroutine check_column
 
@@ -102,19 +103,20 @@ contains
       model%bc%fixed(:, node) = max(model%bc%fixed(:, node), 1)
       if (any(abs(model%bc%value(:, node)) > 0.0_wp)) then
         call fail(error, DECK_ERROR, 'a displacement is prescribed on the rigid patch ' &
-          //quoted(name), model%mesh%body(b)%place, 'MOVE,'//name//',ALL moves it')
+                  //quoted(name), model%mesh%body(b)%place, 'MOVE,'//name//',ALL moves it')
         call build%errors%add(error)
       end if
     end associate
     do m = 1, build%nmove
       if (names_rigid(build, build%move(m)%at)) then
-        if (body_index(model%mesh, build%move(m)%at%body) == b) &
+        if (body_index(model%mesh, build%move(m)%at%body) == b) then
           model%bc%motion(m)%node = model%mesh%body(b)%node
+        end if
       end if
       n = count(own(model%bc%motion(m)%node))
       if (n == 0 .or. n == count(own)) cycle
       call fail(error, DECK_ERROR, 'MOVE moves a part of the rigid patch '//quoted(name), &
-        build%move(m)%at%place, 'MOVE,'//name//',ALL moves all of it')
+                build%move(m)%at%place, 'MOVE,'//name//',ALL moves all of it')
       call build%errors%add(error)
     end do
   end subroutine hold

@@ -65,7 +65,7 @@ contains
       high(d) = maxval(mesh%xr(d, :), mesh%used)
     end do
     tol = (high - low)*merge(tie%tolerance, SHARE/sqrt(real(mesh%nnode, wp)), &
-      tie%tolerance > 0.0_wp)
+                             tie%tolerance > 0.0_wp)
     call classify(build, tie, mesh, tol, class)
     cells = max(1, min(MOST_CELLS, int((real(mesh%nnode, wp)/PER_CELL)**(1.0_wp/3.0_wp))))
     width = (high - low)/cells
@@ -134,8 +134,9 @@ contains
     allocate (class(mesh%nnode), source=0)
     do b = 1, size(mesh%block)
       number = 0 ! of rigid bodies
-      if (.not. is_rigid(mesh%block(b))) &
+      if (.not. is_rigid(mesh%block(b))) then
         number = build%model%material(mesh%block(b)%material)%number
+      end if
       if (tie%material(1) > 0 .and. all(tie%material /= number)) cycle
       do i = 1, mesh%block(b)%nelem
         class(mesh%block(b)%conn(:, i)) = merge(2, 1, number == tie%material(2))

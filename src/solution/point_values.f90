@@ -36,7 +36,7 @@ contains
 
     associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material))
       call recover(basis, mat%row, mat%prop, model%mesh%xr(:, block%conn(:, e)), &
-        state%u(:, block%conn(:, e)), state%history(b)%iter(:, e), point, ok)
+                   state%u(:, block%conn(:, e)), state%history(b)%iter(:, e), point, ok)
     end associate
   end subroutine recover_at
 

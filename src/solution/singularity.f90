@@ -37,7 +37,7 @@ contains
     logical, allocatable :: solid(:)
     integer :: i, n
     character(*), parameter :: NAMES(6) = ['move along x', 'move along y', 'move along z', &
-      'turn about x', 'turn about y', 'turn about z']
+                                           'turn about x', 'turn about y', 'turn about z']
 
     call solid_nodes(model%mesh, solid)
     centre = 0.0_wp
