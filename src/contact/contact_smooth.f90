@@ -170,15 +170,20 @@ contains
     end do
   end subroutine divide
 
-  !> Largest smooth pressure on NGRID x NGRID points an element.
-  function largest_pressure(contact, k, field) result(largest)
+  !> Largest smooth pressure on NGRID x NGRID points an element, or one component of the traction
+  !! without friction.
+  function largest_pressure(contact, k, field, component) result(largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(smooth_t), intent(in) :: field
+    integer, intent(in) :: component       !! 1 to 3; 0: the pressure
     real(wp) :: largest
+    real(wp), allocatable :: value(:, :)
 
-    largest = largest_of(contact%side(k), field%at, reshape(field%pressure, &
-                                                            [1, size(field%pressure)]))
+    allocate (value(1, size(field%pressure)))
+    value(1, :) = field%pressure
+    if (component > 0) value(1, :) = field%traction(component, :) - field%friction(component, :)
+    largest = largest_of(contact%side(k), field%at, value)
   end function largest_pressure
 
   !> Largest smooth friction on NGRID x NGRID points an element, its magnitude or one component's.

@@ -81,7 +81,7 @@ contains
       if (contact%side(k)%rigid) k = 3 - k
       call smooth_side(contact, k, points%side(k), field)
       if (quantity%kind == Q_CONTACT_PRESSURE) then
-        value = largest_pressure(contact, k, field)
+        value = largest_pressure(contact, k, field, quantity%component)
       else
         value = largest_tangential(contact, k, field, quantity%component)
       end if
