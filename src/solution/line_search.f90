@@ -7,7 +7,7 @@ module line_search
   use nodal_vector, only: free_part
   implicit none
   private
-  public :: search_line, step_by
+  public :: search_line, step_by, retreat
 
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp       !! FEAP's: slope left after a line search
   integer, parameter :: LINE_TRIALS = 10
@@ -66,6 +66,23 @@ contains
     end do
     call step_by(state, du, s)
   end subroutine search_line
+
+  !> The increment inverted an element: take half of it, and again.
+  subroutine retreat(asm, model, state, sweep, error)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(sweep_t), intent(inout) :: sweep
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    do i = 1, LINE_TRIALS
+      state%u = state%u_base + 0.5_wp*(state%u - state%u_base)
+      state%scale = 0.5_wp*state%scale
+      call form(asm, model, state, sweep, error)
+      if (allocated(error) .or. sweep%ok) return
+    end do
+  end subroutine retreat
 
   !> du.r at a share of the step.
   subroutine slope(asm, model, state, dx, du, s, g, ok, error)

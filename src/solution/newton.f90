@@ -9,7 +9,7 @@ module newton
   use linear_system, only: linear_system_t, solve_report_t, new_linear_system, &
     change_pattern, FULL
   use assembly, only: assembler_t, sweep_t, new_assembler, form
-  use line_search, only: search_line, step_by
+  use line_search, only: search_line, step_by, retreat
   use nodal_vector, only: free_part, full_vector
   use prescribed, only: prescribed_values
   use rounding_floor, only: floor_t, node_spacing, find_floor
@@ -24,6 +24,7 @@ module newton
   real(wp), parameter :: FORCING = 1.0e-3_wp           !! relative residual of a linear solve where factors are kept
 
   real(wp), parameter :: BACK_AND_FORTH = 0.7_wp   !! cosine beyond which an increment takes back the last one
+  integer, parameter :: PATIENCE = 6               !! iterations of a step with contact without a line search
   real(wp), parameter :: LEAST_SHARE = 0.2_wp      !! of an increment that is damped
 
   !> The iteration of the step under way.
@@ -45,6 +46,7 @@ module newton
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made
     real(wp), allocatable :: spacing(:) !! (nnode) to the nearest neighbour [L]
     logical :: moves = .false.
+    logical :: may_retreat = .false.   !! the last increment moved no prescribed dof
   end type newton_t
 
   !> What one pass did.
@@ -73,6 +75,7 @@ contains
     newton%iterations = 0
     newton%converged = .false.
     newton%exact = .true.
+    newton%may_retreat = .false.
     newton%largest_energy = 0.0_wp
     if (.not. allocated(newton%move)) allocate (newton%move(3, model%mesh%nnode))
     call prescribed_values(model, state%factor, newton%move)
@@ -101,6 +104,10 @@ contains
     if (allocated(error)) return
     call form(newton%asm, model, state, pass%sweep, error)
     if (allocated(error)) return
+    if (newton%may_retreat .and. .not. pass%sweep%ok) &
+      call retreat(newton%asm, model, state, pass%sweep, error)
+    if (allocated(error)) return
+    newton%may_retreat = .false.
     pass%ok = pass%sweep%ok
     if (.not. pass%ok) then
       pass%trouble = name_element(model, pass%sweep)
@@ -179,7 +186,7 @@ contains
     newton%largest_energy = max(newton%largest_energy, pass%energy)
     call judge(newton, pass, moved)
     if (.not. pass%ok) return
-    if (searches .and. .not. moved) then
+    if ((searches .or. is_slow(newton, model)) .and. .not. moved) then
       call search_line(newton%asm, model, state, newton%dx, du, dot_product(newton%dx, newton%rhs), &
         pass%line, error)
     else
@@ -187,7 +194,16 @@ contains
       call step_by(state, du, pass%line)
     end if
     newton%last = pass%line*newton%dx
+    newton%may_retreat = .not. moved
   end subroutine solve_system
+
+  !> Contact that does not settle is looked for along the increments, asked for or not.
+  pure logical function is_slow(newton, model)
+    type(newton_t), intent(in) :: newton
+    type(model_t), intent(in) :: model
+
+    is_slow = size(model%contact) > 0 .and. newton%iterations > PATIENCE
+  end function is_slow
 
   !> Points that change between two states of contact in turn make Newton's iteration go to and fro
   !! for ever. Where an increment takes most of the last one back, Aitken's share of it is taken.
