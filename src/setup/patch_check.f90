@@ -5,7 +5,7 @@ module patch_check
   use base_text, only: to_text
   use patch_geometry, only: geometry_t
   use patch_nurbs, only: check_nurbs, MAX_DEGREE
-  use patch_spec, only: patch_spec_t, GEO_BOX, GEO_HEMISPHERE, GEO_NURBS
+  use patch_spec, only: patch_spec_t, enrich_t, GEO_BOX, GEO_HEMISPHERE, GEO_NURBS
   implicit none
   private
   public :: check_patch, check_enrichment, hemisphere_degree, face_name
@@ -33,12 +33,14 @@ contains
     select case (spec%geometry)
     case (GEO_BOX)
       d = minloc(spec%length, 1)
-      if (.not. spec%length(d) > 0.0_wp) call complain('has a box of length ' &
-        //to_text(spec%length(d))//' in direction '//to_text(d), 'lengths are positive')
+      if (.not. spec%length(d) > 0.0_wp) then
+        call complain('has a box of length '//to_text(spec%length(d))//' in direction ' &
+                      //to_text(d), 'lengths are positive')
+      end if
     case (GEO_HEMISPHERE)
       if (.not. (spec%thickness > 0.0_wp .and. spec%radius > spec%thickness)) then
         call complain('has a hemisphere of radius '//to_text(spec%radius)//' and thickness ' &
-        //to_text(spec%thickness), 'the thickness lies between 0 and the radius')
+                      //to_text(spec%thickness), 'the thickness lies between 0 and the radius')
       end if
     case (GEO_NURBS)
       call check_nurbs(spec%nurbs, "patch '"//spec%name//"'", spec%place, error)
@@ -50,7 +52,7 @@ contains
     d = minloc(spec%nelem, 1)
     if (spec%nelem(d) < 1) then
       call complain('has '//to_text(spec%nelem(d))//' elements in direction '//to_text(d), &
-        'give ELEMents n1 n2 n3')
+                    'give ELEMents n1 n2 n3')
       return
     end if
     m = 1
@@ -61,12 +63,12 @@ contains
     case ('IGA')
       if (spec%degree < 1 .or. spec%degree > MAX_DEGREE) then
         call complain('asks for IGA of degree '//to_text(spec%degree), 'degrees are 1 to ' &
-          //to_text(MAX_DEGREE))
+                      //to_text(MAX_DEGREE))
         return
       end if
     case default
       call complain("asks for elements of type '"//trim(spec%type)//"'", &
-        'known types of solids: Q1 Q1E9 Q2 IGA')
+                    'known types of solids: Q1 Q1E9 Q2 IGA')
       return
     end select
     n = 1_i8
@@ -74,8 +76,8 @@ contains
       n = n*(int(m, i8)*spec%nelem(d) + MAX_DEGREE)
       if (n > MAX_NODE) then
         call complain('asks for '//to_text(spec%nelem(1))//' x '//to_text(spec%nelem(2))//' x ' &
-          //to_text(spec%nelem(3))//' elements, more than this program numbers', &
-          'a body has at most '//to_text(int(MAX_NODE))//' nodes')
+                      //to_text(spec%nelem(3))//' elements, more than this program numbers', &
+                      'a body has at most '//to_text(int(MAX_NODE))//' nodes')
         return
       end if
     end do
@@ -96,6 +98,10 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: i
 
+    do i = 1, size(spec%enrich)
+      call check_order(spec%enrich(i), error)
+      if (allocated(error)) return
+    end do
     degree = 1
     if (spec%type == 'IGA') degree = spec%degree
     if (spec%type == 'Q2' .or. spec%type == 'RIGID') degree = 2
@@ -104,11 +110,22 @@ contains
     do i = 2, size(spec%enrich)
       if (spec%enrich(i)%degree == degree) cycle
       call fail(error, DECK_ERROR, "the faces of hemisphere '"//spec%name//"' have orders " &
-        //to_text(degree)//' and '//to_text(spec%enrich(i)%degree), spec%enrich(i)%place, &
-        'one spline makes the whole hemisphere: give its faces one order')
+                //to_text(degree)//' and '//to_text(spec%enrich(i)%degree), spec%enrich(i)%place, &
+                'one spline makes the whole hemisphere: give its faces one order')
       return
     end do
   end subroutine hemisphere_degree
+
+  !> Order of a face: splines are made of it.
+  subroutine check_order(e, error)
+    type(enrich_t), intent(in) :: e
+    type(error_t), allocatable, intent(out) :: error
+
+    if (e%degree >= 1 .and. e%degree <= MAX_DEGREE .and. e%raise >= 0 &
+        .and. e%raise <= MAX_DEGREE - e%degree) return
+    call fail(error, DECK_ERROR, 'order '//to_text(e%degree)//' raised by '//to_text(e%raise), &
+              e%place, 'orders are at least 1, and at most '//to_text(MAX_DEGREE)//' when raised')
+  end subroutine check_order
 
   !> ENRIch records against the elements, the geometry and each other.
   subroutine check_enrichment(spec, geo, error)
@@ -130,8 +147,8 @@ contains
         along((e%face + 1)/2) = .true.
         if (.not. all(along)) cycle
         call fail(error, DECK_ERROR, "three enriched faces of patch '"//spec%name &
-          //"' meet in a corner", e%place, &
-          'only two of the directions 1, 2, 3 can have enriched faces in one patch')
+                  //"' meet in a corner", e%place, &
+                  'only two of the directions 1, 2, 3 can have enriched faces in one patch')
         return
       end associate
     end do
@@ -139,9 +156,9 @@ contains
     do d = 1, 3
       if (geo%coarse%dir(d)%degree <= spec%degree) cycle
       call fail(error, DECK_ERROR, "patch '"//spec%name//"' has degree " &
-        //to_text(geo%coarse%dir(d)%degree)//' in direction '//to_text(d) &
-        //', more than its elements', spec%place, &
-        'use TYPE IGA '//to_text(geo%coarse%dir(d)%degree))
+                //to_text(geo%coarse%dir(d)%degree)//' in direction '//to_text(d) &
+                //', more than its elements', spec%place, &
+                'use TYPE IGA '//to_text(geo%coarse%dir(d)%degree))
       return
     end do
   end subroutine check_enrichment
@@ -157,27 +174,23 @@ contains
     associate (e => spec%enrich(i), axis => (spec%enrich(i)%face + 1)/2)
       if (spec%type == 'IGA') then
         call fail(error, DECK_ERROR, 'ENRIch on elements of type IGA', e%place, &
-          'their faces are splines already: remove ENRIch, or use TYPE Q1, Q1E9 or Q2')
-      else if (e%degree < 1 .or. e%raise < 0 .or. e%degree > MAX_DEGREE &
-        .or. e%raise > MAX_DEGREE - e%degree) then
-        call fail(error, DECK_ERROR, 'order '//to_text(e%degree)//' raised by '//to_text(e%raise), &
-          e%place, 'orders are at least 1, and at most '//to_text(MAX_DEGREE)//' when raised')
+                  'their faces are splines already: remove ENRIch, or use TYPE Q1, Q1E9 or Q2')
       else if (e%eas .and. spec%type == 'Q2') then
         call fail(error, DECK_ERROR, 'ENRIch EAS on elements of type Q2', e%place, &
-          'enhanced modes belong to TYPE Q1 and Q1E9; Q2 does not need them')
+                  'enhanced modes belong to TYPE Q1 and Q1E9; Q2 does not need them')
       else if (product(pack(int(geo%n, i8)*(e%raise + 1) + e%degree, [1, 2, 3] /= axis)) &
-        > MAX_NODE) then
+               > MAX_NODE) then
         call fail(error, DECK_ERROR, 'face '//FACE(e%face)//" of patch '"//spec%name &
-          //"' has more control points than this program numbers", e%place, &
-          'a body has at most '//to_text(int(MAX_NODE))//' nodes')
+                  //"' has more control points than this program numbers", e%place, &
+                  'a body has at most '//to_text(int(MAX_NODE))//' nodes')
       end if
       if (allocated(error)) return
       do d = 1, 3
         if (d == axis .or. geo%coarse%dir(d)%degree <= e%degree) cycle
         call fail(error, DECK_ERROR, 'face '//FACE(e%face)//" of patch '"//spec%name &
-          //"' has degree "//to_text(geo%coarse%dir(d)%degree)//' in direction '//to_text(d) &
-          //', more than order '//to_text(e%degree), e%place, 'use ENRIch ' &
-          //FACE(e%face)//' '//to_text(geo%coarse%dir(d)%degree))
+                  //"' has degree "//to_text(geo%coarse%dir(d)%degree)//' in direction ' &
+                  //to_text(d)//', more than order '//to_text(e%degree), e%place, &
+                  'use ENRIch '//FACE(e%face)//' '//to_text(geo%coarse%dir(d)%degree))
         return
       end do
     end associate
@@ -194,17 +207,17 @@ contains
       axis = (b%face + 1)/2
       if (a%face == b%face) then
         call fail(error, DECK_ERROR, 'face '//FACE(b%face)//" of patch '"//spec%name &
-          //"' is enriched twice", b%place)
+                  //"' is enriched twice", b%place)
       else if ((a%face + 1)/2 == axis) then
         if (spec%nelem(axis) > 1) return
         call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
-          //' are both enriched but share their only layer of elements', b%place, &
-          'give at least 2 elements in direction '//to_text(axis))
+                  //' are both enriched but share their only layer of elements', b%place, &
+                  'give at least 2 elements in direction '//to_text(axis))
       else if (a%degree /= b%degree .or. a%raise /= b%raise) then
         call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
-          //' share an edge but have orders '//to_text(a%degree)//'.'//to_text(a%raise)//' and ' &
-          //to_text(b%degree)//'.'//to_text(b%raise), b%place, &
-          'their edge is one curve: give both the same order and RAISe')
+                  //' share an edge but have orders '//to_text(a%degree)//'.' &
+                  //to_text(a%raise)//' and '//to_text(b%degree)//'.'//to_text(b%raise), b%place, &
+                  'their edge is one curve: give both the same order and RAISe')
       end if
     end associate
   end subroutine check_pair
