@@ -75,7 +75,8 @@ contains
         call write_row(run%curve(i), run%state%step, run%state%time, factor, &
                        run%newton%iterations, run%plan%cutbacks, run%newton%converged, value, error)
         if (allocated(error)) return
-        call move_alloc(value, run%last_row(i)%value)
+        run%last_row(i)%value = [real(run%state%step, wp), run%state%time, value]
+        deallocate (value)
       end associate
     end do
   end subroutine write_rows

@@ -79,7 +79,7 @@ module command_type
 
   !> Values of one row of a curve.
   type :: row_t
-    real(wp), allocatable :: value(:)
+    real(wp), allocatable :: value(:)  !! step, time, then the quantities
   end type row_t
 
   !> The last moment a restart can begin at and still repeat this run to the last bit. With FULL

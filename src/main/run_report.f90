@@ -70,7 +70,8 @@ contains
           column(j) = curve%quantity(j)%column
         end do
         call curve_names(column, name)
-        call add_curve(report%final, curve%name, name, job%last_row(i)%value)
+        call add_curve(report%final, curve%name, [character(len(name)) :: 'step', 'time', name], &
+                       job%last_row(i)%value)
         deallocate (column, name)
       end associate
     end do
