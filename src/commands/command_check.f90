@@ -2,7 +2,7 @@
 module command_check
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_text, only: to_text
-  use boundary, only: boundary_t
+  use boundary, only: boundary_t, place_of_number
   implicit none
   private
   public :: check_tables
@@ -15,7 +15,7 @@ contains
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: ntable   !! highest table that a PROP defines
     type(error_t), allocatable, intent(out) :: error
-    type(place_t) :: nowhere
+    type(place_t) :: place
     integer :: i
 
     if (ntable == 0) return
@@ -26,10 +26,13 @@ contains
       call check(bc%pressure(i)%table, bc%pressure(i)%place)
     end do
     do i = 1, size(bc%dead)
-      call check(bc%dead(i)%table, nowhere)
+      call check(bc%dead(i)%table, bc%dead(i)%place)
     end do
     do i = 1, size(bc%table, 2)
-      if (maxval(bc%table(:, i)) > ntable) call check(maxval(bc%table(:, i)), nowhere)
+      if (maxval(bc%table(:, i)) <= ntable) cycle
+      call place_of_number(bc, maxval(bc%table(:, i)), place)
+      call check(maxval(bc%table(:, i)), place)
+      return
     end do
 
   contains

@@ -1,9 +1,11 @@
 !> --check: sizes, equations, memory; nothing is solved.
 module check_deck
   use base_error, only: error_t
+  use base_log, only: warning_count
   use base_text, only: to_text
   use base_system, only: available_memory_mb
   use command_type, only: run_t
+  use listing, only: warn_loose
   use listing_contact, only: contact_size
   use newton, only: prepare_newton
   implicit none
@@ -32,7 +34,8 @@ contains
     if (allocated(error)) return
     print '(a)', 'memory     about '//to_text(job%newton%system%estimate_mb, 3) &
       //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
-    print '(a)', 'no problems found'
+    call warn_loose(job%model)
+    if (warning_count() == 0) print '(a)', 'no problems found'
   end subroutine print_check
 
 end module check_deck

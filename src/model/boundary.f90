@@ -5,7 +5,8 @@ module boundary
   use base_error, only: place_t
   implicit none
   private
-  public :: boundary_t, motion_t, pressure_t, dead_load_t
+  public :: boundary_t, motion_t, pressure_t, dead_load_t, load_number_t
+  public :: note_load_number, place_of_number
 
   !> Rigid motion of a set of nodes: MOVE. Acts on reference positions; all moves of one node add up
   !! in deck order (rotations about their axes first applied to the reference position, then the
@@ -35,7 +36,14 @@ module boundary
     integer :: table = 0
     integer, allocatable :: node(:)
     real(wp), allocatable :: f(:, :) !! (3, size(node)) [F] at factor 1
+    type(place_t) :: place           !! of the first of them
   end type dead_load_t
+
+  !> A load number of nodes, and where the deck gives it first.
+  type :: load_number_t
+    integer :: table = 0
+    type(place_t) :: place
+  end type load_number_t
 
   type :: boundary_t
     integer, allocatable :: fixed(:, :)       !! (3, nnode) restraint code; not 0: prescribed
@@ -48,6 +56,41 @@ module boundary
     type(pressure_t), allocatable :: pressure(:)
     type(dead_load_t), allocatable :: dead(:) !! body forces, CSURf and dead pressures, once
     !! integrated
+    type(load_number_t), allocatable :: number(:) !! of FPRO and EPRO, each once
+    type(place_t), allocatable :: loose(:) !! records of displacements where nothing is restrained
   end type boundary_t
+
+contains
+
+  !> Keep the place of a load number that is new.
+  subroutine note_load_number(bc, table, place)
+    type(boundary_t), intent(inout) :: bc
+    integer, intent(in) :: table
+    type(place_t), intent(in) :: place
+    type(load_number_t), allocatable :: longer(:)
+    integer :: n
+
+    if (.not. allocated(bc%number)) allocate (bc%number(0))
+    n = size(bc%number)
+    if (table == 0 .or. any(bc%number%table == table)) return
+    allocate (longer(n + 1))
+    longer(:n) = bc%number
+    longer(n + 1)%table = table
+    longer(n + 1)%place = place
+    call move_alloc(longer, bc%number)
+  end subroutine note_load_number
+
+  !> Where nodes get a load number first; no place where none does.
+  subroutine place_of_number(bc, table, place)
+    type(boundary_t), intent(in) :: bc
+    integer, intent(in) :: table
+    type(place_t), intent(out) :: place
+    integer :: i
+
+    if (.not. allocated(bc%number)) return
+    do i = 1, size(bc%number)
+      if (bc%number(i)%table == table) place = bc%number(i)%place
+    end do
+  end subroutine place_of_number
 
 end module boundary

@@ -1,6 +1,6 @@
 !> The log's account of what was read and which formulations run.
 module listing
-  use base_log, only: log_line
+  use base_log, only: log_line, warn
   use base_text, only: to_text
   use listing_contact, only: list_contact
   use material_type, only: material_t
@@ -9,7 +9,7 @@ module listing
   use rigid_block, only: is_rigid
   implicit none
   private
-  public :: list_model
+  public :: list_model, warn_loose
 
 contains
 
@@ -31,10 +31,24 @@ contains
     do m = 1, size(model%contact)
       call list_contact(model%contact(m))
     end do
-    if (any(is_rigid(model%mesh%block)) .and. size(model%contact) == 0) &
+    if (any(is_rigid(model%mesh%block)) .and. size(model%contact) == 0) then
       call log_line('rigid     nothing touches the rigid patches: the deck has no CONTact')
+    end if
+    call warn_loose(model)
     call log_line('')
   end subroutine list_model
+
+  !> Displacements that act nowhere.
+  subroutine warn_loose(model)
+    type(model_t), intent(in) :: model
+    integer :: i
+
+    if (.not. allocated(model%bc%loose)) return
+    do i = 1, size(model%bc%loose)
+      call warn('a displacement is prescribed where the node is free: it has no effect there', &
+                model%bc%loose(i), hint='restrain it: BOUN, EBOU, CBOU or FIX')
+    end do
+  end subroutine warn_loose
 
   subroutine list_block(model, block)
     type(model_t), intent(in) :: model
@@ -43,8 +57,8 @@ contains
 
     text = 'elements  '//to_text(block%nelem)//' '//trim(block%name)//where_of(model, block%body)
     if (.not. is_rigid(block)) text = text//', '//to_text(block%nen)//' nodes, ' &
-      //to_text(block%rule%nq)//' points, material ' &
-      //to_text(model%material(block%material)%number)
+                                      //to_text(block%rule%nq)//' points, material ' &
+                                      //to_text(model%material(block%material)%number)
     call log_line(text)
     call log_line('          '//trim(block%row%source))
   end subroutine list_block

@@ -4,9 +4,9 @@
 !! CDIS and CSUR, each in deck order.
 module setup_apply
   use base_kinds, only: wp
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_text, only: to_text
-  use boundary, only: boundary_t
+  use boundary, only: boundary_t, note_load_number
   use mesh, only: mesh_t
   use rigid_block, only: solid_nodes
   use setup_build, only: build_t, request_t
@@ -15,7 +15,7 @@ module setup_apply
   use setup_surface, only: mark_surface, load_surface
   implicit none
   private
-  public :: apply_conditions
+  public :: apply_conditions, note_loose
 
   real(wp), parameter :: PLANE_SHARE = 1.0e-3_wp  !! FEAP's search gap, share of the mesh's extent
   real(wp), parameter :: POINT_SHARE = 1.0e-10_wp !! the same for points
@@ -74,8 +74,8 @@ contains
         if (build%nodes%given(n)) cycle
       end if
       call fail(error, DECK_ERROR, 'node '//to_text(n)//' is not defined', &
-        build%mention%place%at(i), &
-        'nodes are 1 to '//to_text(mesh%nnode))
+                build%mention%place%at(i), &
+                'nodes are 1 to '//to_text(mesh%nnode))
       call build%errors%add(error)
     end do
   end subroutine check_mentions
@@ -102,13 +102,7 @@ contains
     logical, allocatable :: on(:)
     integer :: n
 
-    if (allocated(r%surface)) then
-      call mark_surface(mesh, r, active, on)
-    else if (r%direction > 0) then
-      call mark_plane(mesh, r, active, on)
-    else
-      call mark_point(mesh, r, active, on)
-    end if
+    call mark(mesh, r, active, on)
     if (.not. any(on)) then
       call complain(mesh, r, active, error)
       return
@@ -117,10 +111,65 @@ contains
       call load_surface(mesh, r, on, bc, error)
       return
     end if
+    if (r%kind == R_EPRO) then
+      do n = 1, size(r%value)
+        call note_load_number(bc, abs(nint(r%value(n))), r%place)
+      end do
+    end if
     do n = 1, mesh%nnode
       if (on(n)) call set_node(r, n, bc)
     end do
   end subroutine apply
+
+  !> Nodes that a record means.
+  subroutine mark(mesh, r, active, on)
+    type(mesh_t), intent(in) :: mesh
+    type(request_t), intent(in) :: r
+    logical, intent(in) :: active(:)
+    logical, allocatable, intent(out) :: on(:)
+
+    if (allocated(r%surface)) then
+      call mark_surface(mesh, r, active, on)
+    else if (r%direction > 0) then
+      call mark_plane(mesh, r, active, on)
+    else
+      call mark_point(mesh, r, active, on)
+    end if
+  end subroutine mark
+
+  !> Displacements act where a node is restrained (FEAP). Records that prescribe some elsewhere are
+  !! kept, for a warning; to be called when all restraints are known.
+  subroutine note_loose(build, mesh, bc)
+    type(build_t), intent(in) :: build
+    type(mesh_t), intent(in) :: mesh
+    type(boundary_t), intent(inout) :: bc
+    logical, allocatable :: loose(:, :), active(:), on(:)
+    type(place_t), allocatable :: found(:)
+    integer :: i, d, n
+
+    loose = abs(bc%value) > 0.0_wp .and. bc%fixed == 0 .and. spread(mesh%used, 1, 3)
+    if (.not. any(loose)) return
+    allocate (found(build%nrequest + 1))
+    n = 0
+    call mark_active(build, mesh, active)
+    do i = 1, build%nrequest
+      associate (r => build%request(i))
+        if (all(r%kind /= [R_EDIS, R_CDIS])) cycle
+        call mark(mesh, r, active, on)
+        if (.not. any([(abs(r%value(d)) > 0.0_wp .and. any(on .and. loose(d, :)), d=1, 3)])) cycle
+        n = n + 1
+        found(n) = r%place
+        do d = 1, 3
+          if (abs(r%value(d)) > 0.0_wp) loose(d, :) = loose(d, :) .and. .not. on
+        end do
+      end associate
+    end do
+    if (any(loose)) then
+      n = n + 1
+      found(n) = build%nodes%disp
+    end if
+    bc%loose = found(:n)
+  end subroutine note_loose
 
   subroutine set_node(r, n, bc)
     type(request_t), intent(in) :: r
@@ -207,12 +256,12 @@ contains
     else if (r%direction > 0) then
       associate (x => mesh%xr(r%direction, :))
         call fail(error, DECK_ERROR, 'no node lies on the plane x'//to_text(r%direction)//' = ' &
-          //to_text(r%at(1)), r%place, 'the mesh spans '//to_text(minval(x, active))//' to ' &
-          //to_text(maxval(x, active))//' in that direction')
+                  //to_text(r%at(1)), r%place, 'the mesh spans '//to_text(minval(x, active)) &
+                  //' to '//to_text(maxval(x, active))//' in that direction')
       end associate
     else
       call fail(error, DECK_ERROR, 'no node lies on the surface', r%place, &
-        'GAP d widens the search')
+                'GAP d widens the search')
     end if
   end subroutine complain
 

@@ -7,7 +7,7 @@ module setup_finish
   use model_basis, only: tabulate_basis
   use rigid_block, only: is_rigid
   use patch_body, only: build_body
-  use setup_apply, only: apply_conditions
+  use setup_apply, only: apply_conditions, note_loose
   use setup_build, only: build_t
   use setup_check, only: check_references, check_jacobians
   use setup_contact_build, only: build_contacts
@@ -45,6 +45,7 @@ contains
       call resolve_supports(build, model)
       call hold_rigid(build, model)
       call resolve_loads(build, model)
+      call note_loose(build, model%mesh, model%bc)
       call resolve_curves(build, model)
       if (build%errors%count() > 0) return
       call check_jacobians(build, model%mesh)
@@ -98,14 +99,14 @@ contains
 
     if (any(mesh%used) .and. all(is_rigid(mesh%block))) then
       call fail(error, DECK_ERROR, 'all bodies are rigid', build%control%place, &
-        'give a body that can be deformed')
+                'give a body that can be deformed')
     else if (.not. any(mesh%used)) then
       call fail(error, DECK_ERROR, 'the mesh has no elements', build%control%place, &
-        'give ELEMents, BLOCk, NPATch or PATCh')
+                'give ELEMents, BLOCk, NPATch or PATCh')
     else if (mesh%nnode > MAX_NUMBER) then
       call fail(error, DECK_ERROR, 'the mesh has '//to_text(mesh%nnode)//' nodes', &
-        build%control%place, &
-        'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+                build%control%place, &
+                'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
     end if
     if (allocated(error)) call build%errors%add(error)
   end subroutine check_size

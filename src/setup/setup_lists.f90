@@ -19,6 +19,7 @@ module setup_lists
     real(wp), allocatable :: force(:, :)     !! (3, n) FORC [F]
     real(wp), allocatable :: value(:, :)     !! (3, n) DISP [L]
     integer, allocatable :: table(:, :)      !! (3, n) FPRO
+    type(place_t) :: disp                    !! the first record of DISP
   end type node_list_t
 
   !> Elements 1 to `top`.

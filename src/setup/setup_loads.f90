@@ -31,13 +31,16 @@ contains
         if (is_rigid(model%mesh%block(b))) cycle
         associate (set => model%material(model%mesh%block(b)%material))
           if (set%body_table == table(i) .and. any(abs(set%body_force) > 0.0_wp)) then
+            if (.not. allocated(model%bc%dead(i)%place%file)) model%bc%dead(i)%place = set%place
             call add_body_force(model%mesh, model%mesh%block(b), set%body_force, f)
           end if
         end associate
       end do
       do b = 1, size(model%bc%pressure)
         associate (p => model%bc%pressure(b))
-          if (p%table == table(i) .and. .not. p%follower) call add_pressure(model%mesh, p, f)
+          if (p%table /= table(i) .or. p%follower) cycle
+          if (.not. allocated(model%bc%dead(i)%place%file)) model%bc%dead(i)%place = p%place
+          call add_pressure(model%mesh, p, f)
         end associate
       end do
       model%bc%dead(i)%table = table(i)
@@ -57,8 +60,9 @@ contains
     do b = 1, size(model%mesh%block)
       if (is_rigid(model%mesh%block(b))) cycle
       associate (set => model%material(model%mesh%block(b)%material))
-        if (all(table /= set%body_table) .and. any(abs(set%body_force) > 0.0_wp)) table = [table, &
-          set%body_table]
+        if (all(table /= set%body_table) .and. any(abs(set%body_force) > 0.0_wp)) then
+          table = [table, set%body_table]
+        end if
       end associate
     end do
     do b = 1, size(model%bc%pressure)

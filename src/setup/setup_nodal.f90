@@ -6,7 +6,8 @@
 !! Source: FEAPpv's manual
 module setup_nodal
   use base_kinds, only: wp
-  use base_error, only: error_t
+  use base_error, only: error_t, place_t
+  use boundary, only: note_load_number
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use setup_build, only: build_t, next_data, check_number
@@ -62,6 +63,7 @@ contains
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
+    type(place_t) :: place
     integer :: n, step, last, last_step, number(3), i
 
     call check_count(record, 1, 1, 'FPROportional stands alone; its data follow: n g k1 k2 k3', &
@@ -72,8 +74,12 @@ contains
     do
       last = n
       last_step = step
-      call read_integers(build, deck, 'load numbers are: n g k1 k2 k3', n, step, number, error)
+      call read_integers(build, deck, 'load numbers are: n g k1 k2 k3', n, step, number, error, &
+                         place)
       if (allocated(error) .or. n == 0) return
+      do i = 1, 3
+        call note_load_number(build%model%bc, abs(number(i)), place)
+      end do
       build%nodes%table(:, n) = abs(number)
       if (last == 0 .or. last_step == 0) cycle
       do i = last + sign(last_step, n - last), n, sign(last_step, n - last)
@@ -83,18 +89,20 @@ contains
   end subroutine read_load_numbers
 
   !> One record of whole numbers; n = 0 at the end of the data.
-  subroutine read_integers(build, deck, usage, n, step, value, error)
+  subroutine read_integers(build, deck, usage, n, step, value, error, place)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     character(*), intent(in) :: usage
     integer, intent(out) :: n, step, value(3)
     type(error_t), allocatable, intent(out) :: error
+    type(place_t), intent(out), optional :: place
     type(record_t) :: record
     integer :: d
 
     value = 0
     call read_head(build, deck, usage, record, n, step, error)
     if (n == 0) return
+    if (present(place)) place = record%place(1)
     do d = 1, 3
       if (allocated(error)) return
       call get_integer(deck, record, d + 2, value(d), error, 0)
@@ -184,6 +192,7 @@ contains
         build%nodes%force(:, n) = x
       else
         build%nodes%value(:, n) = x
+        if (.not. allocated(build%nodes%disp%file)) build%nodes%disp = record%place(1)
       end if
       if (last == 0 .or. last == n .or. last_step == 0) cycle
       if (is_force) then
