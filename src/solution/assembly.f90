@@ -97,12 +97,13 @@ contains
     type(sweep_t), intent(out) :: sweep
     type(error_t), allocatable, intent(out) :: error
     real(wp) :: start
-    logical :: grown
+    logical :: grown, symmetric
     integer :: b
 
     start = wall_seconds()
     call find_contact(asm%contact, model, state, grown)
-    if (grown) call set_pattern(asm, model, asm%k%symmetric, state%step, error)
+    symmetric = asm%k%symmetric ! a copy: the pattern is made anew
+    if (grown) call set_pattern(asm, model, symmetric, state%step, error)
     if (allocated(error)) return
     sweep%contact_seconds = wall_seconds() - start
     asm%f_int = 0.0_wp
