@@ -72,13 +72,14 @@ contains
     type(spot_t), intent(inout) :: spot
     logical, intent(out) :: moved
     type(spot_t) :: other
-    integer :: vertex, r
+    integer :: vertex, r, elem
 
     moved = .false.
     vertex = surface%vertex(c, spot%elem)
     do r = surface%ring_first(vertex), surface%ring_first(vertex + 1) - 1
-      if (surface%ring_elem(r) == spot%elem) cycle
-     call look_at(surface, shape, surface%ring_elem(r), corner_xi(surface%ring_corner(r)), x, other)
+      elem = surface%ring_elem(r)
+      if (elem == spot%elem) cycle
+      call look_at(surface, shape, elem, corner_xi(surface%ring_corner(r)), x, other)
       moved = falls_inwards(other, 1) .or. falls_inwards(other, 2)
       if (moved) then
         spot = other
@@ -92,8 +93,8 @@ contains
     type(spot_t), intent(in) :: spot
     integer, intent(in) :: i
 
-    falls_inwards = spot%regular .and. &
-                 spot%g(i)*spot%xi(i) < 0.0_wp .and. .not. is_rounding(spot, i, spot%g(i)/spot%m(i))
+    falls_inwards = spot%regular .and. spot%g(i)*spot%xi(i) < 0.0_wp
+    if (falls_inwards) falls_inwards = .not. is_rounding(spot, i, spot%g(i)/spot%m(i))
   end function falls_inwards
 
   pure integer function corner_at(xi)

@@ -178,9 +178,7 @@ contains
       call compare_edges(edges, a, b, min(edges%length(ea), edges%length(eb)), same, reverse)
       if (.not. same) return
       if (surface%neighbour(ka, ea) > 0 .or. surface%neighbour(kb, eb) > 0) then
-        call fail(error, DECK_ERROR, 'surface '//surface%name//' of a contact: more than two of ' &
-             //'its element faces meet at the edge at node '//to_text(edges%node(edges%first(a))), &
-         hint='name the faces of one side only once, and give a body that touches itself two names')
+        call fail_joint(surface%name, edges%node(edges%first(a)), error)
         return
       end if
       surface%neighbour(ka, ea) = eb
@@ -189,6 +187,16 @@ contains
       surface%edge(kb, eb) = merge(-ka, ka, reverse)
     end subroutine try_pair
   end subroutine match_edges
+
+  subroutine fail_joint(name, node, error)
+    character(*), intent(in) :: name
+    integer, intent(in) :: node
+    type(error_t), allocatable, intent(out) :: error
+
+    call fail(error, DECK_ERROR, 'more than two element faces of surface '//name//' of a ' &
+              //'contact meet at the edge at node '//to_text(node), &
+              hint='name each face of a side only once')
+  end subroutine fail_joint
 
   !> The same nodes at the same places, in either direction.
   pure subroutine compare_edges(edges, a, b, length, same, reverse)

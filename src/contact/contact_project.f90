@@ -103,7 +103,7 @@ contains
       if (idle < MOST_CHANGES) then
         moved = .false.
         if (any(edge > 0)) call change_element(surface, shape, x, edge, spot, moved)
-    if (allocated(surface%point) .and. .not. moved) call leave_point(surface, shape, x, spot, moved)
+        if (.not. moved) call leave_point(surface, shape, x, spot, moved)
         if (moved) then
           if (idle == 0) changes = changes + 1
           idle = idle + 1

@@ -15,7 +15,7 @@ contains
     type(surface_t), intent(in) :: surface
     real(wp), intent(in) :: x(:, :)       !! (3, nnode) current positions [L]
     type(shape_t), intent(inout) :: shape
-    integer :: e, n
+    integer :: e, b, n
 
     if (.not. allocated(shape%bez)) call allocate_shape(surface, shape)
     do e = 1, surface%nelem
@@ -27,8 +27,12 @@ contains
         else
           call find_points(kind%c, surface%node(first:), x, shape%bez(:, :n, e))
         end if
-        shape%low(:, e) = minval(shape%bez(:, :n, e), dim=2)
-        shape%high(:, e) = maxval(shape%bez(:, :n, e), dim=2)
+        shape%low(:, e) = shape%bez(:, 1, e)
+        shape%high(:, e) = shape%bez(:, 1, e)
+        do b = 2, n
+          shape%low(:, e) = min(shape%low(:, e), shape%bez(:, b, e))
+          shape%high(:, e) = max(shape%high(:, e), shape%bez(:, b, e))
+        end do
       end associate
     end do
   end subroutine update_shape
