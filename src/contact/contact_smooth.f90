@@ -27,6 +27,9 @@ module contact_smooth
     real(wp), allocatable :: gap(:)         !! (n) [L] of the points above the other surface
   end type smooth_t
 
+  !> Share of a squared pressure that may be rounding.
+  real(wp), parameter :: ROUNDING = 64.0_wp*epsilon(1.0_wp)
+
   !> Rows of the sums; 1 to 11 as in add_point.
   integer, parameter :: AREA = 12, GAP = 13, GAP_AREA = 14, NSUM = 14
 
@@ -108,7 +111,7 @@ contains
       value(4) = points%pressure(i)
       value(5:7) = points%elastic(:, i)
       value(8) = share_of(points%state(i))
-      value(9:11) = friction_of(points%traction(:, i), points%elastic(:, i))
+      value(9:11) = friction_of(points%traction(:, i), points%pressure(i), points%elastic(:, i))
     end if
     if (points%foot(i) > 0 .and. points%gap(i) < huge(1.0_wp)) then
       value(GAP) = points%gap(i)
@@ -120,15 +123,19 @@ contains
     end do
   end subroutine add_point
 
-  !> Friction acts along the elastic part of the tangential way, the pressure across it.
-  pure function friction_of(t, elastic) result(friction)
-    real(wp), intent(in) :: t(3), elastic(3)
+  !> Friction acts along the elastic part of the tangential way, the pressure across it. A way that
+  !! is rounding points anywhere: friction is not more than what the pressure leaves of t.
+  pure function friction_of(t, p, elastic) result(friction)
+    real(wp), intent(in) :: t(3), p, elastic(3)
     real(wp) :: friction(3)
-    real(wp) :: size
+    real(wp) :: size, most
 
     friction = 0.0_wp
     size = norm2(elastic)
-    if (size > 0.0_wp) friction = dot_product(t, elastic/size)*(elastic/size)
+    if (.not. size > 0.0_wp) return
+    friction = dot_product(t, elastic/size)*(elastic/size)
+    most = sqrt(max(0.0_wp, dot_product(t, t) - p*p) + ROUNDING*p*p)
+    if (norm2(friction) > most) friction = friction*(most/norm2(friction))
   end function friction_of
 
   pure real(wp) function share_of(state)

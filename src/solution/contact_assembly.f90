@@ -5,8 +5,8 @@ module contact_assembly
   use contact_element, only: work_t, new_work, form_element, touches, element_functions
   use contact_foot, only: foot_t, shape_t
   use contact_pair, only: contact_t, contact_points_t, surface_t
-  use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, prune_pairs, pair_clique, &
-    map_pairs
+  use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
+    pair_clique, map_pairs
   use contact_project, only: project
   use contact_search, only: grid_t, update_grid
   use contact_shape, only: update_shape
@@ -28,6 +28,7 @@ module contact_assembly
 
   !> One contact under way.
   type :: contact_work_t
+    integer :: step = -1                 !! of the last search
     type(shape_t) :: shape(2)
     type(grid_t) :: grid(2)
     type(feet_t) :: feet(2)
@@ -66,7 +67,9 @@ contains
       acts = state%time - state%dt >= contact%after - AT_ONCE*state%dt
   end function friction_acts
 
-  !> Project all points; `grown`: elements are coupled now that the pattern does not couple.
+  !> Project all points; `grown`: the pattern must be made anew, as elements are coupled now that it
+  !! does not couple, or as a step begins with fewer: its pattern may not tell of the steps before,
+  !! which a restarted run has not seen.
   subroutine find_contact(work, model, state, grown)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -91,7 +94,9 @@ contains
           if (contact%side(k)%rigid) cycle
           call find_feet(work(c), contact, k, x, state%contact(c)%side(k))
           call need_pairs(work(c), contact, k, state%contact(c)%side(k), slides, state%step, grown)
+          if (work(c)%step /= state%step) grown = grown .or. has_idle(work(c)%pairs(k), state%step)
         end do
+        work(c)%step = state%step
       end associate
     end do
   end subroutine find_contact
@@ -274,13 +279,16 @@ contains
     type(contact_work_t), intent(in) :: work(:)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
+    real(wp), allocatable :: x(:, :)
     integer :: c, k
 
+    if (size(work) == 0) return
+    x = model%mesh%xr + state%u
     do c = 1, size(work)
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
-        call accept_slides(model%contact(c)%side(3 - k), work(c)%shape(3 - k), &
-          state%contact(c)%side(k))
+        call accept_slides(model%contact(c)%side(k), model%contact(c)%side(3 - k), &
+          work(c)%shape(3 - k), x, work(c)%feet(k)%at, state%contact(c)%side(k))
       end do
     end do
   end subroutine accept_contact
