@@ -11,6 +11,7 @@ curve  = "tip"                               # the file <deck>_tip.dat ...
 column = "disp"                              # ... its column (beginning of the name; default: first quantity)
 row    = "last"                              # last, first, a step's number, or { time = 0.5 }
 factor = 1.0                                 # got = factor * value
+formula = "last(force_3)/last(force_3_2)"    # instead of column, row and factor: a number made of columns, verification/formula.py
 want   = 6.937
 rel    = 1e-3                                # or abs; at least one
 slow   = true                                # with --all only
@@ -52,12 +53,12 @@ from post._tolerance import DEFAULT, KINDS, Tolerance, Tolerances
 
 DIFF_KEYS = {*KINDS, "column", "interpolate", "key", "only", "ignore"}
 CHECK_KEYS = {
-    "name", "deck", "set", "options", "exit", "source", "slow", "row", "factor", "time_limit",
+    "name", "deck", "set", "options", "exit", "source", "slow", "row", "factor", "time_limit", "formula",
     "curve", "column", "report", "field", "affine", "want", "rel", "abs", "scaled",
     "reference", "interpolate", "key", "only", "ignore", "each", "vary", "where", "map",
 }  # fmt: skip
 STUDY_KEYS = {
-    "name", "deck", "set", "options", "time_limit", "source", "slow", "curve", "column", "row", "factor", "value", "want",
+    "name", "deck", "set", "options", "time_limit", "source", "slow", "curve", "column", "row", "factor", "formula", "value", "want",
     "limit", "shrink", "each", "vary", "where", "map",
 }  # fmt: skip
 

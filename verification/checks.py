@@ -11,6 +11,8 @@ import subprocess
 import time
 from dataclasses import dataclass, field
 
+from formula import evaluate
+
 from post import diff
 from post._error import Unreadable
 from post._expect import diff_arguments, tolerance_of
@@ -137,7 +139,7 @@ def plan_check(folder, check):
 
 def _quantity(check):
     kind = next((k for k in ("curve", "report", "field") if k in check), "exit")
-    words = [str(check.get(k)) for k in (kind, "column", "reference") if k in check]
+    words = [str(check.get(k)) for k in (kind, "column", "formula", "reference") if k in check]
     return " ".join(words or ["exit code"]) + (f" {check['set']}" if check.get("set") else "")
 
 
@@ -186,6 +188,8 @@ def value_of(place, stem, entry):
         value = table.columns[table.find(entry["report"])][0]
         return str(value) if isinstance(value, str) else float(value) * entry.get("factor", 1.0)
     table = read_table(place / f"{stem}_{entry['curve']}.dat")
+    if "formula" in entry:
+        return evaluate(entry["formula"], table, entry.get("set", {}))
     column = entry.get("column") or next(iter(table.quantities()), "")
     return float(
         table.columns[table.find(column)][_row_index(table, entry.get("row", "last"))]

@@ -1,0 +1,58 @@
+"""A number made of several columns of a curve file: `formula` in a check of expect.toml."""
+
+import ast
+import re
+
+import numpy as np
+
+from post._error import Unreadable
+
+
+def last(x):
+    """The value of the last row."""
+    return np.asarray(x)[-1]
+
+
+def span(x):
+    """Largest less smallest value."""
+    return np.ptp(x)
+
+
+def work(force, way):
+    """Work of a force over a way from the first row on, by the trapezoidal rule."""
+    force, way = np.asarray(force), np.asarray(way)
+    return np.append(0.0, np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(way)))
+
+
+FUNCTIONS = {
+    "abs": np.abs, "sqrt": np.sqrt, "arcsin": np.arcsin, "log": np.log, "sum": np.sum, "min": np.min,
+    "max": np.max, "mean": np.mean, "diff": np.diff, "minimum": np.minimum, "maximum": np.maximum,
+    "where": np.where, "last": last, "span": span, "work": work, "pi": np.pi,
+}  # fmt: skip
+
+
+def evaluate(text, table, values):
+    """The number that `text` gives; names are columns (or their beginnings), functions as above.
+
+    `values` are the parameters that the check sets. A column is an array over the rows, so the
+    formula says which row, or which measure of all, it means.
+
+    >>> from post._table import Table
+    >>> evaluate("last(f)/n", Table("t", {"f_1": np.array([1.0, 3.0])}), {"n": 2})
+    1.5
+    """
+    names = dict(FUNCTIONS)
+    try:
+        tree = ast.parse(text, mode="eval")
+    except SyntaxError:
+        raise Unreadable(f"'{text}' is no formula") from None
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) or (isinstance(node, ast.Name) and "__" in node.id):
+            raise Unreadable(f"'{text}' is no formula")
+        if isinstance(node, ast.Name) and node.id not in names:
+            known = node.id in values
+            names[node.id] = values[node.id] if known else table.columns[table.find(node.id)]
+    result = np.asarray(eval(compile(tree, "formula", "eval"), {"__builtins__": {}}, names))
+    if result.size != 1:
+        raise Unreadable(f"'{re.sub(chr(10), ' ', text)}' gives {result.size} values, not one")
+    return float(result.reshape(()))
