@@ -5,7 +5,8 @@ module contact_pairs
   use csr_coupling, only: coupling_map
   implicit none
   private
-  public :: pairs_t, map_t, new_pairs, need_pair, find_pair, prune_pairs, pair_clique, map_pairs
+  public :: pairs_t, map_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, pair_clique, &
+    map_pairs
 
   !> Block positions of one pair.
   type :: map_t
@@ -78,6 +79,14 @@ contains
     pairs%partner = [pairs%partner, spread(0, 1, n)]
     pairs%used = [pairs%used, spread(0, 1, n)]
   end subroutine grow
+
+  !> There are pairs that were not needed since a step.
+  pure logical function has_idle(pairs, step)
+    type(pairs_t), intent(in) :: pairs
+    integer, intent(in) :: step
+
+    has_idle = any(pairs%used(:pairs%n) < step)
+  end function has_idle
 
   !> Forget the pairs that were not needed since a step.
   subroutine prune_pairs(pairs, step)
