@@ -1,8 +1,11 @@
 !> The report and the closing lines of a run.
 module run_report
   use base_error, only: error_t, NO_SOLUTION, STOPPED
+  use base_kinds, only: wp
   use base_system, only: peak_memory_mb
   use command_type, only: run_t
+  use contact_resultant, only: resultant_t
+  use contact_values, only: side_resultant
   use curve_file, only: curve_names
   use program_version, only: VERSION
   use report_file, only: report_t, write_report, add_count, add_real, add_curve
@@ -51,8 +54,31 @@ contains
       call add_real(report%seconds, trim(part(i)), job%timers%seconds(part(i)))
     end do
     call add_finals(job, report)
+    if (size(job%model%contact) > 0) call add_contacts(job, report)
     call write_report(job%stem//'.report.json', report, error)
   end subroutine report_run
+
+  !> How the contacts ended.
+  subroutine add_contacts(job, report)
+    type(run_t), intent(in) :: job
+    type(report_t), intent(inout) :: report
+    type(resultant_t) :: side
+    integer :: c, k
+
+    allocate (report%contact(size(job%model%contact)))
+    do c = 1, size(report%contact)
+      associate (row => report%contact(c))
+        row%name = job%model%contact(c)%name
+        do k = 1, 2
+          if (job%model%contact(c)%side(k)%rigid) cycle
+          call side_resultant(job%model, job%state, c, k, [0.0_wp, 0.0_wp, 0.0_wp], side)
+          row%points = row%points + side%npoint
+          row%closed = row%closed + side%nclosed
+          row%penetration = max(row%penetration, side%penetration)
+        end do
+      end associate
+    end do
+  end subroutine add_contacts
 
   !> The last row of every curve.
   subroutine add_finals(job, report)

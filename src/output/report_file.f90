@@ -6,8 +6,8 @@ module report_file
   use json_text, only: json_string, json_number, json_member, json_object
   implicit none
   private
-  public :: report_t, named_count_t, named_real_t, curve_row_t, write_report, add_count, add_real, &
-            add_curve
+  public :: report_t, named_count_t, named_real_t, curve_row_t, contact_row_t, write_report, &
+            add_count, add_real, add_curve
 
   type :: named_count_t
     character(:), allocatable :: name
@@ -25,6 +25,14 @@ module report_file
     type(named_real_t), allocatable :: column(:)
   end type curve_row_t
 
+  !> How a contact ended.
+  type :: contact_row_t
+    character(:), allocatable :: name
+    integer :: points = 0               !! integration points of both sides
+    integer :: closed = 0               !! of these in contact
+    real(wp) :: penetration = 0.0_wp    !! the largest [L]
+  end type contact_row_t
+
   type :: report_t
     character(:), allocatable :: version, deck
     character(12) :: status = 'failed'  !! done no_solution stopped failed
@@ -37,6 +45,7 @@ module report_file
     type(named_count_t), allocatable :: element(:)
     type(named_real_t), allocatable :: seconds(:)
     type(curve_row_t), allocatable :: final(:)
+    type(contact_row_t), allocatable :: contact(:)
   end type report_t
 
 contains
@@ -62,7 +71,11 @@ contains
            json_member('negative_pivots', json_number(report%negative_pivots))//SEP// &
            json_member('seconds', seconds(report))//SEP// &
            json_member('peak_memory_mb', json_number(report%peak_memory_mb))//SEP// &
-           json_member('final', finals(report))//new_line('a')//'}'//new_line('a')
+           json_member('final', finals(report))
+    if (allocated(report%contact)) then
+      text = text//SEP//json_member('contacts', contacts(report%contact))
+    end if
+    text = text//new_line('a')//'}'//new_line('a')
     call write_whole(path, text, error)
   end subroutine write_report
 
@@ -163,6 +176,22 @@ contains
     end if
     json = json_object(json)
   end function finals
+
+  function contacts(contact) result(json)
+    type(contact_row_t), intent(in) :: contact(:)
+    character(:), allocatable :: json, row
+    integer :: i
+
+    json = ''
+    do i = 1, size(contact)
+      if (i > 1) json = json//', '
+      row = json_member('points', json_number(contact(i)%points))//', '// &
+            json_member('in_contact', json_number(contact(i)%closed))//', '// &
+            json_member('largest_penetration', json_number(contact(i)%penetration))
+      json = json//json_member(contact(i)%name, json_object(row))
+    end do
+    json = json_object(json)
+  end function contacts
 
   pure function reals(list) result(json)
     type(named_real_t), intent(in) :: list(:)
