@@ -30,9 +30,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
     type(knot_vector_t) :: v
-    type(knot_vector_t), allocatable :: longer(:)
     logical :: more
-    integer :: n, i
+    integer :: n, used
 
     call check_count(record, 1, 1, 'KNOTs stands alone; open id len k1 k2 ... follow', error)
     if (allocated(error)) return
@@ -56,20 +55,28 @@ contains
         return
       end if
       v%place = line%place(2)
-      do i = 1, size(build%knots)
-        if (build%knots(i)%number == v%number) then
-          call fail(error, DECK_ERROR, 'knot vector '//to_text(v%number)//' is defined twice', &
-                    v%place)
-        end if
-      end do
-      if (.not. allocated(error)) call read_values(build, deck, line, n, v%u, error)
+      if (any(build%knots%number == v%number)) then
+        call fail(error, DECK_ERROR, 'knot vector '//to_text(v%number)//' is defined twice', &
+                  v%place)
+        return
+      end if
+      call read_values(build, deck, line, n, v%u, error)
       if (allocated(error)) return
-      allocate (longer(size(build%knots) + 1))
-      longer(:size(build%knots)) = build%knots
-      longer(size(longer)) = v
-      call move_alloc(longer, build%knots)
+      used = count(build%knots%number > 0)
+      if (used == size(build%knots)) call grow_knots(build%knots)
+      build%knots(used + 1) = v
     end do
   end subroutine read_knots
+
+  !> Room for as many vectors again; those that are not given have the number 0.
+  subroutine grow_knots(list)
+    type(knot_vector_t), allocatable, intent(inout) :: list(:)
+    type(knot_vector_t), allocatable :: longer(:)
+
+    allocate (longer(2*size(list) + 8))
+    longer(:size(list)) = list
+    call move_alloc(longer, list)
+  end subroutine grow_knots
 
   !> n numbers from field 4 of a record on, going on in the next ones.
   subroutine read_values(build, deck, first, n, x, error)

@@ -74,7 +74,7 @@ contains
     integer :: i
 
     do i = size(build%knots), 1, -1
-      if (build%knots(i)%number == p%knot(d)) exit
+      if (build%knots(i)%number == p%knot(d) .and. p%knot(d) > 0) exit
     end do
     if (i == 0) then
       call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d)) &

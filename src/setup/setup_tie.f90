@@ -18,6 +18,14 @@ module setup_tie
   real(wp), parameter :: SHARE = 1.0e-3_wp
   integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! of the search grid
 
+  !> Nodes by position: chains of those that stay, one for each cell.
+  type :: grid_t
+    real(wp) :: low(3), width(3)       !! of the grid, of a cell [L]
+    real(wp) :: tol(3)                 !! nodes nearer than this are one [L]
+    integer :: cells(3)
+    integer, allocatable :: head(:, :, :), next(:)
+  end type grid_t
+
 contains
 
   !> Carry out all TIE records; `used` is set anew.
@@ -28,9 +36,9 @@ contains
     integer, allocatable :: new(:)
     integer :: i, n, b
 
-    if (size(build%tie) == 0) return
+    if (all(build%tie%from == 0)) return
     new = [(n, n=1, mesh%nnode)]
-    do i = 1, size(build%tie)
+    do i = 1, count(build%tie%from > 0)
       call find_pairs(build, build%tie(i), mesh, new)
     end do
     do n = 1, mesh%nnode
@@ -55,72 +63,90 @@ contains
     type(tie_t), intent(in) :: tie
     type(mesh_t), intent(in) :: mesh
     integer, intent(inout) :: new(:)
-    integer, allocatable :: head(:, :, :), next(:), class(:)
-    real(wp) :: low(3), high(3), tol(3), width(3)
-    integer :: n, m, d, at(3), cells(3)
+    type(grid_t) :: grid
+    integer, allocatable :: class(:)
+    integer :: n, m, at(3)
 
     if (.not. any(mesh%used)) return
-    do d = 1, 3
-      low(d) = minval(mesh%xr(d, :), mesh%used)
-      high(d) = maxval(mesh%xr(d, :), mesh%used)
-    end do
-    tol = (high - low)*merge(tie%tolerance, SHARE/sqrt(real(mesh%nnode, wp)), &
-                             tie%tolerance > 0.0_wp)
-    call classify(build, tie, mesh, tol, class)
-    cells = max(1, min(MOST_CELLS, int((real(mesh%nnode, wp)/PER_CELL)**(1.0_wp/3.0_wp))))
-    width = (high - low)/cells
-    where (width < 2.0_wp*tol .or. .not. width > 0.0_wp)
-      cells = 1
-      width = max(high - low, tiny(1.0_wp))
-    end where
-    allocate (head(cells(1), cells(2), cells(3)), next(mesh%nnode), source=0)
+    call new_grid(grid, tie, mesh)
+    call classify(build, tie, mesh, grid%tol, class)
     do n = 1, mesh%nnode
       if (class(n) == 0 .or. new(n) /= n) cycle
-      at = cell_of(mesh%xr(:, n))
-      m = partner(n, at)
+      at = cell_of(grid, mesh%xr(:, n))
+      m = partner(grid, tie, mesh, class, n, at)
       if (m > 0) then
         new(n) = m
       else
-        next(n) = head(at(1), at(2), at(3))
-        head(at(1), at(2), at(3)) = n
+        grid%next(n) = grid%head(at(1), at(2), at(3))
+        grid%head(at(1), at(2), at(3)) = n
       end if
     end do
+  end subroutine find_pairs
 
-  contains
+  !> A grid without nodes; its cells are wider than the tolerance reaches.
+  subroutine new_grid(grid, tie, mesh)
+    type(grid_t), intent(out) :: grid
+    type(tie_t), intent(in) :: tie
+    type(mesh_t), intent(in) :: mesh
+    real(wp) :: high(3)
+    integer :: d
 
-    pure function cell_of(x) result(c)
-      real(wp), intent(in) :: x(3)
-      integer :: c(3)
+    do d = 1, 3
+      grid%low(d) = minval(mesh%xr(d, :), mesh%used)
+      high(d) = maxval(mesh%xr(d, :), mesh%used)
+    end do
+    grid%tol = (high - grid%low)*merge(tie%tolerance, SHARE/sqrt(real(mesh%nnode, wp)), &
+                                       tie%tolerance > 0.0_wp)
+    grid%cells = max(1, min(MOST_CELLS, int((real(mesh%nnode, wp)/PER_CELL)**(1.0_wp/3.0_wp))))
+    grid%width = (high - grid%low)/grid%cells
+    where (grid%width < 2.0_wp*grid%tol .or. .not. grid%width > 0.0_wp)
+      grid%cells = 1
+      grid%width = max(high - grid%low, tiny(1.0_wp))
+    end where
+    allocate (grid%head(grid%cells(1), grid%cells(2), grid%cells(3)), source=0)
+    allocate (grid%next(mesh%nnode), source=0)
+  end subroutine new_grid
 
-      c = max(1, min(cells, int((x - low)/width) + 1))
-    end function cell_of
+  pure function cell_of(grid, x) result(c)
+    type(grid_t), intent(in) :: grid
+    real(wp), intent(in) :: x(3)
+    integer :: c(3)
 
-    !> A node kept so far that is in reach; 0: none.
-    pure integer function partner(n, at) result(m)
-      integer, intent(in) :: n, at(3)
-      integer :: i, j, k
+    c = max(1, min(grid%cells, int((x - grid%low)/grid%width) + 1))
+  end function cell_of
 
-      do k = max(1, at(3) - 1), min(cells(3), at(3) + 1)
-        do j = max(1, at(2) - 1), min(cells(2), at(2) + 1)
-          do i = max(1, at(1) - 1), min(cells(1), at(1) + 1)
-            m = head(i, j, k)
-            do while (m > 0)
-              if (matches(n, m)) return
-              m = next(m)
-            end do
+  !> A node kept so far that is in reach of node n in cell `at`; 0: none.
+  pure integer function partner(grid, tie, mesh, class, n, at) result(m)
+    type(grid_t), intent(in) :: grid
+    type(tie_t), intent(in) :: tie
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: class(:)    !! (nnode)
+    integer, intent(in) :: n, at(3)
+    integer :: i, j, k
+
+    do k = max(1, at(3) - 1), min(grid%cells(3), at(3) + 1)
+      do j = max(1, at(2) - 1), min(grid%cells(2), at(2) + 1)
+        do i = max(1, at(1) - 1), min(grid%cells(1), at(1) + 1)
+          m = grid%head(i, j, k)
+          do while (m > 0)
+            if (matches(m)) return
+            m = grid%next(m)
           end do
         end do
       end do
-      m = 0
-    end function partner
+    end do
+    m = 0
 
-    pure logical function matches(a, b)
-      integer, intent(in) :: a, b
+  contains
 
-      matches = all(abs(mesh%xr(:, a) - mesh%xr(:, b)) <= tol)
-      if (matches .and. tie%material(1) /= tie%material(2)) matches = iand(class(a), class(b)) == 0
+    pure logical function matches(b)
+      integer, intent(in) :: b
+
+      matches = all(abs(mesh%xr(:, n) - mesh%xr(:, b)) <= grid%tol)
+      if (matches .and. tie%material(1) /= tie%material(2)) matches = iand(class(n), class(b)) == 0
     end function matches
-  end subroutine find_pairs
+
+  end function partner
 
   !> Nodes that take part: 0 for none; of two materials bit 0 and bit 1.
   subroutine classify(build, tie, mesh, tol, class)

@@ -45,6 +45,8 @@ contains
     character(*), &
       parameter :: USAGE = 'TIE, or TIE,,direction,coordinate, TIE,NODE,n1,n2, TIE,MATErial,m1,m2'
     type(tie_t) :: t
+    type(tie_t), allocatable :: longer(:)
+    integer :: used
 
     call check_count(record, 1, 5, USAGE, error)
     if (allocated(error)) return
@@ -81,7 +83,14 @@ contains
                 'a share of the size of the mesh; 0 is the default')
       return
     end if
-    build%tie = [build%tie, t]
+    used = count(build%tie%from > 0)
+    if (used == size(build%tie)) then
+      allocate (longer(2*used + 8))
+      longer(:used) = build%tie
+      longer(used + 1:)%from = 0 ! none
+      call move_alloc(longer, build%tie)
+    end if
+    build%tie(used + 1) = t
   end subroutine read_tie
 
 end module setup_words
