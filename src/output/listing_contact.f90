@@ -22,9 +22,9 @@ contains
     call log_line('          '//trim(contact%normal%source))
     if (contact%has_friction) then
       text = 'friction '//trim(contact%friction%name)//' '//to_text(contact%friction_prop(1)) &
-        //', penalty '//to_text(contact%friction_prop(2))
+             //', penalty '//to_text(contact%friction_prop(2))
       if (contact%has_after) text = text//', in steps that start at '//to_text(contact%after) &
-        //' or later'
+                                    //' or later'
       call log_line('          '//text)
       call log_line('          '//trim(contact%friction%source))
     end if

@@ -75,8 +75,8 @@ contains
         if (p%npatch == 0) cycle
         if (p%npatch > size(build%npatch)) then
           call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', &
-            p%npatch_place, &
-            'the deck has '//to_text(size(build%npatch))//' NPATch solids')
+                    p%npatch_place, &
+                    'the deck has '//to_text(size(build%npatch))//' NPATch solids')
           call build%errors%add(error)
         else
           build%npatch(p%npatch)%is_geometry = .true.
@@ -96,7 +96,7 @@ contains
       n = product(real(spec%nelem, wp)*merge(2.0_wp, 1.0_wp, spec%type == 'Q2') + 1.0_wp)
       if (n <= MAX_NUMBER) return
       call fail(error, DECK_ERROR, 'patch '//quoted(spec%name)//' has '//to_text(n)//' nodes', &
-        spec%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+                spec%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
     end associate
     call build%errors%add(error)
   end subroutine check_patch_size
@@ -132,16 +132,16 @@ contains
     associate (set => build%model%material(m))
       if (set%given_formulation .and. .not. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
-          //' has DISPlacement or ENHAnced, but a PATCh uses it', &
-          set%place, 'remove the word: TYPE decides in a PATCh')
+                  //' has DISPlacement or ENHAnced, but a PATCh uses it', &
+                  set%place, 'remove the word: TYPE decides in a PATCh')
       else if (set%enhanced .and. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
-          //' is ENHAnced, but an NPATch uses it', &
-          set%place, 'enhanced modes belong to 8-node elements')
+                  //' is ENHAnced, but an NPATch uses it', &
+                  set%place, 'enhanced modes belong to 8-node elements')
       else if (any(set%nurbs_points > 0) .and. .not. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
-          //' has NURB interp, but a PATCh uses it', &
-          set%place, 'remove the word: QUADrature in the PATCh chooses the points')
+                  //' has NURB interp, but a PATCh uses it', &
+                  set%place, 'remove the word: QUADrature in the PATCh chooses the points')
       end if
     end associate
     if (.not. allocated(error)) return
@@ -233,7 +233,7 @@ contains
       if (bad == 0) cycle
       associate (block => mesh%block(b))
         text = 'element '//to_text(block%number(first))//' is inverted: its Jacobian is ' &
-          //to_text(worst)
+               //to_text(worst)
         if (bad > 1) text = text//', and '//to_text(bad - 1)//' more are'
         hint = 'the first four nodes go counter-clockwise seen from the other four'
         if (block%body > 0) then
