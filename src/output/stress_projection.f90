@@ -62,7 +62,7 @@ contains
           if (block%ibasis(e) /= c) cycle
           associate (node => block%conn(:, e), set => model%material(block%material))
             call recover(block%basis(c), set%row, set%prop, model%mesh%xr(:, node), &
-              state%u(:, node), state%history(b)%iter(:, e), point, ok)
+                         state%u(:, node), state%history(b)%iter(:, e), point, ok)
             call add_element(point, set%row%finite, share, node, total)
           end associate
         end do

@@ -52,8 +52,8 @@ contains
     do b = 1, size(model%mesh%block)
       ncell = ncell + model%mesh%block(b)%nelem
       write (digits, '(i0)') b
-      if (b > 1) view%type_names = view%type_names // ', '
-      view%type_names = view%type_names // trim(digits) // ' ' // trim(model%mesh%block(b)%name)
+      if (b > 1) view%type_names = view%type_names//', '
+      view%type_names = view%type_names//trim(digits)//' '//trim(model%mesh%block(b)%name)
     end do
     allocate (view%first(ncell + 1), view%vtk(ncell), view%degree(3, ncell), view%material(ncell))
     allocate (view%body(ncell), view%block(ncell), view%element(ncell), view%conn(64*ncell))
