@@ -1,6 +1,6 @@
 """Figures and comparisons from the files that bezel writes.
 
-Four commands, each a module with the same name that can be used as a library:
+Five commands, each a module with the same name that can be used as a library:
 
 =============  ==============================================================  ======================
 command        what it does                                                    needs
@@ -8,6 +8,7 @@ command        what it does                                                    n
 curve          draws columns of curve files over one another                   numpy, matplotlib
 convergence    draws relative errors over degrees of freedom, prints slopes    numpy, matplotlib
 field          renders a step of a result file without a screen                h5py, matplotlib, vtk
+contact-map    draws contact surfaces from above, side by side                 h5py, matplotlib, vtk
 diff           compares two runs, or a run and a reference                     numpy (h5py for
 fields)
 =============  ==============================================================  ======================
@@ -23,12 +24,13 @@ import importlib
 
 from post._error import Unreadable
 
-COMMANDS = ("curve", "convergence", "field", "diff")
-__all__ = [*COMMANDS, "Unreadable"]
+COMMANDS = ("curve", "convergence", "field", "contact-map", "diff")
+MODULES = tuple(name.replace("-", "_") for name in COMMANDS)
+__all__ = [*MODULES, "Unreadable"]
 
 
 def __getattr__(name):
     """Import a command's module when it is first asked for."""
-    if name in COMMANDS:
+    if name in MODULES:
         return importlib.import_module(f"post.{name}")
     raise AttributeError(f"module 'post' has no attribute {name!r}")

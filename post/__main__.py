@@ -12,6 +12,7 @@ USAGE = """usage: python -m post COMMAND ...
   curve        FILE.dat [FILE2 ...] -x disp -y force -o fig.png
   convergence  TABLE.csv [--where test=compression] -o fig.png
   field        RUN.vtkhdf --step last --scalar mises -o fig.png
+  contact-map  RUN.vtkhdf [RUN2 ...] --scalar contact_pressure -o fig.png
   diff         A B [--rel 1e-6] [--expect expect.toml] [--json F] [--junit F] [--update]
 
 `python -m post COMMAND --help` lists the options of a command."""
@@ -29,7 +30,7 @@ def main(argv=None):
         print(f"post: error: unknown command '{argv[0]}'\nhint: {hint}", file=sys.stderr)
         return 2
     try:
-        return importlib.import_module(f"post.{argv[0]}").main(argv[1:])
+        return importlib.import_module(f"post.{argv[0].replace('-', '_')}").main(argv[1:])
     except Unreadable as error:
         print(f"post {argv[0]}: error: {error}", file=sys.stderr)
         return 2

@@ -1,0 +1,89 @@
+"""Contact surfaces of a result: element faces with fields of contact on all their points."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from post._error import Unreadable
+
+#: Zero away from contact surfaces, and not zero on them.
+MARK = "contact_gap"
+
+
+@dataclass
+class Surface:
+    """Faces of one body, each as a grid of n x n places.
+
+    x: (nface, n, n, 3) current positions; value: (nface, n, n); outward: (nface, n, n, 3) normals,
+    their length is an area.
+    """
+
+    body: int
+    x: np.ndarray
+    value: np.ndarray
+    outward: np.ndarray
+
+
+def surfaces(grid, path, values, n=None):
+    """Contact surfaces of a grid at its current positions, a list of Surface, one a body.
+
+    n: default as fine as a picture needs; values: (npoint) coefficients of the field to be shown; the faces' own (rational) functions are
+    used, so that surfaces and fields are those of the analysis.
+    """
+    if MARK not in grid.point_data:
+        raise Unreadable(
+            f"'{path}' has no fields of contact (OUTPut,,every n displacement contact)"
+        )
+    marked = np.asarray(grid.point_data[MARK]) != 0
+    body = np.asarray(
+        grid.cell_data["body"] if "body" in grid.cell_data else np.zeros(grid.n_cells)
+    )
+    found, x = {}, np.asarray(grid.points, dtype=float)
+    faces = list(_faces(grid, marked))
+    n = n or int(np.clip(200 / max(len(faces), 1) ** 0.5, 9, 33))
+    for c, f in faces:
+        cell = grid.GetCell(c)
+        points, value = _evaluate(cell.GetFace(f), x, values, n)
+        middle = x[[cell.GetPointId(i) for i in range(cell.GetNumberOfPoints())]].mean(axis=0)
+        found.setdefault(int(body[c]), []).append((points, value, _outward(points, middle)))
+    if not found:
+        raise Unreadable(
+            f"'{path}' has no contact surface: no point of it was near the other one yet"
+        )
+    return [Surface(b, *(np.array(a) for a in zip(*found[b]))) for b in sorted(found)]
+
+
+def _faces(grid, marked):
+    """(cell, face) of the faces with all points marked."""
+    for c in range(grid.n_cells):
+        cell = grid.GetCell(c)
+        ids = [cell.GetPointId(i) for i in range(cell.GetNumberOfPoints())]
+        if not marked[ids].any():
+            continue
+        for f in range(cell.GetNumberOfFaces()):
+            face = cell.GetFace(f)
+            ids = [face.GetPointId(i) for i in range(face.GetNumberOfPoints())]
+            if marked[ids].all():
+                yield c, f
+
+
+def _evaluate(face, x, values, n):
+    """Positions (n, n, 3) and values (n, n) on a face."""
+    from vtkmodules.vtkCommonCore import reference
+
+    count = face.GetNumberOfPoints()
+    ids = [face.GetPointId(i) for i in range(count)]
+    weights, place, sub = [0.0] * count, [0.0] * 3, reference(0)
+    shape = np.empty((n, n, count))
+    for i, s in enumerate(np.linspace(0.0, 1.0, n)):
+        for j, t in enumerate(np.linspace(0.0, 1.0, n)):
+            face.EvaluateLocation(sub, [s, t, 0.0], place, weights)
+            shape[i, j] = weights
+    return shape @ x[ids], shape @ np.asarray(values, dtype=float)[ids]
+
+
+def _outward(points, inside):
+    """(n, n, 3) normals of a face, away from a point inside its element."""
+    n = np.cross(np.gradient(points, axis=0), np.gradient(points, axis=1))
+    middle = points.shape[0] // 2
+    return n if (points[middle, middle] - inside) @ n[middle, middle] > 0 else -n

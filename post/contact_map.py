@@ -1,0 +1,196 @@
+"""Draw contact surfaces from above, side by side: `python -m post contact-map RUN.vtkhdf`.
+
+Both surfaces on their deformed shape, moved apart, coloured by a field of contact, with the edges of
+their elements: Figure 21 of Corbett and Sauer 2015. The lower side is seen as it lies there, the
+upper one through its body, so that places that touch have the same coordinates in both. As a
+library:
+
+>>> import post
+>>> post.contact_map.draw(["a.vtkhdf", "b.vtkhdf"], "fig.png", labels=["a", "b"])  # doctest: +SKIP
+"""
+
+import argparse
+
+import numpy as np
+
+from post import _grid, _scalar, _style
+from post._contact_faces import surfaces
+from post._error import Unreadable
+
+#: Coordinates to the right and up for each direction that is looked along.
+PLANE = {"z": (0, 1), "x": (1, 2), "y": (2, 0)}
+APART = 0.12  # between the two surfaces, of their width
+
+
+def draw(paths, output, scalar="contact_friction", component=None, step="last", limits=None,
+         cmap=None, labels=None, axis="z", columns=2, edges=True, say_step=True):  # fmt: skip
+    """Draw the contact surfaces of result files, one panel a file with one colour scale.
+
+    component: of a vector; default 1 of friction and traction (their x component); step: as in
+    post._grid.load, or one for each file; axis: direction that is looked along, from its end.
+    Returns the limits of the colours.
+    """
+    if axis not in PLANE:
+        raise Unreadable(f"no axis '{axis}'; known: x y z")
+    if component is None and scalar in ("contact_friction", "contact_traction"):
+        component = "1"
+    panels = [_panel(p, scalar, component, step, axis) for p in paths]
+    for panel, label in zip(panels, labels or [None] * len(panels)):
+        if label:
+            panel.caption = f"{label}, {panel.caption}" if say_step else label
+    limits, cmap = _scalar.colours([v for p in panels for v in p.values()], limits, cmap)
+    with _style.styled() as plt:
+        _compose(plt, panels, limits, cmap, _words(scalar, component), columns, edges, output)
+    return limits
+
+
+class _panel:
+    """Surfaces of one file, ready to be drawn."""
+
+    def __init__(self, path, scalar, component, step, axis):
+        grid, time, number = _grid.load(path, step)
+        values, on_points = _scalar.values(grid, path, scalar, component)
+        if not on_points:
+            raise Unreadable(f"'{scalar}' of '{path}' belongs to cells, not to the surface")
+        if "displacement" not in grid.point_data:
+            raise Unreadable(f"'{path}' has no displacement: shapes cannot be drawn deformed")
+        grid.points = np.asarray(grid.points, dtype=float) + grid.point_data["displacement"]
+        self.right, self.up = PLANE[axis]
+        self.out = "xyz".index(axis)
+        # the upper body, whose surface looks down, stands on the left
+        self.sides = sorted(surfaces(grid, path, values), key=self.facing)
+        self.caption = f"step {number}, time {time:.4g}"
+
+    def facing(self, surface):
+        """Above zero where a surface looks to the eye."""
+        return np.sign(surface.outward[..., self.out].sum())
+
+    def values(self):
+        return [s.value for s in self.sides]
+
+    def draw(self, ax, norm, cmap, edges):
+        """All sides on one pair of axes."""
+        from matplotlib.collections import LineCollection, PolyCollection
+
+        start = 0.0
+        for side in self.sides:
+            sign = self.facing(side) or 1.0
+            x, y = side.x[..., self.right], side.x[..., self.up]
+            shift = start - x.min()
+            start += (x.max() - x.min()) * (1 + APART)
+            flat = np.stack([x + shift, y], axis=-1)
+            height, seen = sign * side.x[..., self.out], sign * side.outward[..., self.out] > 0
+            quads, order, shown = _quads(flat, height, seen)
+            mean = _corners(side.value).mean(axis=-1).ravel()[shown][order]
+            faces = PolyCollection(quads, array=mean, norm=norm, cmap=cmap, linewidths=0.3)
+            faces.set_edgecolor("face")
+            faces.set_rasterized(True)
+            ax.add_collection(faces)
+            if edges:
+                lines = LineCollection(_borders(flat, seen), colors="#1a1a1a", linewidths=0.5)
+                ax.add_collection(lines)
+        ax.autoscale_view()
+        ax.set_aspect("equal")
+        ax.set_axis_off()
+        ax.set_title(self.caption, y=-0.02, va="top")
+
+
+def _corners(a):
+    """(..., 4) values at the corners of the small quadrilaterals of (nface, n, n) values."""
+    return np.stack([a[:, :-1, :-1], a[:, 1:, :-1], a[:, 1:, 1:], a[:, :-1, 1:]], axis=-1)
+
+
+def _quads(flat, height, seen):
+    """Quadrilaterals that look to the eye, far ones first; their order, and which ones they are."""
+    shown = _corners(seen).any(axis=-1).ravel()
+    quads = np.stack([_corners(flat[..., i]) for i in (0, 1)], axis=-1).reshape(-1, 4, 2)[shown]
+    order = np.argsort(_corners(height).mean(axis=-1).ravel()[shown], kind="stable")
+    return quads[order], order, shown
+
+
+def _borders(flat, seen):
+    """Borders of the faces, in pieces, where they look to the eye."""
+    pieces = []
+    for f, s in zip(flat, seen):
+        for line, visible in (
+            (f[0], s[0]),
+            (f[-1], s[-1]),
+            (f[:, 0], s[:, 0]),
+            (f[:, -1], s[:, -1]),
+        ):
+            both = visible[:-1] | visible[1:]
+            pieces += [
+                piece for piece, ok in zip(np.stack([line[:-1], line[1:]], axis=1), both) if ok
+            ]
+    return pieces
+
+
+def _words(scalar, component):
+    known = {
+        "contact_friction": "tangential contact traction",
+        "contact_traction": "contact traction",
+    }
+    words = known.get(scalar, scalar.replace("_", " "))
+    if component in ("1", "2", "3"):
+        return f"{words} $t_{'xyz'[int(component) - 1]}$"
+    return _scalar.label(words, component)
+
+
+def _compose(plt, panels, limits, cmap, words, columns, edges, output):
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    norm, columns = Normalize(*limits), min(columns, len(panels))
+    rows = -(-len(panels) // columns)
+    width = _style.PAGE if columns > 1 else 4.6
+    figure, axes = plt.subplots(
+        rows, columns, squeeze=False, figsize=(width, rows * (0.42 * width / columns + 0.35))
+    )
+    for ax in axes.ravel()[len(panels) :]:
+        ax.set_axis_off()
+    for ax, panel in zip(axes.ravel(), panels):
+        panel.draw(ax, norm, cmap, edges)
+    bar = figure.colorbar(ScalarMappable(norm, cmap), ax=axes.ravel().tolist(), aspect=24, pad=0.02)
+    bar.set_label(words)
+    bar.outline.set_linewidth(0.5)
+    figure.set_dpi(200)
+    _style.save(figure, output)
+
+
+def main(argv):
+    """The command; returns its exit code."""
+    p = argparse.ArgumentParser(
+        prog="post contact-map", description="Draw contact surfaces from above, side by side."
+    )
+    p.add_argument("runs", nargs="+", metavar="RUN", help="RUN.vtkhdf, RUN.pvd or a .vtu file")
+    p.add_argument("--step", default="last", help="last (default), first, or a step's number")
+    p.add_argument(
+        "--scalar",
+        default="contact_friction",
+        metavar="ARRAY",
+        help="contact_friction (default), contact_traction, contact_pressure, contact_state, ...",
+    )
+    p.add_argument("--component", help="1 2 3 or magnitude (default 1, the x component)")
+    p.add_argument("--axis", default="z", help="direction that is looked along (default z)")
+    p.add_argument("--range", type=float, nargs=2, metavar=("LOW", "HIGH"), help="of the colours")
+    p.add_argument("--cmap", help="a colour map of matplotlib")
+    p.add_argument("--label", action="append", dest="labels", help="words below a panel, one each")
+    p.add_argument("--columns", type=int, default=2, help="panels beside each other (default 2)")
+    p.add_argument("--no-edges", action="store_true", help="leave out the elements' edges")
+    p.add_argument("-o", "--output", "--out", default="contact.png", metavar="FIG")
+    o = p.parse_args(argv)
+    if o.labels and len(o.labels) != len(o.runs):
+        raise Unreadable(f"{len(o.labels)} labels for {len(o.runs)} files")
+    if o.columns < 1:
+        raise Unreadable("--columns is at least 1")
+    step = o.step if o.step in ("last", "first") else _integer(o.step)
+    draw(o.runs, o.output, o.scalar, o.component, step, o.range, o.cmap, o.labels, o.axis,
+         o.columns, not o.no_edges)  # fmt: skip
+    return 0
+
+
+def _integer(text):
+    try:
+        return int(text)
+    except ValueError:
+        raise Unreadable(f"'{text}' is no step: a step's number, 'first' or 'last'") from None
