@@ -35,12 +35,12 @@ contains
     if (.not. command%record%is_empty(3)) tolerance = command%x(1)
     if (.not. (tolerance > 0.0_wp .and. tolerance < 1.0_wp)) then
       call fail(error, DECK_ERROR, 'the tolerance of AUGMent lies between 0 and 1', &
-        command%record%place(3), 'write AUGMent,,1.e-3')
+                command%record%place(3), 'write AUGMent,,1.e-3')
       return
     end if
     if (size(run%model%contact) == 0) then
       call fail(error, DECK_ERROR, 'AUGMent in a deck without CONTact', command%record%place(1), &
-        'it augments the pressures of contacts')
+                'it augments the pressures of contacts')
       return
     end if
     if (run%dry .or. .not. run%plan%open) return

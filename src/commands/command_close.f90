@@ -87,8 +87,8 @@ contains
 
     run%failed_step = .true.
     call warn('step '//to_text(run%state%step)//' was closed before it converged: residual ' &
-      //to_text(pass%residual)//', largest nodal force '//to_text(pass%sweep%largest), &
-      hint='more iterations, or AUTO,,dtmin,dtmax; the run will end with code 2')
+              //to_text(pass%residual)//', largest nodal force '//to_text(pass%sweep%largest), &
+              hint='more iterations, or AUTO,,dtmin,dtmax; the run will end with code 2')
   end subroutine complain
 
   !> A converged state on an unstable branch is a warning.
@@ -99,9 +99,11 @@ contains
     negative = run%pass%solve%negative + run%pass%sweep%negative
     if (.not. run%newton%symmetric .and. run%pass%solve%determinant < 0) negative = max(negative, 1)
     if (.not. run%pass%solve%factorised) return
-    if (negative > 0 .and. run%negative_pivots == 0) call warn('step '//to_text(run%state%step) &
-      //' converged to an unstable state: '//to_text(negative)//' negative pivots', &
-      hint='hourglassing (ENHAnced in compression), buckling or a limit point; look at the deformed shape')
+    if (negative > 0 .and. run%negative_pivots == 0) then
+      call warn('step '//to_text(run%state%step)//' converged to an unstable state: ' &
+                //to_text(negative)//' negative pivots', hint='hourglassing (ENHAnced in ' &
+                //'compression), buckling or a limit point; look at the deformed shape')
+    end if
     run%negative_pivots = negative
   end subroutine look_at_pivots
 

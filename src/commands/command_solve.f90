@@ -12,7 +12,8 @@ module command_solve
   use solution_state, only: open_step
   implicit none
   private
-  public :: describe_tang, describe_utan, describe_form, describe_solv, describe_tol, describe_factor
+  public :: describe_tang, describe_utan, describe_form, describe_solv, describe_tol, &
+            describe_factor
 
 contains
 
@@ -74,7 +75,7 @@ contains
       return
     end if
     call newton_pass(run%newton, run%model, run%state, symmetric, command%option == 'line', &
-      run%pass, error)
+                     run%pass, error)
     if (allocated(error)) return
     call after_solve(run, error)
   end subroutine run_tangent
@@ -99,7 +100,7 @@ contains
     call ensure_step(run)
     run%pass = pass_t()
     call form_system(run%newton, run%model, run%state, run%newton%symmetric .or. &
-      .not. is_unsymmetric(run%model), run%pass, error)
+                     .not. is_unsymmetric(run%model), run%pass, error)
     if (allocated(error)) return
     if (.not. run%pass%ok) call cut_back(run, run%pass%trouble, error)
   end subroutine run_form
@@ -114,7 +115,7 @@ contains
     if (allocated(error)) return
     if (.not. is_formed(run)) then
       call fail(error, DECK_ERROR, 'SOLV before anything was formed', command%record%place(1), &
-        'put TANG or FORM before it, behind TIME')
+                'put TANG or FORM before it, behind TIME')
       return
     end if
     if (run%dry) return
@@ -187,8 +188,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (command%option == '' .or. command%option == 'line') return
-    call fail(error, DECK_ERROR, "unknown option '"//command%record%text(2)//"'", command%record%place(2), &
-      'LINE asks for a line search; otherwise leave the field empty: TANG,,1')
+    call fail(error, DECK_ERROR, "unknown option '"//command%record%text(2)//"'", &
+              command%record%place(2), &
+              'LINE asks for a line search; otherwise leave the field empty: TANG,,1')
   end subroutine check_option
 
   subroutine run_tolerance(run, command, error)
@@ -197,7 +199,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (.not. (command%x(1) > 0.0_wp .and. command%x(1) < 1.0_wp)) then
-      call fail(error, DECK_ERROR, 'a tolerance lies between 0 and 1', command%record%place(3), 'write TOL,,1.e-16')
+      call fail(error, DECK_ERROR, 'a tolerance lies between 0 and 1', command%record%place(3), &
+                'write TOL,,1.e-16')
       return
     end if
     run%newton%tolerance = command%x(1)
@@ -220,16 +223,17 @@ contains
       mode = LOWRANK
     case default
       call fail(error, DECK_ERROR, 'unknown way to solve', command%record%place(2), &
-        'FACTor FULL | REUSe | SINGle | LOWRank eps')
+                'FACTor FULL | REUSe | SINGle | LOWRank eps')
       return
     end select
     if (mode == LOWRANK .and. .not. (command%x(1) > 0.0_wp .and. command%x(1) < 1.0_wp)) then
-      call fail(error, DECK_ERROR, 'LOWRank needs its accuracy, between 0 and 1', command%record%place(2), &
-        'FACTor LOWRank 1.e-8')
+      call fail(error, DECK_ERROR, 'LOWRank needs its accuracy, between 0 and 1', &
+                command%record%place(2), 'FACTor LOWRank 1.e-8')
       return
     end if
     if (run%dry) return
-    if (run%newton%ready .and. (mode /= run%newton%mode .or. abs(command%x(1) - run%newton%eps) > 0.0_wp)) then
+    if (run%newton%ready &
+        .and. (mode /= run%newton%mode .or. abs(command%x(1) - run%newton%eps) > 0.0_wp)) then
       call run%newton%system%free()
       run%newton%ready = .false.
     end if

@@ -1,5 +1,7 @@
 !> The one list of solution commands. A new command is one file and one line here.
 module command_table
+  use command_augment, only: describe_augment
+  use command_misc, only: describe_note
   use command_type, only: command_row_t
   implicit none
   private
@@ -22,7 +24,7 @@ contains
     block; use command_solve, only: describe_solv; table = [table, describe_solv()]; end block
     block; use command_solve, only: describe_tol; table = [table, describe_tol()]; end block
     block; use command_solve, only: describe_factor; table = [table, describe_factor()]; end block
-    block; use command_augment, only: describe_augment; table = [table, describe_augment()]; end block
+    table = [table, describe_augment()]
     block; use command_load, only: describe_prop; table = [table, describe_prop()]; end block
     block; use command_load, only: describe_para; table = [table, describe_para()]; end block
     block; use command_print, only: describe_disp; table = [table, describe_disp()]; end block
@@ -36,8 +38,8 @@ contains
     block; use command_output, only: describe_save; table = [table, describe_save()]; end block
     block; use command_restart, only: describe_rest; table = [table, describe_rest()]; end block
     block; use command_misc, only: describe_arcl; table = [table, describe_arcl()]; end block
-    block; use command_misc, only: describe_note; table = [table, describe_note('opti', 'OPTImize')]; end block
-    block; use command_misc, only: describe_note; table = [table, describe_note('opts', 'OPTS')]; end block
+    table = [table, describe_note('opti', 'OPTImize')]
+    table = [table, describe_note('opts', 'OPTS')]
   end subroutine load_commands
 
 end module command_table

@@ -7,7 +7,8 @@ module contact_foot
 
   !> A surface where it is now.
   type :: shape_t
-    !> (3, nb, nelem) Bezier points [L], nb of the richest kind; rational surfaces: divided by their weights
+    !> (3, nb, nelem) Bezier points [L], nb of the richest kind; rational surfaces: divided by their
+    !! weights
     real(wp), allocatable :: bez(:, :, :)
     real(wp), allocatable :: w(:, :)        !! (nb, nelem) weights of them; not allocated: all one
     real(wp), allocatable :: low(:, :), high(:, :) !! (3, nelem) box round each element
@@ -17,13 +18,15 @@ module contact_foot
   type :: foot_t
     integer :: elem = 0                     !! 0: none, the point lies off the surface
     real(wp) :: xi(2) = 0.0_wp
-    !> Which parameters move freely: both on a smooth surface, one on an interior edge of facets, none on a vertex.
+    !> Which parameters move freely: both on a smooth surface, one on an interior edge of facets,
+    !! none on a vertex.
     logical :: free(2) = .true.
     real(wp) :: x(3) = 0.0_wp               !! position [L]
     real(wp) :: a(3, 2) = 0.0_wp            !! tangents
     real(wp) :: b(3, 3) = 0.0_wp            !! second derivatives 11, 22, 12
-    real(wp) :: n(3) = 0.0_wp               !! unit outward normal; mean of the facets' on an edge or vertex
-    real(wp) :: gap = huge(1.0_wp)          !! [L] negative inside; on an edge or vertex the distance with that sign
+    real(wp) :: n(3) = 0.0_wp !! unit outward normal; mean of the facets' on an edge or vertex
+    real(wp) :: gap = huge(1.0_wp) !! [L] negative inside; on an edge or vertex the distance with
+    !! that sign
   end type foot_t
 
 end module contact_foot

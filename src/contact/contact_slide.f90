@@ -59,9 +59,10 @@ contains
         if (points%state(i) == STICK .and. points%slide(i) > 0) cycle
         points%slide(i) = points%foot(i)
         points%slide_xi(:, i) = points%foot_xi(:, i)
-        if (points%state(i) == SLIP .and. points%foot(i) > 0) &
+        if (points%state(i) == SLIP .and. points%foot(i) > 0) then
           call follow(other, shape, xp(:, q), feet(i), points%elastic(:, i), points%slide(i), &
                       points%slide_xi(:, i))
+        end if
       end do
     end do
   end subroutine accept_slides
@@ -83,8 +84,9 @@ contains
     logical :: clamped
 
     n = foot%n
-    if (.not. all(foot%free) .and. abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) &
+    if (.not. all(foot%free) .and. abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) then
       n = (x - foot%x)/foot%gap
+    end if
     way = -elastic
     last = huge(1.0_wp)
     do step = 1, MOST_STEPS

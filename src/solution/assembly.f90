@@ -8,8 +8,9 @@ module assembly
   use model, only: model_t, state_t, history_t
   use rigid_block, only: is_rigid
   use contact_assembly, only: contact_work_t, new_contact_work, find_contact, contact_cliques, &
-    map_contact, add_contact
-  use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, set_zero
+                              map_contact, add_contact
+  use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, &
+                 set_zero
   use load_curve, only: load_factor
   use follower_load, only: follower_face
   implicit none
@@ -112,7 +113,7 @@ contains
       if (is_rigid(model%mesh%block(b))) cycle
       associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material))
         if (associated(block%row%form_batch) .and. associated(mat%row%moduli) &
-          .and. size(block%basis) == 1) then
+            .and. size(block%basis) == 1) then
           call form_batches(asm, model, state, b, sweep)
         else
           call form_elements(asm, model, state, b, sweep)
@@ -150,7 +151,7 @@ contains
     integer :: e, nen
 
     associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material), &
-      h => state%history(b))
+               h => state%history(b))
       nen = block%nen
       allocate (xr(3, nen), u(3, nen), du(3, nen), r(3, nen), k(3*nen, 3*nen))
       do e = 1, block%nelem
@@ -158,7 +159,7 @@ contains
         u = state%u(:, block%conn(:, e))
         du = u - state%u_base(:, block%conn(:, e))
         call block%row%form(block%basis(block%ibasis(e)), mat%row, mat%prop, xr, u, du, &
-          state%scale, h%iter(:, e), h%trial(:, e), r, k, report)
+                            state%scale, h%iter(:, e), h%trial(:, e), r, k, report)
         call note(sweep, report, b, e, r, u)
         if (.not. sweep%ok) return
         call scatter_force(block%conn(:, e), r, asm%f_int)
@@ -180,7 +181,7 @@ contains
     integer :: e, e0, i, lane, n, nen
 
     associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material), &
-      h => state%history(b))
+               h => state%history(b))
       nen = block%nen
       allocate (xr(NB, 3, nen), u(NB, 3, nen), du(NB, 3, nen), r(NB, 3, nen), k(NB, 3, 3, nen, nen))
       allocate (h_old(size(h%iter, 1), NB), h_new(size(h%iter, 1), NB))
@@ -196,7 +197,7 @@ contains
           h_old(:, lane) = h%iter(:, e)
         end do
         call block%row%form_batch(block%basis(1), mat%row, mat%prop, xr, u, du, state%scale, &
-          h_old, h_new, r, k, report)
+                                  h_old, h_new, r, k, report)
         do lane = 1, n
           e = e0 + lane
           call note(sweep, report(lane), b, e, r(lane, :, :), u(lane, :, :))
@@ -249,15 +250,17 @@ contains
     asm%f_ext = 0.0_wp
     do n = 1, model%mesh%nnode
       do i = 1, 3
-        if (abs(model%bc%force(i, n)) > 0.0_wp) asm%f_ext(i, n) = asm%f_ext(i, n) &
-          + model%bc%force(i, n)*load_factor(state%factor, model%bc%table(i, n))
+        if (abs(model%bc%force(i, n)) > 0.0_wp) then
+          asm%f_ext(i, n) = asm%f_ext(i, n) + model%bc%force(i, n)*load_factor(state%factor, &
+                                                                               model%bc%table(i, n))
+        end if
       end do
     end do
     do j = 1, size(model%bc%dead)
       associate (load => model%bc%dead(j))
         do n = 1, size(load%node)
           asm%f_ext(:, load%node(n)) = asm%f_ext(:, load%node(n)) &
-            + load_factor(state%factor, load%table)*load%f(:, n)
+                                       + load_factor(state%factor, load%table)*load%f(:, n)
         end do
       end associate
     end do
@@ -284,7 +287,7 @@ contains
         nen = block%nen
         allocate (f(3, nen), k(3*nen, 3*nen))
         call follower_face(block, e, model%bc%pressure(j)%side(i), p, &
-          model%mesh%xr(:, block%conn(:, e)) + state%u(:, block%conn(:, e)), f, k)
+                           model%mesh%xr(:, block%conn(:, e)) + state%u(:, block%conn(:, e)), f, k)
         call scatter_force(block%conn(:, e), f, asm%f_ext)
         if (asm%k%symmetric) k = 0.5_wp*(k + transpose(k))
         call add_element(asm%k, asm%map(b)%at(:, :, e), k)

@@ -6,7 +6,7 @@ module contact_pairs
   implicit none
   private
   public :: pairs_t, map_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, pair_clique, &
-    map_pairs
+            map_pairs
 
   !> Block positions of one pair.
   type :: map_t
@@ -144,7 +144,7 @@ contains
     do i = 1, pairs%n
       associate (e => pairs%own(i), p => pairs%partner(i))
         associate (mine => own%node(own%first(e):own%first(e + 1) - 1), &
-          theirs => other%node(other%first(p):other%first(p + 1) - 1))
+                   theirs => other%node(other%first(p):other%first(p + 1) - 1))
           nk = size(mine)
           nl = size(theirs)
           allocate (pairs%map(i)%at(nk, nl))

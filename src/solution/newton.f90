@@ -7,7 +7,7 @@ module newton
   use model, only: model_t, state_t
   use csr, only: multiply
   use linear_system, only: linear_system_t, solve_report_t, new_linear_system, &
-    change_pattern, FULL
+                           change_pattern, FULL
   use assembly, only: assembler_t, sweep_t, new_assembler, form
   use line_search, only: search_line, step_by, retreat
   use nodal_vector, only: free_part, full_vector
@@ -17,14 +17,19 @@ module newton
   use singularity, only: name_singularity
   implicit none
   private
-  public :: newton_t, pass_t, begin_newton, prepare_newton, form_system, solve_system, newton_pass, close_newton
+  public :: newton_t, pass_t, begin_newton, prepare_newton, form_system, solve_system, &
+            newton_pass, close_newton
 
-  real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2 !! of an energy, relative to sum |f||u|
-  real(wp), parameter :: RESIDUAL = 1.0e-9_wp   !! of the residual, relative to the largest nodal force
-  real(wp), parameter :: FORCING = 1.0e-3_wp           !! relative residual of a linear solve where factors are kept
+  real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2 !! of an energy, relative to sum
+  !! |f||u|
+  real(wp), parameter :: RESIDUAL = 1.0e-9_wp !! of the residual, relative to the largest nodal
+  !! force
+  real(wp), parameter :: FORCING = 1.0e-3_wp !! relative residual of a linear solve where factors
+  !! are kept
 
-  real(wp), parameter :: BACK_AND_FORTH = 0.7_wp   !! cosine beyond which an increment takes back the last one
-  integer, parameter :: PATIENCE = 6               !! iterations of a step with contact without a line search
+  real(wp), parameter :: BACK_AND_FORTH = 0.7_wp !! cosine beyond which an increment takes back the
+  !! last one
+  integer, parameter :: PATIENCE = 6 !! iterations of a step with contact without a line search
   real(wp), parameter :: LEAST_SHARE = 0.2_wp      !! of an increment that is damped
 
   !> The iteration of the step under way.
@@ -38,7 +43,8 @@ module newton
     real(wp) :: tolerance = 1.0e-16_wp !! TOL
     integer :: iterations = 0          !! solves in this step
     logical :: converged = .false.
-    logical :: exact = .true.          !! every solve of the step was full Newton: no kept factors, no symmetric part
+    logical :: exact = .true. !! every solve of the step was full Newton: no kept factors, no
+    !! symmetric part
     real(wp) :: largest_energy = 0.0_wp
     real(wp), allocatable :: rhs(:)    !! (neq)
     real(wp), allocatable :: dx(:)     !! (neq)
@@ -104,8 +110,9 @@ contains
     if (allocated(error)) return
     call form(newton%asm, model, state, pass%sweep, error)
     if (allocated(error)) return
-    if (newton%may_retreat .and. .not. pass%sweep%ok) &
+    if (newton%may_retreat .and. .not. pass%sweep%ok) then
       call retreat(newton%asm, model, state, pass%sweep, error)
+    end if
     if (allocated(error)) return
     newton%may_retreat = .false.
     pass%ok = pass%sweep%ok
@@ -161,7 +168,7 @@ contains
       call free_part(model%eq, -state%reaction - force, newton%rhs)
     end if
     call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, FORCING, &
-      pass%solve, error)
+                             pass%solve, error)
     if (allocated(error)) return
     if (pass%solve%singular) then
       pass%ok = .false.
@@ -187,8 +194,8 @@ contains
     call judge(newton, pass, moved)
     if (.not. pass%ok) return
     if ((searches .or. is_slow(newton, model)) .and. .not. moved) then
-      call search_line(newton%asm, model, state, newton%dx, du, dot_product(newton%dx, newton%rhs), &
-        pass%line, error)
+      call search_line(newton%asm, model, state, newton%dx, du, &
+                       dot_product(newton%dx, newton%rhs), pass%line, error)
     else
       if (size(model%contact) > 0) pass%line = damping(newton)
       call step_by(state, du, pass%line)
@@ -248,7 +255,7 @@ contains
     if (newton%converged) return
     if (newton%moves) return
     newton%converged = pass%residual <= force_tolerance(pass) &
-      .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
+                       .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
   end subroutine close_newton
 
   !> Largest |du.r| that passes the test.
@@ -256,7 +263,8 @@ contains
     type(newton_t), intent(in) :: newton
     type(pass_t), intent(in) :: pass
 
-    energy = max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding, pass%floor%energy)
+    energy = max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding, &
+                 pass%floor%energy)
   end function energy_tolerance
 
   !> Largest residual that passes the test.
@@ -280,7 +288,9 @@ contains
       return
     end if
     newton%converged = .not. moved .and. pass%energy <= energy_tolerance(newton, pass)
-    if (newton%converged .and. .not. newton%exact) newton%converged = pass%residual <= force_tolerance(pass)
+    if (newton%converged .and. .not. newton%exact) then
+      newton%converged = pass%residual <= force_tolerance(pass)
+    end if
   end subroutine judge
 
   !> Pattern and analysis, once, and again only where TANG and UTAN alternate.

@@ -13,7 +13,8 @@ module singularity
 
 contains
 
-  !> `the tangent is singular at dof uy of node 3: the model is free to move along x and turn about z`.
+  !> `the tangent is singular at dof uy of node 3: the model is free to move along x and turn about
+  !! z`.
   function name_singularity(model, null) result(text)
     type(model_t), intent(in) :: model
     integer, intent(in) :: null(:) !! equations whose pivot vanished
