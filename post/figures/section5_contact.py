@@ -1,0 +1,254 @@
+"""Figures 18, 19 and 20 of Corbett and Sauer 2015, sections 5.2 and 5.3: sliding contact.
+
+Drawn from curve tables of runs, one a mesh, element type and coefficient of friction:
+
+    <folder>/<mesh>_<elements>_<mu>.dat          such as 2_Q1E9+Q1N2_0.dat, 2_IGA2_0.5.dat
+    <folder>/<mesh>_<elements>_<mu>/*_sole.dat   a folder of the program's own files
+
+with the columns of `CURVe,sole`: factor_2 (share of the half turn), FORCe 3 and TORQue of both sides.
+A reference for the force, IGA2 on a fine mesh, is `reference_IGA2_0.dat`; without one the finest IGA2
+mesh there is serves, and the figure says so.
+
+    python -m post.figures.section5_contact [--results FOLDER] [--to doc/verification/figures]
+"""
+
+import argparse
+import pathlib
+import re
+import sys
+
+import numpy as np
+
+from post import _style
+from post._error import Unreadable
+from post._table import read_table
+
+TOP = pathlib.Path(__file__).resolve().parents[2]
+RESULTS = TOP / "verification/benchmark/section5"
+FIGURES = TOP / "doc/verification/figures"
+NAME = re.compile(r"(?P<mesh>\w+)_(?P<elements>[^_]+)_(?P<mu>[0-9.]+)$")
+
+#: Table 4 of the paper: degrees of freedom of meshes 1 to 3, in the order of its legends.
+DOFS = {
+    "Q1E9": (177, 951, 3915),
+    "Q1E9+Q1N2": (225, 1035, 4047),
+    "Q1E9+Q1N3": (285, 1131, 4191),
+    "Q1E9+Q1N2.1": (402, 1752, 5940),
+    "IGA2": (417, 1620, 5535),
+}
+SLIDING = 120.0  # degrees from which all points slide, in the paper
+
+
+class Run:
+    """One curve table: degrees, and force and torque of both sides."""
+
+    def __init__(self, path, mesh, elements, mu):
+        table = read_table(path)
+        turn = table.columns[table.find("factor_2")]
+        turning = turn >= 0.0
+        if "factor_1" in table.columns:  # the half turn begins where the way down has ended
+            down = table.columns["factor_1"]
+            turning = down >= down.max() * (1 - 1e-9)
+        self.mesh, self.elements, self.mu = mesh, elements, mu
+        self.degrees = 180.0 * turn[turning]
+        self.force, self.torque = (
+            [table.columns[_column(table, side, end)][turning] for side in (1, 2)]
+            for end in ("force_3", "torque")
+        )
+
+    @property
+    def dofs(self):
+        return DOFS[self.elements][int(self.mesh) - 1]
+
+    def amplitude(self):
+        """Largest torque of both sides: zero without friction."""
+        return max(np.abs(t).max() for t in self.torque)
+
+    def mean_force(self):
+        """Mean over the half turn, of both sides."""
+        return np.mean([_mean(self.degrees, np.abs(f)) for f in self.force])
+
+    def roughness(self):
+        """Largest deviation of the torque from its mean while all points slide."""
+        late = self.degrees >= SLIDING
+        deviations = []
+        for torque in self.torque:
+            mean = _mean(self.degrees[late], torque[late])
+            deviations.append(np.abs(torque[late] - mean).max())
+        return max(deviations)
+
+
+def _column(table, side, end):
+    pattern = re.compile(rf"contact_.*_{side}_{end}$")
+    found = [name for name in table.columns if pattern.match(name)]
+    if len(found) != 1:
+        raise Unreadable(f"{table.path} has {len(found)} columns contact_..._{side}_{end}, not one")
+    return found[0]
+
+
+def _mean(x, y):
+    """Mean over x, by trapezoids: steps may be cut.
+
+    >>> float(_mean(np.array([0.0, 1.0, 3.0]), np.array([0.0, 1.0, 3.0])))
+    1.5
+    """
+    return np.trapezoid(y, x) / (x[-1] - x[0]) if len(x) > 1 else y[0]
+
+
+def read_runs(folder):
+    """All runs of a folder (list of Run)."""
+    folder, runs = pathlib.Path(folder), []
+    if not folder.is_dir():
+        raise Unreadable(f"'{folder}' is no folder")
+    for path in sorted(folder.iterdir()):
+        stem = path.name if path.is_dir() else path.stem
+        match = NAME.fullmatch(stem)
+        if not match or (path.is_file() and path.suffix != ".dat"):
+            continue
+        if path.is_dir():
+            tables = sorted(path.glob("*_sole.dat"))
+            if len(tables) != 1:
+                raise Unreadable(f"'{path}' holds {len(tables)} tables *_sole.dat, not one")
+            path = tables[0]
+        runs.append(Run(path, match["mesh"], match["elements"], float(match["mu"])))
+    if not runs:
+        raise Unreadable(f"'{folder}' holds no run <mesh>_<elements>_<mu>")
+    return runs
+
+
+class Runs:
+    """Runs with or without friction, in the order of the paper's legends."""
+
+    def __init__(self, runs, friction):
+        self.all = [r for r in runs if (r.mu > 0) == friction and r.elements in DOFS]
+        self.reference = next((r for r in runs if r.mesh == "reference" and r.mu == 0), None)
+
+    def on(self, mesh, smooth=False):
+        """Runs on a mesh; smooth: not those with a faceted surface."""
+        types = [e for e in DOFS if not (smooth and e == "Q1E9")]
+        return [r for e in types for r in self.all if r.elements == e and r.mesh == str(mesh)]
+
+    def by_elements(self):
+        """(elements, runs from coarse to fine) of the meshes of Table 4."""
+        for elements in DOFS:
+            runs = [r for m in (1, 2, 3) for r in self.on(m) if r.elements == elements]
+            if runs:
+                yield elements, runs
+
+
+def _line(elements):
+    """The surface tells the types apart here."""
+    return _style.series(list(DOFS).index(elements))
+
+
+def torques(ax, runs, mesh, smooth):
+    """Torque about the axis over the angle: on the hemisphere solid, on the block dashed, both as
+    what turns the block.
+    """
+    for run in runs.on(mesh, smooth):
+        style = _line(run.elements) | {"marker": ""}
+        ax.plot(run.degrees, -run.torque[0], label=run.elements, **style)
+        ax.plot(run.degrees, run.torque[1], **style | {"linestyle": "--", "linewidth": 0.9})
+    ax.set_xlabel("rotation [degrees]")
+    ax.set_ylabel("torque $M_z / E_0 L_0^3$")
+    ax.set_xticks(range(0, 181, 30))
+    ax.legend()
+
+
+def convergence(ax, runs, value, words):
+    """A measure of each run over its degrees of freedom."""
+    for elements, found in runs.by_elements():
+        ax.loglog(
+            [r.dofs for r in found], [value(r) for r in found], label=elements, **_line(elements)
+        )
+    ax.set_xlabel("degrees of freedom")
+    ax.set_ylabel(words)
+    ax.legend()
+
+
+def figure_18(runs, plt):
+    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.0))
+    torques(axes[0], runs, 2, smooth=True)
+    axes[0].set_title("a) mesh 2", loc="left")
+    convergence(axes[1], runs, Run.amplitude, "largest torque")
+    axes[1].set_title("b) convergence", loc="left")
+    return figure
+
+
+def reference_force(runs):
+    """(mean force, what it is of)"""
+    if runs.reference:
+        return runs.reference.mean_force(), "IGA2, fine mesh"
+    iga = dict(runs.by_elements()).get("IGA2")
+    if not iga:
+        raise Unreadable("there is no run reference_IGA2_0, and none of IGA2 without friction")
+    return iga[-1].mean_force(), f"IGA2, mesh {iga[-1].mesh}"
+
+
+def figure_19(runs, plt):
+    reference, words = reference_force(runs)
+    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.0))
+    for elements, found in runs.by_elements():
+        axes[0].semilogx(
+            [r.dofs for r in found],
+            [r.mean_force() for r in found],
+            label=elements,
+            **_line(elements),
+        )
+    axes[0].axhline(reference, color="#999999", linewidth=0.9, zorder=0, label=words)
+    axes[0].set_xlabel("degrees of freedom")
+    axes[0].set_ylabel("mean contact force $P_z / E_0 L_0^2$")
+    axes[0].set_title("a) force", loc="left")
+    axes[0].legend()
+
+    def error(run):
+        value = abs(run.mean_force() / reference - 1)
+        return value if value > 0 else np.nan  # the reference itself
+
+    convergence(axes[1], runs, error, "relative error of the mean force")
+    axes[1].set_title("b) error", loc="left")
+    return figure
+
+
+def figure_20(runs, plt):
+    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.0))
+    torques(axes[0], runs, 2, smooth=False)
+    axes[0].set_title("a) mesh 2", loc="left")
+    convergence(axes[1], runs, Run.roughness, "largest deviation from the mean, 120 to 180 degrees")
+    axes[1].set_title("b) oscillation", loc="left")
+    return figure
+
+
+def draw(results=RESULTS, to=FIGURES):
+    """Draw the figures for which there are runs; returns their names."""
+    runs, names = read_runs(results), []
+    plain, rough = Runs(runs, False), Runs(runs, True)
+    with _style.styled() as plt:
+        for name, make, chosen in (
+            ("section5_figure18", figure_18, plain),
+            ("section5_figure19", figure_19, plain),
+            ("section5_figure20", figure_20, rough),
+        ):
+            if chosen.all:
+                _style.save(make(chosen, plt), pathlib.Path(to) / f"{name}.png")
+                names.append(name)
+    return names
+
+
+def main(argv=None):
+    p = argparse.ArgumentParser(
+        prog="section5_contact", description="Draw Figures 18 to 20 of the paper from curve tables."
+    )
+    p.add_argument("--results", default=RESULTS, metavar="FOLDER")
+    p.add_argument("--to", default=FIGURES, metavar="DIR")
+    o = p.parse_args(argv)
+    try:
+        draw(o.results, o.to)
+    except Unreadable as error:
+        print(f"section5_contact: error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
