@@ -161,9 +161,19 @@ def convergence(ax, runs, value, words):
         ax.loglog(
             [r.dofs for r in found], [value(r) for r in found], label=elements, **_line(elements)
         )
-    ax.set_xlabel("degrees of freedom")
+    _degrees_of_freedom(ax)
     ax.set_ylabel(words)
     ax.legend()
+
+
+def _degrees_of_freedom(ax):
+    """Few words at the ticks: the axis is not two decades long."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    ax.set_xlabel("degrees of freedom")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
 
 
 def figure_18(runs, plt):
@@ -196,7 +206,7 @@ def figure_19(runs, plt):
             **_line(elements),
         )
     axes[0].axhline(reference, color="#999999", linewidth=0.9, zorder=0, label=words)
-    axes[0].set_xlabel("degrees of freedom")
+    _degrees_of_freedom(axes[0])
     axes[0].set_ylabel("mean contact force $P_z / E_0 L_0^2$")
     axes[0].set_title("a) force", loc="left")
     axes[0].legend()
@@ -214,8 +224,8 @@ def figure_20(runs, plt):
     figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.0))
     torques(axes[0], runs, 2, smooth=False)
     axes[0].set_title("a) mesh 2", loc="left")
-    convergence(axes[1], runs, Run.roughness, "largest deviation from the mean, 120 to 180 degrees")
-    axes[1].set_title("b) oscillation", loc="left")
+    convergence(axes[1], runs, Run.roughness, "largest deviation from the mean")
+    axes[1].set_title("b) torque from 120 to 180 degrees", loc="left")
     return figure
 
 
