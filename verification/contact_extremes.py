@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""Contact under extreme numbers: runs benchmark/contact_extremes/hemisphere.inp and prints a table.
+
+`python3 verification/contact_extremes.py [--bezel PROGRAM] [--only WORD] [--out DIR]`: a row for
+each run, outcome and reason, as doc/verification/contact.md shows it. Penalties are multiples of
+the automatic one.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(TOP))
+DECK = TOP / "verification/benchmark/contact_extremes/hemisphere.inp"
+AUTO = 125  # NORMal PENAlty AUTO: 125 E/h of the block, E = 1, h = 1
+TIME_LIMIT = 300
+
+#: what is changed: settings of the deck
+RUNS = {
+    "nothing (penalty 125, the automatic one; mu 0.5)": {},
+    **{f"penalty {f:g} times the automatic one": {"eps": f * AUTO} for f in
+       (1e-2, 1e-1, 10, 1e2, 1e3, 1e4, 1e5, 1e6)},
+    **{f"mu = {mu}": {"mu": mu} for mu in (0, 0.1, 1, 2)},
+    **{f"stiffness ratio {r:g}": {"ratio": r} for r in (1e-3, 1e-2, 1, 1e2, 1e4, 1e6)},
+    "contact lost and regained, d = 0.5": {"d": 0.5, "lift": 1},
+    "rotation by 720 degrees": {"turn": 720, "round": 240},
+    "steps ten times larger": {"down": 2, "round": 6},
+    "lengths 1e-6": {"l": 1e-6},
+    "lengths 1e6": {"l": 1e6},
+    "stresses 1e-6": {"s": 1e-6},
+    "stresses 1e6": {"s": 1e6},
+    "lengths and stresses 1e-6": {"l": 1e-6, "s": 1e-6},
+    "lengths and stresses 1e6": {"l": 1e6, "s": 1e6},
+}  # fmt: skip
+
+
+def main():
+    o = parser().parse_args()
+    print("| changed | outcome | steps | cuts | force | torque | penetration | s | reason |")
+    print("|---|---|---|---|---|---|---|---|---|", flush=True)
+    for name, settings in RUNS.items():
+        if o.only in name:
+            with tempfile.TemporaryDirectory(dir=o.out) as place:
+                print(row(o.bezel, name, settings, pathlib.Path(place)), flush=True)
+
+
+def row(bezel, name, settings, place):
+    """One run as a line of the table; force, torque and penetration of side 1, in the deck's units."""
+    command = [bezel, "--quiet", "-o", str(place), "--time-limit", str(TIME_LIMIT), str(DECK)]
+    for key, value in settings.items():
+        command += ["--set", f"{key}={value:.16g}"]
+    start = time.monotonic()
+    done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    seconds = time.monotonic() - start
+    from post._table import read_table
+
+    l, s = settings.get("l", 1), settings.get("s", 1)
+    cells = ["-"] * 5
+    curve = place / "hemisphere_sole.dat"
+    if curve.exists():
+        table = read_table(curve)
+        value = lambda word: table.columns[table.find(word)][-1]
+        report = json.loads((place / "hemisphere.report.json").read_text())
+        cells = [str(report["steps"]), str(report["cutbacks"])] + [
+            f"{x:.6g}" for x in (
+                value("contact_sole_1_force_3") / (s * l**2),
+                value("contact_sole_1_torque") / (s * l**3),
+                value("contact_sole_1_penetration") / l,
+            )
+        ]  # fmt: skip
+        if done.returncode:
+            cells[0] += f" (to t = {value('time'):.3g})"
+    outcome = {0: "runs", 2: "no solution", 4: "time limit"}.get(
+        done.returncode, f"code {done.returncode}"
+    )
+    reason = " ".join(done.stderr.split()) if done.returncode else ""
+    return "| " + " | ".join([name, outcome, *cells, f"{seconds:.0f}", reason]) + " |"
+
+
+def parser():
+    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
+    p.add_argument("--only", default="", metavar="WORD", help="rows whose name contains this")
+    p.add_argument("--out", metavar="DIR", help="where the runs go (default: temporary)")
+    return p
+
+
+if __name__ == "__main__":
+    main()
