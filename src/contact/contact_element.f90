@@ -155,6 +155,7 @@ contains
     point%multiplier = points%multiplier(i)
     e = points%slide(i)
     point%slides = slides .and. e > 0
+    point%slipping = points%fresh .and. points%slipped(i)
     if (point%slides) then
       n = other%kind(other%ikind(e))%nsf
       call element_functions(other, e, points%slide_xi(:, i), work%shp(:n), work%dshp(:, :n))

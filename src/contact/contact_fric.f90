@@ -26,9 +26,10 @@ contains
   end function describe
 
   !> The predictor sticks; where it exceeds mu p the traction slides back to mu p.
-  pure subroutine coulomb(prop, d, p, t, dtdd, dtdp, elastic, state)
+  pure subroutine coulomb(prop, d, p, slipping, t, dtdd, dtdp, elastic, state)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: d(3), p
+    logical, intent(in) :: slipping
     real(wp), intent(out) :: t(3), dtdd(3, 3), dtdp(3), elastic(3)
     integer, intent(out) :: state
     real(wp) :: most, size, e(3)
@@ -44,7 +45,7 @@ contains
       elastic = 0.0_wp
       return
     end if
-    if (prop(2)*size <= most) then
+    if (prop(2)*size <= most .and. .not. (slipping .and. size > 0.0_wp)) then
       state = STICK
       t = -prop(2)*d
       elastic = d

@@ -2,7 +2,7 @@
 module contact_history
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t
-  use contact_type, only: OPEN
+  use contact_type, only: OPEN, SLIP
   implicit none
   private
   public :: new_contact_state, restore_contact_step, keep_contact_step
@@ -33,6 +33,7 @@ contains
     allocate (points%gap(np), source=huge(1.0_wp))
     allocate (points%traction(3, np), points%elastic(3, np), source=0.0_wp)
     allocate (points%state(np), source=OPEN)
+    allocate (points%slipped(np), source=.false.)
   end subroutine new_points
 
   !> A cut: projections start where they stood at the start of the step.
@@ -44,6 +45,7 @@ contains
       state%side(k)%foot = state%side(k)%foot_step
       state%side(k)%foot_xi = state%side(k)%foot_xi_step
       state%side(k)%multiplier = state%side(k)%multiplier_step
+      state%side(k)%fresh = .true.
     end do
   end subroutine restore_contact_step
 
@@ -56,6 +58,8 @@ contains
       state%side(k)%foot_step = state%side(k)%foot
       state%side(k)%foot_xi_step = state%side(k)%foot_xi
       state%side(k)%multiplier_step = state%side(k)%multiplier
+      state%side(k)%slipped = state%side(k)%state == SLIP
+      state%side(k)%fresh = .true.
     end do
   end subroutine keep_contact_step
 

@@ -21,6 +21,7 @@ module contact_point
     real(wp) :: x(3) = 0.0_wp          !! position [L]
     logical :: slides = .false.        !! friction acts, and there is a stored sliding point
     real(wp) :: xs(3) = 0.0_wp         !! its position [L]
+    logical :: slipping = .false.      !! see friction_law_i
     real(wp) :: multiplier = 0.0_wp    !! of the augmentation [F/L^2]
     integer :: state = OPEN
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
@@ -129,8 +130,8 @@ contains
     y = point%x - point%xs
     yn = dot_product(y, n)
     d = y - yn*n
-    call contact%friction%friction(contact%friction_prop, d, point%p, t, dtdd, dtdp, &
-      point%elastic, point%state)
+    call contact%friction%friction(contact%friction_prop, d, point%p, point%slipping, t, dtdd, &
+      dtdp, point%elastic, point%state)
     point%t = point%t + t
     project = -outer(n, n)
     dddn = -outer(n, y)

@@ -85,6 +85,9 @@ module contact_pair
     real(wp), allocatable :: slide_xi(:, :)  !! (2, np)
     real(wp), allocatable :: multiplier(:)   !! (np) pressure of the augmentation [F/L^2]
     real(wp), allocatable :: multiplier_step(:) !! (np) at the start of the step
+    !> Points that slipped when the last step ended: their first tangent is that of slip.
+    logical, allocatable :: slipped(:)       !! (np)
+    logical :: fresh = .false.               !! no sweep was made in this step yet
     !> What the last sweep found.
     integer, allocatable :: state(:)         !! (np) OPEN, STICK, SLIP, TOUCH
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no foot

@@ -5,6 +5,7 @@ module restart_contact
   use contact_pair, only: contact_state_t, contact_points_t
   use hdf5_file, only: hdf5_t, make_group
   use restart_arrays, only: write_matrix, read_matrix, name
+  use contact_type, only: SLIP
   implicit none
   private
   public :: write_contact, read_contact
@@ -95,6 +96,8 @@ contains
     points%traction = values(15:17, :)
     points%elastic = values(18:20, :)
     points%area = values(21, :)
+    points%slipped = points%state == SLIP
+    points%fresh = .true.
   end subroutine unpack_points
 
 end module restart_contact

@@ -245,6 +245,7 @@ contains
         end associate
       end do
     end associate
+    points%fresh = .false.
   end subroutine add_side
 
   !> A rigid tool is not integrated: its supports bear the tractions of the other side.

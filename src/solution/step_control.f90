@@ -22,7 +22,8 @@ module step_control
   end type step_control_t
 
   integer, parameter :: FEW = 6      ! iterations after which a step may grow
-  integer, parameter :: MANY = 10    ! and above which the next one is smaller
+  integer, parameter :: FAIR = 10    ! after which one smaller than dt may grow
+  integer, parameter :: MANY = 15    ! and above which the next one is smaller
 
 contains
 
@@ -85,7 +86,8 @@ contains
     control%quiet = control%quiet + 1
     if (iterations > MANY) then
       control%size = max(0.75_wp*taken, control%dtmin)
-    else if (iterations <= FEW .and. control%quiet > 1) then
+    else if ((iterations <= FEW .and. control%quiet > 1) .or. &
+      (iterations <= FAIR .and. control%quiet > 1 .and. control%size < control%dt)) then
       control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
     end if
   end subroutine accept_step
