@@ -27,7 +27,8 @@ contains
     type(contact_points_t), intent(out) :: points
 
     allocate (points%foot(np), points%foot_step(np), points%slide(np), source=0)
-    allocate (points%foot_xi(2, np), points%foot_xi_step(2, np), points%slide_xi(2, np), source=0.0_wp)
+    allocate (points%foot_xi(2, np), points%foot_xi_step(2, np), points%slide_xi(2, np), &
+              source=0.0_wp)
     allocate (points%multiplier(np), points%multiplier_step(np), source=0.0_wp)
     allocate (points%pressure(np), points%area(np), source=0.0_wp)
     allocate (points%gap(np), source=huge(1.0_wp))

@@ -131,7 +131,7 @@ contains
     yn = dot_product(y, n)
     d = y - yn*n
     call contact%friction%friction(contact%friction_prop, d, point%p, point%slipping, t, dtdd, &
-      dtdp, point%elastic, point%state)
+                                   dtdp, point%elastic, point%state)
     point%t = point%t + t
     project = -outer(n, n)
     dddn = -outer(n, y)

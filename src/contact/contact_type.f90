@@ -49,7 +49,8 @@ module contact_type
       real(wp), intent(out) :: t(3)       !! [F/L^2]
       real(wp), intent(out) :: dtdd(3, 3) !! [F/L^3]
       real(wp), intent(out) :: dtdp(3)    !! [-]
-      real(wp), intent(out) :: elastic(3) !! [L] part of d that is not slip: left when the step is accepted
+      real(wp), intent(out) :: elastic(3) !! [L] part of d that is not slip: left when the step is
+      !! accepted
       integer, intent(out) :: state       !! STICK or SLIP
     end subroutine friction_law_i
 

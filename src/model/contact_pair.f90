@@ -30,9 +30,11 @@ module contact_pair
     integer, allocatable :: node(:)          !! nodes and control points of all elements
     real(wp), allocatable :: w(:)            !! (size(node)) weights; not allocated: all one
     integer, allocatable :: block(:), elem(:), face(:) !! (nelem) the element face it is
-    integer, allocatable :: neighbour(:, :)  !! (4, nelem) element behind an edge; 0: the outer boundary
-    integer, allocatable :: edge(:, :)       !! (4, nelem) edge there; negative: it runs the other way
-    logical, allocatable :: point(:, :)      !! (4, nelem) edge is a point (prisms); not allocated: none is
+    integer, allocatable :: neighbour(:, :) !! (4, nelem) element behind an edge; 0: the outer
+    !! boundary
+    integer, allocatable :: edge(:, :) !! (4, nelem) edge there; negative: it runs the other way
+    logical, allocatable :: point(:, :) !! (4, nelem) edge is a point (prisms); not allocated: none
+    !! is
     integer, allocatable :: vertex(:, :)     !! (4, nelem) vertex at each corner
     integer, allocatable :: ring_first(:)    !! (nvertex+1) where the elements round a vertex begin
     integer, allocatable :: ring_elem(:)     !! elements round the vertices
@@ -93,7 +95,8 @@ module contact_pair
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no foot
     real(wp), allocatable :: pressure(:)     !! (np) [F/L^2]
     real(wp), allocatable :: traction(:, :)  !! (3, np) on this side [F/L^2]
-    real(wp), allocatable :: elastic(:, :)   !! (3, np) [L] part of the tangential way that is not slip
+    real(wp), allocatable :: elastic(:, :) !! (3, np) [L] part of the tangential way that is not
+    !! slip
     real(wp), allocatable :: area(:)         !! (np) current area the point stands for [L^2]
   end type contact_points_t
 

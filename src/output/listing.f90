@@ -32,7 +32,8 @@ contains
       call list_contact(model%contact(m))
     end do
     if (any(is_rigid(model%mesh%block)) .and. size(model%contact) == 0) then
-      call log_line('rigid     the deck has no CONTact: rigid patches move nothing but what is tied')
+      call log_line('rigid     the deck has no CONTact: rigid patches move nothing but what is ' &
+                    //'tied')
     end if
     call warn_loose(model)
     call log_line('')

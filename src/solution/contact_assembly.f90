@@ -6,7 +6,7 @@ module contact_assembly
   use contact_foot, only: foot_t, shape_t
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
-    pair_clique, map_pairs
+                           pair_clique, map_pairs
   use contact_project, only: project
   use contact_search, only: grid_t, update_grid
   use contact_shape, only: update_shape
@@ -17,7 +17,7 @@ module contact_assembly
   implicit none
   private
   public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
-    add_contact, accept_contact, friction_acts
+            add_contact, accept_contact, friction_acts
 
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr reached
 
@@ -63,8 +63,9 @@ contains
     type(state_t), intent(in) :: state
 
     acts = contact%has_friction
-    if (acts .and. contact%has_after) &
+    if (acts .and. contact%has_after) then
       acts = state%time - state%dt >= contact%after - AT_ONCE*state%dt
+    end if
   end function friction_acts
 
   !> Project all points; `grown`: the pattern must be made anew, as elements are coupled now that it
@@ -87,8 +88,9 @@ contains
         slides = friction_acts(contact, state)
         do k = 1, 2
           call update_shape(contact%side(k), x, work(c)%shape(k))
-          if (.not. contact%side(3 - k)%rigid) &
+          if (.not. contact%side(3 - k)%rigid) then
             call update_grid(contact%side(k), work(c)%shape(k), work(c)%grid(k))
+          end if
         end do
         do k = 1, 2
           if (contact%side(k)%rigid) cycle
@@ -119,7 +121,7 @@ contains
           foot%elem = points%foot(i)
           foot%xi = points%foot_xi(:, i)
           call project(contact%side(3 - k), work%shape(3 - k), work%grid(3 - k), xp(:, q), foot, &
-            contact%depth)
+                       contact%depth)
           points%foot(i) = foot%elem
           points%foot_xi(:, i) = foot%xi
         end associate
@@ -146,8 +148,9 @@ contains
           call contact%normal%normal(contact%normal_prop, foot%gap, points%multiplier(i), p, dp)
           if (.not. p > 0.0_wp) cycle
           call need_pair(work%pairs(k), e, foot%elem, step, grown)
-          if (slides .and. points%slide(i) > 0) &
+          if (slides .and. points%slide(i) > 0) then
             call need_pair(work%pairs(k), e, points%slide(i), step, grown)
+          end if
         end associate
       end do
     end do
@@ -204,7 +207,7 @@ contains
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
         call add_side(work(c), model%contact(c), k, x, friction_acts(model%contact(c), state), &
-          state%u, state%contact(c)%side(k), a, f, rounding, largest)
+                      state%u, state%contact(c)%side(k), a, f, rounding, largest)
       end do
     end do
   end subroutine add_contact
@@ -225,10 +228,12 @@ contains
       do e = 1, own%nelem
         i = (e - 1)*contact%nq
         call form_element(contact, k, e, x, work%feet(k)%at(i + 1:i + contact%nq), slides, points, &
-          part)
+                          part)
         if (part%npartner == 0) cycle
-        if (other%rigid) call react(other, work%feet(k)%at(i + 1:i + contact%nq), &
-          points%traction(:, i + 1:i + contact%nq), points%area(i + 1:i + contact%nq), f)
+        if (other%rigid) then
+          call react(other, work%feet(k)%at(i + 1:i + contact%nq), &
+                     points%traction(:, i + 1:i + contact%nq), points%area(i + 1:i + contact%nq), f)
+        end if
         associate (mine => own%node(own%first(e):own%first(e + 1) - 1))
           do b = 1, part%nk
             n = mine(b)
@@ -240,7 +245,8 @@ contains
           do b = 1, part%npartner
             n = part%partner(b)
             call add_coupling(a, mine, other%node(other%first(n):other%first(n + 1) - 1), &
-              work%pairs(k)%map(find_pair(work%pairs(k), e, n))%at, part%kl(:, :, b))
+                              work%pairs(k)%map(find_pair(work%pairs(k), e, n))%at, &
+                              part%kl(:, :, b))
           end do
         end associate
       end do
@@ -289,7 +295,7 @@ contains
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
         call accept_slides(model%contact(c)%side(k), model%contact(c)%side(3 - k), &
-          work(c)%shape(3 - k), x, work(c)%feet(k)%at, state%contact(c)%side(k))
+                           work(c)%shape(3 - k), x, work(c)%feet(k)%at, state%contact(c)%side(k))
       end do
     end do
   end subroutine accept_contact

@@ -87,7 +87,7 @@ contains
     if (iterations > MANY) then
       control%size = max(0.75_wp*taken, control%dtmin)
     else if ((iterations <= FEW .and. control%quiet > 1) .or. &
-      (iterations <= FAIR .and. control%quiet > 1 .and. control%size < control%dt)) then
+             (iterations <= FAIR .and. control%quiet > 1 .and. control%size < control%dt)) then
       control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
     end if
   end subroutine accept_step

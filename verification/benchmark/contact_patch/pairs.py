@@ -60,7 +60,13 @@ STOP
 
 def block(name, z, knots, lines, face):
     """A unit block; its knots differ from those of the block that it touches."""
-    rows = [f"PATCh,{name}", f"  BOX 0 0 {z}  1 1 1", f"  KNOTs,1 {knots[0]}", f"  KNOTs,2 {knots[1]}", "  KNOTs,3 0.5"]
+    rows = [
+        f"PATCh,{name}",
+        f"  BOX 0 0 {z}  1 1 1",
+        f"  KNOTs,1 {knots[0]}",
+        f"  KNOTs,2 {knots[1]}",
+        "  KNOTs,3 0.5",
+    ]
     rows += ["  " + line.format(face=face) for line in lines]
     return "\n".join([*rows, "  MATErial 1", "", ""])
 
