@@ -59,7 +59,7 @@ def row(bezel, name, settings, place):
     seconds = time.monotonic() - start
     from post._table import read_table
 
-    l, s = settings.get("l", 1), settings.get("s", 1)
+    length, stress = settings.get("l", 1), settings.get("s", 1)
     cells = ["-"] * 5
     curve = place / "hemisphere_sole.dat"
     if curve.exists():
@@ -68,9 +68,9 @@ def row(bezel, name, settings, place):
         report = json.loads((place / "hemisphere.report.json").read_text())
         cells = [str(report["steps"]), str(report["cutbacks"])] + [
             f"{x:.6g}" for x in (
-                value("contact_sole_1_force_3") / (s * l**2),
-                value("contact_sole_1_torque") / (s * l**3),
-                value("contact_sole_1_penetration") / l,
+                value("contact_sole_1_force_3") / (stress * length**2),
+                value("contact_sole_1_torque") / (stress * length**3),
+                value("contact_sole_1_penetration") / length,
             )
         ]  # fmt: skip
         if done.returncode:
