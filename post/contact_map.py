@@ -27,14 +27,16 @@ def draw(paths, output, scalar="contact_friction", component=None, step="last", 
     """Draw the contact surfaces of result files, one panel a file with one colour scale.
 
     component: of a vector; default 1 of friction and traction (their x component); step: as in
-    post._grid.load, or one for each file; axis: direction that is looked along, from its end.
+    post._grid.load, or a list of such, one for each file; axis: direction that is looked along,
+    from its end.
     Returns the limits of the colours.
     """
     if axis not in PLANE:
         raise Unreadable(f"no axis '{axis}'; known: x y z")
     if component is None and scalar in ("contact_friction", "contact_traction"):
         component = "1"
-    panels = [_panel(p, scalar, component, step, axis) for p in paths]
+    steps = step if isinstance(step, (list, tuple)) else [step] * len(paths)
+    panels = [_panel(p, scalar, component, s, axis) for p, s in zip(paths, steps)]
     for panel, label in zip(panels, labels or [None] * len(panels)):
         if label:
             panel.caption = f"{label}, {panel.caption}" if say_step else label

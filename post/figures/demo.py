@@ -1,4 +1,5 @@
-"""`make demo`: the stretched cube with enriched faces beside tri-linear elements, from run to picture.
+"""`make demo`, from run to picture: a stretched cube with enriched faces beside tri-linear elements,
+and a hemisphere that is twisted on a block with friction.
 
 python -m post.figures.demo --bezel build/release/bezel --out build/demo
 """
@@ -8,22 +9,32 @@ import pathlib
 import subprocess
 import sys
 
-from post import curve, field
+from post import _style, contact_map, curve, field
 from post._error import Unreadable
 from post._table import read_table
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 RUNS = {"cube_q1": "Q1", "cube_enriched": "Q1 with Q1N2 on the faces"}
+TWIST = "twist"
+STEPS = {
+    25: "turned by 15 degrees: most of it sticks",
+    80: "turned by 180 degrees: all of it slides",
+}
 CONVERGED = 0.172838925  # force on a quarter, head of verification/benchmark/section4/reference.csv
 
 
-def draw(bezel, out):
-    """Run the two decks of input/ into the folder `out` and draw the stress and the force there."""
+def run(bezel, out, stem):
+    """Run a deck of input/ into the folder `out`."""
+    command = [str(bezel), "--quiet", "-o", str(out), str(TOP / "input" / f"{stem}.inp")]
+    code = subprocess.run(command).returncode
+    if code != 0:
+        raise Unreadable(f"'{' '.join(command)}' ended with code {code}")
+
+
+def draw_cubes(bezel, out):
+    """Stress in both cubes, and their forces."""
     for stem in RUNS:
-        command = [str(bezel), "--quiet", "-o", str(out), str(TOP / "input" / f"{stem}.inp")]
-        code = subprocess.run(command).returncode
-        if code != 0:
-            raise Unreadable(f"'{' '.join(command)}' ended with code {code}")
+        run(bezel, out, stem)
     forces = [out / f"{s}_force.dat" for s in RUNS]
     errors = [read_table(f).columns["force_3"][-1] / CONVERGED - 1 for f in forces]
     labels = [f"{name}\nforce {100 * e:.2f} % too high" for name, e in zip(RUNS.values(), errors)]
@@ -33,17 +44,37 @@ def draw(bezel, out):
     curve.draw(forces, out / "force.png", x="disp", labels=labels, title="Stretching a cube")
 
 
+def draw_twist(bezel, out):
+    """Tractions on both surfaces while they stick and slide, and the torque."""
+    run(bezel, out, TWIST)
+    files = [out / f"{TWIST}.vtkhdf"] * len(STEPS)
+    contact_map.draw(files, out / "twist.png", step=list(STEPS), labels=list(STEPS.values()),
+                     say_step=False)  # fmt: skip
+    table = read_table(out / f"{TWIST}_sole.dat").columns
+    turning = table["factor_1"] >= 1.0
+    with _style.styled() as plt:
+        figure, ax = plt.subplots(figsize=(4.6, 3.0))
+        for i, body in enumerate(("hemisphere", "block")):
+            torque = abs(table[f"contact_sole_{i + 1}_torque"][turning])
+            line = _style.series(i) | {"marker": None}
+            ax.plot(180 * table["factor_2"][turning], torque, label=body, **line)
+        ax.set(xlabel="turned by [degrees]", ylabel="torque of the tractions", ylim=(0, None))
+        ax.legend()
+        _style.save(figure, out / "torque.png")
+
+
 def main(argv=None):
-    p = argparse.ArgumentParser(prog="demo", description="Run two decks and draw what they give.")
+    p = argparse.ArgumentParser(prog="demo", description="Run decks and draw what they give.")
     p.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     p.add_argument("--out", type=pathlib.Path, default=TOP / "build/demo", metavar="DIR")
     o = p.parse_args(argv)
     try:
-        draw(o.bezel, o.out)
+        draw_cubes(o.bezel, o.out)
+        draw_twist(o.bezel, o.out)
     except (Unreadable, OSError) as error:
         print(f"demo: error: {error}", file=sys.stderr)
         return 1
-    print(f"decks in {TOP / 'input'}, results in {o.out}; look at {o.out / 'cube.png'}")
+    print(f"decks in {TOP / 'input'}, results in {o.out}; look at cube.png and twist.png there")
     return 0
 
 
