@@ -227,7 +227,7 @@ clean:
 #: make check         unit tests, bad decks, manual, post, patch tests: what a commit must pass
 #: make unit T=word   the unit tests whose path has the word, and what they need
 #: make verify        patch tests and quick benchmarks; verify-all: every one
-#: make demo          runs a deck, draws its figure, says where it is
+#: make demo          runs three decks, draws their figures, says where they are
 #: make bench         times the parts and the program, beside the record
 #: make debug | sanitize | coverage   the tests with checks, with sanitizers, with lines counted
 #: make lint | format                 style, layers; write the formatting
