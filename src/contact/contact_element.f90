@@ -62,6 +62,7 @@ contains
   end subroutine element_functions
 
   !> Forces and derivatives of element e of side k; what its points found goes into their history.
+  !! Where no point touches work%npartner is 0, and the rest of work means nothing.
   pure subroutine form_element(contact, k, e, x, feet, slides, points, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e
@@ -78,8 +79,6 @@ contains
     associate (own => contact%side(k), other => contact%side(3 - k))
       work%nk = own%kind(own%ikind(e))%nsf
       work%npartner = 0
-      work%r = 0.0_wp
-      work%kk = 0.0_wp
       do q = 1, contact%nq
         i = (e - 1)*contact%nq + q
         call measure(own, e, q, x, work, point%x, up, da)
@@ -92,6 +91,8 @@ contains
         points%elastic(:, i) = point%elastic
         points%area(i) = da
         if (point%state == OPEN) cycle
+        if (work%npartner == 0) work%r = 0.0_wp
+        if (work%npartner == 0) work%kk(:, :3*work%nk) = 0.0_wp
         call add_own(point%t, dt%x, up, da, work)
         call add_partner(other, feet(q)%elem, feet(q)%xi, dt%p, dt%a, da, work)
         if (point%slides) call add_partner(other, points%slide(i), points%slide_xi(:, i), dt%s, &
@@ -214,18 +215,19 @@ contains
   !> k(i a, j b) = k(i a, j b) - N_a q(i, j, b) da.
   pure subroutine spread_rows(na, nb, shp, q, da, ld, k)
     integer, intent(in) :: na, nb, ld
-    real(wp), intent(in) :: shp(na), q(3, 3, nb), da
+    real(wp), intent(in) :: shp(na), q(3, 3*nb), da
     real(wp), intent(inout) :: k(ld, 3*nb)
-    real(wp) :: s
-    integer :: a, c, jb
+    real(wp) :: s(3*na)
+    integer :: a, c, i
 
-    do jb = 1, 3*nb
-      c = (jb - 1)/3 + 1
+    do a = 1, na
+      s(3*a - 2:3*a) = shp(a)*da
+    end do
+    do c = 1, 3*nb
       do a = 1, na
-        s = shp(a)*da
-        k(3*a - 2, jb) = k(3*a - 2, jb) - s*q(1, jb - 3*(c - 1), c)
-        k(3*a - 1, jb) = k(3*a - 1, jb) - s*q(2, jb - 3*(c - 1), c)
-        k(3*a, jb) = k(3*a, jb) - s*q(3, jb - 3*(c - 1), c)
+        do i = 1, 3
+          k(3*(a - 1) + i, c) = k(3*(a - 1) + i, c) - s(3*(a - 1) + i)*q(i, c)
+        end do
       end do
     end do
   end subroutine spread_rows
