@@ -55,7 +55,7 @@ def page(result):
         "## One cube, three programs\n\n" + table.cube(result, SAME_FORCE),
         "## Targets\n\n" + table.targets(result),
         MISSED.format(lines=missed(result)).lstrip("\n"),
-        "## Kernels\n\nMicroseconds of one element (residual and tangent), the best of three runs; the rate of dgemm.\n\n"
+        "## Kernels\n\nMicroseconds of one element (residual and tangent), the best of some runs; the rate of dgemm.\n\n"
         + table.kernels(result),
     ]
     if "large" in result:
