@@ -166,7 +166,7 @@ patch: $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
 	  > $(B)/patch.txt; code=$$?; grep -v '  ok$$' $(B)/patch.txt; exit $$code
 
-.PHONY: verify verify-all bench demo
+.PHONY: verify verify-all verify-long bench demo
 verify: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $(B)/bezel
@@ -174,6 +174,10 @@ verify-all: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $(B)/bezel --all
 	@$(PYTHON) verification/restart/run.py $(B)/bezel
+# Hours; goes on where it was interrupted. ARGS='--only IGA2', '--jobs 2', '--write' and so on.
+verify-long: setup
+	@$(MAKE) $(B)/bezel
+	@$(PYTHON) verification/section5_contact.py --bezel $(B)/bezel --mesh 3 $(ARGS)
 demo: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m post.figures.demo --bezel $(B)/bezel --out $(BUILD)/demo
