@@ -5,6 +5,7 @@ module command_close
   use base_text, only: to_text
   use contact_assembly, only: accept_contact
   use contact_lines, only: list_contacts
+  use contact_notes, only: note_lost_contacts
   use command_files, only: open_files, write_rows, write_fields, write_checkpoint, drop_anchor
   use linear_system, only: FULL
   use command_loop, only: cut_back
@@ -47,6 +48,7 @@ contains
     end if
     if (.not. run%newton%converged) call complain(run, pass)
     call look_at_pivots(run)
+    call note_lost_contacts(run%model, run%state)
     call accept_contact(run%newton%asm%contact, run%model, run%state)
     call accept_step_state(run%state)
     if (run%plan%timed) call accept_step(run%control, run%newton%iterations)

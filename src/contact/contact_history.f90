@@ -62,6 +62,7 @@ contains
       state%side(k)%slipped = state%side(k)%state == SLIP
       state%side(k)%fresh = .true.
     end do
+    state%touched = any(state%side(1)%state /= OPEN) .or. any(state%side(2)%state /= OPEN)
   end subroutine keep_contact_step
 
 end module contact_history

@@ -5,6 +5,7 @@ module check_deck
   use base_text, only: to_text
   use base_system, only: available_memory_mb
   use command_type, only: run_t
+  use contact_notes, only: warn_contacts
   use listing, only: warn_loose
   use listing_contact, only: contact_size
   use newton, only: prepare_newton
@@ -34,6 +35,7 @@ contains
     if (allocated(error)) return
     print '(a)', 'memory     about '//to_text(job%newton%system%estimate_mb, 3) &
       //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
+    call warn_contacts(job%model)
     call warn_loose(job%model)
     if (warning_count() == 0) print '(a)', 'no problems found'
   end subroutine print_check

@@ -103,6 +103,7 @@ module contact_pair
   !> One contact's history.
   type :: contact_state_t
     type(contact_points_t) :: side(2)
+    logical :: touched = .false.             !! a point was in contact when the last step ended
   end type contact_state_t
 
 end module contact_pair

@@ -2,6 +2,7 @@
 module listing
   use base_log, only: log_line, warn
   use base_text, only: to_text
+  use contact_notes, only: warn_contacts
   use listing_contact, only: list_contact
   use material_type, only: material_t
   use mesh, only: block_t
@@ -35,6 +36,7 @@ contains
       call log_line('rigid     the deck has no CONTact: rigid patches move nothing but what is ' &
                     //'tied')
     end if
+    call warn_contacts(model)
     call warn_loose(model)
     call log_line('')
   end subroutine list_model

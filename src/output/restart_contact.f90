@@ -5,7 +5,7 @@ module restart_contact
   use contact_pair, only: contact_state_t, contact_points_t
   use hdf5_file, only: hdf5_t, make_group
   use restart_arrays, only: write_matrix, read_matrix, name
-  use contact_type, only: SLIP
+  use contact_type, only: OPEN, SLIP
   implicit none
   private
   public :: write_contact, read_contact
@@ -53,6 +53,8 @@ contains
         call unpack_points(values, contact(c)%side(k))
         deallocate (values)
       end do
+      contact(c)%touched = any(contact(c)%side(1)%state /= OPEN) &
+                           .or. any(contact(c)%side(2)%state /= OPEN)
     end do
   end subroutine read_contact
 
