@@ -18,7 +18,7 @@ TOP = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(TOP))
 DECK = TOP / "verification/benchmark/contact_extremes/hemisphere.inp"
 AUTO = 125  # NORMal PENAlty AUTO: 125 E/h of the block, E = 1, h = 1
-TIME_LIMIT = 300
+TIME_LIMIT = 100
 
 #: what is changed: settings of the deck
 RUNS = {

@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Imbalance of the two sides where a small block covers elements of a large one in part.
+
+`python3 imbalance.py [program]` runs partial_q1n2.inp with the small block at 12 places, for points
+q and elements n of the large block, and writes imbalance.csv: root mean square and largest value of
+1 - (force on the large block)/(force on the small one).
+"""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+TOP = HERE.parents[2]
+
+
+def main():
+    bezel = sys.argv[1] if len(sys.argv) > 1 else str(TOP / "build/release/bezel")
+    lines = ["# written by imbalance.py", "n,q,rms,largest,failed"]
+    for n, q in [(5, q) for q in (2, 3, 5, 8, 12, 16)] + [(10, 5), (20, 5)]:
+        errors, failed = [], 0
+        for i in range(12):
+            value = run(bezel, {"n": n, "q": q, "x": -0.43 - 0.013 * i})
+            failed += value is None
+            errors += [] if value is None else [value]
+        rms = np.sqrt(np.mean(np.square(errors)))
+        lines.append(f"{n},{q},{rms:.4f},{np.max(np.abs(errors)):.4f},{failed}")
+        print(lines[-1], flush=True)
+    (HERE / "imbalance.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def run(bezel, settings):
+    """The imbalance of one run; None where it found no equilibrium."""
+    with tempfile.TemporaryDirectory() as place:
+        words = [w for k, v in settings.items() for w in ("--set", f"{k}={v:.12g}")]
+        command = [bezel, "--quiet", "-o", place, *words, str(HERE / "partial_q1n2.inp")]
+        if subprocess.run(command, capture_output=True).returncode:
+            return None
+        row = np.loadtxt(pathlib.Path(place) / "partial_q1n2_force.dat", ndmin=2)[-1]
+        return 1 + row[6] / row[5]
+
+
+if __name__ == "__main__":
+    main()
