@@ -174,7 +174,7 @@ verify-all: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $(B)/bezel --all
 	@$(PYTHON) verification/restart/run.py $(B)/bezel
-# Hours; goes on where it was interrupted. ARGS='--only IGA2', '--jobs 2', '--write' and so on.
+# Hours; goes on where it was interrupted. ARGS="--only '3_IGA2_*'", '--jobs 2', '--write' and so on.
 verify-long: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/section5_contact.py --bezel $(B)/bezel --mesh 3 $(ARGS)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Sections 5.2 and 5.3: runs the hemisphere on every mesh, element type and coefficient of friction.
 
-    .venv/bin/python verification/section5_contact.py --mesh 1 2 3 [--only WORD] [--jobs N] [--write]
+    .venv/bin/python verification/section5_contact.py --mesh 1 2 3 [--only NAME] [--jobs N] [--write]
 
 A case that the same program has finished with the same decks is not run again; an interrupted study
 goes on where it was. Prints how each case went, then paper, ours and difference of Tables 4 and 5;
@@ -19,6 +19,7 @@ import pathlib
 import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 
 TOP = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TOP), str(TOP / "verification")]
@@ -98,7 +99,7 @@ def main(argv=None):
     bezel, out = pathlib.Path(o.bezel).resolve(), pathlib.Path(o.out).resolve()
     if not os.access(bezel, os.X_OK):
         sys.exit(f"section5_contact: error: '{bezel}' is no program; build it with `make`")
-    cases = [c for c in all_cases(o.mesh) if all(w in c.name for w in o.only)]
+    cases = [c for c in all_cases(o.mesh) if any(fnmatchcase(c.name, w) for w in o.only)]
     if not cases:
         sys.exit("section5_contact: error: no case is chosen")
     stamp = fingerprint(bezel)
@@ -212,7 +213,9 @@ def parser():
     p = argparse.ArgumentParser(prog="section5_contact", description=__doc__.split("\n")[0])
     p.add_argument("--bezel", default=TOP / "build/release/bezel", metavar="PROGRAM")
     p.add_argument("--mesh", nargs="+", choices=list(MESHES), default=["1"])
-    p.add_argument("--only", nargs="+", default=[], metavar="WORD", help="cases with these words")
+    p.add_argument(
+        "--only", nargs="+", default=["*"], metavar="NAME", help="such as 3_IGA2_0, 3_*_0.5"
+    )
     p.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time (default 1)")
     p.add_argument("--time-limit", type=int, default=7200, metavar="S", help="of a run")
     p.add_argument("--out", default=TOP / "build/section5_contact", metavar="DIR")

@@ -24,7 +24,7 @@ from post._error import Unreadable
 from post._table import read_table
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
-RESULTS = TOP / "verification/benchmark/section5"
+RESULTS = TOP / "verification/benchmark/section5_contact/runs"
 FIGURES = TOP / "doc/verification/figures"
 NAME = re.compile(r"(?P<mesh>\w+)_(?P<elements>[^_]+)_(?P<mu>[0-9.]+)$")
 
@@ -64,9 +64,13 @@ class Run:
         """Largest torque of both sides: zero without friction."""
         return max(np.abs(t).max() for t in self.torque)
 
+    def forces(self):
+        """Mean over the rotation, on each side."""
+        return [_mean(self.degrees, np.abs(f)) for f in self.force]
+
     def mean_force(self):
-        """Mean over the half turn, of both sides."""
-        return np.mean([_mean(self.degrees, np.abs(f)) for f in self.force])
+        """... and of both sides."""
+        return np.mean(self.forces())
 
     def roughness(self):
         """Largest deviation of the torque from its mean while all points slide."""
@@ -141,18 +145,28 @@ def _line(elements):
     return _style.series(list(DOFS).index(elements))
 
 
-def torques(ax, runs, mesh, smooth):
+def torques(ax, runs):
     """Torque about the axis over the angle: on the hemisphere solid, on the block dashed, both as
     what turns the block.
     """
-    for run in runs.on(mesh, smooth):
+    for run in runs:
         style = _line(run.elements) | {"marker": ""}
         ax.plot(run.degrees, -run.torque[0], label=run.elements, **style)
         ax.plot(run.degrees, run.torque[1], **style | {"linestyle": "--", "linewidth": 0.9})
-    ax.set_xlabel("rotation [degrees]")
-    ax.set_ylabel("torque $M_z / E_0 L_0^3$")
-    ax.set_xticks(range(0, 181, 30))
-    ax.legend()
+    ax.set_xticks(range(0, 181, 60 if len(runs) == 1 else 30))
+
+
+def legend(figure, ax, more=()):
+    """One legend for all panels, below them; sides as (line, words)."""
+    from matplotlib.lines import Line2D
+
+    handles, words = ax.get_legend_handles_labels()
+    handles += [Line2D([], [], color="#555555", linestyle=line) for line, _ in more]
+    words += [text for _, text in more]
+    figure.legend(handles, words, loc="outside lower center", ncol=len(words), columnspacing=1.2)
+
+
+SIDES = (("-", "hemisphere"), ("--", "block"))
 
 
 def convergence(ax, runs, value, words):
@@ -163,7 +177,6 @@ def convergence(ax, runs, value, words):
         )
     _degrees_of_freedom(ax)
     ax.set_ylabel(words)
-    ax.legend()
 
 
 def _degrees_of_freedom(ax):
@@ -177,11 +190,23 @@ def _degrees_of_freedom(ax):
 
 
 def figure_18(runs, plt):
-    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.0))
-    torques(axes[0], runs, 2, smooth=True)
-    axes[0].set_title("a) mesh 2", loc="left")
-    convergence(axes[1], runs, Run.amplitude, "largest torque")
-    axes[1].set_title("b) convergence", loc="left")
+    """The four smooth surfaces have a panel each: their curves cross too often for one."""
+    figure = plt.figure(figsize=(_style.PAGE, 3.7))
+    grid = figure.add_gridspec(2, 3, width_ratios=(1, 1, 1.75))
+    first = None
+    for k, run in enumerate(runs.on(2, smooth=True)):
+        ax = first = figure.add_subplot(grid[k // 2, k % 2], sharex=first, sharey=first)
+        torques(ax, [run])
+        ax.set_title(("a) mesh 2, " if k == 0 else "") + run.elements, loc="left")
+        ax.label_outer()
+        if k % 2 == 0:
+            ax.set_ylabel("torque $M_z / E_0 L_0^3$")
+        if k // 2 == 1:
+            ax.set_xlabel("rotation [degrees]")
+    ax = figure.add_subplot(grid[:, 2])
+    convergence(ax, runs, Run.amplitude, "largest torque $M_z / E_0 L_0^3$")
+    ax.set_title("b) largest torque of both sides", loc="left")
+    legend(figure, ax, SIDES)
     return figure
 
 
@@ -197,35 +222,40 @@ def reference_force(runs):
 
 def figure_19(runs, plt):
     reference, words = reference_force(runs)
-    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.0))
+    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.2))
     for elements, found in runs.by_elements():
-        axes[0].semilogx(
-            [r.dofs for r in found],
-            [r.mean_force() for r in found],
-            label=elements,
-            **_line(elements),
-        )
-    axes[0].axhline(reference, color="#999999", linewidth=0.9, zorder=0, label=words)
+        dofs, style = [r.dofs for r in found], _line(elements)
+        forces = np.array([r.forces() for r in found])
+        axes[0].semilogx(dofs, forces[:, 0], label=elements, **style)
+        axes[0].semilogx(dofs, forces[:, 1], **style | {"linestyle": "--", "fillstyle": "none"})
+    axes[0].axhline(reference, color="#999999", linewidth=0.9, zorder=0)
+    axes[0].annotate(
+        words, (1, reference), xycoords=("axes fraction", "data"), ha="right", va="top", color="#555555",
+        fontsize=7.5, xytext=(0, -2), textcoords="offset points",
+    )  # fmt: skip
     _degrees_of_freedom(axes[0])
     axes[0].set_ylabel("mean contact force $P_z / E_0 L_0^2$")
-    axes[0].set_title("a) force", loc="left")
-    axes[0].legend()
+    axes[0].set_title("a) force on each side", loc="left")
 
     def error(run):
         value = abs(run.mean_force() / reference - 1)
         return value if value > 0 else np.nan  # the reference itself
 
-    convergence(axes[1], runs, error, "relative error of the mean force")
-    axes[1].set_title("b) error", loc="left")
+    convergence(axes[1], runs, error, "relative error")
+    axes[1].set_title("b) error of the mean of both sides", loc="left")
+    legend(figure, axes[0], SIDES)
     return figure
 
 
 def figure_20(runs, plt):
-    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.0))
-    torques(axes[0], runs, 2, smooth=False)
+    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.2))
+    torques(axes[0], runs.on(2))
     axes[0].set_title("a) mesh 2", loc="left")
+    axes[0].set_xlabel("rotation [degrees]")
+    axes[0].set_ylabel("torque $M_z / E_0 L_0^3$")
     convergence(axes[1], runs, Run.roughness, "largest deviation from the mean")
     axes[1].set_title("b) torque from 120 to 180 degrees", loc="left")
+    legend(figure, axes[1], SIDES)
     return figure
 
 

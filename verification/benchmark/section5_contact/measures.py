@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+"""The tables of doc/verification/section5_contact.md, from runs/*.dat and runs/summary.csv.
+
+    .venv/bin/python verification/benchmark/section5_contact/measures.py [--write]
+
+Prints them; `--write` puts them into the page, between its `<!-- table: name -->` and
+`<!-- end -->`.
+"""
+
+import csv
+import pathlib
+import re
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+TOP = HERE.parents[2]
+sys.path.insert(0, str(TOP))
+
+import numpy as np  # noqa: E402
+
+from post._table import read_table  # noqa: E402
+from post.figures.section5_contact import DOFS, SLIDING, Runs, read_runs, reference_force  # noqa: E402
+
+PAGE = TOP / "doc/verification/section5_contact.md"
+MESHES = ("1", "2", "3")
+STICK = 0.03  # share of sticking points below which the side counts as sliding: the pole never does
+
+
+def main():
+    runs = {(r.mesh, r.elements, r.mu): r for r in read_runs(HERE / "runs")}
+    with (HERE / "runs/summary.csv").open(newline="") as text:
+        rows = {(r["mesh"], r["elements"], float(r["mu"])): r for r in csv.DictReader(text)}
+    tables = {
+        "runs": cost(rows),
+        "tractions": tractions(rows),
+        "torque": torque(runs),
+        "force": force(runs),
+        "friction": friction(runs),
+    }
+    text = PAGE.read_text() if PAGE.exists() else ""
+    for name, lines in tables.items():
+        print(f"{name}\n" + "\n".join(lines) + "\n")
+        block = rf"(<!-- table: {name} -->\n).*?(<!-- end -->)"
+        body = "\n".join(lines) + "\n"
+        text = re.sub(block, lambda m, b=body: m[1] + b + m[2], text, flags=re.S)
+    if "--write" in sys.argv[1:]:
+        PAGE.write_text(text)
+
+
+def table(heading, rows):
+    yield "| " + " | ".join(heading) + " |"
+    yield "|" + "---|" * len(heading)
+    for row in rows:
+        yield "| " + " | ".join(row) + " |"
+
+
+def over_meshes(value, have, key):
+    """`value` of each mesh with a run, a dash where there is none."""
+    return [value(have[key(m)]) if key(m) in have else "-" for m in MESHES]
+
+
+def cost(rows):
+    """Steps, iterations a step, seconds and contact's share, of meshes 1 to 3."""
+    shown = []
+    for mu in (0.0, 0.5):
+        for e in DOFS:
+            cells = lambda f, e=e, mu=mu: ", ".join(over_meshes(f, rows, lambda m: (m, e, mu)))
+            shown.append([
+                e, f"{mu:g}", cells(lambda r: reached(r) + r["steps"]), cells(lambda r: r["iterations_per_step"]),
+                cells(lambda r: f"{float(r['seconds']):.0f}"),
+                cells(lambda r: f"{100 * float(r['contact_share']):.0f}"),
+            ])  # fmt: skip
+    head = ("elements", "$\\mu$", "steps", "iterations a step", "seconds", "contact, % of them")
+    return list(table(head, shown))
+
+
+def reached(row):
+    return "" if float(row["degrees"]) > 180 - 1e-6 else f"to {row['degrees']} degrees: "
+
+
+def tractions(rows):
+    """Table 5: paper, ours, difference."""
+    lines = (HERE / "table5.csv").read_text().splitlines()
+    shown = []
+    for r in csv.DictReader(line for line in lines if not line.startswith("#")):
+        key = (r["mesh"], r["elements"], 0.5)
+        cells = [r["elements"] + ("" if r["mesh"] == "2" else f", mesh {r['mesh']}")]
+        for side, body in (1, "hemisphere"), (2, "block"):
+            paper = float(r[body])
+            done = key in rows and not reached(rows[key])
+            got = float(rows[key][f"tangential_{side}"]) if done else None
+            cells += [f"{paper:.3f}", *((f"{got:.4f}", f"{100 * (got / paper - 1):+.1f} %") if done else ("-", "-"))]  # fmt: skip
+        shown.append([*cells, f"{100 * float(r['bound']):.0f} %"])
+    head = ("elements", "hemisphere: paper", "ours", "difference", "block: paper", "ours", "difference", "bound")  # fmt: skip
+    return list(table(head, shown))
+
+
+def slopes(have, key, value):
+    """Slopes over dofs between neighbouring meshes, on logarithmic scales."""
+    got = [have.get(key(m)) for m in MESHES]
+    return [
+        f"{-np.log(value(b) / value(a)) / np.log(b.dofs / a.dofs):.2f}" if a and b else "-"
+        for a, b in zip(got, got[1:])
+    ]
+
+
+def torque(runs):
+    """Without friction: largest torque, order, and how far from periodic and antisymmetric."""
+    shown = []
+    for e in DOFS:
+        key = lambda m, e=e: (m, e, 0.0)
+        largest = over_meshes(lambda r: f"{r.amplitude():.2e}", runs, key)
+        facets = over_meshes(lambda r: f"{runs[r.mesh, 'Q1E9', 0.0].amplitude() / r.amplitude():.1f}" if (r.mesh, "Q1E9", 0.0) in runs else "-", runs, key)  # fmt: skip
+        order = slopes(runs, key, lambda r: r.amplitude())
+        symmetry = [over_meshes(lambda r, k=k: f"{defects(r)[k]:.0e}", runs, key) for k in (0, 1)]
+        shown.append([e, *(", ".join(x) for x in (largest, facets, order, *symmetry))])
+    head = ("elements", "largest torque", "Q1E9's over it", "slope over dofs", "off period", "off antisymmetry")  # fmt: skip
+    return list(table(head, shown))
+
+
+def defects(run):
+    """max |M(t+90) - M(t)| and max |M(90-t) + M(t)| over max |M|, of both sides, each 3 degrees."""
+    angles = np.arange(0.0, 90.5, 3.0)
+    index = lambda a: np.abs(run.degrees[:, None] - a[None, :]).argmin(axis=0)
+    values = [(t[index(angles)], t[index(angles + 90)]) for t in run.torque]
+    period = max(np.abs(b - a).max() for a, b in values) / run.amplitude()
+    mirror = max(np.abs(a + a[::-1]).max() for a, _ in values) / run.amplitude()
+    return period, mirror
+
+
+def force(runs):
+    """Without friction: mean force on hemisphere and block, error of their mean."""
+    plain = Runs(list(runs.values()), False)
+    reference, words = reference_force(plain)
+    shown = []
+    for e in DOFS:
+        key = lambda m, e=e: (m, e, 0.0)
+        sides = [over_meshes(lambda r, k=k: f"{r.forces()[k]:.4f}", runs, key) for k in (0, 1)]
+        errors = over_meshes(lambda r: f"{100 * (r.mean_force() / reference - 1):+.1f}", runs, key)
+        swing = over_meshes(lambda r: f"{100 * np.ptp(np.abs(r.force[0])) / r.forces()[0]:.1f}", runs, key)  # fmt: skip
+        shown.append([e, *(", ".join(x) for x in (*sides, errors, swing))])
+    head = ("elements", "mean force on the hemisphere", "on the block",
+            f"error of their mean, % (of {reference:.4f}, {words})", "swing on the hemisphere, %")  # fmt: skip
+    return list(table(head, shown))
+
+
+def friction(runs):
+    """With friction: torque from 120 degrees on, its deviation, where sliding is full."""
+    shown = []
+    for e in DOFS:
+        key = lambda m, e=e: (m, e, 0.5)
+        columns = [over_meshes(f, runs, key) for f in (
+            lambda r: f"{plateau(r)[0]:.3f}/{plateau(r)[1]:.3f}",
+            lambda r: "/".join(f"{d:.3f}" for d in deviations(r)),
+            lambda r: "/".join(f"{a:.0f}" for a in at_plateau(r)),
+            lambda r: "/".join(f"{a:.0f}" for a in sliding_from(r)),
+        )]  # fmt: skip
+        shown.append([e, *(", ".join(x) for x in columns)])
+    head = ("elements", "mean torque from 120 degrees on", "largest deviation from it", "99 % of it at [degrees]", "full sliding from [degrees]")  # fmt: skip
+    return list(table(head, shown))
+
+
+def late(run):
+    return run.degrees >= SLIDING - 1e-6
+
+
+def plateau(run):
+    """Mean torque from 120 degrees on, hemisphere and block, both as what turns the block."""
+    x = run.degrees[late(run)]
+    return [abs(np.trapezoid(t[late(run)], x)) / (x[-1] - x[0]) for t in run.torque]
+
+
+def deviations(run):
+    return [np.abs(np.abs(t[late(run)]) - m).max() for t, m in zip(run.torque, plateau(run))]
+
+
+def at_plateau(run):
+    return [run.degrees[np.argmax(np.abs(t) >= 0.99 * m)] for t, m in zip(run.torque, plateau(run))]
+
+
+def sliding_from(run):
+    """The angle from which hardly a point of the side sticks any more."""
+    columns = read_table(HERE / f"runs/{run.mesh}_{run.elements}_{run.mu:g}.dat").columns
+    turned = columns["factor_2"] * 180
+    angles = []
+    for side in (1, 2):
+        sticking = np.flatnonzero((columns[f"contact_sole_{side}_stick"] > STICK) & (turned > 0))
+        angles.append(turned[min(sticking[-1] + 1, len(turned) - 1)] if len(sticking) else 0.0)
+    return angles
+
+
+if __name__ == "__main__":
+    main()
