@@ -42,6 +42,7 @@ module newton
     real(wp) :: eps = 0.0_wp           !! of LOWRank
     real(wp) :: tolerance = 1.0e-16_wp !! TOL
     integer :: iterations = 0          !! solves in this step
+    integer :: before = 0              !! of them before the last augmentation
     logical :: converged = .false.
     logical :: exact = .true. !! every solve of the step was full Newton: no kept factors, no
     !! symmetric part
@@ -79,6 +80,7 @@ contains
     integer :: i, n
 
     newton%iterations = 0
+    newton%before = 0
     newton%converged = .false.
     newton%exact = .true.
     newton%may_retreat = .false.
@@ -209,7 +211,7 @@ contains
     type(newton_t), intent(in) :: newton
     type(model_t), intent(in) :: model
 
-    is_slow = size(model%contact) > 0 .and. newton%iterations > PATIENCE
+    is_slow = size(model%contact) > 0 .and. newton%iterations - newton%before > PATIENCE
   end function is_slow
 
   !> Points that change between two states of contact in turn make Newton's iteration go to and fro
@@ -220,7 +222,7 @@ contains
     real(wp) :: back, both(newton%system%neq)
 
     share = 1.0_wp
-    if (newton%iterations < 3 .or. .not. allocated(newton%last)) return
+    if (newton%iterations < 5 .or. .not. allocated(newton%last)) return
     back = -dot_product(newton%last, newton%dx)
     if (.not. back > BACK_AND_FORTH*norm2(newton%last)*norm2(newton%dx)) return
     both = newton%dx - newton%last
