@@ -1,13 +1,14 @@
 !> AUGMent: one step of Uzawa's iteration for contact pressures (FEAP's AUGM).
 !!
-!! The multipliers take the pressures of now, so that the next solves press the surfaces together
-!! with less penetration: LOOP,augment,n / LOOP,newton,m / UTAN,,1 / NEXT / AUGMent / NEXT.
-!! Where no pressure would change by more than a tolerance, nothing is changed and the loop ends.
+!! The multipliers rise by what penetrations press, so that the next solves leave less of them:
+!! LOOP,augment,n / LOOP,newton,m / UTAN,,1 / NEXT / AUGMent / NEXT. Where no pressure would change
+!! by more than a tolerance, nothing is changed and the loop ends; so too in its last pass.
 module command_augment
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use base_log, only: log_line
   use base_text, only: to_text
+  use contact_augment, only: rise_t, find_rise, take_rise
   use command_loop, only: leave_loop
   use command_type, only: run_t, command_t, command_row_t, new_row
   implicit none
@@ -28,8 +29,8 @@ contains
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
-    real(wp) :: change, most, tolerance
-    integer :: c, k
+    type(rise_t), allocatable :: rise(:, :)
+    real(wp) :: change, tolerance
 
     tolerance = USUAL
     if (.not. command%record%is_empty(3)) tolerance = command%x(1)
@@ -44,28 +45,65 @@ contains
       return
     end if
     if (run%dry .or. .not. run%plan%open) return
+    call find_rises(run, rise, change)
+    if (change <= tolerance) then
+      call leave_loop(run)
+    else if (is_last(run)) then
+      call log_line('  last augmentation: a pressure would still change by '//to_text(change) &
+                    //' of the largest')
+    else
+      call take_rises(run, rise)
+      call log_line('  augmented: a pressure changed by '//to_text(change)//' of the largest')
+    end if
+  end subroutine run_augment
+
+  !> Rises of all contacts, and the largest relative to the largest pressure.
+  subroutine find_rises(run, rise, change)
+    type(run_t), intent(in) :: run
+    type(rise_t), allocatable, intent(out) :: rise(:, :) !! (2, ncontact)
+    real(wp), intent(out) :: change
+    real(wp) :: most
+    integer :: c, k
+
+    allocate (rise(2, size(run%state%contact)))
     change = 0.0_wp
     most = 0.0_wp
     do c = 1, size(run%state%contact)
+      call find_rise(run%model%contact(c), run%state%contact(c), rise(:, c))
       do k = 1, 2
-        associate (points => run%state%contact(c)%side(k))
-          if (size(points%pressure) == 0) cycle
-          most = max(most, maxval(points%pressure))
-          change = max(change, maxval(abs(points%pressure - points%multiplier)))
-        end associate
+        if (size(rise(k, c)%at) == 0) cycle
+        change = max(change, maxval(abs(rise(k, c)%at)))
+        most = max(most, maxval(run%state%contact(c)%side(k)%pressure))
       end do
     end do
-    if (change <= tolerance*most) then
-      call leave_loop(run)
-      return
-    end if
+    if (most > 0.0_wp) change = change/most
+  end subroutine find_rises
+
+  !> Nothing follows the last pass of a loop that would bring the bodies into balance with new
+  !! multipliers: there they stay as they are.
+  pure logical function is_last(run)
+    type(run_t), intent(in) :: run
+    integer :: top
+
+    top = size(run%loop)
+    is_last = top > 0
+    if (is_last) is_last = run%loop(top)%count == run%loop(top)%limit &
+                           .and. .not. run%command(run%loop(top)%at)%holds_time
+  end function is_last
+
+  !> The multipliers change, and with them the balance of the step.
+  subroutine take_rises(run, rise)
+    type(run_t), intent(inout) :: run
+    type(rise_t), intent(in) :: rise(:, :)
+    integer :: c, k
+
     do c = 1, size(run%state%contact)
       do k = 1, 2
-        run%state%contact(c)%side(k)%multiplier = run%state%contact(c)%side(k)%pressure
+        call take_rise(rise(k, c), run%state%contact(c)%side(k))
       end do
     end do
     run%newton%converged = .false.
-    call log_line('  augmented: a pressure changed by '//to_text(change/most)//' of the largest')
-  end subroutine run_augment
+    run%newton%before = run%newton%iterations
+  end subroutine take_rises
 
 end module command_augment

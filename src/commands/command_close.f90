@@ -51,7 +51,7 @@ contains
     call note_lost_contacts(run%model, run%state)
     call accept_contact(run%newton%asm%contact, run%model, run%state)
     call accept_step_state(run%state)
-    if (run%plan%timed) call accept_step(run%control, run%newton%iterations)
+    if (run%plan%timed) call accept_step(run%control, run%newton%iterations - run%newton%before)
     call run%timers%start('output')
     call write_step(run, error)
     call run%timers%stop('output')
