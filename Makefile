@@ -166,7 +166,7 @@ patch: $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
 	  > $(B)/patch.txt; code=$$?; grep -v '  ok$$' $(B)/patch.txt; exit $$code
 
-.PHONY: verify verify-all verify-long bench demo
+.PHONY: verify verify-all verify-long tradeoff bench demo
 verify: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $(B)/bezel
@@ -178,6 +178,12 @@ verify-all: setup
 verify-long: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/section5_contact.py --bezel $(B)/bezel --mesh 3 $(ARGS)
+# An hour; goes on where it was interrupted. Errors beside CPU seconds, their page and figures.
+tradeoff: setup
+	@$(MAKE) $(B)/bezel
+	@$(PYTHON) verification/tradeoff.py --bezel $(B)/bezel --out $(BUILD)/tradeoff $(ARGS)
+	@$(PYTHON) verification/tradeoff_page.py
+	@$(PYTHON) -m post.figures.tradeoff
 demo: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m post.figures.demo --bezel $(B)/bezel --out $(BUILD)/demo
@@ -232,6 +238,7 @@ clean:
 #: make unit T=word   the unit tests whose path has the word, and what they need
 #: make verify        patch tests and quick benchmarks; verify-all: every one
 #: make demo          runs three decks, draws their figures, says where they are
+#: make tradeoff      speed for accuracy of contact: what to choose (an hour)
 #: make bench         times the parts and the program, beside the record
 #: make debug | sanitize | coverage   the tests with checks, with sanitizers, with lines counted
 #: make lint | format                 style, layers; write the formatting

@@ -1,0 +1,156 @@
+"""Speed for accuracy: errors against CPU seconds, from verification/benchmark/tradeoff/results.csv,
+which `make tradeoff` writes.
+
+    python -m post.figures.tradeoff [--results FILE] [--to doc/verification/figures]
+"""
+
+import argparse
+import pathlib
+import sys
+
+import numpy as np
+
+from post import _style
+from post._error import Unreadable
+from post._table import read_table
+
+TOP = pathlib.Path(__file__).resolve().parents[2]
+RESULTS = TOP / "verification/benchmark/tradeoff/results.csv"
+FIGURES = TOP / "doc/verification/figures"
+QUANTITIES = {
+    "force": "force",
+    "torque": "torque, sliding",
+    "traction": "largest traction, sliding",
+}
+PERCENT = 100.0
+
+#: Colour and marker of an element type; open markers are enriched.
+TYPES = {
+    "Q1": (0, "o", True), "Q1+Q1N2.1": (0, "s", False),
+    "Q1E9": (1, "o", True), "Q1E9+Q1N2": (1, "s", False), "Q1E9+Q1N3": (1, "^", False),
+    "Q1E9+Q1N4": (1, "v", False), "Q1E9+Q1N2.1": (3, "s", False), "Q1E9+Q1N2.2": (3, "D", False),
+    "Q1E9+Q1N3.1": (3, "^", False), "Q1E9+Q1E9N2.1": (5, "s", False),
+    "Q2": (2, "o", True), "Q2+Q2N2.1": (2, "s", False),
+    "IGA2": (6, "D", True), "IGA3": (6, "P", True),
+}  # fmt: skip
+#: Settings: group, title, how a point is labelled.
+SETTINGS = {
+    "points": ("a) contact points a direction", lambda name: name.removeprefix("q ")),
+    "penalty": ("b) penalty, times the paper's", lambda name: name.removeprefix("x ")),
+    "steps": ("c) degrees of a step", lambda name: name.removesuffix(" deg")),
+}
+
+
+class Results:
+    """Rows of results.csv."""
+
+    def __init__(self, path):
+        self.path, self.column = path, read_table(path).columns
+
+    def rows(self, group, elements, mesh=None):
+        """Rows of runs that ended well."""
+        c = self.column
+        pick = (c["group"] == group) & (c["elements"] == elements) & (c["code"] == 0)
+        return np.flatnonzero(pick & (c["mesh"] == mesh) if mesh else pick)
+
+    def number(self, name, rows):
+        """(n) numbers of a column; nan where it is empty."""
+        value = self.column[name][rows]
+        return np.array([float(v) if str(v).strip() else np.nan for v in value])
+
+
+def look(elements):
+    colour, marker, full = TYPES[elements]
+    colour = _style.COLOURS[colour]
+    face = colour if full else "white"
+    return {"color": colour, "marker": marker, "markerfacecolor": face, "markeredgecolor": colour}
+
+
+def figure_elements(results, plt):
+    """Element types: both meshes of a type are joined."""
+    figure, axes = plt.subplots(1, 3, figsize=(_style.PAGE, 3.9), sharex=True)
+    for ax, (name, title) in zip(axes, QUANTITIES.items()):
+        for elements in TYPES:
+            rows = results.rows("elements", elements)
+            rows = rows[np.argsort(results.number("mesh", rows))]
+            x, y = results.number("cpu_s", rows), PERCENT * results.number(f"e_{name}", rows)
+            ax.loglog(x, y, label=elements, linewidth=0.8, **look(elements))
+            for i, row in enumerate(rows):
+                if elements in ("Q1E9", "IGA2", "Q1E9+Q1N2.1"):
+                    label = f"{int(results.column['mesh'][row])}"
+                    ax.annotate(label, (x[i], y[i]), xytext=(4, 3), textcoords="offset points",
+                                fontsize=6.5, color=look(elements)["color"])  # fmt: skip
+        ax.set_title(title, loc="left")
+        ax.set_xlabel("CPU seconds")
+        plain_ticks(ax)
+    axes[0].set_ylabel("error [%]")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    return figure
+
+
+def figure_settings(results, plt):
+    """Quadrature, penalty and steps: differences to the finest setting on the same mesh."""
+    figure, axes = plt.subplots(3, 3, figsize=(_style.PAGE, 6.6), sharey="row")
+    for column, (group, (title, label)) in zip(axes.T, SETTINGS.items()):
+        for ax, name in zip(column, QUANTITIES):
+            for i, (elements, mesh) in enumerate(
+                (e, m) for e in ("Q1E9+Q1N2.1", "IGA2") for m in (1, 2)
+            ):
+                rows = results.rows(group, elements, mesh)
+                x = results.number("cpu_s", rows)
+                y = PERCENT * results.number(f"d_{name}", rows)
+                seen = y > 0.0
+                if not seen.any():
+                    continue
+                line = _style.series(i)
+                ax.loglog(x[seen], y[seen], label=f"{elements}, mesh {mesh}", **line)
+                for px, py, row in zip(x[seen], y[seen], rows[seen]):
+                    ax.annotate(label(str(results.column["name"][row])), (px, py), xytext=(3, 3),
+                                textcoords="offset points", fontsize=6.5, color=line["color"])  # fmt: skip
+            plain_ticks(ax)
+        column[0].set_title(title, loc="left")
+        column[-1].set_xlabel("CPU seconds")
+    for ax, name in zip(axes[:, 0], QUANTITIES.values()):
+        ax.set_ylabel(f"{name}:\ndifference [%]")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return figure
+
+
+def plain_ticks(ax):
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    for axis in (ax.xaxis, ax.yaxis):
+        low, high = axis.get_view_interval()
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 60 * low else (1,)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.set_minor_formatter(NullFormatter())
+
+
+def draw(results=RESULTS, to=FIGURES):
+    """Draw both figures into a folder."""
+    found = Results(results)
+    with _style.styled() as plt:
+        for name, figure in (
+            ("tradeoff_elements", figure_elements(found, plt)),
+            ("tradeoff_settings", figure_settings(found, plt)),
+        ):
+            _style.save(figure, pathlib.Path(to) / f"{name}.png")
+
+
+def main(argv=None):
+    p = argparse.ArgumentParser(prog="tradeoff", description=__doc__.splitlines()[0])
+    p.add_argument("--results", default=RESULTS, metavar="FILE")
+    p.add_argument("--to", default=FIGURES, metavar="DIR")
+    o = p.parse_args(argv)
+    try:
+        draw(o.results, o.to)
+    except Unreadable as error:
+        print(f"tradeoff: error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""Speed for accuracy: runs the hemisphere on the block with what a user may choose, and keeps errors
+and CPU seconds in benchmark/tradeoff/results.csv.
+
+    make tradeoff        or        tradeoff.py --bezel PROGRAM [--only WORD] [--mesh 1 2] [--again]
+
+A run that is in --out already is not run again, so an interrupted grid goes on where it was.
+CPU seconds are user and system time of the process; best of two on mesh 1. Errors are root mean
+squares over the turn, of both sides of the contact, relative to the reference's mean:
+
+    force      z force, 0 to 180 degrees
+    torque     120 to 180 degrees, where all points slide
+    traction   largest smoothed t_x of each side, 120 to 180 degrees
+
+against benchmark/tradeoff/reference.csv (`--reference` runs it anew: half an hour), and against the
+run `beside`, which differs in one setting. Ratios of CPU seconds are taken to the same deck's
+plain runs just before and just after.
+"""
+
+import argparse
+import csv
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TOP), str(TOP / "verification")]
+import verify  # noqa: E402, F401, I001  (the Python with numpy)
+
+import numpy as np  # noqa: E402
+
+import tradeoff_grid as grid  # noqa: E402
+
+from post._error import Unreadable  # noqa: E402
+from post._table import read_table  # noqa: E402
+
+DECKS = TOP / "verification/benchmark/tradeoff"
+RESULTS, REFERENCE = DECKS / "results.csv", DECKS / "reference.csv"
+#: The spline's control points are too far apart for peaks of its smoothed traction.
+PEAKS = TOP / "verification/benchmark/section5_contact/runs/3_Q1E9+Q1N2.1_0.5.dat"
+SIDES = {"force": "force_3", "torque": "torque", "traction": "tangential_1"}
+SIGNS = {"force": (1, -1), "torque": (1, -1), "traction": (1, 1)}
+FROM = {"force": 0.0, "torque": 120.0, "traction": 120.0}  # degrees
+COLUMNS = (
+    "group", "name", "mesh", "elements", "settings", "dofs", "code", "steps", "cutbacks", "iterations",
+    "cpu_s", "contact_share", "ratio", "force", "torque", "traction", "force_imbalance", "penetration",
+    "e_force", "e_torque", "e_traction", "beside", "d_force", "d_torque", "d_traction", "command",
+)  # fmt: skip
+
+
+class Curve:
+    """What a run's table says while the hemisphere turns.
+
+    degree (n); force, torque, traction (2, n) of both sides, of one sign; penetration (n).
+    """
+
+    def __init__(self, path):
+        table = read_table(path).columns
+        turning = table["factor_1"] >= 1 - 1e-9
+        self.degree = 180 * table["factor_2"][turning]
+        for name, column in SIDES.items():
+            pair = [s * table[f"contact_sole_{k}_{column}"] for k, s in zip((1, 2), SIGNS[name])]
+            setattr(self, name, np.array(pair)[:, turning])
+        deep = [table.get(f"contact_sole_{k}_penetration", turning)[turning] for k in (1, 2)]
+        self.penetration = np.max(deep, axis=0)
+
+    def mean(self, name):
+        """Of both sides over the degrees that count."""
+        return getattr(self, name)[:, self.degree >= FROM[name] - 1e-6].mean()
+
+
+def difference(curve, other, name):
+    """Root mean square of curve - other at degrees that both have, relative to other's mean."""
+    mine, its = np.rint(1e3 * curve.degree), np.rint(1e3 * other.degree)
+    both = [d for d in np.intersect1d(mine, its) if d >= 1e3 * FROM[name] - 1]
+    if not both:
+        return None
+    value = getattr(curve, name)[:, np.searchsorted(mine, both)]
+    wanted = getattr(other, name)[:, np.searchsorted(its, both)].mean(axis=0)
+    scale = abs(other.mean(name))
+    return float(np.sqrt(np.mean((value - wanted) ** 2)) / scale) if scale > 0 else None
+
+
+class Reference(Curve):
+    """The same of reference.csv, whose values are means of both sides."""
+
+    def __init__(self, path):
+        with open(path, newline="") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        self.degree = np.array([float(r["degree"]) for r in rows])
+        for name in SIDES:
+            one = np.array([float(r[name]) for r in rows])
+            setattr(self, name, np.array([one, one]))
+
+
+def main(argv=None):
+    """Run what is missing, then write every row that there are files or old rows for."""
+    o = parser().parse_args(argv)
+    bezel, out = pathlib.Path(o.bezel).resolve(), pathlib.Path(o.out).resolve()
+    if not os.access(bezel, os.X_OK):
+        sys.exit(f"tradeoff: error: '{bezel}' is no program; build it with `make`")
+    if o.reference:
+        time_run(bezel, out, grid.REFERENCE, o.again)
+        write_reference(out)
+    runs = [
+        r
+        for r in grid.runs()
+        if r.mesh in o.mesh and any(w in f"{r.group} {r.key}" for w in o.only)
+    ]
+    for i, run in enumerate(runs):
+        for needed in (run.beside, run):
+            if needed:
+                time_run(bezel, out, needed, o.again and needed is run)
+        if run.ratio_to:
+            time_round(bezel, out, run, o.again)
+        print(f"{i + 1} of {len(runs)}: {run.group}, {run.key}", flush=True)
+    write_rows(out)
+    return 0
+
+
+def parser():
+    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p.add_argument("--bezel", default=TOP / "build/release/bezel")
+    p.add_argument("--out", default=TOP / "build/tradeoff", help="folder of the runs")
+    p.add_argument("--only", nargs="*", default=[""], metavar="WORD", help="group or deck")
+    p.add_argument("--mesh", nargs="*", type=int, default=[1, 2])
+    p.add_argument("--again", action="store_true", help="also what was run already")
+    p.add_argument("--reference", action="store_true", help="run the reference too")
+    return p
+
+
+def call(bezel, place, run):
+    """One run: (exit code, CPU seconds)."""
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir(parents=True)
+    one = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    command = [bezel, "--quiet", "-o", place, "--name", "run", "--time-limit", str(grid.LIMIT)]
+    with open(place / "stderr.txt", "w") as wrong:
+        child = subprocess.Popen(
+            [*command, *run.options, DECKS / run.deck],
+            stdout=subprocess.DEVNULL,
+            stderr=wrong,
+            env=one,
+        )
+        _, status, used = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    return child.returncode, used.ru_utime + used.ru_stime
+
+
+def time_run(bezel, out, run, again):
+    """Run it, best of two on mesh 1; time.json says what it took."""
+    place = out / run.key
+    if (place / "time.json").exists() and not again:
+        return
+    found = [call(bezel, place, run) for _ in range(2 if run.mesh == 1 else 1)]
+    told = {"code": found[-1][0], "cpu": min(cpu for _, cpu in found)}
+    (place / "time.json").write_text(json.dumps(told))
+
+
+def time_round(bezel, out, run, again):
+    """CPU seconds of the run over those of the plain one before and after it."""
+    place = out / run.key
+    told = json.loads((place / "time.json").read_text())
+    if "ratio" in told and not again:
+        return
+    beside = out / "round"
+    cpu = [call(bezel, beside, r)[1] for r in (run.ratio_to, run, run.ratio_to)]
+    told |= {"ratio": 2 * cpu[1] / (cpu[0] + cpu[2]), "cpu": min(told["cpu"], cpu[1])}
+    (place / "time.json").write_text(json.dumps(told))
+
+
+def write_reference(out):
+    """reference.csv: means of both sides, the traction from another run than force and torque."""
+    curve, peaks = Curve(out / grid.REFERENCE.key / "run_sole.dat"), Curve(PEAKS)
+    with open(REFERENCE, "w", newline="") as file:
+        file.write(f"# force, torque: {grid.REFERENCE.command}\n")
+        file.write(f"# traction: {PEAKS.relative_to(TOP).as_posix()}\n")
+        w = csv.writer(file, lineterminator="\n")
+        w.writerow(("degree", *SIDES))
+        for i, degree in enumerate(curve.degree):
+            j = np.flatnonzero(np.abs(peaks.degree - degree) < 1e-3)
+            if len(j) == 0:
+                continue
+            means = [curve.force[:, i].mean(), curve.torque[:, i].mean()]
+            means.append(peaks.traction[:, j[0]].mean())
+            w.writerow([f"{degree:.6g}", *(f"{m:.8g}" for m in means)])
+
+
+def write_rows(out):
+    """results.csv: a row a run of the grid; what was not run keeps the row it had."""
+    old = {}
+    if RESULTS.exists():
+        with open(RESULTS, newline="") as file:
+            old = {(r["group"], r["command"]): r for r in csv.DictReader(file)}
+    reference = Reference(REFERENCE) if REFERENCE.exists() else None
+    with open(RESULTS, "w", newline="") as file:
+        w = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        w.writeheader()
+        for run in grid.runs():
+            row = make_row(out, run, reference) or old.get((run.group, run.command))
+            if row:
+                w.writerow(row)
+
+
+def make_row(out, run, reference):
+    """The row of a run that is there, else None."""
+    place = out / run.key
+    try:
+        told = json.loads((place / "time.json").read_text())
+        report = json.loads((place / "run.report.json").read_text())
+    except OSError:
+        return None
+    row = {
+        "group": run.group, "name": run.name, "mesh": run.mesh, "elements": run.elements,
+        "settings": " ".join(f"{k}={v:g}" for k, v in run.settings.items()), "code": told["code"],
+        "dofs": report["dofs"], "steps": report["steps"], "cutbacks": report["cutbacks"],
+        "iterations": report["iterations"], "cpu_s": f"{told['cpu']:.3g}", "command": run.command,
+        "contact_share": f"{report['seconds']['contact'] / report['seconds']['total']:.2f}",
+        "ratio": f"{told['ratio']:.3g}" if "ratio" in told else "",
+    }  # fmt: skip
+    if told["code"] != 0:
+        return row
+    curve = Curve(place / "run_sole.dat")
+    pair = curve.force.mean(axis=1)
+    row |= {name: f"{curve.mean(name):.6g}" for name in SIDES}
+    row["force_imbalance"] = f"{abs(pair[0] - pair[1]) / pair.mean():.3g}"
+    row["penetration"] = f"{curve.penetration.max():.3g}"
+    for name in SIDES:
+        if reference is not None and run.settings["mu"] > 0:
+            row[f"e_{name}"] = text(difference(curve, reference, name))
+    if run.beside:
+        row["beside"] = run.beside.key
+        try:
+            other = Curve(out / run.beside.key / "run_sole.dat")
+        except Unreadable:
+            return row
+        for name in SIDES:
+            row[f"d_{name}"] = text(difference(curve, other, name))
+    return row
+
+
+def text(value):
+    return "" if value is None else f"{value:.3g}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,86 @@
+"""Tables of doc/verification/tradeoff.md, from results.csv: what stands between the marks
+`<!-- table: name -->` and `<!-- end -->` is written anew.
+
+    python3 verification/tradeoff_page.py
+"""
+
+import csv
+import pathlib
+import re
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+RESULTS = TOP / "verification/benchmark/tradeoff/results.csv"
+PAGE = TOP / "doc/verification/tradeoff.md"
+
+ERRORS = {"e_force": "force", "e_torque": "torque", "e_traction": "traction"}
+CHANGES = {"d_force": "force", "d_torque": "torque", "d_traction": "traction"}
+WORK = {"iterations": "iterations", "cpu_s": "CPU s"}
+RUN = {"mesh": "mesh", "elements": "elements"}
+#: group: columns of its table and their heads
+TABLES = {
+    "elements": {**RUN, "dofs": "dofs", **WORK, **ERRORS, "force_imbalance": "imbalance"},
+    "points": {**RUN, "name": "points", "cpu_s": "CPU s", "contact_share": "in contact", **CHANGES},
+    "penalty": {**RUN, "name": "penalty", **WORK, "penetration": "penetration", **CHANGES},
+    "steps": {"mesh": "mesh", "name": "step", "steps": "steps", "cutbacks": "cuts", **WORK, **CHANGES},
+    "solver": {"name": "FACTor", **WORK, "ratio": "CPU, ratio", **CHANGES},
+    "tangent": {**RUN, "name": "tangent", **WORK, "ratio": "CPU, ratio"},
+    "place": {"name": "elements", "dofs": "dofs", **WORK, **ERRORS},
+    "augment": {"mesh": "mesh", "name": "", **WORK, "penetration": "penetration", "force": "force",
+                "torque": "torque", "force_imbalance": "imbalance"},
+}  # fmt: skip
+WORDS = ("elements", "name")
+PERCENT = (*ERRORS, *CHANGES, "force_imbalance", "contact_share")
+
+
+def main():
+    with open(RESULTS, newline="") as file:
+        rows = list(csv.DictReader(file))
+    text = PAGE.read_text()
+    for group, columns in TABLES.items():
+        lines = [row_of(row, columns) for row in rows if row["group"] == group]
+        text = put(text, group, "\n".join([*heads(columns), *lines]))
+    PAGE.write_text(text)
+
+
+def heads(columns):
+    """The two first lines of a table."""
+    rule = "|".join("---" if name in WORDS else "--:" for name in columns)
+    return ["| " + " | ".join(columns.values()) + " |", f"|{rule}|"]
+
+
+def row_of(row, columns):
+    """A run as a line; one that did not end well shows no results.
+
+    >>> row_of({"name": "q 5", "code": "0", "d_force": "0.0123"}, {"name": "", "d_force": ""})
+    '| q 5 | 1.2 % |'
+    """
+    cells = [cell(name, row[name]) for name in columns]
+    if row["code"] != "0":
+        cells = [c or "-" for c in cells]
+        cells[-1] = f"ends with code {row['code']}"
+    return "| " + " | ".join(cells) + " |"
+
+
+def cell(name, value):
+    if name not in PERCENT or not value:
+        return value
+    share = 100 * float(value)
+    if name == "contact_share":
+        return f"{share:.0f} %"
+    return "0" if share == 0 else f"{share:.2g} %" if share < 9.95 else f"{share:.0f} %"
+
+
+def put(text, name, table):
+    """A table between its marks.
+
+    >>> put("<!-- table: a -->old<!-- end -->", "a", "new")
+    '<!-- table: a -->\\nnew\\n<!-- end -->'
+    """
+    mark = f"<!-- table: {name} -->"
+    return re.sub(
+        f"{mark}.*?<!-- end -->", lambda _: f"{mark}\n{table}\n<!-- end -->", text, flags=re.S
+    )
+
+
+if __name__ == "__main__":
+    main()
