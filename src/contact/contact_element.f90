@@ -8,7 +8,7 @@ module contact_element
   use contact_type, only: OPEN
   implicit none
   private
-  public :: work_t, new_work, form_element, touches, element_functions
+  public :: work_t, new_work, form_element, touches, element_functions, measure
 
   !> Room for one element and the elements of the other side that its points see.
   type :: work_t
@@ -35,9 +35,9 @@ contains
     mk = maxval(contact%side(k)%kind%nsf)
     ml = maxval(contact%side(3 - k)%kind%nsf)
     m = max(mk, ml)
-    allocate (work%partner(2*contact%nq), work%r(3, mk), work%kk(3*mk, 3*mk))
-    allocate (work%kl(3*mk, 3*ml, 2*contact%nq), work%shp(m), work%dshp(2, m), work%own(m), work%down(2, m), &
-      work%q(3, 3, m))
+    allocate (work%partner(3*contact%nq), work%r(3, mk), work%kk(3*mk, 3*mk))
+    allocate (work%kl(3*mk, 3*ml, 3*contact%nq), work%shp(m), work%dshp(2, m), work%own(m))
+    allocate (work%down(2, m), work%q(3, 3, m))
   end subroutine new_work
 
   !> There is a foot, not deeper than allowed.
@@ -90,9 +90,9 @@ contains
         points%traction(:, i) = point%t
         points%elastic(:, i) = point%elastic
         points%area(i) = da
+        if (points%bond(i) > 0) call add_cohesion(contact, other, x, i, points, point%x, da, work)
         if (point%state == OPEN) cycle
-        if (work%npartner == 0) work%r = 0.0_wp
-        if (work%npartner == 0) work%kk(:, :3*work%nk) = 0.0_wp
+        call clear(work)
         call add_own(point%t, dt%x, up, da, work)
         call add_partner(other, feet(q)%elem, feet(q)%xi, dt%p, dt%a, da, work)
         if (point%slides) call add_partner(other, points%slide(i), points%slide_xi(:, i), dt%s, &
@@ -100,6 +100,56 @@ contains
       end do
     end associate
   end subroutine form_element
+
+  !> Before the first point of an element that acts.
+  pure subroutine clear(work)
+    type(work_t), intent(inout) :: work
+
+    if (work%npartner > 0) return
+    work%r = 0.0_wp
+    work%kk(:, :3*work%nk) = 0.0_wp
+  end subroutine clear
+
+  !> The cohesive law of a bonded point, on the reference area.
+  pure subroutine add_cohesion(contact, other, x, i, points, at, da, work)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: other
+    real(wp), intent(in) :: x(:, :)
+    integer, intent(in) :: i
+    type(contact_points_t), intent(inout) :: points
+    real(wp), intent(in) :: at(3), da          !! position [L] and current area [L^2] of the point
+    type(work_t), intent(inout) :: work
+    real(wp) :: g(3), t(3), dtdg(3, 3), nothing(3, 3, 2), partner(3)
+
+    call clear(work)
+    call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
+    g = at - partner
+    points%opening(i) = norm2(g)
+    points%worst(i) = points%worst_step(i)
+    call contact%cohesive%cohesive(contact%cohesive_prop, g, points%worst(i), t, dtdg)
+    if (da > 0.0_wp) points%traction(:, i) = points%traction(:, i) + t*(points%area0(i)/da)
+    nothing = 0.0_wp
+    call add_own(t, dtdg, nothing(:, 1, :), points%area0(i), work)
+    call add_partner(other, points%bond(i), points%bond_xi(:, i), -dtdg, nothing, &
+      points%area0(i), work)
+  end subroutine add_cohesion
+
+  !> Position of a parametric point of a surface.
+  pure subroutine position_on(surface, e, xi, x, work, at)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2), x(:, :)
+    type(work_t), intent(inout) :: work
+    real(wp), intent(out) :: at(3)
+    integer :: j, n
+
+    n = surface%kind(surface%ikind(e))%nsf
+    call element_functions(surface, e, xi, work%shp(:n), work%dshp(:, :n))
+    at = 0.0_wp
+    do j = 1, n
+      at = at + work%shp(j)*x(:, surface%node(surface%first(e) + j - 1))
+    end do
+  end subroutine position_on
 
   !> Position of integration point q, contravariant tangents and area.
   pure subroutine measure(own, e, q, x, work, xq, up, area)
@@ -146,7 +196,7 @@ contains
     type(work_t), intent(inout) :: work
     type(point_t), intent(inout) :: point
     type(slope_t), intent(out) :: dt
-    integer :: e, j, n
+    integer :: e
 
     point%state = OPEN
     point%p = 0.0_wp
@@ -157,14 +207,7 @@ contains
     e = points%slide(i)
     point%slides = slides .and. e > 0
     point%slipping = points%fresh .and. points%slipped(i)
-    if (point%slides) then
-      n = other%kind(other%ikind(e))%nsf
-      call element_functions(other, e, points%slide_xi(:, i), work%shp(:n), work%dshp(:, :n))
-      point%xs = 0.0_wp
-      do j = 1, n
-        point%xs = point%xs + work%shp(j)*x(:, other%node(other%first(e) + j - 1))
-      end do
-    end if
+    if (point%slides) call position_on(other, e, points%slide_xi(:, i), x, work, point%xs)
     call traction_at(contact, foot, point, dt)
   end subroutine find_traction
 

@@ -35,6 +35,9 @@ contains
     allocate (points%traction(3, np), points%elastic(3, np), source=0.0_wp)
     allocate (points%state(np), source=OPEN)
     allocate (points%slipped(np), source=.false.)
+    allocate (points%bond(np), source=0)
+    allocate (points%bond_xi(2, np), points%area0(np), points%opening(np), source=0.0_wp)
+    allocate (points%worst(np), points%worst_step(np), source=0.0_wp)
   end subroutine new_points
 
   !> A cut: projections start where they stood at the start of the step.
@@ -46,6 +49,7 @@ contains
       state%side(k)%foot = state%side(k)%foot_step
       state%side(k)%foot_xi = state%side(k)%foot_xi_step
       state%side(k)%multiplier = state%side(k)%multiplier_step
+      state%side(k)%worst = state%side(k)%worst_step
       state%side(k)%fresh = .true.
     end do
   end subroutine restore_contact_step
@@ -59,6 +63,7 @@ contains
       state%side(k)%foot_step = state%side(k)%foot
       state%side(k)%foot_xi_step = state%side(k)%foot_xi
       state%side(k)%multiplier_step = state%side(k)%multiplier
+      state%side(k)%worst_step = state%side(k)%worst
       state%side(k)%slipped = state%side(k)%state == SLIP
       state%side(k)%fresh = .true.
     end do

@@ -39,17 +39,19 @@ contains
     if (contact%side(k)%rigid) return
     do e = 1, contact%side(k)%nelem
       i = (e - 1)*contact%nq
-      if (all(points%state(i + 1:i + contact%nq) == OPEN)) cycle
+      if (all(points%state(i + 1:i + contact%nq) == OPEN .and. &
+              points%bond(i + 1:i + contact%nq) == 0)) cycle
       call side_positions(contact%side(k), e, x, xp)
       do q = 1, contact%nq
         i = (e - 1)*contact%nq + q
-        if (points%state(i) == OPEN) cycle
+        if (points%state(i) == OPEN .and. points%bond(i) == 0) cycle
         df = points%traction(:, i)*points%area(i)
         dm = cross(xp(:, q) - about, df)
         total%force = total%force + df
         total%moment = total%moment + dm
         total%force_size = total%force_size + norm2(df)
         total%moment_size = total%moment_size + norm2(dm)
+        if (points%state(i) == OPEN) cycle
         total%area = total%area + points%area(i)
         total%penetration = max(total%penetration, -points%gap(i))
       end do

@@ -14,6 +14,7 @@ contains
     allocate (table(0))
     block; use contact_normal, only: describe; table = [table, describe()]; end block
     block; use contact_fric, only: describe; table = [table, describe()]; end block
+    block; use contact_cz, only: describe; table = [table, describe()]; end block
   end subroutine load_contact_laws
 
 end module contact_table

@@ -90,6 +90,13 @@ module contact_pair
     !> Points that slipped when the last step ended: their first tangent is that of slip.
     logical, allocatable :: slipped(:)       !! (np)
     logical :: fresh = .false.               !! no sweep was made in this step yet
+    !> Cohesive partner on the other surface, found in the reference configuration. 0: not bonded.
+    integer, allocatable :: bond(:)          !! (np)
+    real(wp), allocatable :: bond_xi(:, :)   !! (2, np)
+    real(wp), allocatable :: area0(:)        !! (np) reference area the point stands for [L^2]
+    real(wp), allocatable :: worst(:)        !! (np) largest opening so far [L]
+    real(wp), allocatable :: worst_step(:)   !! (np) at the start of the step
+    real(wp), allocatable :: opening(:)      !! (np) of now: distance to the partner [L]
     !> What the last sweep found.
     integer, allocatable :: state(:)         !! (np) OPEN, STICK, SLIP, TOUCH
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no foot

@@ -10,7 +10,7 @@ module restart_contact
   private
   public :: write_contact, read_contact
 
-  integer, parameter :: NROW = 21 !! numbers of a point
+  integer, parameter :: NROW = 24 !! numbers of a point
 
 contains
 
@@ -78,6 +78,9 @@ contains
     values(15:17, :) = points%traction
     values(18:20, :) = points%elastic
     values(21, :) = points%area
+    values(22, :) = points%worst
+    values(23, :) = points%worst_step
+    values(24, :) = points%opening
   end subroutine pack_points
 
   subroutine unpack_points(values, points)
@@ -98,6 +101,9 @@ contains
     points%traction = values(15:17, :)
     points%elastic = values(18:20, :)
     points%area = values(21, :)
+    points%worst = values(22, :)
+    points%worst_step = values(23, :)
+    points%opening = values(24, :)
     points%slipped = points%state == SLIP
     points%fresh = .true.
   end subroutine unpack_points

@@ -143,6 +143,7 @@ contains
     do e = 1, contact%side(k)%nelem
       do q = 1, contact%nq
         i = (e - 1)*contact%nq + q
+        if (points%bond(i) > 0) call need_pair(work%pairs(k), e, points%bond(i), step, grown)
         associate (foot => work%feet(k)%at(i))
           if (.not. touches(contact, foot)) cycle
           call contact%normal%normal(contact%normal_prop, foot%gap, points%multiplier(i), p, dp)

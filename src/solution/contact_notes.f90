@@ -7,9 +7,11 @@ module contact_notes
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
+  use contact_bond, only: find_bonds
   use contact_element, only: touches
   use contact_foot, only: foot_t, shape_t
-  use contact_pair, only: contact_t, surface_t
+  use contact_history, only: new_contact_state
+  use contact_pair, only: contact_t, contact_state_t, surface_t
   use contact_project, only: project
   use contact_search, only: grid_t, update_grid
   use contact_shape, only: update_shape, surface_point
@@ -41,6 +43,26 @@ module contact_notes
 
 contains
 
+  !> How many points a cohesive contact bonds.
+  subroutine note_bonds(contact, xr)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: xr(:, :)     !! (3, nnode) [L]
+    type(contact_state_t) :: state
+    integer :: k, n(2)
+
+    if (.not. contact%has_cohesive) return
+    call new_contact_state(contact, state)
+    call find_bonds(contact, xr, state)
+    do k = 1, 2
+      n(k) = count(state%side(k)%bond > 0)
+    end do
+    call log_line('contact '//contact%name//': bonded '//to_text(n(1))//' of ' &
+                  //to_text(size(state%side(1)%bond))//' points of side 1, '//to_text(n(2)) &
+                  //' of '//to_text(size(state%side(2)%bond))//' of side 2')
+    if (sum(n) == 0) call warn("contact '"//contact%name//"': no point is bonded", contact%place, &
+                               'the surfaces lie apart, or BONDed leaves nothing; GAP d allows d')
+  end subroutine note_bonds
+
   !> Warnings of all contacts.
   subroutine warn_contacts(model)
     type(model_t), intent(in) :: model
@@ -50,6 +72,7 @@ contains
 
     do c = 1, size(model%contact)
       associate (contact => model%contact(c))
+        call note_bonds(contact, model%mesh%xr)
         call look_at_start(contact, model%mesh%xr, start)
         name = "contact '"//contact%name//"': "
         if (2*sum(start%naway) > start%nnear) then

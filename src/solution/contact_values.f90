@@ -9,11 +9,13 @@ module contact_values
   use contact_smooth, only: smooth_t, smooth_side, largest_pressure, largest_tangential
   use curve_type, only: quantity_t, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, &
                         Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, &
-                        Q_CONTACT_PENETRATION
+                        Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED
   use model, only: model_t, state_t
   implicit none
   private
   public :: contact_value, side_resultant
+
+  real(wp), parameter :: RELEASED = 8.0_wp !! openings g0: hardly any traction is left
 
 contains
 
@@ -27,6 +29,10 @@ contains
 
     if (any(quantity%kind == [Q_CONTACT_PRESSURE, Q_CONTACT_TANGENTIAL])) then
       value = largest_value(model, state, quantity)
+      return
+    end if
+    if (quantity%kind == Q_CONTACT_DEBONDED) then
+      value = debonded_share(model, state, quantity)
       return
     end if
     call side_resultant(model, state, quantity%contact, quantity%side, quantity%point, total)
@@ -47,6 +53,27 @@ contains
       value = 0.0_wp
     end select
   end function contact_value
+
+  !> Share of the area that was bonded whose opening is RELEASED times the law's g0 or more.
+  function debonded_share(model, state, quantity) result(share)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(quantity_t), intent(in) :: quantity
+    real(wp) :: share, bonded, lost
+    integer :: k
+
+    associate (contact => model%contact(quantity%contact))
+      k = quantity%side
+      if (contact%side(k)%rigid) k = 3 - k
+      associate (points => state%contact(quantity%contact)%side(k))
+        bonded = sum(points%area0, mask=points%bond > 0)
+        lost = sum(points%area0, &
+                     mask=points%bond > 0 .and. points%opening >= RELEASED*contact%cohesive_prop(2))
+      end associate
+    end associate
+    share = 0.0_wp
+    if (bonded > 0.0_wp) share = lost/bonded
+  end function debonded_share
 
   !> Sums over a side of a contact.
   subroutine side_resultant(model, state, c, k, about, total)

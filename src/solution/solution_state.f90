@@ -1,6 +1,7 @@
 !> What a step changes, and how it is kept, accepted and restored.
 module solution_state
   use base_kinds, only: wp
+  use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state, restore_contact_step, keep_contact_step
   use model, only: model_t, state_t, history_t
   use solid_form, only: history_length
@@ -35,6 +36,7 @@ contains
     allocate (state%contact(size(model%contact)))
     do b = 1, size(model%contact)
       call new_contact_state(model%contact(b), state%contact(b))
+      call find_bonds(model%contact(b), model%mesh%xr, state%contact(b))
     end do
   end subroutine new_state
 
