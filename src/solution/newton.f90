@@ -3,16 +3,17 @@ module newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
   use base_error, only: error_t
-  use base_text, only: to_text
   use model, only: model_t, state_t
   use csr, only: multiply
-  use linear_system, only: linear_system_t, solve_report_t, new_linear_system, &
-                           change_pattern, FULL
-  use assembly, only: assembler_t, sweep_t, new_assembler, form
+  use linear_system, only: new_linear_system, change_pattern, FULL
+  use assembly, only: new_assembler, form
   use line_search, only: search_line, step_by, retreat
+  use newton_judge, only: judge, energy_tolerance, force_tolerance, is_slow, damping, find_worst, &
+                          name_element
+  use newton_type, only: newton_t, pass_t
   use nodal_vector, only: free_part, full_vector
   use prescribed, only: prescribed_values
-  use rounding_floor, only: floor_t, node_spacing, find_floor
+  use rounding_floor, only: node_spacing, find_floor
   use solution_state, only: accept_iteration
   use singularity, only: name_singularity
   implicit none
@@ -20,55 +21,8 @@ module newton
   public :: newton_t, pass_t, begin_newton, prepare_newton, form_system, solve_system, &
             newton_pass, close_newton
 
-  real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2 !! of an energy, relative to sum
-  !! |f||u|
-  real(wp), parameter :: RESIDUAL = 1.0e-9_wp !! of the residual, relative to the largest nodal
-  !! force
   real(wp), parameter :: FORCING = 1.0e-3_wp !! relative residual of a linear solve where factors
   !! are kept
-
-  real(wp), parameter :: BACK_AND_FORTH = 0.7_wp !! cosine beyond which an increment takes back the
-  !! last one
-  integer, parameter :: PATIENCE = 6 !! iterations of a step with contact without a line search
-  real(wp), parameter :: LEAST_SHARE = 0.2_wp      !! of an increment that is damped
-
-  !> The iteration of the step under way.
-  type :: newton_t
-    type(assembler_t) :: asm
-    type(linear_system_t) :: system
-    logical :: ready = .false.         !! pattern and analysis exist
-    logical :: symmetric = .true.      !! as they stand
-    integer :: mode = FULL             !! FACTor
-    real(wp) :: eps = 0.0_wp           !! of LOWRank
-    real(wp) :: tolerance = 1.0e-16_wp !! TOL
-    integer :: iterations = 0          !! solves in this step
-    integer :: before = 0              !! of them before the last augmentation
-    logical :: converged = .false.
-    logical :: exact = .true. !! every solve of the step was full Newton: no kept factors, no
-    !! symmetric part
-    real(wp) :: largest_energy = 0.0_wp
-    real(wp), allocatable :: rhs(:)    !! (neq)
-    real(wp), allocatable :: dx(:)     !! (neq)
-    real(wp), allocatable :: last(:)   !! (neq) what was made of it in the last iteration
-    real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made
-    real(wp), allocatable :: spacing(:) !! (nnode) to the nearest neighbour [L]
-    logical :: moves = .false.
-    logical :: may_retreat = .false.   !! the last increment moved no prescribed dof
-  end type newton_t
-
-  !> What one pass did.
-  type :: pass_t
-    logical :: ok = .true.             !! .false.: the step must be cut
-    character(:), allocatable :: trouble !! why
-    type(sweep_t) :: sweep
-    type(floor_t) :: floor             !! what rounding leaves
-    type(solve_report_t) :: solve
-    real(wp) :: energy = 0.0_wp        !! |du.r| [F L]
-    real(wp) :: ratio = 0.0_wp         !! to the largest of the step
-    real(wp) :: residual = 0.0_wp      !! largest free component [F]
-    integer :: worst(2) = 0            !! its direction and node
-    real(wp) :: line = 1.0_wp          !! share of the step a line search took
-  end type pass_t
 
 contains
 
@@ -133,20 +87,6 @@ contains
     end if
   end subroutine form_system
 
-  !> Which element failed, and of what.
-  function name_element(model, sweep) result(text)
-    type(model_t), intent(in) :: model
-    type(sweep_t), intent(in) :: sweep
-    character(:), allocatable :: text
-
-    associate (block => model%mesh%block(sweep%block))
-      text = trim(block%name)//' element '//to_text(block%number(sweep%elem))
-      if (block%body > 0) text = text//" of '"//model%mesh%body(block%body)%name//"'"
-      text = text//' is inverted'
-      if (block%row%nmode > 0) text = text//', or its enhanced modes are singular'
-    end associate
-  end function name_element
-
   !> Solve for the increment of the last formed system and add it.
   subroutine solve_system(newton, model, state, searches, pass, error)
     type(newton_t), intent(inout) :: newton
@@ -206,30 +146,6 @@ contains
     newton%may_retreat = .not. moved
   end subroutine solve_system
 
-  !> Contact that does not settle is looked for along the increments, asked for or not.
-  pure logical function is_slow(newton, model)
-    type(newton_t), intent(in) :: newton
-    type(model_t), intent(in) :: model
-
-    is_slow = size(model%contact) > 0 .and. newton%iterations - newton%before > PATIENCE
-  end function is_slow
-
-  !> Points that change between two states of contact in turn make Newton's iteration go to and fro
-  !! for ever. Where an increment takes most of the last one back, Aitken's share of it is taken.
-  function damping(newton) result(share)
-    type(newton_t), intent(in) :: newton
-    real(wp) :: share
-    real(wp) :: back, both(newton%system%neq)
-
-    share = 1.0_wp
-    if (newton%iterations < 5 .or. .not. allocated(newton%last)) return
-    back = -dot_product(newton%last, newton%dx)
-    if (.not. back > BACK_AND_FORTH*norm2(newton%last)*norm2(newton%dx)) return
-    both = newton%dx - newton%last
-    share = min(1.0_wp, -dot_product(newton%last, both)/dot_product(both, both))
-    if (.not. share > LEAST_SHARE) share = LEAST_SHARE
-  end function damping
-
   !> One pass of TANG,,1 or UTAN,,1.
   subroutine newton_pass(newton, model, state, symmetric, searches, pass, error)
     type(newton_t), intent(inout) :: newton
@@ -260,41 +176,6 @@ contains
                        .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
   end subroutine close_newton
 
-  !> Largest |du.r| that passes the test.
-  pure real(wp) function energy_tolerance(newton, pass) result(energy)
-    type(newton_t), intent(in) :: newton
-    type(pass_t), intent(in) :: pass
-
-    energy = max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding, &
-                 pass%floor%energy)
-  end function energy_tolerance
-
-  !> Largest residual that passes the test.
-  pure real(wp) function force_tolerance(pass) result(force)
-    type(pass_t), intent(in) :: pass
-
-    force = max(RESIDUAL*pass%sweep%largest, pass%floor%force)
-  end function force_tolerance
-
-  !> The convergence test (DECK.md, TOL).
-  subroutine judge(newton, pass, moved)
-    type(newton_t), intent(inout) :: newton
-    type(pass_t), intent(inout) :: pass
-    logical, intent(in) :: moved
-
-    pass%ratio = 0.0_wp
-    if (newton%largest_energy > 0.0_wp) pass%ratio = pass%energy/newton%largest_energy
-    if (.not. ieee_is_finite(pass%energy)) then
-      pass%ok = .false.
-      pass%trouble = 'the energy of the increment is not a number'
-      return
-    end if
-    newton%converged = .not. moved .and. pass%energy <= energy_tolerance(newton, pass)
-    if (newton%converged .and. .not. newton%exact) then
-      newton%converged = pass%residual <= force_tolerance(pass)
-    end if
-  end subroutine judge
-
   !> Pattern and analysis, once, and again only where TANG and UTAN alternate.
   subroutine prepare_newton(newton, model, symmetric, error)
     type(newton_t), intent(inout) :: newton
@@ -315,24 +196,5 @@ contains
     if (.not. allocated(newton%spacing)) newton%spacing = node_spacing(model%mesh)
     if (.not. allocated(newton%rhs)) allocate (newton%rhs(model%neq), newton%dx(model%neq))
   end subroutine prepare_newton
-
-  !> Largest residual over the free dofs.
-  pure subroutine find_worst(model, reaction, pass)
-    type(model_t), intent(in) :: model
-    real(wp), intent(in) :: reaction(:, :)
-    type(pass_t), intent(inout) :: pass
-    integer :: i, n
-
-    pass%residual = 0.0_wp
-    do n = 1, size(model%eq, 2)
-      do i = 1, 3
-        if (model%eq(i, n) == 0) cycle
-        if (.not. abs(reaction(i, n)) <= pass%residual) then
-          pass%residual = abs(reaction(i, n))
-          pass%worst = [i, n]
-        end if
-      end do
-    end do
-  end subroutine find_worst
 
 end module newton
