@@ -17,11 +17,13 @@ import re
 import statistics
 import sys
 
+import bench_contact
 import bench_page
 import bench_runs as runs
 import bench_table as table
 
 HERE = pathlib.Path(__file__).resolve().parent
+RECORD = HERE / "record.json"
 FULL = "full"
 OURS = {  # name: element, FACTor
     "reuse": ("Q1", "REUSe"),
@@ -29,6 +31,12 @@ OURS = {  # name: element, FACTor
     "reuse, Q1E9": ("Q1E9", "REUSe"),
 }
 OTHERS = ("felupe", "felupe, symmetric", "calculix")
+PROJECTIONS = (  # columns of bench_projection
+    "projection, {}, from a hundredth of an element away",
+    "projection, {}, from a tenth of an element away",
+    "projection, {}, from the grid",
+    "update of a surface, {}, an element",
+)
 SAME_FORCE = 1e-6  # relative, between bezel and FElupe
 
 
@@ -45,6 +53,8 @@ def main():
         for _ in range(1 if arguments else 3):  # the kernels take seconds, and jump
             found = runs.run_program(program.resolve(), folder, arguments)
             parts[program.name] = parts.get(program.name, "") + found
+    if o.only == "contact":
+        return add_contact(bezel, folder, parts, o.record)
     result = {
         "date": datetime.date.today().isoformat(),
         "n": o.n,
@@ -54,6 +64,7 @@ def main():
     }
     result["runs"] = time_cube(bezel, folder, o.n, o.rounds, result["missing"])
     result["kernels"] = read_kernels(parts)
+    result["contact"] = bench_contact.time_contact(bezel, folder, result["missing"])
     if o.large:
         print(f"bench: one step at n={o.large}", flush=True)
         large = runs.run_bezel(bezel, folder, "large", o.large, steps=1)
@@ -61,6 +72,15 @@ def main():
         result["large"] = large | {"n": o.large, "limit_mb": o.short}
         result["large"]["short_of_memory"] = short.get("message", "it ran")
     return finish(result, folder, parts, o.record)
+
+
+def add_contact(bezel, folder, parts, keep):
+    """Contact and parts of now, all else of the record."""
+    result = json.loads(RECORD.read_text())
+    result["missing"] = []
+    result["contact"] = bench_contact.time_contact(bezel, folder, result["missing"])
+    result["kernels"] |= read_kernels(parts)
+    return finish(result, folder, parts, keep)
 
 
 def parser():
@@ -73,6 +93,9 @@ def parser():
     p.add_argument("--large", type=int, default=32, help="n of the one large step; 0: none")
     p.add_argument("--short", type=float, default=2000, help="MB in which the large step fails")
     p.add_argument("--parts", nargs="*", default=[], help="programs that time a part")
+    p.add_argument(
+        "--only", choices=["contact"], help="time this and the parts; the rest is the record's"
+    )
     p.add_argument("--record", action="store_true", help="keep this run as record.json")
     return p
 
@@ -160,6 +183,9 @@ def read_kernels(parts):
     for line in "".join(parts.values()).splitlines():
         if m := re.match(r"\s*dgemm\s+(\d+):\s+([\d.]+)", line):
             note_value(f"dgemm {m[1]} [GFLOP/s]", m[2])
+        elif m := re.match(r"\s*(\w+ degree \d+)" + r"\s+(\d+\.\d+)" * 4 + r"\s*$", line):
+            for what, value in zip(PROJECTIONS, m.groups()[1:]):
+                note_value(f"{what.format(m[1])} [us]", value)
         elif m := re.match(r"\s*(\w+)\s+(\d+)\s+\d+\s+(\w+)\s+(-|[\d.]+)\s+([\d.]+)\s*$", line):
             note_value(f"{m[1]}, {m[2]} nodes, {m[3]} [us]", m[5] if m[4] == "-" else m[4])
     return {key: max(list_) if "FLOP" in key else min(list_) for key, list_ in found.items()}
@@ -167,14 +193,13 @@ def read_kernels(parts):
 
 def finish(result, folder, parts, keep):
     """Write, print, compare; the exit code."""
-    record_path = HERE / "record.json"
-    record = json.loads(record_path.read_text()) if record_path.exists() else None
+    record = json.loads(RECORD.read_text()) if RECORD.exists() else None
     text = table.render(result, record, SAME_FORCE)
     (folder / "bench.json").write_text(json.dumps(result, indent=1) + "\n")
     (folder / "bench.md").write_text(text)
     (folder / "parts.txt").write_text("\n".join(parts.values()))
     if keep:
-        record_path.write_text(json.dumps(result, indent=1) + "\n")
+        RECORD.write_text(json.dumps(result, indent=1) + "\n")
         bench_page.PAGE.write_text(bench_page.page(result))
     print(text)
     print(f"bench: written to {folder}/bench.md, bench.json, parts.txt")

@@ -4,6 +4,7 @@
 import json
 import pathlib
 
+import bench_contact as contact
 import bench_table as table
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -53,9 +54,10 @@ def page(result):
         INTRO.format(n=result["n"], rounds=result["rounds"]),
         "## Machine\n\n" + table.head(result),
         "## One cube, three programs\n\n" + table.cube(result, SAME_FORCE),
+        *(["## Contact\n\n" + contact.table(result["contact"])] if "contact" in result else []),
         "## Targets\n\n" + table.targets(result),
         MISSED.format(lines=missed(result)).lstrip("\n"),
-        "## Kernels\n\nMicroseconds of one element (residual and tangent), the best of some runs; the rate of dgemm.\n\n"
+        "## Kernels\n\nMicroseconds of one element (residual and tangent) or one point, the best of some runs; the rate of dgemm.\n\n"
         + table.kernels(result),
     ]
     if "large" in result:

@@ -1,5 +1,7 @@
 """The table of `make bench` in markdown, beside the targets and the record."""
 
+import bench_contact
+
 TITLES = {
     "full": "bezel, full Newton",
     "reuse": "bezel, FACTor REUSe",
@@ -26,6 +28,8 @@ def difference(rows, name):
 def render(result, record, tolerance):
     """All of it."""
     parts = [head(result), cube(result, tolerance), targets(result), kernels(result)]
+    if "contact" in result:
+        parts.append(bench_contact.table(result["contact"]))
     if "large" in result:
         parts.append(large(result["large"]))
     if record:
@@ -102,6 +106,8 @@ def targets(result):
     for key, value in result["kernels"].items():
         if key.startswith("Q1, "):
             line(f"{key[:-5]}: residual and tangent", "0.5 us", f"{value:.2f} us", value <= 0.5)
+    for row in bench_contact.targets(result):
+        line(*row)
     return "\n".join(lines) + "\n"
 
 

@@ -1,0 +1,194 @@
+"""Contact in `make bench`: the hemisphere of section 5 twisted on its block, beside CalculiX.
+
+Mesh 2 without and with friction, one thread. Every run of another program or element stands between
+two of bezel with Q1E9+Q1N2 (A B A); ratios are taken within such a triple. Then the share of contact
+in bezel's iterations on mesh 3.
+"""
+
+import json
+import os
+import pathlib
+import shutil
+import statistics
+
+import bench_runs as runs
+import calculix_hemisphere as calculix
+import numpy as np
+
+DECKS = pathlib.Path(__file__).resolve().parents[1] / "benchmark/section5_contact"
+MESH_2 = {"n": 7, "m": 2, "k": 4, "eps": 250}
+MESH_3 = {"n": 11, "m": 3, "k": 8, "eps": 500}
+OURS, Q1E9, THEIRS, SWAPPED = "q1e9_q1n2", "q1e9", "calculix", "calculix, block as slave"
+TITLES = {
+    OURS: "bezel, Q1E9+Q1N2",
+    Q1E9: "bezel, Q1E9",
+    THEIRS: "CalculiX, C3D8",
+    SWAPPED: "CalculiX, C3D8, block as slave",
+}
+FRICTION = (0.0, 0.5)
+ENOUGH = 180.0 - 1e-3  # degrees of a run that came to its end
+
+
+def time_contact(bezel, folder, missing):
+    """{"runs": {"name, mu": numbers}, "share": of mesh 3}."""
+    folder = folder / "contact"
+    folder.mkdir(exist_ok=True)
+    rows, load = {}, [round(x, 1) for x in os.getloadavg()]
+    for mu in FRICTION:
+        before = run_bezel(bezel, folder, OURS, mu, MESH_2)
+        first = before
+        for name in (Q1E9, THEIRS, SWAPPED):
+            if name == SWAPPED and mu == 0:
+                continue
+            print(f"bench: contact, mu = {mu:g}, {name}", flush=True)
+            try:
+                found = run_one(bezel, folder, name, mu)
+            except runs.Unavailable as reason:
+                if str(reason) not in missing:
+                    missing.append(str(reason))
+                continue
+            after = run_bezel(bezel, folder, OURS, mu, MESH_2)
+            ours = (each(before) + each(after)) / 2
+            rows[f"{name}, {mu:g}"] = found | {"ratio": each(found) / ours}
+            before = after
+        cpu = statistics.mean((first["cpu"], before["cpu"]))
+        rows[f"{OURS}, {mu:g}"] = before | {"cpu": cpu, "ratio": 1.0}
+    print("bench: contact, mesh 3", flush=True)
+    large = run_bezel(bezel, folder, OURS, FRICTION[-1], MESH_3)
+    return {"runs": rows, "mesh_3": large, "load": load}
+
+
+def run_one(bezel, folder, name, mu):
+    """A run that is not the reference of the ratios."""
+    if name == Q1E9:
+        return run_bezel(bezel, folder, name, mu, MESH_2)
+    place = folder / name.replace(", ", "_").replace(" ", "_")
+    place.mkdir(exist_ok=True)
+    return run_calculix(place, mu, name == SWAPPED)
+
+
+def each(row):
+    """Seconds of the processor, an iteration."""
+    return row["cpu"] / row["iterations"]
+
+
+def run_bezel(bezel, folder, stem, mu, mesh):
+    """A whole process; seconds, and force and torque of the supports while all points slide."""
+    settings = [f"--set={name}={value}" for name, value in (mesh | {"mu": mu}).items()]
+    command = [bezel, "--quiet", "--threads", "1", "-o", str(folder), *settings]
+    wall, cpu, _, code, _, errors = runs.measure([*command, str(DECKS / f"{stem}.inp")], folder)
+    if code:
+        raise SystemExit(f"bench: error: bezel ended with {code}: {errors.strip()}")
+    report = json.loads((folder / f"{stem}.report.json").read_text())
+    seconds = report["seconds"]
+    solving = sum(seconds[part] for part in ("assembly", "contact", "factorise", "solve"))
+    row = {
+        "wall": wall,
+        "cpu": cpu,
+        "iterations": report["iterations"],
+        "steps": report["steps"],
+        "equations": report["equations"],
+        "share": seconds["contact"] / solving,
+        "degrees": calculix.DEGREES,
+    }
+    return row | sliding_means(folder / f"{stem}_sole.dat")
+
+
+def sliding_means(path):
+    """Means of the supports' force and torque over the part of the turn in which all points slide."""
+    names = path.read_text().splitlines()[0].strip("# ").split()
+    data = dict(zip(names, np.loadtxt(path, unpack=True)))
+    late = calculix.DEGREES * data["factor_2"] >= calculix.SLIDING - 1e-6
+    columns = {"rim": ("force_3", "torque"), "base": ("force_3_2", "torque_2")}
+    return {
+        f"{what}_{where}": float(data[column][late].mean())
+        for where, both in columns.items()
+        for what, column in zip(("force", "torque"), both)
+    }
+
+
+def run_calculix(place, mu, swapped):
+    """The same by CalculiX."""
+    program = shutil.which("ccx")
+    if not program:
+        raise runs.Unavailable("CalculiX is not here (apt install calculix-ccx)")
+    mesh = calculix.write_input(place / "hemisphere.inp", MESH_2, mu, swapped)
+    wall, cpu, _, _, output, _ = runs.measure([program, "hemisphere"], place)
+    found = calculix.read_output(place, output, mesh)
+    if not found["iterations"]:
+        raise runs.Unavailable("CalculiX does not run the hemisphere here")
+    return {"wall": wall, "cpu": cpu} | found
+
+
+# --- tables --------------------------------------------------------------------------------------
+def table(contact):
+    """One row a program and coefficient of friction."""
+    lines = [
+        "Hollow hemisphere pressed on a block and turned by 180 degrees, mesh 2 of section 5, increments of 3 degrees, "
+        "5 x 5 points a surface element (CalculiX: its own); whole processes, ratios to the runs with Q1E9+Q1N2 just "
+        f"before and after, load averages {contact['load']}. Forces and torques are those of the supports at the rim "
+        "and at the base, means from 120 degrees on.",
+        "",
+        "| run | mu | increments | iterations | cpu s | cpu ms an iteration | iteration / ours | force, rim | base | torque, rim | base |",
+        "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    for mu in FRICTION:
+        for name, title in TITLES.items():
+            row = contact["runs"].get(f"{name}, {mu:g}")
+            if row is None:
+                continue
+            numbers = [
+                "-" if row[key] is None else f"{row[key]:.3f}"
+                for key in ("force_rim", "force_base", "torque_rim", "torque_base")
+            ]
+            note = "" if row["degrees"] >= ENOUGH else f" (stops at {row['degrees']:.0f} degrees)"
+            lines.append(
+                f"| {title}{note} | {mu:g} | {row['steps']} | {row['iterations']} | {row['cpu']:.1f} "
+                f"| {1e3 * each(row):.1f} | {row['ratio']:.2f} | {' | '.join(numbers)} |"
+            )
+    r = contact["mesh_3"]
+    lines += [
+        "",
+        *beside(contact["runs"]),
+        "CalculiX's neo-Hooke has (J - 1)^2 where ours has (ln J)^2, and its friction acts on the way down, too.",
+        "",
+        f"Mesh 3, {r['equations']} equations, Q1E9+Q1N2, mu = 0.5: {r['iterations']} iterations, {r['cpu']:.1f} s cpu, "
+        f"{1e3 * each(r):.1f} ms an iteration, of which contact takes {100 * r['share']:.1f} %.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def beside(rows):
+    """Torques of CalculiX in parts of ours."""
+    mu = f", {FRICTION[-1]:g}"
+    ours = rows[OURS + mu]
+    lines = []
+    for name in (THEIRS, SWAPPED):
+        row = rows.get(name + mu)
+        if row is None or row["torque_rim"] is None:
+            continue
+        parts = [f"{row[key] / ours[key]:.2f}" for key in ("torque_rim", "torque_base")]
+        lines.append(
+            f"With friction the torques of {TITLES[name]}, are {' and '.join(parts)} of ours."
+        )
+    return lines
+
+
+def targets(result):
+    """(what, wanted, found, met) of contact."""
+    found = []
+    contact = result.get("contact")
+    if contact:
+        for mu in FRICTION:
+            row = contact["runs"].get(f"{THEIRS}, {mu:g}")
+            if row:
+                text = f"one iteration of CalculiX / one of Q1E9+Q1N2, contact, mu = {mu:g}, cpu"
+                found.append((text, "1", f"{row['ratio']:.2f}", row["ratio"] >= 1))
+        share = contact["mesh_3"]["share"]
+        found.append(
+            ("contact, share of an iteration, mesh 3", "15 %", f"{100 * share:.1f} %", share < 0.15)
+        )
+    for key, value in result["kernels"].items():
+        if key.startswith("projection, IGA degree 2") and "grid" not in key:
+            found.append((key[:-5], "0.3 us", f"{value:.2f} us", value < 0.3))
+    return found
