@@ -58,7 +58,7 @@ contains
 
     call surface_functions_at(surface%kind(surface%ikind(e)), xi, shp, dshp)
     if (allocated(surface%w)) call make_rational(surface%w(surface%first(e): &
-      surface%first(e + 1) - 1), shp, dshp)
+                                                           surface%first(e + 1) - 1), shp, dshp)
   end subroutine element_functions
 
   !> Forces and derivatives of element e of side k; what its points found goes into their history.
@@ -96,7 +96,7 @@ contains
         call add_own(point%t, dt%x, up, da, work)
         call add_partner(other, feet(q)%elem, feet(q)%xi, dt%p, dt%a, da, work)
         if (point%slides) call add_partner(other, points%slide(i), points%slide_xi(:, i), dt%s, &
-          0.0_wp*dt%a, da, work)
+                                           0.0_wp*dt%a, da, work)
       end do
     end associate
   end subroutine form_element
@@ -131,7 +131,7 @@ contains
     nothing = 0.0_wp
     call add_own(t, dtdg, nothing(:, 1, :), points%area0(i), work)
     call add_partner(other, points%bond(i), points%bond_xi(:, i), -dtdg, nothing, &
-      points%area0(i), work)
+                     points%area0(i), work)
   end subroutine add_cohesion
 
   !> Position of a parametric point of a surface.
@@ -165,7 +165,7 @@ contains
       work%own(:kind%nsf) = kind%shp(:, q)
       work%down(:, :kind%nsf) = kind%dshp(:, :, q)
       if (allocated(own%w)) call make_rational(own%w(own%first(e):own%first(e + 1) - 1), &
-        work%own(:kind%nsf), work%down(:, :kind%nsf))
+                                               work%own(:kind%nsf), work%down(:, :kind%nsf))
       xq = 0.0_wp
       a = 0.0_wp
       do j = 1, kind%nsf
@@ -175,7 +175,7 @@ contains
       end do
     end associate
     n = [a(2, 1)*a(3, 2) - a(3, 1)*a(2, 2), a(3, 1)*a(1, 2) - a(1, 1)*a(3, 2), &
-      a(1, 1)*a(2, 2) - a(2, 1)*a(1, 2)]
+         a(1, 1)*a(2, 2) - a(2, 1)*a(1, 2)]
     area = norm2(n)
     m = matmul(transpose(a), a)
     up = 0.0_wp
@@ -250,7 +250,7 @@ contains
     call element_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
     do b = 1, n
       work%q(:, :, b) = dtdx*work%shp(b) + dtda(:, :, 1)*work%dshp(1, b) &
-        + dtda(:, :, 2)*work%dshp(2, b)
+                        + dtda(:, :, 2)*work%dshp(2, b)
     end do
     call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
   end subroutine add_partner

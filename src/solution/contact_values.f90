@@ -68,7 +68,7 @@ contains
       associate (points => state%contact(quantity%contact)%side(k))
         bonded = sum(points%area0, mask=points%bond > 0)
         lost = sum(points%area0, &
-                     mask=points%bond > 0 .and. points%opening >= RELEASED*contact%cohesive_prop(2))
+                   mask=points%bond > 0 .and. points%opening >= RELEASED*contact%cohesive_prop(2))
       end associate
     end associate
     share = 0.0_wp

@@ -1,4 +1,4 @@
-!> When Newton's iteration is done, what it says of a failure, and how much of an increment it takes.
+!> When the iteration is done, what is said of a failure, and how much of an increment is taken.
 module newton_judge
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
