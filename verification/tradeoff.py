@@ -13,8 +13,8 @@ squares over the turn, of both sides of the contact, relative to the reference's
     traction   largest smoothed t_x of each side, 120 to 180 degrees
 
 against benchmark/tradeoff/reference.csv (`--reference` runs it anew: half an hour), and against the
-run `beside`, which differs in one setting. Ratios of CPU seconds are taken to the same deck's
-plain runs just before and just after.
+run `beside`, which differs in one setting, side by side. Ratios of CPU seconds are taken to a plain
+run just after.
 """
 
 import argparse
@@ -72,14 +72,18 @@ class Curve:
         return getattr(self, name)[:, self.degree >= FROM[name] - 1e-6].mean()
 
 
-def difference(curve, other, name):
-    """Root mean square of curve - other at degrees that both have, relative to other's mean."""
+def difference(curve, other, name, pooled=True):
+    """Root mean square of curve - other at degrees that both have, relative to other's mean.
+
+    pooled: other's two sides count by their mean."""
     mine, its = np.rint(1e3 * curve.degree), np.rint(1e3 * other.degree)
     both = [d for d in np.intersect1d(mine, its) if d >= 1e3 * FROM[name] - 1]
     if not both:
         return None
     value = getattr(curve, name)[:, np.searchsorted(mine, both)]
-    wanted = getattr(other, name)[:, np.searchsorted(its, both)].mean(axis=0)
+    wanted = getattr(other, name)[:, np.searchsorted(its, both)]
+    if pooled:
+        wanted = wanted.mean(axis=0)
     scale = abs(other.mean(name))
     return float(np.sqrt(np.mean((value - wanted) ** 2)) / scale) if scale > 0 else None
 
@@ -111,9 +115,10 @@ def main(argv=None):
         if r.mesh in o.mesh and any(w in f"{r.group} {r.key}" for w in o.only)
     ]
     for i, run in enumerate(runs):
-        for needed in (run.beside, run):
-            if needed:
-                time_run(bezel, out, needed, o.again and needed is run)
+        if run.beside:
+            time_run(bezel, out, run.beside, False)
+        if not run.ratio_to or run.mesh == 1:
+            time_run(bezel, out, run, o.again)
         if run.ratio_to:
             time_round(bezel, out, run, o.again)
         print(f"{i + 1} of {len(runs)}: {run.group}, {run.key}", flush=True)
@@ -161,15 +166,16 @@ def time_run(bezel, out, run, again):
 
 
 def time_round(bezel, out, run, again):
-    """CPU seconds of the run over those of the plain one before and after it."""
+    """CPU seconds of the run over those of the plain one, both made one after the other."""
     place = out / run.key
-    told = json.loads((place / "time.json").read_text())
+    known = place / "time.json"
+    told = json.loads(known.read_text()) if known.exists() else {"cpu": float("inf")}
     if "ratio" in told and not again:
         return
-    beside = out / "round"
-    cpu = [call(bezel, beside, r)[1] for r in (run.ratio_to, run, run.ratio_to)]
-    told |= {"ratio": 2 * cpu[1] / (cpu[0] + cpu[2]), "cpu": min(told["cpu"], cpu[1])}
-    (place / "time.json").write_text(json.dumps(told))
+    code, changed = call(bezel, place, run)
+    _, plain = call(bezel, out / "round", run.ratio_to)
+    told |= {"code": code, "ratio": changed / plain, "cpu": min(told["cpu"], changed)}
+    known.write_text(json.dumps(told))
 
 
 def write_reference(out):
@@ -234,11 +240,13 @@ def make_row(out, run, reference):
     if run.beside:
         row["beside"] = run.beside.key
         try:
+            if json.loads((out / run.beside.key / "time.json").read_text())["code"] != 0:
+                return row
             other = Curve(out / run.beside.key / "run_sole.dat")
-        except Unreadable:
+        except (OSError, Unreadable):
             return row
         for name in SIDES:
-            row[f"d_{name}"] = text(difference(curve, other, name))
+            row[f"d_{name}"] = text(difference(curve, other, name, pooled=False))
     return row
 
 

@@ -33,11 +33,11 @@ TYPES = {
     "Q2": (2, "o", True), "Q2+Q2N2.1": (2, "s", False),
     "IGA2": (6, "D", True), "IGA3": (6, "P", True),
 }  # fmt: skip
-#: Settings: group, title, how a point is labelled.
+#: Settings: group, title, the column name's number, the usual setting.
 SETTINGS = {
-    "points": ("a) contact points a direction", lambda name: name.removeprefix("q ")),
-    "penalty": ("b) penalty, times the paper's", lambda name: name.removeprefix("x ")),
-    "steps": ("c) degrees of a step", lambda name: name.removesuffix(" deg")),
+    "points": ("points a direction", "q ", 5),
+    "penalty": ("penalty, times the paper's", "x ", 1),
+    "steps": ("degrees of a step", "", 3),
 }
 
 
@@ -90,29 +90,30 @@ def figure_elements(results, plt):
 
 
 def figure_settings(results, plt):
-    """Quadrature, penalty and steps: differences to the finest setting on the same mesh."""
-    figure, axes = plt.subplots(3, 3, figsize=(_style.PAGE, 6.6), sharey="row")
-    for column, (group, (title, label)) in zip(axes.T, SETTINGS.items()):
-        for ax, name in zip(column, QUANTITIES):
-            for i, (elements, mesh) in enumerate(
-                (e, m) for e in ("Q1E9+Q1N2.1", "IGA2") for m in (1, 2)
-            ):
-                rows = results.rows(group, elements, mesh)
-                x = results.number("cpu_s", rows)
+    """Quadrature, penalty and steps: differences to the finest setting on the same mesh, and CPU
+    seconds relative to the usual one."""
+    shape = {"figsize": (_style.PAGE, 7.2), "sharex": "col", "sharey": "row"}
+    figure, axes = plt.subplots(4, 3, **shape)
+    series = [(e, m) for e in ("Q1E9+Q1N2.1", "IGA2") for m in (1, 2)]
+    for column, (group, (title, prefix, usual)) in zip(axes.T, SETTINGS.items()):
+        for i, (elements, mesh) in enumerate(series):
+            rows = results.rows(group, elements, mesh)
+            names = results.column["name"][rows]
+            x = np.array([float(str(n).removeprefix(prefix).removesuffix(" deg")) for n in names])
+            line = {"label": f"{elements}, mesh {mesh}", **_style.series(i)}
+            for ax, name in zip(column, QUANTITIES):
                 y = PERCENT * results.number(f"d_{name}", rows)
-                seen = y > 0.0
-                if not seen.any():
-                    continue
-                line = _style.series(i)
-                ax.loglog(x[seen], y[seen], label=f"{elements}, mesh {mesh}", **line)
-                for px, py, row in zip(x[seen], y[seen], rows[seen]):
-                    ax.annotate(label(str(results.column["name"][row])), (px, py), xytext=(3, 3),
-                                textcoords="offset points", fontsize=6.5, color=line["color"])  # fmt: skip
+                ax.loglog(x[y > 0.0], y[y > 0.0], **line)
+            cpu = results.number("cpu_s", rows)
+            if (x == usual).any():
+                column[-1].loglog(x, cpu / cpu[x == usual][0], **line)
+        for ax in column:
+            ax.axvline(usual, color="#999999", linewidth=0.9, zorder=0)
             plain_ticks(ax)
         column[0].set_title(title, loc="left")
-        column[-1].set_xlabel("CPU seconds")
     for ax, name in zip(axes[:, 0], QUANTITIES.values()):
         ax.set_ylabel(f"{name}:\ndifference [%]")
+    axes[-1, 0].set_ylabel("CPU seconds,\nrelative")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return figure
@@ -123,7 +124,8 @@ def plain_ticks(ax):
 
     for axis in (ax.xaxis, ax.yaxis):
         low, high = axis.get_view_interval()
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 60 * low else (1,)))
+        close = (1, 1.5, 2, 3, 5, 7) if high < 10 * low else (1, 2, 5)
+        axis.set_major_locator(LogLocator(subs=close if high < 60 * low else (1,)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
 
