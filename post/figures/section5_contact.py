@@ -230,8 +230,8 @@ def figure_19(runs, plt):
         axes[0].semilogx(dofs, forces[:, 1], **style | {"linestyle": "--", "fillstyle": "none"})
     axes[0].axhline(reference, color="#999999", linewidth=0.9, zorder=0)
     axes[0].annotate(
-        words, (1, reference), xycoords=("axes fraction", "data"), ha="right", va="top", color="#555555",
-        fontsize=7.5, xytext=(0, -2), textcoords="offset points",
+        words, (0, reference), xycoords=("axes fraction", "data"), va="bottom", color="#555555",
+        fontsize=7.5, xytext=(3, 1), textcoords="offset points",
     )  # fmt: skip
     _degrees_of_freedom(axes[0])
     axes[0].set_ylabel("mean contact force $P_z / E_0 L_0^2$")

@@ -112,7 +112,7 @@ def torque(runs):
         largest = over_meshes(lambda r: f"{r.amplitude():.2e}", runs, key)
         facets = over_meshes(lambda r: f"{runs[r.mesh, 'Q1E9', 0.0].amplitude() / r.amplitude():.1f}" if (r.mesh, "Q1E9", 0.0) in runs else "-", runs, key)  # fmt: skip
         order = slopes(runs, key, lambda r: r.amplitude())
-        symmetry = [over_meshes(lambda r, k=k: f"{defects(r)[k]:.0e}", runs, key) for k in (0, 1)]
+        symmetry = [over_meshes(lambda r, k=k: defects(r)[k], runs, key) for k in (0, 1)]
         shown.append([e, *(", ".join(x) for x in (largest, facets, order, *symmetry))])
     head = ("elements", "largest torque", "Q1E9's over it", "slope over dofs", "off period", "off antisymmetry")  # fmt: skip
     return list(table(head, shown))
@@ -120,12 +120,14 @@ def torque(runs):
 
 def defects(run):
     """max |M(t+90) - M(t)| and max |M(90-t) + M(t)| over max |M|, of both sides, each 3 degrees."""
+    if run.degrees[-1] < 180 - 1e-6:
+        return "-", "-"
     angles = np.arange(0.0, 90.5, 3.0)
     index = lambda a: np.abs(run.degrees[:, None] - a[None, :]).argmin(axis=0)
     values = [(t[index(angles)], t[index(angles + 90)]) for t in run.torque]
     period = max(np.abs(b - a).max() for a, b in values) / run.amplitude()
     mirror = max(np.abs(a + a[::-1]).max() for a, _ in values) / run.amplitude()
-    return period, mirror
+    return f"{period:.0e}", f"{mirror:.0e}"
 
 
 def force(runs):
