@@ -25,6 +25,9 @@ module contact_foot
     real(wp) :: a(3, 2) = 0.0_wp            !! tangents
     real(wp) :: b(3, 3) = 0.0_wp            !! second derivatives 11, 22, 12
     real(wp) :: n(3) = 0.0_wp !! unit outward normal; mean of the facets' on an edge or vertex
+    !> Where there is no foot: closest point of the outer boundary, if it is near; element 0: none.
+    integer :: border = 0
+    real(wp) :: border_xi(2) = 0.0_wp
     real(wp) :: gap = huge(1.0_wp) !! [L] negative inside; on an edge or vertex the distance with
     !! that sign
   end type foot_t

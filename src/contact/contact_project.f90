@@ -50,6 +50,7 @@ contains
 
     elem = foot%elem
     foot%elem = 0
+    foot%border = 0
     foot%gap = huge(1.0_wp)
     if (.not. all(ieee_is_finite(x)) .or. any(grid%n == 0)) return
     far = 0.5_wp*sqrt(huge(1.0_wp))
@@ -77,6 +78,9 @@ contains
       call set_foot(surface, shape, x, better, again, other_edge, foot)
     else if (ending >= SMOOTH) then
       call set_foot(surface, shape, x, spot, ending, edge, foot)
+    else if (again == OFF .and. better%f <= far**2) then
+      foot%border = better%elem
+      foot%border_xi = better%xi
     end if
   end subroutine project
 

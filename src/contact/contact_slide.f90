@@ -41,7 +41,8 @@ contains
   end subroutine side_positions
 
   !> Sticking points keep their sliding point; a slipping one's follows its foot at the distance of
-  !! the elastic part; all others' is their foot (Sauer and De Lorenzis 2015).
+  !! the elastic part; all others' is their foot (Sauer and De Lorenzis 2015), or the border where
+  !! they lie beyond it: friction acts in the step that brings them in.
   subroutine accept_slides(own, other, shape, x, feet, points)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape           !! of the other side
@@ -59,6 +60,10 @@ contains
         if (points%state(i) == STICK .and. points%slide(i) > 0) cycle
         points%slide(i) = points%foot(i)
         points%slide_xi(:, i) = points%foot_xi(:, i)
+        if (points%foot(i) == 0) then ! it will come in over the border
+          points%slide(i) = feet(i)%border
+          points%slide_xi(:, i) = feet(i)%border_xi
+        end if
         if (points%state(i) == SLIP .and. points%foot(i) > 0) then
           call follow(other, shape, xp(:, q), feet(i), points%elastic(:, i), points%slide(i), &
                       points%slide_xi(:, i))
