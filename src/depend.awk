@@ -4,7 +4,7 @@
 BEGIN {
   n = split("base math deck model materials elements contact algebra setup solution output commands main test", order, " ")
   for (i = 1; i <= n; i++) level[order[i]] = i
-  special["material_type"] = special["element_type"] = special["contact_type"] = level["model"] - 0.5  # interfaces that the model refers to
+  special["material_type"] = special["element_type"] = level["model"] - 0.5  # interfaces that the model refers to
 }
 FNR == 1 {
   n = split(FILENAME, part, "/"); object = part[n]; sub(/\.f90$/, "", object)

@@ -2,15 +2,16 @@
 !! of their forces and derivatives.
 module contact_assembly
   use base_kinds, only: wp
-  use contact_element, only: work_t, new_work, form_element, touches, element_functions
+  use contact_element, only: work_t, new_work, form_element, touches
   use contact_foot, only: foot_t, shape_t
-  use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_pair, only: contact_t, contact_points_t
   use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
                            pair_clique, map_pairs
   use contact_project, only: project
   use contact_search, only: grid_t, update_grid
   use contact_shape, only: update_shape
   use contact_slide, only: side_positions, accept_slides
+  use contact_tool, only: react
   use csr, only: block_matrix_t, clique_t
   use csr_coupling, only: add_coupling
   use model, only: model_t, state_t
@@ -254,33 +255,6 @@ contains
     end associate
     points%fresh = .false.
   end subroutine add_side
-
-  !> A rigid tool is not integrated: its supports bear the tractions of the other side.
-  subroutine react(tool, feet, traction, area, f)
-    type(surface_t), intent(in) :: tool
-    type(foot_t), intent(in) :: feet(:)          !! (nq)
-    real(wp), intent(in) :: traction(:, :)       !! (3, nq) on the other side [F/L^2]
-    real(wp), intent(in) :: area(:)              !! (nq) [L^2]
-    real(wp), intent(inout) :: f(:, :)
-    real(wp), allocatable :: shp(:), dshp(:, :)
-    integer :: b, e, n, q
-
-    do q = 1, size(feet)
-      e = feet(q)%elem
-      if (e == 0) cycle
-      n = tool%first(e + 1) - tool%first(e)
-      if (allocated(shp)) then
-        if (size(shp) /= n) deallocate (shp, dshp)
-      end if
-      if (.not. allocated(shp)) allocate (shp(n), dshp(2, n))
-      call element_functions(tool, e, feet(q)%xi, shp, dshp)
-      do b = 1, n
-        associate (node => tool%node(tool%first(e) + b - 1))
-          f(:, node) = f(:, node) + shp(b)*area(q)*traction(:, q)
-        end associate
-      end do
-    end do
-  end subroutine react
 
   !> The step is done: stored sliding points move.
   subroutine accept_contact(work, model, state)
