@@ -40,7 +40,7 @@ MESHES = {
     "1": {"n": 3, "m": 1, "k": 2, "eps": 125},
     "2": {"n": 7, "m": 2, "k": 4, "eps": 250},
     "3": {"n": 11, "m": 3, "k": 8, "eps": 500},
-    "reference": {"n": 15, "m": 4, "k": 12, "eps": 750, "down": 25, "turn": 5, "angle": 9},
+    "reference": {"n": 15, "m": 4, "k": 12, "eps": 750, "down": 25, "turn": 15},
 }
 END = {"reference": 45}  # degrees
 SUMMARY = (
