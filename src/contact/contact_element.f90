@@ -5,7 +5,7 @@ module contact_element
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_point, only: point_t, slope_t, traction_at
   use contact_kind, only: surface_functions_at, make_rational
-  use contact_type, only: OPEN
+  use contact_type, only: OPEN, SLIP
   implicit none
   private
   public :: work_t, new_work, form_element, touches, element_functions, measure
@@ -206,7 +206,7 @@ contains
     point%multiplier = points%multiplier(i)
     e = points%slide(i)
     point%slides = slides .and. e > 0
-    point%slipping = points%fresh .and. points%slipped(i)
+    point%slipping = points%fresh .and. points%state_step(i) == SLIP
     if (point%slides) call position_on(other, e, points%slide_xi(:, i), x, work, point%xs)
     call traction_at(contact, foot, point, dt)
   end subroutine find_traction

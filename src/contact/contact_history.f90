@@ -2,10 +2,10 @@
 module contact_history
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t
-  use contact_type, only: OPEN, SLIP
+  use contact_type, only: OPEN
   implicit none
   private
-  public :: new_contact_state, restore_contact_step, keep_contact_step
+  public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched
 
 contains
 
@@ -33,8 +33,7 @@ contains
     allocate (points%pressure(np), points%area(np), source=0.0_wp)
     allocate (points%gap(np), source=huge(1.0_wp))
     allocate (points%traction(3, np), points%elastic(3, np), source=0.0_wp)
-    allocate (points%state(np), source=OPEN)
-    allocate (points%slipped(np), source=.false.)
+    allocate (points%state(np), points%state_step(np), source=OPEN)
     allocate (points%bond(np), source=0)
     allocate (points%bond_xi(2, np), points%area0(np), points%opening(np), source=0.0_wp)
     allocate (points%worst(np), points%worst_step(np), source=0.0_wp)
@@ -50,6 +49,7 @@ contains
       state%side(k)%foot_xi = state%side(k)%foot_xi_step
       state%side(k)%multiplier = state%side(k)%multiplier_step
       state%side(k)%worst = state%side(k)%worst_step
+      state%side(k)%state = state%side(k)%state_step
       state%side(k)%fresh = .true.
     end do
   end subroutine restore_contact_step
@@ -64,10 +64,17 @@ contains
       state%side(k)%foot_xi_step = state%side(k)%foot_xi
       state%side(k)%multiplier_step = state%side(k)%multiplier
       state%side(k)%worst_step = state%side(k)%worst
-      state%side(k)%slipped = state%side(k)%state == SLIP
+      state%side(k)%state_step = state%side(k)%state
       state%side(k)%fresh = .true.
     end do
-    state%touched = any(state%side(1)%state /= OPEN) .or. any(state%side(2)%state /= OPEN)
   end subroutine keep_contact_step
+
+  !> A point was in contact when the last step ended.
+  pure logical function had_touched(state)
+    type(contact_state_t), intent(in) :: state
+
+    had_touched = any(state%side(1)%state_step /= OPEN) &
+                  .or. any(state%side(2)%state_step /= OPEN)
+  end function had_touched
 
 end module contact_history

@@ -87,8 +87,8 @@ module contact_pair
     real(wp), allocatable :: slide_xi(:, :)  !! (2, np)
     real(wp), allocatable :: multiplier(:)   !! (np) pressure of the augmentation [F/L^2]
     real(wp), allocatable :: multiplier_step(:) !! (np) at the start of the step
-    !> Points that slipped when the last step ended: their first tangent is that of slip.
-    logical, allocatable :: slipped(:)       !! (np)
+    !> `state` when the last step ended: points that slipped begin with the tangent of slip.
+    integer, allocatable :: state_step(:)    !! (np)
     logical :: fresh = .false.               !! no sweep was made in this step yet
     !> Cohesive partner on the other surface, found in the reference configuration. 0: not bonded.
     integer, allocatable :: bond(:)          !! (np)
@@ -110,7 +110,6 @@ module contact_pair
   !> One contact's history.
   type :: contact_state_t
     type(contact_points_t) :: side(2)
-    logical :: touched = .false.             !! a point was in contact when the last step ended
   end type contact_state_t
 
 end module contact_pair

@@ -5,12 +5,11 @@ module restart_contact
   use contact_pair, only: contact_state_t, contact_points_t
   use hdf5_file, only: hdf5_t, make_group
   use restart_arrays, only: write_matrix, read_matrix, name
-  use contact_type, only: OPEN, SLIP
   implicit none
   private
   public :: write_contact, read_contact
 
-  integer, parameter :: NROW = 24 !! numbers of a point
+  integer, parameter :: NROW = 25 !! numbers of a point
 
 contains
 
@@ -53,8 +52,6 @@ contains
         call unpack_points(values, contact(c)%side(k))
         deallocate (values)
       end do
-      contact(c)%touched = any(contact(c)%side(1)%state /= OPEN) &
-                           .or. any(contact(c)%side(2)%state /= OPEN)
     end do
   end subroutine read_contact
 
@@ -81,6 +78,7 @@ contains
     values(22, :) = points%worst
     values(23, :) = points%worst_step
     values(24, :) = points%opening
+    values(25, :) = points%state_step
   end subroutine pack_points
 
   subroutine unpack_points(values, points)
@@ -104,7 +102,7 @@ contains
     points%worst = values(22, :)
     points%worst_step = values(23, :)
     points%opening = values(24, :)
-    points%slipped = points%state == SLIP
+    points%state_step = nint(values(25, :))
     points%fresh = .true.
   end subroutine unpack_points
 

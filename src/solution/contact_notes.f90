@@ -10,7 +10,7 @@ module contact_notes
   use contact_bond, only: find_bonds
   use contact_element, only: touches
   use contact_foot, only: foot_t, shape_t
-  use contact_history, only: new_contact_state
+  use contact_history, only: new_contact_state, had_touched
   use contact_pair, only: contact_t, contact_state_t, surface_t
   use contact_project, only: project
   use contact_search, only: grid_t, update_grid
@@ -195,7 +195,7 @@ contains
       associate (side => state%contact(c)%side)
         n = [count(side(1)%state /= OPEN), count(side(2)%state /= OPEN)]
       end associate
-      if (state%contact(c)%touched .eqv. any(n > 0)) cycle
+      if (had_touched(state%contact(c)) .eqv. any(n > 0)) cycle
       if (any(n > 0)) then
         call log_line('contact '//model%contact(c)%name//': closed, '//to_text(n(1))//' + ' &
                       //to_text(n(2))//' points touch')
