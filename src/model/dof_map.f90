@@ -9,7 +9,7 @@ module dof_map
 
 contains
 
-  !> Number the free dofs of the nodes in use, node by node.
+  !> Number the free dofs of the nodes in use, node by node; slaves of constraints have none.
   subroutine number_equations(mesh, bc, eq, neq, ndof)
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(in) :: bc
@@ -25,6 +25,9 @@ contains
       do j = 1, size(bc%motion(m)%node)
         where (bc%motion(m)%acts) free(:, bc%motion(m)%node(j)) = .false.
       end do
+    end do
+    do j = 1, mesh%constraint%n
+      free(:, mesh%constraint%slave(j)) = .false.
     end do
     eq = 0
     neq = 0

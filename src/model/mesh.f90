@@ -3,6 +3,7 @@ module mesh
   use base_kinds, only: wp
   use base_error, only: place_t
   use basis_type, only: basis_t
+  use constraint, only: constraint_t
   use element_type, only: element_t, cell_t, rule_t
   implicit none
   private
@@ -62,6 +63,7 @@ module mesh
     logical, allocatable :: used(:)        !! (nnode) belongs to an element
     type(block_t), allocatable :: block(:)
     type(body_t), allocatable :: body(:)
+    type(constraint_t) :: constraint       !! hanging nodes
   end type mesh_t
 
 contains

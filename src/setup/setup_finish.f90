@@ -10,6 +10,7 @@ module setup_finish
   use setup_apply, only: apply_conditions, note_loose
   use setup_build, only: build_t
   use setup_check, only: check_references, check_jacobians
+  use setup_constraint, only: close_constraints, release_slaves
   use setup_contact_build, only: build_contacts
   use setup_lists, only: MAX_NUMBER
   use setup_loads, only: integrate_loads
@@ -42,8 +43,11 @@ contains
       call tabulate_basis(model%mesh) ! surface loads ask for its rules
       call apply_conditions(build, model%mesh, model%bc)
       call tie_nodes(build, model%mesh, model%bc)
+      call close_constraints(build, model%mesh)
+      if (build%errors%count() > 0) return
       call resolve_supports(build, model)
       call hold_rigid(build, model)
+      call release_slaves(build, model%mesh, model%bc)
       call resolve_loads(build, model)
       call note_loose(build, model%mesh, model%bc)
       call resolve_curves(build, model)

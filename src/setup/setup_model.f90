@@ -58,6 +58,7 @@ contains
     if (allocated(from%mesh%used)) call move_alloc(from%mesh%used, to%mesh%used)
     if (allocated(from%mesh%block)) call move_alloc(from%mesh%block, to%mesh%block)
     if (allocated(from%mesh%body)) call move_alloc(from%mesh%body, to%mesh%body)
+    to%mesh%constraint = from%mesh%constraint
     to%bc = from%bc
   end subroutine hand_over
 

@@ -52,6 +52,11 @@ contains
         mesh%used(mesh%block(b)%conn(:, i)) = .true.
       end do
     end do
+    do i = 1, mesh%constraint%n
+      mesh%constraint%slave(i) = new(mesh%constraint%slave(i))
+      n = mesh%constraint%first(i + 1) - 1
+      mesh%constraint%master(:n) = new(mesh%constraint%master(:n))
+    end do
     do b = 1, size(mesh%body)
       call renumber_body(new, mesh%body(b))
     end do

@@ -3,6 +3,7 @@ module assembly
   use base_kinds, only: wp
   use base_error, only: error_t
   use base_system, only: wall_seconds
+  use constraint, only: follow, fold_force
   use element_type, only: form_report_t, NB
   use mesh, only: block_t
   use model, only: model_t, state_t, history_t
@@ -11,6 +12,8 @@ module assembly
                               map_contact, add_contact
   use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, &
                  set_zero
+  use csr_fold, only: fold_t, tied_cliques, new_fold, fold_matrix
+  use dead_load, only: dead_forces
   use load_curve, only: load_factor
   use follower_load, only: follower_face
   implicit none
@@ -27,6 +30,7 @@ module assembly
     logical :: new_pattern = .false.   !! the pattern of k changed; whoever analyses it sets it back
     type(contact_work_t), allocatable :: contact(:)
     type(map_t), allocatable :: map(:)
+    type(fold_t) :: fold                 !! of constraints
     real(wp), allocatable :: f_int(:, :) !! (3, nnode) internal force [F]
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
   end type assembler_t
@@ -68,12 +72,14 @@ contains
     integer :: b, n, nblock
 
     nblock = size(model%mesh%block)
-    allocate (clique(nblock + 2*size(asm%contact)))
+    allocate (clique(nblock + 2*size(asm%contact) + 1))
     do b = 1, nblock
       n = merge(0, model%mesh%block(b)%nelem, is_rigid(model%mesh%block(b)))
       clique(b)%conn = model%mesh%block(b)%conn(:, :n)
     end do
-    call contact_cliques(asm%contact, model, step, clique(nblock + 1:))
+    n = size(clique) - 1
+    call contact_cliques(asm%contact, model, step, clique(nblock + 1:n))
+    call tied_cliques(model%mesh%constraint, model%mesh%nnode, clique(:n), clique(n + 1))
     call new_pattern(asm%k, model%mesh%nnode, clique, symmetric, error)
     if (allocated(error)) return
     if (.not. allocated(asm%map)) allocate (asm%map(nblock))
@@ -85,6 +91,7 @@ contains
       if (allocated(error)) return
     end do
     call map_contact(asm%contact, model, asm%k)
+    call new_fold(model%mesh%constraint, asm%k, asm%fold, error)
     asm%new_pattern = .true.
   end subroutine set_pattern
 
@@ -102,6 +109,7 @@ contains
     integer :: b
 
     start = wall_seconds()
+    call follow(model%mesh%constraint, state%u)
     call find_contact(asm%contact, model, state, grown)
     symmetric = asm%k%symmetric ! a copy: the pattern is made anew
     if (grown) call set_pattern(asm, model, symmetric, state%step, error)
@@ -121,10 +129,23 @@ contains
       end associate
       if (.not. sweep%ok) exit
     end do
-    if (sweep%ok) call form_contact(asm, model, state, sweep)
-    if (sweep%ok) call external_force(asm, model, state)
+    if (sweep%ok) then
+      call form_contact(asm, model, state, sweep)
+      call external_force(asm, model, state)
+      call tie_slaves(asm, model)
+    end if
     sweep%seconds = wall_seconds() - start
   end subroutine form
+
+  !> What slaves of constraints got goes to their masters.
+  subroutine tie_slaves(asm, model)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+
+    call fold_force(model%mesh%constraint, asm%f_int)
+    call fold_force(model%mesh%constraint, asm%f_ext)
+    call fold_matrix(asm%fold, asm%k)
+  end subroutine tie_slaves
 
   !> Contact tractions on top of the elements.
   subroutine form_contact(asm, model, state, sweep)
@@ -245,25 +266,9 @@ contains
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    integer :: i, j, n
+    integer :: j
 
-    asm%f_ext = 0.0_wp
-    do n = 1, model%mesh%nnode
-      do i = 1, 3
-        if (abs(model%bc%force(i, n)) > 0.0_wp) then
-          asm%f_ext(i, n) = asm%f_ext(i, n) + model%bc%force(i, n)*load_factor(state%factor, &
-                                                                               model%bc%table(i, n))
-        end if
-      end do
-    end do
-    do j = 1, size(model%bc%dead)
-      associate (load => model%bc%dead(j))
-        do n = 1, size(load%node)
-          asm%f_ext(:, load%node(n)) = asm%f_ext(:, load%node(n)) &
-                                       + load_factor(state%factor, load%table)*load%f(:, n)
-        end do
-      end associate
-    end do
+    call dead_forces(model%bc, state%factor, asm%f_ext)
     do j = 1, size(model%bc%pressure)
       if (model%bc%pressure(j)%follower) call follower_pressure(asm, model, state, j)
     end do

@@ -50,6 +50,9 @@ contains
         end if
       end do
     end do
+    do i = 1, model%mesh%constraint%n ! slaves follow
+      newton%move(:, model%mesh%constraint%slave(i)) = 0.0_wp
+    end do
     newton%moves = any(abs(newton%move) > 0.0_wp)
   end subroutine begin_newton
 

@@ -41,6 +41,9 @@ contains
                                            'turn about x', 'turn about y', 'turn about z']
 
     call solid_nodes(model%mesh, solid)
+    do i = 1, model%mesh%constraint%n ! slaves hold nothing
+      solid(model%mesh%constraint%slave(i)) = .false.
+    end do
     centre = 0.0_wp
     n = 0
     do i = 1, model%mesh%nnode

@@ -1,0 +1,185 @@
+!> Linear constraints in a block matrix: K becomes T^T K T, where T puts slaves on their masters.
+!!
+!! Everything is assembled as if slaves were free; then each block of a slave moves to its masters,
+!! and the slave's row and column become zero.
+module csr_fold
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, BUG
+  use constraint, only: constraint_t, slave_marks
+  use csr_pattern, only: block_matrix_t, clique_t, block_position
+  implicit none
+  private
+  public :: fold_t, tied_cliques, new_fold, fold_matrix
+
+  !> Moves of blocks: block `to` grows by c times block `from`, as it is, transposed, or both.
+  type :: fold_t
+    integer :: n = 0
+    integer, allocatable :: from(:), to(:), how(:) !! (>= n)
+    real(wp), allocatable :: c(:)                  !! (>= n)
+    integer, allocatable :: cleared(:)             !! blocks of slaves
+  end type fold_t
+
+  integer, parameter :: PLAIN = 1, TRANSPOSED = 2, BOTH = 3
+
+contains
+
+  !> Couplings that constraints add: where a clique has slaves, its nodes and their masters.
+  subroutine tied_cliques(list, nnode, cliques, extra)
+    type(constraint_t), intent(in) :: list
+    integer, intent(in) :: nnode
+    type(clique_t), intent(in) :: cliques(:)
+    type(clique_t), intent(out) :: extra
+    integer :: mark(nnode)
+    integer :: e, g, n, pass, width, m
+
+    mark = slave_marks(list, nnode)
+    width = 0
+    do pass = 1, 2 ! count, then write
+      n = 0
+      do g = 1, size(cliques)
+        do e = 1, size(cliques(g)%conn, 2)
+          associate (node => cliques(g)%conn(:, e))
+            if (all(mark(node) == 0)) cycle
+            n = n + 1
+            m = size(node) + count_masters(list, mark(node))
+            width = max(width, m)
+            if (pass == 1) cycle
+            extra%conn(:, n) = node(1)
+            extra%conn(:size(node), n) = node
+            call put_masters(list, mark(node), extra%conn(size(node) + 1:m, n))
+          end associate
+        end do
+      end do
+      if (pass == 1) allocate (extra%conn(width, n))
+    end do
+  end subroutine tied_cliques
+
+  pure integer function count_masters(list, mark) result(n)
+    type(constraint_t), intent(in) :: list
+    integer, intent(in) :: mark(:)
+    integer :: a
+
+    n = 0
+    do a = 1, size(mark)
+      if (mark(a) > 0) n = n + list%first(mark(a) + 1) - list%first(mark(a))
+    end do
+  end function count_masters
+
+  pure subroutine put_masters(list, mark, node)
+    type(constraint_t), intent(in) :: list
+    integer, intent(in) :: mark(:)
+    integer, intent(out) :: node(:)
+    integer :: a, i, n
+
+    n = 0
+    do a = 1, size(mark)
+      if (mark(a) == 0) cycle
+      do i = list%first(mark(a)), list%first(mark(a) + 1) - 1
+        n = n + 1
+        node(n) = list%master(i)
+      end do
+    end do
+  end subroutine put_masters
+
+  !> Moves for a pattern that holds the tied cliques.
+  subroutine new_fold(list, a, fold, error)
+    type(constraint_t), intent(in) :: list
+    type(block_matrix_t), intent(in) :: a
+    type(fold_t), intent(out) :: fold
+    type(error_t), allocatable, intent(out) :: error
+    integer :: mark(a%nnode)
+    integer :: i, j, p, pass, ncleared
+    logical :: complete
+
+    mark = slave_marks(list, a%nnode)
+    complete = .true.
+    do pass = 1, 2
+      fold%n = 0
+      ncleared = 0
+      do i = 1, a%nnode
+        do p = a%row(i), a%row(i + 1) - 1
+          j = a%col(p)
+          if (mark(i) == 0 .and. mark(j) == 0) cycle
+          ncleared = ncleared + 1
+          if (pass == 2) fold%cleared(ncleared) = p
+          call plan_block(list, a, mark, i, j, p, pass == 2, fold, complete)
+        end do
+      end do
+      if (pass == 1) allocate (fold%from(fold%n), fold%to(fold%n), fold%how(fold%n), &
+                               fold%c(fold%n), fold%cleared(ncleared))
+    end do
+    if (.not. complete) call fail(error, BUG, 'a constraint is not in the pattern of the tangent')
+  end subroutine new_fold
+
+  !> Where one block goes.
+  subroutine plan_block(list, a, mark, i, j, p, writes, fold, complete)
+    type(constraint_t), intent(in) :: list
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: mark(:), i, j, p
+    logical, intent(in) :: writes
+    type(fold_t), intent(inout) :: fold
+    logical, intent(inout) :: complete
+    integer, allocatable :: row(:), col(:)
+    real(wp), allocatable :: cr(:), cc(:)
+    integer :: k, l, how, to
+
+    call split(list, mark(i), i, row, cr)
+    call split(list, mark(j), j, col, cc)
+    do l = 1, size(col)
+      do k = 1, size(row)
+        how = PLAIN
+        if (a%symmetric) then ! the transpose of an off-diagonal block is there unsaid
+          if (i == j .and. row(k) > col(l)) cycle
+          if (row(k) > col(l)) how = TRANSPOSED
+          if (i /= j .and. row(k) == col(l)) how = BOTH
+        end if
+        fold%n = fold%n + 1
+        if (.not. writes) cycle
+        to = block_position(a, row(k), col(l))
+        if (how == TRANSPOSED) to = block_position(a, col(l), row(k))
+        if (to == 0) complete = .false.
+        fold%from(fold%n) = p
+        fold%to(fold%n) = to
+        fold%how(fold%n) = how
+        fold%c(fold%n) = cr(k)*cc(l)
+      end do
+    end do
+  end subroutine plan_block
+
+  !> The nodes that stand for a node.
+  subroutine split(list, i, node, master, c)
+    type(constraint_t), intent(in) :: list
+    integer, intent(in) :: i           !! constraint of the node; 0: none
+    integer, intent(in) :: node
+    integer, allocatable, intent(out) :: master(:)
+    real(wp), allocatable, intent(out) :: c(:)
+
+    if (i == 0) then
+      master = [node]
+      c = [1.0_wp]
+    else
+      master = list%master(list%first(i):list%first(i + 1) - 1)
+      c = list%c(list%first(i):list%first(i + 1) - 1)
+    end if
+  end subroutine split
+
+  !> Carry it out.
+  pure subroutine fold_matrix(fold, a)
+    type(fold_t), intent(in) :: fold
+    type(block_matrix_t), intent(inout) :: a
+    real(wp) :: block(3, 3)
+    integer :: m
+
+    do m = 1, fold%n
+      block = a%val(:, :, fold%from(m))
+      if (fold%how(m) == TRANSPOSED) block = transpose(block)
+      if (fold%how(m) == BOTH) block = block + transpose(block)
+      a%val(:, :, fold%to(m)) = a%val(:, :, fold%to(m)) + fold%c(m)*block
+    end do
+    if (.not. allocated(fold%cleared)) return
+    do m = 1, size(fold%cleared)
+      a%val(:, :, fold%cleared(m)) = 0.0_wp
+    end do
+  end subroutine fold_matrix
+
+end module csr_fold

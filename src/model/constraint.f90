@@ -1,0 +1,103 @@
+!> Linear constraints of nodes: x_s = sum_i c_i x_i, in the reference and in the current
+!! configuration (hanging nodes). The slave s is no unknown: its displacement follows, its forces go
+!! to the masters.
+module constraint
+  use base_kinds, only: wp
+  use base_error, only: place_t
+  implicit none
+  private
+  public :: constraint_t, add_constraint, follow, fold_force, slave_marks
+
+  !> All constraints of a mesh. Masters of constraint i stand at first(i) to first(i+1)-1.
+  !! Once the mesh is closed no master is a slave and the coefficients of a slave sum up to one.
+  type :: constraint_t
+    integer :: n = 0
+    integer, allocatable :: slave(:)       !! (n)
+    integer, allocatable :: first(:)       !! (n+1)
+    integer, allocatable :: master(:)
+    real(wp), allocatable :: c(:)          !! (size(master)) [-]
+    type(place_t), allocatable :: place(:) !! (n) where it was given
+  end type constraint_t
+
+contains
+
+  !> One more constraint.
+  subroutine add_constraint(list, slave, master, c, place)
+    type(constraint_t), intent(inout) :: list
+    integer, intent(in) :: slave
+    integer, intent(in) :: master(:)  !! (m)
+    real(wp), intent(in) :: c(:)      !! (m)
+    type(place_t), intent(in) :: place
+    type(place_t), allocatable :: places(:)
+    integer :: last, m
+
+    if (list%n == 0) then
+      allocate (list%slave(8), list%first(9), list%master(32), list%place(8))
+      allocate (list%c(32))
+      list%first(1) = 1
+    end if
+    if (list%n == size(list%slave)) then
+      list%slave = [list%slave, list%slave]
+      list%first = [list%first, list%first]
+      allocate (places(2*list%n))
+      places(:list%n) = list%place
+      call move_alloc(places, list%place)
+    end if
+    m = size(master)
+    last = list%first(list%n + 1) + m - 1
+    do while (last > size(list%master))
+      list%master = [list%master, list%master]
+      list%c = [list%c, list%c]
+    end do
+    list%n = list%n + 1
+    list%slave(list%n) = slave
+    list%master(last - m + 1:last) = master
+    list%c(last - m + 1:last) = c
+    list%first(list%n + 1) = last + 1
+    list%place(list%n) = place
+  end subroutine add_constraint
+
+  !> Slaves are where their masters put them.
+  pure subroutine follow(list, u)
+    type(constraint_t), intent(in) :: list
+    real(wp), intent(inout) :: u(:, :) !! (3, nnode) displacements or positions
+    integer :: i, j
+    real(wp) :: v(3)
+
+    do i = 1, list%n
+      v = 0.0_wp
+      do j = list%first(i), list%first(i + 1) - 1
+        v = v + list%c(j)*u(:, list%master(j))
+      end do
+      u(:, list%slave(i)) = v
+    end do
+  end subroutine follow
+
+  !> Forces of slaves act on their masters.
+  pure subroutine fold_force(list, f)
+    type(constraint_t), intent(in) :: list
+    real(wp), intent(inout) :: f(:, :) !! (3, nnode)
+    integer :: i, j
+
+    do i = 1, list%n
+      do j = list%first(i), list%first(i + 1) - 1
+        f(:, list%master(j)) = f(:, list%master(j)) + list%c(j)*f(:, list%slave(i))
+      end do
+      f(:, list%slave(i)) = 0.0_wp
+    end do
+  end subroutine fold_force
+
+  !> Constraint of each node; 0: the node is no slave.
+  pure function slave_marks(list, nnode) result(mark)
+    type(constraint_t), intent(in) :: list
+    integer, intent(in) :: nnode
+    integer :: mark(nnode)
+    integer :: i
+
+    mark = 0
+    do i = 1, list%n
+      mark(list%slave(i)) = i
+    end do
+  end function slave_marks
+
+end module constraint
