@@ -12,7 +12,7 @@
 !! tool rise = d.
 module contact_augment
   use base_kinds, only: wp
-  use contact_element, only: element_functions
+  use contact_work, only: element_functions
   use contact_pair, only: contact_t, contact_points_t, contact_state_t
   use contact_smooth, only: smooth_t, smooth_side
   use contact_type, only: TOUCH

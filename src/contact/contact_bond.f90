@@ -1,7 +1,7 @@
 !> Which points are bonded, and to what: the reference projection of a cohesive contact, eq. (30).
 module contact_bond
   use base_kinds, only: wp
-  use contact_element, only: work_t, new_work, measure
+  use contact_work, only: work_t, new_work, measure
   use contact_foot, only: foot_t, shape_t
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t
   use contact_project, only: project

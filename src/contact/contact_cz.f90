@@ -9,7 +9,9 @@ module contact_cz
   use contact_type, only: contact_law_t, COHESIVE
   implicit none
   private
-  public :: describe, exponential
+  public :: describe, exponential, released
+
+  real(wp), parameter :: RELEASED_AT = 8.0_wp !! openings g0: 0.7 % of T0 is left
 
 contains
 
@@ -23,6 +25,7 @@ contains
     row%source = 'exponential mixed mode, reversible; Corbett and Sauer 2015, eq. (31)'
     row%nprop = 2
     row%cohesive => exponential
+    row%released => released
   end function describe
 
   !> T = -T0 (g/g0) exp(1 - |g|/g0), also where g presses.
@@ -44,5 +47,13 @@ contains
       dtdg(i, i) = dtdg(i, i) - stiff
     end do
   end subroutine exponential
+
+  !> 8 g0.
+  pure function released(prop) result(opening)
+    real(wp), intent(in) :: prop(:)
+    real(wp) :: opening
+
+    opening = RELEASED_AT*prop(2)
+  end function released
 
 end module contact_cz

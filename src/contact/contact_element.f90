@@ -1,44 +1,19 @@
 !> One surface element in contact: nodal forces and their derivatives against both surfaces.
 module contact_element
   use base_kinds, only: wp
+  use contact_cohesion, only: pull_t, find_pull
   use contact_foot, only: foot_t
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_point, only: point_t, slope_t, traction_at
-  use contact_kind, only: surface_functions_at, make_rational
-  use contact_type, only: OPEN, SLIP
+  use contact_type, only: OPEN, SLIP, TOUCH
+  use contact_work, only: work_t, clear, add_own, add_partner, measure, position_on
   implicit none
   private
-  public :: work_t, new_work, form_element, touches, element_functions, measure
+  public :: form_element, touches
 
-  !> Room for one element and the elements of the other side that its points see.
-  type :: work_t
-    integer :: nk = 0                          !! nodes of the element
-    integer :: npartner = 0
-    integer, allocatable :: partner(:)         !! elements of the other side
-    real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]
-    real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/du of the own nodes [F/L]
-    real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) and of the partners' nodes
-    real(wp), allocatable :: own(:), down(:, :) !! own functions at a point
-    real(wp), allocatable :: shp(:), dshp(:, :) !! the partner's
-    real(wp), allocatable :: q(:, :, :)        !! (3, 3, n) columns of a point
-  end type work_t
+  real(wp), parameter :: FIXED_AREA(3, 2) = 0.0_wp !! the reference area does not change
 
 contains
-
-  !> Room for side k of a contact.
-  subroutine new_work(contact, k, work)
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k
-    type(work_t), intent(out) :: work
-    integer :: mk, ml, m
-
-    mk = maxval(contact%side(k)%kind%nsf)
-    ml = maxval(contact%side(3 - k)%kind%nsf)
-    m = max(mk, ml)
-    allocate (work%partner(3*contact%nq), work%r(3, mk), work%kk(3*mk, 3*mk))
-    allocate (work%kl(3*mk, 3*ml, 3*contact%nq), work%shp(m), work%dshp(2, m), work%own(m))
-    allocate (work%down(2, m), work%q(3, 3, m))
-  end subroutine new_work
 
   !> There is a foot, not deeper than allowed.
   pure logical function touches(contact, foot)
@@ -48,18 +23,6 @@ contains
     touches = foot%elem > 0
     if (touches) touches = foot%gap >= -contact%depth
   end function touches
-
-  !> Functions of element e of a surface at a point, weights included.
-  pure subroutine element_functions(surface, e, xi, shp, dshp)
-    type(surface_t), intent(in) :: surface
-    integer, intent(in) :: e
-    real(wp), intent(in) :: xi(2)
-    real(wp), intent(out) :: shp(:), dshp(:, :) !! (nsf), (2, nsf)
-
-    call surface_functions_at(surface%kind(surface%ikind(e)), xi, shp, dshp)
-    if (allocated(surface%w)) call make_rational(surface%w(surface%first(e): &
-                                                           surface%first(e + 1) - 1), shp, dshp)
-  end subroutine element_functions
 
   !> Forces and derivatives of element e of side k; what its points found goes into their history.
   !! Where no point touches work%npartner is 0, and the rest of work means nothing.
@@ -73,6 +36,7 @@ contains
     type(work_t), intent(inout) :: work
     type(point_t) :: point
     type(slope_t) :: dt
+    type(pull_t) :: pull
     real(wp) :: up(3, 2), da
     integer :: i, q
 
@@ -84,16 +48,15 @@ contains
         call measure(own, e, q, x, work, point%x, up, da)
         da = da*contact%wgt(q)
         call find_traction(contact, other, x, feet(q), slides, i, points, work, point, dt)
-        points%gap(i) = feet(q)%gap
-        points%state(i) = point%state
-        points%pressure(i) = point%p
-        points%traction(:, i) = point%t
-        points%elastic(:, i) = point%elastic
-        points%area(i) = da
-        if (points%bond(i) > 0) call add_cohesion(contact, other, x, i, points, point%x, da, work)
+        pull = pull_t()
+        if (points%bond(i) > 0) call find_pull(contact, other, x, i, point%x, points, work, pull)
+        if (.not. pull%share > 0.0_wp) point%state = OPEN
+        call record(feet(q), i, point, pull, da, points)
+        if (points%bond(i) > 0) call add_pull(other, i, points, pull, work)
         if (point%state == OPEN) cycle
         call clear(work)
-        call add_own(point%t, dt%x, up, da, work)
+        if (points%bond(i) > 0) call fade_foot(other, i, points, pull, point%t, da, dt, work)
+        call add_own(pull%share*point%t, dt%x, up, da, work)
         call add_partner(other, feet(q)%elem, feet(q)%xi, dt%p, dt%a, da, work)
         if (point%slides) call add_partner(other, points%slide(i), points%slide_xi(:, i), dt%s, &
                                            0.0_wp*dt%a, da, work)
@@ -101,88 +64,67 @@ contains
     end associate
   end subroutine form_element
 
-  !> Before the first point of an element that acts.
-  pure subroutine clear(work)
-    type(work_t), intent(inout) :: work
-
-    if (work%npartner > 0) return
-    work%r = 0.0_wp
-    work%kk(:, :3*work%nk) = 0.0_wp
-  end subroutine clear
-
-  !> The cohesive law of a bonded point, on the reference area.
-  pure subroutine add_cohesion(contact, other, x, i, points, at, da, work)
-    type(contact_t), intent(in) :: contact
+  !> Force of a bonded point and its change with both surfaces.
+  pure subroutine add_pull(other, i, points, pull, work)
     type(surface_t), intent(in) :: other
-    real(wp), intent(in) :: x(:, :)
     integer, intent(in) :: i
-    type(contact_points_t), intent(inout) :: points
-    real(wp), intent(in) :: at(3), da          !! position [L] and current area [L^2] of the point
+    type(contact_points_t), intent(in) :: points
+    type(pull_t), intent(in) :: pull
     type(work_t), intent(inout) :: work
-    real(wp) :: g(3), t(3), dtdg(3, 3), nothing(3, 3, 2), partner(3)
 
     call clear(work)
-    call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
-    g = at - partner
-    points%opening(i) = norm2(g)
-    points%worst(i) = points%worst_step(i)
-    call contact%cohesive%cohesive(contact%cohesive_prop, g, points%worst(i), t, dtdg)
-    if (da > 0.0_wp) points%traction(:, i) = points%traction(:, i) + t*(points%area0(i)/da)
-    nothing = 0.0_wp
-    call add_own(t, dtdg, nothing(:, 1, :), points%area0(i), work)
-    call add_partner(other, points%bond(i), points%bond_xi(:, i), -dtdg, nothing, &
+    call add_own(pull%t, pull%dtdg, FIXED_AREA, points%area0(i), work)
+    call add_partner(other, points%bond(i), points%bond_xi(:, i), -pull%dtdg, pull%dtda, &
                      points%area0(i), work)
-  end subroutine add_cohesion
+  end subroutine add_pull
 
-  !> Position of a parametric point of a surface.
-  pure subroutine position_on(surface, e, xi, x, work, at)
-    type(surface_t), intent(in) :: surface
-    integer, intent(in) :: e
-    real(wp), intent(in) :: xi(2), x(:, :)
+  !> The traction t on the foot acts with a share that varies with the opening of the bond.
+  pure subroutine fade_foot(other, i, points, pull, t, da, dt, work)
+    type(surface_t), intent(in) :: other
+    integer, intent(in) :: i
+    type(contact_points_t), intent(in) :: points
+    type(pull_t), intent(in) :: pull
+    real(wp), intent(in) :: t(3), da           !! [F/L^2], [L^2]
+    type(slope_t), intent(inout) :: dt
     type(work_t), intent(inout) :: work
-    real(wp), intent(out) :: at(3)
-    integer :: j, n
-
-    n = surface%kind(surface%ikind(e))%nsf
-    call element_functions(surface, e, xi, work%shp(:n), work%dshp(:, :n))
-    at = 0.0_wp
-    do j = 1, n
-      at = at + work%shp(j)*x(:, surface%node(surface%first(e) + j - 1))
-    end do
-  end subroutine position_on
-
-  !> Position of integration point q, contravariant tangents and area.
-  pure subroutine measure(own, e, q, x, work, xq, up, area)
-    type(surface_t), intent(in) :: own
-    integer, intent(in) :: e, q
-    real(wp), intent(in) :: x(:, :)
-    type(work_t), intent(inout) :: work
-    real(wp), intent(out) :: xq(3), up(3, 2), area
-    real(wp) :: a(3, 2), n(3), m(2, 2)
+    real(wp) :: dtdg(3, 3)
     integer :: j
 
-    associate (kind => own%kind(own%ikind(e)), node => own%node(own%first(e):own%first(e + 1) - 1))
-      work%own(:kind%nsf) = kind%shp(:, q)
-      work%down(:, :kind%nsf) = kind%dshp(:, :, q)
-      if (allocated(own%w)) call make_rational(own%w(own%first(e):own%first(e + 1) - 1), &
-                                               work%own(:kind%nsf), work%down(:, :kind%nsf))
-      xq = 0.0_wp
-      a = 0.0_wp
-      do j = 1, kind%nsf
-        xq = xq + work%own(j)*x(:, node(j))
-        a(:, 1) = a(:, 1) + work%down(1, j)*x(:, node(j))
-        a(:, 2) = a(:, 2) + work%down(2, j)*x(:, node(j))
-      end do
-    end associate
-    n = [a(2, 1)*a(3, 2) - a(3, 1)*a(2, 2), a(3, 1)*a(1, 2) - a(1, 1)*a(3, 2), &
-         a(1, 1)*a(2, 2) - a(2, 1)*a(1, 2)]
-    area = norm2(n)
-    m = matmul(transpose(a), a)
-    up = 0.0_wp
-    if (.not. area > 0.0_wp) return
-    up(:, 1) = (m(2, 2)*a(:, 1) - m(1, 2)*a(:, 2))/area**2
-    up(:, 2) = (m(1, 1)*a(:, 2) - m(1, 2)*a(:, 1))/area**2
-  end subroutine measure
+    if (.not. pull%share < 1.0_wp) return
+    do j = 1, 3
+      dtdg(:, j) = t*pull%slope(j)
+    end do
+    dt%x = pull%share*dt%x + dtdg
+    dt%p = pull%share*dt%p
+    dt%a = pull%share*dt%a
+    dt%s = pull%share*dt%s
+    call add_partner(other, points%bond(i), points%bond_xi(:, i), -dtdg, 0.0_wp*dt%a, da, work)
+  end subroutine fade_foot
+
+  !> What the laws found at a point: on the current area, whatever area they act on.
+  pure subroutine record(foot, i, point, pull, da, points)
+    type(foot_t), intent(in) :: foot
+    integer, intent(in) :: i
+    type(point_t), intent(in) :: point
+    type(pull_t), intent(in) :: pull           !! of a point that is not bonded: zero
+    real(wp), intent(in) :: da                 !! current area [L^2]
+    type(contact_points_t), intent(inout) :: points
+    real(wp) :: ratio
+
+    points%gap(i) = foot%gap
+    points%state(i) = point%state
+    points%pressure(i) = pull%share*point%p
+    points%traction(:, i) = pull%share*point%t
+    points%elastic(:, i) = point%elastic
+    points%area(i) = da
+    if (points%bond(i) == 0) return
+    ratio = 0.0_wp
+    if (da > 0.0_wp) ratio = points%area0(i)/da
+    points%traction(:, i) = points%traction(:, i) + ratio*pull%t
+    points%pressure(i) = points%pressure(i) + ratio*pull%p
+    if (pull%share < 0.5_wp) points%gap(i) = pull%gap
+    if (pull%p > 0.0_wp .and. point%state == OPEN) points%state(i) = TOUCH
+  end subroutine record
 
   !> Traction at integration point i.
   pure subroutine find_traction(contact, other, x, foot, slides, i, points, work, point, dt)
@@ -210,69 +152,5 @@ contains
     if (point%slides) call position_on(other, e, points%slide_xi(:, i), x, work, point%xs)
     call traction_at(contact, foot, point, dt)
   end subroutine find_traction
-
-  !> Force on the own nodes, its change with the point, and with the area the point stands for.
-  pure subroutine add_own(t, dtdx, up, da, work)
-    real(wp), intent(in) :: t(3), dtdx(3, 3), up(3, 2), da
-    type(work_t), intent(inout) :: work
-    real(wp) :: v(3)
-    integer :: b, j, n
-
-    n = work%nk
-    do b = 1, n
-      work%r(:, b) = work%r(:, b) - work%own(b)*da*t
-      v = up(:, 1)*work%down(1, b) + up(:, 2)*work%down(2, b)
-      do j = 1, 3
-        work%q(:, j, b) = dtdx(:, j)*work%own(b) + t*v(j)
-      end do
-    end do
-    call spread_rows(n, n, work%own, work%q, da, size(work%kk, 1), work%kk)
-  end subroutine add_own
-
-  !> Change with the nodes of an element of the other side, at a point of it.
-  pure subroutine add_partner(other, e, xi, dtdx, dtda, da, work)
-    type(surface_t), intent(in) :: other
-    integer, intent(in) :: e
-    real(wp), intent(in) :: xi(2)
-    real(wp), intent(in) :: dtdx(3, 3), dtda(3, 3, 2), da
-    type(work_t), intent(inout) :: work
-    integer :: b, n, slot
-
-    do slot = 1, work%npartner
-      if (work%partner(slot) == e) exit
-    end do
-    if (slot > work%npartner) then
-      work%npartner = slot
-      work%partner(slot) = e
-      work%kl(:, :, slot) = 0.0_wp
-    end if
-    n = other%kind(other%ikind(e))%nsf
-    call element_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
-    do b = 1, n
-      work%q(:, :, b) = dtdx*work%shp(b) + dtda(:, :, 1)*work%dshp(1, b) &
-                        + dtda(:, :, 2)*work%dshp(2, b)
-    end do
-    call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
-  end subroutine add_partner
-
-  !> k(i a, j b) = k(i a, j b) - N_a q(i, j, b) da.
-  pure subroutine spread_rows(na, nb, shp, q, da, ld, k)
-    integer, intent(in) :: na, nb, ld
-    real(wp), intent(in) :: shp(na), q(3, 3*nb), da
-    real(wp), intent(inout) :: k(ld, 3*nb)
-    real(wp) :: s(3*na)
-    integer :: a, c, i
-
-    do a = 1, na
-      s(3*a - 2:3*a) = shp(a)*da
-    end do
-    do c = 1, 3*nb
-      do a = 1, na
-        do i = 1, 3
-          k(3*(a - 1) + i, c) = k(3*(a - 1) + i, c) - s(3*(a - 1) + i)*q(i, c)
-        end do
-      end do
-    end do
-  end subroutine spread_rows
 
 end module contact_element

@@ -1,6 +1,7 @@
-!> PENAlty: pressure proportional to the penetration.
+!> PENAlty: pressure proportional to the penetration, with SMOOth but for a small one.
 !!
 !! prop(1)  penalty parameter eps_n [F/L^3]
+!! prop(2)  d of SMOOth [L]: the pressure grows with the square of a penetration below d; 0: no
 !! Source:  Corbett and Sauer 2015, eq. (26)
 module contact_normal
   use base_kinds, only: wp
@@ -17,13 +18,15 @@ contains
 
     row%name = 'PENAlty'
     row%role = NORMAL
-    row%usage = 'NORMal PENAlty eps | AUTO [factor]'
+    row%usage = 'NORMal PENAlty eps | AUTO [factor] [PAIR] [SMOOth d]'
     row%source = 'penalty; Corbett and Sauer 2015, eq. (26)'
-    row%nprop = 1
+    row%nprop = 2
     row%normal => pressure
   end function describe
 
-  !> p = <multiplier - eps_n gap>; without augmentation the multiplier is zero.
+  !> p = <y>, y = multiplier - eps_n gap; without augmentation the multiplier is zero. With d > 0
+  !! p = y^2/(2 eps_n d) up to y = eps_n d, and y - eps_n d/2 beyond: its slope has no jump, and
+  !! nothing presses where the surfaces just touch.
   pure subroutine pressure(prop, gap, multiplier, p, dp)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: gap, multiplier
@@ -31,9 +34,15 @@ contains
 
     p = multiplier - prop(1)*gap
     dp = -prop(1)
-    if (p > 0.0_wp) return
-    p = 0.0_wp
-    dp = 0.0_wp
+    if (.not. p > 0.0_wp) then
+      p = 0.0_wp
+      dp = 0.0_wp
+    else if (p < prop(1)*prop(2)) then
+      dp = -p/prop(2)
+      p = 0.5_wp*p*p/(prop(1)*prop(2))
+    else
+      p = p - 0.5_wp*prop(1)*prop(2)
+    end if
   end subroutine pressure
 
 end module contact_normal

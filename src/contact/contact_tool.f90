@@ -1,7 +1,7 @@
 !> What a rigid surface feels: it is not integrated itself.
 module contact_tool
   use base_kinds, only: wp
-  use contact_element, only: element_functions
+  use contact_work, only: element_functions
   use contact_foot, only: foot_t
   use contact_pair, only: surface_t
   implicit none

@@ -56,6 +56,8 @@ module contact_pair
     type(surface_t) :: side(2)
     type(contact_law_t) :: normal
     real(wp) :: normal_prop(MAX_LAW_PROP) = 0.0_wp
+    !> PAIR: the penalty of bonded points acts between point and partner until the bond is released.
+    logical :: on_pair = .false.
     logical :: has_friction = .false.
     type(contact_law_t) :: friction
     real(wp) :: friction_prop(MAX_LAW_PROP) = 0.0_wp
@@ -64,6 +66,7 @@ module contact_pair
     logical :: has_cohesive = .false.
     type(contact_law_t) :: cohesive
     real(wp) :: cohesive_prop(MAX_LAW_PROP) = 0.0_wp
+    real(wp) :: released = 0.0_wp            !! opening from which a bond counts as released [L]
     type(bond_t), allocatable :: bond(:)     !! all of them hold; none: everywhere
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element
     !> How the penalty of NORMal was found; not allocated: the deck gives it.

@@ -24,6 +24,7 @@ module contact_type
     procedure(normal_law_i), pointer, nopass :: normal => null()
     procedure(friction_law_i), pointer, nopass :: friction => null()
     procedure(cohesive_law_i), pointer, nopass :: cohesive => null()
+    procedure(released_i), pointer, nopass :: released => null() !! of a cohesive law
   end type contact_law_t
 
   abstract interface
@@ -64,6 +65,14 @@ module contact_type
       real(wp), intent(out) :: t(3)       !! [F/L^2]
       real(wp), intent(out) :: dtdg(3, 3) !! [F/L^3]
     end subroutine cohesive_law_i
+
+    !> Opening from which a bond counts as released: hardly any traction is left [L].
+    pure function released_i(prop) result(opening)
+      import :: wp
+      implicit none
+      real(wp), intent(in) :: prop(:)
+      real(wp) :: opening
+    end function released_i
   end interface
 
 end module contact_type

@@ -1,5 +1,6 @@
 !> The log's account of a contact.
 module listing_contact
+  use base_kinds, only: wp
   use base_log, only: log_line
   use base_text, only: to_text
   use contact_pair, only: contact_t, surface_t
@@ -18,6 +19,9 @@ contains
     call log_line('contact   '//contact_size(contact))
     text = 'normal '//trim(contact%normal%name)//' '//to_text(contact%normal_prop(1))
     if (allocated(contact%auto)) text = text//' ('//contact%auto//')'
+    if (contact%normal_prop(2) > 0.0_wp) text = text//', smooth to a penetration of ' &
+                                                //to_text(contact%normal_prop(2))
+    if (contact%on_pair) text = text//', bonded points against their partners'
     call log_line('          '//text)
     call log_line('          '//trim(contact%normal%source))
     if (contact%has_friction) then

@@ -23,6 +23,8 @@ module contact_spec
     type(place_t) :: place
     type(where_t) :: at(2)             !! SURFaces
     type(spec_law_t) :: normal, friction, cohesive
+    logical :: on_pair = .false.       !! PAIR
+    type(place_t) :: pair_place        !! of the word
     logical :: has_after = .false.
     real(wp) :: after = 0.0_wp         !! AFTEr [T]
     type(bond_t), allocatable :: bond(:)

@@ -127,6 +127,9 @@ contains
     else if (allocated(contact%bond_place%file) .and. .not. contact%cohesive%given) then
       call fail(error, DECK_ERROR, 'BONDed without COHEsive', contact%bond_place, &
                 'COHEsive EXPOnential T0 g0 says what holds the bond; without it remove BONDed')
+    else if (contact%on_pair .and. .not. contact%cohesive%given) then
+      call fail(error, DECK_ERROR, 'PAIR without COHEsive', contact%pair_place, &
+                'only bonded points have a partner: give COHEsive, or remove PAIR')
     end if
   end subroutine check_complete
 

@@ -170,6 +170,8 @@ contains
     if (.not. contact%has_cohesive) return
     contact%cohesive = spec%cohesive%row
     contact%cohesive_prop = spec%cohesive%prop
+    contact%released = contact%cohesive%released(contact%cohesive_prop)
+    contact%on_pair = spec%on_pair
     contact%bond = spec%bond
     contact%bond_gap = spec%bond_gap
   end subroutine set_laws

@@ -2,7 +2,8 @@
 !! of their forces and derivatives.
 module contact_assembly
   use base_kinds, only: wp
-  use contact_element, only: work_t, new_work, form_element, touches
+  use contact_cohesion, only: ask_foot
+  use contact_element, only: form_element, touches
   use contact_foot, only: foot_t, shape_t
   use contact_pair, only: contact_t, contact_points_t
   use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
@@ -12,6 +13,7 @@ module contact_assembly
   use contact_shape, only: update_shape
   use contact_slide, only: side_positions, accept_slides
   use contact_tool, only: react
+  use contact_work, only: work_t, new_work
   use csr, only: block_matrix_t, clique_t
   use csr_coupling, only: add_coupling
   use model, only: model_t, state_t
@@ -96,7 +98,8 @@ contains
         do k = 1, 2
           if (contact%side(k)%rigid) cycle
           call find_feet(work(c), contact, k, x, state%contact(c)%side(k))
-          call need_pairs(work(c), contact, k, state%contact(c)%side(k), slides, state%step, grown)
+          call need_pairs(work(c), contact, k, x, state%contact(c)%side(k), slides, state%step, &
+                          grown)
           if (work(c)%step /= state%step) grown = grown .or. has_idle(work(c)%pairs(k), state%step)
         end do
         work(c)%step = state%step
@@ -131,20 +134,28 @@ contains
   end subroutine find_feet
 
   !> Pairs of elements that the points in contact couple.
-  subroutine need_pairs(work, contact, k, points, slides, step, grown)
+  subroutine need_pairs(work, contact, k, x, points, slides, step, grown)
     type(contact_work_t), intent(inout) :: work
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, step
+    real(wp), intent(in) :: x(:, :)
     type(contact_points_t), intent(in) :: points
     logical, intent(in) :: slides
     logical, intent(inout) :: grown
-    real(wp) :: p, dp
+    real(wp) :: p, dp, xp(3, contact%nq)
     integer :: e, i, q
+    logical :: needed
 
     do e = 1, contact%side(k)%nelem
+      if (contact%on_pair) call side_positions(contact%side(k), e, x, xp)
       do q = 1, contact%nq
         i = (e - 1)*contact%nq + q
-        if (points%bond(i) > 0) call need_pair(work%pairs(k), e, points%bond(i), step, grown)
+        if (points%bond(i) > 0) then
+          call need_pair(work%pairs(k), e, points%bond(i), step, grown)
+          call ask_foot(contact, contact%side(3 - k), x, i, xp(:, q), points, work%element(k), &
+                        needed)
+          if (.not. needed) cycle
+        end if
         associate (foot => work%feet(k)%at(i))
           if (.not. touches(contact, foot)) cycle
           call contact%normal%normal(contact%normal_prop, foot%gap, points%multiplier(i), p, dp)

@@ -15,8 +15,6 @@ module contact_values
   private
   public :: contact_value, side_resultant
 
-  real(wp), parameter :: RELEASED = 8.0_wp !! openings g0: hardly any traction is left
-
 contains
 
   !> One column.
@@ -54,7 +52,7 @@ contains
     end select
   end function contact_value
 
-  !> Share of the area that was bonded whose opening is RELEASED times the law's g0 or more.
+  !> Share of the area that was bonded whose bonds count as released.
   function debonded_share(model, state, quantity) result(share)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -68,7 +66,7 @@ contains
       associate (points => state%contact(quantity%contact)%side(k))
         bonded = sum(points%area0, mask=points%bond > 0)
         lost = sum(points%area0, &
-                   mask=points%bond > 0 .and. points%opening >= RELEASED*contact%cohesive_prop(2))
+                   mask=points%bond > 0 .and. points%opening >= contact%released)
       end associate
     end associate
     share = 0.0_wp

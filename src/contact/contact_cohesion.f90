@@ -1,0 +1,125 @@
+!> What acts between a bonded point and its partner: the cohesive law, and with PAIR the penalty.
+!!
+!! g is the vector from the partner x_p = x_l(xi_0) to the point x, n the outward unit normal of
+!! side l at xi_0. Both surfaces move; xi_0 does not, so that with the tangents a_1, a_2 there
+!!
+!!   dg = dx - dx_p,    dn = -sum_j a^j (n . da_j).
+!!
+!! Everything acts on the reference area.
+module contact_cohesion
+  use base_kinds, only: wp
+  use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_work, only: work_t, position_on, tangents_on
+  implicit none
+  private
+  public :: pull_t, find_pull, ask_foot
+
+  real(wp), parameter :: NEARLY = 1.0e-6_wp !! positions are found in two ways
+
+  !> Traction of a bonded point on its reference area, and how it varies.
+  type :: pull_t
+    real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
+    real(wp) :: dtdg(3, 3) = 0.0_wp    !! [F/L^3] against g
+    real(wp) :: dtda(3, 3, 2) = 0.0_wp !! against the tangents of l at the partner
+    real(wp) :: p = 0.0_wp             !! pressure of the penalty in t [F/L^2]
+    real(wp) :: gap = 0.0_wp           !! n . g [L]
+    !> The penalty on the current foot acts with this share, which varies with g.
+    real(wp) :: share = 1.0_wp
+    real(wp) :: slope(3) = 0.0_wp      !! dshare/dg [1/L]
+  end type pull_t
+
+contains
+
+  !> Law and penalty of the bonded point i at the position `at`.
+  pure subroutine find_pull(contact, other, x, i, at, points, work, pull)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: other
+    real(wp), intent(in) :: x(:, :)            !! (3, nnode) current positions [L]
+    integer, intent(in) :: i
+    real(wp), intent(in) :: at(3)              !! [L]
+    type(contact_points_t), intent(inout) :: points
+    type(work_t), intent(inout) :: work
+    type(pull_t), intent(out) :: pull
+    real(wp) :: g(3), partner(3)
+
+    call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
+    g = at - partner
+    points%opening(i) = norm2(g)
+    points%worst(i) = points%worst_step(i)
+    call contact%cohesive%cohesive(contact%cohesive_prop, g, points%worst(i), pull%t, pull%dtdg)
+    if (contact%on_pair) call press(contact, other, x, i, g, points, work, pull)
+  end subroutine find_pull
+
+  !> The penalty along the partner's normal: it fades out as the bond is released, and the one on
+  !! the current foot comes in. position_on has left the partner's functions in `work`.
+  pure subroutine press(contact, other, x, i, g, points, work, pull)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: other
+    real(wp), intent(in) :: x(:, :)
+    integer, intent(in) :: i
+    real(wp), intent(in) :: g(3)
+    type(contact_points_t), intent(in) :: points
+    type(work_t), intent(in) :: work
+    type(pull_t), intent(inout) :: pull
+    real(wp) :: n(3), up(3, 2), p, dp, hold, dhold(3)
+    integer :: j
+
+    call tangents_on(other, points%bond(i), x, work, n, up)
+    pull%gap = dot_product(n, g)
+    call fade(contact, g, pull%share, pull%slope)
+    hold = 1.0_wp - pull%share
+    dhold = -pull%slope
+    call contact%normal%normal(contact%normal_prop, pull%gap, points%multiplier(i), p, dp)
+    if (.not. hold*p > 0.0_wp) return
+    pull%p = hold*p
+    pull%t = pull%t + pull%p*n
+    pull%dtdg = pull%dtdg + outer(n, hold*dp*n + p*dhold)
+    do j = 1, 2
+      pull%dtda(:, :, j) = -hold*outer(p*up(:, j) + dp*dot_product(g, up(:, j))*n, n)
+    end do
+  end subroutine press
+
+  !> With which share the penalty on the current foot acts: 0 up to half of the opening at which the
+  !! bond counts as released, 1 from there on.
+  pure subroutine fade(contact, g, share, slope)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: g(3)               !! [L]
+    real(wp), intent(out) :: share, slope(3)
+    real(wp) :: s, r
+
+    r = norm2(g)
+    s = min(1.0_wp, max(0.0_wp, 2*r/contact%released - 1.0_wp))
+    share = s*s*(3.0_wp - 2*s)
+    slope = 0.0_wp
+    if (s > 0.0_wp) slope = 6*s*(1.0_wp - s)*(2/contact%released)*g/r
+  end subroutine fade
+
+  !> The bonded point i at the position `at` has need of its foot.
+  pure subroutine ask_foot(contact, other, x, i, at, points, work, needed)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: other
+    real(wp), intent(in) :: x(:, :)            !! (3, nnode) current positions [L]
+    integer, intent(in) :: i
+    real(wp), intent(in) :: at(3)              !! [L]
+    type(contact_points_t), intent(in) :: points
+    type(work_t), intent(inout) :: work
+    logical, intent(out) :: needed
+    real(wp) :: partner(3)
+
+    needed = .true.
+    if (.not. contact%on_pair) return
+    call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
+    needed = 2*norm2(at - partner) > (1.0_wp - NEARLY)*contact%released
+  end subroutine ask_foot
+
+  pure function outer(a, b) result(c)
+    real(wp), intent(in) :: a(3), b(3)
+    real(wp) :: c(3, 3)
+    integer :: j
+
+    do j = 1, 3
+      c(:, j) = a*b(j)
+    end do
+  end function outer
+
+end module contact_cohesion

@@ -1,0 +1,206 @@
+!> What an integration point adds to its element's forces and to their derivatives.
+module contact_work
+  use base_kinds, only: wp
+  use contact_kind, only: surface_functions_at, make_rational
+  use contact_pair, only: contact_t, surface_t
+  implicit none
+  private
+  public :: work_t, new_work, clear, add_own, add_partner, measure, position_on, tangents_on, &
+            element_functions
+
+  !> Room for one element and the elements of the other side that its points see.
+  type :: work_t
+    integer :: nk = 0                          !! nodes of the element
+    integer :: npartner = 0
+    integer, allocatable :: partner(:)         !! elements of the other side
+    real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]
+    real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/du of the own nodes [F/L]
+    real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) and of the partners' nodes
+    real(wp), allocatable :: own(:), down(:, :) !! own functions at a point
+    real(wp), allocatable :: shp(:), dshp(:, :) !! the partner's
+    real(wp), allocatable :: q(:, :, :)        !! (3, 3, n) columns of a point
+  end type work_t
+
+contains
+
+  !> Room for side k of a contact.
+  subroutine new_work(contact, k, work)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(work_t), intent(out) :: work
+    integer :: mk, ml, m
+
+    mk = maxval(contact%side(k)%kind%nsf)
+    ml = maxval(contact%side(3 - k)%kind%nsf)
+    m = max(mk, ml)
+    allocate (work%partner(3*contact%nq), work%r(3, mk), work%kk(3*mk, 3*mk))
+    allocate (work%kl(3*mk, 3*ml, 3*contact%nq), work%shp(m), work%dshp(2, m), work%own(m))
+    allocate (work%down(2, m), work%q(3, 3, m))
+  end subroutine new_work
+
+  !> Functions of element e of a surface at a point, weights included.
+  pure subroutine element_functions(surface, e, xi, shp, dshp)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: shp(:), dshp(:, :) !! (nsf), (2, nsf)
+
+    call surface_functions_at(surface%kind(surface%ikind(e)), xi, shp, dshp)
+    if (allocated(surface%w)) call make_rational(surface%w(surface%first(e): &
+                                                           surface%first(e + 1) - 1), shp, dshp)
+  end subroutine element_functions
+
+  !> Position of a parametric point of a surface.
+  pure subroutine position_on(surface, e, xi, x, work, at)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2), x(:, :)
+    type(work_t), intent(inout) :: work
+    real(wp), intent(out) :: at(3)
+    integer :: j, n
+
+    n = surface%kind(surface%ikind(e))%nsf
+    call element_functions(surface, e, xi, work%shp(:n), work%dshp(:, :n))
+    at = 0.0_wp
+    do j = 1, n
+      at = at + work%shp(j)*x(:, surface%node(surface%first(e) + j - 1))
+    end do
+  end subroutine position_on
+
+  !> Unit normal and contravariant tangents at the point that position_on was asked for.
+  pure subroutine tangents_on(surface, e, x, work, n, up)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: x(:, :)
+    type(work_t), intent(in) :: work
+    real(wp), intent(out) :: n(3), up(3, 2)    !! [-], [1/L]
+    real(wp) :: a(3, 2), area
+    integer :: j
+
+    a = 0.0_wp
+    do j = 1, surface%first(e + 1) - surface%first(e)
+      associate (xj => x(:, surface%node(surface%first(e) + j - 1)))
+        a(:, 1) = a(:, 1) + work%dshp(1, j)*xj
+        a(:, 2) = a(:, 2) + work%dshp(2, j)*xj
+      end associate
+    end do
+    call raise(a, n, up, area)
+  end subroutine tangents_on
+
+  !> Position of integration point q, contravariant tangents and area.
+  pure subroutine measure(own, e, q, x, work, xq, up, area)
+    type(surface_t), intent(in) :: own
+    integer, intent(in) :: e, q
+    real(wp), intent(in) :: x(:, :)
+    type(work_t), intent(inout) :: work
+    real(wp), intent(out) :: xq(3), up(3, 2), area
+    real(wp) :: a(3, 2), n(3)
+    integer :: j
+
+    associate (kind => own%kind(own%ikind(e)), node => own%node(own%first(e):own%first(e + 1) - 1))
+      work%own(:kind%nsf) = kind%shp(:, q)
+      work%down(:, :kind%nsf) = kind%dshp(:, :, q)
+      if (allocated(own%w)) call make_rational(own%w(own%first(e):own%first(e + 1) - 1), &
+                                               work%own(:kind%nsf), work%down(:, :kind%nsf))
+      xq = 0.0_wp
+      a = 0.0_wp
+      do j = 1, kind%nsf
+        xq = xq + work%own(j)*x(:, node(j))
+        a(:, 1) = a(:, 1) + work%down(1, j)*x(:, node(j))
+        a(:, 2) = a(:, 2) + work%down(2, j)*x(:, node(j))
+      end do
+    end associate
+    call raise(a, n, up, area)
+  end subroutine measure
+
+  !> Unit normal, contravariant tangents and area of two tangents; zero where they are parallel.
+  pure subroutine raise(a, n, up, area)
+    real(wp), intent(in) :: a(3, 2)
+    real(wp), intent(out) :: n(3), up(3, 2), area
+    real(wp) :: m(2, 2)
+
+    n = [a(2, 1)*a(3, 2) - a(3, 1)*a(2, 2), a(3, 1)*a(1, 2) - a(1, 1)*a(3, 2), &
+         a(1, 1)*a(2, 2) - a(2, 1)*a(1, 2)]
+    area = norm2(n)
+    m = matmul(transpose(a), a)
+    up = 0.0_wp
+    if (.not. area > 0.0_wp) return
+    n = n/area
+    up(:, 1) = (m(2, 2)*a(:, 1) - m(1, 2)*a(:, 2))/area**2
+    up(:, 2) = (m(1, 1)*a(:, 2) - m(1, 2)*a(:, 1))/area**2
+  end subroutine raise
+
+  !> Before the first point of an element that acts.
+  pure subroutine clear(work)
+    type(work_t), intent(inout) :: work
+
+    if (work%npartner > 0) return
+    work%r = 0.0_wp
+    work%kk(:, :3*work%nk) = 0.0_wp
+  end subroutine clear
+
+  !> Force on the own nodes, its change with the point, and with the area the point stands for.
+  pure subroutine add_own(t, dtdx, up, da, work)
+    real(wp), intent(in) :: t(3), dtdx(3, 3), up(3, 2), da
+    type(work_t), intent(inout) :: work
+    real(wp) :: v(3)
+    integer :: b, j, n
+
+    n = work%nk
+    do b = 1, n
+      work%r(:, b) = work%r(:, b) - work%own(b)*da*t
+      v = up(:, 1)*work%down(1, b) + up(:, 2)*work%down(2, b)
+      do j = 1, 3
+        work%q(:, j, b) = dtdx(:, j)*work%own(b) + t*v(j)
+      end do
+    end do
+    call spread_rows(n, n, work%own, work%q, da, size(work%kk, 1), work%kk)
+  end subroutine add_own
+
+  !> Change with the nodes of an element of the other side, at a point of it.
+  pure subroutine add_partner(other, e, xi, dtdx, dtda, da, work)
+    type(surface_t), intent(in) :: other
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(in) :: dtdx(3, 3), dtda(3, 3, 2), da
+    type(work_t), intent(inout) :: work
+    integer :: b, n, slot
+
+    do slot = 1, work%npartner
+      if (work%partner(slot) == e) exit
+    end do
+    if (slot > work%npartner) then
+      work%npartner = slot
+      work%partner(slot) = e
+      work%kl(:, :, slot) = 0.0_wp
+    end if
+    n = other%kind(other%ikind(e))%nsf
+    call element_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
+    do b = 1, n
+      work%q(:, :, b) = dtdx*work%shp(b) + dtda(:, :, 1)*work%dshp(1, b) &
+                        + dtda(:, :, 2)*work%dshp(2, b)
+    end do
+    call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
+  end subroutine add_partner
+
+  !> k(i a, j b) = k(i a, j b) - N_a q(i, j, b) da.
+  pure subroutine spread_rows(na, nb, shp, q, da, ld, k)
+    integer, intent(in) :: na, nb, ld
+    real(wp), intent(in) :: shp(na), q(3, 3*nb), da
+    real(wp), intent(inout) :: k(ld, 3*nb)
+    real(wp) :: s(3*na)
+    integer :: a, c, i
+
+    do a = 1, na
+      s(3*a - 2:3*a) = shp(a)*da
+    end do
+    do c = 1, 3*nb
+      do a = 1, na
+        do i = 1, 3
+          k(3*(a - 1) + i, c) = k(3*(a - 1) + i, c) - s(3*(a - 1) + i)*q(i, c)
+        end do
+      end do
+    end do
+  end subroutine spread_rows
+
+end module contact_work
