@@ -1,18 +1,18 @@
 !> Files to a stream of records: INCLude, LOOP and NEXT run as they are read.
 module deck_reader
   use base_error, only: error_t, place_t, fail, DECK_ERROR
-  use base_file, only: file_t, inspect, base_name, FILE_ABSENT
+  use base_file, only: file_t, inspect, FILE_ABSENT
   use base_kinds, only: wp
   use base_text, only: quoted, to_text
   use deck_expression, only: evaluate, params_t
   use deck_lexer, only: read_record
   use deck_record, only: record_t, check_count, resolve_path, RECORD_WORDS, RECORD_END
-  use deck_source, only: source_t, load_source, source_line
+  use deck_source, only: source_line
+  use deck_source_list, only: source_list_t, find_source, add_source, joined
   implicit none
   private
-  public :: reader_t, open_reader, next_record, next_unrolled, include_file, cancel_loops
-  public :: check_loops
-  public :: source_text
+  public :: reader_t, open_reader, next_record, next_unrolled, include_file, cancel_loops, &
+            check_loops, source_text
 
   integer, parameter :: MOST_FILES = 16         !! files open in one another
   integer, parameter :: MOST_LOOPS = 10         !! loops in one another
@@ -21,8 +21,8 @@ module deck_reader
 
   !> A file being read.
   type :: frame_t
-    integer :: source = 0
-    integer :: line = 1  !! next line
+    integer :: source = 0 !! position in the list of files
+    integer :: line = 1   !! next line
   end type frame_t
 
   !> A loop being run.
@@ -35,9 +35,9 @@ module deck_reader
 
   type :: reader_t
     private
-    integer :: nsource = 0, nframe = 0, nloop = 0
-    integer :: repeated = 0 !! records read on a second or later pass
-    type(source_t), allocatable :: source(:) !! every file that was named, kept
+    type(source_list_t) :: files !! every one that was named, kept
+    integer :: nframe = 0, nloop = 0
+    integer :: repeated = 0      !! records read on a second or later pass
     type(frame_t) :: frame(MOST_FILES)
     type(loop_t) :: loop(MOST_LOOPS)
   end type reader_t
@@ -50,25 +50,16 @@ contains
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
 
-    allocate (reader%source(4))
-    call load_source(path, reader%source(1), error)
-    if (allocated(error)) return
-    reader%nsource = 1
-    reader%nframe = 1
-    reader%frame(1)%source = 1
+    call add_source(reader%files, path, reader%frame(1)%source, error)
+    if (.not. allocated(error)) reader%nframe = 1
   end subroutine open_reader
 
   !> All files as they were read, one behind the other.
   pure function source_text(reader) result(text)
     type(reader_t), intent(in) :: reader
     character(:), allocatable :: text
-    integer :: i
 
-    text = reader%source(1)%text
-    do i = 2, reader%nsource
-      text = text//new_line('a')//'! --- '//base_name(reader%source(i)%path)//new_line('a') &
-             //reader%source(i)%text
-    end do
+    text = joined(reader%files)
   end function source_text
 
   !> The next record as it stands.
@@ -79,7 +70,7 @@ contains
 
     do
       associate (frame => reader%frame(reader%nframe), &
-                 source => reader%source(reader%frame(reader%nframe)%source))
+                 source => reader%files%item(reader%frame(reader%nframe)%source))
         if (frame%line <= source%nline) then
           call read_record(source, frame%line, record, error)
           return
@@ -170,7 +161,7 @@ contains
     call inspect(path, file)
     do i = 1, reader%nframe
       if (file%kind == FILE_ABSENT) exit
-      if (any(reader%source(reader%frame(i)%source)%identity /= file%identity)) cycle
+      if (any(reader%files%item(reader%frame(i)%source)%identity /= file%identity)) cycle
       call fail(error, DECK_ERROR, quoted(path)//' includes itself'//chain(reader, i + 1), &
                 record%place(2), &
                 'remove one of the INCLude records')
@@ -181,7 +172,8 @@ contains
                 record%place(2))
       return
     end if
-    call find_source(reader, path, file, record%place(2), i, error)
+    i = find_source(reader%files, file)
+    if (i == 0) call add_source(reader%files, path, i, error, record%place(2))
     if (allocated(error)) return
     reader%nframe = reader%nframe + 1
     reader%frame(reader%nframe) = frame_t(source=i, line=1)
@@ -198,47 +190,9 @@ contains
     do i = first, reader%nframe
       if (i == first) text = ' through '
       if (i > first) text = text//', '
-      text = text//quoted(reader%source(reader%frame(i)%source)%path)
+      text = text//quoted(reader%files%item(reader%frame(i)%source)%path)
     end do
   end function chain
-
-  !> Position of a file in the list; it is read where it is new.
-  subroutine find_source(reader, path, file, place, at, error)
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: path
-    type(file_t), intent(in) :: file
-    type(place_t), intent(in) :: place
-    integer, intent(out) :: at
-    type(error_t), allocatable, intent(out) :: error
-    type(source_t), allocatable :: longer(:)
-    integer :: i
-
-    do at = 1, reader%nsource
-      if (file%kind /= FILE_ABSENT .and. all(reader%source(at)%identity == file%identity)) return
-    end do
-    if (reader%nsource == size(reader%source)) then
-      allocate (longer(2*reader%nsource))
-      do i = 1, reader%nsource
-        call move_source(reader%source(i), longer(i))
-      end do
-      call move_alloc(longer, reader%source)
-    end if
-    at = reader%nsource + 1
-    call load_source(path, reader%source(at), error, place)
-    if (.not. allocated(error)) reader%nsource = at
-  end subroutine find_source
-
-  subroutine move_source(from, to)
-    type(source_t), intent(inout) :: from
-    type(source_t), intent(inout) :: to
-
-    to%identity = from%identity
-    to%nline = from%nline
-    call move_alloc(from%path, to%path)
-    call move_alloc(from%text, to%text)
-    call move_alloc(from%first, to%first)
-    call move_alloc(from%last, to%last)
-  end subroutine move_source
 
   ! --- loops -----------------------------------------------------------------------------------
 
@@ -319,7 +273,7 @@ contains
               reader%loop(1)%place, 'use fewer passes')
     reader%nloop = 0
     reader%nframe = 1
-    reader%frame(1)%line = reader%source(1)%nline + 1
+    reader%frame(1)%line = reader%files%item(1)%nline + 1
   end subroutine count_record
 
 end module deck_reader

@@ -2,27 +2,20 @@
 module deck_stream
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_text, only: lower, nearest, quoted, to_text
+  use base_text, only: lower, quoted, to_text
   use deck_expression, only: compute, params_t, set_parameter, trouble_t
-  use deck_params, only: is_name, parameter_names
+  use deck_params, only: is_name
   use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, &
                          cancel_loops, check_loops, source_text
   use deck_record, only: record_t, check_count, get_word, resolve_path, RECORD_WORDS, &
-                         RECORD_BLANK, &
-                         RECORD_COMMENT, RECORD_END
+                         RECORD_BLANK, RECORD_COMMENT, RECORD_END
+  use deck_settings, only: setting_t, read_settings, use_setting, check_used, settings_text
   implicit none
   private
   public :: deck_t, open_deck, check_settings, deck_text
   public :: get_real, get_integer, get_assignment, read_parameters
   public :: record_t, check_count, get_word, resolve_path, RECORD_WORDS, RECORD_BLANK, &
             RECORD_COMMENT, RECORD_END
-
-  !> A parameter that the command line sets.
-  type :: setting_t
-    character(:), allocatable :: name !! lower case
-    real(wp) :: value = 0.0_wp
-    logical :: used = .false.         !! the deck sets it too
-  end type setting_t
 
   type :: deck_t
     type(params_t) :: params          !! parameters as they are now
@@ -50,81 +43,26 @@ contains
     character(*), intent(in) :: path
     character(*), intent(in) :: settings(:) !! name=value, as --set gives them
     type(error_t), allocatable, intent(out) :: error
-    integer :: i
 
-    allocate (deck%setting(size(settings)))
-    do i = 1, size(settings)
-      call read_setting(deck, trim(settings(i)), i, error)
-      if (allocated(error)) return
-    end do
+    call read_settings(deck%setting, settings, error)
+    if (allocated(error)) return
     call open_reader(deck%reader, path, error)
   end subroutine open_deck
 
-  !> One name=value; the value is an expression without parameters.
-  subroutine read_setting(deck, text, i, error)
-    type(deck_t), intent(inout) :: deck
-    character(*), intent(in) :: text
-    integer, intent(in) :: i
-    type(error_t), allocatable, intent(out) :: error
-    type(trouble_t), allocatable :: trouble
-    type(params_t) :: none
-    character(:), allocatable :: name
-    integer :: equal, j
-
-    equal = index(text, '=')
-    name = lower(trim(adjustl(text(:max(equal - 1, 0)))))
-    if (.not. is_name(name)) then
-      call fail(error, DECK_ERROR, quoted('--set '//text)//' does not set a parameter', &
-                hint='write --set name=value')
-      return
-    end if
-    do j = 1, i - 1
-      if (deck%setting(j)%name == name) call fail(error, DECK_ERROR, 'parameter '//quoted(name) &
-                                                  //' is set twice', &
-                                                  hint='give one --set '//name//'=value')
-    end do
-    if (allocated(error)) return
-    deck%setting(i)%name = name
-    call compute(none, text(equal + 1:), deck%setting(i)%value, trouble)
-    if (allocated(trouble)) call fail(error, DECK_ERROR, 'in '//quoted('--set '//text)//': ' &
-                                      //trouble%message, &
-                                      hint='write --set name=value')
-  end subroutine read_setting
-
-  !> A parameter that the command line sets and the deck does not is a mistake. To be called when
-  !! the deck
-  !! has been read.
+  !> To be called when the deck has been read: did it have the parameters that were set?
   subroutine check_settings(deck, error)
     type(deck_t), intent(in) :: deck
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: hint
-    integer :: i
 
-    do i = 1, size(deck%setting)
-      if (deck%setting(i)%used) cycle
-      hint = nearest(deck%setting(i)%name, parameter_names(deck%params))
-      if (len(hint) > 0) then
-        hint = 'nearest known: '//hint
-      else
-        hint = 'the deck has no parameters'
-      end if
-      call fail(error, DECK_ERROR, '--set '//quoted(deck%setting(i)%name) &
-                //': the deck has no such parameter', hint=hint)
-      return
-    end do
+    call check_used(deck%setting, deck%params, error)
   end subroutine check_settings
 
   !> The deck with all its files and the settings of the command line.
   function deck_text(deck) result(text)
     type(deck_t), intent(in) :: deck
     character(:), allocatable :: text
-    integer :: i
 
-    text = source_text(deck%reader)
-    do i = 1, size(deck%setting)
-      text = text//new_line('a')//'! --set '//deck%setting(i)%name//'=' &
-             //to_text(deck%setting(i)%value, 17)
-    end do
+    text = source_text(deck%reader)//settings_text(deck%setting)
   end function deck_text
 
   ! --- records ---------------------------------------------------------------------------------
@@ -285,6 +223,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: expression
     integer :: i, first
+    logical :: found
 
     value = 0.0_wp
     name = lower(record%text(1))
@@ -295,13 +234,11 @@ contains
     end if
     call check_count(record, 2, huge(1), 'name = expression', error)
     if (allocated(error)) return
-    do i = 1, size(deck%setting)
-      if (deck%setting(i)%name /= name) cycle
-      deck%setting(i)%used = .true.
-      value = deck%setting(i)%value
+    call use_setting(deck%setting, name, value, found)
+    if (found) then
       call set_parameter(deck%params, name, value)
       return
-    end do
+    end if
     ! All that follows the name is one expression, which may have blanks in it.
     first = record%first(2)
     expression = repeat(' ', record%last(record%n) - first + 1)

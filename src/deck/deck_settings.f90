@@ -1,0 +1,122 @@
+!> Parameters that the command line sets: --set name=value.
+module deck_settings
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
+  use base_text, only: lower, nearest, quoted, to_text
+  use deck_expression, only: compute, params_t, trouble_t
+  use deck_params, only: is_name, parameter_names
+  implicit none
+  private
+  public :: setting_t, read_settings, use_setting, check_used, settings_text
+
+  type :: setting_t
+    character(:), allocatable :: name !! lower case
+    real(wp) :: value = 0.0_wp
+    logical :: used = .false.         !! the deck sets it too
+  end type setting_t
+
+contains
+
+  !> Those of the command line, in its order.
+  subroutine read_settings(list, settings, error)
+    type(setting_t), allocatable, intent(out) :: list(:)
+    character(*), intent(in) :: settings(:) !! name=value, as --set gives them
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    allocate (list(size(settings)))
+    do i = 1, size(settings)
+      call read_setting(list, trim(settings(i)), i, error)
+      if (allocated(error)) return
+    end do
+  end subroutine read_settings
+
+  !> One name=value; the value is an expression without parameters.
+  subroutine read_setting(list, text, i, error)
+    type(setting_t), intent(inout) :: list(:)
+    character(*), intent(in) :: text
+    integer, intent(in) :: i
+    type(error_t), allocatable, intent(out) :: error
+    type(trouble_t), allocatable :: trouble
+    type(params_t) :: none
+    character(:), allocatable :: name
+    integer :: equal
+
+    equal = index(text, '=')
+    name = lower(trim(adjustl(text(:max(equal - 1, 0)))))
+    if (.not. is_name(name)) then
+      call fail(error, DECK_ERROR, quoted('--set '//text)//' does not set a parameter', &
+                hint='write --set name=value')
+    else if (position(list(:i - 1), name) > 0) then
+      call fail(error, DECK_ERROR, 'parameter '//quoted(name)//' is set twice', &
+                hint='give one --set '//name//'=value')
+    end if
+    if (allocated(error)) return
+    list(i)%name = name
+    call compute(none, text(equal + 1:), list(i)%value, trouble)
+    if (allocated(trouble)) call fail(error, DECK_ERROR, 'in '//quoted('--set '//text)//': ' &
+                                      //trouble%message, &
+                                      hint='write --set name=value')
+  end subroutine read_setting
+
+  !> Where a parameter stands in the list; 0: the command line does not set it.
+  pure integer function position(list, name) result(i)
+    type(setting_t), intent(in) :: list(:)
+    character(*), intent(in) :: name
+
+    do i = size(list), 1, -1
+      if (list(i)%name == name) return
+    end do
+  end function position
+
+  !> The value that the command line gives a parameter of the deck.
+  subroutine use_setting(list, name, value, found)
+    type(setting_t), intent(inout) :: list(:)
+    character(*), intent(in) :: name
+    real(wp), intent(inout) :: value !! stays where there is none
+    logical, intent(out) :: found
+    integer :: i
+
+    i = position(list, name)
+    found = i > 0
+    if (.not. found) return
+    list(i)%used = .true.
+    value = list(i)%value
+  end subroutine use_setting
+
+  !> A parameter that the command line sets and the deck does not is a mistake.
+  subroutine check_used(list, params, error)
+    type(setting_t), intent(in) :: list(:)
+    type(params_t), intent(in) :: params !! when the deck has been read
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: hint
+    integer :: i
+
+    do i = 1, size(list)
+      if (list(i)%used) cycle
+      hint = nearest(list(i)%name, parameter_names(params))
+      if (len(hint) > 0) then
+        hint = 'nearest known: '//hint
+      else
+        hint = 'the deck has no parameters'
+      end if
+      call fail(error, DECK_ERROR, '--set '//quoted(list(i)%name) &
+                //': the deck has no such parameter', hint=hint)
+      return
+    end do
+  end subroutine check_used
+
+  !> One line a setting, as comments of a deck.
+  function settings_text(list) result(text)
+    type(setting_t), intent(in) :: list(:)
+    character(:), allocatable :: text
+    integer :: i
+
+    text = ''
+    do i = 1, size(list)
+      text = text//new_line('a')//'! --set '//list(i)%name//'=' &
+             //to_text(list(i)%value, 17)
+    end do
+  end function settings_text
+
+end module deck_settings
