@@ -33,7 +33,7 @@ contains
     print '(a)', 'commands   '//to_text(size(job%command))
     call prepare_newton(job%newton, job%model, .true., error)
     if (allocated(error)) return
-    print '(a)', 'memory     about '//to_text(job%newton%system%estimate_mb, 3) &
+    print '(a)', 'memory     about '//to_text(job%newton%system%estimate_mb(), 3) &
       //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
     call warn_contacts(job%model)
     call warn_loose(job%model)

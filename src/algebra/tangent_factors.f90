@@ -1,0 +1,176 @@
+!> Factors of the tangent, as exact as was chosen or as turned out to be needed.
+module tangent_factors
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
+  use base_system, only: available_memory_mb, return_memory
+  use csr_pattern, only: block_matrix_t
+  use csr_extract, only: entries_t, gather
+  use null_space, only: prove_regular
+  use solve_report, only: solve_report_t
+  use solver_choice, only: new_solver
+  use solver_type, only: solver_t
+  implicit none
+  private
+  public :: factors_t, new_factors, take_equations, analyse, renew, look_for_motions, be_exact, &
+            start_anew, drop
+
+  type :: factors_t
+    logical :: single = .false.          !! wanted in single precision
+    real(wp) :: eps = 0.0_wp             !! wanted relative error of compressed blocks; 0: none
+    real(wp) :: available_mb = 0.0_wp    !! memory there is [MB]; 0: ask the machine
+    real(wp) :: estimate_mb = 0.0_wp     !! memory a factorisation needs, by the analysis [MB]
+    class(solver_t), allocatable :: solver
+    integer, allocatable :: eq(:, :)     !! (3, nnode) equation numbers, 0: prescribed
+    logical :: valid = .false.           !! they are there, of a regular matrix
+    logical :: exact = .true.            !! they are in double precision, not compressed
+    type(entries_t), private :: entries
+    logical, private :: analysed = .false.  !! the solver knows the present pattern
+    logical, private :: proved = .false.    !! a matrix of this system was regular
+    logical, private :: escalated = .false. !! what was wanted did not do for this problem
+  end type factors_t
+
+contains
+
+  !> Choose precision and compression.
+  subroutine new_factors(factors, single, eps, available_mb)
+    type(factors_t), intent(out) :: factors
+    logical, intent(in) :: single
+    real(wp), intent(in) :: eps
+    real(wp), intent(in), optional :: available_mb
+
+    factors%single = single
+    factors%eps = eps
+    if (present(available_mb)) factors%available_mb = available_mb
+  end subroutine new_factors
+
+  !> The matrix has another pattern from now on. Factors at hand stay where the equations are the
+  !! same ones; the new pattern is analysed with the next factorisation.
+  subroutine take_equations(factors, a, eq, error)
+    type(factors_t), intent(inout) :: factors
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: eq(:, :)
+    type(error_t), allocatable, intent(out) :: error
+
+    if (size(eq, 1) /= 3 .or. size(eq, 2) /= a%nnode) then
+      call fail(error, BUG, 'equation numbers and matrix do not belong together')
+      return
+    end if
+    if (factors%valid) then
+      factors%valid = size(factors%eq) == size(eq)
+      if (factors%valid) factors%valid = all(factors%eq == eq)
+    end if
+    factors%eq = eq
+    factors%analysed = .false.
+  end subroutine take_equations
+
+  !> Analyse the pattern with a solver of the precision wanted now.
+  subroutine analyse(factors, a, error)
+    type(factors_t), intent(inout) :: factors
+    type(block_matrix_t), intent(in) :: a
+    type(error_t), allocatable, intent(out) :: error
+
+    call drop(factors)
+    call new_solver(factors%solver, factors%entries, a, factors%eq, &
+                    factors%single .and. .not. factors%escalated, &
+                    merge(0.0_wp, factors%eps, factors%escalated), factors%exact, error)
+    if (allocated(error)) return
+    factors%estimate_mb = factors%solver%info%estimate_mb
+    factors%analysed = .true.
+  end subroutine analyse
+
+  !> Factorise the matrix; where approximate factors look singular, exact ones decide.
+  subroutine renew(factors, a, report, error)
+    type(factors_t), intent(inout) :: factors
+    type(block_matrix_t), intent(in) :: a
+    type(solve_report_t), intent(inout) :: report
+    type(error_t), allocatable, intent(out) :: error
+
+    factors%valid = .false.
+    do
+      if (.not. factors%analysed) call analyse(factors, a, error)
+      if (allocated(error)) return
+      call factorise(factors, a, error)
+      if (allocated(error)) return
+      report%factorised = .true.
+      report%factorisations = report%factorisations + 1
+      report%null = factors%solver%info%null
+      if (.not. factors%proved .or. size(report%null) > 0) then
+        call look_for_motions(factors, a, report%null, error)
+        if (allocated(error)) return
+      end if
+      if (size(report%null) == 0 .or. factors%exact) exit
+      call be_exact(factors)
+    end do
+    factors%valid = size(report%null) == 0
+    factors%proved = factors%valid
+  end subroutine renew
+
+  subroutine factorise(factors, a, error)
+    type(factors_t), intent(inout) :: factors
+    type(block_matrix_t), intent(in) :: a
+    type(error_t), allocatable, intent(out) :: error
+
+    real(wp), allocatable :: values(:)
+    integer :: stat
+
+    allocate (values(size(factors%entries%row)), stat=stat)
+    if (stat /= 0) call fail(error, SYSTEM_ERROR, 'no memory for the values of the tangent')
+    if (allocated(error)) return
+    call gather(factors%entries, a, values)
+    call factors%solver%factorise(values, memory_mb(factors), error)
+  end subroutine factorise
+
+  !> Memory there is [MB].
+  real(wp) function memory_mb(factors)
+    type(factors_t), intent(in) :: factors
+
+    real(wp), parameter :: MEBIBYTE = 1.048576_wp
+
+    memory_mb = factors%available_mb
+    if (memory_mb > 0.0_wp) return
+    memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
+    if (memory_mb + factors%solver%info%used_mb >= factors%estimate_mb) return
+    call return_memory() ! what earlier solvers left
+    memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
+  end function memory_mb
+
+  !> Is the matrix just factorised singular?
+  subroutine look_for_motions(factors, a, null, error)
+    type(factors_t), intent(inout) :: factors
+    type(block_matrix_t), intent(in) :: a
+    integer, allocatable, intent(inout) :: null(:) !! equations: in the solver's, out all
+    type(error_t), allocatable, intent(out) :: error
+
+    call prove_regular(a, factors%eq, factors%solver, factors%exact, null, error)
+  end subroutine look_for_motions
+
+  !> From now on in double precision, not compressed.
+  subroutine be_exact(factors)
+    type(factors_t), intent(inout) :: factors
+
+    factors%escalated = .true.
+    factors%analysed = .false.
+  end subroutine be_exact
+
+  !> Forget what was learnt of the matrices.
+  subroutine start_anew(factors)
+    type(factors_t), intent(inout) :: factors
+
+    factors%proved = .false.
+    if (factors%escalated) factors%analysed = .false.
+    factors%escalated = .false.
+  end subroutine start_anew
+
+  !> Give their memory back.
+  subroutine drop(factors)
+    type(factors_t), intent(inout) :: factors
+
+    factors%valid = .false.
+    factors%analysed = .false.
+    factors%entries = entries_t()
+    if (.not. allocated(factors%solver)) return
+    call factors%solver%free()
+    deallocate (factors%solver)
+  end subroutine drop
+
+end module tangent_factors
