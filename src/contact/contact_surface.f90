@@ -1,12 +1,12 @@
 !> Surfaces of contact: made from element faces, tabulated at the integration points.
 module contact_surface
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t
   use base_kinds, only: wp, i8
   use base_sort, only: sort_index
   use contact_edges, only: connect_elements
   use contact_kind, only: find_kind, same_kind, is_mixed, surface_functions_at, make_rational
   use contact_pair, only: contact_t, surface_t, surface_kind_t
-  use element_type, only: cell_t, topology_t
+  use element_type, only: cell_t
   use mesh, only: mesh_t, block_cell
   use quadrature, only: gauss_quad
   implicit none
@@ -37,34 +37,11 @@ contains
     surface%block = block
     surface%elem = elem
     surface%face = side
-    call check_faces(mesh, surface, error)
-    if (allocated(error)) return
     call find_keys(mesh, surface, key)
     call find_classes(mesh, key, surface, class, iclass)
     call gather_nodes(mesh, class, iclass, surface)
     call connect_elements(mesh%xr, surface, error)
   end subroutine build_surface
-
-  !> Only faces of hexahedra are patches.
-  subroutine check_faces(mesh, surface, error)
-    type(mesh_t), intent(in) :: mesh
-    type(surface_t), intent(in) :: surface
-    type(error_t), allocatable, intent(out) :: error
-    type(cell_t) :: cell
-    type(topology_t) :: topology
-    integer :: b
-
-    do b = 1, size(mesh%block)
-      if (.not. any(surface%block == b)) cycle
-      call block_cell(mesh%block(b), 1, cell)
-      call mesh%block(b)%row%topology(cell, topology)
-      if (topology%nface == 6) cycle
-      call fail(error, DECK_ERROR, 'contact of surface '//surface%name//': elements ' &
-                //trim(mesh%block(b)%name)//' have no four-sided faces', &
-                hint='surfaces of contact are faces of hexahedra')
-      return
-    end do
-  end subroutine check_faces
 
   !> Faces with equal keys have the same functions: block, face and extraction operators.
   subroutine find_keys(mesh, surface, key)

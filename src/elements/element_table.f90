@@ -20,6 +20,9 @@ contains
     block; use elmt_q1e9n2, only: describe; table = [table, describe()]; end block
     block; use elmt_q1e9n2, only: describe_tapered; table = [table, describe_tapered()]; end block
     block; use elmt_q2n2, only: describe; table = [table, describe()]; end block
+    block; use elmt_tet4, only: describe; table = [table, describe()]; end block
+    block; use elmt_pyramid5, only: describe; table = [table, describe()]; end block
+    block; use elmt_wedge6, only: describe; table = [table, describe()]; end block
     block; use elmt_tet10, only: describe; table = [table, describe()]; end block
   end subroutine load_elements
 

@@ -52,6 +52,7 @@ module element_type
     logical :: spline = .false.      !! functions need extraction (cell%c1, ...)
     integer :: nmode = 0             !! enhanced modes; three parameters each, condensed
     integer :: deck_nodes = 0        !! nodes of a record of ELEMents; 0: not an element of ELEM
+    integer :: degree = 0            !! of its faces; 0: the block tells
     integer :: deck_order(27) = 0    !! own node of each of them; 0: in the same order
     procedure(element_rule_i), pointer, nopass :: rule => null()
     procedure(element_functions_i), pointer, nopass :: functions => null()

@@ -24,6 +24,7 @@ contains
 
     row%name = 'Q1'
     row%deck_nodes = 8
+    row%degree = 1
     row%source = 'tri-linear hexahedron'
     row%rule => set_rule
     row%functions => functions

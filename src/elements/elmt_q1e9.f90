@@ -24,6 +24,7 @@ contains
 
     row%name = 'Q1E9'
     row%deck_nodes = 8
+    row%degree = 1
     row%source = 'tri-linear hexahedron, nine enhanced modes (Simo and Armero 1992)'
     row%nmode = 3
     row%rule => set_rule

@@ -25,6 +25,7 @@ contains
 
     row%name = 'Q2'
     row%deck_nodes = 27
+    row%degree = 2
     row%deck_order = FEAP27
     row%source = 'tri-quadratic Lagrange hexahedron, 27 nodes'
     row%rule => set_rule

@@ -57,16 +57,17 @@ contains
     associate (block => model%mesh%block(b))
       do c = 1, size(block%basis)
         allocate (point(block%basis(c)%nq))
-        call set_share(block%basis(c), share)
         do e = 1, block%nelem
           if (block%ibasis(e) /= c) cycle
           associate (node => block%conn(:, e), set => model%material(block%material))
             call recover(block%basis(c), set%row, set%prop, model%mesh%xr(:, node), &
                          state%u(:, node), state%history(b)%iter(:, e), point, ok)
+            if (.not. allocated(share)) call set_share(block%basis(c), point%volume, share)
             call add_element(point, set%row%finite, share, node, total)
           end associate
         end do
         deallocate (point)
+        if (allocated(share)) deallocate (share)
       end do
     end associate
   end subroutine add_block
@@ -91,15 +92,16 @@ contains
     end do
   end subroutine add_element
 
-  !> Weights of the mean at the points.
-  subroutine set_share(basis, share)
+  !> Weights of the mean at the points; one element tells for its class.
+  subroutine set_share(basis, dv, share)
     type(basis_t), intent(in) :: basis
+    real(wp), intent(in) :: dv(:)        !! (nq) reference volumes of an element's points [L^3]
     real(wp), allocatable, intent(out) :: share(:, :)
     real(wp) :: volume(basis%nen)
     real(wp), parameter :: NONE = 1.0e-10_wp !! of the largest [-]
 
     share = basis%shp
-    volume = matmul(basis%shp, basis%wgt)
+    volume = matmul(basis%shp, dv)
     if (any(volume <= NONE*maxval(volume))) share = basis%shp**2
   end subroutine set_share
 

@@ -155,7 +155,7 @@ contains
     block%nen = nen
     block%nelem = size(list)
     block%number = list
-    block%ext%degree = merge(1, 2, nen == 8)
+    block%ext%degree = block%row%degree
     allocate (block%conn(nen, size(list)))
     do e = 1, size(list)
       if (block%row%deck_order(1) > 0) then

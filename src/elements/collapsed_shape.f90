@@ -1,0 +1,76 @@
+!> Tetrahedra and triangles as collapsed cubes and squares, so that all elements share one parent
+!! and all their faces are squares: rules, loads and contact know nothing else.
+!!
+!! With s = (1 + xi)/2 a point of the tetrahedron is t = (s1 (1-s2) (1-s3), s2 (1-s3), s3): face xi-
+!! is t1 = 0, xi+ is t1 + t2 + t3 = 1, eta- is t2 = 0, zeta- is t3 = 0; eta+ is an edge, zeta+ a
+!! point. Without the third direction it is the triangle; its eta+ is a point.
+!!
+!! Integrands are polynomials of the tetrahedron: points and weights of a rule there go to the cube
+!! with the weight over the determinant of the fold.
+module collapsed_shape
+  use base_kinds, only: wp
+  use element_type, only: rule_t
+  use hexa_shape, only: tensor_rule
+  implicit none
+  private
+  public :: fold_tetrahedron, fold_triangle, unfold_rule, cube_rule
+
+contains
+
+  !> Point of the tetrahedron, corners (0,0,0) (1,0,0) (0,1,0) (0,0,1), and its derivatives.
+  pure subroutine fold_tetrahedron(xi, t, dt)
+    real(wp), intent(in) :: xi(3)      !! in [-1,1]^3
+    real(wp), intent(out) :: t(3)
+    real(wp), intent(out) :: dt(3, 3)  !! dt(i, j): of t(j) along xi(i)
+    real(wp) :: s(3), r(3)
+
+    s = 0.5_wp*(1.0_wp + xi)
+    r = 0.5_wp*(1.0_wp - xi)
+    t = [s(1)*r(2)*r(3), s(2)*r(3), s(3)]
+    dt(:, 1) = 0.5_wp*[r(2)*r(3), -s(1)*r(3), -s(1)*r(2)]
+    dt(:, 2) = 0.5_wp*[0.0_wp, r(3), -s(2)]
+    dt(:, 3) = 0.5_wp*[0.0_wp, 0.0_wp, 1.0_wp]
+  end subroutine fold_tetrahedron
+
+  !> Point of the triangle (0,0) (1,0) (0,1), and its derivatives.
+  pure subroutine fold_triangle(xi, t, dt)
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: t(2)
+    real(wp), intent(out) :: dt(2, 2)  !! dt(i, j): of t(j) along xi(i)
+    real(wp) :: s(2), r(2)
+
+    s = 0.5_wp*(1.0_wp + xi)
+    r = 0.5_wp*(1.0_wp - xi)
+    t = [s(1)*r(2), s(2)]
+    dt(:, 1) = 0.5_wp*[r(2), -s(1)]
+    dt(:, 2) = 0.5_wp*[0.0_wp, 1.0_wp]
+  end subroutine fold_triangle
+
+  !> A rule of the tetrahedron as one of the cube.
+  subroutine unfold_rule(t, w, rule)
+    real(wp), intent(in) :: t(:, :)  !! (3, nq) inside the tetrahedron
+    real(wp), intent(in) :: w(:)     !! (nq) weights, sum 1/6
+    type(rule_t), intent(out) :: rule
+    real(wp) :: s(3)
+    integer :: q
+
+    rule%nq = size(w)
+    allocate (rule%xi(3, rule%nq), rule%wgt(rule%nq))
+    do q = 1, rule%nq
+      s(3) = t(3, q)
+      s(2) = t(2, q)/(1.0_wp - s(3))
+      s(1) = t(1, q)/((1.0_wp - s(2))*(1.0_wp - s(3)))
+      rule%xi(:, q) = 2.0_wp*s - 1.0_wp
+      rule%wgt(q) = 8.0_wp*w(q)/((1.0_wp - s(2))*(1.0_wp - s(3))**2)
+    end do
+  end subroutine unfold_rule
+
+  !> QUADrature of a collapsed element: n x n x n points of the cube, n >= 2.
+  subroutine cube_rule(n, rule)
+    integer, intent(in) :: n
+    type(rule_t), intent(out) :: rule
+
+    call tensor_rule([n, n, n], 0, 0, rule)
+  end subroutine cube_rule
+
+end module collapsed_shape

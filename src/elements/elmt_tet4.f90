@@ -1,0 +1,87 @@
+!> TET4: four-node tetrahedron, linear functions.
+!!
+!! Nodes:  4 sees 1, 2, 3 go counter-clockwise from inside (FEAP, VTK and Gmsh order)
+!! Parent: cube, see collapsed_shape
+!! Rule:   one point; QUADrature q > 1: q x q x q points of the cube
+!! Source: Zienkiewicz and Taylor 2005
+!! Limits: locks in bending and above nu = 0.4; TET10 does not
+module elmt_tet4
+  use base_kinds, only: wp
+  use collapsed_shape, only: fold_tetrahedron, unfold_rule, cube_rule
+  use element_type, only: element_t, cell_t, rule_t, topology_t
+  use hexa_shape, only: join_faces
+  use solid_form, only: form
+  implicit none
+  private
+  public :: describe, tetrahedron_faces
+
+  integer, parameter :: VTK_TETRA = 10
+
+contains
+
+  !> Row of the table of elements.
+  function describe() result(row)
+    type(element_t) :: row
+
+    row%name = 'TET4'
+    row%deck_nodes = 4
+    row%degree = 1
+    row%source = 'linear tetrahedron, 4 nodes; locks: for interiors'
+    row%rule => set_rule
+    row%functions => functions
+    row%topology => set_topology
+    row%form => form
+  end function describe
+
+  subroutine set_rule(cell, q, qz, rule)
+    type(cell_t), intent(in) :: cell
+    integer, intent(in) :: q, qz
+    type(rule_t), intent(out) :: rule
+    real(wp), parameter :: MIDDLE(3, 1) = 0.25_wp
+
+    associate (unused => cell); end associate
+    if (max(q, qz) > 1) then
+      call cube_rule(max(q, qz), rule)
+    else
+      call unfold_rule(MIDDLE, [1.0_wp/6.0_wp], rule)
+    end if
+  end subroutine set_rule
+
+  !> Volume coordinates.
+  pure subroutine functions(cell, xi, shp, dshp)
+    type(cell_t), intent(in) :: cell
+    real(wp), intent(in) :: xi(3)
+    real(wp), intent(out) :: shp(:)     !! (4)
+    real(wp), intent(out) :: dshp(:, :) !! (3, 4)
+
+    associate (unused => cell); end associate
+    call fold_tetrahedron(xi, shp(2:4), dshp(:, 2:4))
+    shp(1) = 1.0_wp - sum(shp(2:4))
+    dshp(:, 1) = -sum(dshp(:, 2:4), 2)
+  end subroutine functions
+
+  subroutine set_topology(cell, topology)
+    type(cell_t), intent(in) :: cell
+    type(topology_t), intent(out) :: topology
+    integer :: i
+
+    associate (unused => cell); end associate
+    call join_faces(tetrahedron_faces(), topology)
+    topology%vtk = VTK_TETRA
+    topology%vtk_node = [(i, i=1, 4)]
+  end subroutine set_topology
+
+  !> Corners on the sides of the cube: four triangles, an edge and a point.
+  pure function tetrahedron_faces() result(on)
+    logical :: on(4, 6)
+
+    on = .false.
+    on([1, 3, 4], 1) = .true.
+    on([2, 3, 4], 2) = .true.
+    on([1, 2, 4], 3) = .true.
+    on([3, 4], 4) = .true.
+    on([1, 2, 3], 5) = .true.
+    on(4, 6) = .true.
+  end function tetrahedron_faces
+
+end module elmt_tet4
