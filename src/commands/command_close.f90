@@ -51,13 +51,26 @@ contains
     call note_lost_contacts(run%model, run%state)
     call accept_contact(run%newton%asm%contact, run%model, run%state)
     call accept_step_state(run%state)
-    if (run%plan%timed) call accept_step(run%control, run%newton%iterations - run%newton%before)
+    call count_step(run)
     call run%timers%start('output')
     call write_step(run, error)
     call run%timers%stop('output')
     run%plan%cutbacks = 0
     run%plan%solved = .false.
   end subroutine close_step
+
+  !> The step is behind; where it was hard the next one is smaller, and the log says so.
+  subroutine count_step(run)
+    type(run_t), intent(inout) :: run
+    integer :: n
+
+    if (.not. run%plan%timed) return
+    n = run%newton%iterations - run%newton%before
+    call accept_step(run%control, n)
+    if (.not. run%control%reduced) return
+    call log_line('  step '//to_text(run%state%step)//' took '//to_text(n) &
+                  //' iterations: the next one is at most '//to_text(run%control%size)//' long')
+  end subroutine count_step
 
   !> Everything a closed step writes.
   subroutine write_step(run, error)

@@ -116,6 +116,7 @@ contains
     points%pressure(i) = pull%share*point%p
     points%traction(:, i) = pull%share*point%t
     points%elastic(:, i) = point%elastic
+    points%slip(i) = point%slip
     points%area(i) = da
     if (points%bond(i) == 0) return
     ratio = 0.0_wp
@@ -144,11 +145,15 @@ contains
     point%p = 0.0_wp
     point%t = 0.0_wp
     point%elastic = 0.0_wp
+    point%slip = 0.0_wp
     if (.not. touches(contact, foot)) return
     point%multiplier = points%multiplier(i)
     e = points%slide(i)
     point%slides = slides .and. e > 0
-    point%slipping = points%fresh .and. points%state_step(i) == SLIP
+    point%ahead = -1.0_wp
+    if (points%fresh .and. points%state_step(i) == SLIP) then
+      point%ahead = points%slip_rate(i)*points%dt
+    end if
     if (point%slides) call position_on(other, e, points%slide_xi(:, i), x, work, point%xs)
     call traction_at(contact, foot, point, dt)
   end subroutine find_traction

@@ -25,14 +25,15 @@ contains
     row%friction => coulomb
   end function describe
 
-  !> The predictor sticks; where it exceeds mu p the traction slides back to mu p.
-  pure subroutine coulomb(prop, d, p, slipping, t, dtdd, dtdp, elastic, state)
+  !> The predictor sticks; where it exceeds mu p the traction slides back to mu p. Across its
+  !! direction it resists by mu p over the way slipped; a step begins with hardly any, and over all
+  !! of it that would hold the point a hundred times too stiff: `ahead` is the way to come.
+  pure subroutine coulomb(prop, d, p, ahead, t, dtdd, dtdp, elastic, state)
     real(wp), intent(in) :: prop(:)
-    real(wp), intent(in) :: d(3), p
-    logical, intent(in) :: slipping
+    real(wp), intent(in) :: d(3), p, ahead
     real(wp), intent(out) :: t(3), dtdd(3, 3), dtdp(3), elastic(3)
     integer, intent(out) :: state
-    real(wp) :: most, size, e(3)
+    real(wp) :: most, size, across, e(3)
     integer :: i
 
     most = prop(1)*p
@@ -45,7 +46,7 @@ contains
       elastic = 0.0_wp
       return
     end if
-    if (prop(2)*size <= most .and. .not. (slipping .and. size > 0.0_wp)) then
+    if (prop(2)*size <= most .and. .not. (ahead >= 0.0_wp .and. size > 0.0_wp)) then
       state = STICK
       t = -prop(2)*d
       elastic = d
@@ -59,9 +60,10 @@ contains
     t = -most*e
     elastic = (most/prop(2))*e
     dtdp = -prop(1)*e
+    across = most/(size + max(ahead, 0.0_wp))
     do i = 1, 3
-      dtdd(:, i) = (most/size)*e*e(i)
-      dtdd(i, i) = dtdd(i, i) - most/size
+      dtdd(:, i) = across*e*e(i)
+      dtdd(i, i) = dtdd(i, i) - across
     end do
   end subroutine coulomb
 

@@ -34,6 +34,7 @@ contains
     allocate (points%gap(np), source=huge(1.0_wp))
     allocate (points%traction(3, np), points%elastic(3, np), source=0.0_wp)
     allocate (points%state(np), points%state_step(np), source=OPEN)
+    allocate (points%slip(np), points%slip_rate(np), source=0.0_wp)
     allocate (points%bond(np), source=0)
     allocate (points%bond_xi(2, np), points%area0(np), points%opening(np), source=0.0_wp)
     allocate (points%worst(np), points%worst_step(np), source=0.0_wp)
@@ -65,6 +66,10 @@ contains
       state%side(k)%multiplier_step = state%side(k)%multiplier
       state%side(k)%worst_step = state%side(k)%worst
       state%side(k)%state_step = state%side(k)%state
+      state%side(k)%slip_rate = 0.0_wp
+      if (state%side(k)%dt > 0.0_wp) then
+        state%side(k)%slip_rate = state%side(k)%slip/state%side(k)%dt
+      end if
       state%side(k)%fresh = .true.
     end do
   end subroutine keep_contact_step

@@ -21,12 +21,13 @@ module contact_point
     real(wp) :: x(3) = 0.0_wp          !! position [L]
     logical :: slides = .false.        !! friction acts, and there is a stored sliding point
     real(wp) :: xs(3) = 0.0_wp         !! its position [L]
-    logical :: slipping = .false.      !! see friction_law_i
+    real(wp) :: ahead = -1.0_wp        !! [L] see friction_law_i
     real(wp) :: multiplier = 0.0_wp    !! of the augmentation [F/L^2]
     integer :: state = OPEN
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
     real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
     real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i
+    real(wp) :: slip = 0.0_wp          !! [L] the rest of the tangential way
   end type point_t
 
   !> Derivatives of a vector against what varies.
@@ -50,6 +51,7 @@ contains
 
     point%t = 0.0_wp
     point%elastic = 0.0_wp
+    point%slip = 0.0_wp
     point%state = OPEN
     call contact%normal%normal(contact%normal_prop, foot%gap, point%multiplier, point%p, dp)
     if (.not. point%p > 0.0_wp) return
@@ -130,8 +132,9 @@ contains
     y = point%x - point%xs
     yn = dot_product(y, n)
     d = y - yn*n
-    call contact%friction%friction(contact%friction_prop, d, point%p, point%slipping, t, dtdd, &
+    call contact%friction%friction(contact%friction_prop, d, point%p, point%ahead, t, dtdd, &
                                    dtdp, point%elastic, point%state)
+    point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
     point%t = point%t + t
     project = -outer(n, n)
     dddn = -outer(n, y)

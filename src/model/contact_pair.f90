@@ -92,6 +92,8 @@ module contact_pair
     real(wp), allocatable :: multiplier_step(:) !! (np) at the start of the step
     !> `state` when the last step ended: points that slipped begin with the tangent of slip.
     integer, allocatable :: state_step(:)    !! (np)
+    real(wp), allocatable :: slip_rate(:)    !! (np) slip over time in the last step [L/T]
+    real(wp) :: dt = 0.0_wp                  !! of the step under way [T]
     logical :: fresh = .false.               !! no sweep was made in this step yet
     !> Cohesive partner on the other surface, found in the reference configuration. 0: not bonded.
     integer, allocatable :: bond(:)          !! (np)
@@ -107,6 +109,7 @@ module contact_pair
     real(wp), allocatable :: traction(:, :)  !! (3, np) on this side [F/L^2]
     real(wp), allocatable :: elastic(:, :) !! (3, np) [L] part of the tangential way that is not
     !! slip
+    real(wp), allocatable :: slip(:)         !! (np) the rest of it [L]
     real(wp), allocatable :: area(:)         !! (np) current area the point stands for [L^2]
   end type contact_points_t
 

@@ -40,13 +40,15 @@ module contact_type
     end subroutine normal_law_i
 
     !> Tangential traction: predictor and corrector.
-    pure subroutine friction_law_i(prop, d, p, slipping, t, dtdd, dtdp, elastic, state)
+    pure subroutine friction_law_i(prop, d, p, ahead, t, dtdd, dtdp, elastic, state)
       import :: wp
       implicit none
       real(wp), intent(in) :: prop(:)
       real(wp), intent(in) :: d(3)        !! [L] from the stored sliding point, in the tangent plane
       real(wp), intent(in) :: p           !! [F/L^2] pressure, > 0
-      logical, intent(in) :: slipping     !! it slips, whatever d says (first tangent of a step)
+      !> [L] First tangent of a step: it slips, whatever d says, and will slip so far; d alone tells
+      !! where this is negative.
+      real(wp), intent(in) :: ahead
       real(wp), intent(out) :: t(3)       !! [F/L^2]
       real(wp), intent(out) :: dtdd(3, 3) !! [F/L^3]
       real(wp), intent(out) :: dtdp(3)    !! [-]

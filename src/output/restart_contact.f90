@@ -9,7 +9,7 @@ module restart_contact
   private
   public :: write_contact, read_contact
 
-  integer, parameter :: NROW = 25 !! numbers of a point
+  integer, parameter :: NROW = 26 !! numbers of a point
 
 contains
 
@@ -79,6 +79,7 @@ contains
     values(23, :) = points%worst_step
     values(24, :) = points%opening
     values(25, :) = points%state_step
+    values(26, :) = points%slip_rate
   end subroutine pack_points
 
   subroutine unpack_points(values, points)
@@ -103,6 +104,7 @@ contains
     points%worst_step = values(23, :)
     points%opening = values(24, :)
     points%state_step = nint(values(25, :))
+    points%slip_rate = values(26, :)
     points%fresh = .true.
   end subroutine unpack_points
 

@@ -219,6 +219,7 @@ contains
     do c = 1, size(work)
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
+        state%contact(c)%side(k)%dt = state%dt
         call add_side(work(c), model%contact(c), k, x, friction_acts(model%contact(c), state), &
                       state%u, state%contact(c)%side(k), a, f, rounding, largest)
       end do

@@ -19,6 +19,7 @@ module step_control
     integer :: passed = 0            !! targets it passes: 0 inside, 1 usually
     integer :: quiet = 0             !! good steps since the last cut
     integer :: cuts = 0              !! cuts of the step under way
+    logical :: reduced = .false.     !! the last step was hard, the next is smaller
   end type step_control_t
 
   integer, parameter :: FEW = 6      ! iterations after which a step may grow
@@ -81,11 +82,13 @@ contains
 
     control%target = control%target + control%passed
     control%cuts = 0
+    control%reduced = .false.
     if (.not. control%automatic) return
     taken = control%to - control%from
     control%quiet = control%quiet + 1
     if (iterations > MANY) then
       control%size = max(0.75_wp*taken, control%dtmin)
+      control%reduced = control%size < taken
     else if ((iterations <= FEW .and. control%quiet > 1) .or. &
              (iterations <= FAIR .and. control%quiet > 1 .and. control%size < control%dt)) then
       control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
