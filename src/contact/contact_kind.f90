@@ -68,14 +68,17 @@ contains
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: nen, side
     integer :: p(2), full(3), d(2)
+    logical :: enriched
 
     full = cell%degree
     d = directions(side)
+    enriched = nen /= product(cell%degree + 1)
+    if (allocated(cell%c)) enriched = cell%degree(3) > 0
     if (is_mixed(cell, nen, side)) then
       full(:2) = full(:2) + full(3)
-    else if (nen /= product(cell%degree + 1) .and. side == 6) then
+    else if (enriched .and. side == 6) then
       full(:2) = full(3)
-    else if (nen /= product(cell%degree + 1) .and. side < 5) then
+    else if (enriched .and. side < 5) then
       full(:2) = max(full(:2), full(3))
     end if
     p = full(d)

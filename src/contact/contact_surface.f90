@@ -57,11 +57,15 @@ contains
     do f = 1, surface%nelem
       associate (ext => mesh%block(surface%block(f))%ext, e => surface%elem(f))
         key(f) = 6*int(surface%block(f), i8) + surface%face(f)
-        if (.not. allocated(ext%op)) cycle
-        n = size(ext%op) + 1
-        do d = 1, 3
-          key(f) = key(f)*n + ext%iop(d, e)
-        end do
+        n = 1
+        if (allocated(ext%surface)) then
+          key(f) = key(f)*(size(ext%surface) + 1) + ext%isurface(e)
+        else if (allocated(ext%op)) then
+          n = size(ext%op) + 1
+          do d = 1, 3
+            key(f) = key(f)*n + ext%iop(d, e)
+          end do
+        end if
         cell%degree = ext%degree
         if (allocated(ext%w)) cell%w = ext%w(:, e)
         if (n > MOST_OPERATORS .or. is_mixed(cell, mesh%block(surface%block(f))%nen, &

@@ -1,16 +1,16 @@
 !> Q1N: linear hexahedron whose face zeta = -1 is isogeometric: Q1Np.t for any p and t.
 !!
-!! Nodes:  control points of zeta = -1, xi fastest; then the corners of zeta = +1,
-!!         counter-clockwise from (-,-)
+!! Nodes:  control points of zeta = -1, xi fastest, or in the order of an operator of the whole
+!!         element (any number of them); then the corners of zeta = +1, counter-clockwise from (-,-)
 !! Rule:   (p+1) x (p+1) x 2 Gauss points, p the degrees of the surface, raised ones too
 !! Source: Corbett and Sauer 2015, section 2.3, eq. (15)
 !! Limits: locks like Q1; a collapsed face zeta = +1 (prism) must not be evaluated at zeta = +1
 module elmt_q1n2
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
-  use hexa_shape, only: linear, surface_functions, tensor_rule, touches, join_faces, &
-                        MAX_DEGREE, CORNER
+  use hexa_shape, only: linear, tensor_rule, join_faces, CORNER
   use solid_form, only: form
+  use surface_shape, only: surface_functions, surface_count, surface_touches
   implicit none
   private
   public :: describe, set_rule, functions, set_topology
@@ -53,7 +53,7 @@ contains
     do a = 1, 3
       call linear(xi(a), f(:, a), d(:, a))
     end do
-    ncp = (cell%degree(1) + 1)*(cell%degree(2) + 1)
+    ncp = surface_count(cell)
     call surface_functions(cell, xi(:2), shp(:ncp), dshp(:2, :ncp))
     dshp(3, :ncp) = shp(:ncp)*d(1, 3)
     dshp(:2, :ncp) = dshp(:2, :ncp)*f(1, 3)
@@ -72,22 +72,15 @@ contains
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology
 
-    logical :: low(MAX_DEGREE + 1, 2), high(MAX_DEGREE + 1, 2)
     logical, allocatable :: on(:, :)
-    integer :: i, j, a
+    integer :: i, ncp
 
-    call touches(cell%degree(1), cell%c1, low(:, 1), high(:, 1))
-    call touches(cell%degree(2), cell%c2, low(:, 2), high(:, 2))
-    allocate (on((cell%degree(1) + 1)*(cell%degree(2) + 1) + 4, 6))
-    a = 0
-    do j = 1, cell%degree(2) + 1
-      do i = 1, cell%degree(1) + 1
-        a = a + 1
-        on(a, :) = [low(i, 1), high(i, 1), low(j, 2), high(j, 2), .true., .false.]
-      end do
-    end do
+    ncp = surface_count(cell)
+    allocate (on(ncp + 4, 6), source=.false.)
+    call surface_touches(cell, on(:ncp, :4))
+    on(:ncp, 5) = .true.
     do i = 1, 4
-      on(a + i, :) = [CORNER(1, i) < 0, CORNER(1, i) > 0, CORNER(2, i) < 0, CORNER(2, i) > 0, &
+      on(ncp + i, :) = [CORNER(1, i) < 0, CORNER(1, i) > 0, CORNER(2, i) < 0, CORNER(2, i) > 0, &
                       .false., .true.]
     end do
     call join_faces(on, topology)

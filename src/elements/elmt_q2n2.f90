@@ -7,8 +7,9 @@
 module elmt_q2n2
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
-  use hexa_shape, only: quadratic, surface_functions, tensor_rule, touches, join_faces, MAX_DEGREE
+  use hexa_shape, only: quadratic, tensor_rule, join_faces
   use solid_form, only: form
+  use surface_shape, only: surface_functions, surface_count, surface_touches
   implicit none
   private
   public :: describe
@@ -51,7 +52,7 @@ contains
     do i = 1, 3
       call quadratic(xi(i), f(:, i), d(:, i))
     end do
-    ncp = (cell%degree(1) + 1)*(cell%degree(2) + 1)
+    ncp = surface_count(cell)
     call surface_functions(cell, xi(:2), shp(:ncp), dshp(:2, :ncp))
     dshp(3, :ncp) = shp(:ncp)*d(1, 3)
     dshp(:2, :ncp) = dshp(:2, :ncp)*f(1, 3)
@@ -74,20 +75,13 @@ contains
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology
 
-    logical :: low(MAX_DEGREE + 1, 2), high(MAX_DEGREE + 1, 2)
     logical, allocatable :: on(:, :)
     integer :: i, j, k, a
 
-    call touches(cell%degree(1), cell%c1, low(:, 1), high(:, 1))
-    call touches(cell%degree(2), cell%c2, low(:, 2), high(:, 2))
-    allocate (on((cell%degree(1) + 1)*(cell%degree(2) + 1) + 18, 6))
-    a = 0
-    do j = 1, cell%degree(2) + 1
-      do i = 1, cell%degree(1) + 1
-        a = a + 1
-        on(a, :) = [low(i, 1), high(i, 1), low(j, 2), high(j, 2), .true., .false.]
-      end do
-    end do
+    a = surface_count(cell)
+    allocate (on(a + 18, 6), source=.false.)
+    call surface_touches(cell, on(:a, :4))
+    on(:a, 5) = .true.
     do k = 2, 3
       do j = 1, 3
         do i = 1, 3

@@ -6,7 +6,7 @@ module hexa_shape
   use quadrature, only: gauss
   implicit none
   private
-  public :: linear, quadratic, spline, surface_functions, tensor_rule, tensor_faces
+  public :: linear, quadratic, spline, tensor_rule, tensor_faces
   public :: touches, join_faces, nine_modes, make_rational
   public :: CORNER
 
@@ -56,32 +56,6 @@ contains
       df(:p + 1) = matmul(c, db(:p + 1))
     end if
   end subroutine spline
-
-  !> Functions of an isogeometric surface, eqs (10) to (12); first direction fastest.
-  pure subroutine surface_functions(cell, xi, f, df)
-    type(cell_t), intent(in) :: cell
-    real(wp), intent(in) :: xi(2)
-    real(wp), intent(out) :: f(:)     !! (ncp)
-    real(wp), intent(out) :: df(:, :) !! (2, ncp)
-
-    real(wp) :: f1(MAX_DEGREE + 1), f2(MAX_DEGREE + 1), d1(MAX_DEGREE + 1), d2(MAX_DEGREE + 1)
-    integer :: i, j, a, n1, n2
-
-    n1 = cell%degree(1) + 1
-    n2 = cell%degree(2) + 1
-    call spline(cell%degree(1), cell%c1, xi(1), f1, d1)
-    call spline(cell%degree(2), cell%c2, xi(2), f2, d2)
-    a = 0
-    do j = 1, n2
-      do i = 1, n1
-        a = a + 1
-        f(a) = f1(i)*f2(j)
-        df(1, a) = d1(i)*f2(j)
-        df(2, a) = f1(i)*d2(j)
-      end do
-    end do
-    if (allocated(cell%w)) call make_rational(cell%w(:a), f(:a), df(:, :a))
-  end subroutine surface_functions
 
   !> Weighted functions over their sum, eqs (11) and (12).
   pure subroutine make_rational(w, f, df)

@@ -9,9 +9,9 @@ module mesh
   private
   public :: mesh_t, block_t, extraction_t, operator_t, body_t, body_face_t, block_cell
 
-  !> Bezier extraction operator of one knot span.
+  !> Bezier extraction operator of one knot span, or of a whole surface element.
   type :: operator_t
-    real(wp), allocatable :: c(:, :) !! (p+1, p+1): N = C B
+    real(wp), allocatable :: c(:, :) !! (functions, Bernstein polynomials): N = C B
   end type operator_t
 
   !> Spline data of a block: each distinct operator is stored once.
@@ -20,6 +20,9 @@ module mesh
     type(operator_t), allocatable :: op(:)  !! distinct operators; not allocated: Lagrange functions
     integer, allocatable :: iop(:, :)       !! (3, nelem) operator of each direction; 0: none
     real(wp), allocatable :: w(:, :)        !! (ncp, nelem) weights; not allocated: all one
+    !> Distinct operators of whole surfaces (cell%c), and each element's; not allocated: none.
+    type(operator_t), allocatable :: surface(:)
+    integer, allocatable :: isurface(:)     !! (nelem)
   end type extraction_t
 
   !> Elements of one type, one material and one number of nodes.
@@ -79,6 +82,9 @@ contains
       if (block%ext%iop(1, e) > 0) allocate (cell%c1, source=block%ext%op(block%ext%iop(1, e))%c)
       if (block%ext%iop(2, e) > 0) allocate (cell%c2, source=block%ext%op(block%ext%iop(2, e))%c)
       if (block%ext%iop(3, e) > 0) allocate (cell%c3, source=block%ext%op(block%ext%iop(3, e))%c)
+    end if
+    if (allocated(block%ext%surface)) then
+      allocate (cell%c, source=block%ext%surface(block%ext%isurface(e))%c)
     end if
     if (allocated(block%ext%w)) cell%w = block%ext%w(:, e)
   end subroutine block_cell

@@ -59,13 +59,17 @@ contains
       first = class
       return
     end if
-    if (.not. allocated(block%ext%op)) then
+    if (.not. (allocated(block%ext%op) .or. allocated(block%ext%surface))) then
       class = 1
       first = [1]
       return
     end if
     allocate (key(block%nelem), order(block%nelem), first(block%nelem))
-    key = block%ext%iop(1, :) + nop*(block%ext%iop(2, :) + nop*block%ext%iop(3, :))
+    if (allocated(block%ext%surface)) then
+      key = block%ext%isurface
+    else
+      key = block%ext%iop(1, :) + nop*(block%ext%iop(2, :) + nop*block%ext%iop(3, :))
+    end if
     call sort_index(key, order)
     n = 0
     do e = 1, block%nelem

@@ -15,6 +15,7 @@ module view
   public :: view_t, build_view, map_field
 
   integer, parameter, public :: VTK_BEZIER = 79 !! VTK_BEZIER_HEXAHEDRON
+  integer, parameter :: VTK_BEZIER_FACE = 77    !! VTK_BEZIER_QUADRILATERAL
 
   type :: view_t
     type(point_list_t) :: point             !! combinations of nodes, and rational weights
@@ -64,7 +65,7 @@ contains
     view%conn = view%conn(:view%first(ncell + 1) - 1)
     call finish_points(view%point)
     view%npoint = view%point%npoint
-    view%has_bezier = any(view%vtk == VTK_BEZIER)
+    view%has_bezier = any(view%vtk == VTK_BEZIER .or. view%vtk == VTK_BEZIER_FACE)
   end subroutine build_view
 
   !> Cells of one block.
@@ -109,7 +110,7 @@ contains
     class%vtk = topology%vtk
     class%degree = cell%degree
     class%done = .true.
-    if (topology%vtk == VTK_BEZIER) then
+    if (topology%vtk == VTK_BEZIER .or. topology%vtk == VTK_BEZIER_FACE) then
       call bezier_cell(block%row, cell, block%nen, class%degree, class%coef, class%weight)
     else
       allocate (class%coef(block%nen, size(topology%vtk_node)), source=0.0_wp)

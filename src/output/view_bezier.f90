@@ -1,4 +1,4 @@
-!> One element as a Bezier hexahedron of VTK, exactly.
+!> One element as a Bezier hexahedron, or a surface's as a Bezier quadrilateral, of VTK, exactly.
 !!
 !! The functions of every element of tensor kind are N_A = n_A / W with polynomials n_A and W:
 !!
@@ -182,6 +182,7 @@ contains
 
     on_surface = .false.
     if (allocated(cell%w)) on_surface = size(cell%w) < product(cell%degree + 1)
+    if (allocated(cell%c)) on_surface = cell%degree(3) > 0
   end function on_surface
 
   !> Place, from 1, of the Bezier point (i, j, k), each from 0, in VTK's list: corners, then edges,
@@ -194,6 +195,10 @@ contains
     logical :: end_of(3)
 
     m = degree - 1
+    if (degree(3) == 0) then
+      n = face_position(i, j, degree) + 1
+      return
+    end if
     end_of = [i, j, k] == 0 .or. [i, j, k] == degree
     if (count(end_of) == 3) then
       n = corner(i, j) + merge(4, 0, k > 0)
@@ -220,6 +225,27 @@ contains
     end if
     n = n + 1
   end function vtk_position
+
+  !> The same in a quadrilateral, from 0.
+  pure function face_position(i, j, degree) result(n)
+    integer, intent(in) :: i, j
+    integer, intent(in) :: degree(3)
+    integer :: n
+    integer :: m(2)
+    logical :: end_of(2)
+
+    m = degree(:2) - 1
+    end_of = [i, j] == 0 .or. [i, j] == degree(:2)
+    if (all(end_of)) then
+      n = corner(i, j)
+    else if (end_of(2)) then
+      n = 4 + i - 1 + merge(m(1) + m(2), 0, j > 0)
+    else if (end_of(1)) then
+      n = 4 + j - 1 + merge(m(1), 2*m(1) + m(2), i > 0)
+    else
+      n = 4 + 2*(m(1) + m(2)) + i - 1 + m(1)*(j - 1)
+    end if
+  end function face_position
 
   !> Corner of a quadrilateral, counter-clockwise from 0.
   pure function corner(i, j)

@@ -6,7 +6,8 @@ module patch_text
   use base_text, only: to_text, quoted
   implicit none
   private
-  public :: text_t, load_text, complain, next_word, next_integer, next_real, next_count, next_reals
+  public :: text_t, load_text, complain, next_word, next_integer, next_real, next_count, next_reals, &
+            words_left, next_line
 
   integer(i8), parameter :: MAX_SIZE = 1000000000_i8 !! bytes
 
@@ -98,6 +99,34 @@ contains
     end do
     word = text%all(first:text%at - 1)
   end subroutine next_word
+
+  !> On to the next line that has a word, unless words are left in this one.
+  subroutine next_line(text)
+    type(text_t), intent(inout) :: text
+    integer :: length
+
+    do while (words_left(text) == 0)
+      length = index(text%all(text%at:), achar(10))
+      if (length == 0) exit
+      text%at = text%at + length
+    end do
+  end subroutine next_line
+
+  !> How many words stand between the position and the end of its line.
+  pure integer function words_left(text) result(n)
+    type(text_t), intent(in) :: text
+    integer :: i
+    logical :: inside
+
+    n = 0
+    inside = .false.
+    do i = text%at, len(text%all)
+      if (text%all(i:i) == achar(10)) exit
+      if (text%comment /= ' ' .and. text%all(i:i) == text%comment) exit
+      if (.not. (inside .or. is_blank(text%all(i:i)))) n = n + 1
+      inside = .not. is_blank(text%all(i:i))
+    end do
+  end function words_left
 
   pure logical function is_blank(c)
     character, intent(in) :: c

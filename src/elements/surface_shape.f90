@@ -1,0 +1,124 @@
+!> Functions of the isogeometric surface of an element, a tensor product or with an operator of its
+!! own: any number of functions, as elements at extraordinary points and T-junctions have.
+module surface_shape
+  use base_kinds, only: wp
+  use bspline, only: bernstein
+  use element_type, only: cell_t
+  use hexa_shape, only: spline, touches, make_rational, MAX_DEGREE
+  implicit none
+  private
+  public :: surface_functions, surface_count, surface_touches
+
+  !> Entries of an operator below this are rounding: a largest one is about one.
+  real(wp), parameter :: NOTHING = 1.0e-12_wp
+
+contains
+
+  !> How many functions an isogeometric surface has.
+  pure integer function surface_count(cell) result(n)
+    type(cell_t), intent(in) :: cell
+
+    if (allocated(cell%c)) then
+      n = size(cell%c, 1)
+    else
+      n = (cell%degree(1) + 1)*(cell%degree(2) + 1)
+    end if
+  end function surface_count
+
+  !> Functions of an isogeometric surface, eqs (10) to (12); first direction fastest.
+  pure subroutine surface_functions(cell, xi, f, df)
+    type(cell_t), intent(in) :: cell
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: f(:)     !! (ncp)
+    real(wp), intent(out) :: df(:, :) !! (2, ncp)
+
+    real(wp) :: f1(MAX_DEGREE + 1), f2(MAX_DEGREE + 1), d1(MAX_DEGREE + 1), d2(MAX_DEGREE + 1)
+    integer :: i, j, a, n1, n2
+
+    n1 = cell%degree(1) + 1
+    n2 = cell%degree(2) + 1
+    if (allocated(cell%c)) then
+      call extracted(cell, xi, f, df)
+      if (allocated(cell%w)) call make_rational(cell%w, f, df)
+      return
+    end if
+    call spline(cell%degree(1), cell%c1, xi(1), f1, d1)
+    call spline(cell%degree(2), cell%c2, xi(2), f2, d2)
+    a = 0
+    do j = 1, n2
+      do i = 1, n1
+        a = a + 1
+        f(a) = f1(i)*f2(j)
+        df(1, a) = d1(i)*f2(j)
+        df(2, a) = f1(i)*d2(j)
+      end do
+    end do
+    if (allocated(cell%w)) call make_rational(cell%w(:a), f(:a), df(:, :a))
+  end subroutine surface_functions
+
+  !> N = C B with the operator of the whole element: extraordinary points, T-junctions.
+  pure subroutine extracted(cell, xi, f, df)
+    type(cell_t), intent(in) :: cell
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: f(:)     !! (nf)
+    real(wp), intent(out) :: df(:, :) !! (2, nf)
+
+    real(wp) :: f1(MAX_DEGREE + 1), f2(MAX_DEGREE + 1), d1(MAX_DEGREE + 1), d2(MAX_DEGREE + 1)
+    integer :: i, j, b, n1, n2
+
+    n1 = cell%degree(1) + 1
+    n2 = cell%degree(2) + 1
+    call bernstein(n1 - 1, xi(1), f1(:n1), d1(:n1))
+    call bernstein(n2 - 1, xi(2), f2(:n2), d2(:n2))
+    f = 0.0_wp
+    df = 0.0_wp
+    b = 0
+    do j = 1, n2
+      do i = 1, n1
+        b = b + 1
+        f = f + cell%c(:, b)*(f1(i)*f2(j))
+        df(1, :) = df(1, :) + cell%c(:, b)*(d1(i)*f2(j))
+        df(2, :) = df(2, :) + cell%c(:, b)*(f1(i)*d2(j))
+      end do
+    end do
+  end subroutine extracted
+
+  !> Which functions of a surface live on its edges xi-, xi+, eta-, eta+.
+  pure subroutine surface_touches(cell, on)
+    type(cell_t), intent(in) :: cell
+    logical, intent(out) :: on(:, :) !! (nf, 4)
+
+    logical :: low(MAX_DEGREE + 1, 2), high(MAX_DEGREE + 1, 2)
+    integer :: i, j, a, n1, n2, nb
+
+    n1 = cell%degree(1) + 1
+    n2 = cell%degree(2) + 1
+    nb = n1*n2
+    if (allocated(cell%c)) then
+      do a = 1, size(on, 1)
+        on(a, 1) = lives(cell%c(a, 1:nb:n1))
+        on(a, 2) = lives(cell%c(a, n1:nb:n1))
+        on(a, 3) = lives(cell%c(a, :n1))
+        on(a, 4) = lives(cell%c(a, nb - n1 + 1:nb))
+      end do
+      return
+    end if
+    call touches(n1 - 1, cell%c1, low(:, 1), high(:, 1))
+    call touches(n2 - 1, cell%c2, low(:, 2), high(:, 2))
+    a = 0
+    do j = 1, n2
+      do i = 1, n1
+        a = a + 1
+        on(a, :) = [low(i, 1), high(i, 1), low(j, 2), high(j, 2)]
+      end do
+    end do
+  end subroutine surface_touches
+
+  !> Some Bernstein polynomial of an edge has a share in the function.
+  pure logical function lives(c)
+    real(wp), intent(in) :: c(:)
+
+    lives = any(abs(c) > NOTHING)
+  end function lives
+
+end module surface_shape
