@@ -17,8 +17,8 @@ module element_type
     real(wp), allocatable :: c1(:, :)   !! direction 1
     real(wp), allocatable :: c2(:, :)   !! direction 2
     real(wp), allocatable :: c3(:, :)   !! direction 3 (tri-variate elements only)
-    !> Extraction operator (functions, Bernstein polynomials of directions 1 and 2) of a surface that
-    !! is no tensor product: any number of functions. It stands for c1 and c2.
+    !> Extraction operator (functions, Bernstein polynomials of directions 1 and 2) of a surface
+    !! that is no tensor product: any number of functions. It stands for c1 and c2.
     real(wp), allocatable :: c(:, :)
     real(wp), allocatable :: w(:)       !! weights of the control points; not allocated: all one
   end type cell_t

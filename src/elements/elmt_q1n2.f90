@@ -81,7 +81,7 @@ contains
     on(:ncp, 5) = .true.
     do i = 1, 4
       on(ncp + i, :) = [CORNER(1, i) < 0, CORNER(1, i) > 0, CORNER(2, i) < 0, CORNER(2, i) > 0, &
-                      .false., .true.]
+                        .false., .true.]
     end do
     call join_faces(on, topology)
     topology%vtk = VTK_BEZIER_HEXAHEDRON

@@ -186,6 +186,7 @@ contains
       b%mask = draft%mask(:draft%nnode)
       do f = 1, 6
         associate (list => draft%face(f), n => draft%nface(f))
+          if (.not. allocated(list%block)) allocate (list%block(0), list%elem(0), list%side(0))
           b%face(f)%block = list%block(:n) + nblock
           b%face(f)%elem = list%elem(:n)
           b%face(f)%side = list%side(:n)
@@ -209,7 +210,7 @@ contains
       b%conn = b%conn + nnode
       b%number = [(number + i, i=1, b%nelem)]
       number = number + b%nelem
-      if (.not. b%row%spline) return
+      if (.not. allocated(b%ext%iop)) return
       allocate (new(0:size(draft%op)), source=0)
       n = 0
       do i = 1, size(draft%op)

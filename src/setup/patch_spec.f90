@@ -3,11 +3,13 @@ module patch_spec
   use base_kinds, only: wp
   use base_error, only: place_t
   use nurbs, only: nurbs_t
+  use spline_spec, only: spline_spec_t
   implicit none
   private
   public :: patch_spec_t, enrich_t, placement_t
 
-  integer, parameter, public :: GEO_NONE = 0, GEO_BOX = 1, GEO_HEMISPHERE = 2, GEO_NURBS = 3
+  integer, parameter, public :: GEO_NONE = 0, GEO_BOX = 1, GEO_HEMISPHERE = 2, GEO_NURBS = 3, &
+                                GEO_SPLINE = 4
 
   !> ENRIch face p [RAISe t] [EAS [TAPEred]].
   type :: enrich_t
@@ -41,7 +43,8 @@ module patch_spec
     type(placement_t), allocatable :: placement(:)
     integer :: nelem(3) = 0                            !! ELEMents
     type(knot_list_t) :: knots(3)                      !! KNOTs,dir (then nelem(dir) is size + 1)
-    character(8) :: type = ''                          !! Q1 Q1E9 Q2 IGA RIGID
+    type(spline_spec_t) :: spline                      !! SPLIne
+    character(8) :: type = ''                          !! Q1 Q1E9 Q2 IGA RIGID, LAYER of a SPLIne
     integer :: degree = 1                              !! of IGA
     type(enrich_t), allocatable :: enrich(:)
     integer :: q = 0, qz = 0                           !! QUADrature; 0: default of each element

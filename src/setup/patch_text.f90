@@ -6,8 +6,8 @@ module patch_text
   use base_text, only: to_text, quoted
   implicit none
   private
-  public :: text_t, load_text, complain, next_word, next_integer, next_real, next_count, next_reals, &
-            words_left, next_line
+  public :: text_t, load_text, complain, next_word, next_integer, next_real, next_count, &
+            next_reals, words_left, next_line
 
   integer(i8), parameter :: MAX_SIZE = 1000000000_i8 !! bytes
 

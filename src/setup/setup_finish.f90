@@ -7,6 +7,7 @@ module setup_finish
   use model_basis, only: tabulate_basis
   use rigid_block, only: is_rigid
   use patch_body, only: build_body
+  use patch_spec, only: GEO_SPLINE
   use setup_apply, only: apply_conditions, note_loose
   use setup_build, only: build_t
   use setup_check, only: check_references, check_jacobians
@@ -19,6 +20,7 @@ module setup_finish
   use setup_rigid, only: hold_rigid
   use setup_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use setup_solid, only: npatch_geometry, append_npatch
+  use setup_spline_body, only: make_spline
   use setup_tie, only: tie_nodes
   implicit none
   private
@@ -75,8 +77,12 @@ contains
     do i = 1, size(build%patch)
       associate (p => build%patch(i))
         p%spec%material = material_index(build, p%material)
-        if (p%npatch > 0) call npatch_geometry(build, p%npatch, p%spec%nurbs, error)
-        if (.not. allocated(error)) call build_body(p%spec, mesh, error)
+        if (p%spec%geometry == GEO_SPLINE) then
+          call make_spline(build, p%spec, mesh, error)
+        else
+          if (p%npatch > 0) call npatch_geometry(build, p%npatch, p%spec%nurbs, error)
+          if (.not. allocated(error)) call build_body(p%spec, mesh, error)
+        end if
       end associate
       if (allocated(error)) call build%errors%add(error)
     end do

@@ -9,7 +9,7 @@ module setup_patch
   use setup_patch_record, only: read_line, TYPES
   implicit none
   private
-  public :: read_patch, patch_named
+  public :: read_patch, patch_named, check_patch_name, append_patch
 
   character(12), parameter :: WORD(13) = ['BOX         ', 'HEMIsphere  ', 'NPATch      ', &
                                           'FILE        ', 'ROTAte      ', 'TRANslate   ', &
@@ -44,10 +44,10 @@ contains
     if (allocated(error)) return
     patch%spec%name = record%text(2)
     patch%spec%place = record%place(2)
-    call check_name(build, record, error)
+    call check_patch_name(build, record, error)
     if (allocated(error)) return
     allocate (patch%spec%enrich(0), patch%spec%placement(0))
-    call append(build, patch) ! now: an error in its records must not make it unknown
+    call append_patch(build, patch) ! now: an error in its records must not make it unknown
     seen = .false.
     do
       call next_line(build, deck, line, more, error)
@@ -78,7 +78,7 @@ contains
   end subroutine read_patch
 
   !> A name of its own that is no word of WHERE.
-  subroutine check_name(build, record, error)
+  subroutine check_patch_name(build, record, error)
     type(build_t), intent(in) :: build
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -93,9 +93,9 @@ contains
                 'the first one stands in line ' &
                 //to_text(build%patch(patch_named(build, record%text(2)))%spec%place%line))
     end if
-  end subroutine check_name
+  end subroutine check_patch_name
 
-  subroutine append(build, patch)
+  subroutine append_patch(build, patch)
     type(build_t), intent(inout) :: build
     type(patch_entry_t), intent(in) :: patch
     type(patch_entry_t), allocatable :: longer(:)
@@ -106,7 +106,7 @@ contains
     longer(:n) = build%patch
     longer(n + 1) = patch
     call move_alloc(longer, build%patch)
-  end subroutine append
+  end subroutine append_patch
 
   !> What a patch cannot do without.
   subroutine check_complete(patch, error)

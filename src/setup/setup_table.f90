@@ -13,6 +13,7 @@ module setup_table
   use setup_patch, only: read_patch
   use setup_places, only: read_cbou, read_cdis, read_cfor, read_csur
   use setup_requests, only: read_ebou, read_edis, read_efor, read_epro
+  use setup_spline, only: read_spline
   use setup_words, only: read_para, read_print, read_tie
   implicit none
   private
@@ -54,6 +55,7 @@ contains
     call add(table, 'NPATch', WORDS, read_npatch, 'SOLI')
     call add(table, 'PATCh', WORDS, read_patch, &
              'BOX HEMI NPAT FILE ROTA TRAN ELEM KNOT TYPE ENRI QUAD MATE')
+    call add(table, 'SPLIne', WORDS, read_spline, 'LAYE CONS QUAD TYPE REVE ROTA TRAN MATE')
     call add(table, 'FIX', ALONE, read_fix)
     call add(table, 'MOVE', ALONE, read_move)
     call add(table, 'PRESsure', ALONE, read_pressure)

@@ -1,13 +1,15 @@
 !> How thick a body is behind its faces.
 module setup_thickness
   use base_kinds, only: wp
-  use base_error, only: error_t
+  use base_error, only: error_t, fail, DECK_ERROR
   use nurbs, only: nurbs_t, evaluate
   use patch_check, only: hemisphere_degree
   use patch_geometry, only: geometry_t, new_geometry
+  use patch_spec, only: GEO_SPLINE
   use setup_build, only: build_t
   use setup_patch, only: patch_named
   use setup_solid, only: npatch_geometry, npatch_name
+  use spline_measure, only: spline_thickness
   implicit none
   private
   public :: body_thickness
@@ -29,7 +31,8 @@ contains
     real(wp) :: least, width
     integer :: d
 
-    thickness = 0.0_wp
+    thickness = spline_body_thickness(build, name)
+    if (thickness > 0.0_wp) return
     call find_geometry(build, name, patch, error)
     if (allocated(error)) return
     least = huge(least)
@@ -39,6 +42,23 @@ contains
     end do
     if (least > NOTHING*width) thickness = least
   end function body_thickness
+
+  !> Of the body that a layer under a spline surface belongs to; 0: it is no such body.
+  function spline_body_thickness(build, name) result(thickness)
+    type(build_t), intent(in) :: build
+    character(*), intent(in) :: name
+    real(wp) :: thickness
+    integer :: p
+
+    thickness = 0.0_wp
+    p = patch_named(build, name)
+    if (p == 0) return
+    associate (spec => build%patch(p)%spec)
+      if (spec%geometry == GEO_SPLINE .and. spec%spline%has_layer) then
+        thickness = spline_thickness(spec%spline%surface, -1.0_wp) ! a_1 x a_2 points inwards
+      end if
+    end associate
+  end function spline_body_thickness
 
   !> The patch before refinement. Its placement does not change distances.
   subroutine find_geometry(build, name, patch, error)
@@ -51,6 +71,10 @@ contains
 
     p = patch_named(build, name)
     if (p > 0) then
+      if (build%patch(p)%spec%geometry == GEO_SPLINE) then
+        call fail(error, DECK_ERROR, 'a spline surface has no opposite face') ! nothing to measure
+        return
+      end if
       call hemisphere_degree(build%patch(p)%spec, degree, error)
       if (.not. allocated(error)) call new_geometry(build%patch(p)%spec, degree, geo, error)
       if (.not. allocated(error)) patch = geo%coarse

@@ -238,6 +238,8 @@ contains
         side = [side, face%side]
       end associate
     end do
+    if (size(elem) == 0) call fail(error, DECK_ERROR, quoted(place%body)//' has no such face', &
+                                   place%face_place, 'a spline surface is its face 3-, or ALL')
   end subroutine find_faces
 
 end module setup_where

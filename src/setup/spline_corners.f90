@@ -72,8 +72,8 @@ contains
     integer :: a, n
 
     associate (node => s%node(s%first(e):s%first(e + 1) - 1))
+      allocate (order(size(node)), value(size(node)))
       value = s%op(s%iop(e))%c(:, corner_polynomial(s%degree(:, e), c))
-      allocate (order(size(node)))
       call sort_index(node, order)
       order = pack(order, [(abs(value(order(a))) > NOTHING, a=1, size(order))])
       n = size(order)

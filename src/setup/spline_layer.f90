@@ -1,11 +1,15 @@
-!> Tables of layers: the four inner nodes of each element of a spline surface.
+!> Tables beside a spline surface: the four inner nodes of each element, and hanging nodes.
 module spline_layer
   use base_error, only: error_t, place_t
+  use base_kinds, only: wp
   use base_text, only: to_text
-  use patch_text, only: text_t, load_text, complain, next_integer, next_line, words_left
+  use constraint, only: constraint_t, add_constraint
+  use patch_text, only: text_t, load_text, complain, next_integer, next_real, next_line, words_left
   implicit none
   private
-  public :: read_layer
+  public :: read_layer, read_constraints
+
+  integer, parameter :: MOST_MASTERS = 256
 
 contains
 
@@ -70,6 +74,48 @@ contains
       call complain(text, 'node '//to_text(minval(node)), error, 'node numbers are positive')
     end if
   end subroutine read_record
+
+  !> Hanging nodes: a record is the slave, the number of its masters, and each with its coefficient.
+  subroutine read_constraints(path, list, place, error)
+    character(*), intent(in) :: path
+    type(constraint_t), intent(inout) :: list
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+    type(text_t) :: text
+    integer :: slave, n, i
+    integer, allocatable :: master(:)
+    real(wp), allocatable :: c(:)
+
+    call load_text(path, place, text, error)
+    if (allocated(error)) return
+    call unify_comments(text)
+    do
+      call next_line(text)
+      i = words_left(text)
+      if (i == 0) exit
+      call next_integer(text, 'the number of a node', slave, error)
+      if (.not. allocated(error)) call next_integer(text, 'a number of masters', n, error)
+      if (allocated(error)) return
+      if (n < 1 .or. n > MOST_MASTERS .or. i /= 2 + 2*n) then
+        call complain(text, 'a record of '//to_text(n)//' masters with '//to_text(i)//' numbers', &
+                      error, 'a record is slave n, then n pairs of a master and its coefficient')
+        return
+      end if
+      master = [(0, i=1, n)]
+      c = [(0.0_wp, i=1, n)]
+      do i = 1, n
+        call next_integer(text, 'the number of a node', master(i), error)
+        if (.not. allocated(error)) call next_real(text, 'a coefficient', c(i), error)
+        if (allocated(error)) return
+      end do
+      if (min(slave, minval(master)) < 1) then
+        call complain(text, 'node '//to_text(min(slave, minval(master))), error, &
+                      'node numbers are positive')
+        return
+      end if
+      call add_constraint(list, slave, master, c, place)
+    end do
+  end subroutine read_constraints
 
   !> Both signs of comments become one.
   subroutine unify_comments(text)

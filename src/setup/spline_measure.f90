@@ -9,7 +9,7 @@ module spline_measure
   private
   public :: surface_measures, surface_at, spline_thickness
 
-  integer, parameter :: MORE = 6          !! Gauss points beyond the degree: surfaces may be rational
+  integer, parameter :: MORE = 6 !! Gauss points beyond the degree: surfaces may be rational
   integer, parameter :: MOST_SAMPLES = 3000
   real(wp), parameter :: OPPOSITE = -0.5_wp, STRAIGHT = 0.8_wp !! cosines
 

@@ -1,6 +1,7 @@
 !> What a SPLIne block says beside what it has in common with a PATCh.
 module spline_spec
   use base_error, only: place_t
+  use constraint, only: constraint_t
   use spline_surface, only: spline_surface_t
   implicit none
   private
@@ -12,8 +13,10 @@ module spline_spec
     type(place_t) :: reverse_place
     logical :: has_layer = .false.
     integer, allocatable :: inner(:, :)   !! (4, nelem) inner nodes, numbers of the mesh
-    character(:), allocatable :: mesh     !! name of the MESH they belong to; not allocated: the deck
+    character(:), allocatable :: mesh     !! MESH that they belong to; not allocated: the deck
     type(place_t) :: layer_place, mesh_place
+    type(constraint_t) :: constraint      !! CONStraint, numbers of the mesh
+    type(place_t) :: constraint_place
     logical :: eas = .false., tapered = .false.
   end type spline_spec_t
 
