@@ -1,6 +1,6 @@
 """Figures and comparisons from the files that bezel writes.
 
-Five commands, each a module with the same name that can be used as a library:
+Six commands, each a module with the same name that can be used as a library:
 
 =============  ==============================================================  ======================
 command        what it does                                                    needs
@@ -11,6 +11,7 @@ field          renders a step of a result file without a screen                h
 contact-map    draws contact surfaces from above, side by side                 h5py, matplotlib, vtk
 diff           compares two runs, or a run and a reference                     numpy (h5py for
 fields)
+mesh           an enriched body below a net of quads or a spline surface       numpy; Gmsh or TetGen
 =============  ==============================================================  ======================
 
 The package reads result files only, never a deck. Nothing heavy is imported until it is used:
@@ -24,7 +25,7 @@ import importlib
 
 from post._error import Unreadable
 
-COMMANDS = ("curve", "convergence", "field", "contact-map", "diff")
+COMMANDS = ("curve", "convergence", "field", "contact-map", "diff", "mesh")
 MODULES = tuple(name.replace("-", "_") for name in COMMANDS)
 __all__ = [*MODULES, "Unreadable"]
 

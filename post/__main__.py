@@ -13,6 +13,7 @@ USAGE = """usage: python -m post COMMAND ...
   convergence  TABLE.csv [--where test=compression] -o fig.png
   field        RUN.vtkhdf --step last --scalar mises -o fig.png
   contact-map  RUN.vtkhdf [RUN2 ...] --scalar contact_pressure -o fig.png
+  mesh         NET -o DIR/NAME [--enrich CHOICE] [--group NAME=CHOICE] [--pictures]
   diff         A B [--rel 1e-6] [--expect expect.toml] [--json F] [--junit F] [--update]
 
 `python -m post COMMAND --help` lists the options of a command."""

@@ -3,6 +3,7 @@
 # usage: tools/setup.sh            compiler, libraries, Python packages of `post` in .venv
 #        tools/setup.sh dev        and the tools of `make lint`, `make coverage`, `make doc`
 #        tools/setup.sh bench      and FElupe and CalculiX, which `make bench` compares with
+#        tools/setup.sh mesh       and Gmsh and TetGen, which `python -m post mesh` starts
 #        tools/setup.sh libraries  only look, install nothing; says what is missing
 # With apt and the right to use it (root, or sudo) missing packages are installed; otherwise one
 # sentence names them, and this ends with 1.
@@ -130,7 +131,7 @@ case ${1:-} in
     lack=$(missing_program)
     # shellcheck disable=SC2086
     [ -z "$lack" ] || complain $lack ;;
-  '' | dev | bench)
+  '' | dev | bench | mesh)
     lack=$(missing_program; missing_python)
     if [ -n "$lack" ]; then
       apt_install
@@ -145,11 +146,17 @@ case ${1:-} in
     pip_install post/requirements.txt
     case ${1:-} in
       dev) pip_install tools/requirements-dev.txt ;;
+      mesh) # the wheel of Gmsh wants libraries of a desktop
+        if ! .venv/bin/python .venv/bin/gmsh -version >/dev/null 2>&1; then
+          pip_install tools/requirements-mesh.txt
+          .venv/bin/python .venv/bin/gmsh -version >/dev/null 2>&1 ||
+            { APT='libglu1-mesa libxcursor1 libxft2 libxinerama1 libxext6'; apt_install; }
+        fi ;;
       bench) # what cannot be had is left out of the comparison
         has ccx || { APT=calculix-ccx; apt_install; }
         pip_install tools/requirements-bench.txt || true ;;
     esac ;;
   *)
-    sed -n '2,8s/^# //p' "$0"
+    sed -n '2,9s/^# //p' "$0"
     exit 1 ;;
 esac

@@ -1,0 +1,108 @@
+"""From a net of quads or a spline surface to an enriched body: `python -m post mesh NET -o body`.
+
+NET is a closed net of quads (VTK, OFF, OBJ, Gmsh; a file of hexahedra gives its boundary) or an
+extracted spline surface (BEXT 2.0, .iga). Below the surface come a layer of enriched elements,
+pyramids and tetrahedra, or the file's own hexahedra. Written are the files that a deck names, the
+deck itself and a report. As a library:
+
+>>> from post.mesh import body_of
+>>> body_of("net.off").cells["tets"].shape  # doctest: +SKIP
+"""
+
+import argparse
+import pathlib
+import sys
+
+from post._error import Unreadable
+from post.mesh import _body, _choose, _net, _patches, _read, _read_spline, _report, _smooth, _write
+
+
+def surface_of(path, closed=True, orient=False, refine=0, smooth=False, split=None):
+    """(Surface, Net or None) of a file; arguments as the command's options."""
+    net = None
+    if _read_spline.is_spline(path):
+        if refine:
+            raise Unreadable("--refine is for nets; a spline surface has its elements already")
+        surface = _read_spline.read_spline(path, closed)
+    else:
+        net = _net.checked(_read.read_net(path), path, closed, orient)
+        for _ in range(refine):
+            net = _net.refined(net)
+        surface = _patches.extract(net)
+    if split:
+        from post.mesh import _split
+
+        surface = _split.split(surface, _choose.elements(surface, split))
+    if smooth:
+        surface = _smooth.smooth(surface, everywhere=smooth == "everywhere")
+    return surface, net
+
+
+def body_of(path, closed=True, orient=False, refine=0, smooth=False, split=None, groups=(),
+            enrich=None, **options):  # fmt: skip
+    """The Body of a file; further options as those of _body.build."""
+    surface, net = surface_of(path, closed, orient, refine, smooth, split)
+    _choose.named(surface, groups)
+    if not closed:
+        options["interior"] = "none"
+    keep = None if enrich is None else _choose.elements(surface, enrich)
+    return _body.build(surface, net, enrich=keep, **options)
+
+
+def main(argv):
+    """The command; returns its exit code: 1 where the body is not fit for a run."""
+    o = _parser().parse_args(argv)
+    output = pathlib.Path(o.output)
+    if not output.name.isidentifier():
+        raise Unreadable(f"'{output.name}' is no name for a deck: letters, digits and _ only")
+    heights = {"factor": o.layer, "constant": o.thickness}
+    heights = {key: value for key, value in heights.items() if value is not None}
+    body = body_of(
+        o.file, not o.open, o.orient, o.refine, o.smooth, o.split, o.group, o.enrich,
+        interior=o.interior, mesher=o.mesher, size=o.size, heights=heights, junction=o.t_junction,
+    )  # fmt: skip
+    report = _report.describe(body)
+    for path in _write.write(body, output, " ".join(argv)):
+        print(path)
+    _report.write(report, output.with_name(output.name + ".mesh.json"))
+    print(_report.text(report))
+    if o.pictures:
+        from post.mesh import _draw
+
+        _draw.draw(body, output)
+    problems = _report.bad(report)
+    for sentence in problems:
+        print(f"post mesh: {sentence}", file=sys.stderr)
+    return 1 if problems else 0
+
+
+def _parser():
+    p = argparse.ArgumentParser(
+        prog="post mesh", description="An enriched body below a net of quads or a spline surface.",
+        epilog="A choice of elements is box:x1,y1,z1,x2,y2,z2, cylinder:px,py,pz,ax,ay,az,r, "
+        "sphere:x,y,z,r, normal:nx,ny,nz,degrees, distance:x,y,z,d, set:name or all; "
+        "a&b are those of both, a+b those of either.",
+    )  # fmt: skip
+    p.add_argument("file", help=".vtk .off .obj .msh nets, .bext.json .bext .iga splines")
+    p.add_argument("-o", "--output", required=True, metavar="DIR/NAME", help="the files' stem")
+    p.add_argument("--interior", choices=("tets", "hexes", "none"), default="tets",
+                   help="tetrahedra (default), the file's hexahedra, or the layer alone")  # fmt: skip
+    p.add_argument("--mesher", choices=("gmsh", "tetgen"), default="gmsh")
+    p.add_argument("--size", type=float, help="largest edge of tetrahedra inside [L]")
+    p.add_argument("--open", action="store_true", help="the surface is open: the layer alone")
+    p.add_argument("--orient", action="store_true", help="turn quads so that they agree")
+    p.add_argument("--refine", type=int, default=0, metavar="N", help="Catmull-Clark steps first")
+    p.add_argument("--smooth", nargs="?", const="local", choices=("local", "everywhere"),
+                   help="D-patches: continuous normals at extraordinary points, too")  # fmt: skip
+    p.add_argument("--split", metavar="CHOICE", help="these elements in four each (T-junctions)")
+    p.add_argument("--t-junction", choices=("constraint", "peak"), default="constraint",
+                   help="pyramids below T-junctions: one a quad, or with a common peak")  # fmt: skip
+    p.add_argument("--layer", type=float, metavar="F",
+                   help="largest height of the layer over the length of edges (default 0.8; 0.3 "
+                   "above hexahedra)")  # fmt: skip
+    p.add_argument("--thickness", type=float, metavar="H", help="one height everywhere [L]")
+    p.add_argument("--enrich", metavar="CHOICE", help="the spline stays here, plain elsewhere")
+    p.add_argument("--group", action="append", default=[], metavar="NAME=CHOICE",
+                   help="name elements for FIX and MOVE; may be repeated")  # fmt: skip
+    p.add_argument("--pictures", action="store_true", help="NAME_surface.png, _layer, _cut")
+    return p

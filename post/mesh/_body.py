@@ -1,0 +1,109 @@
+"""The body: an enriched layer below a surface, cells inside, what hangs and what is named."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from post._error import Unreadable
+from post.mesh import (
+    _enrich,
+    _hexes,
+    _junction,
+    _layer,
+    _pyramids,
+    _quality,
+    _surface,
+    _tets,
+)
+
+EMPTY = {"tets": 4, "pyramids": 5, "hexes": 8}
+
+
+@dataclass
+class Body:
+    """What the files hold. Numbers of points count from 0 here."""
+
+    surface: object  # the enriched part, a Surface; below its corner k is the bulk's point k
+    points: np.ndarray  # (n, 3) of the bulk: inner corners of the layer first
+    cells: dict  # tets (k,4), pyramids (k,5), hexes (k,8)
+    hanging: list = field(default_factory=list)  # (slave, masters, coefficients) of the bulk
+    ties: list = field(default_factory=list)  # (bulk point, control point) that are one
+    whole: object = None  # the Surface before parts of it became plain
+    form: object = None  # the Layer of the whole surface
+    plain: np.ndarray | None = None  # (k, 4) outer points of the plain part's faces
+    plain_hexes: int = 0  # the first hexahedra are the plain part's layer
+
+
+def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=None, heights=None,
+          junction="constraint"):  # fmt: skip
+    """The Body below a surface.
+
+    interior: tets, hexes (those of the net) or none; enrich: (m) whether an element keeps its
+    spline, None: all of them; heights: options of _layer.build; junction: constraint or peak.
+    """
+    if interior == "hexes":  # they have no room for a layer as thick as tetrahedra leave
+        heights = {"factor": 0.3, "thickness_share": 0.15} | (heights or {})
+    form = _layer.build(surface, **(heights or {}))
+    points, cells = fill(surface, form, net, interior, mesher, size, junction)
+    hanging = [(s, (a, b), (1 - tau, tau)) for s, (a, b, tau) in sorted(surface.hanging.items())]
+    body = Body(surface, points, cells, hanging, whole=surface, form=form)
+    if enrich is not None and not enrich.all():
+        _enrich.make_partial(body, enrich)
+    return body
+
+
+def fill(surface, form, net, interior, mesher, size, junction):
+    """(points, cells) of the interior; the layer's inner corners come first and do not move."""
+    cells = {kind: np.empty((0, n), dtype=np.int64) for kind, n in EMPTY.items()}
+    if interior == "none":
+        return form.inner, cells
+    if interior == "hexes":
+        if net is None or not len(net.hexes):
+            raise Unreadable("the file has no hexahedra inside to use again; take --interior tets")
+        points, cells["hexes"] = _hexes.reuse(net, surface, form)
+        return points, cells
+    room = form.thickness[surface.corners].min(axis=1)
+    room = np.maximum(room - 2 * form.height[surface.corners].max(axis=1), 0)
+    splits = {(a, b): s for s, (a, b, _) in surface.hanging.items()}
+    if splits and junction == "peak":
+        made = _junction.common_peaks(surface, form, room)
+    else:
+        made = _pyramids.build(surface.corners, form.inner, room, splits)
+    cells["pyramids"] = made.cells
+    points, cells["tets"] = _compact(made, mesher, size)
+    return points, cells
+
+
+def _compact(made, mesher, size):
+    """Mesh the room between the pyramids; points that stand in no triangle are kept out of it."""
+    used = np.unique(made.triangles)
+    place = np.full(len(made.points), -1)
+    place[used] = np.arange(len(used))
+    points, tets = _tets.mesh(made.points[used], place[made.triangles], mesher, size)
+    n = len(made.points)
+    back = np.concatenate([used, n + np.arange(len(points) - len(used))])
+    return np.concatenate([made.points, points[len(used) :]]), back[tets]
+
+
+def volumes(body):
+    """{part: volume} of layer, pyramids, tets and hexes [L^3]."""
+    part = {
+        "layer": _layer.volumes(body.surface, body.points) if len(body.surface.nodes) else [],
+        "pyramids": _quality.pyramids(body.points, body.cells["pyramids"])[0],
+        "tets": _quality.tets(body.points, body.cells["tets"])[0],
+        "hexes": _quality.hex_volumes(body.points, body.cells["hexes"]),
+    }
+    return {key: float(np.sum(v)) for key, v in part.items()}
+
+
+def enclosed(body):
+    """What the surface encloses by its integral: the enriched part and the plain faces [L^3]."""
+    centre = body.whole.points.mean(axis=0)
+    total = 0.0
+    if len(body.surface.nodes):
+        total = _surface.measures(body.surface, centre=centre)[1]
+    if body.plain is not None:
+        xi, eta, w = _surface.gauss(2)
+        x, a, b = _layer.bilinear(body.points[body.plain], xi, eta, derivatives=True)
+        total -= (np.einsum("mkc,mkc->mk", x - centre, np.cross(a, b)) @ w).sum() / 3
+    return float(total)

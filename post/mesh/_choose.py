@@ -1,0 +1,73 @@
+"""Parts of a surface by name: boxes, cylinders, spheres, directions, distances, sets of the file."""
+
+import numpy as np
+
+from post._error import Unreadable
+from post.mesh import _surface
+
+KINDS = {
+    "box": (6, "box:x1,y1,z1,x2,y2,z2"),
+    "cylinder": (7, "cylinder:px,py,pz,ax,ay,az,radius"),
+    "sphere": (4, "sphere:x,y,z,radius"),
+    "normal": (4, "normal:nx,ny,nz,degrees"),
+    "distance": (4, "distance:x,y,z,d"),
+}
+
+
+def elements(surface, text):
+    """(m, bool) the elements that a choice names; several joined by + all count, by & together.
+
+    An element belongs to a box, cylinder (inside its radius), sphere or distance if its middle does,
+    and to a normal if the outward normal in its middle is within the angle.
+    """
+    result = np.zeros(len(surface.nodes), dtype=bool)
+    for part in text.split("+"):
+        both = np.ones(len(surface.nodes), dtype=bool)
+        for one in part.split("&"):
+            both &= _one(surface, one.strip())
+        result |= both
+    return result
+
+
+def _one(surface, text):
+    kind, _, rest = text.partition(":")
+    if kind == "all":
+        return np.ones(len(surface.nodes), dtype=bool)
+    if kind == "set":
+        if rest not in surface.sets:
+            known = " ".join(sorted(surface.sets)) or "none"
+            raise Unreadable(f"no set '{rest}' in the file; known: {known}")
+        return np.isin(np.arange(len(surface.nodes)), surface.sets[rest])
+    if kind not in KINDS:
+        known = ", ".join(form for _, form in KINDS.values())
+        raise Unreadable(f"'{text}' names no part of the surface; known: all, set:name, {known}")
+    count, form = KINDS[kind]
+    try:
+        v = np.array([float(w) for w in rest.split(",")])
+    except ValueError:
+        v = np.empty(0)
+    if len(v) != count or not np.isfinite(v).all():
+        raise Unreadable(f"'{text}' has not {count} numbers: {form}")
+    zero = np.zeros(1)
+    x, a, b = (y[:, 0] for y in _surface.evaluate(surface.bezier(), surface.degree, zero, zero))
+    if kind == "box":
+        return ((x >= np.minimum(v[:3], v[3:])) & (x <= np.maximum(v[:3], v[3:]))).all(axis=1)
+    if kind == "normal":
+        return _surface.unit(-np.cross(a, b)) @ _surface.unit(v[:3]) >= np.cos(np.radians(v[3]))
+    away = x - v[:3]
+    if kind == "cylinder":
+        axis = _surface.unit(v[3:6])
+        away = away - np.outer(away @ axis, axis)
+    return np.linalg.norm(away, axis=1) <= v[-1]
+
+
+def named(surface, texts):
+    """Add the sets given as name=choice to the surface."""
+    for text in texts:
+        name, equals, choice = text.partition("=")
+        if not equals or not name.isidentifier():
+            raise Unreadable(f"'{text}' is no name=choice, as in hole=box:0,0,0,1,1,1")
+        chosen = elements(surface, choice)
+        if not chosen.any():
+            raise Unreadable(f"'{text}' names no element of the surface")
+        surface.sets[name] = np.flatnonzero(chosen)

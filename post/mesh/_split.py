@@ -1,0 +1,173 @@
+"""Elements split in four, corners that hang then, and corners found again in files without them."""
+
+import numpy as np
+
+from post._error import Unreadable
+from post.mesh import _surface
+from post.mesh._surface import Surface
+
+TOLERANCE = 1e-9  # of values of functions, which are between 0 and 1
+
+
+def halves(p):
+    """Two (p+1, p+1) matrices: Bezier points of the lower and the upper half from those of the whole.
+
+    >>> halves(1)[0].tolist()
+    [[1.0, 0.0], [0.5, 0.5]]
+    """
+    low = np.zeros((p + 1, p + 1))
+    row = np.eye(p + 1)
+    for k in range(p + 1):
+        low[k] = row[0]
+        row = 0.5 * (row[:-1] + row[1:])
+    return low, low[::-1, ::-1]
+
+
+def split(surface, chosen):
+    """The surface with the chosen elements (m, bool) in four each, and its hanging corners.
+
+    Sub-element 4 k + c of the k-th chosen one lies at its corner c; they stand at the end in the
+    order of `chosen`. The functions stay what they were.
+    """
+    p, q = surface.degree
+    (lp, up), (lq, uq) = halves(p), halves(q)
+    quarter = [np.kron(a, b).T for a, b in ((lq, lp), (lq, up), (uq, up), (uq, lp))]
+    kept = np.flatnonzero(~chosen)
+    corners, middles = _new_corners(surface, chosen)
+    nodes = [surface.nodes[e] for e in kept]
+    rows = [surface.coefficients[e] for e in kept]
+    for e in np.flatnonzero(chosen):
+        for c in range(4):
+            part = surface.coefficients[e] @ quarter[c]
+            used = abs(part).max(axis=1) > 0
+            nodes.append(surface.nodes[e][used])
+            rows.append(part[used])
+    place = _places(chosen)
+    sets = {k: np.sort(np.concatenate([place[e] for e in ids])) for k, ids in surface.sets.items()}
+    hanging = dict(surface.hanging)
+    edges = _edges(surface.corners[kept])
+    for (a, b), s in middles.items():
+        if (b, a) in edges or (a, b) in edges:
+            hanging[s] = (a, b, 0.5)
+    hanging = {s: m for s, m in hanging.items() if (m[0], m[1]) in edges or (m[1], m[0]) in edges}
+    corners = np.concatenate([surface.corners[kept], corners])
+    return Surface(
+        surface.degree, surface.points, surface.weights, nodes, rows, corners, sets, hanging
+    )
+
+
+def _places(chosen):
+    """For each old element the numbers of those that it became."""
+    kept = np.cumsum(~chosen) - 1
+    late = np.count_nonzero(~chosen) + 4 * (np.cumsum(chosen) - 1)
+    return [np.arange(late[e], late[e] + 4) if chosen[e] else [kept[e]] for e in range(len(chosen))]
+
+
+def _edges(corners):
+    return {(int(a), int(b)) for row in corners for a, b in zip(row, np.roll(row, -1))}
+
+
+def _new_corners(surface, chosen):
+    """((4 k, 4) corners of the parts, {(a, b) sorted: middle of that edge})."""
+    n = int(surface.corners.max()) + 1
+    middles, result = {}, []
+    known = {tuple(sorted(m[:2])): s for s, m in surface.hanging.items() if m[2] == 0.5}
+    for row in surface.corners[chosen].tolist():
+        mids = []
+        for c in range(4):
+            key = tuple(sorted((row[c], row[(c + 1) % 4])))
+            if key not in middles:
+                middles[key] = known.get(key, n)
+                n += key not in known
+            mids.append(middles[key])
+        for c in range(4):
+            # At corner c: in the element's own order, so that its directions stay.
+            around = [row[c], mids[c], n, mids[c - 1]]
+            result.append([around[(k - c) % 4] for k in range(4)])
+        n += 1
+    return np.array(result, dtype=np.int64).reshape(-1, 4), middles
+
+
+def find_corners(nodes, coefficients, index):
+    """(m, 4) corners of elements from a file: two are one where {function: value} agree."""
+    known, corners = {}, np.empty((len(nodes), 4), dtype=np.int64)
+    for e, (ids, c) in enumerate(zip(nodes, coefficients)):
+        for k, b in enumerate(index):
+            row = [(int(i), round(float(v), 8)) for i, v in zip(ids, c[:, b]) if abs(v) > TOLERANCE]
+            corners[e, k] = known.setdefault(frozenset(row), len(known))
+    return corners
+
+
+def find_hanging(surface):
+    """{corner: (a, b, tau)} corners inside an edge of a larger element: T-junctions.
+
+    An edge a-b without a neighbour and edges a-s, s-b without one, where the point of the edge with
+    the values of s has the parameter tau.
+    """
+    count = {}
+    for e, row in enumerate(surface.corners.tolist()):
+        for c in range(4):
+            count.setdefault(frozenset((row[c], row[(c + 1) % 4])), []).append((e, c))
+    single = {key: users[0] for key, users in count.items() if len(users) == 1}
+    beside = {}
+    for key in single:
+        for v in key:
+            beside.setdefault(v, set()).update(key - {v})
+    hanging = {}
+    for e, c in single.values():
+        a, b = surface.corners[e, c], surface.corners[e, (c + 1) % 4]
+        for s in beside[int(a)] & beside[int(b)]:
+            tau = _parameter(surface, e, c, s, single)
+            if tau is not None:
+                hanging[s] = (int(a), int(b), tau)
+    return hanging
+
+
+def _parameter(surface, e, c, s, single):
+    """Where along edge c of element e the functions have the values that they have at corner s."""
+    other, d = next(
+        (f, surface.corners[f].tolist().index(s)) for key, (f, _) in single.items() if s in key
+    )
+    index = surface.corner_index
+    want = dict(zip(surface.nodes[other].tolist(), surface.coefficients[other][:, index[d]]))
+    target = np.array([want.get(i, 0.0) for i in surface.nodes[e].tolist()])
+    start, end = (np.array([(-1.0, -1), (1, -1), (1, 1), (-1, 1)])[k] for k in (c, (c + 1) % 4))
+
+    def miss(tau):
+        xi, eta = start + tau * (end - start)
+        p, q = surface.degree
+        u, v = _surface.bernstein(p, [xi])[0], _surface.bernstein(q, [eta])[0]
+        return abs(surface.coefficients[e] @ np.outer(v, u).ravel() - target).max()
+
+    grid = np.linspace(0, 1, 33)
+    k = int(np.argmin([miss(t) for t in grid]))
+    low, high = grid[max(k - 1, 0)], grid[min(k + 1, 32)]
+    for _ in range(90):
+        third = (high - low) / 3
+        low, high = (
+            (low, high - third) if miss(low + third) < miss(high - third) else (low + third, high)
+        )
+    tau = min((grid[k], 0.5 * (low + high)), key=miss)
+    return float(tau) if miss(tau) < 1e-7 and 0 < tau < 1 else None
+
+
+def check_corners(surface, path, closed):
+    """Edges that nothing closes: the surface is open, or its elements do not match."""
+    count = {}
+    for row in surface.corners.tolist():
+        for a, b in zip(row, row[1:] + row[:1]):
+            count[a, b] = count.get((a, b), 0) + 1
+    if any(v > 1 for v in count.values()):
+        raise Unreadable(f"'{path}': neighbouring elements have opposite orientations")
+    chained = {
+        edge
+        for s, (a, b, _) in surface.hanging.items()
+        for edge in ((a, b), (b, a), (a, s), (s, a), (s, b), (b, s))
+    }
+    lone = [e for e in count if (e[1], e[0]) not in count and e not in chained]
+    if lone and closed:
+        raise Unreadable(
+            f"'{path}': the surface is not closed: {len(lone)} edges of elements have no neighbour; "
+            "--open meshes an open surface"
+        )
+    return lone

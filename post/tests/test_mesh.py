@@ -1,0 +1,185 @@
+"""From nets to bodies: functions, volumes, hanging corners, borders."""
+
+import unittest
+
+import numpy as np
+
+from post.mesh import (
+    _choose,
+    _hexes,
+    _layer,
+    _net,
+    _patches,
+    _read,
+    _report,
+    _smooth,
+    _split,
+    _surface,
+    _triangles,
+    _write,
+    body_of,
+    surface_of,
+)
+from post.tests.net_samples import Folder, grid
+
+
+class Surfaces(Folder):
+    def test_functions_sum_to_one_and_are_not_negative(self):
+        surface, _ = surface_of(self.block())
+        for c in surface.coefficients:
+            np.testing.assert_allclose(c.sum(axis=0), 1, atol=1e-15)
+            self.assertGreaterEqual(c.min(), 0)
+
+    def test_a_plane_regular_net_is_the_uniform_b_spline(self):
+        points, _ = grid((5, 5, 1))
+        quads = [
+            (a, b, c, d)
+            for a, b, c, d in _read.boundary(grid((5, 5, 1))[1])
+            if points[[a, b, c, d], 2].max() == 0
+        ]
+        net = _net.checked(_net.Net(points, np.array(quads)), "plane", closed=False)
+        surface = _patches.extract(net)
+        border = net.border[np.unique(net.quads)]
+        inner = [e for e, corners in enumerate(surface.corners) if not border[corners].any()]
+        self.assertEqual(len(inner), 9)
+        line = np.array([[1, 4, 1, 0], [0, 4, 2, 0], [0, 2, 4, 0], [0, 1, 4, 1]]) / 6
+        want = np.sort(np.kron(line, line), axis=1)
+        for e in inner:
+            np.testing.assert_allclose(np.sort(surface.coefficients[e].T, axis=1), want, atol=1e-15)
+
+    def test_a_refined_net_has_nearly_the_same_surface(self):
+        coarse, _ = surface_of(self.block())
+        fine, _ = surface_of(self.block(), refine=1)
+        self.assertEqual(len(fine.nodes), 4 * len(coarse.nodes))
+        areas = [_surface.measures(s)[0] for s in (coarse, fine)]
+        self.assertLess(abs(areas[1] / areas[0] - 1), 5e-3)
+
+    def test_curvature_of_a_sphere_of_nurbs_is_one_over_its_radius(self):
+        # A quarter turn in both directions, rational biquadratic, radius 2.
+        h = np.sqrt(0.5)
+        arc = np.array([[1.0, 0], [1, 1], [0, 1]])
+        w = np.array([1, h, 1.0])
+        points = np.array([[2 * a[0] * b[0], 2 * a[1] * b[0], 2 * b[1]] for b in arc for a in arc])
+        weights = np.array([u * v for v in w for u in w])
+        bezier = np.column_stack([points * weights[:, None], weights])
+        surface = _surface.Surface(
+            (2, 2), points, weights, [np.arange(9)], [np.eye(9)], np.array([[0, 1, 2, 3]])
+        )
+        values = _surface.curvature(surface, np.array([0.1, -0.4]), np.array([0.2, 0.3]))
+        np.testing.assert_allclose(abs(values), 0.5, rtol=1e-12)
+        x = _surface.evaluate(bezier[None], (2, 2), np.array([0.3]), np.array([-0.2]))[0]
+        self.assertAlmostEqual(np.linalg.norm(x), 2, places=14)
+
+    def test_d_patches_have_no_jump_of_normals(self):
+        for everywhere in (False, True):
+            plain, _ = surface_of(self.block((4, 4, 4)))
+            surface = _smooth.smooth(plain, everywhere)
+            self.assertGreater(_report.normal_jumps(plain)["edges"], 1)
+            self.assertLess(_report.normal_jumps(surface)["edges"], 1e-4)
+            self.assertLess(_report.normal_jumps(surface)["corners"], 1e-2)
+            self.assertEqual(len(surface.hanging) > 0, not everywhere)
+
+    def test_splitting_keeps_the_surface_and_names_the_corners_that_hang(self):
+        plain, _ = surface_of(self.block())
+        surface = _split.split(plain, np.arange(len(plain.nodes)) == 4)
+        self.assertEqual(len(surface.hanging), 4)
+        volumes = [_surface.measures(s)[1] for s in (surface, plain)]
+        self.assertLess(abs(volumes[0] / volumes[1] - 1), 1e-14)
+        for _, (a, b, tau) in surface.hanging.items():
+            self.assertNotEqual(a, b)
+            self.assertEqual(tau, 0.5)
+
+    def test_hanging_corners_are_found_again_in_a_file(self):
+        plain, _ = surface_of(self.block())
+        surface = _split.split(plain, np.arange(len(plain.nodes)) == 4)
+        text = _write.bext_text(_write.grouped(surface))
+        again, _ = surface_of(self.file("a.bext.json", text))
+        self.assertEqual(len(again.hanging), 4)
+        self.assertEqual({t for _, _, t in again.hanging.values()}, {0.5})
+        volumes = [_surface.measures(s)[1] for s in (again, surface)]
+        self.assertLess(abs(volumes[0] / volumes[1] - 1), 1e-13)
+
+
+class Bodies(Folder):
+    def check_volumes(self, body):
+        report = _report.describe(body)
+        self.assertLess(report["volume"]["relative_difference"], 1e-12)
+        self.assertEqual(_report.bad(report), [])
+        return report
+
+    def test_volumes_add_up_over_reused_hexahedra(self):
+        report = self.check_volumes(self.body())
+        self.assertEqual(report["counts"]["hexes"], 27)
+
+    def test_volumes_add_up_where_a_part_is_plain(self):
+        body = self.body(enrich="normal:0,0,1,30")
+        report = self.check_volumes(body)
+        self.assertGreater(report["counts"]["ties"], 0)
+        self.assertLess(report["counts"]["elements"], 54)
+
+    def test_the_border_of_the_enriched_part_is_straight_and_has_the_plain_points(self):
+        body = body_of(self.block((5, 5, 5)), interior="hexes", enrich="normal:0,0,1,10")
+        at = {k: body.surface.points[k] for _, k in body.ties}
+        for s, k in body.ties:
+            np.testing.assert_array_equal(body.points[s], at[k])
+        bezier = body.surface.bezier()[..., :3]
+        lines = np.array([[0, 1, 2, 3], [3, 7, 11, 15], [15, 14, 13, 12], [12, 8, 4, 0]])
+        edges = bezier[:, lines].reshape(-1, 4, 3)
+        ends = {tuple(x) for x in at.values()}
+        on_border = [e for e in edges if tuple(e[0]) in ends and tuple(e[3]) in ends]
+        straight = [e for e in on_border if np.allclose(3 * e[1], 2 * e[0] + e[3], atol=1e-14)]
+        self.assertGreaterEqual(len(straight), len(at))
+
+    def test_layer_above_hanging_corners_is_conforming(self):
+        body = self.body(interior="none", split="normal:0,0,1,10")
+        for s, (a, b), c in body.hanging:
+            np.testing.assert_allclose(
+                body.points[s], c[0] * body.points[a] + c[1] * body.points[b], atol=1e-15
+            )
+        self.assertGreater(_layer.worst(body.surface, body.points).min(), 0)
+
+    def test_thickness_is_what_a_ray_passes_through(self):
+        surface, _ = surface_of(self.block((2, 2, 6)))
+        x = surface.corner_points()
+        normal, _ = _surface.corner_normals(surface)
+        thick = _layer.thickness(surface, x, normal)
+        top = np.argmax(x[:, 2])
+        self.assertAlmostEqual(thick[top], np.ptp(x[:, 2]), places=12)
+
+    def test_triangles_that_cut_are_found_and_those_that_touch_are_not(self):
+        x = np.array(
+            [
+                [0, 0, 0],
+                [2, 0, 0],
+                [0, 2, 0],
+                [0.5, 0.5, -1],
+                [0.5, 0.5, 1],
+                [3, 3, 0.5],
+                [2, 2, 0.0],
+            ]
+        )
+        self.assertEqual(len(_triangles.intersections(x, np.array([[0, 1, 2], [3, 4, 5]]))), 1)
+        self.assertEqual(len(_triangles.intersections(x, np.array([[0, 1, 2], [1, 2, 6]]))), 0)
+
+    def test_harmonic_values_reproduce_a_linear_field(self):
+        points, cells = grid((3, 3, 3))
+        edges = _hexes.cell_edges(cells)
+        inner = np.all((points > 0) & (points < 3), axis=1)
+        order = np.argsort(inner, kind="stable")
+        number = np.argsort(order)
+        values = points[order] @ np.array([[1.0, 2, 0], [0, 1, 0], [3, 0, 1]])
+        start = values.copy()
+        start[np.sort(inner)] = 0
+        got = _hexes.harmonic(number[edges], start, int((~inner).sum()), np.ones(len(edges)))
+        np.testing.assert_allclose(got, values, atol=1e-10)
+
+    def test_choices_are_joined_and_cut(self):
+        surface, _ = surface_of(self.block())
+        top, side = (_choose.elements(surface, t) for t in ("normal:0,0,1,40", "normal:1,0,0,40"))
+        both = _choose.elements(surface, "normal:0,0,1,40 + normal:1,0,0,40")
+        np.testing.assert_array_equal(both, top | side)
+        self.assertFalse(_choose.elements(surface, "normal:0,0,1,40 & normal:1,0,0,40").any())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,160 @@
+"""Files of `post mesh`: what is written, what is read, one sentence for what is wrong."""
+
+import json
+import unittest
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+
+import numpy as np
+
+from post import __main__ as command
+from post._error import Unreadable
+from post.mesh import _read, _report, _surface, _tets, _write, body_of
+from post.tests.net_samples import Folder, grid, rows, vtk
+
+
+class Files(Folder):
+    def run_command(self, *argv):
+        out, err = StringIO(), StringIO()
+        with redirect_stdout(out), redirect_stderr(err):
+            code = command.main(["mesh", *argv])
+        return code, out.getvalue(), err.getvalue()
+
+    def test_the_command_writes_what_the_deck_names(self):
+        code, out, err = self.run_command(
+            self.block(), "-o", str(self.folder / "b"), "--interior", "hexes",
+            "--enrich", "normal:0,0,1,30", "--group", "top=normal:0,0,1,30")  # fmt: skip
+        self.assertEqual((code, err), (0, ""))
+        for ending in ("msh", "bext.json", "layer", "con", "inp", "mesh.json"):
+            self.assertTrue((self.folder / f"b.{ending}").exists(), ending)
+        deck = (self.folder / "b.inp").read_text()
+        self.assertIn("SPLIne,b FILE b.bext.json", deck)
+        data = json.loads((self.folder / "b.bext.json").read_text())
+        self.assertIn("top", data["sets"])
+        self.assertEqual(
+            len((self.folder / "b.layer").read_text().splitlines()) - 1, data["num_elems"]
+        )
+
+    def test_points_of_the_bulk_come_back_bit_by_bit(self):
+        body = self.body()
+        path = self.file("b.msh", _write.gmsh_text(body))
+        points = _read.read_net(path).points
+        np.testing.assert_array_equal(points, body.points)
+
+    def test_vectors_are_shared_between_elements(self):
+        body = body_of(self.block((5, 5, 5)), interior="none")
+        data = json.loads(_write.bext_text(_write.grouped(body.surface)))
+        total = sum(len(ids) for ids in body.surface.nodes)
+        self.assertLess(data["num_coeff_vecs"], total / 10)
+
+    def test_gmsh_4_and_off_and_obj_give_the_same_net(self):
+        points, cells = grid((1, 1, 1))
+        quads = _read.boundary(cells)
+        off = f"OFF\n8 6 12\n{rows(points)}\n" + "\n".join(
+            "4 " + " ".join(map(str, q)) for q in quads
+        )
+        obj = "\n".join(["v " + r for r in rows(points).splitlines()]
+                        + ["f " + " ".join(f"{i + 1}/1" for i in q) for q in quads])  # fmt: skip
+        gmsh = ("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 8 1 8\n2 1 0 8\n" + "\n".join(map(str, range(1, 9)))
+                + f"\n{rows(points)}\n$EndNodes\n$Elements\n1 6 1 6\n2 1 3 6\n"
+                + "\n".join(f"{k + 1} " + " ".join(str(i + 1) for i in q) for k, q in enumerate(quads))
+                + "\n$EndElements\n")  # fmt: skip
+        for name, text in (("a.off", off), ("a.obj", obj), ("a.msh", gmsh)):
+            net = _read.read_net(self.file(name, text))
+            np.testing.assert_array_equal(net.points, points)
+            np.testing.assert_array_equal(net.quads, quads)
+
+    def test_tetrahedra_fill_what_the_pyramids_leave_and_keep_its_points(self):
+        for mesher in ("gmsh", "tetgen"):
+            if not _tets.available(mesher):
+                continue
+            body = body_of(self.block(), mesher=mesher)
+            report = _report.describe(body)
+            self.assertLess(report["volume"]["relative_difference"], 1e-12)
+            self.assertEqual(_report.bad(report), [])
+            np.testing.assert_array_equal(body.points[: len(body.form.inner)], body.form.inner)
+
+
+class Errors(Folder):
+    def message(self, text, name="a.vtk", **options):
+        with self.assertRaises(Unreadable) as caught:
+            body_of(self.file(name, text), **({"interior": "none"} | options))
+        return str(caught.exception)
+
+    def quads(self):
+        points, cells = grid((2, 2, 2))
+        return points, _read.boundary(cells)
+
+    def test_an_open_surface_is_not_closed(self):
+        points, quads = self.quads()
+        self.assertIn("is not closed: 4 edges", self.message(vtk(points, quads[1:], 9)))
+
+    def test_a_surface_seen_from_inside(self):
+        points, quads = self.quads()
+        text = vtk(points, quads[:, ::-1], 9)
+        self.assertIn("seen from inside", self.message(text))
+        body = body_of(self.file("b.vtk", text), interior="none", orient=True)
+        self.assertGreater(_surface.measures(body.surface)[1], 0)
+
+    def test_one_quad_that_is_turned(self):
+        points, quads = self.quads()
+        quads[3] = quads[3, ::-1]
+        self.assertIn("opposite orientation; --orient", self.message(vtk(points, quads, 9)))
+        body = body_of(self.file("b.vtk", vtk(points, quads, 9)), interior="none", orient=True)
+        self.assertEqual(len(body.surface.nodes), len(quads))
+
+    def test_degenerate_quads(self):
+        points, quads = self.quads()
+        twice = quads.copy()
+        twice[2, 1] = twice[2, 0]
+        self.assertIn(
+            "quad 3 is degenerate: a point stands in it twice", self.message(vtk(points, twice, 9))
+        )
+        points = points.copy()
+        points[quads[0, 1]] = points[quads[0, 0]]
+        self.assertIn("no area, or an edge without length", self.message(vtk(points, quads, 9)))
+
+    def test_points_that_are_missing(self):
+        points, quads = self.quads()
+        quads[1, 2] = 99
+        self.assertIn(
+            "cell 2 names a point outside the 27 points", self.message(vtk(points, quads, 9))
+        )
+
+    def test_counts_that_are_wrong_and_files_that_end_early(self):
+        points, quads = self.quads()
+        text = vtk(points, quads, 9)
+        self.assertIn(
+            "does not fit its 24 cells", self.message(text.replace("CELLS 24 120", "CELLS 24 119"))
+        )
+        self.assertIn("the file ends after", self.message(text[: len(text) // 2]))
+        self.assertIn(
+            "as the number of points", self.message(text.replace("POINTS 27", "POINTS -27"))
+        )
+        self.assertIn("'x' stands where a number", self.message(text.replace("0.0", "x", 1)))
+
+    def test_other_cells_and_files(self):
+        points, _ = self.quads()
+        self.assertIn("type 5", self.message(vtk(points, np.array([[0, 1, 2]]), 5)))
+        self.assertIn(
+            "has 3 corners", self.message("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2", "a.off")
+        )
+        self.assertIn("unknown ending '.stl'", self.message("solid", "a.stl"))
+        self.assertIn("is no BEXT 2.0", self.message("{}", "a.bext.json"))
+        self.assertIn("the file ends", self.message("type surface\nnodeN 3\n", "a.iga"))
+
+    def test_a_spline_file_whose_functions_do_not_sum_to_one(self):
+        text = _write.bext_text(_write.grouped(self.body().surface))
+        data = json.loads(text)
+        data["coefficients"]["dense_coefficient_vectors"][0]["components"][5] += 0.5
+        self.assertIn("do not sum to one", self.message(json.dumps(data), "a.bext.json"))
+
+    def test_a_choice_that_names_nothing(self):
+        text = vtk(*grid())
+        self.assertIn("has not 6 numbers", self.message(text, groups=["top=box:1,2"]))
+        self.assertIn("names no element", self.message(text, groups=["top=box:9,9,9,10,10,10"]))
+        self.assertIn("no set 'top'", self.message(text, enrich="set:top"))
+
+
+if __name__ == "__main__":
+    unittest.main()
