@@ -58,7 +58,7 @@ def render(scenes, limits, cmap, camera, size):
         plot.enable_anti_aliasing("ssaa")
         images.append(np.asarray(plot.screenshot(return_img=True))[..., :3])
         plot.close()
-    return _cropped(images)
+    return cropped(images)
 
 
 def unit(direction):
@@ -70,7 +70,7 @@ def unit(direction):
     return np.asarray(direction, dtype=float) / np.linalg.norm(direction)
 
 
-def _cropped(images):
+def cropped(images):
     """The images cut to the smallest frame that holds all of them, with a margin."""
     ink = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
     if not ink.any():

@@ -104,5 +104,5 @@ def _parser():
     p.add_argument("--enrich", metavar="CHOICE", help="the spline stays here, plain elsewhere")
     p.add_argument("--group", action="append", default=[], metavar="NAME=CHOICE",
                    help="name elements for FIX and MOVE; may be repeated")  # fmt: skip
-    p.add_argument("--pictures", action="store_true", help="NAME_surface.png, _layer, _cut")
+    p.add_argument("--pictures", action="store_true", help="NAME_surface.png, NAME_cut.png")
     return p

@@ -1,6 +1,9 @@
 """Files of `post mesh`: what is written, what is read, one sentence for what is wrong."""
 
 import json
+import pathlib
+import subprocess
+import sys
 import unittest
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
@@ -8,8 +11,9 @@ from io import StringIO
 import numpy as np
 
 from post import __main__ as command
+from post import _screen
 from post._error import Unreadable
-from post.mesh import _read, _report, _surface, _tets, _write, body_of
+from post.mesh import _draw, _read, _report, _smooth, _surface, _tets, _write, body_of
 from post.tests.net_samples import Folder, grid, rows, vtk
 
 
@@ -34,6 +38,24 @@ class Files(Folder):
         self.assertEqual(
             len((self.folder / "b.layer").read_text().splitlines()) - 1, data["num_elems"]
         )
+
+    def test_the_rocker_arm_is_a_closed_net_with_named_parts(self):
+        path = self.folder / "rocker_arm.obj"
+        script = pathlib.Path(command.__file__).parents[1] / "input/rocker_arm.py"
+        subprocess.run([sys.executable, str(script), str(path)], check=True)
+        body = body_of(str(path), interior="none")
+        self.assertLessEqual({"bore_left", "bore_right", "pad"}, set(body.surface.sets))
+        self.assertEqual(len(_smooth.extraordinary(body.whole)), 16)
+        # Two holes: 2 - 2 genus = vertices - edges + faces, edges twice the faces of a quad net.
+        self.assertEqual(len(body.form.inner) - len(body.whole.nodes), 2 - 2 * 2)
+
+    def test_pictures_are_drawn(self):
+        if _screen.reason_not_ready():
+            self.skipTest("nothing to draw with")
+        with redirect_stdout(StringIO()):
+            paths = _draw.draw(self.body(), self.folder / "a")
+        for path in paths:
+            self.assertGreater(pathlib.Path(path).stat().st_size, 10_000)
 
     def test_points_of_the_bulk_come_back_bit_by_bit(self):
         body = self.body()
