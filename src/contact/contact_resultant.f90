@@ -4,6 +4,7 @@ module contact_resultant
   use contact_pair, only: contact_t, contact_points_t
   use contact_slide, only: side_positions
   use contact_type, only: OPEN, STICK, SLIP
+  use tensor, only: cross
   implicit none
   private
   public :: resultant_t, find_resultant
@@ -57,12 +58,5 @@ contains
       end do
     end do
   end subroutine find_resultant
-
-  pure function cross(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
 end module contact_resultant

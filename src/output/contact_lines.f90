@@ -11,6 +11,7 @@ module contact_lines
   use contact_resultant, only: resultant_t
   use contact_values, only: side_resultant
   use model, only: model_t, state_t
+  use tensor, only: cross
   implicit none
   private
   public :: list_contacts
@@ -128,12 +129,5 @@ contains
 
     text = to_text(n(1))//' + '//to_text(n(2))
   end function text_of
-
-  pure function cross(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
 end module contact_lines

@@ -12,6 +12,7 @@ module setup_surface
   use face_rule, only: face_points, face_normal, face_directions
   use mesh, only: mesh_t, block_t, block_cell
   use setup_build, only: request_t
+  use tensor, only: cross
   implicit none
   private
   public :: mark_surface, load_surface
@@ -211,12 +212,5 @@ contains
     interpolated = 0.25_wp*(p(1)*(1.0_wp - u)*(1.0_wp - v) + p(2)*(1.0_wp + u)*(1.0_wp - v) &
                             + p(3)*(1.0_wp + u)*(1.0_wp + v) + p(4)*(1.0_wp - u)*(1.0_wp + v))
   end function interpolated
-
-  pure function cross(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
 end module setup_surface

@@ -17,6 +17,7 @@ module contact_notes
   use contact_shape, only: update_shape, surface_point
   use contact_type, only: OPEN
   use model, only: model_t, state_t
+  use tensor, only: cross
   implicit none
   private
   public :: start_t, look_at_start, warn_contacts, note_lost_contacts
@@ -204,12 +205,5 @@ contains
       end if
     end do
   end subroutine note_lost_contacts
-
-  pure function cross(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
 end module contact_notes

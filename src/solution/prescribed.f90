@@ -4,6 +4,7 @@ module prescribed
   use load_curve, only: load_factor
   use model, only: model_t
   use boundary, only: motion_t
+  use tensor, only: cross
   implicit none
   private
   public :: prescribed_values
@@ -70,12 +71,5 @@ contains
       up(:, n) = up(:, n) + s*d + c*cross(motion%axis, d)
     end do
   end subroutine rotate
-
-  pure function cross(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
 end module prescribed
