@@ -9,64 +9,25 @@ module setup_places
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use setup_build, only: build_t, request_t, next_data
-  use setup_requests, only: read_mode, read_gap, get_value, append_request, R_CBOU, R_CDIS, &
-                            R_CFOR, R_CSUR
+  use setup_requests, only: begin_requests, read_gap, get_value, value_names, &
+                            append_request, R_CBOU, R_CSUR
   implicit none
   private
-  public :: read_cbou, read_cdis, read_cfor, read_csur
+  public :: read_places
 
 contains
 
-  subroutine read_cbou(build, deck, record, error)
+  !> One of the words above and its records NODE, SURFace, GAP, CARTesian and NORMal.
+  subroutine read_places(build, deck, record, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_places(build, deck, record, R_CBOU, 'x y z code1 code2 code3', error)
-  end subroutine read_cbou
-
-  subroutine read_cdis(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_places(build, deck, record, R_CDIS, 'x y z u1 u2 u3', error)
-  end subroutine read_cdis
-
-  subroutine read_cfor(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_places(build, deck, record, R_CFOR, 'x y z f1 f2 f3', error)
-  end subroutine read_cfor
-
-  subroutine read_csur(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_places(build, deck, record, R_CSUR, 'x y z f1 f2 f3', error)
-  end subroutine read_csur
-
-  !> Records NODE, SURFace, GAP, CARTesian and NORMal.
-  subroutine read_places(build, deck, record, kind, usage, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    integer, intent(in) :: kind
-    character(*), intent(in) :: usage
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
     type(request_t) :: r
     logical :: more, again
 
-    r%kind = kind
-    call read_mode(record, r%adds, error)
+    call begin_requests(record, r, error)
     if (allocated(error)) return
     again = .false.
     do
@@ -82,15 +43,15 @@ contains
       case ('cart')
         call check_count(line, 1, 1, 'CARTesian stands alone', error)
       case ('node')
-        call read_node(deck, line, usage, r, error)
+        call read_node(deck, line, r, error)
         if (.not. allocated(error)) call append_request(build, r)
       case default
-        if (line%key(1) == 'norm' .and. kind == R_CSUR) then
+        if (line%key(1) == 'norm' .and. r%kind == R_CSUR) then
           call check_count(line, 1, 1, 'NORMal stands alone', error)
-        else if (line%key(1) == 'surf' .and. (kind == R_CSUR .or. kind == R_CBOU)) then
+        else if (line%key(1) == 'surf' .and. any(r%kind == [R_CSUR, R_CBOU])) then
           call read_surface(build, deck, r, line, again, error)
         else
-          call complain(line, kind, error)
+          call complain(line, r%kind, error)
         end if
       end select
       if (allocated(error)) return
@@ -112,15 +73,14 @@ contains
   end subroutine complain
 
   !> NODE x y z and three values.
-  subroutine read_node(deck, record, usage, r, error)
+  subroutine read_node(deck, record, r, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
-    character(*), intent(in) :: usage
     type(request_t), intent(inout) :: r
     type(error_t), allocatable, intent(out) :: error
     integer :: d
 
-    call check_count(record, 5, 7, 'NODE '//usage, error)
+    call check_count(record, 5, 7, 'NODE x y z '//value_names(r%kind), error)
     do d = 1, 3
       if (allocated(error)) return
       call get_real(deck, record, d + 1, r%at(d), error, 0.0_wp)
@@ -134,14 +94,13 @@ contains
   subroutine read_surface(build, deck, r, next, again, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
-    type(request_t), intent(inout) :: r
+    type(request_t), intent(in) :: r
     type(record_t), intent(inout) :: next
     logical, intent(out) :: again
     type(error_t), allocatable, intent(out) :: error
-    type(record_t) :: line
     type(request_t) :: s
-    logical :: given(9), more
-    integer :: i, d
+    logical :: given(9)
+    integer :: d
 
     again = .false.
     s = r
@@ -155,33 +114,49 @@ contains
       if (allocated(error)) return
     end if
     allocate (s%surface(4, 9), source=0.0_wp)
-    given = .false.
-    do
-      call next_data(build, deck, line, more, error)
-      if (allocated(error)) return
-      if (.not. more) exit
-      if (is_place_word(line%key(1))) then
-        again = .true.
-        next = line
-        exit
-      end if
-      call read_point(deck, line, r%kind, s%surface, i, error)
-      if (allocated(error)) return
-      if (i == 0) then
-        build%in_set = .false.
-        exit
-      end if
-      given(i) = .true.
-    end do
+    call read_points(build, deck, r%kind, s%surface, given, next, again, error)
+    if (allocated(error)) return
     if (.not. all(given(:4))) then
       call fail(error, DECK_ERROR, 'the surface lacks its corner ' &
-                //to_text(findfalse(given(:4))), s%place, &
+                //to_text(findloc(given(:4), .false., 1)), s%place, &
                 'points 1 to 4 are the corners')
       return
     end if
     call fill_surface(s%surface, given)
     call append_request(build, s)
   end subroutine read_surface
+
+  !> The points of a surface, up to the end of the data or a word, which is then `next`.
+  subroutine read_points(build, deck, kind, surface, given, next, again, error)
+    type(build_t), intent(inout) :: build
+    type(deck_t), intent(inout) :: deck
+    integer, intent(in) :: kind
+    real(wp), intent(inout) :: surface(:, :) !! (4, 9) x y z [L] and pressure [F/L^2]
+    logical, intent(out) :: given(9)
+    type(record_t), intent(inout) :: next
+    logical, intent(out) :: again
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: line
+    logical :: more
+    integer :: i
+
+    given = .false.
+    again = .false.
+    do
+      call next_data(build, deck, line, more, error)
+      if (allocated(error) .or. .not. more) return
+      again = is_place_word(line%key(1))
+      if (again) exit
+      call read_point(deck, line, kind, surface, i, error)
+      if (allocated(error)) return
+      if (i == 0) then
+        build%in_set = .false.
+        return
+      end if
+      given(i) = .true.
+    end do
+    next = line
+  end subroutine read_points
 
   !> `i x y z [p]`; i = 0 ends the points.
   subroutine read_point(deck, line, kind, surface, i, error)
@@ -214,12 +189,6 @@ contains
 
     is_place_word = any(key == ['node', 'surf', 'gap ', 'cart', 'norm'])
   end function is_place_word
-
-  pure integer function findfalse(mask) result(i)
-    logical, intent(in) :: mask(:)
-
-    i = minloc(merge(1, 0, mask), 1)
-  end function findfalse
 
   !> Missing middles: of edges half the sum of the corners, of the centre as on a serendipity face.
   pure subroutine fill_surface(x, given)

@@ -11,87 +11,50 @@ module setup_requests
   use setup_build, only: build_t, request_t, next_data
   implicit none
   private
-  public :: read_ebou, read_edis, read_efor, read_epro
-  public :: read_mode, read_gap, get_value, append_request
+  public :: read_planes, begin_requests, read_gap, get_value, value_names, append_request
 
   integer, parameter, public :: R_EBOU = 1, R_EDIS = 2, R_EFOR = 3, R_EPRO = 4, R_CBOU = 5, &
-                                R_CFOR = 6, &
-                                R_CDIS = 7, R_CSUR = 8 !! in the order in which FEAP applies them
+                                R_CFOR = 6, R_CDIS = 7, R_CSUR = 8 !! in FEAP's order of applying
+  character(4), parameter :: WORD(8) = ['ebou', 'edis', 'efor', 'epro', 'cbou', 'cfor', 'cdis', &
+                                        'csur'] !! of these kinds
 
 contains
 
-  subroutine read_ebou(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
+  !> What the word and ADD or SET behind it say of all its requests; without either, words of planes
+  !! but EPROportional add.
+  subroutine begin_requests(record, r, error)
     type(record_t), intent(in) :: record
+    type(request_t), intent(out) :: r
     type(error_t), allocatable, intent(out) :: error
 
-    call read_planes(build, deck, record, R_EBOU, 'direction coordinate code1 code2 code3', error)
-  end subroutine read_ebou
-
-  subroutine read_edis(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_planes(build, deck, record, R_EDIS, 'direction coordinate u1 u2 u3', error)
-  end subroutine read_edis
-
-  subroutine read_efor(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_planes(build, deck, record, R_EFOR, 'direction coordinate f1 f2 f3', error)
-  end subroutine read_efor
-
-  subroutine read_epro(build, deck, record, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    call read_planes(build, deck, record, R_EPRO, 'direction coordinate k1 k2 k3', error)
-  end subroutine read_epro
-
-  !> ADD or SET behind the word; without either the word's own way.
-  subroutine read_mode(record, adds, error)
-    type(record_t), intent(in) :: record
-    logical, intent(inout) :: adds
-    type(error_t), allocatable, intent(out) :: error
-
+    r%kind = findloc(WORD, record%key(1), 1)
+    r%adds = any(r%kind == [R_EBOU, R_EDIS, R_EFOR])
     call check_count(record, 1, 2, record%text(1)//' [ADD or SET]; its data follow', error)
     if (allocated(error) .or. record%is_empty(2)) return
     select case (record%key(2))
     case ('add')
-      adds = .true.
+      r%adds = .true.
     case ('set')
-      adds = .false.
+      r%adds = .false.
     case default
       call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of ' &
                 //record%text(1), &
                 record%place(2), 'options are ADD and SET')
     end select
-  end subroutine read_mode
+  end subroutine begin_requests
 
-  !> Records `direction coordinate` and three values, and GAP.
-  subroutine read_planes(build, deck, record, kind, usage, error)
+  !> A word of planes and its records: `direction coordinate` and three values, and GAP.
+  subroutine read_planes(build, deck, record, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
-    integer, intent(in) :: kind
-    character(*), intent(in) :: usage
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
     type(request_t) :: r
     logical :: more
     integer :: d
 
-    r%kind = kind
-    r%adds = kind /= R_EPRO
-    call read_mode(record, r%adds, error)
+    call begin_requests(record, r, error)
     if (allocated(error)) return
     do
       call next_data(build, deck, line, more, error)
@@ -104,7 +67,7 @@ contains
       call get_integer(deck, line, 1, r%direction, error)
       if (allocated(error)) return
       if (r%direction == 0) exit ! as a blank record (FEAP)
-      call check_count(line, 2, 5, usage, error)
+      call check_count(line, 2, 5, 'direction coordinate '//value_names(r%kind), error)
       if (allocated(error)) return
       if (r%direction < 1 .or. r%direction > 3) then
         call fail(error, DECK_ERROR, 'direction '//to_text(r%direction), line%place(1), &
@@ -114,7 +77,7 @@ contains
       call get_real(deck, line, 2, r%at(1), error)
       do d = 1, 3
         if (allocated(error)) return
-        call get_value(deck, line, d + 2, kind, r%value(d), error)
+        call get_value(deck, line, d + 2, r%kind, r%value(d), error)
       end do
       if (allocated(error)) return
       r%place = line%place(1)
@@ -122,6 +85,23 @@ contains
     end do
     build%in_set = .false.
   end subroutine read_planes
+
+  !> What the three values of a record are called.
+  pure function value_names(kind) result(names)
+    integer, intent(in) :: kind
+    character(:), allocatable :: names
+
+    select case (kind)
+    case (R_EBOU, R_CBOU)
+      names = 'code1 code2 code3'
+    case (R_EDIS, R_CDIS)
+      names = 'u1 u2 u3'
+    case (R_EPRO)
+      names = 'k1 k2 k3'
+    case default
+      names = 'f1 f2 f3'
+    end select
+  end function value_names
 
   !> Restraint codes and load numbers are whole, the other values are not.
   subroutine get_value(deck, record, i, kind, x, error)

@@ -11,8 +11,8 @@ module setup_table
   use setup_nodes, only: read_coordinates, read_nurbs, read_transform
   use setup_npatch, only: read_knots, read_npatch
   use setup_patch, only: read_patch
-  use setup_places, only: read_cbou, read_cdis, read_cfor, read_csur
-  use setup_requests, only: read_ebou, read_edis, read_efor, read_epro
+  use setup_places, only: read_places
+  use setup_requests, only: read_planes
   use setup_spline, only: read_spline
   use setup_words, only: read_para, read_print, read_tie
   implicit none
@@ -35,14 +35,14 @@ contains
     call add(table, 'FORCe', NUMBERS, read_forces)
     call add(table, 'DISPlacement', NUMBERS, read_displacements)
     call add(table, 'FPROportional', NUMBERS, read_load_numbers)
-    call add(table, 'EBOUndary', NUMBERS, read_ebou, 'GAP')
-    call add(table, 'EDISplacement', NUMBERS, read_edis, 'GAP')
-    call add(table, 'EFORce', NUMBERS, read_efor, 'GAP')
-    call add(table, 'EPROportional', NUMBERS, read_epro, 'GAP')
-    call add(table, 'CBOUndary', WORDS, read_cbou, 'NODE SURF GAP CART')
-    call add(table, 'CDISplacement', WORDS, read_cdis, 'NODE GAP CART')
-    call add(table, 'CFORce', WORDS, read_cfor, 'NODE GAP CART')
-    call add(table, 'CSURface', WORDS, read_csur, 'NODE SURF GAP CART NORM')
+    call add(table, 'EBOUndary', NUMBERS, read_planes, 'GAP')
+    call add(table, 'EDISplacement', NUMBERS, read_planes, 'GAP')
+    call add(table, 'EFORce', NUMBERS, read_planes, 'GAP')
+    call add(table, 'EPROportional', NUMBERS, read_planes, 'GAP')
+    call add(table, 'CBOUndary', WORDS, read_places, 'NODE SURF GAP CART')
+    call add(table, 'CDISplacement', WORDS, read_places, 'NODE GAP CART')
+    call add(table, 'CFORce', WORDS, read_places, 'NODE GAP CART')
+    call add(table, 'CSURface', WORDS, read_places, 'NODE SURF GAP CART NORM')
     call add(table, 'TRANsform', NUMBERS, read_transform)
     call add(table, 'TIE', ALONE, read_tie)
     call add(table, 'PARAmeters', WORDS, read_para)
