@@ -4,7 +4,7 @@ module base_text
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
   implicit none
   private
-  public :: lower, to_text, nearest, quoted, key_of
+  public :: lower, to_text, nearest, quoted, key_of, fits_name
 
   integer, parameter :: LONGEST = 64 !! of a text quoted in a message
 
@@ -42,6 +42,15 @@ contains
     key = word
     key = lower(key)
   end function key_of
+
+  !> Can it be part of the name of a file or a column: letters, digits, _ and -?
+  pure logical function fits_name(text, longest)
+    character(*), intent(in) :: text
+    integer, intent(in) :: longest !! characters
+
+    fits_name = len(text) > 0 .and. len(text) <= longest &
+                .and. verify(lower(text), 'abcdefghijklmnopqrstuvwxyz0123456789_-') == 0
+  end function fits_name
 
   !> The user's text for a message: in quotes, cut where it is long.
   pure function quoted(text) result(with_quotes)

@@ -54,53 +54,50 @@ contains
   end function named_fields
 
   !> A field without its values.
-  pure subroutine describe_field(word, field)
+  subroutine describe_field(word, field)
     character(*), intent(in) :: word
     type(field_t), intent(out) :: field
 
     field%name = word
     select case (word)
     case ('displacement')
-      field%description = 'displacement; add it to the points for the current shape'
-      field%dimension = 'L'
-      field%ncomp = 3
+      call set(3, 'L', 'displacement; add it to the points for the current shape')
     case ('stress')
-      field%description = 'Cauchy stress 11 22 33 12 23 31, smoothed from the integration points'
-      field%dimension = 'F/L^2'
-      field%ncomp = 6
+      call set(6, 'F/L^2', 'Cauchy stress 11 22 33 12 23 31, smoothed from the integration points')
     case ('mises')
-      field%description = 'von Mises stress, smoothed from the integration points'
-      field%dimension = 'F/L^2'
+      call set(1, 'F/L^2', 'von Mises stress, smoothed from the integration points')
     case ('pressure')
-      field%description = 'minus a third of the trace of the smoothed Cauchy stress'
-      field%dimension = 'F/L^2'
-    case ('contact_pressure')
-      field%description = 'contact pressure, smoothed from the integration points'
-      field%dimension = 'F/L^2'
-    case ('contact_traction')
-      field%description = 'contact traction on the surface, smoothed from the integration points'
-      field%dimension = 'F/L^2'
-      field%ncomp = 3
-    case ('contact_friction')
-      field%description = 'part of the contact traction that friction holds, smoothed by itself'
-      field%dimension = 'F/L^2'
-      field%ncomp = 3
-    case ('contact_gap')
-      field%description = 'normal gap, smoothed; negative: penetration'
-      field%dimension = 'L'
-    case ('contact_slip')
-      field%description = 'tangential way from the stored sliding point, the elastic part; smoothed'
-      field%dimension = 'L'
-      field%ncomp = 3
-    case ('contact_state')
-      field%description = 'mean of 0 open, 1 stick or without friction, 2 slip; smoothed'
+      call set(1, 'F/L^2', 'minus a third of the trace of the smoothed Cauchy stress')
     case ('reaction')
-      field%description = 'internal minus external nodal force; sums belong to the curves'
-      field%dimension = 'F'
-      field%ncomp = 3
+      call set(3, 'F', 'internal minus external nodal force; sums belong to the curves')
+    case ('contact_pressure')
+      call set(1, 'F/L^2', 'contact pressure, smoothed from the integration points')
+    case ('contact_traction')
+      call set(3, 'F/L^2', &
+               'contact traction on the surface, smoothed from the integration points')
+    case ('contact_friction')
+      call set(3, 'F/L^2', 'part of the contact traction that friction holds, smoothed by itself')
+    case ('contact_gap')
+      call set(1, 'L', 'normal gap, smoothed; negative: penetration')
+    case ('contact_slip')
+      call set(3, 'L', 'tangential way from the stored sliding point, the elastic part; smoothed')
+    case ('contact_state')
+      call set(1, '-', 'mean of 0 open, 1 stick or without friction, 2 slip; smoothed')
     case default
-      field%description = ''           ! no such field: collect_fields gives no values
+      call set(1, '-', '') ! no such field: collect_fields gives no values
     end select
+
+  contains
+
+    subroutine set(ncomp, dimension, description)
+      integer, intent(in) :: ncomp
+      character(*), intent(in) :: dimension, description
+
+      field%ncomp = ncomp
+      field%dimension = dimension
+      field%description = description
+    end subroutine set
+
   end subroutine describe_field
 
   !> Values of the wanted fields.

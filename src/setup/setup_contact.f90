@@ -1,7 +1,7 @@
 !> CONTact: two surfaces and what acts between them.
 module setup_contact
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: to_text, quoted, nearest, lower, key_of
+  use base_text, only: to_text, quoted, nearest, lower, key_of, fits_name
   use contact_spec, only: contact_spec_t
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t
@@ -62,18 +62,17 @@ contains
     type(build_t), intent(in) :: build
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: name
+    integer :: first
 
-    name = lower(record%text(2))
-    if (len(name) == 0 .or. len(name) > LONGEST &
-        .or. verify(name, 'abcdefghijklmnopqrstuvwxyz0123456789_-') > 0) then
+    first = contact_named(build, record%text(2))
+    if (.not. fits_name(record%text(2), LONGEST)) then
       call fail(error, DECK_ERROR, 'a contact cannot be named '//quoted(record%text(2)), &
                 record%place(2), 'its columns are named after it: use up to '//to_text(LONGEST) &
                 //' letters, digits, _ and -')
-    else if (contact_named(build, name) > 0) then
+    else if (first > 0) then
       call fail(error, DECK_ERROR, 'contact '//quoted(record%text(2))//' is defined twice', &
                 record%place(2), 'the first one stands in line ' &
-                //to_text(build%contact(contact_named(build, name))%place%line))
+                //to_text(build%contact(first)%place%line))
     end if
   end subroutine check_name
 

@@ -1,7 +1,7 @@
 !> CURVe: tables of quantities, one column a record.
 module setup_curve
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: to_text, quoted, nearest, lower, key_of
+  use base_text, only: to_text, quoted, nearest, lower, key_of, fits_name
   use curve_type, only: Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, Q_MAX_MISES
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_real
@@ -82,8 +82,7 @@ contains
     integer :: i
 
     name = lower(record%text(2))
-    if (len(name) == 0 .or. len(name) > LONGEST &
-        .or. verify(name, 'abcdefghijklmnopqrstuvwxyz0123456789_-') > 0) then
+    if (.not. fits_name(name, LONGEST)) then
       call fail(error, DECK_ERROR, 'a curve cannot be named '//quoted(record%text(2)), &
                 record%place(2), 'its file is named after it: use up to '//to_text(LONGEST) &
                 //' letters, digits, _ and -')
