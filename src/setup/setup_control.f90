@@ -86,7 +86,7 @@ contains
                 'a node has three displacements: ndf = 3')
     else if (build%control%nen > 27) then
       call fail(error, DECK_ERROR, 'nen is '//to_text(build%control%nen), build%control%place, &
-                'elements of a FEAP mesh have 8, 10 or 27 nodes')
+                'elements of a FEAP mesh have up to 27 nodes')
     end if
   end subroutine read_control
 

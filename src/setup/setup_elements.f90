@@ -20,7 +20,8 @@ module setup_elements
   public :: read_elements
 
   integer, parameter :: FEAP_FIELDS = 16 !! numbers of a record in FEAP
-  character(*), parameter :: USAGE = 'an element is: n g m and its 8, 10 or 27 nodes'
+  character(*), parameter :: USAGE = 'an element is: n g m and its 4, 5, 6, 8, 10 or ' &
+                             //'27 nodes'
 
   !> One record.
   type :: entry_t
@@ -114,14 +115,10 @@ contains
     if (allocated(error)) return
     call collect(build, deck, record, merge(2, 3, old) + minval(allowed, allowed > 0), field, error)
     if (allocated(error)) return
-    if (old) then ! n m nodes g: the increment is the last of the numbers that are there
+    if (old) then
       e%material = field(2)
-      n = size(field) - 2
-      if (.not. any(allowed == n) .and. any(allowed == n - 1)) then
-        e%step = field(size(field))
-        n = n - 1
-      end if
-      field = field(3:n + 2)
+      call split_old(build%control%nen, allowed, record, field, e%step, error)
+      if (allocated(error)) return
     else
       e%step = field(2)
       e%material = field(3)
@@ -140,6 +137,29 @@ contains
     e%node(:n) = field(:n)
     if (e%step == 0) e%step = 1
   end subroutine read_entry
+
+  !> ELEMents,OLD has n m nodes g: is the last number that is there the increment?
+  subroutine split_old(nen, allowed, record, field, step, error)
+    integer, intent(in) :: nen                       !! of the control record; 0: it does not say
+    integer, intent(in) :: allowed(:)
+    type(record_t), intent(in) :: record
+    integer, allocatable, intent(inout) :: field(:)  !! out: the nodes
+    integer, intent(out) :: step                     !! 0: not there
+    type(error_t), allocatable, intent(out) :: error
+    integer :: n
+
+    step = 0
+    n = size(field) - 2
+    if (any(allowed == n - 1) .and. (n == nen + 1 .or. .not. any(allowed == n))) then
+      step = field(n + 2)
+      n = n - 1
+    else if (any(allowed == n - 1) .and. nen == 0) then
+      call fail(error, DECK_ERROR, to_text(n)//' nodes, or '//to_text(n - 1) &
+                //' and an increment?', record%place(1), &
+                'give the control record with nen, or n g m and the nodes without OLD')
+    end if
+    field = field(3:n + 2)
+  end subroutine split_old
 
   !> All numbers of an element: those of its first record, and of a second where FEAP needs one.
   subroutine collect(build, deck, first, least, field, error)
