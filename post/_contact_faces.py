@@ -27,8 +27,9 @@ class Surface:
 def surfaces(grid, path, values, n=None):
     """Contact surfaces of a grid at its current positions, a list of Surface, one a body.
 
-    n: default as fine as a picture needs; values: (npoint) coefficients of the field to be shown; the faces' own (rational) functions are
-    used, so that surfaces and fields are those of the analysis.
+    n: default as fine as a picture needs; values: (npoint) coefficients of the field to be shown;
+    the faces' own (rational) functions are used, so that surfaces and fields are those of the
+    analysis.
     """
     if MARK not in grid.point_data:
         raise Unreadable(

@@ -20,6 +20,7 @@ from post._error import Unreadable
 #: Coordinates to the right and up for each direction that is looked along.
 PLANE = {"z": (0, 1), "x": (1, 2), "y": (2, 0)}
 APART = 0.12  # between the two surfaces, of their width
+RIM = 0.05  # cosine of the angle to the eye below which no edges are drawn: they would be dashed
 
 
 def draw(paths, output, scalar="contact_friction", component=None, step="last", limits=None,
@@ -81,18 +82,23 @@ class _panel:
             shift = start - x.min()
             start += (x.max() - x.min()) * (1 + APART)
             flat = np.stack([x + shift, y], axis=-1)
-            height, seen = sign * side.x[..., self.out], sign * side.outward[..., self.out] > 0
-            quads, order, shown = _quads(flat, height, seen)
+            height = sign * side.x[..., self.out]
+            length = np.linalg.norm(side.outward, axis=-1)
+            towards = sign * side.outward[..., self.out] / np.where(length > 0, length, 1)
+            quads, order, shown = _quads(flat, height, towards > 0)
             mean = _corners(side.value).mean(axis=-1).ravel()[shown][order]
             faces = PolyCollection(quads, array=mean, norm=norm, cmap=cmap, linewidths=0.3)
             faces.set_edgecolor("face")
             faces.set_rasterized(True)
             ax.add_collection(faces)
             if edges:
-                lines = LineCollection(_borders(flat, seen), colors="#1a1a1a", linewidths=0.5)
+                lines = LineCollection(
+                    _borders(flat, towards > RIM), colors="#1a1a1a", linewidths=0.5
+                )
                 ax.add_collection(lines)
         ax.autoscale_view()
         ax.set_aspect("equal")
+        ax.set_anchor("S")  # captions of a row stand at one height
         ax.set_axis_off()
         ax.set_title(self.caption, y=-0.02, va="top")
 

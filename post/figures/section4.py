@@ -135,7 +135,7 @@ def figure_enhanced(compression, extension, fields, plt):
 
     fields: (Results, Results) of errors of fields, or None.
     """
-    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+    from matplotlib.ticker import LogLocator, NullFormatter
 
     layers = ("Q1E9+Q1N2", "Q1E9+Q1E9N2", "Q1E9+Q1E9N2 tapered")
     types = ("Q1E9", *(layer + faces for layer in layers for faces in (ONE, TWO)))
@@ -158,7 +158,7 @@ def figure_enhanced(compression, extension, fields, plt):
             ax.yaxis.set_major_locator(LogLocator(subs=(1, 3) if column == "error" else (1, 2, 5)))
             ax.xaxis.set_major_locator(LogLocator(subs=(1,) if column == "error" else (1, 2, 5)))
             for axis in (ax.xaxis, ax.yaxis):
-                axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+                axis.set_major_formatter(lambda x, _: f"{x:.10f}".rstrip("0").rstrip("."))
                 axis.set_minor_formatter(NullFormatter())
         axes[row, 0].set_ylabel(f"{results.test}: relative error")
     for ax, title in zip(axes[0], columns.values()):

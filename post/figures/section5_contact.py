@@ -197,10 +197,10 @@ def figure_18(runs, plt):
     for k, run in enumerate(runs.on(2, smooth=True)):
         ax = first = figure.add_subplot(grid[k // 2, k % 2], sharex=first, sharey=first)
         torques(ax, [run])
-        ax.set_title(("a) mesh 2, " if k == 0 else "") + run.elements, loc="left")
+        ax.set_title(("a) " if k == 0 else "") + run.elements, loc="left")
         ax.label_outer()
         if k % 2 == 0:
-            ax.set_ylabel("torque $M_z / E_0 L_0^3$")
+            ax.set_ylabel("$M_z / E_0 L_0^3$ on mesh 2")
         if k // 2 == 1:
             ax.set_xlabel("rotation [degrees]")
     ax = figure.add_subplot(grid[:, 2])

@@ -72,6 +72,8 @@ def figure_elements(results, plt):
     for ax, (name, title) in zip(axes, QUANTITIES.items()):
         for elements in TYPES:
             rows = results.rows("elements", elements)
+            if len(rows) == 0:
+                continue
             rows = rows[np.argsort(results.number("mesh", rows))]
             x, y = results.number("cpu_s", rows), PERCENT * results.number(f"e_{name}", rows)
             ax.loglog(x, y, label=elements, linewidth=0.8, **look(elements))
