@@ -3,7 +3,7 @@
 usage: manual.py [--bezel build/release/bezel] [--out build/manual]
 
 The words are those of `bezel --list commands` and of src/setup/setup_table.f90. A page is doc/manual/<KEY>.md, KEY the
-first four letters; its line `Example: [...](../../input/manual/<name>.inp)` names the example, which must use the word
+first four letters; its lines `Example: [...](../../input/manual/<name>.inp)` name examples, which must use the word
 and end with code 0. Words that are not available yet say so on their page and need no example. Exit code 1 if anything is wrong.
 """
 
@@ -85,15 +85,16 @@ def check_page(key, examples):
         for link in re.findall(r"\]\(([^)#:]+)\)", text)
         if not (PAGES / link).exists()
     ]
-    match = re.search(r"^Example: .*\(../../(input/manual/\w+\.inp)\)", text, re.M)
-    if not match:
-        return complaints if NOT_YET in text else [*complaints, f"{page.name}: no example"]
-    deck = TOP / match[1]
-    if not deck.exists():
-        return complaints
-    examples[key] = deck
-    if not re.search(rf"^\s*{key}", deck.read_text(), re.M | re.I):
-        complaints.append(f"{match[1]}: does not use {key}")
+    names = re.findall(r"^Example: .*\(../../(input/manual/\w+\.inp)\)", text, re.M)
+    if not names and NOT_YET not in text:
+        complaints.append(f"{page.name}: no example")
+    for name in names:
+        deck = TOP / name
+        if not deck.exists():
+            continue
+        examples[key, name] = deck
+        if not re.search(rf"^\s*{key}", deck.read_text(), re.M | re.I):
+            complaints.append(f"{name}: does not use {key}")
     return complaints
 
 

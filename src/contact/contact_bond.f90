@@ -67,19 +67,21 @@ contains
     end do
   end subroutine bond_side
 
-  !> A reference point lies in all regions.
+  !> A reference point lies in all regions, and in none of the excepted ones.
   pure logical function is_inside(bond, x)
     type(bond_t), intent(in) :: bond(:)
     real(wp), intent(in) :: x(3)
     integer :: i
+    logical :: in
 
     is_inside = .true.
     do i = 1, size(bond)
       if (bond(i)%is_box) then
-        is_inside = is_inside .and. all(x >= bond(i)%a .and. x <= bond(i)%b)
+        in = all(x >= bond(i)%a .and. x <= bond(i)%b)
       else
-        is_inside = is_inside .and. dot_product(x - bond(i)%a, bond(i)%b) >= 0.0_wp
+        in = dot_product(x - bond(i)%a, bond(i)%b) >= 0.0_wp
       end if
+      is_inside = is_inside .and. (in .neqv. bond(i)%is_except)
     end do
   end function is_inside
 

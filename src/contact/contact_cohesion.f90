@@ -9,6 +9,7 @@
 module contact_cohesion
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_type, only: cohesion_t
   use contact_work, only: work_t, position_on, tangents_on
   implicit none
   private
@@ -40,31 +41,44 @@ contains
     type(contact_points_t), intent(inout) :: points
     type(work_t), intent(inout) :: work
     type(pull_t), intent(out) :: pull
-    real(wp) :: g(3), partner(3)
+    type(cohesion_t) :: c
+    real(wp) :: g(3), partner(3), n(3), up(3, 2), lag
+    integer :: j
 
     call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
     g = at - partner
+    n = 0.0_wp
+    up = 0.0_wp
+    if (contact%cohesive%oriented .or. contact%on_pair) call tangents_on(other, points%bond(i), x, &
+                                                                         work, n, up)
+    lag = 0.0_wp
+    if (points%dt > 0.0_wp) lag = contact%tau/points%dt
+    call contact%cohesive%cohesive(contact%cohesive_prop, lag, g, n, points%past_step(:, i), &
+                                   points%past(:, i), c)
+    pull%t = c%t
+    pull%dtdg = c%dtdg
+    if (contact%cohesive%oriented) then
+      do j = 1, 2
+        pull%dtda(:, :, j) = -outer(matmul(c%dtdn, up(:, j)), n)
+      end do
+    end if
     points%opening(i) = norm2(g)
-    points%worst(i) = points%worst_step(i)
-    call contact%cohesive%cohesive(contact%cohesive_prop, g, points%worst(i), pull%t, pull%dtdg)
-    if (contact%on_pair) call press(contact, other, x, i, g, points, work, pull)
+    points%energy(:, i) = [c%stored, c%spent, c%viscous]
+    if (contact%on_pair) call press(contact, i, g, n, up, points, pull)
+    points%pull(:, i) = pull%t
   end subroutine find_pull
 
   !> The penalty along the partner's normal: it fades out as the bond is released, and the one on
-  !! the current foot comes in. position_on has left the partner's functions in `work`.
-  pure subroutine press(contact, other, x, i, g, points, work, pull)
+  !! the current foot comes in.
+  pure subroutine press(contact, i, g, n, up, points, pull)
     type(contact_t), intent(in) :: contact
-    type(surface_t), intent(in) :: other
-    real(wp), intent(in) :: x(:, :)
     integer, intent(in) :: i
-    real(wp), intent(in) :: g(3)
+    real(wp), intent(in) :: g(3), n(3), up(3, 2)
     type(contact_points_t), intent(in) :: points
-    type(work_t), intent(in) :: work
     type(pull_t), intent(inout) :: pull
-    real(wp) :: n(3), up(3, 2), p, dp, hold, dhold(3)
+    real(wp) :: p, dp, hold, dhold(3)
     integer :: j
 
-    call tangents_on(other, points%bond(i), x, work, n, up)
     pull%gap = dot_product(n, g)
     call fade(contact, g, pull%share, pull%slope)
     hold = 1.0_wp - pull%share
@@ -75,7 +89,8 @@ contains
     pull%t = pull%t + pull%p*n
     pull%dtdg = pull%dtdg + outer(n, hold*dp*n + p*dhold)
     do j = 1, 2
-      pull%dtda(:, :, j) = -hold*outer(p*up(:, j) + dp*dot_product(g, up(:, j))*n, n)
+      pull%dtda(:, :, j) = pull%dtda(:, :, j) &
+                           - hold*outer(p*up(:, j) + dp*dot_product(g, up(:, j))*n, n)
     end do
   end subroutine press
 

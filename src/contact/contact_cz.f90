@@ -6,10 +6,11 @@
 !!          mixed mode, reversible: energy e T0 g0 an area
 module contact_cz
   use base_kinds, only: wp
-  use contact_type, only: contact_law_t, COHESIVE
+  use contact_secant, only: pull_by_secants, REVERSIBLE
+  use contact_type, only: contact_law_t, cohesion_t, COHESIVE
   implicit none
   private
-  public :: describe, exponential, released
+  public :: describe, exponential, secants, released
 
   real(wp), parameter :: RELEASED_AT = 8.0_wp !! openings g0: 0.7 % of T0 is left
 
@@ -21,7 +22,7 @@ contains
 
     row%name = 'EXPOnential'
     row%role = COHESIVE
-    row%usage = 'COHEsive EXPOnential T0 g0'
+    row%usage = 'COHEsive EXPOnential T0 g0 [IRREversible] [VISCous tau]'
     row%source = 'exponential mixed mode, reversible; Corbett and Sauer 2015, eq. (31)'
     row%nprop = 2
     row%cohesive => exponential
@@ -29,24 +30,39 @@ contains
   end function describe
 
   !> T = -T0 (g/g0) exp(1 - |g|/g0), also where g presses.
-  pure subroutine exponential(prop, g, worst, t, dtdg)
-    real(wp), intent(in) :: prop(:)
-    real(wp), intent(in) :: g(3)
-    real(wp), intent(inout) :: worst
-    real(wp), intent(out) :: t(3), dtdg(3, 3)
-    real(wp) :: r, stiff
-    integer :: i
+  pure subroutine exponential(prop, lag, g, n, past, now, c)
+    real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
+    real(wp), intent(out) :: now(:)
+    type(cohesion_t), intent(out) :: c
 
-    r = norm2(g)
-    worst = max(worst, r)
-    stiff = prop(1)/prop(2)*exp(1.0_wp - r/prop(2))
-    t = -stiff*g
-    dtdg = 0.0_wp
-    do i = 1, 3
-      if (r > 0.0_wp) dtdg(:, i) = (stiff/(prop(2)*r))*g*g(i)
-      dtdg(i, i) = dtdg(i, i) - stiff
-    end do
+    call pull_by_secants(secants, REVERSIBLE, prop, released(prop), lag, g, 0.0_wp*n, past, now, &
+                         c, potential)
   end subroutine exponential
+
+  !> Both secants are (T0/g0) exp(1 - k_1/g0).
+  pure subroutine secants(prop, k, s, ds)
+    real(wp), intent(in) :: prop(:), k(2)
+    real(wp), intent(out) :: s(2), ds(2, 2)
+
+    s = prop(1)/prop(2)*exp(1.0_wp - k(1)/prop(2))
+    ds(:, 1) = -s/prop(2)
+    ds(:, 2) = 0.0_wp
+  end subroutine secants
+
+  !> e T0 g0 (1 - (1 + x) exp(-x)), x = k/g0; for small x the difference would lose its digits.
+  pure function potential(prop, k) result(energy)
+    real(wp), intent(in) :: prop(:), k
+    real(wp) :: energy
+    real(wp) :: x
+
+    x = k/prop(2)
+    if (x < 1.0e-3_wp) then
+      energy = x*x*(0.5_wp - x*(1.0_wp/3.0_wp - x/8.0_wp))
+    else
+      energy = 1.0_wp - (1.0_wp + x)*exp(-x)
+    end if
+    energy = exp(1.0_wp)*prop(1)*prop(2)*energy
+  end function potential
 
   !> 8 g0.
   pure function released(prop) result(opening)

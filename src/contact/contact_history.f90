@@ -2,7 +2,7 @@
 module contact_history
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t
-  use contact_type, only: OPEN
+  use contact_type, only: OPEN, MAX_PAST
   implicit none
   private
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched
@@ -37,7 +37,8 @@ contains
     allocate (points%slip(np), points%slip_rate(np), source=0.0_wp)
     allocate (points%bond(np), source=0)
     allocate (points%bond_xi(2, np), points%area0(np), points%opening(np), source=0.0_wp)
-    allocate (points%worst(np), points%worst_step(np), source=0.0_wp)
+    allocate (points%past(MAX_PAST, np), points%past_step(MAX_PAST, np), source=0.0_wp)
+    allocate (points%energy(3, np), points%pull(3, np), source=0.0_wp)
   end subroutine new_points
 
   !> A cut: projections start where they stood at the start of the step.
@@ -49,7 +50,7 @@ contains
       state%side(k)%foot = state%side(k)%foot_step
       state%side(k)%foot_xi = state%side(k)%foot_xi_step
       state%side(k)%multiplier = state%side(k)%multiplier_step
-      state%side(k)%worst = state%side(k)%worst_step
+      state%side(k)%past = state%side(k)%past_step
       state%side(k)%state = state%side(k)%state_step
       state%side(k)%fresh = .true.
     end do
@@ -64,7 +65,7 @@ contains
       state%side(k)%foot_step = state%side(k)%foot
       state%side(k)%foot_xi_step = state%side(k)%foot_xi
       state%side(k)%multiplier_step = state%side(k)%multiplier
-      state%side(k)%worst_step = state%side(k)%worst
+      state%side(k)%past_step = state%side(k)%past
       state%side(k)%state_step = state%side(k)%state
       state%side(k)%slip_rate = 0.0_wp
       if (state%side(k)%dt > 0.0_wp) then

@@ -15,6 +15,9 @@ contains
     block; use contact_normal, only: describe; table = [table, describe()]; end block
     block; use contact_fric, only: describe; table = [table, describe()]; end block
     block; use contact_cz, only: describe; table = [table, describe()]; end block
+    block; use contact_cz_irr, only: describe; table = [table, describe()]; end block
+    block; use contact_cz_mixed, only: describe; table = [table, describe()]; end block
+    block; use contact_ppr, only: describe; table = [table, describe()]; end block
   end subroutine load_contact_laws
 
 end module contact_table

@@ -1,40 +1,54 @@
 !> What a rigid surface feels: it is not integrated itself.
 module contact_tool
   use base_kinds, only: wp
-  use contact_work, only: element_functions
   use contact_foot, only: foot_t
-  use contact_pair, only: surface_t
+  use contact_pair, only: surface_t, contact_points_t
+  use contact_work, only: element_functions
   implicit none
   private
   public :: react
 
 contains
 
-  !> A rigid tool is not integrated: its supports bear the tractions of the other side.
-  subroutine react(tool, feet, traction, area, f)
+  !> A rigid tool is not integrated: its supports bear the tractions of the other side, those of a
+  !! bond at the partner, all others at the foot.
+  subroutine react(tool, feet, points, before, f)
     type(surface_t), intent(in) :: tool
-    type(foot_t), intent(in) :: feet(:)          !! (nq)
-    real(wp), intent(in) :: traction(:, :)       !! (3, nq) on the other side [F/L^2]
-    real(wp), intent(in) :: area(:)              !! (nq) [L^2]
-    real(wp), intent(inout) :: f(:, :)
-    real(wp), allocatable :: shp(:), dshp(:, :)
-    integer :: b, e, n, q
+    type(foot_t), intent(in) :: feet(:)          !! (nq) of an element of the other side
+    type(contact_points_t), intent(in) :: points !! of the other side
+    integer, intent(in) :: before                !! points before those of the element
+    real(wp), intent(inout) :: f(:, :)           !! (3, nnode) internal forces [F]
+    real(wp) :: force(3), bond(3)
+    integer :: i, q
 
     do q = 1, size(feet)
-      e = feet(q)%elem
-      if (e == 0) cycle
-      n = tool%first(e + 1) - tool%first(e)
-      if (allocated(shp)) then
-        if (size(shp) /= n) deallocate (shp, dshp)
+      i = before + q
+      force = points%area(i)*points%traction(:, i)
+      if (points%bond(i) > 0) then
+        bond = points%area0(i)*points%pull(:, i)
+        call put(tool, points%bond(i), points%bond_xi(:, i), bond, f)
+        force = force - bond
       end if
-      if (.not. allocated(shp)) allocate (shp(n), dshp(2, n))
-      call element_functions(tool, e, feet(q)%xi, shp, dshp)
-      do b = 1, n
-        associate (node => tool%node(tool%first(e) + b - 1))
-          f(:, node) = f(:, node) + shp(b)*area(q)*traction(:, q)
-        end associate
-      end do
+      if (feet(q)%elem > 0) call put(tool, feet(q)%elem, feet(q)%xi, force, f)
     end do
   end subroutine react
+
+  !> A force on the nodes of element e.
+  subroutine put(tool, e, xi, force, f)
+    type(surface_t), intent(in) :: tool
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2), force(3)
+    real(wp), intent(inout) :: f(:, :)
+    real(wp) :: shp(tool%first(e + 1) - tool%first(e))
+    real(wp) :: dshp(2, tool%first(e + 1) - tool%first(e))
+    integer :: b
+
+    call element_functions(tool, e, xi, shp, dshp)
+    do b = 1, size(shp)
+      associate (node => tool%node(tool%first(e) + b - 1))
+        f(:, node) = f(:, node) + shp(b)*force
+      end associate
+    end do
+  end subroutine put
 
 end module contact_tool

@@ -44,6 +44,7 @@ module contact_pair
 
   !> Where reference points are bonded: the half space that a normal points into, or a box.
   type :: bond_t
+    logical :: is_except = .false.           !! they are not bonded there
     logical :: is_box = .false.
     real(wp) :: a(3) = 0.0_wp                !! point of the plane, or low corner [L]
     real(wp) :: b(3) = 0.0_wp                !! unit normal [-], or high corner [L]
@@ -66,8 +67,9 @@ module contact_pair
     logical :: has_cohesive = .false.
     type(contact_law_t) :: cohesive
     real(wp) :: cohesive_prop(MAX_LAW_PROP) = 0.0_wp
+    real(wp) :: tau = 0.0_wp                 !! time of VISCous [T]; 0: none
     real(wp) :: released = 0.0_wp            !! opening from which a bond counts as released [L]
-    type(bond_t), allocatable :: bond(:)     !! all of them hold; none: everywhere
+    type(bond_t), allocatable :: bond(:)     !! all but the excepted hold; none: everywhere
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element
     !> How the penalty of NORMal was found; not allocated: the deck gives it.
     character(:), allocatable :: auto
@@ -99,9 +101,12 @@ module contact_pair
     integer, allocatable :: bond(:)          !! (np)
     real(wp), allocatable :: bond_xi(:, :)   !! (2, np)
     real(wp), allocatable :: area0(:)        !! (np) reference area the point stands for [L^2]
-    real(wp), allocatable :: worst(:)        !! (np) largest opening so far [L]
-    real(wp), allocatable :: worst_step(:)   !! (np) at the start of the step
+    real(wp), allocatable :: past(:, :)      !! (MAX_PAST, np) what the cohesive law remembers
+    real(wp), allocatable :: past_step(:, :) !! (MAX_PAST, np) at the start of the step
     real(wp), allocatable :: opening(:)      !! (np) of now: distance to the partner [L]
+    real(wp), allocatable :: energy(:, :)    !! (3, np) stored, spent, viscous per area0 [F/L]
+    real(wp), allocatable :: pull(:, :)      !! (3, np) traction of the bond on area0 [F/L^2]
+    real(wp) :: dt = 0.0_wp                  !! of the step [T]; 0: there is no time
     !> What the last sweep found.
     integer, allocatable :: state(:)         !! (np) OPEN, STICK, SLIP, TOUCH
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no foot

@@ -5,9 +5,10 @@ module contact_type
   use base_kinds, only: wp
   implicit none
   private
-  public :: contact_law_t, normal_law_i, friction_law_i, cohesive_law_i
+  public :: contact_law_t, cohesion_t, normal_law_i, friction_law_i, cohesive_law_i
 
-  integer, parameter, public :: MAX_LAW_PROP = 8 !! length of a row of properties
+  integer, parameter, public :: MAX_LAW_PROP = 16 !! length of a row of properties
+  integer, parameter, public :: MAX_PAST = 7      !! numbers that a bonded point remembers
 
   !> Records of the deck that laws belong to.
   integer, parameter, public :: NORMAL = 1, FRICTION = 2, COHESIVE = 3
@@ -17,15 +18,29 @@ module contact_type
 
   type :: contact_law_t
     character(16) :: name = ''    !! second word of its record: PENAlty, COULomb, EXPOnential
+    character(16) :: option = ''  !! a word behind the numbers that chooses this row: IRREversible
     integer :: role = 0           !! NORMAL, FRICTION or COHESIVE: its record
-    character(64) :: usage = ''   !! the record, for hints and --list
+    character(80) :: usage = ''   !! the record, for hints and --list
     character(80) :: source = ''  !! formula and reference, for the log
     integer :: nprop = 0
     procedure(normal_law_i), pointer, nopass :: normal => null()
     procedure(friction_law_i), pointer, nopass :: friction => null()
     procedure(cohesive_law_i), pointer, nopass :: cohesive => null()
-    procedure(released_i), pointer, nopass :: released => null() !! of a cohesive law
+    !> Of a cohesive law.
+    logical :: oriented = .false. !! it asks for the partner's normal
+    procedure(released_i), pointer, nopass :: released => null()
+    procedure(prepare_i), pointer, nopass :: prepare => null() !! null: its numbers are enough
   end type contact_law_t
+
+  !> What a cohesive law finds at a point, on the reference area.
+  type :: cohesion_t
+    real(wp) :: t(3) = 0.0_wp          !! traction [F/L^2]
+    real(wp) :: dtdg(3, 3) = 0.0_wp    !! against the gap [F/L^3]
+    real(wp) :: dtdn(3, 3) = 0.0_wp    !! against the partner's normal [F/L^2]
+    real(wp) :: stored = 0.0_wp        !! energy that unloading gives back [F/L]
+    real(wp) :: spent = 0.0_wp         !! energy that damage has taken so far [F/L]
+    real(wp) :: viscous = 0.0_wp       !! energy that VISCous has taken so far [F/L]
+  end type cohesion_t
 
   abstract interface
     !> Pressure at a normal gap; positive presses.
@@ -58,15 +73,26 @@ module contact_type
     end subroutine friction_law_i
 
     !> Traction on the reference area, of the gap to the stored partner.
-    pure subroutine cohesive_law_i(prop, g, worst, t, dtdg)
-      import :: wp
+    pure subroutine cohesive_law_i(prop, lag, g, n, past, now, c)
+      import :: wp, cohesion_t
       implicit none
       real(wp), intent(in) :: prop(:)
+      real(wp), intent(in) :: lag         !! [-] time of VISCous over that of the step; 0 without
       real(wp), intent(in) :: g(3)        !! [L] from the partner to the point
-      real(wp), intent(inout) :: worst    !! [L] largest |g| so far (laws with damage)
-      real(wp), intent(out) :: t(3)       !! [F/L^2]
-      real(wp), intent(out) :: dtdg(3, 3) !! [F/L^3]
+      real(wp), intent(in) :: n(3)        !! [-] of the partner's side; any, if it is not asked for
+      real(wp), intent(in) :: past(:)     !! (MAX_PAST) what the law remembered before the step
+      real(wp), intent(out) :: now(:)     !! (MAX_PAST) and after it
+      type(cohesion_t), intent(out) :: c
     end subroutine cohesive_law_i
+
+    !> Numbers that follow from those of the deck.
+    pure subroutine prepare_i(prop, wrong, hint)
+      import :: wp
+      implicit none
+      real(wp), intent(inout) :: prop(:)
+      integer, intent(out) :: wrong       !! the number that cannot be; 0: none
+      character(:), allocatable, intent(out) :: hint
+    end subroutine prepare_i
 
     !> Opening from which a bond counts as released: hardly any traction is left [L].
     pure function released_i(prop) result(opening)

@@ -37,6 +37,9 @@ contains
       do i = 1, contact%cohesive%nprop
         text = text//' '//to_text(contact%cohesive_prop(i))
       end do
+      if (contact%cohesive%option /= '') text = text//' '//trim(contact%cohesive%option)
+      if (contact%tau > 0.0_wp) text = text//', viscous, time '//to_text(contact%tau)
+      text = text//', released at '//to_text(contact%released)
       call log_line('          '//text)
       call log_line('          '//trim(contact%cohesive%source))
     end if

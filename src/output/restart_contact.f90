@@ -3,13 +3,14 @@ module restart_contact
   use base_kinds, only: wp
   use base_error, only: error_t
   use contact_pair, only: contact_state_t, contact_points_t
+  use contact_type, only: MAX_PAST
   use hdf5_file, only: hdf5_t, make_group
   use restart_arrays, only: write_matrix, read_matrix, name
   implicit none
   private
   public :: write_contact, read_contact
 
-  integer, parameter :: NROW = 26 !! numbers of a point
+  integer, parameter :: NROW = 30 + 2*MAX_PAST !! numbers of a point
 
 contains
 
@@ -75,11 +76,13 @@ contains
     values(15:17, :) = points%traction
     values(18:20, :) = points%elastic
     values(21, :) = points%area
-    values(22, :) = points%worst
-    values(23, :) = points%worst_step
-    values(24, :) = points%opening
-    values(25, :) = points%state_step
-    values(26, :) = points%slip_rate
+    values(22, :) = points%opening
+    values(23, :) = points%state_step
+    values(24:26, :) = points%energy
+    values(27:29, :) = points%pull
+    values(30, :) = points%slip_rate
+    values(31:30 + MAX_PAST, :) = points%past
+    values(31 + MAX_PAST:, :) = points%past_step
   end subroutine pack_points
 
   subroutine unpack_points(values, points)
@@ -100,11 +103,13 @@ contains
     points%traction = values(15:17, :)
     points%elastic = values(18:20, :)
     points%area = values(21, :)
-    points%worst = values(22, :)
-    points%worst_step = values(23, :)
-    points%opening = values(24, :)
-    points%state_step = nint(values(25, :))
-    points%slip_rate = values(26, :)
+    points%opening = values(22, :)
+    points%state_step = nint(values(23, :))
+    points%energy = values(24:26, :)
+    points%pull = values(27:29, :)
+    points%slip_rate = values(30, :)
+    points%past = values(31:30 + MAX_PAST, :)
+    points%past_step = values(31 + MAX_PAST:, :)
     points%fresh = .true.
   end subroutine unpack_points
 

@@ -16,6 +16,7 @@ module contact_spec
     real(wp) :: prop(MAX_LAW_PROP) = 0.0_wp
     logical :: auto = .false.          !! its penalty comes from stiffness and element size
     real(wp) :: factor = 1.0_wp        !! of AUTO
+    real(wp) :: tau = 0.0_wp           !! of VISCous [T]; 0: none
   end type spec_law_t
 
   type :: contact_spec_t

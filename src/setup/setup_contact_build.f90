@@ -171,6 +171,7 @@ contains
     contact%cohesive = spec%cohesive%row
     contact%cohesive_prop = spec%cohesive%prop
     contact%released = contact%cohesive%released(contact%cohesive_prop)
+    contact%tau = spec%cohesive%tau
     contact%on_pair = spec%on_pair
     contact%bond = spec%bond
     contact%bond_gap = spec%bond_gap

@@ -115,25 +115,65 @@ contains
     end associate
   end subroutine read_friction
 
-  !> COHEsive law and its numbers, all of them positive.
+  !> COHEsive law and its numbers, all of them positive; then its options in any order.
   subroutine read_cohesive(deck, line, contact, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
     type(contact_spec_t), intent(inout) :: contact
     type(error_t), allocatable, intent(out) :: error
-    integer :: i, n
+    character(:), allocatable :: hint
+    integer :: i, n, wrong
 
     associate (law => contact%cohesive)
       call find_law(line, 2, COHESIVE, law, error)
       if (allocated(error)) return
       n = law%row%nprop
-      call check_count(line, n + 2, n + 2, trim(law%row%usage), error)
-      do i = 1, n
+      call check_count(line, n + 2, n + 5, trim(law%row%usage), error)
+      do i = 3, n + 2
         if (allocated(error)) return
-        call read_positive(deck, line, i + 2, 'number', law%prop(i), error)
+        call read_positive(deck, line, i, 'number', law%prop(i - 2), error)
       end do
+      i = n + 2
+      do while (.not. allocated(error) .and. i < line%n)
+        call read_cohesive_option(deck, line, i, law, error)
+      end do
+      if (allocated(error) .or. .not. associated(law%row%prepare)) return
+      call law%row%prepare(law%prop, wrong, hint)
+      if (wrong > 0) call fail(error, DECK_ERROR, line%text(wrong + 2)//' is out of range', &
+                               line%place(wrong + 2), hint)
     end associate
   end subroutine read_cohesive
+
+  !> One option behind field i, which then is its last: VISCous tau, or the word of another row of
+  !! the same name.
+  subroutine read_cohesive_option(deck, line, i, law, error)
+    type(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: line
+    integer, intent(inout) :: i
+    type(spec_law_t), intent(inout) :: law
+    type(error_t), allocatable, intent(out) :: error
+    type(contact_law_t), allocatable :: table(:)
+    integer :: j
+
+    i = i + 1
+    if (line%key(i) == 'visc' .and. .not. law%tau > 0.0_wp) then
+      i = i + 1
+      call check_count(line, i, i + 1, trim(law%row%usage), error)
+      if (.not. allocated(error)) call read_positive(deck, line, i, 'time of VISCous', law%tau, &
+                                                     error)
+      return
+    end if
+    call load_contact_laws(table)
+    do j = 1, size(table)
+      if (table(j)%role /= COHESIVE .or. table(j)%name /= law%row%name) cycle
+      if (table(j)%option == law%row%option .or. table(j)%option == '') cycle
+      if (key_of(table(j)%option) /= line%key(i)) cycle
+      law%row = table(j)
+      return
+    end do
+    call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(i))//' of COHEsive', &
+              line%place(i), trim(law%row%usage))
+  end subroutine read_cohesive_option
 
   !> The row of the law in field i; i = 0: the first of its role.
   subroutine find_law(line, i, role, law, error)
@@ -148,7 +188,7 @@ contains
     call load_contact_laws(table)
     known = ''
     do j = 1, size(table)
-      if (table(j)%role /= role) cycle
+      if (table(j)%role /= role .or. table(j)%option /= '') cycle
       known = known//' '//trim(table(j)%name)
       if (i > 0 .and. key_of(table(j)%name) /= line%key(max(i, 1))) cycle
       law%row = table(j)

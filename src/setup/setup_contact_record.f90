@@ -14,8 +14,8 @@ module setup_contact_record
   public :: read_contact_line
 
   character(*), parameter :: SURFACE_USAGE = 'SURFaces patch face patch face'
-  character(*), parameter :: BOND_USAGE = 'BONDed HALFspace px py pz  nx ny nz [GAP d], or ' &
-                             //'BOX x1 y1 z1  x2 y2 z2 [GAP d]'
+  character(*), parameter :: BOND_USAGE = 'BONDed [EXCEpt] HALFspace px py pz  nx ny nz [GAP d], ' &
+                             //'or [EXCEpt] BOX x1 y1 z1  x2 y2 z2 [GAP d]'
   integer, parameter :: MAX_POINT = 50 !! integration points of an element in one direction
 
 contains
@@ -68,7 +68,7 @@ contains
     call check_count(line, i - 1, i - 1, SURFACE_USAGE, error)
   end subroutine read_surfaces
 
-  !> BONDed [HALFspace or BOX] [GAP d]; several of them intersect.
+  !> BONDed [[EXCEpt] HALFspace or BOX] [GAP d]; several of them intersect.
   subroutine read_bond(deck, line, contact, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -79,16 +79,14 @@ contains
 
     if (.not. allocated(contact%bond_place%file)) contact%bond_place = line%place(1)
     i = 2
-    select case (line%key(2))
-    case ('half', 'box')
-      call read_region(deck, line, bond, error)
+    bond%is_except = line%key(2) == 'exce'
+    if (bond%is_except) i = 3
+    if (bond%is_except .or. line%key(i) == 'half' .or. line%key(i) == 'box') then
+      call read_region(deck, line, i, bond, error)
       if (allocated(error)) return
       contact%bond = [contact%bond, bond]
-      i = 9
       if (line%n < i) return
-    case default
-      continue ! GAP alone: everywhere
-    end select
+    end if ! GAP alone: everywhere
     if (line%key(i) /= 'gap') then
       call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(i))//' of BONDed', &
                 line%place(i), BOND_USAGE)
@@ -103,22 +101,28 @@ contains
                                                    error)
   end subroutine read_bond
 
-  !> HALFspace px py pz  nx ny nz, or BOX x1 y1 z1  x2 y2 z2.
-  subroutine read_region(deck, line, bond, error)
+  !> HALFspace px py pz  nx ny nz, or BOX x1 y1 z1  x2 y2 z2, from field i on; i: what follows.
+  subroutine read_region(deck, line, i, bond, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
-    type(bond_t), intent(out) :: bond
+    integer, intent(inout) :: i
+    type(bond_t), intent(inout) :: bond
     type(error_t), allocatable, intent(out) :: error
     real(wp) :: x(6), length
     integer :: d
 
-    call check_count(line, 8, 10, BOND_USAGE, error)
+    bond%is_box = line%key(i) == 'box'
+    if (.not. (bond%is_box .or. line%key(i) == 'half')) then
+      call fail(error, DECK_ERROR, 'BONDed EXCEpt what? A region is missing', line%place(i), &
+                'BONDed EXCEpt BOX x1 y1 z1  x2 y2 z2, or EXCEpt HALFspace px py pz  nx ny nz')
+      return
+    end if
+    call check_count(line, i + 6, i + 8, BOND_USAGE, error)
     do d = 1, 6
       if (allocated(error)) return
-      call get_real(deck, line, d + 2, x(d), error)
+      call get_real(deck, line, i + d, x(d), error)
     end do
     if (allocated(error)) return
-    bond%is_box = line%key(2) == 'box'
     bond%a = x(:3)
     bond%b = x(4:)
     length = norm2(x(4:))
@@ -126,11 +130,12 @@ contains
       bond%a = min(x(:3), x(4:))
       bond%b = max(x(:3), x(4:))
     else if (.not. length > 0.0_wp) then
-      call fail(error, DECK_ERROR, 'the normal of the half space has no length', line%place(6), &
-                BOND_USAGE)
+      call fail(error, DECK_ERROR, 'the normal of the half space has no length', &
+                line%place(i + 4), BOND_USAGE)
     else
       bond%b = x(4:)/length
     end if
+    i = i + 7
   end subroutine read_region
 
   !> QUADrature n1 n2.

@@ -97,6 +97,7 @@ contains
         end do
         do k = 1, 2
           if (contact%side(k)%rigid) cycle
+          state%contact(c)%side(k)%dt = state%dt
           call find_feet(work(c), contact, k, x, state%contact(c)%side(k))
           call need_pairs(work(c), contact, k, x, state%contact(c)%side(k), slides, state%step, &
                           grown)
@@ -245,8 +246,7 @@ contains
                           part)
         if (part%npartner == 0) cycle
         if (other%rigid) then
-          call react(other, work%feet(k)%at(i + 1:i + contact%nq), &
-                     points%traction(:, i + 1:i + contact%nq), points%area(i + 1:i + contact%nq), f)
+          call react(other, work%feet(k)%at(i + 1:i + contact%nq), points, i, f)
         end if
         associate (mine => own%node(own%first(e):own%first(e + 1) - 1))
           do b = 1, part%nk

@@ -1,0 +1,133 @@
+!> PPR: the potential of Park, Paulino and Roesler.
+!!
+!! prop(1:2)   energies phi_n, phi_t [F/L]
+!! prop(3:4)   strengths sigma_max, tau_max [F/L^2]
+!! prop(5:6)   shapes alpha, beta [-]: 2 softens about linearly, less is a plateau, more a tail
+!! prop(7:8)   lambda_n, lambda_t [-]: opening at the strength over the last opening
+!! prop(9:16)  found from these: m, n [-]; last openings delta_n, delta_t [L]; constants Gamma_n,
+!!             Gamma_t; rests <phi_n - phi_t>, <phi_t - phi_n>
+!! Source:  Park, Paulino and Roesler 2009, J. Mech. Phys. Solids 57, 891-908; the tractions as in
+!!          Park and Paulino 2012, Eng. Fract. Mech. 93, 239-262. Unloading is linear to the origin
+!!          at the worst openings of both modes (coupled, so that damage never heals)
+module contact_ppr
+  use base_kinds, only: wp
+  use contact_secant, only: pull_by_secants, MODES
+  use contact_type, only: contact_law_t, cohesion_t, COHESIVE
+  implicit none
+  private
+  public :: describe, ppr, prepare
+
+contains
+
+  !> Row of the table of contact laws.
+  function describe() result(row)
+    type(contact_law_t) :: row
+
+    row%name = 'PPR'
+    row%role = COHESIVE
+    row%usage = 'COHEsive PPR phi_n phi_t sig tau alpha beta lam_n lam_t'
+    row%source = 'potential of Park, Paulino and Roesler 2009, unloading to the origin'
+    row%nprop = 8
+    row%oriented = .true.
+    row%cohesive => ppr
+    row%released => released
+    row%prepare => prepare
+  end function describe
+
+  pure subroutine ppr(prop, lag, g, n, past, now, c)
+    real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
+    real(wp), intent(out) :: now(:)
+    type(cohesion_t), intent(out) :: c
+
+    call pull_by_secants(secants, MODES, prop, minval(prop(11:12)), lag, g, n, past, now, c)
+  end subroutine ppr
+
+  !> The numbers that follow from the deck's; `wrong`: the one that cannot be.
+  pure subroutine prepare(prop, wrong, hint)
+    real(wp), intent(inout) :: prop(:)
+    integer, intent(out) :: wrong
+    character(:), allocatable, intent(out) :: hint
+    real(wp) :: a, lam, m, largest
+    integer :: i
+
+    wrong = 0
+    do i = 1, 2
+      a = prop(4 + i)
+      lam = prop(6 + i)
+      if (.not. a > 1.0_wp) then
+        wrong = 4 + i
+        hint = 'alpha and beta are greater than 1; 2 softens about linearly'
+      else if (.not. a*lam**2 < 1.0_wp) then
+        wrong = 6 + i
+        hint = 'lambda_n is below 1/sqrt(alpha), lambda_t below 1/sqrt(beta); 0.01 to 0.2 are usual'
+      end if
+      if (wrong > 0) return
+      m = a*(a - 1.0_wp)*lam**2/(1.0_wp - a*lam**2)
+      largest = a*lam*(1.0_wp - lam)**(a - 1.0_wp)*(a/m + 1.0_wp)*(lam*a/m + 1.0_wp)**(m - 1.0_wp)
+      prop(8 + i) = m
+      prop(10 + i) = prop(i)/prop(2 + i)*largest
+      prop(12 + i) = (a/m)**m
+      prop(14 + i) = max(0.0_wp, prop(i) - prop(3 - i))
+    end do
+    i = merge(2, 1, prop(2) > prop(1)) ! the larger energy is in one of the constants
+    prop(12 + i) = -prop(i)*prop(12 + i)
+  end subroutine prepare
+
+  !> With x = k_1/delta_n, P(x) = (1 - x)^(alpha-1) (m/alpha + x)^(m-1),
+  !! Q(x) = Gamma_n (1 - x)^alpha (m/alpha + x)^m + <phi_n - phi_t>, the same of y = k_2/delta_t:
+  !! s_n = -Gamma_n (m + alpha)/delta_n^2 P_n(x) Q_t(y),
+  !! s_t = -Gamma_t (n + beta)/delta_t^2 P_t(y) Q_n(x).
+  pure subroutine secants(prop, k, s, ds)
+    real(wp), intent(in) :: prop(:), k(2)
+    real(wp), intent(out) :: s(2), ds(2, 2)
+    real(wp) :: p(2), dp(2), q(2), dq(2), c
+    integer :: i
+
+    do i = 1, 2
+      call shapes(prop, i, k(i)/prop(10 + i), p(i), dp(i), q(i), dq(i))
+    end do
+    do i = 1, 2
+      c = -prop(12 + i)*(prop(8 + i) + prop(4 + i))/prop(10 + i)**2
+      s(i) = c*p(i)*q(3 - i)
+      ds(i, i) = c*dp(i)*q(3 - i)/prop(10 + i)
+      ds(i, 3 - i) = c*p(i)*dq(3 - i)/prop(13 - i)
+    end do
+  end subroutine secants
+
+  !> P and Q of mode i and their derivatives. Beyond the last opening, and from where Q changes its
+  !! sign, nothing holds.
+  pure subroutine shapes(prop, i, x, p, dp, q, dq)
+    real(wp), intent(in) :: prop(:)
+    integer, intent(in) :: i
+    real(wp), intent(in) :: x
+    real(wp), intent(out) :: p, dp, q, dq
+    real(wp) :: a, m, gamma, z
+
+    a = prop(4 + i)
+    m = prop(8 + i)
+    gamma = prop(12 + i)
+    p = 0.0_wp
+    dp = 0.0_wp
+    q = prop(14 + i)
+    dq = 0.0_wp
+    if (x < 1.0_wp) then
+      z = m/a + x
+      p = (1.0_wp - x)**(a - 1.0_wp)*z**(m - 1.0_wp)
+      dp = p*((m - 1.0_wp)/z - (a - 1.0_wp)/(1.0_wp - x))
+      q = gamma*p*(1.0_wp - x)*z + q
+      dq = -gamma*(m + a)*x*p
+    end if
+    if (q*gamma > 0.0_wp) return
+    q = 0.0_wp
+    dq = 0.0_wp
+  end subroutine shapes
+
+  !> Both modes are released.
+  pure function released(prop) result(opening)
+    real(wp), intent(in) :: prop(:)
+    real(wp) :: opening
+
+    opening = maxval(prop(11:12))
+  end function released
+
+end module contact_ppr
