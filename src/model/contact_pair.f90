@@ -95,7 +95,7 @@ module contact_pair
     !> `state` when the last step ended: points that slipped begin with the tangent of slip.
     integer, allocatable :: state_step(:)    !! (np)
     real(wp), allocatable :: slip_rate(:)    !! (np) slip over time in the last step [L/T]
-    real(wp) :: dt = 0.0_wp                  !! of the step under way [T]
+    real(wp) :: dt = 0.0_wp                  !! of the step under way [T]; 0: no time
     logical :: fresh = .false.               !! no sweep was made in this step yet
     !> Cohesive partner on the other surface, found in the reference configuration. 0: not bonded.
     integer, allocatable :: bond(:)          !! (np)
@@ -106,7 +106,6 @@ module contact_pair
     real(wp), allocatable :: opening(:)      !! (np) of now: distance to the partner [L]
     real(wp), allocatable :: energy(:, :)    !! (3, np) stored, spent, viscous per area0 [F/L]
     real(wp), allocatable :: pull(:, :)      !! (3, np) traction of the bond on area0 [F/L^2]
-    real(wp) :: dt = 0.0_wp                  !! of the step [T]; 0: there is no time
     !> What the last sweep found.
     integer, allocatable :: state(:)         !! (np) OPEN, STICK, SLIP, TOUCH
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no foot

@@ -97,7 +97,6 @@ contains
         end do
         do k = 1, 2
           if (contact%side(k)%rigid) cycle
-          state%contact(c)%side(k)%dt = state%dt
           call find_feet(work(c), contact, k, x, state%contact(c)%side(k))
           call need_pairs(work(c), contact, k, x, state%contact(c)%side(k), slides, state%step, &
                           grown)
