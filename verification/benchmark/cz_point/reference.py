@@ -76,7 +76,9 @@ def potential(gn, gt, normal):
         x = g / last
         inside = gamma * (1 - x) ** a * (m / a + x) ** m if x.real < 1 else 0
         factor.append(inside + rest)
-    if normal and factor[1].real > 0:  # beyond the shear opening at which the normal traction has gone
+    if (
+        normal and factor[1].real > 0
+    ):  # beyond the shear opening at which the normal traction has gone
         factor[1] = 0
     return min(phi) + factor[0] * factor[1]
 
