@@ -11,6 +11,7 @@ module line_search
 
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp       !! FEAP's: slope left after a line search
   integer, parameter :: LINE_TRIALS = 10
+  real(wp), parameter :: OVERSHOT = 1.5_wp    !! slope behind an increment over the one before it
 
 contains
 
@@ -23,8 +24,8 @@ contains
     state%scale = s
   end subroutine step_by
 
-  !> FEAP's line search: a share s of the step with |du.r(s)| <= 0.8 |du.r(0)|, by regula falsi with
-  !! the Illinois modification; halved first while an element inverts.
+  !> FEAP's line search: a share s of the step with |du.r(s)| <= 0.8 |du.r(0)|; halved first while
+  !! an element inverts.
   subroutine search_line(asm, model, state, dx, du, g0, s, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -34,25 +35,77 @@ contains
     real(wp), intent(in) :: g0         !! du.r(0)
     real(wp), intent(out) :: s         !! share that was taken
     type(error_t), allocatable, intent(out) :: error
-    real(wp) :: g, ga, gb, sa, sb
-    logical :: ok
+    type(sweep_t) :: sweep
+    real(wp) :: g
     integer :: i
 
     s = 1.0_wp
     do i = 1, LINE_TRIALS
-      call slope(asm, model, state, dx, du, s, g, ok, error)
+      call slope(asm, model, state, dx, du, s, g, sweep, error)
       if (allocated(error)) return
-      if (ok) exit
+      if (sweep%ok) exit
       s = 0.5_wp*s
     end do
+    call close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
+    if (allocated(error)) return
+    call step_by(state, du, s)
+  end subroutine search_line
+
+  !> The increment was taken and the forces were formed behind it, s du from where the history
+  !! stands. While it inverts an element half of it is taken. Where it overshoots, as a surface that
+  !! meets the other one at once and is thrown back by the whole penalty does, a share of it is
+  !! looked for; for the rest of increments this costs nothing.
+  subroutine retreat(asm, model, state, dx, rhs, sweep, error)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: dx(:)      !! (neq) the increment, whole
+    real(wp), intent(in) :: rhs(:)     !! (neq) the forces before it
+    type(sweep_t), intent(inout) :: sweep
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: du(:, :), r(:)
+    real(wp) :: g, g0, s
+    integer :: i
+
+    do i = 1, LINE_TRIALS
+      if (sweep%ok) exit
+      state%u = state%u_base + 0.5_wp*(state%u - state%u_base)
+      state%scale = 0.5_wp*state%scale
+      call form(asm, model, state, sweep, error)
+      if (allocated(error)) return
+    end do
+    if (.not. sweep%ok .or. size(model%contact) == 0) return
+    allocate (r(size(dx)))
+    call free_part(model%eq, asm%f_ext - asm%f_int, r)
+    g0 = dot_product(dx, rhs)
+    g = dot_product(dx, r)
+    if (.not. (g0 > 0.0_wp .and. g < -OVERSHOT*g0 .and. norm2(r) > norm2(rhs))) return
+    s = state%scale
+    du = (state%u - state%u_base)/s
+    call close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
+  end subroutine retreat
+
+  !> From the slope g at s, which `sweep` found, to a small one, by regula falsi with the Illinois
+  !! modification.
+  subroutine close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: dx(:), du(:, :), g0
+    real(wp), intent(inout) :: g, s
+    type(sweep_t), intent(inout) :: sweep
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: ga, gb, sa, sb
+    integer :: i
+
     sa = 0.0_wp
     ga = g0
     sb = s
     gb = g
     do i = 1, LINE_TRIALS
-      if (.not. ok .or. abs(g) <= LINE_TOLERANCE*abs(g0) .or. ga*gb > 0.0_wp) exit
+      if (.not. sweep%ok .or. abs(g) <= LINE_TOLERANCE*abs(g0) .or. ga*gb > 0.0_wp) exit
       s = sb - gb*(sb - sa)/(gb - ga)
-      call slope(asm, model, state, dx, du, s, g, ok, error)
+      call slope(asm, model, state, dx, du, s, g, sweep, error)
       if (allocated(error)) return
       if (g*ga > 0.0_wp) then
         sa = s
@@ -64,45 +117,23 @@ contains
         ga = 0.5_wp*ga
       end if
     end do
-    call step_by(state, du, s)
-  end subroutine search_line
-
-  !> The increment inverted an element: take half of it, and again.
-  subroutine retreat(asm, model, state, sweep, error)
-    type(assembler_t), intent(inout) :: asm
-    type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
-    type(sweep_t), intent(inout) :: sweep
-    type(error_t), allocatable, intent(out) :: error
-    integer :: i
-
-    do i = 1, LINE_TRIALS
-      state%u = state%u_base + 0.5_wp*(state%u - state%u_base)
-      state%scale = 0.5_wp*state%scale
-      call form(asm, model, state, sweep, error)
-      if (allocated(error) .or. sweep%ok) return
-    end do
-  end subroutine retreat
+  end subroutine close_in
 
   !> du.r at a share of the step.
-  subroutine slope(asm, model, state, dx, du, s, g, ok, error)
+  subroutine slope(asm, model, state, dx, du, s, g, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: dx(:), du(:, :), s
     real(wp), intent(out) :: g
-    logical, intent(out) :: ok
+    type(sweep_t), intent(out) :: sweep
     type(error_t), allocatable, intent(out) :: error
-    type(sweep_t) :: sweep
     real(wp), allocatable :: r(:)
 
     call step_by(state, du, s)
-    ok = .false.
     g = 0.0_wp
     call form(asm, model, state, sweep, error)
-    if (allocated(error)) return
-    ok = sweep%ok
-    if (.not. ok) return
+    if (allocated(error) .or. .not. sweep%ok) return
     allocate (r(size(dx)))
     call free_part(model%eq, asm%f_ext - asm%f_int, r)
     g = dot_product(dx, r)

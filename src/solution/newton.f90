@@ -69,10 +69,11 @@ contains
     if (allocated(error)) return
     call form(newton%asm, model, state, pass%sweep, error)
     if (allocated(error)) return
-    if (newton%may_retreat .and. .not. pass%sweep%ok) then
-      call retreat(newton%asm, model, state, pass%sweep, error)
+    if (newton%may_retreat) then
+      call retreat(newton%asm, model, state, newton%dx, newton%rhs, pass%sweep, error)
+      if (allocated(error)) return
+      newton%last = state%scale*newton%dx
     end if
-    if (allocated(error)) return
     newton%may_retreat = .false.
     pass%ok = pass%sweep%ok
     if (.not. pass%ok) then
@@ -146,7 +147,7 @@ contains
       call step_by(state, du, pass%line)
     end if
     newton%last = pass%line*newton%dx
-    newton%may_retreat = .not. moved
+    newton%may_retreat = .not. moved .and. .not. newton%converged
   end subroutine solve_system
 
   !> One pass of TANG,,1 or UTAN,,1.

@@ -29,7 +29,7 @@ module newton_type
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made
     real(wp), allocatable :: spacing(:) !! (nnode) to the nearest neighbour [L]
     logical :: moves = .false.
-    logical :: may_retreat = .false.   !! the last increment moved no prescribed dof
+    logical :: may_retreat = .false.   !! the last increment moved no prescribed dof, and was needed
   end type newton_t
 
   !> What one pass did.
