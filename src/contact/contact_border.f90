@@ -31,8 +31,7 @@ contains
       elem = spot%elem
       xi = spot%xi
       if (surface%neighbour(edge(i), elem) == 0) cycle
-      behind = abs(surface%edge(edge(i), elem))
-      call step_across(surface, edge(i), elem, xi)
+      call step_across(surface, edge(i), elem, xi, behind)
       call look_at(surface, shape, elem, xi, x, other)
       moved = falls_inwards(other, (behind + 1)/2)
       if (moved) then

@@ -1,14 +1,15 @@
 !> How the elements of a surface hang together: who is behind which edge.
 !!
 !! Edges meet where the same nodes have a trace on them and they lie at the same place in the
-!! reference configuration; an edge that is collapsed to a point (prisms) meets nothing.
+!! reference configuration; an edge that is collapsed to a point (prisms) meets nothing. At a
+!! T-junction an edge meets several that each are a part of it.
 module contact_edges
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
   use base_sort, only: sort_index, unique
   use base_text, only: to_text
-  use contact_kind, only: surface_functions_at, make_rational
   use contact_pair, only: surface_t
+  use contact_parts, only: edge_point, part_list_t, try_part, set_parts
   use contact_vertices, only: number_vertices
   implicit none
   private
@@ -41,6 +42,7 @@ contains
     point = collapsed_edges(edges)
     call match_edges(edges, point, surface, error)
     if (allocated(error)) return
+    call match_parts(xr, edges, point, surface)
     call number_vertices(surface, point)
     if (any(point)) surface%point = point
   end subroutine connect_elements
@@ -111,19 +113,12 @@ contains
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e, k
     real(wp), intent(out) :: x(:, :) !! (3, NPOINT)
-    real(wp) :: shp(surface%first(e + 1) - surface%first(e)), xi(2)
-    real(wp) :: dshp(2, size(shp))
+    real(wp) :: slope(3)
     integer :: q
 
-    associate (first => surface%first(e), last => surface%first(e + 1) - 1)
-      do q = 1, NPOINT
-        xi = merge(-1.0_wp, 1.0_wp, mod(k, 2) == 1)
-        xi(merge(2, 1, k < 3)) = -1.0_wp + 2.0_wp*(q - 1)/(NPOINT - 1)
-        call surface_functions_at(surface%kind(surface%ikind(e)), xi, shp, dshp)
-        if (allocated(surface%w)) call make_rational(surface%w(first:last), shp, dshp)
-        x(:, q) = matmul(xr(:, surface%node(first:last)), shp)
-      end do
-    end associate
+    do q = 1, NPOINT
+      call edge_point(xr, surface, e, k, -1.0_wp + 2.0_wp*(q - 1)/(NPOINT - 1), x(:, q), slope)
+    end do
   end subroutine edge_points
 
   !> Is an edge a point?
@@ -187,6 +182,39 @@ contains
       surface%edge(kb, eb) = merge(-ka, ka, reverse)
     end subroutine try_pair
   end subroutine match_edges
+
+  !> Edges without a neighbour that lie in others: T-junctions.
+  subroutine match_parts(xr, edges, point, surface)
+    real(wp), intent(in) :: xr(:, :)
+    type(edges_t), intent(in) :: edges
+    logical, intent(in) :: point(:, :)
+    type(surface_t), intent(inout) :: surface
+    type(part_list_t) :: list
+    integer, allocatable :: open (:), order(:)
+    integer :: i, j, from, to
+
+    open = pack([(i, i=1, size(edges%key))], reshape(surface%neighbour == 0 .and. .not. point, &
+                                                     [size(edges%key)]))
+    allocate (order(size(open)))
+    call sort_index(edges%key(open), order)
+    open = open (order)
+    from = 1
+    do while (from <= size(open))
+      to = from
+      do while (to < size(open))
+        if (edges%key(open (to + 1)) /= edges%key(open (from))) exit
+        to = to + 1
+      end do
+      do i = from, to
+        do j = from, to
+          if (i /= j) call try_part(xr, surface, open (i), open (j), NEAR &
+                                    *minval(edges%length(([open (i), open (j)] + 3)/4)), list)
+        end do
+      end do
+      from = to + 1
+    end do
+    call set_parts(list, surface)
+  end subroutine match_parts
 
   subroutine fail_joint(name, node, error)
     character(*), intent(in) :: name

@@ -202,13 +202,13 @@ contains
     integer, intent(in) :: ending, edge(2)
     real(wp) :: n(3), xi(2)
     type(spot_t) :: other
-    integer :: elem, vertex, r
+    integer :: elem, vertex, r, behind
 
     n = normal(spot)
     if (ending == ON_EDGE) then
       elem = spot%elem
       xi = spot%xi
-      call step_across(surface, maxval(edge), elem, xi)
+      call step_across(surface, maxval(edge), elem, xi, behind)
       call look_at(surface, shape, elem, xi, x, other)
       if (other%regular) n = n + normal(other)
     else

@@ -1,5 +1,6 @@
 !> Vertices of a surface, the elements round them, and which lie on the outer boundary.
 module contact_vertices
+  use base_kinds, only: wp
   use contact_pair, only: surface_t
   implicit none
   private
@@ -23,6 +24,10 @@ contains
         if (point(k, e)) call join(root, corner(e, END_OF(1, k)), corner(e, END_OF(2, k)))
         n = surface%neighbour(k, e)
         if (n == 0) cycle
+        if (has_parts(surface, e, k)) then
+          call join_parts(surface, e, k, root)
+          cycle
+        end if
         m = abs(surface%edge(k, e))
         do i = 1, 2
           call join(root, corner(e, END_OF(i, k)), &
@@ -47,6 +52,34 @@ contains
       end do
     end do
   end subroutine number_vertices
+
+  !> Does an edge meet several, or a part of one?
+  pure logical function has_parts(surface, e, k)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e, k
+
+    has_parts = .false.
+    if (.not. allocated(surface%part_first)) return
+    has_parts = surface%part_first(4*(e - 1) + k + 1) > surface%part_first(4*(e - 1) + k)
+  end function has_parts
+
+  !> Ends of parts that are corners on both sides.
+  pure subroutine join_parts(surface, e, k, root)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e, k
+    integer, intent(inout) :: root(:)
+    integer :: i, j
+
+    do j = surface%part_first(4*(e - 1) + k), surface%part_first(4*(e - 1) + k + 1) - 1
+      associate (p => surface%part(j))
+        do i = 1, 2
+          if (abs(p%own(i)) < 1.0_wp .or. abs(p%other(i)) < 1.0_wp) cycle
+          call join(root, corner(e, END_OF(merge(2, 1, p%own(i) > 0.0_wp), k)), &
+                    corner(p%elem, END_OF(merge(2, 1, p%other(i) > 0.0_wp), p%edge)))
+        end do
+      end associate
+    end do
+  end subroutine join_parts
 
   pure integer function corner(e, c)
     integer, intent(in) :: e, c

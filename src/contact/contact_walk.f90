@@ -45,29 +45,57 @@ contains
         held(i) = .true.
         if (all(held)) return
       else
-        behind = abs(surface%edge(k, elem))
-        call step_across(surface, k, elem, xi)
+        call step_across(surface, k, elem, xi, behind)
         held = .false.
       end if
     end do
   end subroutine walk
 
   !> The point of an edge in the element behind it.
-  pure subroutine step_across(surface, k, elem, xi)
+  pure subroutine step_across(surface, k, elem, xi, behind)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: k            !! edge, with a neighbour
     integer, intent(inout) :: elem
     real(wp), intent(inout) :: xi(2)
-    integer :: m
+    integer, intent(out) :: behind      !! the edge there
+    integer :: m, i
     real(wp) :: t
 
-    m = surface%edge(k, elem)
-    t = sign(1.0_wp, real(m, wp))*xi(merge(2, 1, k < 3))
-    elem = surface%neighbour(k, elem)
-    m = abs(m)
-    xi = merge(-1.0_wp, 1.0_wp, mod(m, 2) == 1)
-    xi(merge(2, 1, m < 3)) = t
+    t = xi(merge(2, 1, k < 3))
+    i = part_at(surface, elem, k, t)
+    if (i > 0) then
+      associate (p => surface%part(i))
+        t = p%other(1) + (t - p%own(1))*(p%other(2) - p%other(1))/(p%own(2) - p%own(1))
+        t = max(-1.0_wp, min(1.0_wp, t))
+        elem = p%elem
+        behind = p%edge
+      end associate
+    else
+      m = surface%edge(k, elem)
+      t = sign(1.0_wp, real(m, wp))*t
+      elem = surface%neighbour(k, elem)
+      behind = abs(m)
+    end if
+    xi = merge(-1.0_wp, 1.0_wp, mod(behind, 2) == 1)
+    xi(merge(2, 1, behind < 3)) = t
   end subroutine step_across
+
+  !> The part of an edge at t; 0: the edge has no parts.
+  pure integer function part_at(surface, elem, k, t) result(i)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: elem, k
+    real(wp), intent(in) :: t
+    integer :: last
+
+    i = 0
+    if (.not. allocated(surface%part_first)) return
+    last = surface%part_first(4*(elem - 1) + k + 1) - 1
+    if (last < surface%part_first(4*(elem - 1) + k)) return
+    do i = surface%part_first(4*(elem - 1) + k), last - 1
+      if (t <= surface%part(i)%own(2)) return
+    end do
+    i = last
+  end function part_at
 
   !> v . a^alpha; a parameter that is held does not move.
   pure subroutine tangential_step(surface, shape, elem, xi, v, held, d, ok)

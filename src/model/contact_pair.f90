@@ -6,6 +6,7 @@ module contact_pair
   implicit none
   private
   public :: contact_t, surface_t, surface_kind_t, contact_points_t, contact_state_t, bond_t
+  public :: edge_part_t
 
   !> Functions of surface elements of one kind: N = C B with Bernstein polynomials B on [-1,1]^2,
   !! the first direction fastest. Facets and Lagrange patches are written this way too.
@@ -16,6 +17,13 @@ module contact_pair
     real(wp), allocatable :: shp(:, :)       !! (nsf, nq) at the integration points, without weights
     real(wp), allocatable :: dshp(:, :, :)   !! (2, nsf, nq)
   end type surface_kind_t
+
+  !> A part of an edge and what is behind it: T-junctions.
+  type :: edge_part_t
+    real(wp) :: own(2) = 0.0_wp              !! parameters of the edge, rising
+    integer :: elem = 0, edge = 0            !! behind it
+    real(wp) :: other(2) = 0.0_wp            !! its parameters at own(1) and own(2)
+  end type edge_part_t
 
   !> One side: elements with outward normal a_1 x a_2, and how they hang together.
   !! Edges 1 to 4 of an element: xi-, xi+, eta-, eta+. Corners 1 to 4: (-,-) (+,-) (-,+) (+,+).
@@ -33,6 +41,10 @@ module contact_pair
     integer, allocatable :: neighbour(:, :) !! (4, nelem) element behind an edge; 0: the outer
     !! boundary
     integer, allocatable :: edge(:, :) !! (4, nelem) edge there; negative: it runs the other way
+    !> Parts of edge k of element e from part_first(4(e-1)+k) on, where an edge meets several ones
+    !! or a part of one; `neighbour` is one of them then. Not allocated: there are none.
+    integer, allocatable :: part_first(:)    !! (4*nelem+1)
+    type(edge_part_t), allocatable :: part(:)
     logical, allocatable :: point(:, :) !! (4, nelem) edge is a point (prisms); not allocated: none
     !! is
     integer, allocatable :: vertex(:, :)     !! (4, nelem) vertex at each corner

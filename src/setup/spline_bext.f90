@@ -68,12 +68,14 @@ contains
     call start_surface(nnode, nelem, surface)
     do i = 1, nnode
       call next_reals(text, 'a coordinate or weight', x, error)
-      if (.not. allocated(error) .and. rational == 0 .and. abs(x(4) - 1.0_wp) > 0.0_wp) then
+      if (allocated(error)) return
+      if (rational == 0 .and. abs(x(4) - 1.0_wp) > 0.0_wp) then
         call complain(text, 'control point '//to_text(i)//' has the weight '//to_text(x(4)) &
                       //', but the file says that it has none', error, &
                       'the fifth number of the file is 1 where weights count')
+      else
+        call add_point(text, x, surface, error)
       end if
-      if (.not. allocated(error)) call add_point(text, x, surface, error)
       if (allocated(error)) return
     end do
   end subroutine read_points
