@@ -31,7 +31,7 @@ class Body:
     whole: object = None  # the Surface before parts of it became plain
     form: object = None  # the Layer of the whole surface
     plain: np.ndarray | None = None  # (k, 4) outer points of the plain part's faces
-    plain_hexes: int = 0  # the first hexahedra are the plain part's layer
+    plain_sets: dict = field(default_factory=dict)  # name to (k) numbers of plain faces
 
 
 def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=None, heights=None,

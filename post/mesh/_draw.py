@@ -113,7 +113,10 @@ def patches(x):
 
 
 def compose(scenes, direction, path, columns=1, up=(0, 1, 0), size=(1500, 1100), box=None):
-    """Render scenes [(parts, caption)] with one camera and put them on a page."""
+    """Render scenes [(parts, caption)] with one camera and put them on a page.
+
+    A part is (polygons, edges, colour) and, where they are not black, the colour of the edges.
+    """
     import pyvista
 
     bounds = np.array([part[0].bounds for parts, _ in scenes for part in parts])
@@ -124,10 +127,14 @@ def compose(scenes, direction, path, columns=1, up=(0, 1, 0), size=(1500, 1100),
     for parts, _ in scenes:
         plot = pyvista.Plotter(off_screen=True, window_size=list(size))
         plot.set_background("white")
-        for polygons, edges, colour in parts:
-            plot.add_mesh(polygons, color=colour, ambient=0.4, diffuse=0.6, specular=0.0)
+        for polygons, edges, colour, *pen in parts:
+            if polygons.n_cells > 1 or polygons.n_points > 1:
+                plot.add_mesh(polygons, color=colour, ambient=0.4, diffuse=0.6, specular=0.0)
             moved = edges.translate(shift, inplace=False)
-            plot.add_mesh(moved, color="#202020", line_width=1.4, lighting=False)
+            width = 3.0 if pen and pen[0] != "#202020" else 1.4
+            plot.add_mesh(
+                moved, color=pen[0] if pen else "#202020", line_width=width, lighting=False
+            )
         plot.enable_parallel_projection()
         plot.view_vector(direction, viewup=up, bounds=box)
         plot.enable_anti_aliasing("ssaa")

@@ -99,7 +99,8 @@ def _add_plain(body, s, plain, x, own):
     body.plain = faces
     hexes = np.column_stack([faces, s.corners[plain]])
     body.cells["hexes"] = np.concatenate([hexes, body.cells["hexes"]])
-    body.plain_hexes = len(hexes)
+    new = np.cumsum(plain) - 1
+    body.plain_sets = {name: new[ids[plain[ids]]] for name, ids in s.sets.items()}
     body.ties = [(int(number[v]), point) for v, point in sorted(own.items())]
     for h, (a, b, tau) in sorted(s.hanging.items()):
         if number[h] >= 0:

@@ -32,6 +32,7 @@ SPLIne,{name} FILE {name}.bext.json
 {supports}END
 
 BATCh
+  DT,,1
   TIME
   LOOP,,30
     UTAN,,1
@@ -43,7 +44,7 @@ STOP
 """
 
 
-def write(body, stem, arguments="", sets_to_fix=()):
+def write(body, stem, arguments=""):
     """Write all files beside `stem` (folder/name); returns their paths."""
     stem = pathlib.Path(stem)
     stem.parent.mkdir(parents=True, exist_ok=True)
@@ -73,18 +74,29 @@ def grouped(s):
 
 
 def gmsh_text(body):
-    """Gmsh 2.2 ASCII with one physical group of all cells; numbers count from 1."""
+    """Gmsh 2.2 ASCII: a physical group of all cells, and one of each set's plain faces."""
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat"]
-    lines += ["$PhysicalNames", "1", '3 1 "bulk"', "$EndPhysicalNames"]
+    sets = plain_sets(body)
+    names = ['3 1 "bulk"'] + [f'2 {tag} "{name}"' for tag, name in enumerate(sets, 2)]
+    lines += ["$PhysicalNames", str(len(names)), *names, "$EndPhysicalNames"]
     lines += ["$Nodes", str(len(body.points))]
     lines += [f"{i} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(body.points.tolist(), 1)]
-    rows = [(GMSH[kind], row) for kind, cells in body.cells.items() for row in (cells + 1).tolist()]
+    rows = [(GMSH[k], 1, row) for k, cells in body.cells.items() for row in (cells + 1).tolist()]
+    for tag, ids in enumerate(sets.values(), 2):
+        rows += [(3, tag, row) for row in (body.plain[ids] + 1).tolist()]
     lines += ["$EndNodes", "$Elements", str(len(rows))]
-    lines += [
-        f"{i} {kind} 2 1 1 {' '.join(map(str, row))}" for i, (kind, row) in enumerate(rows, 1)
-    ]
+    for i, (kind, tag, row) in enumerate(rows, 1):
+        lines.append(f"{i} {kind} 2 {tag} {tag} {' '.join(map(str, row))}")
     lines += ["$EndElements", ""]
     return "\n".join(lines)
+
+
+def plain_sets(body):
+    """{name: numbers of plain faces}: all of them are `plain`; without a plain part, none."""
+    if body.plain is None:
+        return {}
+    named = {name: ids for name, ids in sorted(body.plain_sets.items()) if len(ids)}
+    return {"plain": np.arange(len(body.plain)), **named}
 
 
 def bext_text(s):
@@ -148,8 +160,9 @@ def constraint_text(body):
 def deck_text(body, name, arguments):
     """A deck that reads the files; supports and loads are left to its user."""
     constraint = f"  CONStraint {name}.con\n" if body.hanging or body.ties else ""
-    sets = sorted(body.surface.sets)
-    supports = "".join(f"! FIX,{name},{s}  1 1 1\n" for s in sets) or "! FIX,... MOVE,...\n"
+    places = [f"{name},{s}" for s, ids in sorted(body.surface.sets.items()) if len(ids)]
+    places += [f"{name}_bulk,{s}" for s in plain_sets(body)]
+    supports = "".join(f"! FIX,{place}  1 1 1\n" for place in places or [f"{name},ALL"])
     return DECK.format(
         name=name, arguments=arguments, constraint=constraint, supports=supports + "\n"
     )

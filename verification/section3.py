@@ -1,0 +1,137 @@
+"""Tables of doc/verification/section3.md: meshes below surfaces, and runs on them.
+
+    .venv/bin/python verification/section3.py mesh [--net FILE --name NAME]
+    .venv/bin/python verification/section3.py bend --net FILE
+
+`mesh` makes the bodies of VARIANTS from input/rocker_arm.py's net, or from another, and writes
+verification/section3/mesh_NAME.csv. `bend` goes from the file of hexahedra of a rocker arm to its solved
+bending, with tetrahedra and with the file's own hexahedra, and writes verification/section3/bend.csv.
+"""
+
+import argparse
+import pathlib
+import subprocess
+import sys
+import time
+from resource import RUSAGE_CHILDREN, getrusage
+
+TOP = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(TOP))
+
+from post._table import read_table  # noqa: E402
+from post.mesh import _report, _tets, _write, body_of  # noqa: E402
+
+HERE = TOP / "verification/section3"
+VARIANTS = {
+    "gmsh": {"mesher": "gmsh"},
+    "tetgen": {"mesher": "tetgen"},
+    "smooth": {"mesher": "gmsh", "smooth": "local"},
+    "peaks": {"mesher": "gmsh", "smooth": "local", "junction": "peak"},
+    "hexes": {"interior": "hexes"},
+}
+COLUMNS = (
+    "counts.elements", "counts.dofs", "counts.tets", "counts.pyramids", "counts.hexes", "counts.hanging",
+    "volume.relative_difference", "layer.det_gauss", "layer.det_corner", "layer.scaled_corner",
+    "pyramids.scaled", "hexes.scaled", "tets.dihedral_least", "tets.dihedral_largest",
+    "normals.edges", "self_intersections",
+)  # fmt: skip
+BENDING = """
+FIX,{name},foot    1 1 1
+MOVE,{name},tip    TRANslate 0 0.05 0  PROP 1
+
+CURVe,force
+  FORCe {name} tip 2
+"""
+
+
+def entry(report, path):
+    """A number of a report by 'part.entry', '' where it has none."""
+    value = report
+    for key in path.split("."):
+        value = value.get(key, "") if isinstance(value, dict) else ""
+    return f"{value:.4g}" if isinstance(value, float) else value
+
+
+def cpu_seconds():
+    """Seconds of the processor, of this process and of the programs that it started."""
+    children = getrusage(RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
+
+
+def mesh(net, name, out):
+    """One row for each variant that the net and the machine allow."""
+    rows = [",".join(["variant", *COLUMNS, "seconds"])]
+    for variant, options in VARIANTS.items():
+        if options.get("interior") == "hexes" and pathlib.Path(net).suffix != ".vtk":
+            continue
+        if "mesher" in options and not _tets.available(options["mesher"]):
+            print(f"left out: {variant} ({options['mesher']} is not here)")
+            continue
+        start = cpu_seconds()
+        body = body_of(net, **options)
+        report = _report.describe(body)
+        seconds = cpu_seconds() - start
+        rows.append(
+            ",".join([variant, *(str(entry(report, c)) for c in COLUMNS), f"{seconds:.0f}"])
+        )
+        print(rows[-1], *_report.bad(report))
+        if (body.points[: len(body.form.inner)] != body.form.inner).any():
+            raise SystemExit("the mesher moved a point of the layer")
+    (out / f"mesh_{name}.csv").write_text("\n".join(rows) + "\n")
+
+
+def bend(net, bezel, out, work):
+    """From the file to the solved bending, by tetrahedra and by the file's hexahedra."""
+    rows = ["interior,dofs,force,mesh_cpu_seconds,solve_cpu_seconds,iterations"]
+    for interior in ("tets", "hexes"):
+        start = cpu_seconds()
+        name = f"bend_{interior}"
+        body = body_of(
+            net,
+            interior=interior,
+            groups=["foot=box:-9,-9,-9,9,9,-0.45", "tip=box:-9,-9,0.45,9,9,9"],
+        )
+        _write.write(body, work / name)
+        deck = (work / name).with_suffix(".inp")
+        text = deck.read_text()
+        lines = [line for line in text.splitlines() if not line.startswith("! FIX")]
+        text = "\n".join(lines).replace(
+            "\nEND\n\nBATCh", BENDING.format(name=name) + "\nEND\n\nBATCh\n  PROP,,1", 1
+        )
+        deck.write_text(text.replace("END\n\nSTOP", "END\n2 1\n0 0\n1 1\n\nSTOP") + "\n")
+        middle = cpu_seconds()
+        subprocess.run([bezel, "--quiet", "-o", work, deck], check=True)
+        end = cpu_seconds()
+        table = read_table(work / f"{name}_force.dat").columns
+        dofs = _report.describe(body)["counts"]["dofs"]
+        force = next(v for key, v in table.items() if key.startswith("force"))[-1]
+        rows.append(
+            f"{interior},{dofs},{force:.6g},{middle - start:.0f},{end - middle:.0f},{table['iterations'][-1]:.0f}"
+        )
+        print(rows[-1])
+    (out / "bend.csv").write_text("\n".join(rows) + "\n")
+
+
+def main():
+    p = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    p.add_argument("part", choices=("mesh", "bend"))
+    p.add_argument("--net", help="another net; bend needs a file of hexahedra")
+    p.add_argument("--name", default="arm", help="of the table")
+    p.add_argument("--bezel", default=str(TOP / "build/release/bezel"))
+    p.add_argument("--work", type=pathlib.Path, default=TOP / "build/section3")
+    o = p.parse_args()
+    o.work.mkdir(parents=True, exist_ok=True)
+    net = o.net
+    if net is None:
+        net = str(o.work / "rocker_arm.obj")
+        subprocess.run([sys.executable, str(TOP / "input/rocker_arm.py"), net], check=True)
+    if o.part == "mesh":
+        mesh(net, o.name, HERE)
+    else:
+        bend(net, o.bezel, HERE, o.work)
+
+
+if __name__ == "__main__":
+    main()
