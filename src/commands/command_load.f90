@@ -7,7 +7,7 @@ module command_load
   use command_type, only: run_t, command_t, command_row_t, new_row, data_t
   use deck_expression, only: set_parameter
   use deck_record, only: record_t, RECORD_WORDS
-  use deck_stream, only: check_count, get_integer, get_real, get_assignment
+  use deck_stream, only: deck_t, check_count, get_integer, get_real, get_assignment
   use load_curve, only: load_table_t
   use solution_state, only: set_factors
   implicit none
@@ -118,8 +118,7 @@ contains
     type(load_table_t), intent(inout) :: table
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
-    integer :: i, n
-    real(wp) :: t, p
+    integer :: n
     logical :: done
 
     call get_integer(run%deck, opening, 2, n, error, 1)
@@ -136,28 +135,8 @@ contains
       end if
       call check_count(record, 2, 2*max(n, 1), &
                        'pairs t p: at most '//to_text(max(n, 1))//' of them a record here', error)
+      if (.not. allocated(error)) call take_pairs(run%deck, record, table, done, error)
       if (allocated(error)) return
-      if (mod(record%n, 2) /= 0) then
-        call fail(error, DECK_ERROR, 'a time without a factor', record%place(record%n), &
-                  'write pairs t p')
-        return
-      end if
-      do i = 1, record%n, 2
-        call get_real(run%deck, record, i, t, error)
-        if (allocated(error)) return
-        call get_real(run%deck, record, i + 1, p, error)
-        if (allocated(error)) return
-        if (size(table%t) > 0) then
-          done = .not. (abs(t) + abs(p) > 0.0_wp)
-          if (done) exit
-          if (t <= table%t(size(table%t))) then
-            call fail(error, DECK_ERROR, 'times of a table must increase', record%place(i))
-            return
-          end if
-        end if
-        table%t = [table%t, t]
-        table%p = [table%p, p]
-      end do
       done = done .or. record%n < 2*n
     end do
     if (size(table%t) == 0) then
@@ -165,6 +144,39 @@ contains
                 'behind `2 n` put pairs t p, one a record, and a blank record')
     end if
   end subroutine read_pairs
+
+  !> The pairs of one record.
+  subroutine take_pairs(deck, record, table, done, error)
+    type(deck_t), intent(in) :: deck
+    type(record_t), intent(in) :: record
+    type(load_table_t), intent(inout) :: table
+    logical, intent(out) :: done !! a pair 0 0 behind others
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: t, p
+    integer :: i
+
+    done = .false.
+    if (mod(record%n, 2) /= 0) then
+      call fail(error, DECK_ERROR, 'a time without a factor', record%place(record%n), &
+                'write pairs t p')
+      return
+    end if
+    do i = 1, record%n, 2
+      call get_real(deck, record, i, t, error)
+      if (.not. allocated(error)) call get_real(deck, record, i + 1, p, error)
+      if (allocated(error)) return
+      if (size(table%t) > 0) then
+        done = .not. (abs(t) + abs(p) > 0.0_wp)
+        if (done) return
+        if (t <= table%t(size(table%t))) then
+          call fail(error, DECK_ERROR, 'times of a table must increase', record%place(i))
+          return
+        end if
+      end if
+      table%t = [table%t, t]
+      table%p = [table%p, p]
+    end do
+  end subroutine take_pairs
 
   subroutine run_prop(run, command, error)
     type(run_t), intent(inout) :: run

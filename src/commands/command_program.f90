@@ -153,22 +153,11 @@ contains
         if (depth == 0) then
           call fail(error, DECK_ERROR, 'NEXT without LOOP', run%command(i)%record%place(1), &
                     'remove it, or put LOOP,name,n before')
-          return
+        else
+          call check_next(run%command(loop(depth))%record, run%command(i)%record, &
+                          loop(depth) == i - 1, error)
         end if
-        if (loop(depth) == i - 1) then
-          call fail(error, DECK_ERROR, 'this loop does nothing', &
-                    run%command(i - 1)%record%place(1), &
-                    'put commands between LOOP and NEXT, or remove both')
-          return
-        end if
-        if (run%command(i)%record%n > 1 .and. run%command(loop(depth))%record%n > 1) then
-          if (run%command(i)%record%key(2) /= run%command(loop(depth))%record%key(2)) then
-            call fail(error, DECK_ERROR, "NEXT closes '"//run%command(loop(depth))%record%text(2) &
-                      //"', not '"//run%command(i)%record%text(2)//"'", &
-                      run%command(i)%record%place(2), 'loops are closed inside out')
-            return
-          end if
-        end if
+        if (allocated(error)) return
         run%command(i)%mate = loop(depth)
         run%command(loop(depth))%mate = i
         depth = depth - 1
@@ -185,6 +174,23 @@ contains
                 'close it with NEXT before END')
     end if
   end subroutine match_loops
+
+  !> Does this NEXT belong to that LOOP?
+  subroutine check_next(loop, next, is_empty, error)
+    type(record_t), intent(in) :: loop, next
+    logical, intent(in) :: is_empty !! nothing stands between them
+    type(error_t), allocatable, intent(out) :: error
+
+    if (is_empty) then
+      call fail(error, DECK_ERROR, 'this loop does nothing', loop%place(1), &
+                'put commands between LOOP and NEXT, or remove both')
+    else if (next%n > 1 .and. loop%n > 1) then
+      if (next%key(2) /= loop%key(2)) then
+        call fail(error, DECK_ERROR, "NEXT closes '"//loop%text(2)//"', not '"//next%text(2)//"'", &
+                  next%place(2), 'loops are closed inside out')
+      end if
+    end if
+  end subroutine check_next
 
   !> Walk through the commands without solving: fields are evaluated and data records read. A loop
   !! is repeated only where a command in it reads data.

@@ -27,69 +27,88 @@ contains
   subroutine check_patch(spec, error)
     type(patch_spec_t), intent(in) :: spec
     type(error_t), allocatable, intent(out) :: error
-    integer(i8) :: n
-    integer :: d, m
+
+    call check_geometry(spec, error)
+    if (allocated(error)) return
+    call check_type(spec, error)
+    if (allocated(error)) return
+    call check_count(spec, error)
+  end subroutine check_patch
+
+  subroutine complain(spec, what, hint, error)
+    type(patch_spec_t), intent(in) :: spec
+    character(*), intent(in) :: what, hint
+    type(error_t), allocatable, intent(out) :: error
+
+    call fail(error, DECK_ERROR, "patch '"//spec%name//"' "//what, spec%place, hint)
+  end subroutine complain
+
+  subroutine check_geometry(spec, error)
+    type(patch_spec_t), intent(in) :: spec
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d
 
     select case (spec%geometry)
     case (GEO_BOX)
       d = minloc(spec%length, 1)
       if (.not. spec%length(d) > 0.0_wp) then
-        call complain('has a box of length '//to_text(spec%length(d))//' in direction ' &
-                      //to_text(d), 'lengths are positive')
+        call complain(spec, 'has a box of length '//to_text(spec%length(d))//' in direction ' &
+                      //to_text(d), 'lengths are positive', error)
       end if
     case (GEO_HEMISPHERE)
       if (.not. (spec%thickness > 0.0_wp .and. spec%radius > spec%thickness)) then
-        call complain('has a hemisphere of radius '//to_text(spec%radius)//' and thickness ' &
-                      //to_text(spec%thickness), 'the thickness lies between 0 and the radius')
+        call complain(spec, 'has a hemisphere of radius '//to_text(spec%radius) &
+                      //' and thickness '//to_text(spec%thickness), &
+                      'the thickness lies between 0 and the radius', error)
       end if
     case (GEO_NURBS)
       call check_nurbs(spec%nurbs, "patch '"//spec%name//"'", spec%place, error)
     case default
-      call complain('has no geometry', 'give BOX, HEMIsphere, NPATch or FILE')
+      call complain(spec, 'has no geometry', 'give BOX, HEMIsphere, NPATch or FILE', error)
     end select
-    if (allocated(error)) return
+  end subroutine check_geometry
+
+  subroutine check_type(spec, error)
+    type(patch_spec_t), intent(in) :: spec
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d
 
     d = minloc(spec%nelem, 1)
     if (spec%nelem(d) < 1) then
-      call complain('has '//to_text(spec%nelem(d))//' elements in direction '//to_text(d), &
-                    'give ELEMents n1 n2 n3')
+      call complain(spec, 'has '//to_text(spec%nelem(d))//' elements in direction '//to_text(d), &
+                    'give ELEMents n1 n2 n3', error)
       return
     end if
-    m = 1
-    select case (spec%type) ! nodes an element has along an edge, less one
-    case ('Q1', 'Q1E9', 'RIGID')
-    case ('Q2')
-      m = 2
+    select case (spec%type)
+    case ('Q1', 'Q1E9', 'Q2', 'RIGID')
     case ('IGA')
-      if (spec%degree < 1 .or. spec%degree > MAX_DEGREE) then
-        call complain('asks for IGA of degree '//to_text(spec%degree), 'degrees are 1 to ' &
-                      //to_text(MAX_DEGREE))
-        return
-      end if
+      if (spec%degree >= 1 .and. spec%degree <= MAX_DEGREE) return
+      call complain(spec, 'asks for IGA of degree '//to_text(spec%degree), 'degrees are 1 to ' &
+                    //to_text(MAX_DEGREE), error)
     case default
-      call complain("asks for elements of type '"//trim(spec%type)//"'", &
-                    'known types of solids: Q1 Q1E9 Q2 IGA')
-      return
+      call complain(spec, "asks for elements of type '"//trim(spec%type)//"'", &
+                    'known types of solids: Q1 Q1E9 Q2 IGA', error)
     end select
-    n = 1_i8
+  end subroutine check_type
+
+  !> Are all its nodes to be numbered?
+  subroutine check_count(spec, error)
+    type(patch_spec_t), intent(in) :: spec
+    type(error_t), allocatable, intent(out) :: error
+    integer(i8) :: n, along !! nodes; those an element adds along an edge
+    integer :: d
+
+    along = merge(2, 1, spec%type == 'Q2')
+    n = 1
     do d = 1, 3
-      n = n*(int(m, i8)*spec%nelem(d) + MAX_DEGREE)
-      if (n > MAX_NODE) then
-        call complain('asks for '//to_text(spec%nelem(1))//' x '//to_text(spec%nelem(2))//' x ' &
-                      //to_text(spec%nelem(3))//' elements, more than this program numbers', &
-                      'a body has at most '//to_text(int(MAX_NODE))//' nodes')
-        return
-      end if
+      n = n*(along*spec%nelem(d) + MAX_DEGREE)
+      if (n <= MAX_NODE) cycle
+      call complain(spec, 'asks for '//to_text(spec%nelem(1))//' x '//to_text(spec%nelem(2)) &
+                    //' x '//to_text(spec%nelem(3))//' elements, more than this program numbers', &
+                    'a body has at most '//to_text(int(MAX_NODE))//' nodes', error)
+      return
     end do
-
-  contains
-
-    subroutine complain(what, hint)
-      character(*), intent(in) :: what, hint
-
-      call fail(error, DECK_ERROR, "patch '"//spec%name//"' "//what, spec%place, hint)
-    end subroutine complain
-  end subroutine check_patch
+  end subroutine check_count
 
   !> Degree of the surface space of a hemisphere.
   subroutine hemisphere_degree(spec, degree, error)

@@ -91,7 +91,7 @@ contains
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: k1(:), k2(:), k3(:)
-    real(wp) :: least, most, volume
+    real(wp) :: least, most, range(2)
     integer :: i, j, l, bad(3)
 
     call span_list(patch%dir(1), k1)
@@ -103,7 +103,10 @@ contains
     do l = 1, size(k3)
       do j = 1, size(k2)
         do i = 1, size(k1)
-          call span_volume([k1(i), k2(j), k3(l)], volume)
+          range = span_jacobian(patch, [k1(i), k2(j), k3(l)])
+          if (range(1) < least) bad = [i, j, l]
+          least = min(least, range(1))
+          most = max(most, range(2))
         end do
       end do
     end do
@@ -121,40 +124,36 @@ contains
                 //to_text(bad(1))//' '//to_text(bad(2))//' '//to_text(bad(3)), place, &
                 'use more elements, or another order')
     end if
+  end subroutine check_orientation
 
-  contains
+  !> Least and largest Jacobian at the Gauss points of a knot span, times the span's extent;
+  !! rounding counts as zero.
+  function span_jacobian(patch, k) result(range)
+    type(nurbs_t), intent(in) :: patch
+    integer, intent(in) :: k(3)
+    real(wp) :: range(2)
+    real(wp) :: x(MAX_DEGREE + 1), w(MAX_DEGREE + 1), middle(3), h(3), p(3), dx(3, 3), size3, v
+    integer :: q, r, s, m, d
 
-    !> Jacobian times the span's extent at Gauss points; rounding counts as zero.
-    subroutine span_volume(k, v)
-      integer, intent(in) :: k(3)
-      real(wp), intent(out) :: v
-      real(wp) :: x(MAX_DEGREE + 1), w(MAX_DEGREE + 1), u(3), h(3), p(3), dx(3, 3), size3
-      integer :: q, r, s, m, d
-
-      m = maxval(patch%dir%degree) + 1
-      call gauss(m, x(:m), w(:m))
-      do d = 1, 3
-        h(d) = 0.5_wp*(patch%dir(d)%knots(k(d) + 1) - patch%dir(d)%knots(k(d)))
-      end do
-      do s = 1, m
-        do r = 1, m
-          do q = 1, m
-            do d = 1, 3
-              u(d) = patch%dir(d)%knots(k(d)) + h(d)
-            end do
-            u = u + h*[x(q), x(r), x(s)]
-            call evaluate(patch, u, p, dx)
-            v = det3(dx)
-            size3 = norm2(dx(:, 1))*norm2(dx(:, 2))*norm2(dx(:, 3))
-            if (abs(v) <= 100*epsilon(v)*size3) v = 0.0_wp
-            v = v*product(h)
-            if (v < least) bad = [count(k1 <= k(1)), count(k2 <= k(2)), count(k3 <= k(3))]
-            least = min(least, v)
-            most = max(most, v)
-          end do
+    m = maxval(patch%dir%degree) + 1
+    call gauss(m, x(:m), w(:m))
+    do d = 1, 3
+      h(d) = 0.5_wp*(patch%dir(d)%knots(k(d) + 1) - patch%dir(d)%knots(k(d)))
+      middle(d) = patch%dir(d)%knots(k(d)) + h(d)
+    end do
+    range = [huge(1.0_wp), -huge(1.0_wp)]
+    do s = 1, m
+      do r = 1, m
+        do q = 1, m
+          call evaluate(patch, middle + h*[x(q), x(r), x(s)], p, dx)
+          v = det3(dx)
+          size3 = norm2(dx(:, 1))*norm2(dx(:, 2))*norm2(dx(:, 3))
+          if (abs(v) <= 100*epsilon(v)*size3) v = 0.0_wp
+          v = v*product(h)
+          range = [min(range(1), v), max(range(2), v)]
         end do
       end do
-    end subroutine span_volume
-  end subroutine check_orientation
+    end do
+  end function span_jacobian
 
 end module patch_nurbs

@@ -10,6 +10,9 @@ module setup_words
   private
   public :: read_para, read_print, read_tie
 
+  character(*), parameter :: TIE_USAGE = 'TIE, or TIE,,direction,coordinate, TIE,NODE,n1,n2, ' &
+                             //'TIE,MATErial,m1,m2'
+
 contains
 
   !> PARAmeters.
@@ -42,15 +45,38 @@ contains
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
-    character(*), &
-      parameter :: USAGE = 'TIE, or TIE,,direction,coordinate, TIE,NODE,n1,n2, TIE,MATErial,m1,m2'
     type(tie_t) :: t
     type(tie_t), allocatable :: longer(:)
     integer :: used
 
-    call check_count(record, 1, 5, USAGE, error)
+    call check_count(record, 1, 5, TIE_USAGE, error)
+    if (.not. allocated(error)) call read_range(deck, record, t, error)
     if (allocated(error)) return
     t%place = record%place(1)
+    call get_real(deck, record, 5, t%tolerance, error, 0.0_wp)
+    if (allocated(error)) return
+    if (t%tolerance < 0.0_wp) then
+      call fail(error, DECK_ERROR, 'tolerance '//to_text(t%tolerance), record%place(5), &
+                'a share of the size of the mesh; 0 is the default')
+      return
+    end if
+    used = count(build%tie%from > 0)
+    if (used == size(build%tie)) then
+      allocate (longer(2*used + 8))
+      longer(:used) = build%tie
+      longer(used + 1:)%from = 0 ! none
+      call move_alloc(longer, build%tie)
+    end if
+    build%tie(used + 1) = t
+  end subroutine read_tie
+
+  !> Which nodes are tied.
+  subroutine read_range(deck, record, t, error)
+    type(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: record
+    type(tie_t), intent(inout) :: t
+    type(error_t), allocatable, intent(out) :: error
+
     select case (record%key(2))
     case ('')
       call get_integer(deck, record, 3, t%direction, error, 0)
@@ -73,24 +99,8 @@ contains
       if (.not. allocated(error)) call get_integer(deck, record, 4, t%material(2), error)
     case default
       call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of TIE', &
-                record%place(2), USAGE)
+                record%place(2), TIE_USAGE)
     end select
-    if (allocated(error)) return
-    call get_real(deck, record, 5, t%tolerance, error, 0.0_wp)
-    if (allocated(error)) return
-    if (t%tolerance < 0.0_wp) then
-      call fail(error, DECK_ERROR, 'tolerance '//to_text(t%tolerance), record%place(5), &
-                'a share of the size of the mesh; 0 is the default')
-      return
-    end if
-    used = count(build%tie%from > 0)
-    if (used == size(build%tie)) then
-      allocate (longer(2*used + 8))
-      longer(:used) = build%tie
-      longer(used + 1:)%from = 0 ! none
-      call move_alloc(longer, build%tie)
-    end if
-    build%tie(used + 1) = t
-  end subroutine read_tie
+  end subroutine read_range
 
 end module setup_words
