@@ -5,6 +5,7 @@ module command_loop
   use base_log, only: log_line, warn
   use base_text, only: to_text
   use command_type, only: run_t, command_t, command_row_t, new_row, loop_t
+  use newton_judge, only: turns_back
   use solution_state, only: restore_step
   use step_control, only: cut_step, on_target
   implicit none
@@ -155,6 +156,11 @@ contains
     end if
     hint = hint//'smaller steps may help: AUTO,,dtmin,dtmax'
     if (run%control%automatic) hint = hint//' with a smaller dtmin'
+    if (turns_back(run%newton)) then
+      hint = 'Newton goes to and fro between two states of contact whose tangents have ' &
+             //'determinants of opposite sign: the load path turns back here, and smaller steps ' &
+             //'do not help; a softer penalty or a finer mesh may'
+    end if
     if (run%pass%solve%singular) then
       hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'
     end if

@@ -9,7 +9,7 @@ module newton
   use assembly, only: new_assembler, form
   use line_search, only: search_line, step_by, retreat
   use newton_judge, only: judge, energy_tolerance, force_tolerance, is_slow, damping, find_worst, &
-                          name_element
+                          name_element, count_flips
   use newton_type, only: newton_t, pass_t
   use nodal_vector, only: free_part, full_vector
   use prescribed, only: prescribed_values
@@ -39,6 +39,8 @@ contains
     newton%exact = .true.
     newton%may_retreat = .false.
     newton%largest_energy = 0.0_wp
+    newton%sign = 0
+    newton%flips = 0
     if (.not. allocated(newton%move)) allocate (newton%move(3, model%mesh%nnode))
     call prescribed_values(model, state%factor, newton%move)
     do n = 1, model%mesh%nnode
@@ -127,6 +129,7 @@ contains
       return
     end if
     newton%iterations = newton%iterations + 1
+    call count_flips(newton, merge(0, pass%solve%determinant, newton%symmetric))
     newton%exact = newton%exact .and. newton%mode == FULL
     call full_vector(model%eq, newton%dx, du)
     pass%energy = abs(dot_product(newton%dx, newton%rhs)) + pass%sweep%enhanced

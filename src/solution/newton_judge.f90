@@ -8,7 +8,8 @@ module newton_judge
   use newton_type, only: newton_t, pass_t
   implicit none
   private
-  public :: judge, energy_tolerance, force_tolerance, is_slow, damping, find_worst, name_element
+  public :: judge, energy_tolerance, force_tolerance, is_slow, damping, find_worst, name_element, &
+            count_flips, turns_back
 
   real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2 !! of an energy, relative to sum
   !! |f||u|
@@ -18,6 +19,8 @@ module newton_judge
   !! last one
   integer, parameter :: PATIENCE = 6 !! iterations of a step with contact without a line search
   real(wp), parameter :: LEAST_SHARE = 0.2_wp      !! of an increment that is damped
+
+  integer, parameter :: TO_AND_FRO = 5 !! changes of sign in a row that are no accident
 
 contains
 
@@ -79,6 +82,24 @@ contains
     share = min(1.0_wp, -dot_product(newton%last, both)/dot_product(both, both))
     if (.not. share > LEAST_SHARE) share = LEAST_SHARE
   end function damping
+
+  !> Book the sign of a tangent's determinant, 0 where it is not known.
+  pure subroutine count_flips(newton, sign)
+    type(newton_t), intent(inout) :: newton
+    integer, intent(in) :: sign
+
+    newton%flips = merge(newton%flips + 1, 0, sign*newton%sign < 0)
+    newton%sign = sign
+  end subroutine count_flips
+
+  !> Newton goes to and fro between two states of contact, each of which leads to the other, and
+  !! their tangents differ in the sign of the determinant: the load has a maximum where a point
+  !! changes its state, and no equilibrium is near beyond it.
+  pure logical function turns_back(newton)
+    type(newton_t), intent(in) :: newton
+
+    turns_back = newton%flips >= TO_AND_FRO
+  end function turns_back
 
   !> Largest residual over the free dofs.
   pure subroutine find_worst(model, reaction, pass)

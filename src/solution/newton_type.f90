@@ -23,6 +23,8 @@ module newton_type
     logical :: exact = .true. !! every solve of the step was full Newton: no kept factors, no
     !! symmetric part
     real(wp) :: largest_energy = 0.0_wp
+    integer :: sign = 0                !! of the last tangent's determinant; 0: not known
+    integer :: flips = 0               !! iterations in a row that changed it
     real(wp), allocatable :: rhs(:)    !! (neq)
     real(wp), allocatable :: dx(:)     !! (neq)
     real(wp), allocatable :: last(:)   !! (neq) what was made of it in the last iteration
