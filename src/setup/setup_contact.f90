@@ -1,12 +1,13 @@
 !> CONTact: two surfaces and what acts between them.
 module setup_contact
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: to_text, quoted, nearest, lower, key_of, fits_name
+  use base_text, only: to_text, quoted, lower, fits_name
   use contact_spec, only: contact_spec_t
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t
   use setup_build, only: build_t, next_line
   use setup_contact_record, only: read_contact_line
+  use setup_record, only: check_record
   implicit none
   private
   public :: read_contact, contact_named
@@ -49,7 +50,8 @@ contains
       call next_line(build, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
-      call check_word(contact, line, seen, error)
+      call check_record(line, WORD, 'bond', 'CONTact', 'contact '//quoted(contact%name), seen, &
+                        error)
       if (.not. allocated(error)) call read_contact_line(deck, line, contact, error)
       if (allocated(error)) return
     end do
@@ -88,29 +90,6 @@ contains
     longer(n + 1) = contact
     call move_alloc(longer, build%contact)
   end subroutine append
-
-  !> A known record; only BONDed may stand several times.
-  subroutine check_word(contact, line, seen, error)
-    type(contact_spec_t), intent(in) :: contact
-    type(record_t), intent(in) :: line
-    logical, intent(inout) :: seen(:)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: w
-
-    do w = size(WORD), 1, -1
-      if (key_of(WORD(w)) == line%key(1)) exit
-    end do
-    if (w == 0) then
-      call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a CONTact', &
-                line%place(1), 'nearest known: '//nearest(line%text(1), WORD))
-      return
-    end if
-    if (seen(w) .and. WORD(w) /= 'BONDed') then
-      call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in contact ' &
-                //quoted(contact%name), line%place(1), 'keep one of them')
-    end if
-    seen(w) = .true.
-  end subroutine check_word
 
   !> What a contact cannot do without.
   subroutine check_complete(contact, error)

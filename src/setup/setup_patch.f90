@@ -1,21 +1,21 @@
 !> PATCh: a body by its name and its records.
 module setup_patch
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: to_text, quoted, nearest, lower, key_of
+  use base_text, only: to_text, quoted, lower
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t
   use patch_spec, only: GEO_NONE
   use setup_build, only: build_t, patch_entry_t, next_line
   use setup_patch_record, only: read_line, TYPES
+  use setup_record, only: check_record
   implicit none
   private
   public :: read_patch, patch_named, check_patch_name, append_patch
 
-  character(12), parameter :: WORD(13) = ['BOX         ', 'HEMIsphere  ', 'NPATch      ', &
+  character(12), parameter :: WORD(12) = ['BOX         ', 'HEMIsphere  ', 'NPATch      ', &
                                           'FILE        ', 'ROTAte      ', 'TRANslate   ', &
                                           'ELEMents    ', 'KNOTs       ', 'TYPE        ', &
-                                          'ENRIch      ', 'QUADrature  ', 'MATErial    ', &
-                                          '            ']
+                                          'ENRIch      ', 'QUADrature  ', 'MATErial    ']
   character(4), parameter :: RESERVED(3) = ['node', 'poin', 'plan']
 
 contains
@@ -38,7 +38,6 @@ contains
     type(patch_entry_t) :: patch
     type(record_t) :: line
     logical :: more, seen(size(WORD))
-    integer :: w
 
     call check_count(record, 2, 2, 'PATCh,name', error)
     if (allocated(error)) return
@@ -53,24 +52,9 @@ contains
       call next_line(build, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
-      do w = size(WORD) - 1, 1, -1
-        if (key_of(WORD(w)) == line%key(1)) exit
-      end do
-      if (w == 0) then
-        call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a PATCh', &
-                  line%place(1), &
-                  'nearest known: '//nearest(line%text(1), WORD))
-        return
-      end if
-      if (seen(w) .and. all(WORD(w) /= ['ROTAte      ', 'TRANslate   ', 'KNOTs       ', &
-                                        'ENRIch      '])) then
-        call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in patch ' &
-                  //quoted(patch%spec%name), &
-                  line%place(1), 'keep one of them')
-        return
-      end if
-      seen(w) = .true.
-      call read_line(deck, line, patch, error)
+      call check_record(line, WORD, 'rota tran knot enri', 'PATCh', &
+                        'patch '//quoted(patch%spec%name), seen, error)
+      if (.not. allocated(error)) call read_line(deck, line, patch, error)
       if (allocated(error)) return
     end do
     call check_complete(patch, error)

@@ -1,22 +1,23 @@
 !> SPLIne: a spline surface from a file, as the outside of a layer or as a rigid tool.
 module setup_spline
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: quoted, nearest, lower, key_of
+  use base_text, only: quoted, lower
   use deck_record, only: record_t, check_count, resolve_path
   use deck_stream, only: deck_t
   use patch_spec, only: GEO_SPLINE
   use setup_build, only: build_t, patch_entry_t, next_line
   use setup_patch, only: check_patch_name, append_patch
   use setup_patch_record, only: read_line
+  use setup_record, only: check_record
   use spline_file, only: read_spline_file
   use spline_layer, only: read_layer, read_constraints
   implicit none
   private
   public :: read_spline
 
-  character(12), parameter :: WORD(9) = ['LAYEr       ', 'CONStraint  ', 'QUADrature  ', &
+  character(12), parameter :: WORD(8) = ['LAYEr       ', 'CONStraint  ', 'QUADrature  ', &
                                          'TYPE        ', 'REVErse     ', 'ROTAte      ', &
-                                         'TRANslate   ', 'MATErial    ', '            ']
+                                         'TRANslate   ', 'MATErial    ']
   character(*), parameter :: TYPES = 'known types: Q1, Q1E9 [TAPEred] and RIGId'
 
 contains
@@ -62,25 +63,14 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
     logical :: more, seen(size(WORD))
-    integer :: w
 
     seen = .false.
     do
       call next_line(build, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
-      do w = size(WORD) - 1, 1, -1
-        if (key_of(WORD(w)) == line%key(1)) exit
-      end do
-      if (w == 0) then
-        call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a SPLIne', &
-                  line%place(1), 'nearest known: '//nearest(line%text(1), WORD))
-      else if (seen(w) .and. w /= 6 .and. w /= 7) then
-        call fail(error, DECK_ERROR, trim(WORD(w))//' stands twice in spline ' &
-                  //quoted(patch%spec%name), line%place(1), 'keep one of them')
-      else
-        seen(w) = .true.
-        call read_record(deck, line, patch, error)
-      end if
+      call check_record(line, WORD, 'rota tran', 'SPLIne', 'spline '//quoted(patch%spec%name), &
+                        seen, error)
+      if (.not. allocated(error)) call read_record(deck, line, patch, error)
       if (allocated(error)) return
     end do
   end subroutine read_records
