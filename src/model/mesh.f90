@@ -7,7 +7,8 @@ module mesh
   use element_type, only: element_t, cell_t, rule_t
   implicit none
   private
-  public :: mesh_t, block_t, extraction_t, operator_t, body_t, body_face_t, block_cell
+  public :: mesh_t, block_t, extraction_t, operator_t, body_t, body_face_t, group_t, &
+            block_cell
 
   !> Bezier extraction operator of one knot span, or of a whole surface element.
   type :: operator_t
@@ -48,13 +49,25 @@ module mesh
     integer, allocatable :: side(:)    !! local face of that element (element_type, topology_t)
   end type body_face_t
 
-  !> A body made by PATCh. Face f = 1 to 6 is 1- 1+ 2- 2+ 3- 3+.
+  !> A named set of a mesh file.
+  type :: group_t
+    character(:), allocatable :: name
+    integer, allocatable :: node(:)    !! rising
+    type(body_face_t) :: face          !! on the boundary; none: of points, lines, volumes
+    integer :: inner = 0               !! its surface elements that are no boundary of the body
+  end type group_t
+
+  !> A body made by PATCh or MESH. Face f = 1 to 6 is 1- 1+ 2- 2+ 3- 3+.
   type :: body_t
     character(:), allocatable :: name
     type(place_t) :: place
     integer, allocatable :: node(:)    !! nodes and control points of the body
     integer, allocatable :: mask(:)    !! bit f-1 is set where node(i) lies on face f
-    type(body_face_t) :: face(6)
+    type(body_face_t) :: face(6)       !! of a mesh: face 1 is the whole boundary
+    type(group_t), allocatable :: group(:) !! of a mesh; not allocated: a patch
+    integer, allocatable :: label(:)   !! (size(node)) of a mesh: node numbers of its file, rising
+    real(wp) :: thickness = 0.0_wp     !! of a mesh: twice its volume over its surface [L]
+    character(:), allocatable :: note  !! of a mesh: what its file held
   end type body_t
 
   !> Nodes and everything that stands on them.

@@ -23,6 +23,11 @@ contains
     call log_line('nodes     '//to_text(count(model%mesh%used))//' in use, ' &
                   //to_text(count(model%mesh%is_control))//' of them control points')
     call log_line('dofs      '//to_text(model%ndof)//', equations '//to_text(model%neq))
+    do b = 1, size(model%mesh%body)
+      associate (body => model%mesh%body(b))
+        if (allocated(body%note)) call log_line("mesh      '"//body%name//"': "//body%note)
+      end associate
+    end do
     do b = 1, size(model%mesh%block)
       call list_block(model, model%mesh%block(b))
     end do

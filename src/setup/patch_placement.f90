@@ -1,4 +1,4 @@
-!> Where a body is put: the ROTAte and TRANslate records of a patch as one map.
+!> Where a body is put: the ROTAte, TRANslate and SCALe records of a patch or mesh as one map.
 module patch_placement
   use base_kinds, only: wp
   use patch_spec, only: placement_t
@@ -26,6 +26,9 @@ contains
           r = rotation(p%axis, p%angle)
           turn = matmul(r, turn)
           shift = matmul(r, shift - p%point) + p%point
+        else if (p%scale > 0.0_wp) then
+          turn = p%scale*turn
+          shift = p%scale*shift
         else
           shift = shift + p%point
         end if

@@ -9,7 +9,7 @@ module patch_spec
   public :: patch_spec_t, enrich_t, placement_t
 
   integer, parameter, public :: GEO_NONE = 0, GEO_BOX = 1, GEO_HEMISPHERE = 2, GEO_NURBS = 3, &
-                                GEO_SPLINE = 4
+                                GEO_SPLINE = 4, GEO_MESH = 5
 
   !> ENRIch face p [RAISe t] [EAS [TAPEred]].
   type :: enrich_t
@@ -26,6 +26,7 @@ module patch_spec
     real(wp) :: point(3) = 0.0_wp  !! on the axis; or the translation
     real(wp) :: axis(3) = 0.0_wp   !! unit
     real(wp) :: angle = 0.0_wp     !! [rad]
+    real(wp) :: scale = 0.0_wp     !! SCALe of a MESH; 0: none
   end type placement_t
 
   !> Interior knots of one direction, as KNOTs gives them.

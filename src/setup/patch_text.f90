@@ -7,7 +7,7 @@ module patch_text
   implicit none
   private
   public :: text_t, load_text, complain, next_word, next_integer, next_real, next_count, &
-            next_reals, words_left, next_line
+            next_reals, next_integers, words_left, next_line
 
   integer(i8), parameter :: MAX_SIZE = 1000000000_i8 !! bytes
 
@@ -192,6 +192,21 @@ contains
       if (allocated(error)) return
     end do
   end subroutine next_reals
+
+  !> The next words as integers.
+  subroutine next_integers(text, what, n, error)
+    type(text_t), intent(inout) :: text
+    character(*), intent(in) :: what
+    integer, intent(out) :: n(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    n = 0
+    do i = 1, size(n)
+      call next_integer(text, what, n(i), error)
+      if (allocated(error)) return
+    end do
+  end subroutine next_integers
 
   subroutine wrong(text, what, word, error)
     type(text_t), intent(in) :: text

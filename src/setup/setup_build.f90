@@ -172,8 +172,8 @@ contains
       if (row%has_numbers) then
         ends = known_word(build, record%text(1))
       else
-        ends = any(record%key(1) == [character(4) :: 'end', 'batc', 'patc', 'spli', 'curv', 'fix', &
-                                     'move'])
+        ends = any(record%key(1) == [character(4) :: 'end', 'batc', 'patc', 'spli', 'mesh', &
+                                     'curv', 'fix', 'move'])
         if (record%key(1) == 'cont') ends = index(row%records, 'CONT') == 0
       end if
     end associate

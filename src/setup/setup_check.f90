@@ -1,22 +1,21 @@
-!> What the records say about each other, before anything is meshed; and the mesh before it is used.
+!> What the records say about each other, before anything is meshed.
 module setup_check
   use base_kinds, only: wp
   use base_error, only: error_t, place_t, fail, DECK_ERROR
-  use base_text, only: to_text, quoted, nearest
-  use mesh, only: mesh_t
-  use rigid_block, only: is_rigid
+  use base_text, only: to_text, quoted, nearest, lower
   use setup_build, only: build_t
+  use mesh_group, only: group_named, group_hint
+  use patch_spec, only: GEO_MESH
   use setup_contact_check, only: check_contacts
   use setup_lists, only: MAX_NUMBER
   use setup_material, only: material_index
   use setup_patch, only: patch_named
   use setup_rigid, only: check_rigid
   use setup_solid, only: npatch_name
-  use setup_where, only: where_t, W_FACES, W_EDGE
-  use tensor, only: det3
+  use setup_where, only: where_t, unknown_face, W_FACES, W_EDGE, W_GROUP
   implicit none
   private
-  public :: check_references, check_jacobians
+  public :: check_references
 
 contains
 
@@ -62,11 +61,18 @@ contains
   subroutine check_patches(build)
     type(build_t), intent(inout) :: build
     type(error_t), allocatable :: error
-    integer :: i
+    integer :: i, j
 
     do i = 1, size(build%patch)
       associate (p => build%patch(i))
         if (p%spec%type /= 'RIGID') then
+          if (p%spec%geometry == GEO_MESH) then
+            do j = 1, size(p%mesh%material)
+              call check_material(build, p%mesh%material(j)%number, p%mesh%material(j)%place)
+              call check_words(build, p%mesh%material(j)%number, .false.)
+            end do
+            cycle
+          end if
           if (.not. allocated(p%material_place%file)) cycle ! its own error is in the list
           call check_material(build, p%material, p%material_place)
           call check_words(build, p%material, .false.)
@@ -175,10 +181,50 @@ contains
     type(build_t), intent(inout) :: build
     type(where_t), intent(in) :: at
 
-    if (at%kind == W_FACES .or. at%kind == W_EDGE) call check_name(build, at%body, at%place)
+    if (all(at%kind /= [W_FACES, W_EDGE, W_GROUP])) return
+    if (is_known(build, at%body)) then
+      call check_group(build, at)
+    else
+      call check_name(build, at%body, at%place)
+    end if
   end subroutine check_where
 
   !> A patch of that name, or an NPATch.
+  logical function is_known(build, name) result(known)
+    type(build_t), intent(in) :: build
+    character(*), intent(in) :: name
+    integer :: i
+
+    known = patch_named(build, name) > 0
+    do i = 1, size(build%npatch)
+      if (npatch_name(i) == name .and. .not. build%npatch(i)%is_geometry) known = .true.
+    end do
+  end function is_known
+
+  !> Faces of patches are known; a mesh has the groups of its file, and ALL.
+  subroutine check_group(build, at)
+    type(build_t), intent(inout) :: build
+    type(where_t), intent(in) :: at
+    type(error_t), allocatable :: error
+    integer :: p
+
+    p = patch_named(build, at%body)
+    if (p > 0) then
+      if (build%patch(p)%spec%geometry /= GEO_MESH) p = 0
+    end if
+    if (p == 0) then
+      if (at%kind == W_GROUP) call unknown_face(at%face, at%face_place, error)
+    else if (lower(at%face) /= 'all') then
+      associate (mesh => build%patch(p)%mesh)
+        if (any(group_named(mesh%file, at%face))) return
+        call fail(error, DECK_ERROR, 'mesh '//quoted(at%body)//' has no group ' &
+                  //quoted(at%face), at%face_place, group_hint(mesh%file, at%face))
+      end associate
+    end if
+    if (allocated(error)) call build%errors%add(error)
+  end subroutine check_group
+
+  !> A patch of that name, or an NPATch; else what is there.
   subroutine check_name(build, name, place)
     type(build_t), intent(inout) :: build
     character(*), intent(in) :: name
@@ -188,14 +234,13 @@ contains
     character(:), allocatable :: hint
     integer :: i
 
-    if (patch_named(build, name) > 0) return
+    if (is_known(build, name)) return
     allocate (names(size(build%patch) + size(build%npatch)))
     do i = 1, size(build%patch)
       names(i) = build%patch(i)%spec%name
     end do
     do i = 1, size(build%npatch)
       names(size(build%patch) + i) = npatch_name(i)
-      if (npatch_name(i) == name .and. .not. build%npatch(i)%is_geometry) return
     end do
     if (size(names) == 0) then
       hint = 'the deck has no PATCh; NODE n, POINt x y z and PLANe direction coordinate need none'
@@ -205,65 +250,5 @@ contains
     call fail(error, DECK_ERROR, 'patch '//quoted(name)//' is not defined', place, hint)
     call build%errors%add(error)
   end subroutine check_name
-
-  !> Every element must be right-handed at all its integration points; one message a block.
-  subroutine check_jacobians(build, mesh)
-    type(build_t), intent(inout) :: build
-    type(mesh_t), intent(in) :: mesh
-    type(error_t), allocatable :: error
-    type(place_t) :: place
-    character(:), allocatable :: text, hint
-    real(wp) :: least, worst
-    integer :: b, e, first, bad
-
-    do b = 1, size(mesh%block)
-      if (is_rigid(mesh%block(b))) cycle
-      bad = 0
-      first = 0
-      worst = 0.0_wp
-      do e = 1, mesh%block(b)%nelem
-        least = smallest_jacobian(mesh, b, e)
-        if (least > 0.0_wp) cycle
-        bad = bad + 1
-        if (first == 0) then
-          first = e
-          worst = least
-        end if
-      end do
-      if (bad == 0) cycle
-      associate (block => mesh%block(b))
-        text = 'element '//to_text(block%number(first))//' is inverted: its Jacobian is ' &
-               //to_text(worst)
-        if (bad > 1) text = text//', and '//to_text(bad - 1)//' more are'
-        hint = 'the first four nodes go counter-clockwise seen from the other four'
-        if (block%body > 0) then
-          place = mesh%body(block%body)%place
-          hint = 'more elements follow the shape more closely; or enrich other faces'
-        else
-          place = build%places%at(build%elements%place(block%number(first)))
-        end if
-      end associate
-      call fail(error, DECK_ERROR, text, place, hint)
-      call build%errors%add(error)
-    end do
-  end subroutine check_jacobians
-
-  pure real(wp) function smallest_jacobian(mesh, b, e) result(least)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: b, e
-    real(wp) :: x(3, mesh%block(b)%nen)
-    integer :: q
-
-    least = huge(least)
-    associate (block => mesh%block(b))
-      x = mesh%xr(:, block%conn(:, e))
-      associate (basis => block%basis(block%ibasis(e)))
-        do q = 1, basis%nq
-          least = min(least, det3(matmul(x, transpose(basis%dshp(:, :, q)))))
-        end do
-      end associate
-    end associate
-    if (.not. least < huge(least)) least = 0.0_wp
-  end function smallest_jacobian
 
 end module setup_check

@@ -10,9 +10,10 @@ module setup_contact_build
   use patch_check, only: face_name
   use setup_build, only: build_t
   use setup_contact_auto, only: element_areas, auto_penalty
+  use setup_faces, only: find_faces
   use setup_rigid, only: is_rigid_patch
   use setup_thickness, only: body_thickness
-  use setup_where, only: where_t, find_faces
+  use setup_where, only: where_t, body_index
   implicit none
   private
   public :: build_contacts
@@ -85,6 +86,7 @@ contains
     type(contact_t), intent(inout) :: contact
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: block(:), elem(:), side(:)
+    integer :: b
 
     associate (at => spec%at(k), s => contact%side(k))
       call find_faces(model%mesh, at, block, elem, side, error)
@@ -95,7 +97,10 @@ contains
         return
       end if
       s%rigid = is_rigid_patch(build, at%body)
-      if (.not. s%rigid) s%thickness = body_thickness(build, at%body, at%mask)
+      if (s%rigid) return
+      b = body_index(model%mesh, at%body)
+      s%thickness = model%mesh%body(b)%thickness
+      if (.not. s%thickness > 0.0_wp) s%thickness = body_thickness(build, at%body, at%mask)
     end associate
   end subroutine make_side
 
@@ -105,6 +110,8 @@ contains
     character(:), allocatable :: name
 
     select case (at%mask)
+    case (0)
+      name = at%body//' '//at%face
     case (15)
       name = at%body//' SIDEs'
     case (63)

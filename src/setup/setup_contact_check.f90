@@ -40,7 +40,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     associate (a => contact%at(1), b => contact%at(2))
-      if (lower(a%body) == lower(b%body) .and. iand(a%mask, b%mask) /= 0) then
+      if (lower(a%body) == lower(b%body) .and. &
+          (iand(a%mask, b%mask) /= 0 .or. lower(a%face) == lower(b%face))) then
         call fail(error, DECK_ERROR, 'a face of patch '//quoted(b%body) &
                   //' is on both sides of contact '//quoted(contact%name), b%face_place, &
                   'the two surfaces have no face in common')

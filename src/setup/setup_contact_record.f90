@@ -8,7 +8,7 @@ module setup_contact_record
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use setup_contact_law, only: read_normal, read_friction, read_cohesive, read_positive
-  use setup_where, only: read_where, W_FACES
+  use setup_where, only: read_where, W_FACES, W_GROUP
   implicit none
   private
   public :: read_contact_line
@@ -59,7 +59,7 @@ contains
       if (i > line%n) call check_count(line, 5, 5, SURFACE_USAGE, error)
       if (.not. allocated(error)) call read_where(deck, line, i, contact%at(k), error)
       if (allocated(error)) return
-      if (contact%at(k)%kind /= W_FACES) then
+      if (contact%at(k)%kind /= W_FACES .and. contact%at(k)%kind /= W_GROUP) then
         call fail(error, DECK_ERROR, 'a contact acts between faces of patches', &
                   contact%at(k)%place, SURFACE_USAGE//'; SIDEs and ALL are several faces')
         return

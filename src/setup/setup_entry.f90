@@ -4,6 +4,7 @@ module setup_entry
   use base_error, only: place_t
   use boundary, only: motion_t, pressure_t
   use curve_type, only: quantity_t
+  use mesh_spec, only: mesh_spec_t
   use patch_spec, only: patch_spec_t
   use setup_where, only: where_t
   implicit none
@@ -17,11 +18,12 @@ module setup_entry
     type(place_t) :: place
   end type control_t
 
-  !> A PATCh before its names and numbers are resolved.
+  !> A PATCh, MESH or SPLIne before its names and numbers are resolved.
   type :: patch_entry_t
     type(patch_spec_t) :: spec
     integer :: material = 0            !! the user's number
     integer :: npatch = 0              !! its geometry is this NPATch
+    type(mesh_spec_t) :: mesh          !! MESH
     type(place_t) :: material_place, npatch_place
   end type patch_entry_t
 

@@ -7,16 +7,18 @@ module setup_finish
   use model_basis, only: tabulate_basis
   use rigid_block, only: is_rigid
   use patch_body, only: build_body
-  use patch_spec, only: GEO_SPLINE
+  use patch_spec, only: GEO_SPLINE, GEO_MESH
   use setup_apply, only: apply_conditions, note_loose
   use setup_build, only: build_t
-  use setup_check, only: check_references, check_jacobians
+  use setup_check, only: check_references
   use setup_constraint, only: close_constraints, release_slaves
   use setup_contact_build, only: build_contacts
   use setup_lists, only: MAX_NUMBER
+  use setup_jacobian, only: check_jacobians
   use setup_loads, only: integrate_loads
   use setup_material, only: material_index
   use setup_mesh, only: make_mesh, count_mesh
+  use setup_mesh_body, only: make_mesh_body
   use setup_rigid, only: hold_rigid
   use setup_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use setup_solid, only: npatch_geometry, append_npatch
@@ -79,6 +81,8 @@ contains
         p%spec%material = material_index(build, p%material)
         if (p%spec%geometry == GEO_SPLINE) then
           call make_spline(build, p%spec, mesh, error)
+        else if (p%spec%geometry == GEO_MESH) then
+          call make_mesh_body(build, i, mesh, error)
         else
           if (p%npatch > 0) call npatch_geometry(build, p%npatch, p%spec%nurbs, error)
           if (.not. allocated(error)) call build_body(p%spec, mesh, error)
@@ -112,7 +116,7 @@ contains
                 'give a body that can be deformed')
     else if (.not. any(mesh%used)) then
       call fail(error, DECK_ERROR, 'the mesh has no elements', build%control%place, &
-                'give ELEMents, BLOCk, NPATch or PATCh')
+                'give ELEMents, BLOCk, NPATch, PATCh or MESH')
     else if (mesh%nnode > MAX_NUMBER) then
       call fail(error, DECK_ERROR, 'the mesh has '//to_text(mesh%nnode)//' nodes', &
                 build%control%place, &

@@ -15,7 +15,7 @@ module setup_model
   public :: build_model
 
   !> Blocks in which a comment alone does not count as blank.
-  character(16), parameter :: OURS(4) = [character(16) :: 'PATCh', 'SPLIne', 'CURVe', 'CONTact']
+  character(8), parameter :: OURS(5) = ['PATCh   ', 'SPLIne  ', 'MESH    ', 'CURVe   ', 'CONTact ']
 
 contains
 

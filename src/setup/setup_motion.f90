@@ -6,7 +6,7 @@ module setup_motion
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use setup_build, only: build_t, support_t, move_t, press_t
-  use setup_where, only: read_where, W_FACES
+  use setup_where, only: read_where, W_FACES, W_GROUP
   implicit none
   private
   public :: read_fix, read_move, read_pressure
@@ -178,7 +178,7 @@ contains
     i = 2
     call read_where(deck, record, i, p%at, error)
     if (allocated(error)) return
-    if (p%at%kind /= W_FACES) then
+    if (p%at%kind /= W_FACES .and. p%at%kind /= W_GROUP) then
       call fail(error, DECK_ERROR, 'a pressure acts on a face of a patch', p%at%place, &
                 USAGE//'; on a FEAP mesh use CSURface')
       return

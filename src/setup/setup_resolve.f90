@@ -8,7 +8,8 @@ module setup_resolve
   use setup_build, only: build_t, column_t
   use setup_contact, only: contact_named
   use setup_locate, only: locate_point
-  use setup_where, only: find_nodes, find_faces, body_index
+  use setup_faces, only: find_faces
+  use setup_where, only: find_nodes, body_index
   implicit none
   private
   public :: resolve_supports, resolve_loads, resolve_curves

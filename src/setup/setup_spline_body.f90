@@ -6,6 +6,8 @@ module setup_spline_body
   use mesh, only: mesh_t
   use patch_spec, only: patch_spec_t
   use setup_build, only: build_t
+  use setup_mesh_body, only: find_label
+  use setup_where, only: body_index
   use spline_body, only: build_spline
   implicit none
   private
@@ -27,7 +29,7 @@ contains
       inner = spec%spline%inner
       do e = 1, size(inner, 2)
         do c = 1, 4
-          call resolve_node(build, spec, spec%spline%layer_place, inner(c, e), error)
+          call resolve_node(build, mesh, spec, spec%spline%layer_place, inner(c, e), error)
           if (allocated(error)) return
         end do
       end do
@@ -49,7 +51,7 @@ contains
       do i = 1, list%n
         node = [list%slave(i), list%master(list%first(i):list%first(i + 1) - 1)]
         do j = 1, size(node)
-          call resolve_node(build, spec, spec%spline%constraint_place, node(j), error)
+          call resolve_node(build, mesh, spec, spec%spline%constraint_place, node(j), error)
           if (allocated(error)) return
         end do
         call add_constraint(mesh%constraint, node(1), node(2:), &
@@ -59,16 +61,22 @@ contains
   end subroutine add_constraints
 
   !> From the number in a table to the node.
-  subroutine resolve_node(build, spec, place, node, error)
+  subroutine resolve_node(build, mesh, spec, place, node, error)
     type(build_t), intent(in) :: build
+    type(mesh_t), intent(in) :: mesh
     type(patch_spec_t), intent(in) :: spec
     type(place_t), intent(in) :: place
     integer, intent(inout) :: node
     type(error_t), allocatable, intent(out) :: error
 
     if (allocated(spec%spline%mesh)) then
-      call fail(error, DECK_ERROR, 'mesh '//quoted(spec%spline%mesh)//' is not defined', &
-                spec%spline%mesh_place, 'leave the name out where the nodes are those of the deck')
+      if (body_index(mesh, spec%spline%mesh) == 0) then
+        call fail(error, DECK_ERROR, 'mesh '//quoted(spec%spline%mesh)//' is not defined', &
+                  spec%spline%mesh_place, 'its MESH stands before this SPLIne; leave the name ' &
+                  //'out where the nodes are those of the deck')
+      else
+        call find_label(mesh, spec%spline%mesh, place, node, error)
+      end if
       return
     end if
     if (node <= build%nodes%top) then

@@ -6,6 +6,7 @@ module setup_table
   use setup_curve, only: read_curve
   use setup_elements, only: read_elements
   use setup_material, only: read_material
+  use setup_mesh_word, only: read_mesh
   use setup_motion, only: read_fix, read_move, read_pressure
   use setup_nodal, only: read_boundary, read_forces, read_displacements, read_load_numbers
   use setup_nodes, only: read_coordinates, read_nurbs, read_transform
@@ -56,6 +57,7 @@ contains
     call add(table, 'PATCh', WORDS, read_patch, &
              'BOX HEMI NPAT FILE ROTA TRAN ELEM KNOT TYPE ENRI QUAD MATE')
     call add(table, 'SPLIne', WORDS, read_spline, 'LAYE CONS QUAD TYPE REVE ROTA TRAN MATE')
+    call add(table, 'MESH', WORDS, read_mesh, 'ROTA TRAN SCAL TYPE MATE CONS')
     call add(table, 'FIX', ALONE, read_fix)
     call add(table, 'MOVE', ALONE, read_move)
     call add(table, 'PRESsure', ALONE, read_pressure)

@@ -6,7 +6,7 @@
 !! Source: FEAPpv's manual
 module setup_tie
   use base_kinds, only: wp
-  use base_sort, only: sort_index
+  use base_sort, only: sort_index, unique
   use boundary, only: boundary_t
   use mesh, only: mesh_t, body_t
   use rigid_block, only: is_rigid
@@ -201,6 +201,12 @@ contains
     integer, allocatable :: order(:)
     integer :: i, n
 
+    if (allocated(body%group)) then
+      do i = 1, size(body%group)
+        body%group(i)%node = unique(new(body%group(i)%node))
+      end do
+    end if
+    if (allocated(body%label)) deallocate (body%label)
     body%node = new(body%node)
     allocate (order(size(body%node)))
     call sort_index(body%node, order)

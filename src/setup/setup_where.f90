@@ -5,21 +5,25 @@ module setup_where
   use base_text, only: lower, to_text, quoted
   use deck_record, only: record_t, get_word
   use deck_stream, only: deck_t, get_integer, get_real
-  use mesh, only: mesh_t
+  use mesh, only: mesh_t, body_t
   implicit none
   private
-  public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, nearest_node
+  public :: where_t, read_where, read_face, find_nodes, body_index, nearest_node, &
+            unknown_face, group_index
 
-  integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5
+  integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
+                                W_GROUP = 6
 
-  character(*), &
-    parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is two of them, 1-,3+'
+  character(*), parameter, public :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; ' &
+                                     //'an edge is two of them, 1-,3+'
   real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! of the mesh's extent over sqrt(nodes), as EBOUndary
 
-  !> A place in the reference mesh, resolved after TIE.
+  !> A place in the reference mesh, resolved after TIE. W_GROUP: its name is no face's, so the body
+  !! must be a MESH.
   type :: where_t
     integer :: kind = 0
     character(:), allocatable :: body  !! name as written
+    character(:), allocatable :: face  !! face or group as written
     integer :: mask = 0                !! bits f-1 of faces
     integer :: node = 0
     integer :: direction = 0           !! of a plane
@@ -85,14 +89,19 @@ contains
     end if
     place%kind = W_FACES
     place%face_place = record%place(i + 1)
+    place%face = record%text(i + 1)
     select case (record%key(i + 1))
     case ('side')
       place%mask = 15
     case ('all')
       place%mask = 63
     case default
-      call read_face(record, i + 1, f, error)
-      if (allocated(error)) return
+      f = face_number(place%face)
+      if (f == 0) then
+        place%kind = W_GROUP
+        i = i + 2
+        return
+      end if
       place%mask = ibset(0, f - 1)
       if (i + 2 <= record%n) then
         second = face_number(record%text(i + 2))
@@ -119,9 +128,16 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     f = face_number(record%text(i))
-    if (f == 0) call fail(error, DECK_ERROR, 'unknown face '//quoted(record%text(i)), &
-                          record%place(i), FACE_HINT)
+    if (f == 0) call unknown_face(record%text(i), record%place(i), error)
   end subroutine read_face
+
+  subroutine unknown_face(text, place, error)
+    character(*), intent(in) :: text
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+
+    call fail(error, DECK_ERROR, 'unknown face '//quoted(text), place, FACE_HINT)
+  end subroutine unknown_face
 
   pure integer function face_number(text) result(f)
     character(*), intent(in) :: text
@@ -152,17 +168,12 @@ contains
     integer, allocatable, intent(out) :: node(:)
     type(error_t), allocatable, intent(out) :: error
     logical, allocatable :: on(:)
-    integer :: i, n
+    integer :: i
 
     allocate (on(mesh%nnode), source=.false.)
     select case (place%kind)
-    case (W_FACES, W_EDGE)
-      associate (body => mesh%body(body_index(mesh, place%body)))
-        do i = 1, size(body%node)
-          n = iand(body%mask(i), place%mask)
-          if (n == place%mask .or. (n /= 0 .and. place%kind == W_FACES)) on(body%node(i)) = .true.
-        end do
-      end associate
+    case (W_FACES, W_EDGE, W_GROUP)
+      call mark_faces(mesh%body(body_index(mesh, place%body)), place, on)
     case (W_NODE)
       if (place%node < 1 .or. place%node > mesh%nnode) then
         call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' is not in the mesh', &
@@ -184,6 +195,37 @@ contains
     node = pack([(i, i=1, mesh%nnode)], on)
     if (size(node) == 0) call fail(error, DECK_ERROR, 'no node is there', place%place)
   end subroutine find_nodes
+
+  !> Nodes of faces, of an edge, or of a named set.
+  pure subroutine mark_faces(body, place, on)
+    type(body_t), intent(in) :: body
+    type(where_t), intent(in) :: place
+    logical, intent(inout) :: on(:)
+    integer :: g, i, n
+
+    g = group_index(body, place%face)
+    if (g > 0) then
+      on(body%group(g)%node) = .true.
+      return
+    end if
+    do i = 1, size(body%node)
+      n = iand(body%mask(i), place%mask)
+      if (n == 0 .or. (n /= place%mask .and. place%kind /= W_FACES)) cycle
+      on(body%node(i)) = .true.
+    end do
+  end subroutine mark_faces
+
+  !> Index of a named set of a body; 0: there is none.
+  pure integer function group_index(body, name) result(g)
+    type(body_t), intent(in) :: body
+    character(*), intent(in) :: name
+
+    g = 0
+    if (.not. allocated(body%group)) return
+    do g = size(body%group), 1, -1
+      if (lower(body%group(g)%name) == lower(name)) return
+    end do
+  end function group_index
 
   !> The node or control point in use that is nearest a point; the first of equals.
   pure integer function nearest_node(mesh, x) result(node)
@@ -215,31 +257,5 @@ contains
     gap = ON_PLANE*(high - low)/sqrt(real(mesh%nnode, wp))
     on = abs(mesh%xr(d, :) - coordinate) <= gap
   end subroutine find_plane
-
-  !> Element faces of the named faces of a body.
-  subroutine find_faces(mesh, place, block, elem, side, error)
-    type(mesh_t), intent(in) :: mesh
-    type(where_t), intent(in) :: place
-    integer, allocatable, intent(out) :: block(:), elem(:), side(:)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: b, f
-
-    allocate (block(0), elem(0), side(0))
-    if (place%kind /= W_FACES) then
-      call fail(error, DECK_ERROR, 'a face of a patch is needed here', place%place, FACE_HINT)
-      return
-    end if
-    b = body_index(mesh, place%body)
-    do f = 1, 6
-      if (.not. btest(place%mask, f - 1)) cycle
-      associate (face => mesh%body(b)%face(f))
-        block = [block, face%block]
-        elem = [elem, face%elem]
-        side = [side, face%side]
-      end associate
-    end do
-    if (size(elem) == 0) call fail(error, DECK_ERROR, quoted(place%body)//' has no such face', &
-                                   place%face_place, 'a spline surface is its face 3-, or ALL')
-  end subroutine find_faces
 
 end module setup_where
