@@ -159,7 +159,7 @@ contains
     if (turns_back(run%newton)) then
       hint = 'Newton goes to and fro between two states of contact whose tangents have ' &
              //'determinants of opposite sign: the load path turns back here, and smaller steps ' &
-             //'do not help; a softer penalty or a finer mesh may'
+             //'do not help; a softer penalty may'
     end if
     if (run%pass%solve%singular) then
       hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'
