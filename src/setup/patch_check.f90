@@ -62,7 +62,7 @@ contains
                       'the thickness lies between 0 and the radius', error)
       end if
     case (GEO_NURBS)
-      call check_nurbs(spec%nurbs, "patch '"//spec%name//"'", spec%place, error)
+      call check_nurbs(spec%nurbs, 3, "patch '"//spec%name//"'", spec%place, error)
     case default
       call complain(spec, 'has no geometry', 'give BOX, HEMIsphere, NPATch or FILE', error)
     end select

@@ -29,13 +29,13 @@ contains
       text%at = len(MFEM) + 1
       call read_mfem(text, name, patch, error)
     else if (index(text%all, '<xml>') > 0) then
-      call read_gismo(text, name, patch, error)
+      call read_gismo(text, name, 3, patch, error)
     else
       call complain(text, 'the format is not known', error, &
                     "known formats: 'MFEM NURBS mesh v1.0', and G+Smo XML")
     end if
     if (allocated(error)) return
-    call check_nurbs(patch, quoted(path), place, error)
+    call check_nurbs(patch, 3, quoted(path), place, error)
   end subroutine read_patch_file
 
 end module patch_file

@@ -1,4 +1,4 @@
-!> G+Smo XML files: tri-variate geometries TensorNurbs3 and TensorBSpline3.
+!> G+Smo XML files: geometries TensorNurbs3 and TensorBSpline3, or TensorNurbs2 and TensorBSpline2.
 module patch_gismo
   use base_kinds, only: wp
   use base_error, only: error_t
@@ -12,20 +12,21 @@ module patch_gismo
 
 contains
 
-  !> The geometry with id `name`, or the only one.
-  subroutine read_gismo(text, name, patch, error)
+  !> The geometry of so many directions with id `name`, or the only one.
+  subroutine read_gismo(text, name, ndir, patch, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
+    integer, intent(in) :: ndir           !! 3: a body, 2: a surface
     type(nurbs_t), intent(out) :: patch
     type(error_t), allocatable, intent(out) :: error
     integer :: first, last
 
     call blank_comments(text)
-    call choose(text, name, first, last, error)
+    call choose(text, name, ndir, first, last, error)
     if (allocated(error)) return
     text%all = text%all(:last) ! line numbers stay, and nothing is read from the next geometry
     text%at = first
-    call read_geometry(text, patch, error)
+    call read_geometry(text, ndir, patch, error)
   end subroutine read_gismo
 
   !> Comments become blanks; their lines stay.
@@ -45,14 +46,23 @@ contains
   end subroutine blank_comments
 
   !> The stretch of the file that holds the geometry asked for.
-  subroutine choose(text, name, first, last, error)
+  subroutine choose(text, name, ndir, first, last, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
+    integer, intent(in) :: ndir
     integer, intent(out) :: first, last
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: found, kind, id, others
+    character(:), allocatable :: found, kind, id, others, what, plural, hint
     integer :: n, tag, length
 
+    what = 'body'
+    plural = ' bodies'
+    if (ndir == 2) then
+      what = 'surface'
+      plural = ' surfaces'
+    end if
+    hint = 'a '//what//' is a geometry TensorNurbs'//to_text(ndir)//' or TensorBSpline' &
+           //to_text(ndir)
     found = ''
     others = ''
     n = 0
@@ -64,7 +74,7 @@ contains
       tag = tag + length - 1
       kind = attribute(text, tag, 'type')
       id = attribute(text, tag, 'id')
-      if (kind == 'TensorNurbs3' .or. kind == 'TensorBSpline3') then
+      if (kind == 'TensorNurbs'//to_text(ndir) .or. kind == 'TensorBSpline'//to_text(ndir)) then
         n = n + 1
         found = found//' '//id
         if (id == name .or. len_trim(name) == 0) first = tag
@@ -76,15 +86,14 @@ contains
     last = len(text%all)
     text%at = 0
     if (n == 0 .and. len(others) > 0) then
-      call complain(text, 'the file has no body, only'//others, error, &
-                    'a body is a geometry TensorNurbs3 or TensorBSpline3')
+      call complain(text, 'the file has no '//what//', only'//others, error, hint)
     else if (n == 0) then
-      call complain(text, 'the file has no geometry', error, &
-                    'a body is a geometry TensorNurbs3 or TensorBSpline3')
+      call complain(text, 'the file has no geometry', error, hint)
     else if (first == 0) then
-      call complain(text, 'the file has no body '//quoted(trim(name)), error, 'it has'//found)
+      call complain(text, 'the file has no '//what//' '//quoted(trim(name)), error, &
+                    'it has'//found)
     else if (n > 1 .and. len_trim(name) == 0) then
-      call complain(text, 'the file has '//to_text(n)//' bodies', error, &
+      call complain(text, 'the file has '//to_text(n)//plural, error, &
                     'name one by its id:'//found)
     else
       length = index(text%all(first:), '</Geometry>')
@@ -149,18 +158,19 @@ contains
   end subroutine read_all
 
   !> Knots, weights and points between the present position and the end of the text.
-  subroutine read_geometry(text, patch, error)
+  subroutine read_geometry(text, ndir, patch, error)
     type(text_t), intent(inout) :: text
+    integer, intent(in) :: ndir
     type(nurbs_t), intent(out) :: patch
     type(error_t), allocatable, intent(out) :: error
     type(text_t) :: part
-    type(spline_t) :: dir(3)
+    type(spline_t) :: dir(ndir)
     real(wp), allocatable :: x(:), w(:)
     integer :: d, first, tag, n
 
     first = text%at
     n = 1
-    do d = 1, 3
+    do d = 1, ndir
       call read_knots(text, d, dir(d), error)
       if (allocated(error)) return
       if (nfunction(dir(d)) <= dir(d)%degree .or. nfunction(dir(d)) > len(text%all)/n) then

@@ -15,9 +15,10 @@ module patch_nurbs
 
 contains
 
-  !> A tri-variate patch with open knot vectors and positive weights.
-  subroutine check_nurbs(patch, what, place, error)
+  !> A patch of so many directions with open knot vectors and positive weights.
+  subroutine check_nurbs(patch, ndir, what, place, error)
     type(nurbs_t), intent(in) :: patch
+    integer, intent(in) :: ndir      !! 2 or 3
     character(*), intent(in) :: what !! whose patch it is, for the message
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
@@ -27,7 +28,7 @@ contains
       call fail(error, DECK_ERROR, what//' has no control points', place)
       return
     end if
-    do d = 1, 3
+    do d = 1, ndir
       call check_knots(patch%dir(d), size(patch%cp, d + 1), what//', direction '//to_text(d), &
                        place, error)
       if (allocated(error)) return

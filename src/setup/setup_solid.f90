@@ -60,7 +60,7 @@ contains
           end do
         end do
       end do
-      call check_nurbs(patch, 'NPATch '//to_text(k), p%place, error)
+      call check_nurbs(patch, 3, 'NPATch '//to_text(k), p%place, error)
     end associate
   end subroutine npatch_geometry
 

@@ -29,7 +29,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(patch_entry_t) :: patch
 
-    call check_count(record, 4, 4, 'SPLIne,name FILE path', error)
+    call check_count(record, 4, 5, 'SPLIne,name FILE path [surface]', error)
     if (.not. allocated(error)) call check_patch_name(build, record, error)
     if (allocated(error)) return
     patch%spec%name = record%text(2)
@@ -40,10 +40,10 @@ contains
     call append_patch(build, patch) ! now: an error in its records must not make it unknown
     if (record%key(3) /= 'file') then
       call fail(error, DECK_ERROR, quoted(record%text(3))//' where FILE should stand', &
-                record%place(3), 'SPLIne,name FILE path')
+                record%place(3), 'SPLIne,name FILE path [surface]')
     else
-      call read_spline_file(resolve_path(record, 4), patch%spec%spline%surface, record%place(4), &
-                            error)
+      call read_spline_file(resolve_path(record, 4), record%text(5), patch%spec%spline%surface, &
+                            record%place(4), error)
     end if
     if (.not. allocated(error)) call read_records(build, deck, patch, error)
     if (allocated(error)) return
