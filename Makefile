@@ -166,7 +166,7 @@ patch: $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
 	  > $(B)/patch.txt; code=$$?; grep -v '  ok$$' $(B)/patch.txt; exit $$code
 
-.PHONY: verify verify-all verify-long tradeoff bench demo
+.PHONY: verify verify-all verify-long tradeoff bench demo demo-rocker
 verify: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $(B)/bezel
@@ -187,6 +187,11 @@ tradeoff: setup
 demo: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m post.figures.demo --bezel $(B)/bezel --out $(BUILD)/demo
+# From a net of quads to a solved contact (paper, section 3); ARGS='--refine 1' is finer.
+demo-rocker: setup
+	@tools/setup.sh mesh
+	@$(MAKE) $(B)/bezel
+	@$(PYTHON) -m post.figures.rocker --bezel $(B)/bezel --out $(BUILD)/rocker $(ARGS)
 
 # Programs that time a part, verification/performance/<part>/bench_<part>.f90, then the decks.
 BENCH := $(patsubst verification/performance/%.f90,$(B)/%,$(wildcard verification/performance/*/bench_*.f90))
@@ -238,6 +243,7 @@ clean:
 #: make unit T=word   the unit tests whose path has the word, and what they need
 #: make verify        patch tests and quick benchmarks; verify-all: every one
 #: make demo          runs three decks, draws their figures, says where they are
+#: make demo-rocker   a body below a net of quads, a pin pressed on it and slid; Gmsh or TetGen
 #: make tradeoff      speed for accuracy of contact: what to choose (an hour)
 #: make bench         times the parts and the program, beside the record
 #: make debug | sanitize | coverage   the tests with checks, with sanitizers, with lines counted

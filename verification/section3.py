@@ -2,14 +2,19 @@
 
     .venv/bin/python verification/section3.py mesh [--net FILE --name NAME]
     .venv/bin/python verification/section3.py bend --net FILE
+    .venv/bin/python verification/section3.py slide
 
 `mesh` makes the bodies of VARIANTS from input/rocker_arm.py's net, or from another, and writes
 verification/section3/mesh_NAME.csv. `bend` goes from the file of hexahedra of a rocker arm to its solved
 bending, with tetrahedra and with the file's own hexahedra, and writes verification/section3/bend.csv.
+`slide` runs the deck of `make demo-rocker` with the spline on the arm and with plain faces of the same net,
+and writes verification/section3/slide.csv and a figure; runs that are in the work folder are used again.
 """
 
 import argparse
+import json
 import pathlib
+import re
 import subprocess
 import sys
 import time
@@ -18,7 +23,11 @@ from resource import RUSAGE_CHILDREN, getrusage
 TOP = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TOP))
 
+import numpy as np  # noqa: E402
+
+from post import _style  # noqa: E402
 from post._table import read_table  # noqa: E402
+from post.figures import rocker  # noqa: E402
 from post.mesh import _report, _tets, _write, body_of  # noqa: E402
 
 HERE = TOP / "verification/section3"
@@ -112,11 +121,69 @@ def bend(net, bezel, out, work):
     (out / "bend.csv").write_text("\n".join(rows) + "\n")
 
 
+def slide(bezel, out, work):
+    """Normal force, friction and largest pressure while the pin slides: spline beside plain faces."""
+    table = ["surface,dofs,force_down,pressure_down,force_rms,friction_rms,pressure_rms,iterations"]
+    curves = {}
+    for surface in ("spline", "plain"):
+        folder = work / f"slide_{surface}"
+        folder.mkdir(parents=True, exist_ok=True)
+        if not (folder / "rocker_pin.dat").exists():
+            body, report = rocker.make_body(folder, "gmsh", 0)
+            if surface == "plain":
+                body = body_of(str(folder / "rocker_arm.obj"), enrich="box:90,90,90,91,91,91")
+                (folder / "rocker.msh").write_text(_write.gmsh_text(body))
+                deck = folder / "rocker.inp"
+                text = re.sub(r"SPLIne,arm FILE.*?MATErial 1\n\n", "", deck.read_text(), flags=re.S)
+                deck.write_text(text.replace("arm pad", "bulk pad"))
+            rocker.run(bezel, folder)
+        c = read_table(folder / "rocker_pin.dat").columns
+        values = [abs(c[f"contact_pad_2_{name}"]) for name in ("force_2", "force_1", "pressure")]
+        down, along = np.flatnonzero(c["time"] <= 1)[-1], c["time"] > 1.05
+        rms = [_rms(c["time"][along], v[along]) for v in values]
+        dofs = json.loads((folder / "rocker.report.json").read_text())["dofs"]
+        numbers = [values[0][down], values[2][down], *rms]
+        table.append(
+            f"{surface},{dofs},"
+            + ",".join(f"{v:.4g}" for v in numbers)
+            + f",{c['iterations'].sum():.0f}"
+        )
+        print(table[-1])
+        curves[surface] = (c["time"], values)
+    (out / "slide.csv").write_text("\n".join(table) + "\n")
+    _draw_slide(curves, TOP / "doc/verification/figures/section3_slide.png")
+
+
+def _rms(time, values):
+    """Relative deviation from a smooth curve (a polynomial of degree 4), root mean square."""
+    smooth = np.polyval(np.polyfit(time, values, 4), time)
+    return np.sqrt(np.mean((values / smooth - 1) ** 2))
+
+
+def _draw_slide(curves, path):
+    with _style.styled() as plt:
+        figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 2.6))
+        for i, (surface, (t, values)) in enumerate(curves.items()):
+            line = _style.series(i) | {"marker": None}
+            axes[0].plot(t, values[0], label=f"{surface}, normal", **line)
+            axes[0].plot(t, values[1], label=f"{surface}, friction", **line | {"linestyle": ":"})
+            axes[1].plot(t, values[2], label=surface, **line)
+        axes[0].set(
+            xlabel="time (down to 1, then along)", ylabel="force on the arm", ylim=(0, None)
+        )
+        axes[1].set(
+            xlabel="time (down to 1, then along)", ylabel="largest pressure", ylim=(0, None)
+        )
+        for ax in axes:
+            ax.legend()
+        _style.save(figure, path)
+
+
 def main():
     p = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    p.add_argument("part", choices=("mesh", "bend"))
+    p.add_argument("part", choices=("mesh", "bend", "slide"))
     p.add_argument("--net", help="another net; bend needs a file of hexahedra")
     p.add_argument("--name", default="arm", help="of the table")
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"))
@@ -129,8 +196,10 @@ def main():
         subprocess.run([sys.executable, str(TOP / "input/rocker_arm.py"), net], check=True)
     if o.part == "mesh":
         mesh(net, o.name, HERE)
-    else:
+    elif o.part == "bend":
         bend(net, o.bezel, HERE, o.work)
+    else:
+        slide(o.bezel, HERE, o.work)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ module setup_check
   use base_text, only: to_text, quoted, nearest, lower
   use setup_build, only: build_t
   use mesh_group, only: group_named, group_hint
-  use patch_spec, only: GEO_MESH
+  use patch_spec, only: GEO_MESH, GEO_SPLINE
   use setup_contact_check, only: check_contacts
   use setup_lists, only: MAX_NUMBER
   use setup_material, only: material_index
@@ -13,6 +13,7 @@ module setup_check
   use setup_rigid, only: check_rigid
   use setup_solid, only: npatch_name
   use setup_where, only: where_t, unknown_face, W_FACES, W_EDGE, W_GROUP
+  use spline_set, only: check_set
   implicit none
   private
   public :: check_references
@@ -210,6 +211,11 @@ contains
 
     p = patch_named(build, at%body)
     if (p > 0) then
+      if (build%patch(p)%spec%geometry == GEO_SPLINE .and. at%kind == W_GROUP) then
+        call check_set(build%patch(p)%spec%spline%surface, at%body, at%face, at%face_place, error)
+        if (allocated(error)) call build%errors%add(error)
+        return
+      end if
       if (build%patch(p)%spec%geometry /= GEO_MESH) p = 0
     end if
     if (p == 0) then

@@ -38,7 +38,7 @@ contains
     if (.not. allocated(error)) call add_constraints(build, spec, mesh, error)
   end subroutine make_spline
 
-  !> The hanging nodes of its mesh.
+  !> The hanging nodes of its mesh, and those that control points are.
   subroutine add_constraints(build, spec, mesh, error)
     type(build_t), intent(in) :: build
     type(patch_spec_t), intent(in) :: spec
@@ -51,7 +51,11 @@ contains
       do i = 1, list%n
         node = [list%slave(i), list%master(list%first(i):list%first(i + 1) - 1)]
         do j = 1, size(node)
-          call resolve_node(build, mesh, spec, spec%spline%constraint_place, node(j), error)
+          if (node(j) < 0) then
+            call resolve_control(mesh, spec, node(j), error)
+          else
+            call resolve_node(build, mesh, spec, spec%spline%constraint_place, node(j), error)
+          end if
           if (allocated(error)) return
         end do
         call add_constraint(mesh%constraint, node(1), node(2:), &
@@ -59,6 +63,28 @@ contains
       end do
     end associate
   end subroutine add_constraints
+
+  !> From -k to the node that is control point k of the surface, whose body is the last.
+  subroutine resolve_control(mesh, spec, node, error)
+    type(mesh_t), intent(in) :: mesh
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(inout) :: node
+    type(error_t), allocatable, intent(out) :: error
+    logical, allocatable :: has(:)
+
+    associate (s => spec%spline%surface)
+      allocate (has(max(s%nnode, -node)), source=.false.)
+      has(s%node(:s%first(s%nelem + 1) - 1)) = .true.
+      if (has(-node)) then
+        node = mesh%body(size(mesh%body))%node(count(has(:-node)))
+        return
+      end if
+    end associate
+    call fail(error, DECK_ERROR, 'control point '//to_text(-node)//' of spline ' &
+              //quoted(spec%name)//' has no function', spec%spline%constraint_place, &
+              'a master -k is control point k of the surface, which has 1 to ' &
+              //to_text(spec%spline%surface%nnode))
+  end subroutine resolve_control
 
   !> From the number in a table to the node.
   subroutine resolve_node(build, mesh, spec, place, node, error)

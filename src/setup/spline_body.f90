@@ -11,6 +11,7 @@ module spline_body
   use patch_rows, only: find_row
   use patch_spec, only: patch_spec_t
   use spline_check, only: check_layer, orient_layer, orient_tool
+  use spline_set, only: put_sets
   use spline_surface, only: spline_surface_t
   implicit none
   private
@@ -55,6 +56,7 @@ contains
       call add_elements(s, inner - mesh%nnode, new, group, igroup, draft)
     end associate
     call append_draft(draft, spec, mesh)
+    call put_sets(spec%spline%surface, new, igroup, OUTER, mesh)
     call number_elements(group, igroup, mesh)
   end subroutine build_spline
 

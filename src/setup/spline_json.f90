@@ -8,6 +8,7 @@ module spline_json
   use json_tree, only: json_t, parse_json, member, first_of, JSON_LIST, JSON_OBJECT, JSON_TRUE
   use json_value, only: get, get_integer, to_integer, get_reals, compare
   use patch_text, only: text_t, complain
+  use spline_set, only: read_sets
   use spline_surface, only: spline_surface_t, start_surface, add_point, check_sizes, &
                             finish_surface, MOST_COEFFICIENTS
   use spline_vectors, only: vectors_t, elements_t, new_vector, new_element, add_elements
@@ -36,6 +37,7 @@ contains
     if (.not. allocated(error)) call read_elements(text, json, elements, error)
     if (.not. allocated(error)) call read_vectors(text, json, vectors, error)
     if (.not. allocated(error)) call add_elements(text, elements, vectors, surface, error)
+    if (.not. allocated(error)) call read_sets(text, json, surface, error)
     if (.not. allocated(error)) call finish_surface(text, surface, error)
   end subroutine read_bext_json
 

@@ -76,6 +76,7 @@ contains
   end subroutine read_record
 
   !> Hanging nodes: a record is the slave, the number of its masters, and each with its coefficient.
+  !! A negative master is a control point of the surface.
   subroutine read_constraints(path, list, place, error)
     character(*), intent(in) :: path
     type(constraint_t), intent(inout) :: list
@@ -108,9 +109,9 @@ contains
         if (.not. allocated(error)) call next_real(text, 'a coefficient', c(i), error)
         if (allocated(error)) return
       end do
-      if (min(slave, minval(master)) < 1) then
-        call complain(text, 'node '//to_text(min(slave, minval(master))), error, &
-                      'node numbers are positive')
+      if (slave < 1 .or. any(master == 0)) then
+        call complain(text, 'node '//to_text(min(slave, 0)), error, &
+                      'node numbers are positive; a master -k is control point k of the surface')
         return
       end if
       call add_constraint(list, slave, master, c, place)

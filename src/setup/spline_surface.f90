@@ -8,13 +8,19 @@ module spline_surface
   use patch_text, only: text_t, complain
   implicit none
   private
-  public :: spline_surface_t, start_surface, add_point, check_sizes, add_element, &
+  public :: spline_surface_t, spline_set_t, start_surface, add_point, check_sizes, add_element, &
             finish_surface, transpose_surface
 
   integer, parameter :: MOST_FUNCTIONS = 256 !! of an element
   integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! of a function
   !> Functions sum to one to this: splines are written with all digits.
   real(wp), parameter :: UNITY = 1.0e-9_wp
+
+  !> A named set of elements.
+  type :: spline_set_t
+    character(:), allocatable :: name
+    integer, allocatable :: elem(:) !! from 1
+  end type spline_set_t
 
   !> Functions of element e: N = C B with C = op(iop(e)) and Bernstein polynomials B of [-1,1]^2,
   !! the first direction fastest. They belong to the control points node(first(e) : first(e+1)-1).
@@ -30,6 +36,7 @@ module spline_surface
     integer :: nop = 0
     type(operator_t), allocatable :: op(:) !! (>= nop) distinct operators
     integer, allocatable :: slot(:)       !! hash table of the operators
+    type(spline_set_t), allocatable :: set(:) !! not allocated: the file has none
   end type spline_surface_t
 
 contains
