@@ -25,7 +25,7 @@ def work(force, way):
 
 
 FUNCTIONS = {
-    "abs": np.abs, "sqrt": np.sqrt, "arcsin": np.arcsin, "log": np.log, "sum": np.sum, "min": np.min,
+    "abs": np.abs, "sqrt": np.sqrt, "arcsin": np.arcsin, "log": np.log, "exp": np.exp, "sum": np.sum, "min": np.min,
     "max": np.max, "mean": np.mean, "diff": np.diff, "minimum": np.minimum, "maximum": np.maximum,
     "where": np.where, "last": last, "span": span, "work": work, "pi": np.pi,
 }  # fmt: skip

@@ -1,0 +1,74 @@
+"""Writes results.csv: the double cantilever beam and the peeled strip on coarse and fine meshes.
+
+usage: python verification/benchmark/cz_beams/study.py [--bezel build/release/bezel]
+
+For each strength of the bond and each size of the elements: mean and scatter of the force over the one of the theory while
+the crack runs, iterations, cut-backs and the share that is released in the end; runs that stop early say so.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import tempfile
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+TOP = HERE.parents[2]
+FIELDS = "case t0 n q zone per_element status mean scatter iterations cutbacks released".split()
+RUNS = [("dcb", t0, n, 5) for t0 in (5, 10, 20) for n in ("1/3", "2/3", "1", "2")]
+RUNS += [("dcb", 20, "2/3", 10), ("dcb", 20, "1", 10)]
+RUNS += [("peel", t0, n, 5) for t0 in (0.1, 0.2, 0.4) for n in ("10/3", "5", "10", "20")]
+
+
+def main():
+    """Run what is not in results.csv yet, one after the other."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
+    bezel = parser.parse_args().bezel.resolve()
+    rows = []
+    for case, t0, n, q in RUNS:
+        rows.append(run(bezel, case, t0, n, q))
+        print(*rows[-1].values(), flush=True)
+    with open(HERE / "results.csv", "w", newline="") as file:
+        writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def run(bezel, case, t0, n, q):
+    """One row."""
+    sets = {"t0": t0, "n": n, "q": q}
+    if case == "peel":
+        sets |= {"l": 6, "u": 4, "dt": 0.02}
+    deck = HERE.parent / "cz_peel/peel.inp" if case == "peel" else HERE / "dcb.inp"
+    with tempfile.TemporaryDirectory() as out:
+        command = [bezel, "--quiet", "-o", out, *(f"--set={k}={v}" for k, v in sets.items()), deck]
+        subprocess.run(command, capture_output=True)
+        report = json.loads((pathlib.Path(out) / f"{case}.report.json").read_text())
+        name = "peel" if case == "peel" else "beam"
+        curve = np.genfromtxt(pathlib.Path(out) / f"{case}_{name}.dat", names=True)
+    share = curve["contact_glue_1_debonded"]
+    if case == "peel":
+        ratio = curve["force_3"] / 0.02
+        ratio = ratio[share > 0.2]
+        bending, gc = 100 * 0.1**3 / 12, 0.02
+    else:
+        ratio = curve["force_3"] / np.sqrt(0.3**1.5 * 33750**0.5 / 3 / curve["disp_3"])
+        ratio = ratio[share > 0.03]
+        bending, gc = 33750.0, 0.3
+    zone = (bending * gc / t0**2) ** 0.25  # E I/b (gc/t0)/t0: slender bodies, a length of the fourth root
+    numerator, _, denominator = n.partition("/")
+    per_element = zone * float(numerator) / float(denominator or 1)
+    return {
+        "case": case, "t0": t0, "n": n, "q": q, "zone": f"{zone:.3g}", "per_element": f"{per_element:.2g}",
+        "status": report["status"], "mean": f"{ratio.mean():.4f}" if ratio.size else "",
+        "scatter": f"{ratio.std():.4f}" if ratio.size else "", "iterations": report["iterations"],
+        "cutbacks": report["cutbacks"], "released": f"{share[-1]:.2f}",
+    }  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
