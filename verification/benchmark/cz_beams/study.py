@@ -59,7 +59,9 @@ def run(bezel, case, t0, n, q):
         ratio = curve["force_3"] / np.sqrt(0.3**1.5 * 33750**0.5 / 3 / curve["disp_3"])
         ratio = ratio[share > 0.03]
         bending, gc = 33750.0, 0.3
-    zone = (bending * gc / t0**2) ** 0.25  # E I/b (gc/t0)/t0: slender bodies, a length of the fourth root
+    zone = (
+        bending * gc / t0**2
+    ) ** 0.25  # E I/b (gc/t0)/t0: slender bodies, a length of the fourth root
     numerator, _, denominator = n.partition("/")
     per_element = zone * float(numerator) / float(denominator or 1)
     return {
