@@ -42,7 +42,7 @@ def run(bezel, case, t0, n, q):
     """One row."""
     sets = {"t0": t0, "n": n, "q": q}
     if case == "peel":
-        sets |= {"l": 6, "u": 4, "dt": 0.02}
+        sets |= {"l": 5, "u": 3.6, "dt": 0.02}
     deck = HERE.parent / "cz_peel/peel.inp" if case == "peel" else HERE / "dcb.inp"
     with tempfile.TemporaryDirectory() as out:
         command = [bezel, "--quiet", "-o", out, *(f"--set={k}={v}" for k, v in sets.items()), deck]
