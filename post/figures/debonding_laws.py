@@ -56,7 +56,7 @@ def dcb(ax, rows):
     way, force = curve(rows, "dcb")
     opening = np.linspace(0.45, 1.0, 50)
     theory = np.sqrt(0.3**1.5 * 33750**0.5 / 3 / opening)
-    ax.plot(*curve(rows, "dcb coarse"), color=GREY, linewidth=0.9, label="twice $T_0$, 3 times $h$")
+    ax.plot(*curve(rows, "dcb coarse"), color=GREY, linewidth=0.9, label="2 $T_0$, elements × 3")
     ax.plot(way, force, "o", markersize=3, color=BLUE, label="exponential")
     ax.plot(*curve(rows, "dcb ppr"), "s", markersize=2.6, color=RED, label="PPR")
     ax.plot(opening, theory, color="black", linewidth=0.9, label="beams, Griffith")
