@@ -74,10 +74,10 @@ def draw_run(out):
     """Stress in the arm at the end, tractions on its surface, and the forces over the way."""
     result = out / "rocker.vtkhdf"
     field.draw([result], out / "rocker_stress.png", scalar="mises", view="60,25", say_step=False)
-    steps = {10: "just sliding", 25: "half of the way", 50: "near the end"}
+    steps = {1.05: "just sliding", 1.5: "half of the way", 2.0: "at the end"}
     for name in ("pressure", "friction"):
         contact_map.draw([result] * len(steps), out / f"rocker_{name}.png", scalar=f"contact_{name}", axis="y",
-                         step=list(steps), labels=list(steps.values()), say_step=False, columns=3)  # fmt: skip
+                         step=[("time", t) for t in steps], labels=list(steps.values()), say_step=False, columns=3)  # fmt: skip
     table = read_table(out / "rocker_pin.dat").columns
     with _style.styled() as plt:
         figure, ax = plt.subplots(figsize=(4.6, 3.0))
