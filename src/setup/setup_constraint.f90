@@ -2,7 +2,8 @@
 module setup_constraint
   use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: to_text
+  use base_sort, only: find
+  use base_text, only: to_text, quoted
   use boundary, only: boundary_t
   use constraint, only: constraint_t, add_constraint, follow, slave_marks
   use mesh, only: mesh_t
@@ -55,7 +56,7 @@ contains
     do i = 1, mesh%constraint%n
       s = mesh%constraint%slave(i)
       if (mark(s) == i) cycle
-      call fail(error, DECK_ERROR, 'node '//to_text(s)//' is the slave of two constraints', &
+      call fail(error, DECK_ERROR, named(mesh, s)//' is the slave of two constraints', &
                 mesh%constraint%place(mark(s)), 'a node hangs on others once')
       return
     end do
@@ -78,7 +79,7 @@ contains
       do while (any(mark(master) > 0))
         depth = depth + 1
         if (depth > list%n .or. any(master == list%slave(i))) then
-          call fail(error, DECK_ERROR, 'node '//to_text(list%slave(i)) &
+          call fail(error, DECK_ERROR, named(mesh, list%slave(i)) &
                     //' hangs on itself', list%place(i), 'masters of a slave lead back to it')
           return
         end if
@@ -127,7 +128,7 @@ contains
     associate (from => list%first(list%n), to => list%first(list%n + 1) - 1)
       s = list%slave(list%n)
       if (.not. abs(sum(list%c(from:to)) - 1.0_wp) <= ROUNDING) then
-        call fail(error, DECK_ERROR, 'the coefficients of slave '//to_text(s)//' sum up to ' &
+        call fail(error, DECK_ERROR, 'the coefficients of '//named(mesh, s)//' sum up to ' &
                   //to_text(sum(list%c(from:to))), list%place(list%n), &
                   'they sum up to 1: a rigid motion of the masters moves the slave with them')
         return
@@ -141,7 +142,7 @@ contains
       off = norm2(x - mesh%xr(:, s))
     end associate
     if (off <= ON_PLACE*extent) return
-    call fail(error, DECK_ERROR, 'slave '//to_text(s)//' lies '//to_text(off) &
+    call fail(error, DECK_ERROR, named(mesh, s)//' lies '//to_text(off) &
               //' off the place that its masters give it', list%place(list%n), &
               'a hanging node lies on the edge or face between its masters')
   end subroutine check_place
@@ -163,7 +164,7 @@ contains
       end do
     end do
     do i = 1, mesh%constraint%n
-      call check_support(mesh%constraint, i, held, bc, error)
+      call check_support(mesh, mesh%constraint, i, held, bc, error)
       if (allocated(error)) call build%errors%add(error)
       bc%fixed(:, mesh%constraint%slave(i)) = 0
       bc%value(:, mesh%constraint%slave(i)) = 0.0_wp
@@ -171,7 +172,8 @@ contains
   end subroutine release_slaves
 
   !> What is prescribed of a slave is what its masters make of it.
-  subroutine check_support(list, i, held, bc, error)
+  subroutine check_support(mesh, list, i, held, bc, error)
+    type(mesh_t), intent(in) :: mesh
     type(constraint_t), intent(in) :: list
     integer, intent(in) :: i
     logical, intent(in) :: held(:, :)
@@ -188,9 +190,8 @@ contains
         do j = from, to
           m = list%master(j)
           if (.not. held(d, m)) then
-            call fail(error, DECK_ERROR, 'node '//to_text(s) &
-                      //' is restrained, but it hangs on node '//to_text(m) &
-                      //', which is free', list%place(i), &
+            call fail(error, DECK_ERROR, named(mesh, s)//' is restrained, but it hangs on ' &
+                      //named(mesh, m)//', which is free', list%place(i), &
                       'restrain all nodes on which it hangs; it follows them')
             return
           end if
@@ -198,12 +199,29 @@ contains
           largest = max(largest, abs(bc%value(d, m)))
         end do
         if (abs(value - bc%value(d, s)) <= ROUNDING*largest) cycle
-        call fail(error, DECK_ERROR, 'the displacement of node '//to_text(s) &
+        call fail(error, DECK_ERROR, 'the displacement of '//named(mesh, s) &
                   //' differs from that of the nodes on which it hangs', list%place(i), &
                   'prescribe it at those nodes alone')
         return
       end do
     end associate
   end subroutine check_support
+
+  !> A node as the user knows it: by its number in the file of its MESH, or in the deck.
+  function named(mesh, n) result(name)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: n
+    character(:), allocatable :: name
+    integer :: b, i
+
+    name = 'node '//to_text(n)
+    do b = 1, size(mesh%body)
+      if (.not. allocated(mesh%body(b)%label)) cycle
+      i = find(mesh%body(b)%node, n)
+      if (i == 0) cycle
+      name = 'node '//to_text(mesh%body(b)%label(i))//' of '//quoted(mesh%body(b)%name)
+      return
+    end do
+  end function named
 
 end module setup_constraint

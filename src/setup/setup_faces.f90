@@ -30,10 +30,12 @@ contains
         block = group%face%block
         elem = group%face%elem
         side = group%face%side
-        if (group%inner > 0) call fail_group(group, place, error)
-        if (size(elem) == 0) call fail(error, DECK_ERROR, 'group '//quoted(group%name)//' of ' &
-                                       //quoted(place%body)//' has no surface elements', &
-                                       place%face_place, 'name a physical surface')
+        if (group%inner > 0) then
+          call fail_group(group, place, error)
+        else if (size(elem) == 0) then
+          call fail(error, DECK_ERROR, 'group '//quoted(group%name)//' of '//quoted(place%body) &
+                    //' has no surface elements', place%face_place, 'name a physical surface')
+        end if
       end associate
       return
     end if
