@@ -2,7 +2,7 @@
 !!
 !!   T_A = int N_A t da / int N_A da
 !!
-!! on the current surface, interpolated with the same functions (Sauer 2013). Values at the points
+!! (N_A^2 where a function has no area) on the current surface, interpolated with the same functions (Sauer 2013). Values at the points
 !! themselves oscillate; only these fields are to be compared and looked at. Friction's part of the
 !! traction is smoothed by itself: the tangential part of the smooth traction would take in some of
 !! the pressure wherever the surface is curved (5 % of Table 5's values, Corbett and Sauer 2015).
@@ -52,6 +52,7 @@ contains
     type(contact_points_t), intent(in) :: points
     type(smooth_t), intent(out) :: field
     real(wp), allocatable :: total(:, :), shp(:), dshp(:, :)
+    logical :: squares
     integer :: e, i, q
 
     associate (own => contact%side(k))
@@ -60,11 +61,13 @@ contains
       do e = 1, own%nelem
         associate (kind => own%kind(own%ikind(e)), first => own%first(e), &
                    last => own%first(e + 1) - 1)
+          squares = has_no_area(kind, points%area((e - 1)*contact%nq + 1:e*contact%nq))
           do q = 1, contact%nq
             i = (e - 1)*contact%nq + q
             shp = kind%shp(:, q)
             dshp = kind%dshp(:, :, q)
             if (allocated(own%w)) call make_rational(own%w(first:last), shp, dshp)
+            if (squares) shp = shp**2
             call add_point(points, i, shp, field%at(first:last), total)
           end do
         end associate
@@ -72,6 +75,17 @@ contains
     end associate
     call divide(total, points, field)
   end subroutine smooth_side
+
+  !> Functions of no area (corners of quadratic triangles): their squares are the weights then.
+  pure logical function has_no_area(kind, area)
+    type(surface_kind_t), intent(in) :: kind
+    real(wp), intent(in) :: area(:)      !! (nq) of the points [L^2]
+    real(wp) :: total(kind%nsf)
+    real(wp), parameter :: NONE = 1.0e-3_wp !! of the largest
+
+    total = matmul(kind%shp, area)
+    has_no_area = any(total <= NONE*maxval(total)) .and. any(kind%shp < 0.0_wp)
+  end function has_no_area
 
   !> Give each node of the side a place.
   pure subroutine number_nodes(surface, field)

@@ -134,6 +134,40 @@ def hanging():
     write("hanging", x, elements, list(range(11, 11 + len(x))), slaves, inner)
 
 
+def tetrahedra(name, quadratic):
+    """A cube of tetrahedra of 4 or 10 nodes with the groups bottom and top."""
+    rng = np.random.default_rng(1)
+    n = np.array([3, 3, 2])
+    x, number = grid(n, np.zeros(3), np.ones(3), 0.2, rng)
+    elements = cells(n, x, number, ["tetrahedra"] * 2, rng)
+    skin = boundary(elements)
+    rows = [(2, 1, f) for f in skin if all(x[a][2] == 0 for a in f)]
+    rows += [(2, 2, f) for f in skin if all(x[a][2] == 1 for a in f)]
+    rows += [(kind, 0, c) for kind, c in elements]
+    middles = {}
+
+    def middle(a, b):
+        if (min(a, b), max(a, b)) not in middles:
+            middles[min(a, b), max(a, b)] = len(x)
+            x.append((x[a] + x[b]) / 2)
+        return middles[min(a, b), max(a, b)]
+
+    if quadratic:  # Gmsh's order of the edges
+        edges = {2: [(0, 1), (1, 2), (2, 0)]}
+        edges[4] = [*edges[2], (0, 3), (2, 3), (1, 3)]
+        new = {2: 9, 4: 11}
+        rows = [(new[k], t, c + [middle(c[a], c[b]) for a, b in edges[k]]) for k, t, c in rows]
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2", '2 1 "bottom"']
+    lines += ['2 2 "top"', "$EndPhysicalNames", "$Nodes", str(len(x))]
+    lines += [f"{i} {p[0]!r} {p[1]!r} {p[2]!r}" for i, p in enumerate(np.array(x).tolist(), 1)]
+    lines += ["$EndNodes", "$Elements", str(len(rows))]
+    for e, (kind, tag, c) in enumerate(rows, 1):
+        lines.append(f"{e} {kind} 2 {tag} {tag} " + " ".join(str(a + 1) for a in c))
+    save(name + ".msh", [*lines, "$EndElements"])
+
+
 if __name__ == "__main__":
     mixed()
     hanging()
+    tetrahedra("tet4", False)
+    tetrahedra("tet10", True)
