@@ -3,15 +3,15 @@ module command_close
   use base_error, only: error_t
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use contact_assembly, only: accept_contact
   use contact_lines, only: list_contacts
   use contact_notes, only: note_lost_contacts
   use command_files, only: open_files, write_rows, write_fields, write_checkpoint, drop_anchor
   use linear_system, only: FULL
   use command_loop, only: cut_back
   use command_type, only: run_t
+  use energy_book, only: accept_step_end
   use newton, only: close_newton, pass_t
-  use solution_state, only: accept_step_state
+  use path_switch, only: look_after_step
   use step_control, only: accept_step
   implicit none
   private
@@ -49,9 +49,9 @@ contains
     if (.not. run%newton%converged) call complain(run, pass)
     call look_at_pivots(run)
     call note_lost_contacts(run%model, run%state)
-    call accept_contact(run%newton%asm%contact, run%model, run%state)
-    call accept_step_state(run%state)
+    call accept_step_end(run%newton%asm, run%model, run%state)
     call count_step(run)
+    call look_after_step(run, pass%sweep%largest)
     call run%timers%start('output')
     call write_step(run, error)
     call run%timers%stop('output')

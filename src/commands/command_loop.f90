@@ -6,6 +6,7 @@ module command_loop
   use base_text, only: to_text
   use command_type, only: run_t, command_t, command_row_t, new_row, loop_t
   use newton_judge, only: turns_back
+  use path_switch, only: another_way
   use solution_state, only: restore_step
   use step_control, only: cut_step, on_target
   implicit none
@@ -96,6 +97,12 @@ contains
 
     step = run%state%step
     possible = run%plan%timed
+    if (possible .and. run%control%automatic) then
+      if (another_way(run, why)) then
+        call try_again(run)
+        return
+      end if
+    end if
     if (possible) possible = cut_step(run%control)
     if (.not. possible) then
       call give_up(run, step, why, error)
@@ -105,10 +112,17 @@ contains
     run%cutbacks = run%cutbacks + 1
     call log_line('  step '//to_text(step)//' is cut: '//why//'; next try dt = ' &
                   //to_text(run%control%size))
-    call rewind_step(run)
-    run%pc = run%pc - 1                ! its TIME is next
-    run%plan%retry = .true.
+    call try_again(run)
   end subroutine cut_back
+
+  !> The TIME of the step under way is next, with everything as it was.
+  subroutine try_again(run)
+    type(run_t), intent(inout) :: run
+
+    call rewind_step(run)
+    run%pc = run%pc - 1
+    run%plan%retry = .true.
+  end subroutine try_again
 
   !> A step begins with the command at the counter: remember what rewind_step brings back.
   subroutine mark_step(run)

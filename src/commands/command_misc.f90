@@ -1,11 +1,11 @@
-!> Commands that change nothing here: FEAP's graphics and tuning, and what is not available yet.
+!> Commands that change nothing here: FEAP's graphics and tuning.
 module command_misc
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t
   use base_log, only: log_line
-  use command_type, only: run_t, command_t, command_row_t, new_row
+  use command_type, only: run_t, command_t, command_row_t
   implicit none
   private
-  public :: describe_note, describe_arcl
+  public :: describe_note
 
 contains
 
@@ -21,12 +21,6 @@ contains
     row%run => run_note
   end function describe_note
 
-  function describe_arcl() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('ARCLength', 'ARCLength: not available yet', 4, run_arcl)
-  end function describe_arcl
-
   subroutine run_note(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -37,15 +31,5 @@ contains
     run%noted(command%row) = .true.
     call log_line("note: '"//command%record%text(1)//"' is accepted and does nothing here")
   end subroutine run_note
-
-  subroutine run_arcl(run, command, error)
-    type(run_t), intent(inout) :: run
-    type(command_t), intent(in) :: command
-    type(error_t), allocatable, intent(out) :: error
-
-    if (.not. run%dry) return              ! every command runs dry first
-    call fail(error, DECK_ERROR, 'path following is not available yet', command%record%place(1), &
-              'use AUTO,,dtmin,dtmax')
-  end subroutine run_arcl
 
 end module command_misc

@@ -37,7 +37,9 @@ contains
     block; use command_output, only: describe_output; table = [table, describe_output()]; end block
     block; use command_output, only: describe_save; table = [table, describe_save()]; end block
     block; use command_restart, only: describe_rest; table = [table, describe_rest()]; end block
-    block; use command_misc, only: describe_arcl; table = [table, describe_arcl()]; end block
+    block; use command_path, only: describe_arcl; table = [table, describe_arcl()]; end block
+    block; use command_path, only: describe_tran; table = [table, describe_tran()]; end block
+    block; use command_path, only: describe_mass; table = [table, describe_mass()]; end block
     table = [table, describe_note('opti', 'OPTImize')]
     table = [table, describe_note('opts', 'OPTS')]
   end subroutine load_commands

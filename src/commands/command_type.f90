@@ -10,6 +10,7 @@ module command_type
   use load_curve, only: load_table_t
   use model, only: model_t, state_t
   use newton, only: newton_t, pass_t
+  use path_type, only: path_t
   use step_control, only: step_control_t
   use result_file, only: result_file_t
   use bag, only: bag_t
@@ -99,6 +100,7 @@ module command_type
     type(newton_t) :: newton
     type(pass_t) :: pass               !! the last Newton pass
     type(step_control_t) :: control
+    type(path_t) :: path
     type(plan_t) :: plan
     type(command_row_t), allocatable :: row(:)
     type(command_t), allocatable :: command(:)

@@ -20,6 +20,7 @@ module contact_cohesion
   !> Traction of a bonded point on its reference area, and how it varies.
   type :: pull_t
     real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
+    real(wp) :: bond(3) = 0.0_wp       !! the law's share of it [F/L^2]
     real(wp) :: dtdg(3, 3) = 0.0_wp    !! [F/L^3] against g
     real(wp) :: dtda(3, 3, 2) = 0.0_wp !! against the tangents of l at the partner
     real(wp) :: p = 0.0_wp             !! pressure of the penalty in t [F/L^2]
@@ -64,6 +65,7 @@ contains
     end if
     points%opening(i) = norm2(g)
     points%energy(:, i) = [c%stored, c%spent, c%viscous]
+    pull%bond = pull%t
     if (contact%on_pair) call press(contact, i, g, n, up, points, pull)
     points%pull(:, i) = pull%t
   end subroutine find_pull

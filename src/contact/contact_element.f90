@@ -115,6 +115,8 @@ contains
     points%state(i) = point%state
     points%pressure(i) = pull%share*point%p
     points%traction(:, i) = pull%share*point%t
+    points%friction(:, i) = pull%share*point%friction
+    points%cohesion(:, i) = pull%bond
     points%elastic(:, i) = point%elastic
     points%slip(i) = point%slip
     points%area(i) = da
@@ -144,6 +146,7 @@ contains
     point%state = OPEN
     point%p = 0.0_wp
     point%t = 0.0_wp
+    point%friction = 0.0_wp
     point%elastic = 0.0_wp
     point%slip = 0.0_wp
     if (.not. touches(contact, foot)) return

@@ -33,6 +33,7 @@ contains
     allocate (points%pressure(np), points%area(np), source=0.0_wp)
     allocate (points%gap(np), source=huge(1.0_wp))
     allocate (points%traction(3, np), points%elastic(3, np), source=0.0_wp)
+    allocate (points%friction(3, np), points%cohesion(3, np), source=0.0_wp)
     allocate (points%state(np), points%state_step(np), source=OPEN)
     allocate (points%slip(np), points%slip_rate(np), source=0.0_wp)
     allocate (points%bond(np), source=0)

@@ -26,6 +26,7 @@ module contact_point
     integer :: state = OPEN
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
     real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
+    real(wp) :: friction(3) = 0.0_wp   !! friction's share of t [F/L^2]
     real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i
     real(wp) :: slip = 0.0_wp          !! [L] the rest of the tangential way
   end type point_t
@@ -50,6 +51,7 @@ contains
     real(wp) :: n(3), dp, dpdx(3)
 
     point%t = 0.0_wp
+    point%friction = 0.0_wp
     point%elastic = 0.0_wp
     point%slip = 0.0_wp
     point%state = OPEN
@@ -135,6 +137,7 @@ contains
     call contact%friction%friction(contact%friction_prop, d, point%p, point%ahead, t, dtdd, &
                                    dtdp, point%elastic, point%state)
     point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
+    point%friction = t
     point%t = point%t + t
     project = -outer(n, n)
     dddn = -outer(n, y)

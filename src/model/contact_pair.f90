@@ -123,6 +123,8 @@ module contact_pair
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no foot
     real(wp), allocatable :: pressure(:)     !! (np) [F/L^2]
     real(wp), allocatable :: traction(:, :)  !! (3, np) on this side [F/L^2]
+    !> Shares of `traction` [F/L^2]: of friction, and of cohesion on the reference area.
+    real(wp), allocatable :: friction(:, :), cohesion(:, :) !! (3, np)
     real(wp), allocatable :: elastic(:, :) !! (3, np) [L] part of the tangential way that is not
     !! slip
     real(wp), allocatable :: slip(:)         !! (np) the rest of it [L]

@@ -14,13 +14,20 @@ module curve_type
                                 Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, &
                                 Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, Q_CONTACT_AREA = 15, &
                                 Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
+  !> An entry of the book of energies, `component`: work done on the bodies; strain and kinetic
+  !! energy; work against pressure, friction and bonds of contacts; what the time integration took;
+  !! and what is missing.
+  integer, parameter, public :: Q_BOOK = 18
+  integer, parameter, public :: B_WORK = 1, B_STORED = 2, B_KINETIC = 3, B_NORMAL = 4, &
+                                B_FRICTION = 5, B_COHESIVE = 6, B_INERTIA = 7, B_IMBALANCE = 8
 
   !> One column.
   type :: quantity_t
     integer :: kind = 0
     character(:), allocatable :: column  !! its name in the table
     integer, allocatable :: node(:)      !! nodes summed or averaged over
-    !> 1 to 3; stress: Voigt 1 to 6 (11 22 33 12 23 31); tractions of a contact: 0 the magnitude
+    !> 1 to 3; stress: Voigt 1 to 6 (11 22 33 12 23 31); tractions of a contact: 0 the magnitude;
+    !! the entry of the book
     integer :: component = 0
     real(wp) :: point(3) = 0.0_wp        !! on the axis of a torque; of a stress
     real(wp) :: axis(3) = 0.0_wp

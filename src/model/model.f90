@@ -7,6 +7,8 @@ module model
   use boundary, only: boundary_t
   use contact_pair, only: contact_t, contact_state_t
   use curve_type, only: curve_t
+  use dynamics_type, only: dynamics_t
+  use energy_type, only: energy_t
   use load_curve, only: load_table_t
   implicit none
   private
@@ -62,6 +64,8 @@ module model
     type(load_table_t), allocatable :: table(:)
     type(history_t), allocatable :: history(:) !! one a block
     type(contact_state_t), allocatable :: contact(:) !! one a contact
+    type(dynamics_t) :: dynamics
+    type(energy_t) :: energy
   end type state_t
 
 end module model

@@ -6,6 +6,7 @@ module setup_curve
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_real
   use setup_build, only: build_t, curve_entry_t, column_t, next_line
+  use setup_curve_book, only: read_book
   use setup_curve_contact, only: read_contact_column
   use setup_curve_field, only: read_direction, read_axis
   use setup_where, only: read_where
@@ -13,9 +14,8 @@ module setup_curve
   private
   public :: read_curve
 
-  character(8), parameter :: WORD(7) = ['FORCe   ', 'TORQue  ', 'DISP    ', 'CONTact ', &
-                                        'STREss  ', &
-                                        'ENERgy  ', 'MAXImum ']
+  character(8), parameter :: WORD(8) = ['FORCe   ', 'TORQue  ', 'DISP    ', 'CONTact ', &
+                                        'STREss  ', 'ENERgy  ', 'MAXImum ', 'BOOK    ']
   !> Components of a stress as the deck names them, and where they stand in Voigt's order.
   character(2), parameter :: COMPONENT(9) = ['11', '22', '33', '12', '23', '31', '21', '32', '13']
   integer, parameter :: VOIGT(9) = [1, 2, 3, 4, 5, 6, 4, 5, 6]
@@ -144,6 +144,8 @@ contains
       call read_maximum(line, column, error)
     case ('cont')
       call read_contact_column(deck, line, column, error)
+    case ('book')
+      call read_book(line, column%quantity, error)
     case default
       call fail(error, DECK_ERROR, 'unknown quantity '//quoted(line%text(1))//' of a CURVe', &
                 line%place(1), &

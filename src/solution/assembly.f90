@@ -13,17 +13,11 @@ module assembly
   use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, &
                  set_zero
   use csr_fold, only: fold_t, tied_cliques, new_fold, fold_matrix
-  use dead_load, only: dead_forces
-  use load_curve, only: load_factor
-  use follower_load, only: follower_face
+  use external_load, only: map_t, external_force, scatter_force
+  use inertia, only: mass_t, find_masses, add_inertia
   implicit none
   private
   public :: assembler_t, sweep_t, new_assembler, form
-
-  !> Where the blocks of an element matrix go, for one block of elements.
-  type :: map_t
-    integer, allocatable :: at(:, :, :) !! (nen, nen, nelem)
-  end type map_t
 
   type :: assembler_t
     type(block_matrix_t) :: k
@@ -33,6 +27,8 @@ module assembly
     type(fold_t) :: fold                 !! of constraints
     real(wp), allocatable :: f_int(:, :) !! (3, nnode) internal force [F]
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
+    type(mass_t), allocatable :: mass(:) !! found where the model has inertia
+    real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia's share of f_int [F]
   end type assembler_t
 
   !> What one sweep over the elements found.
@@ -58,6 +54,7 @@ contains
 
     call new_contact_work(model, asm%contact)
     allocate (asm%f_int(3, model%mesh%nnode), asm%f_ext(3, model%mesh%nnode))
+    allocate (asm%f_inert(3, model%mesh%nnode), source=0.0_wp)
     call set_pattern(asm, model, symmetric, 0, error)
   end subroutine new_assembler
 
@@ -131,7 +128,8 @@ contains
     end do
     if (sweep%ok) then
       call form_contact(asm, model, state, sweep)
-      call external_force(asm, model, state)
+      call form_inertia(asm, model, state)
+      call external_force(model, state, asm%map, asm%k, asm%f_ext)
       call tie_slaves(asm, model)
     end if
     sweep%seconds = wall_seconds() - start
@@ -159,6 +157,25 @@ contains
     call add_contact(asm%contact, model, state, asm%k, asm%f_int, sweep%rounding, sweep%largest)
     sweep%contact_seconds = sweep%contact_seconds + wall_seconds() - start
   end subroutine form_contact
+
+  !> Inertia on top of it, where bodies move in time.
+  subroutine form_inertia(asm, model, state)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer :: b
+
+    asm%f_inert = 0.0_wp
+    if (.not. state%dynamics%on) return
+    if (.not. allocated(asm%mass)) call find_masses(model, state%dynamics, asm%mass)
+    asm%f_inert = state%dynamics%held
+    do b = 1, size(model%mesh%block)
+      if (.not. allocated(asm%mass(b)%m)) cycle
+      call add_inertia(model%mesh%block(b), asm%mass(b), state%dynamics, state, asm%map(b)%at, &
+                       asm%k, asm%f_inert)
+    end do
+    asm%f_int = asm%f_int + asm%f_inert
+  end subroutine form_inertia
 
   !> One block, element by element.
   subroutine form_elements(asm, model, state, b, sweep)
@@ -249,56 +266,5 @@ contains
     sweep%rounding = sweep%rounding + sum(abs(r*u))
     sweep%largest = max(sweep%largest, maxval(abs(r)))
   end subroutine note
-
-  pure subroutine scatter_force(conn, r, f)
-    integer, intent(in) :: conn(:)
-    real(wp), intent(in) :: r(:, :)
-    real(wp), intent(inout) :: f(:, :)
-    integer :: i
-
-    do i = 1, size(conn)
-      f(:, conn(i)) = f(:, conn(i)) + r(:, i)
-    end do
-  end subroutine scatter_force
-
-  !> Dead loads at the factors of now, and the pressures that follow the surface.
-  subroutine external_force(asm, model, state)
-    type(assembler_t), intent(inout) :: asm
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    integer :: j
-
-    call dead_forces(model%bc, state%factor, asm%f_ext)
-    do j = 1, size(model%bc%pressure)
-      if (model%bc%pressure(j)%follower) call follower_pressure(asm, model, state, j)
-    end do
-  end subroutine external_force
-
-  !> One follower pressure: forces, and their share of the tangent.
-  subroutine follower_pressure(asm, model, state, j)
-    type(assembler_t), intent(inout) :: asm
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    integer, intent(in) :: j
-    real(wp), allocatable :: f(:, :), k(:, :)
-    real(wp) :: p
-    integer :: b, e, i, nen
-
-    p = model%bc%pressure(j)%value*load_factor(state%factor, model%bc%pressure(j)%table)
-    do i = 1, size(model%bc%pressure(j)%elem)
-      b = model%bc%pressure(j)%block(i)
-      e = model%bc%pressure(j)%elem(i)
-      associate (block => model%mesh%block(b))
-        nen = block%nen
-        allocate (f(3, nen), k(3*nen, 3*nen))
-        call follower_face(block, e, model%bc%pressure(j)%side(i), p, &
-                           model%mesh%xr(:, block%conn(:, e)) + state%u(:, block%conn(:, e)), f, k)
-        call scatter_force(block%conn(:, e), f, asm%f_ext)
-        if (asm%k%symmetric) k = 0.5_wp*(k + transpose(k))
-        call add_element(asm%k, asm%map(b)%at(:, :, e), k)
-        deallocate (f, k)
-      end associate
-    end do
-  end subroutine follower_pressure
 
 end module assembly

@@ -12,6 +12,7 @@ module contact_assembly
   use contact_search, only: grid_t, update_grid
   use contact_shape, only: update_shape
   use contact_slide, only: side_positions, accept_slides
+  use contact_shares, only: add_shares
   use contact_tool, only: react
   use contact_work, only: work_t, new_work
   use csr, only: block_matrix_t, clique_t
@@ -20,7 +21,7 @@ module contact_assembly
   implicit none
   private
   public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
-            add_contact, accept_contact, friction_acts
+            add_contact, share_contact, accept_contact, friction_acts
 
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr reached
 
@@ -266,6 +267,23 @@ contains
     end associate
     points%fresh = .false.
   end subroutine add_side
+
+  !> Shares of the internal forces: pressure, friction and cohesion of all contacts.
+  subroutine share_contact(work, model, state, f)
+    type(contact_work_t), intent(in) :: work(:)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(out) :: f(:, :, :)            !! (3, nnode, 3) [F]
+    integer :: c, k
+
+    f = 0.0_wp
+    do c = 1, size(work)
+      do k = 1, 2
+        if (model%contact(c)%side(k)%rigid) cycle
+        call add_shares(model%contact(c), k, work(c)%feet(k)%at, state%contact(c)%side(k), f)
+      end do
+    end do
+  end subroutine share_contact
 
   !> The step is done: stored sliding points move.
   subroutine accept_contact(work, model, state)

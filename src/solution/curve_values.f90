@@ -1,9 +1,10 @@
 !> Values of the quantities a CURVe asks for, at the state of now.
 module curve_values
   use base_kinds, only: wp
+  use book_values, only: book_value
   use contact_values, only: contact_value
   use curve_type, only: quantity_t, Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, &
-                        Q_MAX_MISES, Q_NODAL, Q_CONTACT_FORCE, Q_CONTACT_DEBONDED
+                        Q_MAX_MISES, Q_NODAL, Q_CONTACT_FORCE, Q_CONTACT_DEBONDED, Q_BOOK
   use model, only: model_t, state_t
   use nodal_reaction, only: reactions_at
   use point_values, only: stress_at, body_energy, largest_mises
@@ -48,6 +49,8 @@ contains
       value = largest_mises(model, state, quantity%body)
     case (Q_CONTACT_FORCE:Q_CONTACT_DEBONDED)
       value = contact_value(model, state, quantity)
+    case (Q_BOOK)
+      value = book_value(model, state, quantity%component)
     case default
       value = 0.0_wp
     end select

@@ -3,6 +3,9 @@ module solution_state
   use base_kinds, only: wp
   use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state, restore_contact_step, keep_contact_step
+  use curve_type, only: Q_BOOK
+  use dynamics_type, only: set_rates, new_dynamics
+  use energy_type, only: open_book
   use model, only: model_t, state_t, history_t
   use solid_form, only: history_length
   use load_curve, only: table_factor
@@ -33,12 +36,27 @@ contains
         allocate (state%history(b)%trial(n, block%nelem), source=0.0_wp)
       end associate
     end do
+    if (keeps_books(model)) then
+      call open_book(state%energy, model%mesh%nnode)
+      call new_dynamics(state%dynamics, model%mesh%nnode)
+    end if
     allocate (state%contact(size(model%contact)))
     do b = 1, size(model%contact)
       call new_contact_state(model%contact(b), state%contact(b))
       call find_bonds(model%contact(b), model%mesh%xr, state%contact(b))
     end do
   end subroutine new_state
+
+  !> Energies are booked where a curve asks for them, and where bonds do: their path may need it.
+  pure logical function keeps_books(model) result(yes)
+    type(model_t), intent(in) :: model
+    integer :: i
+
+    yes = any(model%contact(:)%has_cohesive)
+    do i = 1, size(model%curve)
+      yes = yes .or. any(model%curve(i)%quantity(:)%kind == Q_BOOK)
+    end do
+  end function keeps_books
 
   !> A step begins: what is now is what a cut brings back.
   subroutine open_step(state, time)
@@ -49,6 +67,7 @@ contains
     state%time = time
     state%step = state%step + 1
     call set_factors(state)
+    call set_rates(state%dynamics, state%dt)
   end subroutine open_step
 
   !> Factors of all load tables at the time of the state.

@@ -1,0 +1,126 @@
+!> Nodal forces of pressure, friction and cohesion apart, and the bonds' release.
+module contact_shares
+  use base_kinds, only: wp
+  use contact_foot, only: foot_t
+  use contact_kind, only: make_rational
+  use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_tool, only: react
+  use contact_work, only: element_functions, work_t, new_work, position_on
+  implicit none
+  private
+  public :: add_shares, add_release
+
+contains
+
+  !> Shares of the internal forces of what the last sweep found on side k.
+  subroutine add_shares(contact, k, feet, points, f)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(foot_t), intent(in) :: feet(:)            !! (np)
+    type(contact_points_t), intent(in) :: points
+    real(wp), intent(inout) :: f(:, :, :)          !! (3, nnode, 3) pressure, friction, cohesion [F]
+    real(wp) :: t(3, contact%nq, 3)
+    real(wp), allocatable :: shp(:)
+    integer :: e, i, j, n, q
+
+    associate (own => contact%side(k), other => contact%side(3 - k))
+      do e = 1, own%nelem
+        i = (e - 1)*contact%nq
+        do q = 1, contact%nq
+          t(:, q, :) = shares(points, i + q)
+        end do
+        if (.not. any(abs(t) > 0.0_wp)) cycle
+        do q = 1, contact%nq
+          shp = own_functions(own, e, q)
+          do j = 1, size(shp)
+            n = own%node(own%first(e) + j - 1)
+            f(:, n, :) = f(:, n, :) - shp(j)*t(:, q, :)
+          end do
+        end do
+        if (.not. other%rigid) cycle
+        do j = 1, 3
+          call react(other, feet(i + 1:i + contact%nq), t(:, :, j), spread(1.0_wp, 1, contact%nq), &
+                     f(:, :, j))
+        end do
+      end do
+    end associate
+  end subroutine add_shares
+
+  !> Forces of point i: its tractions times the areas they act on.
+  pure function shares(points, i) result(t)
+    type(contact_points_t), intent(in) :: points
+    integer, intent(in) :: i
+    real(wp) :: t(3, 3)
+
+    t(:, 2) = points%friction(:, i)*points%area(i)
+    t(:, 3) = points%cohesion(:, i)*points%area0(i)
+    t(:, 1) = points%traction(:, i)*points%area(i) - t(:, 2) - t(:, 3)
+  end function shares
+
+  !> Functions of element e at its integration point q.
+  pure function own_functions(own, e, q) result(shp)
+    type(surface_t), intent(in) :: own
+    integer, intent(in) :: e, q
+    real(wp), allocatable :: shp(:)
+    real(wp), allocatable :: dshp(:, :)
+
+    shp = own%kind(own%ikind(e))%shp(:, q)
+    if (.not. allocated(own%w)) return
+    dshp = own%kind(own%ikind(e))%dshp(:, :, q)
+    call make_rational(own%w(own%first(e):own%first(e + 1) - 1), shp, dshp)
+  end function own_functions
+
+  !> Release of side k: each bonded point's area times 1 - (1 + r/d) exp(-r/d), and its derivative.
+  !!
+  !! It is what an exponential bond (eq. 31) has given off of its energy, a measure that grows while
+  !! a crack does, for bonds of every law.
+  subroutine add_release(contact, k, x, scale, points, released, slope)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
+    real(wp), intent(in) :: scale                  !! d, the law's opening [L]
+    type(contact_points_t), intent(in) :: points
+    real(wp), intent(inout) :: released            !! [L^2]
+    real(wp), intent(inout) :: slope(:, :)         !! (3, nnode) its derivative [L]
+    type(work_t) :: work
+    real(wp), allocatable :: shp(:), far(:), unused(:, :)
+    real(wp) :: g(3), r, c
+    integer :: e, i, n, q
+
+    call new_work(contact, k, work)
+    associate (own => contact%side(k), other => contact%side(3 - k))
+      do e = 1, own%nelem
+        do q = 1, contact%nq
+          i = (e - 1)*contact%nq + q
+          if (points%bond(i) == 0) cycle
+          shp = own_functions(own, e, q)
+          n = other%kind(other%ikind(points%bond(i)))%nsf
+          allocate (far(n), unused(2, n))
+          call element_functions(other, points%bond(i), points%bond_xi(:, i), far, unused)
+          call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, g)
+          g = matmul(x(:, own%node(own%first(e):own%first(e + 1) - 1)), shp) - g
+          r = norm2(g)/scale
+          released = released + points%area0(i)*(1.0_wp - (1.0_wp + r)*exp(-r))
+          c = points%area0(i)*exp(-r)/scale**2
+          call spread_slope(own, e, shp, c*g, slope)
+          call spread_slope(other, points%bond(i), far, -c*g, slope)
+          deallocate (far, unused)
+        end do
+      end do
+    end associate
+  end subroutine add_release
+
+  pure subroutine spread_slope(surface, e, shp, v, slope)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: shp(:), v(3)
+    real(wp), intent(inout) :: slope(:, :)
+    integer :: j, n
+
+    do j = 1, size(shp)
+      n = surface%node(surface%first(e) + j - 1)
+      slope(:, n) = slope(:, n) + shp(j)*v
+    end do
+  end subroutine spread_slope
+
+end module contact_shares

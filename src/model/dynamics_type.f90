@@ -1,0 +1,92 @@
+!> Motion in time: how accelerations follow from displacements, and the rates when a step began.
+module dynamics_type
+  use base_kinds, only: wp
+  implicit none
+  private
+  public :: dynamics_t, new_dynamics, set_rates, acceleration, advance
+
+  integer, parameter, public :: BACKWARD_EULER = 1, NEWMARK = 2, HHT = 3
+
+  !> Rates are per unit of the deck's time. They change only when a step is accepted.
+  type :: dynamics_t
+    logical :: on = .false.
+    integer :: method = BACKWARD_EULER
+    real(wp) :: beta = 0.25_wp, gamma = 0.5_wp   !! Newmark
+    real(wp) :: alpha = 0.0_wp                   !! Hilber, Hughes and Taylor, -1/3 to 0
+    logical :: lumped = .false.
+    !> Density of every body in place of the materials' own [M/L^3]; negative: their own.
+    real(wp) :: density = -1.0_wp
+    !> a = c(1) (u - u_step) - c(2) v - c(3) a_step in the step under way
+    real(wp) :: c(3) = 0.0_wp
+    real(wp), allocatable :: v(:, :)             !! (3, nnode) velocity when the step began [L/T]
+    real(wp), allocatable :: a(:, :)             !! (3, nnode) acceleration then [L/T^2]
+    real(wp), allocatable :: held(:, :)          !! (3, nnode) force kept from then (HHT) [F]
+  end type dynamics_t
+
+contains
+
+  !> At rest and off: from now on rates are kept.
+  pure subroutine new_dynamics(dynamics, nnode)
+    type(dynamics_t), intent(inout) :: dynamics
+    integer, intent(in) :: nnode
+
+    if (allocated(dynamics%v)) deallocate (dynamics%v, dynamics%a, dynamics%held)
+    allocate (dynamics%v(3, nnode), dynamics%a(3, nnode), dynamics%held(3, nnode), source=0.0_wp)
+  end subroutine new_dynamics
+
+  !> A step of length dt opens.
+  pure subroutine set_rates(dynamics, dt)
+    type(dynamics_t), intent(inout) :: dynamics
+    real(wp), intent(in) :: dt
+
+    if (.not. dynamics%on) return
+    if (.not. dt > 0.0_wp) then
+      dynamics%c = 0.0_wp
+    else if (dynamics%method == BACKWARD_EULER) then
+      dynamics%c = [1.0_wp/dt**2, 1.0_wp/dt, 0.0_wp]
+    else
+      associate (beta => dynamics%beta)
+        dynamics%c = [1.0_wp/(beta*dt**2), 1.0_wp/(beta*dt), 0.5_wp/beta - 1.0_wp]
+      end associate
+    end if
+  end subroutine set_rates
+
+  !> Acceleration of nodes that have moved by du since the step began.
+  pure function acceleration(dynamics, du, node) result(a)
+    type(dynamics_t), intent(in) :: dynamics
+    real(wp), intent(in) :: du(:, :)             !! (3, n) [L]
+    integer, intent(in) :: node(:)               !! (n)
+    real(wp) :: a(3, size(node))
+
+    a = dynamics%c(1)*du - dynamics%c(2)*dynamics%v(:, node) - dynamics%c(3)*dynamics%a(:, node)
+  end function acceleration
+
+  !> The step is done: rates at its end.
+  pure subroutine advance(dynamics, du, dt, static)
+    type(dynamics_t), intent(inout) :: dynamics
+    real(wp), intent(in) :: du(:, :)             !! (3, nnode) [L]
+    real(wp), intent(in) :: dt
+    real(wp), intent(in) :: static(:, :)         !! (3, nnode) internal minus external force [F]
+    real(wp), allocatable :: a(:, :)
+    integer :: i
+
+    if (.not. dt > 0.0_wp) return
+    if (.not. dynamics%on) then ! a step without inertia: what a next one with it begins with
+      dynamics%v = du/dt
+      dynamics%a = 0.0_wp
+      dynamics%held = 0.0_wp
+      return
+    end if
+    allocate (a, source=acceleration(dynamics, du, [(i, i=1, size(du, 2))]))
+    if (dynamics%method == BACKWARD_EULER) then
+      dynamics%v = du/dt
+    else
+      associate (gamma => dynamics%gamma)
+        dynamics%v = dynamics%v + dt*((1.0_wp - gamma)*dynamics%a + gamma*a)
+      end associate
+    end if
+    call move_alloc(a, dynamics%a)
+    if (dynamics%method == HHT) dynamics%held = -dynamics%alpha/(1.0_wp + dynamics%alpha)*static
+  end subroutine advance
+
+end module dynamics_type

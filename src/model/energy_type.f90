@@ -1,0 +1,51 @@
+!> The book of energies: what was done on the bodies since the start, and what took it.
+module energy_type
+  use base_kinds, only: wp
+  implicit none
+  private
+  public :: energy_t, open_book, book_work
+
+  !> Works are sums over the steps of mean force times way (trapezoidal rule).
+  type :: energy_t
+    logical :: on = .false.
+    real(wp) :: outer = 0.0_wp        !! of loads and of supports that move [F L]
+    real(wp) :: inertia = 0.0_wp      !! against inertia: kinetic, and taken by the time integration
+    real(wp) :: kinetic = 0.0_wp      !! energy of now [F L]
+    real(wp) :: contact(3) = 0.0_wp   !! against pressure, friction and cohesion of contacts
+    !> Forces at the end of the last step.
+    real(wp), allocatable :: f_outer(:, :), f_inert(:, :) !! (3, nnode) [F]
+    real(wp), allocatable :: f_contact(:, :, :)           !! (3, nnode, 3)
+  end type energy_t
+
+contains
+
+  !> Nothing is booked yet.
+  pure subroutine open_book(energy, nnode)
+    type(energy_t), intent(out) :: energy
+    integer, intent(in) :: nnode
+
+    allocate (energy%f_outer(3, nnode), energy%f_inert(3, nnode), source=0.0_wp)
+    allocate (energy%f_contact(3, nnode, 3), source=0.0_wp)
+    energy%on = .true.
+  end subroutine open_book
+
+  !> The step is done: the forces at its end worked along du.
+  pure subroutine book_work(energy, du, f_outer, f_inert, f_contact)
+    type(energy_t), intent(inout) :: energy
+    real(wp), intent(in) :: du(:, :)               !! (3, nnode) [L]
+    real(wp), intent(in) :: f_outer(:, :), f_inert(:, :), f_contact(:, :, :)
+    integer :: i
+
+    if (.not. energy%on) return
+    energy%outer = energy%outer + 0.5_wp*sum((f_outer + energy%f_outer)*du)
+    energy%inertia = energy%inertia + 0.5_wp*sum((f_inert + energy%f_inert)*du)
+    do i = 1, 3
+      energy%contact(i) = energy%contact(i) &
+                          + 0.5_wp*sum((f_contact(:, :, i) + energy%f_contact(:, :, i))*du)
+    end do
+    energy%f_outer = f_outer
+    energy%f_inert = f_inert
+    energy%f_contact = f_contact
+  end subroutine book_work
+
+end module energy_type

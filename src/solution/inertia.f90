@@ -1,0 +1,143 @@
+!> Masses of the elements, and the forces of inertia.
+module inertia
+  use base_kinds, only: wp
+  use csr, only: block_matrix_t
+  use dynamics_type, only: dynamics_t, acceleration, HHT
+  use mesh, only: block_t
+  use model, only: model_t, state_t
+  use rigid_block, only: is_rigid
+  implicit none
+  private
+  public :: mass_t, find_masses, add_inertia, kinetic_energy, energy_of_rate
+
+  !> Masses between the nodes of the elements of one block, the same in every direction.
+  type :: mass_t
+    real(wp), allocatable :: m(:, :, :) !! (nen, nen, nelem) [M]
+  end type mass_t
+
+contains
+
+  !> Consistent masses, or diagonal ones with the same sum (Hinton, Rock and Zienkiewicz 1976), which
+  !! are positive for all functions.
+  subroutine find_masses(model, dynamics, mass)
+    type(model_t), intent(in) :: model
+    type(dynamics_t), intent(in) :: dynamics
+    type(mass_t), allocatable, intent(out) :: mass(:)
+    real(wp) :: density
+    integer :: b, e
+
+    allocate (mass(size(model%mesh%block)))
+    do b = 1, size(mass)
+      associate (block => model%mesh%block(b))
+        if (is_rigid(block)) cycle
+        density = dynamics%density
+        if (density < 0.0_wp) density = model%material(block%material)%density
+        allocate (mass(b)%m(block%nen, block%nen, block%nelem))
+        do e = 1, block%nelem
+          call element_mass(block, e, model%mesh%xr(:, block%conn(:, e)), density, mass(b)%m(:, :, e))
+          if (dynamics%lumped) call lump(mass(b)%m(:, :, e))
+        end do
+      end associate
+    end do
+  end subroutine find_masses
+
+  !> int rho N_a N_b dV.
+  pure subroutine element_mass(block, e, xr, density, m)
+    type(block_t), intent(in) :: block
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xr(:, :)      !! (3, nen) [L]
+    real(wp), intent(in) :: density
+    real(wp), intent(out) :: m(:, :)      !! (nen, nen)
+    real(wp) :: j(3, 3), w
+    integer :: a, q
+
+    m = 0.0_wp
+    associate (basis => block%basis(block%ibasis(e)))
+      do q = 1, basis%nq
+        j = matmul(xr, transpose(basis%dshp(:, :, q)))
+        w = density*basis%wgt(q)*(j(1, 1)*(j(2, 2)*j(3, 3) - j(2, 3)*j(3, 2)) &
+                                  - j(1, 2)*(j(2, 1)*j(3, 3) - j(2, 3)*j(3, 1)) &
+                                  + j(1, 3)*(j(2, 1)*j(3, 2) - j(2, 2)*j(3, 1)))
+        do a = 1, block%nen
+          m(:, a) = m(:, a) + (w*basis%shp(a, q))*basis%shp(:, q)
+        end do
+      end do
+    end associate
+  end subroutine element_mass
+
+  pure subroutine lump(m)
+    real(wp), intent(inout) :: m(:, :)
+    real(wp) :: d(size(m, 1)), whole
+    integer :: a
+
+    whole = sum(m)
+    d = [(m(a, a), a=1, size(d))]
+    if (sum(d) > 0.0_wp) d = d*(whole/sum(d))
+    m = 0.0_wp
+    do a = 1, size(d)
+      m(a, a) = d(a)
+    end do
+  end subroutine lump
+
+  !> Forces of inertia of one block, and their derivative on the block diagonals of k.
+  subroutine add_inertia(block, mass, dynamics, state, at, k, f)
+    type(block_t), intent(in) :: block
+    type(mass_t), intent(in) :: mass
+    type(dynamics_t), intent(in) :: dynamics
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: at(:, :, :)            !! (nen, nen, nelem) block positions in k
+    type(block_matrix_t), intent(inout) :: k
+    real(wp), intent(inout) :: f(:, :)            !! (3, nnode) [F]
+    real(wp) :: acc(3, block%nen), force(3, block%nen), share, c
+    integer :: a, b, e, i, p
+
+    share = 1.0_wp
+    if (dynamics%method == HHT) share = 1.0_wp/(1.0_wp + dynamics%alpha)
+    c = share*dynamics%c(1)
+    do e = 1, block%nelem
+      associate (node => block%conn(:, e))
+        acc = acceleration(dynamics, state%u(:, node) - state%u_step(:, node), node)
+        force = share*matmul(acc, mass%m(:, :, e))
+        do b = 1, block%nen
+          f(:, node(b)) = f(:, node(b)) + force(:, b)
+          do a = 1, block%nen
+            p = at(a, b, e)
+            if (p == 0) cycle
+            do i = 1, 3
+              k%val(i, i, p) = k%val(i, i, p) + c*mass%m(a, b, e)
+            end do
+          end do
+        end do
+      end associate
+    end do
+  end subroutine add_inertia
+
+  !> 1/2 v.M.v of the velocity when the step began.
+  real(wp) function kinetic_energy(model, mass, state) result(energy)
+    type(model_t), intent(in) :: model
+    type(mass_t), intent(in) :: mass(:)
+    type(state_t), intent(in) :: state
+
+    energy = 0.0_wp
+    if (state%dynamics%on) energy = energy_of_rate(model, mass, state%dynamics%v)
+  end function kinetic_energy
+
+  !> 1/2 v.M.v.
+  real(wp) function energy_of_rate(model, mass, v) result(energy)
+    type(model_t), intent(in) :: model
+    type(mass_t), intent(in) :: mass(:)
+    real(wp), intent(in) :: v(:, :)               !! (3, nnode)
+    integer :: b, e
+
+    energy = 0.0_wp
+    do b = 1, size(mass)
+      if (.not. allocated(mass(b)%m)) cycle
+      do e = 1, model%mesh%block(b)%nelem
+        associate (node => model%mesh%block(b)%conn(:, e))
+          energy = energy + 0.5_wp*sum(v(:, node)*matmul(v(:, node), mass(b)%m(:, :, e)))
+        end associate
+      end do
+    end do
+  end function energy_of_rate
+
+end module inertia
