@@ -30,6 +30,11 @@ contains
     call put(bag, 'plan', &
              [run%plan%every, run%iterations, run%cutbacks, run%negative_pivots, &
               merge(1, 0, run%failed_step), run%plan%cutbacks, merge(1, 0, run%plan%retry)])
+    associate (p => run%path)
+      call put(bag, 'path', [p%method, p%wait, p%steps, merge(1, 0, p%given), merge(1, 0, p%away), &
+                             merge(1, 0, p%trial)])
+      call put(bag, 'path_density', [p%density])
+    end associate
     call put(bag, 'parameters', parameter_values(run))
   end subroutine pack_run
 
@@ -77,7 +82,7 @@ contains
     logical, intent(out) :: found
     real(wp), allocatable :: x(:)
     integer, allocatable :: n(:)
-    logical :: there(4)
+    logical :: there(6)
 
     call get(bag, 'newton_reals', x, there(1))
     call get(bag, 'newton_integers', n, there(2))
@@ -96,6 +101,19 @@ contains
       run%failed_step = n(5) == 1
       run%plan%cutbacks = n(6)
       run%plan%retry = n(7) == 1
+    end if
+    call get(bag, 'path', n, there(5))
+    call get(bag, 'path_density', x, there(6))
+    if (all(there(5:6))) then
+      associate (p => run%path)
+        p%method = n(1)
+        p%wait = n(2)
+        p%steps = n(3)
+        p%given = n(4) == 1
+        p%away = n(5) == 1
+        p%trial = n(6) == 1
+        p%density = x(1)
+      end associate
     end if
     call get(bag, 'parameters', x, there(4))
     found = all(there)

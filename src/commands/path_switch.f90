@@ -35,7 +35,7 @@ contains
     if (.not. run%path%given) then
       run%path%method = merge(PATH_DYNAMIC, PATH_OFF, any(run%model%contact(:)%has_cohesive))
     end if
-    yes = may_leave(run%path, run%control%cuts)
+    yes = may_leave(run%path, (run%control%to - run%control%from)/run%control%dt)
     if (.not. yes) return
     call find_density(run, yes)
     if (.not. yes) return
@@ -46,17 +46,19 @@ contains
                   //to_text(run%state%dynamics%density)//' in units of force, length and TIME')
   end function another_way
 
-  !> The deck's density, or one with which the mean motion since the start has little energy; the
-  !! motion that inertia begins with has no more.
+  !> The deck's density, or one with which the mean motion since the start has little energy; that
+  !! is the motion that inertia begins with.
   subroutine find_density(run, found)
     type(run_t), intent(inout) :: run
     logical, intent(out) :: found
     type(mass_t), allocatable :: mass(:)
-    real(wp) :: work, rate, kinetic
+    real(wp) :: work, rate
 
     associate (dynamics => run%state%dynamics)
       if (.not. allocated(dynamics%v)) call new_dynamics(dynamics, run%model%mesh%nnode)
       dynamics%method = BACKWARD_EULER
+      dynamics%a = 0.0_wp
+      if (run%plan%time > 0.0_wp) dynamics%v = run%state%u_step/run%plan%time
       found = .true.
       dynamics%density = run%path%density
       if (dynamics%density < 0.0_wp) then
@@ -66,8 +68,6 @@ contains
         rate = energy_of_rate(run%model, mass, run%state%u_step)
         found = run%plan%time > 0.0_wp .and. work > 0.0_wp .and. rate > 0.0_wp
         if (found) dynamics%density = SHARE*work*run%plan%time**2/rate
-        kinetic = dynamics%density*energy_of_rate(run%model, mass, dynamics%v)
-        if (kinetic > SHARE*work) dynamics%v = sqrt(SHARE*work/kinetic)*dynamics%v
       end if
     end associate
     if (allocated(run%newton%asm%mass)) deallocate (run%newton%asm%mass)

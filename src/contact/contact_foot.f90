@@ -28,6 +28,7 @@ module contact_foot
     !> Where there is no foot: closest point of the outer boundary, if it is near; element 0: none.
     integer :: border = 0
     real(wp) :: border_xi(2) = 0.0_wp
+    real(wp) :: border_gap = 0.0_wp         !! [L] height above the tangent plane there
     real(wp) :: gap = huge(1.0_wp) !! [L] negative inside; on an edge or vertex the distance with
     !! that sign
   end type foot_t

@@ -1,11 +1,13 @@
 !> History of the integration points of contacts: made, accepted, brought back.
 module contact_history
   use base_kinds, only: wp
+  use contact_foot, only: foot_t
   use contact_pair, only: contact_t, contact_state_t, contact_points_t
   use contact_type, only: OPEN, MAX_PAST
   implicit none
   private
-  public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched
+  public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, &
+            look_aside
 
 contains
 
@@ -36,6 +38,7 @@ contains
     allocate (points%friction(3, np), points%cohesion(3, np), source=0.0_wp)
     allocate (points%state(np), points%state_step(np), source=OPEN)
     allocate (points%slip(np), points%slip_rate(np), source=0.0_wp)
+    allocate (points%aside(np), source=.false.)
     allocate (points%bond(np), source=0)
     allocate (points%bond_xi(2, np), points%area0(np), points%opening(np), source=0.0_wp)
     allocate (points%past(MAX_PAST, np), points%past_step(MAX_PAST, np), source=0.0_wp)
@@ -75,6 +78,22 @@ contains
       state%side(k)%fresh = .true.
     end do
   end subroutine keep_contact_step
+
+  !> Feet of an accepted step: which points stand beside the other surface, and below it.
+  pure subroutine look_aside(feet, depth, points)
+    type(foot_t), intent(in) :: feet(:)    !! (np)
+    real(wp), intent(in) :: depth          !! below it by so much [L]
+    type(contact_points_t), intent(inout) :: points
+    integer :: i
+
+    do i = 1, size(feet)
+      if (feet(i)%elem > 0) then
+        points%aside(i) = .false.
+      else if (feet(i)%border > 0) then
+        points%aside(i) = feet(i)%border_gap < -depth
+      end if
+    end do
+  end subroutine look_aside
 
   !> A point was in contact when the last step ended.
   pure logical function had_touched(state)

@@ -81,6 +81,7 @@ contains
     else if (again == OFF .and. better%f <= far**2) then
       foot%border = better%elem
       foot%border_xi = better%xi
+      foot%border_gap = dot_product(better%r, normal(better))
     end if
   end subroutine project
 

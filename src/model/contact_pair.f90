@@ -108,6 +108,9 @@ module contact_pair
     integer, allocatable :: state_step(:)    !! (np)
     real(wp), allocatable :: slip_rate(:)    !! (np) slip over time in the last step [L/T]
     real(wp) :: dt = 0.0_wp                  !! of the step under way [T]; 0: no time
+    !> Beside the other surface and below it when the last step ended: what comes from there enters
+    !! the body through its side, and is no contact of this surface.
+    logical, allocatable :: aside(:)         !! (np)
     logical :: fresh = .false.               !! no sweep was made in this step yet
     !> Cohesive partner on the other surface, found in the reference configuration. 0: not bonded.
     integer, allocatable :: bond(:)          !! (np)

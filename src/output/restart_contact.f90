@@ -10,7 +10,7 @@ module restart_contact
   private
   public :: write_contact, read_contact
 
-  integer, parameter :: NROW = 30 + 2*MAX_PAST !! numbers of a point
+  integer, parameter :: NROW = 31 + 2*MAX_PAST !! numbers of a point
 
 contains
 
@@ -81,8 +81,9 @@ contains
     values(24:26, :) = points%energy
     values(27:29, :) = points%pull
     values(30, :) = points%slip_rate
-    values(31:30 + MAX_PAST, :) = points%past
-    values(31 + MAX_PAST:, :) = points%past_step
+    values(31, :) = merge(1.0_wp, 0.0_wp, points%aside)
+    values(32:31 + MAX_PAST, :) = points%past
+    values(32 + MAX_PAST:, :) = points%past_step
   end subroutine pack_points
 
   subroutine unpack_points(values, points)
@@ -108,8 +109,9 @@ contains
     points%energy = values(24:26, :)
     points%pull = values(27:29, :)
     points%slip_rate = values(30, :)
-    points%past = values(31:30 + MAX_PAST, :)
-    points%past_step = values(31 + MAX_PAST:, :)
+    points%aside = values(31, :) > 0.5_wp
+    points%past = values(32:31 + MAX_PAST, :)
+    points%past_step = values(32 + MAX_PAST:, :)
     points%fresh = .true.
   end subroutine unpack_points
 

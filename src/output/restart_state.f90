@@ -9,6 +9,7 @@ module restart_state
   use restart_arrays, only: write_reals, read_reals, write_integers, read_integers, write_matrix, &
                             read_matrix, name
   use restart_contact, only: write_contact, read_contact
+  use restart_motion, only: write_motion, read_motion
   implicit none
   private
   public :: write_state, read_state, write_bag, read_bag
@@ -43,6 +44,7 @@ contains
       call write_matrix(file, group//name('/history_iter', b), state%history(b)%iter, error)
     end do
     if (.not. allocated(error)) call write_contact(file, group, state%contact, error)
+    if (.not. allocated(error)) call write_motion(file, group, state, error)
   end subroutine write_state
 
   !> The state must have the sizes of the model.
@@ -80,6 +82,7 @@ contains
       call read_matrix(file, group//name('/history_iter', b), state%history(b)%iter, error)
     end do
     if (.not. allocated(error)) call read_contact(file, group, state%contact, error)
+    if (.not. allocated(error)) call read_motion(file, group, state, error)
   end subroutine read_state
 
   subroutine write_bag(file, group, bag, error)

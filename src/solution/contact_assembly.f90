@@ -5,6 +5,7 @@ module contact_assembly
   use contact_cohesion, only: ask_foot
   use contact_element, only: form_element, touches
   use contact_foot, only: foot_t, shape_t
+  use contact_history, only: look_aside
   use contact_pair, only: contact_t, contact_points_t
   use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
                            pair_clique, map_pairs
@@ -23,6 +24,7 @@ module contact_assembly
   public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
             add_contact, share_contact, accept_contact, friction_acts
 
+  real(wp), parameter :: ASIDE = 0.1_wp      !! of DEPTh: below a surface rather than at it
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr reached
 
   !> Feet of the points of one side on the other.
@@ -127,6 +129,7 @@ contains
           foot%xi = points%foot_xi(:, i)
           call project(contact%side(3 - k), work%shape(3 - k), work%grid(3 - k), xp(:, q), foot, &
                        contact%depth)
+          if (points%aside(i) .and. foot%gap < -ASIDE*contact%depth) foot%elem = 0
           points%foot(i) = foot%elem
           points%foot_xi(:, i) = foot%xi
         end associate
@@ -298,6 +301,7 @@ contains
     do c = 1, size(work)
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
+        call look_aside(work(c)%feet(k)%at, ASIDE*model%contact(c)%depth, state%contact(c)%side(k))
         call accept_slides(model%contact(c)%side(k), model%contact(c)%side(3 - k), &
                            work(c)%shape(3 - k), x, work(c)%feet(k)%at, state%contact(c)%side(k))
       end do

@@ -1,6 +1,6 @@
 !> How the path of equilibria is followed, and when the way is changed.
 !!
-!! Load control goes as far as it can. Where a step fails in spite of some cuts, inertia carries the
+!! Load control goes as far as it can. Where a small step fails, inertia carries the
 !! model over the snap; when the motion has died down a step of load control is tried again, each
 !! time after twice as many steps as the last time it failed.
 module path_type
@@ -11,7 +11,7 @@ module path_type
 
   integer, parameter, public :: PATH_OFF = 0, PATH_DYNAMIC = 1
 
-  integer, parameter :: CUTS = 3                 !! of a step of load control before it is left
+  real(wp), parameter :: SMALL = 0.6_wp          !! a step of load control, relative to dt
   integer, parameter :: FIRST_WAIT = 4           !! steps with inertia before load control is tried
   integer, parameter :: LONGEST_WAIT = 64
   real(wp), parameter :: QUIET = 1.0e-3_wp       !! inertia, relative to the largest nodal force
@@ -29,11 +29,11 @@ module path_type
 contains
 
   !> A step of load control has failed: is it time for another way?
-  pure logical function may_leave(path, cuts)
+  pure logical function may_leave(path, size)
     type(path_t), intent(in) :: path
-    integer, intent(in) :: cuts
+    real(wp), intent(in) :: size       !! of the step, relative to dt
 
-    may_leave = path%method /= PATH_OFF .and. .not. path%away .and. cuts >= CUTS
+    may_leave = path%method /= PATH_OFF .and. .not. path%away .and. size <= SMALL
   end function may_leave
 
   pure subroutine leave_statics(path)
