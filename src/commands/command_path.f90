@@ -38,7 +38,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (all(command%option /= ['    ', 'dyna', 'off '])) then
-      call fail(error, DECK_ERROR, 'unknown way to follow a path, '//quoted(command%record%text(2)), &
+    call fail(error, DECK_ERROR, 'unknown way to follow a path, '//quoted(command%record%text(2)), &
                 command%record%place(2), 'ARCLength [DYNAmic|OFF],[density]')
       return
     end if
@@ -52,8 +52,9 @@ contains
     run%path%density = -1.0_wp
     if (command%x(1) > 0.0_wp) run%path%density = command%x(1)
     if (run%dry) return
-    if (.not. allocated(run%state%dynamics%v)) &
+    if (.not. allocated(run%state%dynamics%v)) then
       call new_dynamics(run%state%dynamics, run%model%mesh%nnode)
+    end if
     if (.not. run%state%energy%on) call open_book(run%state%energy, run%model%mesh%nnode)
   end subroutine run_arcl
 
@@ -84,7 +85,8 @@ contains
     type(run_t), intent(in) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: USAGE = 'TRANsient,BACK | NEWMark,beta,gamma | HHT,beta,gamma,alpha | OFF'
+    character(*), parameter :: USAGE = &
+                               'TRANsient,BACK | NEWMark,beta,gamma | HHT,beta,gamma,alpha | OFF'
     real(wp) :: beta, gamma, alpha
     integer :: method
 
@@ -94,8 +96,8 @@ contains
       return
     end if
     call set_scheme(command, method, beta, gamma, alpha)
-    if (.not. (beta > 0.0_wp .and. gamma >= 0.5_wp .and. alpha <= 0.0_wp .and. alpha > -1.0_wp)) then
-      call fail(error, DECK_ERROR, 'the time integration needs beta > 0, gamma >= 1/2, -1 < alpha <= 0', &
+   if (.not. (beta > 0.0_wp .and. gamma >= 0.5_wp .and. alpha <= 0.0_wp .and. alpha > -1.0_wp)) then
+call fail(error, DECK_ERROR, 'the time integration needs beta > 0, gamma >= 1/2, -1 < alpha <= 0', &
                 command%record%place(3), USAGE)
       return
     end if

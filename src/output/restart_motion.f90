@@ -27,8 +27,10 @@ contains
     if (allocated(error)) return
     rates = allocated(state%dynamics%v)
     call put_attribute(file, path, 'keeps', merge(1, 0, [rates, state%energy%on]), error)
-    if (rates .and. .not. allocated(error)) call write_rates(file, path, state%dynamics, error)
-    if (state%energy%on .and. .not. allocated(error)) call write_book(file, path, state%energy, error)
+    if (allocated(error)) return
+    if (rates) call write_rates(file, path, state%dynamics, error)
+    if (allocated(error)) return
+    if (state%energy%on) call write_book(file, path, state%energy, error)
   end subroutine write_motion
 
   subroutine write_rates(file, path, dynamics, error)

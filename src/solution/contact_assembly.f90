@@ -5,15 +5,13 @@ module contact_assembly
   use contact_cohesion, only: ask_foot
   use contact_element, only: form_element, touches
   use contact_foot, only: foot_t, shape_t
-  use contact_history, only: look_aside
   use contact_pair, only: contact_t, contact_points_t
   use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
                            pair_clique, map_pairs
   use contact_project, only: project
   use contact_search, only: grid_t, update_grid
   use contact_shape, only: update_shape
-  use contact_slide, only: side_positions, accept_slides
-  use contact_shares, only: add_shares
+  use contact_slide, only: side_positions
   use contact_tool, only: react
   use contact_work, only: work_t, new_work
   use csr, only: block_matrix_t, clique_t
@@ -22,9 +20,9 @@ module contact_assembly
   implicit none
   private
   public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
-            add_contact, share_contact, accept_contact, friction_acts
+            add_contact, friction_acts
 
-  real(wp), parameter :: ASIDE = 0.1_wp      !! of DEPTh: below a surface rather than at it
+  real(wp), parameter, public :: ASIDE = 0.1_wp !! of DEPTh: below a surface rather than at it
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr reached
 
   !> Feet of the points of one side on the other.
@@ -270,42 +268,5 @@ contains
     end associate
     points%fresh = .false.
   end subroutine add_side
-
-  !> Shares of the internal forces: pressure, friction and cohesion of all contacts.
-  subroutine share_contact(work, model, state, f)
-    type(contact_work_t), intent(in) :: work(:)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    real(wp), intent(out) :: f(:, :, :)            !! (3, nnode, 3) [F]
-    integer :: c, k
-
-    f = 0.0_wp
-    do c = 1, size(work)
-      do k = 1, 2
-        if (model%contact(c)%side(k)%rigid) cycle
-        call add_shares(model%contact(c), k, work(c)%feet(k)%at, state%contact(c)%side(k), f)
-      end do
-    end do
-  end subroutine share_contact
-
-  !> The step is done: stored sliding points move.
-  subroutine accept_contact(work, model, state)
-    type(contact_work_t), intent(in) :: work(:)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
-    real(wp), allocatable :: x(:, :)
-    integer :: c, k
-
-    if (size(work) == 0) return
-    x = model%mesh%xr + state%u
-    do c = 1, size(work)
-      do k = 1, 2
-        if (model%contact(c)%side(k)%rigid) cycle
-        call look_aside(work(c)%feet(k)%at, ASIDE*model%contact(c)%depth, state%contact(c)%side(k))
-        call accept_slides(model%contact(c)%side(k), model%contact(c)%side(3 - k), &
-                           work(c)%shape(3 - k), x, work(c)%feet(k)%at, state%contact(c)%side(k))
-      end do
-    end do
-  end subroutine accept_contact
 
 end module contact_assembly

@@ -52,7 +52,8 @@ contains
         nen = block%nen
         allocate (fe(3, nen), ke(3*nen, 3*nen))
         call follower_face(block, e, model%bc%pressure(j)%side(i), p, &
-                           model%mesh%xr(:, block%conn(:, e)) + state%u(:, block%conn(:, e)), fe, ke)
+                           model%mesh%xr(:, block%conn(:, e)) + state%u(:, block%conn(:, e)), &
+                           fe, ke)
         call scatter_force(block%conn(:, e), fe, f)
         if (k%symmetric) ke = 0.5_wp*(ke + transpose(ke))
         call add_element(k, map(b)%at(:, :, e), ke)

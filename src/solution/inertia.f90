@@ -17,8 +17,8 @@ module inertia
 
 contains
 
-  !> Consistent masses, or diagonal ones with the same sum (Hinton, Rock and Zienkiewicz 1976), which
-  !! are positive for all functions.
+  !> Consistent masses, or diagonal ones with the same sum (Hinton, Rock and Zienkiewicz 1976),
+  !! which are positive for all functions.
   subroutine find_masses(model, dynamics, mass)
     type(model_t), intent(in) :: model
     type(dynamics_t), intent(in) :: dynamics
@@ -34,7 +34,8 @@ contains
         if (density < 0.0_wp) density = model%material(block%material)%density
         allocate (mass(b)%m(block%nen, block%nen, block%nelem))
         do e = 1, block%nelem
-          call element_mass(block, e, model%mesh%xr(:, block%conn(:, e)), density, mass(b)%m(:, :, e))
+          call element_mass(block, e, model%mesh%xr(:, block%conn(:, e)), density, &
+                            mass(b)%m(:, :, e))
           if (dynamics%lumped) call lump(mass(b)%m(:, :, e))
         end do
       end associate
