@@ -38,8 +38,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (all(command%option /= ['    ', 'dyna', 'off '])) then
-    call fail(error, DECK_ERROR, 'unknown way to follow a path, '//quoted(command%record%text(2)), &
-                command%record%place(2), 'ARCLength [DYNAmic|OFF],[density]')
+      call fail(error, DECK_ERROR, 'unknown way to follow a path, ' &
+                //quoted(command%record%text(2)), command%record%place(2), &
+                'ARCLength [DYNAmic|OFF],[density]')
       return
     end if
     if (command%x(1) < 0.0_wp) then
@@ -96,9 +97,10 @@ contains
       return
     end if
     call set_scheme(command, method, beta, gamma, alpha)
-   if (.not. (beta > 0.0_wp .and. gamma >= 0.5_wp .and. alpha <= 0.0_wp .and. alpha > -1.0_wp)) then
-call fail(error, DECK_ERROR, 'the time integration needs beta > 0, gamma >= 1/2, -1 < alpha <= 0', &
-                command%record%place(3), USAGE)
+    if (.not. (beta > 0.0_wp .and. gamma >= 0.5_wp .and. alpha <= 0.0_wp &
+               .and. alpha > -1.0_wp)) then
+      call fail(error, DECK_ERROR, 'the time integration needs beta > 0, gamma >= 1/2, ' &
+                //'-1 < alpha <= 0', command%record%place(3), USAGE)
       return
     end if
     if (any(command%option == ['off ', 'stat'])) return
