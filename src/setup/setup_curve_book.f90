@@ -20,7 +20,7 @@ contains
     type(quantity_t), intent(inout) :: quantity
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: USAGE = &
-                 'BOOK WORK | STORed | KINEtic | NORMal | FRICtion | COHEsive | INERtia | IMBAlance'
+                               'BOOK WORK|STORed|KINEtic|NORMal|FRICtion|COHEsive|INERtia|IMBAlance'
     integer :: i
 
     call check_count(line, 2, 2, USAGE, error)
