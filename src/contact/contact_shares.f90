@@ -4,7 +4,7 @@ module contact_shares
   use contact_foot, only: foot_t
   use contact_kind, only: make_rational
   use contact_pair, only: contact_t, contact_points_t, surface_t
-  use contact_tool, only: react
+  use contact_tool, only: put_force
   use contact_work, only: element_functions, work_t, new_work, position_on
   implicit none
   private
@@ -38,13 +38,34 @@ contains
           end do
         end do
         if (.not. other%rigid) cycle
-        do j = 1, 3
-          call react(other, feet(i + 1:i + contact%nq), t(:, :, j), spread(1.0_wp, 1, contact%nq), &
-                     f(:, :, j))
+        do q = 1, contact%nq
+          call share_tool(other, feet(i + q), i + q, t(:, q, :), points, f)
         end do
       end do
     end associate
   end subroutine add_shares
+
+  !> A rigid tool bears the other side's: those of a bond at the partner, all others at the foot.
+  subroutine share_tool(tool, foot, i, t, points, f)
+    type(surface_t), intent(in) :: tool
+    type(foot_t), intent(in) :: foot
+    integer, intent(in) :: i
+    real(wp), intent(in) :: t(3, 3)                !! of point i [F]
+    type(contact_points_t), intent(in) :: points
+    real(wp), intent(inout) :: f(:, :, :)
+    real(wp) :: press(3)
+
+    press = t(:, 1)
+    if (points%bond(i) > 0) then
+      press = points%area0(i)*(points%pull(:, i) - points%cohesion(:, i))
+      call put_force(tool, points%bond(i), points%bond_xi(:, i), press, f(:, :, 1))
+      call put_force(tool, points%bond(i), points%bond_xi(:, i), t(:, 3), f(:, :, 3))
+      press = t(:, 1) - press
+    end if
+    if (foot%elem == 0) return
+    call put_force(tool, foot%elem, foot%xi, press, f(:, :, 1))
+    call put_force(tool, foot%elem, foot%xi, t(:, 2), f(:, :, 2))
+  end subroutine share_tool
 
   !> Forces of point i: its tractions times the areas they act on.
   pure function shares(points, i) result(t)

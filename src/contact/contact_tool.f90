@@ -6,7 +6,7 @@ module contact_tool
   use contact_work, only: element_functions
   implicit none
   private
-  public :: react
+  public :: react, put_force
 
 contains
 
@@ -26,15 +26,15 @@ contains
       force = points%area(i)*points%traction(:, i)
       if (points%bond(i) > 0) then
         bond = points%area0(i)*points%pull(:, i)
-        call put(tool, points%bond(i), points%bond_xi(:, i), bond, f)
+        call put_force(tool, points%bond(i), points%bond_xi(:, i), bond, f)
         force = force - bond
       end if
-      if (feet(q)%elem > 0) call put(tool, feet(q)%elem, feet(q)%xi, force, f)
+      if (feet(q)%elem > 0) call put_force(tool, feet(q)%elem, feet(q)%xi, force, f)
     end do
   end subroutine react
 
   !> A force on the nodes of element e.
-  subroutine put(tool, e, xi, force, f)
+  subroutine put_force(tool, e, xi, force, f)
     type(surface_t), intent(in) :: tool
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2), force(3)
@@ -49,6 +49,6 @@ contains
         f(:, node) = f(:, node) + shp(b)*force
       end associate
     end do
-  end subroutine put
+  end subroutine put_force
 
 end module contact_tool
