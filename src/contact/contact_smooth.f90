@@ -2,8 +2,9 @@
 !!
 !!   T_A = int N_A t da / int N_A da
 !!
-!! (N_A^2 where a function has no area) on the current surface, interpolated with the same functions (Sauer 2013). Values at the points
-!! themselves oscillate; only these fields are to be compared and looked at. Friction's part of the
+!! on the current surface (N_A^2 for N_A where a function has no area), interpolated with the same
+!! functions (Sauer 2013). Values at the points themselves oscillate; only these fields are to be
+!! compared and looked at. Friction's part of the
 !! traction is smoothed by itself: the tangential part of the smooth traction would take in some of
 !! the pressure wherever the surface is curved (5 % of Table 5's values, Corbett and Sauer 2015).
 module contact_smooth
