@@ -31,6 +31,20 @@ def load(path, step="last"):
     return grid, time, number
 
 
+def step_of(text):
+    """A step as `load` takes it, from a word of the command line.
+
+    >>> step_of("last"), step_of("7")
+    ('last', 7)
+    """
+    if text in ("last", "first"):
+        return text
+    try:
+        return int(text)
+    except ValueError:
+        raise Unreadable(f"'{text}' is no step: a step's number, 'first' or 'last'") from None
+
+
 def _choose(path, step, steps):
     if step in ("last", "first"):
         return steps[-1] if step == "last" else steps[0]

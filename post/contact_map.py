@@ -191,14 +191,7 @@ def main(argv):
         raise Unreadable(f"{len(o.labels)} labels for {len(o.runs)} files")
     if o.columns < 1:
         raise Unreadable("--columns is at least 1")
-    step = o.step if o.step in ("last", "first") else _integer(o.step)
+    step = _grid.step_of(o.step)
     draw(o.runs, o.output, o.scalar, o.component, step, o.range, o.cmap, o.labels, o.axis,
          o.columns, not o.no_edges)  # fmt: skip
     return 0
-
-
-def _integer(text):
-    try:
-        return int(text)
-    except ValueError:
-        raise Unreadable(f"'{text}' is no step: a step's number, 'first' or 'last'") from None

@@ -91,13 +91,7 @@ def main(argv):
     paths = [o.run] + (o.beside or [])
     if o.labels and len(o.labels) != len(paths):
         raise Unreadable(f"{len(o.labels)} labels for {len(paths)} files")
-    step = (
-        ("time", o.time)
-        if o.time is not None
-        else o.step
-        if o.step in ("last", "first")
-        else _integer(o.step)
-    )
+    step = ("time", o.time) if o.time is not None else _grid.step_of(o.step)
     if o.list:
         _scalar.print_list(o.run, step)
         return 0
@@ -107,13 +101,6 @@ def main(argv):
     draw(paths, o.output, o.scalar, o.component, step, o.warp, o.view, o.range, o.cmap, labels,
          not o.no_edges, not o.no_outline, o.level, tuple(o.size), o.mirror)  # fmt: skip
     return 0
-
-
-def _integer(text):
-    try:
-        return int(text)
-    except ValueError:
-        raise Unreadable(f"'{text}' is no step: a step's number, 'first' or 'last'") from None
 
 
 def _parser():
