@@ -20,7 +20,7 @@ from post._error import Unreadable
 #: Coordinates to the right and up for each direction that is looked along.
 PLANE = {"z": (0, 1), "x": (1, 2), "y": (2, 0)}
 APART = 0.12  # between the two surfaces, of their width
-RIM = 0.05  # cosine of the angle to the eye below which no edges are drawn: they would be dashed
+RIM = 0.2  # cosine of the angle to the eye below which no edges are drawn: they would be dashed
 
 
 def draw(paths, output, scalar="contact_friction", component=None, step="last", limits=None,
@@ -97,8 +97,7 @@ class _panel:
                 )
                 ax.add_collection(lines)
         ax.autoscale_view()
-        ax.set_aspect("equal")
-        ax.set_anchor("S")  # captions of a row stand at one height
+        ax.set_aspect("equal", adjustable="datalim")  # captions of a row stand at one height
         ax.set_axis_off()
         ax.set_title(self.caption, y=-0.02, va="top")
 
