@@ -11,7 +11,7 @@ module line_search
 
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp       !! FEAP's: slope left after a line search
   integer, parameter :: LINE_TRIALS = 10
-  real(wp), parameter :: OVERSHOT = 1.5_wp    !! slope behind an increment over the one before it
+  real(wp), parameter :: OVERSHOT = 4.0_wp    !! slope behind an increment over the one before it
 
 contains
 
