@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+"""Section 5.1: peels the strip off the plate with every element type.
+
+    .venv/bin/python verification/section5_debonding.py --mesh 1 [--only NAME] [--write] [--force]
+
+A case that ended well is not run again unless --force is given. Prints dofs beside Table 2, how far each
+case came, and the independent numbers of section5_peeling/peeling.csv beside ours; the exit code is 1
+where a case ends early or a number of dofs differs. `--write` puts summary.csv and the curves (few
+digits) into benchmark/section5_debonding/runs, from where the figures are drawn.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TOP)]
+from post._table import read_table  # noqa: E402
+
+DECKS = TOP / "verification/benchmark/section5_debonding"
+PEELING = TOP / "verification/benchmark/section5_peeling/peeling.csv"
+TYPES = ("q1e9", "q1e9_q1n2", "q1e9_q1n3", "q1e9_q1n2.1", "q2", "q2_q2n2", "q2_q2n2.1", "iga2")
+TABLE_2 = {
+    "1": (1386, 1500, 1626, 2772, 8190, 7128, 8400, 2304),
+    "2": (8190, 8400, 8622, 13104, 55350, 51048, 55752, 11088),
+    "3": (55350, 55752, 56166, 73800, 404838, 387576, 405624, 65520),
+}
+REFINEMENT = {"1": 1, "2": 2, "3": 4}
+LOST, RELEASED = 0.98, 0.999  # shares of the bond: where energies are compared, and when it is off
+KEPT = ("time", "disp_3", "force_3", "force_3_2", "contact_glue_1_debonded", "book_work", "book_stored",
+        "book_kinetic", "book_normal", "book_cohesive", "book_inertia", "book_imbalance")  # fmt: skip
+
+
+def main(argv=None):
+    o = parser().parse_args(argv)
+    rows, bad = [], 0
+    for mesh in o.mesh:
+        for name, dofs in zip(TYPES, TABLE_2[mesh]):
+            if name in o.only or not o.only:
+                place = o.out / f"{mesh}_{name}"
+                finish(o, mesh, name, place)
+                row = summary(mesh, name, place)
+                bad += row is None or row["status"] != "done" or row["dofs"] != dofs
+                if row is None:
+                    print(f"{mesh} {name}: no result")
+                    continue
+                rows.append(row)
+                print(" ".join(f"{k} {v}" for k, v in row.items()), f"table_2 {dofs}", flush=True)
+                if o.write:
+                    write(mesh, name, place)
+    beside(o.out)
+    if o.write and rows:
+        write_summary(rows)
+    print(f"{len(rows)} cases, {bad} ended early or with other dofs")
+    return 1 if bad else 0
+
+
+def finish(o, mesh, name, place):
+    """Run a case that has no good end yet."""
+    report = place / f"{name}.report.json"
+    if not o.force and report.exists() and json.loads(report.read_text())["status"] == "done":
+        return
+    options = ["--quiet", "-o", str(place), "--time-limit", str(o.time_limit)]
+    settings = ["--set", f"r={REFINEMENT[mesh]}"]
+    subprocess.run([o.bezel, *options, *settings, str(DECKS / f"{name}.inp")], check=False)
+
+
+def summary(mesh, name, place):
+    """What came of a case; None where there is nothing."""
+    try:
+        report = json.loads((place / f"{name}.report.json").read_text())
+        c = read_table(place / f"{name}_peel.dat").columns
+    except (OSError, ValueError):
+        return None
+    lift, force, lost = c["disp_3"], c["force_3"], c["contact_glue_1_debonded"]
+    bonded = lost < RELEASED
+    taken = np.interp(LOST, lost, c["book_inertia"]) / np.interp(LOST, lost, c["book_work"])
+    log = (place / f"{name}.log").read_text()
+    return {
+        "mesh": mesh,
+        "elements": name,
+        "dofs": report["dofs"],
+        "status": report["status"],
+        "lift": f"{lift[-1]:.2f}",
+        "off_at": f"{lift[np.argmax(~bonded)]:.2f}" if (~bonded).any() else "-",
+        "largest_force": f"{force[bonded].max():.5f}",
+        "oscillation": f"{roughness(lift[bonded], force[bonded]):.5f}",
+        "snaps": log.count("path: load control ends"),
+        "steps": report["steps"],
+        "iterations": report["iterations"],
+        "seconds": f"{report['seconds']['total']:.0f}",
+        "inertia_at_98": f"{taken:.4f}",
+        "imbalance": f"{np.abs(c['book_imbalance'][bonded]).max() / c['book_work'][-1]:.1e}",
+    }
+
+
+def roughness(lift, force):
+    """Root mean square of the force about its mean over a lift of 4, from a lift of 4 to 20."""
+    x = np.linspace(4, min(20, lift.max()), 400)
+    f = np.interp(x, lift, force)
+    width = max(1, int(4 / (x[1] - x[0])))
+    mean = np.convolve(f, np.ones(width) / width, mode="valid")
+    inner = f[width // 2 : width // 2 + len(mean)]
+    return np.sqrt(np.mean((inner - mean) ** 2))
+
+
+def beside(out):
+    """Forces of mesh 1 beside the independent ones, at the lifts of these."""
+    with PEELING.open(newline="") as text:
+        rows = list(csv.DictReader(line for line in text if not line.startswith("#")))
+    for column, name in ("IGA2", "iga2"), ("Q1E9+Q1N2", "q1e9_q1n2"):
+        try:
+            c = read_table(out / f"1_{name}" / f"{name}_peel.dat").columns
+        except OSError:
+            continue
+        print(f"{column}: lift, independent, ours, difference")
+        for row in rows:
+            lift, other = float(row["u"]), float(row[column])
+            if lift <= c["disp_3"][-1]:
+                ours = np.interp(lift, c["disp_3"], c["force_3"])
+                print(f"{lift:6g} {other:9.5f} {ours:9.5f} {ours / other - 1:8.1%}")
+
+
+def write(mesh, name, place):
+    """The curve in few digits."""
+    runs = DECKS / "runs"
+    runs.mkdir(exist_ok=True)
+    c = read_table(place / f"{name}_peel.dat").columns
+    lines = ["# " + " ".join(KEPT)]
+    lines += [" ".join(f"{x:.8g}" for x in line) for line in zip(*(c[k] for k in KEPT))]
+    (runs / f"{mesh}_{name}.dat").write_text("\n".join(lines) + "\n")
+
+
+def write_summary(rows):
+    """summary.csv with these rows in it."""
+    file, known = DECKS / "runs/summary.csv", {}
+    if file.exists():
+        with file.open(newline="") as text:
+            known = {(r["mesh"], r["elements"]): r for r in csv.DictReader(text)}
+    known.update({(r["mesh"], r["elements"]): r for r in rows})
+    with file.open("w", newline="") as text:
+        table = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+        table.writeheader()
+        table.writerows(known[k] for k in sorted(known, key=lambda k: (k[0], TYPES.index(k[1]))))
+
+
+def parser():
+    p = argparse.ArgumentParser(prog="section5_debonding", description=__doc__.split("\n")[0])
+    p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
+    p.add_argument("--mesh", nargs="+", choices=list(TABLE_2), default=["1"])
+    p.add_argument("--only", nargs="+", default=[], choices=TYPES, metavar="NAME")
+    p.add_argument("--time-limit", type=int, default=7200, metavar="S", help="of a run")
+    p.add_argument(
+        "--out", type=pathlib.Path, default=TOP / "build/section5_debonding", metavar="DIR"
+    )
+    p.add_argument("--force", action="store_true", help="run cases that ended well again")
+    p.add_argument("--write", action="store_true", help="update the committed tables")
+    return p
+
+
+if __name__ == "__main__":
+    sys.exit(main())
