@@ -79,7 +79,10 @@ def summary(mesh, name, place):
         return None
     lift, force, lost = c["disp_3"], c["force_3"], c["contact_glue_1_debonded"]
     bonded = lost < RELEASED
-    taken = np.interp(LOST, lost, c["book_inertia"]) / np.interp(LOST, lost, c["book_work"])
+    taken = "-"  # of the work when LOST are released, where it comes so far
+    if lost.max() >= LOST:
+        share = np.interp(LOST, lost, c["book_inertia"]) / np.interp(LOST, lost, c["book_work"])
+        taken = f"{share:.4f}"
     log = (place / f"{name}.log").read_text()
     return {
         "mesh": mesh,
@@ -94,7 +97,9 @@ def summary(mesh, name, place):
         "steps": report["steps"],
         "iterations": report["iterations"],
         "seconds": f"{report['seconds']['total']:.0f}",
-        "inertia_at_98": f"{taken:.4f}",
+        "inertia_at_98": taken,
+        "released": f"{lost[-1]:.4f}",
+        "least_normal": f"{(c['book_normal'] / c['book_work'])[bonded].min():.4f}",
         "imbalance": f"{np.abs(c['book_imbalance'][bonded]).max() / c['book_work'][-1]:.1e}",
     }
 

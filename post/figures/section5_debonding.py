@@ -36,25 +36,22 @@ def bonded(path):
 
 
 def forces(results, mesh, plt):
-    """Two panels: Q1-based and Q2-based bodies, IGA2 in both."""
-    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 3.2), sharey=True)
-    for ax, group in zip(axes, GROUPS):
-        for k, name in enumerate(n for n in group if (results / f"{mesh}_{n}.dat").exists()):
+    """A panel a kind of body, Q1E9 and Q2, as far as there are runs; IGA2 in both."""
+    there = lambda name: (results / f"{mesh}_{name}.dat").exists()
+    groups = [(b, [n for n in g if there(n)]) for b, g in zip(("Q1E9", "Q2"), GROUPS)]
+    groups = [(body, names) for body, names in groups if set(names) - {"iga2"}]
+    size = (_style.PAGE * (0.65 if len(groups) == 1 else 1), 3.2)
+    figure, axes = plt.subplots(1, len(groups), figsize=size, sharey=True, squeeze=False)
+    for ax, (body, names) in zip(axes[0], groups):
+        for k, name in enumerate(names):
             c = bonded(results / f"{mesh}_{name}.dat")
             colour = "#000000" if name == "iga2" else _style.COLOURS[k]
-            ax.plot(
-                c["disp_3"],
-                c["force_3"],
-                color=colour,
-                marker="",
-                linewidth=1.1,
-                label=LABELS[name],
-            )
+            style = {"color": colour, "marker": "", "linewidth": 1.1}
+            ax.plot(c["disp_3"], c["force_3"], label=LABELS[name], **style)
         ax.set_xlabel("lift $u / L_0$")
+        ax.set_title(f"bodies of {body}, mesh {mesh}", loc="left")
         ax.legend(loc="lower left")
-    axes[0].set_ylabel("peeling force $P / E_0 L_0^2$")
-    axes[0].set_title(f"a) bodies of Q1E9, mesh {mesh}", loc="left")
-    axes[1].set_title("b) bodies of Q2", loc="left")
+    axes[0][0].set_ylabel("peeling force $P / E_0 L_0^2$")
     return figure
 
 
