@@ -127,7 +127,9 @@ contains
           foot%xi = points%foot_xi(:, i)
           call project(contact%side(3 - k), work%shape(3 - k), work%grid(3 - k), xp(:, q), foot, &
                        contact%depth)
-          if (points%aside(i) .and. foot%gap < -ASIDE*contact%depth) foot%elem = 0
+          if (contact%has_cohesive .and. points%aside(i)) then ! what is pressed only may plough
+            if (foot%gap < -ASIDE*contact%depth) foot%elem = 0
+          end if
           points%foot(i) = foot%elem
           points%foot_xi(:, i) = foot%xi
         end associate
