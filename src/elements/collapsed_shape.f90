@@ -9,41 +9,45 @@
 !! with the weight over the determinant of the fold.
 module collapsed_shape
   use base_kinds, only: wp
-  use element_type, only: rule_t
+  use element_type, only: cell_t, rule_t
   use hexa_shape, only: tensor_rule
   implicit none
   private
-  public :: fold_tetrahedron, fold_triangle, unfold_rule, cube_rule
+  public :: fold_tetrahedron, fold_triangle, unfold_rule, collapsed_rule
 
 contains
 
-  !> Point of the tetrahedron, corners (0,0,0) (1,0,0) (0,1,0) (0,0,1), and its derivatives.
-  pure subroutine fold_tetrahedron(xi, t, dt)
+  !> Volume coordinates, 1 - t1 - t2 - t3 and t, at a point of the cube, and their derivatives.
+  pure subroutine fold_tetrahedron(xi, v, dv)
     real(wp), intent(in) :: xi(3)      !! in [-1,1]^3
-    real(wp), intent(out) :: t(3)
-    real(wp), intent(out) :: dt(3, 3)  !! dt(i, j): of t(j) along xi(i)
+    real(wp), intent(out) :: v(4)
+    real(wp), intent(out) :: dv(3, 4)  !! dv(i, j): of v(j) along xi(i)
     real(wp) :: s(3), r(3)
 
     s = 0.5_wp*(1.0_wp + xi)
     r = 0.5_wp*(1.0_wp - xi)
-    t = [s(1)*r(2)*r(3), s(2)*r(3), s(3)]
-    dt(:, 1) = 0.5_wp*[r(2)*r(3), -s(1)*r(3), -s(1)*r(2)]
-    dt(:, 2) = 0.5_wp*[0.0_wp, r(3), -s(2)]
-    dt(:, 3) = 0.5_wp*[0.0_wp, 0.0_wp, 1.0_wp]
+    v(2:) = [s(1)*r(2)*r(3), s(2)*r(3), s(3)]
+    dv(:, 2) = 0.5_wp*[r(2)*r(3), -s(1)*r(3), -s(1)*r(2)]
+    dv(:, 3) = 0.5_wp*[0.0_wp, r(3), -s(2)]
+    dv(:, 4) = 0.5_wp*[0.0_wp, 0.0_wp, 1.0_wp]
+    v(1) = 1.0_wp - sum(v(2:))
+    dv(:, 1) = -sum(dv(:, 2:), 2)
   end subroutine fold_tetrahedron
 
-  !> Point of the triangle (0,0) (1,0) (0,1), and its derivatives.
-  pure subroutine fold_triangle(xi, t, dt)
-    real(wp), intent(in) :: xi(2)
-    real(wp), intent(out) :: t(2)
-    real(wp), intent(out) :: dt(2, 2)  !! dt(i, j): of t(j) along xi(i)
+  !> Area coordinates, 1 - t1 - t2 and t, at a point of the square, and their derivatives.
+  pure subroutine fold_triangle(xi, v, dv)
+    real(wp), intent(in) :: xi(2)      !! in [-1,1]^2
+    real(wp), intent(out) :: v(3)
+    real(wp), intent(out) :: dv(2, 3)  !! dv(i, j): of v(j) along xi(i)
     real(wp) :: s(2), r(2)
 
     s = 0.5_wp*(1.0_wp + xi)
     r = 0.5_wp*(1.0_wp - xi)
-    t = [s(1)*r(2), s(2)]
-    dt(:, 1) = 0.5_wp*[r(2), -s(1)]
-    dt(:, 2) = 0.5_wp*[0.0_wp, 1.0_wp]
+    v(2:) = [s(1)*r(2), s(2)]
+    dv(:, 2) = 0.5_wp*[r(2), -s(1)]
+    dv(:, 3) = 0.5_wp*[0.0_wp, 1.0_wp]
+    v(1) = 1.0_wp - v(2) - v(3)
+    dv(:, 1) = -dv(:, 2) - dv(:, 3)
   end subroutine fold_triangle
 
   !> A rule of the tetrahedron as one of the cube.
@@ -65,12 +69,17 @@ contains
     end do
   end subroutine unfold_rule
 
-  !> QUADrature of a collapsed element: n x n x n points of the cube, n >= 2.
-  subroutine cube_rule(n, rule)
-    integer, intent(in) :: n
+  !> Rule of a collapsed element: 2 x 2 x 2 points of the cube, or as many as QUADrature says.
+  subroutine collapsed_rule(cell, q, qz, rule)
+    type(cell_t), intent(in) :: cell
+    integer, intent(in) :: q, qz
     type(rule_t), intent(out) :: rule
 
+    integer :: n
+
+    associate (unused => cell); end associate
+    n = max(q, qz, 2) ! of each direction: the fold raises the degree of all
     call tensor_rule([n, n, n], 0, 0, rule)
-  end subroutine cube_rule
+  end subroutine collapsed_rule
 
 end module collapsed_shape

@@ -6,13 +6,12 @@
 module elmt_iga
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
-  use hexa_shape, only: spline, make_rational, tensor_rule, tensor_faces, MAX_DEGREE
+  use hexa_shape, only: spline, tensor_functions, make_rational, tensor_rule, tensor_marks, &
+                        join_faces, MAX_DEGREE, VTK_BEZIER_HEXAHEDRON
   use solid_form, only: form
   implicit none
   private
   public :: describe
-
-  integer, parameter :: VTK_BEZIER_HEXAHEDRON = 79
 
 contains
 
@@ -20,13 +19,10 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'IGA'
-    row%source = 'tri-variate NURBS by Bezier extraction; Corbett and Sauer 2015, eqs (8) to (14)'
-    row%spline = .true.
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%form => form
+    row = element_t(name='IGA', spline=.true., rule=set_rule, functions=functions, &
+                    topology=set_topology, form=form, &
+                    source='tri-variate NURBS by Bezier extraction; Corbett and Sauer 2015, ' &
+                    //'eqs (8) to (14)')
   end function describe
 
   !> p + 1 points a direction; q alone counts for all three: no direction is special.
@@ -46,32 +42,22 @@ contains
     real(wp), intent(out) :: dshp(:, :) !! (3, ncp)
 
     real(wp) :: f(MAX_DEGREE + 1, 3), d(MAX_DEGREE + 1, 3)
-    integer :: n(3), i, j, k, a
+    integer :: n(3)
 
     n = cell%degree + 1
     call spline(cell%degree(1), cell%c1, xi(1), f(:, 1), d(:, 1))
     call spline(cell%degree(2), cell%c2, xi(2), f(:, 2), d(:, 2))
     call spline(cell%degree(3), cell%c3, xi(3), f(:, 3), d(:, 3))
-    a = 0
-    do k = 1, n(3)
-      do j = 1, n(2)
-        do i = 1, n(1)
-          a = a + 1
-          shp(a) = f(i, 1)*f(j, 2)*f(k, 3)
-          dshp(1, a) = d(i, 1)*f(j, 2)*f(k, 3)
-          dshp(2, a) = f(i, 1)*d(j, 2)*f(k, 3)
-          dshp(3, a) = f(i, 1)*f(j, 2)*d(k, 3)
-        end do
-      end do
-    end do
-    if (allocated(cell%w)) call make_rational(cell%w(:a), shp(:a), dshp(:, :a))
+    call tensor_functions(f(:n(1), 1), d(:n(1), 1), f(:n(2), 2), d(:n(2), 2), &
+                          f(:n(3), 3), d(:n(3), 3), shp, dshp)
+    if (allocated(cell%w)) call make_rational(cell%w, shp, dshp)
   end subroutine functions
 
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology
 
-    call tensor_faces(cell, topology)
+    call join_faces(tensor_marks(cell), topology)
     topology%vtk = VTK_BEZIER_HEXAHEDRON
   end subroutine set_topology
 

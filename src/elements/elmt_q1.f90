@@ -7,7 +7,7 @@
 module elmt_q1
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
-  use hexa_shape, only: linear, tensor_rule, join_faces, CORNER
+  use hexa_shape, only: corner_functions, tensor_rule, join_faces, CORNER_MARKS
   use solid_form, only: form
   use solid_simd, only: choose_batch
   implicit none
@@ -22,14 +22,8 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'Q1'
-    row%deck_nodes = 8
-    row%degree = 1
-    row%source = 'tri-linear hexahedron'
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%form => form
+    row = element_t(name='Q1', deck_nodes=8, degree=1, source='tri-linear hexahedron', &
+                    rule=set_rule, functions=functions, topology=set_topology, form=form)
     call choose_batch(row%form_batch)
   end function describe
 
@@ -49,35 +43,16 @@ contains
     real(wp), intent(out) :: shp(:)     !! (8)
     real(wp), intent(out) :: dshp(:, :) !! (3, 8)
 
-    real(wp) :: f(2, 3), d(2, 3)
-    integer :: a, n(3)
-
     associate (unused => cell); end associate
-    do a = 1, 3
-      call linear(xi(a), f(:, a), d(:, a))
-    end do
-    do a = 1, 8
-      n = (CORNER(:, a) + 3)/2
-      shp(a) = f(n(1), 1)*f(n(2), 2)*f(n(3), 3)
-      dshp(1, a) = d(n(1), 1)*f(n(2), 2)*f(n(3), 3)
-      dshp(2, a) = f(n(1), 1)*d(n(2), 2)*f(n(3), 3)
-      dshp(3, a) = f(n(1), 1)*f(n(2), 2)*d(n(3), 3)
-    end do
+    call corner_functions(1, 8, xi, shp, dshp)
   end subroutine functions
 
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology
 
-    logical :: on(8, 6)
-    integer :: a
-
     associate (unused => cell); end associate
-    do a = 1, 3
-      on(:, 2*a - 1) = CORNER(a, :) < 0
-      on(:, 2*a) = CORNER(a, :) > 0
-    end do
-    call join_faces(on, topology)
+    call join_faces(CORNER_MARKS, topology)
     topology%vtk = VTK_HEXAHEDRON
     topology%vtk_node = [1, 2, 3, 4, 5, 6, 7, 8]
   end subroutine set_topology

@@ -22,16 +22,10 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'Q1E9'
-    row%deck_nodes = 8
-    row%degree = 1
-    row%source = 'tri-linear hexahedron, nine enhanced modes (Simo and Armero 1992)'
-    row%nmode = 3
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%modes => nine_modes
-    row%form => form
+    row = element_t(name='Q1E9', deck_nodes=8, degree=1, &
+                    source='tri-linear hexahedron, nine enhanced modes (Simo and Armero 1992)', &
+                    nmode=3, rule=set_rule, functions=functions, topology=set_topology, &
+                    modes=nine_modes, form=form)
     call choose_batch(row%form_batch)
   end function describe
 

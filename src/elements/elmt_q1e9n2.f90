@@ -23,15 +23,10 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'Q1E9N'
-    row%source = 'linear bulk, isogeometric surface, nine enhanced modes'
-    row%spline = .true.
-    row%nmode = 3
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%modes => nine_modes
-    row%form => form
+    row = element_t(name='Q1E9N', &
+                    source='linear bulk, isogeometric surface, nine enhanced modes', &
+                    spline=.true., nmode=3, rule=set_rule, functions=functions, &
+                    topology=set_topology, modes=nine_modes, form=form)
   end function describe
 
   !> Row of the tapered element.

@@ -8,14 +8,12 @@
 module elmt_q1n2
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
-  use hexa_shape, only: linear, tensor_rule, join_faces, CORNER
+  use hexa_shape, only: linear, corner_functions, tensor_rule, CORNER_MARKS
   use solid_form, only: form
-  use surface_shape, only: surface_functions, surface_count, surface_touches
+  use surface_shape, only: surface_count, layer_functions, layer_faces
   implicit none
   private
   public :: describe, set_rule, functions, set_topology
-
-  integer, parameter :: VTK_BEZIER_HEXAHEDRON = 79
 
 contains
 
@@ -23,13 +21,10 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'Q1N'
-    row%source = 'linear bulk, isogeometric surface; Corbett and Sauer 2015, eq. (15)'
-    row%spline = .true.
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%form => form
+    row = element_t(name='Q1N', &
+                    source='linear bulk, isogeometric surface; Corbett and Sauer 2015, eq. (15)', &
+                    spline=.true., rule=set_rule, functions=functions, topology=set_topology, &
+                    form=form)
   end function describe
 
   subroutine set_rule(cell, q, qz, rule)
@@ -47,44 +42,20 @@ contains
     real(wp), intent(out) :: shp(:)     !! (ncp+4)
     real(wp), intent(out) :: dshp(:, :) !! (3, ncp+4)
 
-    real(wp) :: f(2, 3), d(2, 3)
-    integer :: a, i, j, ncp
+    real(wp) :: f(2), d(2)
+    integer :: ncp
 
-    do a = 1, 3
-      call linear(xi(a), f(:, a), d(:, a))
-    end do
     ncp = surface_count(cell)
-    call surface_functions(cell, xi(:2), shp(:ncp), dshp(:2, :ncp))
-    dshp(3, :ncp) = shp(:ncp)*d(1, 3)
-    dshp(:2, :ncp) = dshp(:2, :ncp)*f(1, 3)
-    shp(:ncp) = shp(:ncp)*f(1, 3)
-    do a = 1, 4
-      i = (CORNER(1, a) + 3)/2
-      j = (CORNER(2, a) + 3)/2
-      shp(ncp + a) = f(i, 1)*f(j, 2)*f(2, 3)
-      dshp(1, ncp + a) = d(i, 1)*f(j, 2)*f(2, 3)
-      dshp(2, ncp + a) = f(i, 1)*d(j, 2)*f(2, 3)
-      dshp(3, ncp + a) = f(i, 1)*f(j, 2)*d(2, 3)
-    end do
+    call linear(xi(3), f, d)
+    call layer_functions(cell, xi, f(1), d(1), shp(:ncp), dshp(:, :ncp))
+    call corner_functions(5, 8, xi, shp(ncp + 1:), dshp(:, ncp + 1:))
   end subroutine functions
 
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology
 
-    logical, allocatable :: on(:, :)
-    integer :: i, ncp
-
-    ncp = surface_count(cell)
-    allocate (on(ncp + 4, 6), source=.false.)
-    call surface_touches(cell, on(:ncp, :4))
-    on(:ncp, 5) = .true.
-    do i = 1, 4
-      on(ncp + i, :) = [CORNER(1, i) < 0, CORNER(1, i) > 0, CORNER(2, i) < 0, CORNER(2, i) > 0, &
-                        .false., .true.]
-    end do
-    call join_faces(on, topology)
-    topology%vtk = VTK_BEZIER_HEXAHEDRON
+    call layer_faces(cell, CORNER_MARKS(5:, :), topology)
   end subroutine set_topology
 
 end module elmt_q1n2

@@ -6,13 +6,13 @@
 module elmt_q2
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
-  use hexa_shape, only: quadratic, tensor_rule, tensor_faces
+  use hexa_shape, only: quadratic, tensor_functions, tensor_rule, tensor_marks, join_faces, &
+                        VTK_BEZIER_HEXAHEDRON
   use solid_form, only: form
   implicit none
   private
   public :: describe, FEAP27
 
-  integer, parameter :: VTK_BEZIER_HEXAHEDRON = 79
   !> Position of FEAP's 27 element nodes in tensor order.
   integer, parameter :: FEAP27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, &
                                       10, 12, 18, 16, 5, 23, 13, 15, 11, 17, 14]
@@ -23,15 +23,9 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'Q2'
-    row%deck_nodes = 27
-    row%degree = 2
-    row%deck_order = FEAP27
-    row%source = 'tri-quadratic Lagrange hexahedron, 27 nodes'
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%form => form
+    row = element_t(name='Q2', deck_nodes=27, degree=2, deck_order=FEAP27, &
+                    source='tri-quadratic Lagrange hexahedron, 27 nodes', rule=set_rule, &
+                    functions=functions, topology=set_topology, form=form)
   end function describe
 
   subroutine set_rule(cell, q, qz, rule)
@@ -51,24 +45,13 @@ contains
     real(wp), intent(out) :: dshp(:, :) !! (3, 27)
 
     real(wp) :: f(3, 3), d(3, 3)
-    integer :: i, j, k, a
+    integer :: i
 
     associate (unused => cell); end associate
     do i = 1, 3
       call quadratic(xi(i), f(:, i), d(:, i))
     end do
-    a = 0
-    do k = 1, 3
-      do j = 1, 3
-        do i = 1, 3
-          a = a + 1
-          shp(a) = f(i, 1)*f(j, 2)*f(k, 3)
-          dshp(1, a) = d(i, 1)*f(j, 2)*f(k, 3)
-          dshp(2, a) = f(i, 1)*d(j, 2)*f(k, 3)
-          dshp(3, a) = f(i, 1)*f(j, 2)*d(k, 3)
-        end do
-      end do
-    end do
+    call tensor_functions(f(:, 1), d(:, 1), f(:, 2), d(:, 2), f(:, 3), d(:, 3), shp, dshp)
   end subroutine functions
 
   !> vtk_node is for nodal values: corners, edges, faces, middle, as VTK numbers a
@@ -81,7 +64,7 @@ contains
 
     associate (unused => cell); end associate
     tensor%degree = 2
-    call tensor_faces(tensor, topology)
+    call join_faces(tensor_marks(tensor), topology)
     topology%vtk = VTK_BEZIER_HEXAHEDRON
     topology%vtk_node = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, 10, 12, 18, 16, &
                          13, 15, 11, 17, 5, 23, 14]

@@ -7,14 +7,12 @@
 module elmt_q2n2
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t
-  use hexa_shape, only: quadratic, tensor_rule, join_faces
+  use hexa_shape, only: quadratic, tensor_functions, tensor_rule, tensor_marks
   use solid_form, only: form
-  use surface_shape, only: surface_functions, surface_count, surface_touches
+  use surface_shape, only: surface_count, layer_functions, layer_faces
   implicit none
   private
   public :: describe
-
-  integer, parameter :: VTK_BEZIER_HEXAHEDRON = 79
 
 contains
 
@@ -22,13 +20,10 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'Q2N'
-    row%source = 'quadratic bulk, isogeometric surface; Corbett and Sauer 2015, eq. (16)'
-    row%spline = .true.
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%form => form
+    row = element_t(name='Q2N', spline=.true., rule=set_rule, functions=functions, &
+                    topology=set_topology, form=form, &
+                    source='quadratic bulk, isogeometric surface; Corbett and Sauer 2015, ' &
+                    //'eq. (16)')
   end function describe
 
   subroutine set_rule(cell, q, qz, rule)
@@ -47,51 +42,27 @@ contains
     real(wp), intent(out) :: dshp(:, :) !! (3, ncp+18)
 
     real(wp) :: f(3, 3), d(3, 3)
-    integer :: i, j, k, a, ncp
+    integer :: i, ncp
 
     do i = 1, 3
       call quadratic(xi(i), f(:, i), d(:, i))
     end do
     ncp = surface_count(cell)
-    call surface_functions(cell, xi(:2), shp(:ncp), dshp(:2, :ncp))
-    dshp(3, :ncp) = shp(:ncp)*d(1, 3)
-    dshp(:2, :ncp) = dshp(:2, :ncp)*f(1, 3)
-    shp(:ncp) = shp(:ncp)*f(1, 3)
-    a = ncp
-    do k = 2, 3
-      do j = 1, 3
-        do i = 1, 3
-          a = a + 1
-          shp(a) = f(i, 1)*f(j, 2)*f(k, 3)
-          dshp(1, a) = d(i, 1)*f(j, 2)*f(k, 3)
-          dshp(2, a) = f(i, 1)*d(j, 2)*f(k, 3)
-          dshp(3, a) = f(i, 1)*f(j, 2)*d(k, 3)
-        end do
-      end do
-    end do
+    call layer_functions(cell, xi, f(1, 3), d(1, 3), shp(:ncp), dshp(:, :ncp))
+    call tensor_functions(f(:, 1), d(:, 1), f(:, 2), d(:, 2), f(2:, 3), d(2:, 3), &
+                          shp(ncp + 1:), dshp(:, ncp + 1:))
   end subroutine functions
 
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology
 
-    logical, allocatable :: on(:, :)
-    integer :: i, j, k, a
+    type(cell_t) :: tensor
+    logical :: on(27, 6)
 
-    a = surface_count(cell)
-    allocate (on(a + 18, 6), source=.false.)
-    call surface_touches(cell, on(:a, :4))
-    on(:a, 5) = .true.
-    do k = 2, 3
-      do j = 1, 3
-        do i = 1, 3
-          a = a + 1
-          on(a, :) = [i == 1, i == 3, j == 1, j == 3, .false., k == 3]
-        end do
-      end do
-    end do
-    call join_faces(on, topology)
-    topology%vtk = VTK_BEZIER_HEXAHEDRON
+    tensor%degree = 2
+    on = tensor_marks(tensor)
+    call layer_faces(cell, on(10:, :), topology)
   end subroutine set_topology
 
 end module elmt_q2n2

@@ -20,12 +20,8 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'SURFACE'
-    row%source = 'rigid spline surface, prescribed motion'
-    row%spline = .true.
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
+    row = element_t(name='SURFACE', source='rigid spline surface, prescribed motion', &
+                    spline=.true., rule=set_rule, functions=functions, topology=set_topology)
   end function describe
 
   !> One point: it serves no integral.

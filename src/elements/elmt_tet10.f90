@@ -6,7 +6,7 @@
 !! Source: Zienkiewicz and Taylor 2005
 module elmt_tet10
   use base_kinds, only: wp
-  use collapsed_shape, only: fold_tetrahedron, unfold_rule, cube_rule
+  use collapsed_shape, only: fold_tetrahedron, unfold_rule, collapsed_rule
   use element_type, only: element_t, cell_t, rule_t, topology_t
   use elmt_tet4, only: tetrahedron_faces
   use hexa_shape, only: join_faces
@@ -24,14 +24,9 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'TET10'
-    row%deck_nodes = 10
-    row%degree = 2
-    row%source = 'quadratic tetrahedron, 10 nodes'
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%form => form
+    row = element_t(name='TET10', deck_nodes=10, degree=2, &
+                    source='quadratic tetrahedron, 10 nodes', rule=set_rule, &
+                    functions=functions, topology=set_topology, form=form)
   end function describe
 
   !> Four points of the tetrahedron, or a Gauss cube folded onto it.
@@ -42,9 +37,8 @@ contains
 
     real(wp) :: a, b
 
-    associate (unused => cell); end associate
     if (max(q, qz) > 2) then
-      call cube_rule(max(q, qz), rule)
+      call collapsed_rule(cell, q, qz, rule)
       return
     end if
     a = (5.0_wp + 3.0_wp*sqrt(5.0_wp))/20.0_wp
@@ -64,9 +58,7 @@ contains
     integer :: i, j, a
 
     associate (unused => cell); end associate
-    call fold_tetrahedron(xi, v(2:), dv(:, 2:))
-    v(1) = 1.0_wp - sum(v(2:))
-    dv(:, 1) = -sum(dv(:, 2:), 2)
+    call fold_tetrahedron(xi, v, dv)
     do i = 1, 4
       shp(i) = v(i)*(2.0_wp*v(i) - 1.0_wp)
       dshp(:, i) = (4.0_wp*v(i) - 1.0_wp)*dv(:, i)

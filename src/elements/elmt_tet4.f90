@@ -7,7 +7,7 @@
 !! Limits: locks in bending and above nu = 0.4; TET10 does not
 module elmt_tet4
   use base_kinds, only: wp
-  use collapsed_shape, only: fold_tetrahedron, unfold_rule, cube_rule
+  use collapsed_shape, only: fold_tetrahedron, unfold_rule, collapsed_rule
   use element_type, only: element_t, cell_t, rule_t, topology_t
   use hexa_shape, only: join_faces
   use solid_form, only: form
@@ -23,14 +23,9 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'TET4'
-    row%deck_nodes = 4
-    row%degree = 1
-    row%source = 'linear tetrahedron, 4 nodes; locks: for interiors'
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%form => form
+    row = element_t(name='TET4', deck_nodes=4, degree=1, &
+                    source='linear tetrahedron, 4 nodes; locks: for interiors', rule=set_rule, &
+                    functions=functions, topology=set_topology, form=form)
   end function describe
 
   subroutine set_rule(cell, q, qz, rule)
@@ -39,9 +34,8 @@ contains
     type(rule_t), intent(out) :: rule
     real(wp), parameter :: MIDDLE(3, 1) = 0.25_wp
 
-    associate (unused => cell); end associate
     if (max(q, qz) > 1) then
-      call cube_rule(max(q, qz), rule)
+      call collapsed_rule(cell, q, qz, rule)
     else
       call unfold_rule(MIDDLE, [1.0_wp/6.0_wp], rule)
     end if
@@ -55,9 +49,7 @@ contains
     real(wp), intent(out) :: dshp(:, :) !! (3, 4)
 
     associate (unused => cell); end associate
-    call fold_tetrahedron(xi, shp(2:4), dshp(:, 2:4))
-    shp(1) = 1.0_wp - sum(shp(2:4))
-    dshp(:, 1) = -sum(dshp(:, 2:4), 2)
+    call fold_tetrahedron(xi, shp, dshp)
   end subroutine functions
 
   subroutine set_topology(cell, topology)

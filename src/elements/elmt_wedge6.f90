@@ -7,8 +7,8 @@
 !! Limits: locks like Q1
 module elmt_wedge6
   use base_kinds, only: wp
-  use collapsed_shape, only: fold_triangle, cube_rule
-  use element_type, only: element_t, cell_t, rule_t, topology_t
+  use collapsed_shape, only: fold_triangle, collapsed_rule
+  use element_type, only: element_t, cell_t, topology_t
   use hexa_shape, only: linear, join_faces
   use solid_form, only: form
   implicit none
@@ -23,43 +23,26 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row%name = 'WEDGE6'
-    row%deck_nodes = 6
-    row%degree = 1
-    row%source = 'linear wedge, 6 nodes'
-    row%rule => set_rule
-    row%functions => functions
-    row%topology => set_topology
-    row%form => form
+    row = element_t(name='WEDGE6', deck_nodes=6, degree=1, source='linear wedge, 6 nodes', &
+                    rule=collapsed_rule, functions=functions, topology=set_topology, form=form)
   end function describe
-
-  subroutine set_rule(cell, q, qz, rule)
-    type(cell_t), intent(in) :: cell
-    integer, intent(in) :: q, qz
-    type(rule_t), intent(out) :: rule
-
-    associate (unused => cell); end associate
-    call cube_rule(max(q, qz, 2), rule)
-  end subroutine set_rule
 
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)
     real(wp), intent(out) :: shp(:)     !! (6)
     real(wp), intent(out) :: dshp(:, :) !! (3, 6)
-    real(wp) :: t(3), dt(2, 3), f(2), d(2)
+    real(wp) :: v(3), dv(2, 3), f(2), d(2)
     integer :: a, k
 
     associate (unused => cell); end associate
-    call fold_triangle(xi(:2), t(2:3), dt(:, 2:3))
-    t(1) = 1.0_wp - t(2) - t(3)
-    dt(:, 1) = -dt(:, 2) - dt(:, 3)
+    call fold_triangle(xi(:2), v, dv)
     call linear(xi(3), f, d)
     do k = 1, 2
       do a = 1, 3
-        shp(3*k - 3 + a) = t(a)*f(k)
-        dshp(:2, 3*k - 3 + a) = dt(:, a)*f(k)
-        dshp(3, 3*k - 3 + a) = t(a)*d(k)
+        shp(3*k - 3 + a) = v(a)*f(k)
+        dshp(:2, 3*k - 3 + a) = dv(:, a)*f(k)
+        dshp(3, 3*k - 3 + a) = v(a)*d(k)
       end do
     end do
   end subroutine functions

@@ -6,15 +6,21 @@ module hexa_shape
   use quadrature, only: gauss
   implicit none
   private
-  public :: linear, quadratic, spline, tensor_rule, tensor_faces
-  public :: touches, join_faces, nine_modes, make_rational
-  public :: CORNER
+  public :: linear, quadratic, spline, corner_functions, tensor_functions, make_rational, nine_modes
+  public :: tensor_rule, touches, tensor_marks, join_faces
+  public :: CORNER_MARKS
 
   integer, parameter, public :: MAX_DEGREE = 15 !! of a direction: gauss gives as many points
+  integer, parameter, public :: VTK_BEZIER_HEXAHEDRON = 79
 
   !> Signs of the corners, counter-clockwise from (-,-), lower plane first (FEAP and VTK order).
   integer, parameter :: CORNER(3, 8) = reshape([-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, &
                                                 -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
+
+  !> Which corners lie on the faces xi-, xi+, eta-, eta+, zeta-, zeta+.
+  logical, parameter :: CORNER_MARKS(8, 6) = &
+                        reshape([CORNER(1, :) < 0, CORNER(1, :) > 0, CORNER(2, :) < 0, &
+                                 CORNER(2, :) > 0, CORNER(3, :) < 0, CORNER(3, :) > 0], [8, 6])
 
   !> Functions below this share of the largest are rounding of an extraction operator's zero.
   real(wp), parameter :: ZERO_SHARE = 1.0e-12_wp
@@ -56,6 +62,52 @@ contains
       df(:p + 1) = matmul(c, db(:p + 1))
     end if
   end subroutine spline
+
+  !> Tri-linear functions of the corners first to last, eq. (17).
+  pure subroutine corner_functions(first, last, xi, shp, dshp)
+    integer, intent(in) :: first, last
+    real(wp), intent(in) :: xi(3)
+    real(wp), intent(out) :: shp(first:)     !! (last)
+    real(wp), intent(out) :: dshp(:, first:) !! (3, last)
+
+    real(wp) :: f(2, 3), d(2, 3)
+    integer :: a, n(3)
+
+    do a = 1, 3
+      call linear(xi(a), f(:, a), d(:, a))
+    end do
+    do a = first, last
+      n = (CORNER(:, a) + 3)/2
+      shp(a) = f(n(1), 1)*f(n(2), 2)*f(n(3), 3)
+      dshp(1, a) = d(n(1), 1)*f(n(2), 2)*f(n(3), 3)
+      dshp(2, a) = f(n(1), 1)*d(n(2), 2)*f(n(3), 3)
+      dshp(3, a) = f(n(1), 1)*f(n(2), 2)*d(n(3), 3)
+    end do
+  end subroutine corner_functions
+
+  !> Products of the functions of three directions, the first one fastest.
+  pure subroutine tensor_functions(f1, d1, f2, d2, f3, d3, shp, dshp)
+    real(wp), intent(in) :: f1(:), d1(:) !! functions of direction 1 and their derivatives
+    real(wp), intent(in) :: f2(:), d2(:)
+    real(wp), intent(in) :: f3(:), d3(:)
+    real(wp), intent(out) :: shp(:)      !! (product of their numbers)
+    real(wp), intent(out) :: dshp(:, :)  !! (3, the same)
+
+    integer :: i, j, k, a
+
+    a = 0
+    do k = 1, size(f3)
+      do j = 1, size(f2)
+        do i = 1, size(f1)
+          a = a + 1
+          shp(a) = f1(i)*f2(j)*f3(k)
+          dshp(1, a) = d1(i)*f2(j)*f3(k)
+          dshp(2, a) = f1(i)*d2(j)*f3(k)
+          dshp(3, a) = f1(i)*f2(j)*d3(k)
+        end do
+      end do
+    end do
+  end subroutine tensor_functions
 
   !> Weighted functions over their sum, eqs (11) and (12).
   pure subroutine make_rational(w, f, df)
@@ -147,20 +199,18 @@ contains
     end if
   end subroutine touches
 
-  !> Faces of a tensor-product element, first direction fastest.
-  subroutine tensor_faces(cell, topology)
+  !> Which nodes of a tensor product lie on which face, first direction fastest.
+  pure function tensor_marks(cell) result(on)
     type(cell_t), intent(in) :: cell
-    type(topology_t), intent(inout) :: topology
+    logical :: on(product(cell%degree + 1), 6)
 
     logical :: low(MAX_DEGREE + 1, 3), high(MAX_DEGREE + 1, 3)
-    logical, allocatable :: on(:, :)
     integer :: n(3), i, j, k, a
 
     n = cell%degree + 1
     call touches(cell%degree(1), cell%c1, low(:, 1), high(:, 1))
     call touches(cell%degree(2), cell%c2, low(:, 2), high(:, 2))
     call touches(cell%degree(3), cell%c3, low(:, 3), high(:, 3))
-    allocate (on(product(n), 6))
     a = 0
     do k = 1, n(3)
       do j = 1, n(2)
@@ -170,8 +220,7 @@ contains
         end do
       end do
     end do
-    call join_faces(on, topology)
-  end subroutine tensor_faces
+  end function tensor_marks
 
   !> Lists of nodes from marks: on(a, f) says that node a lies on face f.
   subroutine join_faces(on, topology)

@@ -3,11 +3,12 @@
 module surface_shape
   use base_kinds, only: wp
   use bspline, only: bernstein
-  use element_type, only: cell_t
-  use hexa_shape, only: spline, touches, make_rational, MAX_DEGREE
+  use element_type, only: cell_t, topology_t
+  use hexa_shape, only: spline, tensor_marks, join_faces, make_rational, MAX_DEGREE, &
+                        VTK_BEZIER_HEXAHEDRON
   implicit none
   private
-  public :: surface_functions, surface_count, surface_touches
+  public :: surface_functions, surface_count, surface_touches, layer_functions, layer_faces
 
   !> Entries of an operator below this are rounding: a largest one is about one.
   real(wp), parameter :: NOTHING = 1.0e-12_wp
@@ -56,6 +57,20 @@ contains
     if (allocated(cell%w)) call make_rational(cell%w(:a), f(:a), df(:, :a))
   end subroutine surface_functions
 
+  !> The same times a function of the third direction: the isogeometric face of an element.
+  pure subroutine layer_functions(cell, xi, f3, d3, shp, dshp)
+    type(cell_t), intent(in) :: cell
+    real(wp), intent(in) :: xi(3)
+    real(wp), intent(in) :: f3, d3      !! the function at xi(3) and its derivative
+    real(wp), intent(out) :: shp(:)     !! (ncp)
+    real(wp), intent(out) :: dshp(:, :) !! (3, ncp)
+
+    call surface_functions(cell, xi(:2), shp, dshp(:2, :))
+    dshp(3, :) = shp*d3
+    dshp(:2, :) = dshp(:2, :)*f3
+    shp = shp*f3
+  end subroutine layer_functions
+
   !> N = C B with the operator of the whole element: extraordinary points, T-junctions.
   pure subroutine extracted(cell, xi, f, df)
     type(cell_t), intent(in) :: cell
@@ -88,12 +103,11 @@ contains
     type(cell_t), intent(in) :: cell
     logical, intent(out) :: on(:, :) !! (nf, 4)
 
-    logical :: low(MAX_DEGREE + 1, 2), high(MAX_DEGREE + 1, 2)
-    integer :: i, j, a, n1, n2, nb
+    logical :: marks(product(cell%degree + 1), 6)
+    integer :: a, n1, nb
 
     n1 = cell%degree(1) + 1
-    n2 = cell%degree(2) + 1
-    nb = n1*n2
+    nb = n1*(cell%degree(2) + 1)
     if (allocated(cell%c)) then
       do a = 1, size(on, 1)
         on(a, 1) = lives(cell%c(a, 1:nb:n1))
@@ -103,16 +117,27 @@ contains
       end do
       return
     end if
-    call touches(n1 - 1, cell%c1, low(:, 1), high(:, 1))
-    call touches(n2 - 1, cell%c2, low(:, 2), high(:, 2))
-    a = 0
-    do j = 1, n2
-      do i = 1, n1
-        a = a + 1
-        on(a, :) = [low(i, 1), high(i, 1), low(j, 2), high(j, 2)]
-      end do
-    end do
+    marks = tensor_marks(cell)
+    on = marks(:nb, :4)
   end subroutine surface_touches
+
+  !> Faces of an element whose face zeta- is the isogeometric surface.
+  subroutine layer_faces(cell, upper, topology)
+    type(cell_t), intent(in) :: cell
+    logical, intent(in) :: upper(:, :) !! (other nodes, 6) on which faces these lie
+    type(topology_t), intent(inout) :: topology
+
+    logical, allocatable :: on(:, :)
+    integer :: ncp
+
+    ncp = surface_count(cell)
+    allocate (on(ncp + size(upper, 1), 6), source=.false.)
+    call surface_touches(cell, on(:ncp, :4))
+    on(:ncp, 5) = .true.
+    on(ncp + 1:, :) = upper
+    call join_faces(on, topology)
+    topology%vtk = VTK_BEZIER_HEXAHEDRON
+  end subroutine layer_faces
 
   !> Some Bernstein polynomial of an edge has a share in the function.
   pure logical function lives(c)
