@@ -27,6 +27,7 @@ module deck_record
     procedure :: place
     procedure :: spot
     procedure :: is_empty
+    procedure :: assigns
     procedure :: is_end
     procedure :: is_blank
   end type record_t
@@ -62,6 +63,15 @@ contains
     yes = i < 1 .or. i > record%n
     if (.not. yes) yes = record%last(i) < record%first(i)
   end function is_empty
+
+  !> `name = ...`, as a record of PARAmeters.
+  pure function assigns(record) result(yes)
+    class(record_t), intent(in) :: record
+    logical :: yes
+
+    yes = record%n > 1
+    if (yes) yes = index(record%raw(record%last(1) + 1:record%first(2) - 1), '=') > 0
+  end function assigns
 
   !> The deck has ended.
   pure function is_end(record) result(yes)

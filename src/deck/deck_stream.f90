@@ -253,8 +253,9 @@ contains
   end subroutine get_assignment
 
   !> The records behind PARAmeter, up to a blank one; of several errors the first.
-  subroutine read_parameters(deck, error)
+  subroutine read_parameters(deck, line, error)
     type(deck_t), intent(inout) :: deck
+    integer, intent(out) :: line !! of the blank record
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: found
     type(record_t) :: record
@@ -263,6 +264,7 @@ contains
 
     do
       call deck%next_of_set(record, found)
+      line = record%line
       if (.not. allocated(found)) then
         if (record%kind /= RECORD_WORDS) return
         call get_assignment(deck, record, name, value, found)

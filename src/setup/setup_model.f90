@@ -160,11 +160,11 @@ contains
     read => build%row(r)%read
     call read (build, deck, without_remark(record), found)
     if (.not. allocated(found)) return
-    if (build%row(r)%name == 'PARAmeters' .or. found%code /= DECK_ERROR) then
+    if (len(belongs) > 0 .and. found%place%line == record%line) found%hint = belongs
+    if (build%row(r)%name == 'PARAmeters' .or. record%assigns() .or. found%code /= DECK_ERROR) then
       call move_alloc(found, error) ! what follows would fail without the parameters
       return
     end if
-    if (len(belongs) > 0 .and. found%place%line == record%line) found%hint = belongs
     call build%errors%add(found)
     call deck%stop_loops()
     call skip_set(build, deck, error)
@@ -184,6 +184,7 @@ contains
     associate (row => build%row(build%closed))
       belongs = index(' '//trim(row%records)//' ', ' '//trim(upper(record%key(1)))//' ') > 0
       if (row%has_numbers) belongs = belongs .or. scan(key, '0123456789') == 1
+      if (row%name == 'PARAmeters') belongs = record%assigns()
       if (belongs) hint = quoted(record%text(1))//' may belong to '//trim(row%name) &
                           //', which the blank record in line ' &
                           //to_text(build%closed_line)//' closed'
@@ -223,6 +224,10 @@ contains
       to_blank = .true.
     end if
     call fail(found, DECK_ERROR, 'unknown word '//quoted(record%text(1)), record%place(1), hint)
+    if (record%assigns()) then
+      call move_alloc(found, error) ! what follows would fail without the parameter
+      return
+    end if
     call build%errors%add(found)
     call deck%stop_loops()
     build%incomplete = .true.

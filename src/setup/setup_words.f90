@@ -24,7 +24,7 @@ contains
 
     call check_count(record, 1, 1, 'PARAmeters stands alone; name = expression follow', error)
     if (allocated(error)) return
-    call read_parameters(deck, error)
+    call read_parameters(deck, build%closed_line, error)
     if (.not. allocated(error)) build%in_set = .false.
   end subroutine read_para
 
