@@ -162,32 +162,13 @@ contains
 
     real(wp) :: t(NB, 3, 3), h(NB, 3, 3), dg(NB, 3, 3), m(NB, 3, NM), jac(NB), det(NB)
     logical :: fine(NB)
-    integer :: b, i, j, l
+    integer :: j, l
 
     call set_map(basis%dshp(:, :, q), xr, t)
     call invert(t, jac, ok)
     call set_map(basis%dshp(:, :, q), u, h)
-    do j = 1, 3
-      !$omp simd
-      do l = 1, NB
-        dg(l, 1, j) = h(l, 1, 1)*t(l, 1, j) + h(l, 1, 2)*t(l, 2, j) + h(l, 1, 3)*t(l, 3, j)
-        dg(l, 2, j) = h(l, 2, 1)*t(l, 1, j) + h(l, 2, 2)*t(l, 2, j) + h(l, 2, 3)*t(l, 3, j)
-        dg(l, 3, j) = h(l, 3, 1)*t(l, 1, j) + h(l, 3, 2)*t(l, 2, j) + h(l, 3, 3)*t(l, 3, j)
-      end do
-    end do
-    do b = 1, basis%nmode
-      do j = 1, 3
-        !$omp simd
-        do l = 1, NB
-          m(l, j, b) = (jac0(l)/jac(l))*(centre(l, 1, j)*basis%mode(1, b, q) &
-                                         + centre(l, 2, j)*basis%mode(2, b, q) &
-                                         + centre(l, 3, j)*basis%mode(3, b, q))
-          dg(l, 1, j) = dg(l, 1, j) + a(l, 1, b)*m(l, j, b)
-          dg(l, 2, j) = dg(l, 2, j) + a(l, 2, b)*m(l, j, b)
-          dg(l, 3, j) = dg(l, 3, j) + a(l, 3, b)*m(l, j, b)
-        end do
-      end do
-    end do
+    call multiply(h, t, dg)
+    if (basis%nmode > 0) call enhance(basis, q, centre, jac0, jac, a, m, dg)
     do j = 1, 3
       dg(:, j, j) = dg(:, j, j) + 1.0_wp
     end do
@@ -203,15 +184,63 @@ contains
     if (material%finite) then
       call invert(dg, det, ok)
       h = t
+      call multiply(h, dg, t)
+    end if
+    call set_gradients(basis, material%finite, q, n, t, dg, m, g, gm)
+  end subroutine evaluate_point
+
+  !> c = a b.
+  pure subroutine multiply(a, b, c)
+    real(wp), intent(in) :: a(NB, 3, 3), b(NB, 3, 3)
+    real(wp), intent(out) :: c(NB, 3, 3)
+
+    integer :: j, l
+
+    do j = 1, 3
+      !$omp simd
+      do l = 1, NB
+        c(l, 1, j) = a(l, 1, 1)*b(l, 1, j) + a(l, 1, 2)*b(l, 2, j) + a(l, 1, 3)*b(l, 3, j)
+        c(l, 2, j) = a(l, 2, 1)*b(l, 1, j) + a(l, 2, 2)*b(l, 2, j) + a(l, 2, 3)*b(l, 3, j)
+        c(l, 3, j) = a(l, 3, 1)*b(l, 1, j) + a(l, 3, 2)*b(l, 2, j) + a(l, 3, 3)*b(l, 3, j)
+      end do
+    end do
+  end subroutine multiply
+
+  !> The modes' covectors at a point, and what they add to the displacement gradient.
+  pure subroutine enhance(basis, q, centre, jac0, jac, a, m, dg)
+    type(basis_t), intent(in) :: basis
+    integer, intent(in) :: q
+    real(wp), intent(in) :: centre(NB, 3, 3), jac0(NB), jac(NB), a(NB, 3, NM)
+    real(wp), intent(out) :: m(NB, 3, NM)
+    real(wp), intent(inout) :: dg(NB, 3, 3)
+
+    integer :: b, j, l
+
+    do b = 1, basis%nmode
       do j = 1, 3
         !$omp simd
         do l = 1, NB
-          t(l, 1, j) = h(l, 1, 1)*dg(l, 1, j) + h(l, 1, 2)*dg(l, 2, j) + h(l, 1, 3)*dg(l, 3, j)
-          t(l, 2, j) = h(l, 2, 1)*dg(l, 1, j) + h(l, 2, 2)*dg(l, 2, j) + h(l, 2, 3)*dg(l, 3, j)
-          t(l, 3, j) = h(l, 3, 1)*dg(l, 1, j) + h(l, 3, 2)*dg(l, 2, j) + h(l, 3, 3)*dg(l, 3, j)
+          m(l, j, b) = (jac0(l)/jac(l))*(centre(l, 1, j)*basis%mode(1, b, q) &
+                                         + centre(l, 2, j)*basis%mode(2, b, q) &
+                                         + centre(l, 3, j)*basis%mode(3, b, q))
+          dg(l, 1, j) = dg(l, 1, j) + a(l, 1, b)*m(l, j, b)
+          dg(l, 2, j) = dg(l, 2, j) + a(l, 2, b)*m(l, j, b)
+          dg(l, 3, j) = dg(l, 3, j) + a(l, 3, b)*m(l, j, b)
         end do
       end do
-    end if
+    end do
+  end subroutine enhance
+
+  !> Gradients of functions and modes, with respect to the shape that the stress acts on.
+  pure subroutine set_gradients(basis, finite, q, n, t, dg, m, g, gm)
+    type(basis_t), intent(in) :: basis
+    logical, intent(in) :: finite
+    integer, intent(in) :: q, n
+    real(wp), intent(in) :: t(NB, 3, 3), dg(NB, 3, 3), m(NB, 3, NM)
+    real(wp), intent(inout) :: g(NB, 3, NC, NEN), gm(NB, 3, NC, NM)
+
+    integer :: b, i, l
+
     do b = 1, NEN
       do i = 1, 3
         !$omp simd
@@ -223,7 +252,7 @@ contains
     end do
     do b = 1, basis%nmode
       do i = 1, 3
-        if (material%finite) then
+        if (finite) then
           !$omp simd
           do l = 1, NB
             gm(l, i, n, b) = dg(l, 1, i)*m(l, 1, b) + dg(l, 2, i)*m(l, 2, b) &
@@ -234,6 +263,6 @@ contains
         end if
       end do
     end do
-  end subroutine evaluate_point
+  end subroutine set_gradients
 
 end module solid_batch
