@@ -27,8 +27,8 @@ def grid(n, low, size, amount, rng):
     return x, lambda i, j, k: i + (n[0] + 1) * (j + (n[1] + 1) * k)
 
 
-def fill(kind, x, c, rng):
-    """Elements (type of Gmsh, nodes) of the cell with the corners c."""
+def fill(kind, x, c, rng=None):
+    """Elements (type of Gmsh, nodes) of the cell with the corners c; the middle node of pyramids is moved at random."""
     if kind == "hexahedra":
         return [(5, c)]
     if kind == "wedges":
@@ -37,13 +37,13 @@ def fill(kind, x, c, rng):
         paths = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
         return [(4, [c[a] for a in ids]) for ids in paths]
     middle = len(x)  # pyramids; the lowest one is two tetrahedra
-    x.append(np.mean([x[a] for a in c], axis=0) + rng.uniform(-0.02, 0.02, 3))
+    x.append(np.mean([x[a] for a in c], axis=0) + (rng.uniform(-0.02, 0.02, 3) if rng else 0))
     low, *others = ([c[a] for a in side] for side in SIDES)
     halves = [(4, [low[0], low[1], low[2], middle]), (4, [low[0], low[2], low[3], middle])]
     return halves + [(7, [*side, middle]) for side in others]
 
 
-def cells(n, x, number, kinds, rng):
+def cells(n, x, number, kinds, rng=None):
     elements = []
     for k, j, i in itertools.product(*(range(m) for m in n[::-1])):
         low = [number(i, j, k), number(i + 1, j, k), number(i + 1, j + 1, k), number(i, j + 1, k)]
