@@ -106,18 +106,28 @@ contains
               hint='more iterations, or AUTO,,dtmin,dtmax; the run will end with code 2')
   end subroutine complain
 
-  !> A converged state on an unstable branch is a warning.
+  !> A converged state on an unstable branch is a warning; after the first it is only logged.
   subroutine look_at_pivots(run)
     type(run_t), intent(inout) :: run
+    character(:), allocatable :: text
     integer :: negative
 
-    negative = run%pass%solve%negative + run%pass%sweep%negative
-    if (.not. run%newton%symmetric .and. run%pass%solve%determinant < 0) negative = max(negative, 1)
     if (.not. run%pass%solve%factorised) return
+    negative = run%pass%solve%negative + run%pass%sweep%negative
+    text = to_text(negative)//' negative pivots'
+    if (negative == 0 .and. .not. run%newton%symmetric .and. run%pass%solve%determinant < 0) then
+      negative = 1
+      text = 'the determinant of the tangent is negative'
+    end if
     if (negative > 0 .and. run%negative_pivots == 0) then
-      call warn('step '//to_text(run%state%step)//' converged to an unstable state: ' &
-                //to_text(negative)//' negative pivots', hint='hourglassing (ENHAnced in ' &
-                //'compression), buckling or a limit point; look at the deformed shape')
+      text = 'step '//to_text(run%state%step)//' converged to an unstable state: '//text
+      if (run%unstable) then
+        call log_line(text)
+      else
+        call warn(text//'; the log names later ones', hint='hourglassing (ENHAnced in ' &
+                  //'compression), buckling or a limit point; look at the deformed shape')
+      end if
+      run%unstable = .true.
     end if
     run%negative_pivots = negative
   end subroutine look_at_pivots

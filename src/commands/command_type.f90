@@ -114,6 +114,7 @@ module command_type
     logical :: dry = .false.           !! commands only check their fields
     type(timers_t) :: timers
     logical :: failed_step = .false.   !! some step was closed unconverged
+    logical :: unstable = .false.      !! the user was warned of an unstable state
     integer :: iterations = 0, cutbacks = 0, negative_pivots = 0
     integer :: nfactor = 0             !! load tables of the whole run
     logical :: files_open = .false., result_open = .false.

@@ -1,7 +1,7 @@
 !> Load control is left where it fails, and taken up again.
 module path_switch
   use base_kinds, only: wp
-  use base_log, only: log_line
+  use base_log, only: log_line, warn
   use base_text, only: to_text
   use command_type, only: run_t
   use dynamics_type, only: new_dynamics, BACKWARD_EULER
@@ -33,7 +33,7 @@ contains
       return
     end if
     if (.not. run%path%given) then
-      run%path%method = merge(PATH_DYNAMIC, PATH_OFF, any(run%model%contact(:)%has_cohesive))
+      run%path%method = merge(PATH_DYNAMIC, PATH_OFF, size(run%model%contact) > 0)
     end if
     yes = may_leave(run%path, (run%control%to - run%control%from)/run%control%dt)
     if (.not. yes) return
@@ -41,6 +41,12 @@ contains
     if (.not. yes) return
     call leave_statics(run%path)
     run%state%dynamics%on = .true.
+    if (.not. (run%path%given .or. run%path%told)) then
+      run%path%told = .true.
+      call warn('load control ends at time '//to_text(run%plan%time) &
+                //'; the run goes on with inertia where it must', &
+                hint='the log says where and why; ARCLength,OFF in the deck: the run ends here')
+    end if
     call log_line('path: load control ends at time '//to_text(run%plan%time)//': '//why)
     call log_line('path: on with inertia, implicit Euler steps, density ' &
                   //to_text(run%state%dynamics%density)//' in units of force, length and TIME')

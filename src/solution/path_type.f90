@@ -19,6 +19,7 @@ module path_type
   type :: path_t
     integer :: method = PATH_OFF       !! what follows where load control ends
     logical :: given = .false.         !! the deck chose it
+    logical :: told = .false.          !! the user was warned that load control was left
     real(wp) :: density = -1.0_wp      !! the deck's [M/L^3]; negative: from the work done
     logical :: away = .false.          !! load control was left
     logical :: trial = .false.         !! the step under way tries it again

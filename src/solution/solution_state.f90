@@ -47,12 +47,13 @@ contains
     end do
   end subroutine new_state
 
-  !> Energies are booked where a curve asks for them, and where bonds do: their path may need it.
+  !> Energies are booked where a curve asks for them, and where there is contact: the path may need
+  !! them.
   pure logical function keeps_books(model) result(yes)
     type(model_t), intent(in) :: model
     integer :: i
 
-    yes = any(model%contact(:)%has_cohesive)
+    yes = size(model%contact) > 0
     do i = 1, size(model%curve)
       yes = yes .or. any(model%curve(i)%quantity(:)%kind == Q_BOOK)
     end do
