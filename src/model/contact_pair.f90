@@ -137,6 +137,7 @@ module contact_pair
   !> One contact's history.
   type :: contact_state_t
     type(contact_points_t) :: side(2)
+    logical :: passed = .false.              !! the user was told that points passed depth
   end type contact_state_t
 
 end module contact_pair

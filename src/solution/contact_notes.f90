@@ -189,10 +189,11 @@ contains
   !> A step is about to be accepted: say which contacts it has closed or lost.
   subroutine note_lost_contacts(model, state)
     type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
+    type(state_t), intent(inout) :: state
     integer :: c, n(2)
 
     do c = 1, size(model%contact)
+      call warn_passed(model%contact(c), state%contact(c))
       associate (side => state%contact(c)%side)
         n = [count(side(1)%state /= OPEN), count(side(2)%state /= OPEN)]
       end associate
@@ -205,5 +206,27 @@ contains
       end if
     end do
   end subroutine note_lost_contacts
+
+  !> Points that were in contact and are now deeper than DEPTh: the bodies pass through each other.
+  subroutine warn_passed(contact, state)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(inout) :: state
+    integer :: k, n
+
+    if (state%passed) return
+    n = 0
+    do k = 1, 2
+      associate (side => state%side(k))
+        n = n + count(side%state_step /= OPEN .and. side%state == OPEN .and. side%foot > 0 &
+                      .and. side%gap < -contact%depth)
+      end associate
+    end do
+    state%passed = n > 0
+    if (state%passed) then
+      call warn("contact '"//contact%name//"': "//to_text(n)//' points in contact got deeper ' &
+                //'than '//to_text(contact%depth)//' (DEPTh): they are none now, the bodies pass ' &
+                //'through each other', contact%place, 'a stiffer penalty, or a larger DEPTh')
+    end if
+  end subroutine warn_passed
 
 end module contact_notes
