@@ -3,7 +3,7 @@ module base_sort
   use base_kinds, only: wp, i8
   implicit none
   private
-  public :: sort, sort_index, unique, find
+  public :: sort, sort_index, unique, find, hash
 
   !> Positions that make the keys rise; equal keys keep their order.
   interface sort_index
@@ -129,5 +129,17 @@ contains
     end do
     at = 0
   end function find
+
+  !> The same number for the same list, mostly another one for another: a key to sort lists by.
+  pure integer(i8) function hash(list)
+    integer, intent(in) :: list(:)
+    integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
+    integer :: i
+
+    hash = size(list)
+    do i = 1, size(list)
+      hash = mod(hash*FACTOR + list(i), MODULUS)
+    end do
+  end function hash
 
 end module base_sort

@@ -9,6 +9,7 @@
 module contact_cohesion
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_point, only: outer
   use contact_type, only: cohesion_t
   use contact_work, only: work_t, position_on, tangents_on
   implicit none
@@ -128,15 +129,5 @@ contains
     call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
     needed = 2*norm2(at - partner) > (1.0_wp - NEARLY)*contact%released
   end subroutine ask_foot
-
-  pure function outer(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3, 3)
-    integer :: j
-
-    do j = 1, 3
-      c(:, j) = a*b(j)
-    end do
-  end function outer
 
 end module contact_cohesion

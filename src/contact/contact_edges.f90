@@ -6,7 +6,7 @@
 module contact_edges
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
-  use base_sort, only: sort_index, unique
+  use base_sort, only: sort_index, unique, hash
   use base_text, only: to_text
   use contact_pair, only: surface_t
   use contact_parts, only: edge_point, part_list_t, try_part, set_parts
@@ -96,17 +96,6 @@ contains
     end associate
     list = unique(pack(surface%node(surface%first(e):surface%first(e + 1) - 1), on))
   end function trace_nodes
-
-  pure integer(i8) function hash(list)
-    integer, intent(in) :: list(:)
-    integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
-    integer :: i
-
-    hash = size(list)
-    do i = 1, size(list)
-      hash = mod(hash*FACTOR + list(i), MODULUS)
-    end do
-  end function hash
 
   subroutine edge_points(xr, surface, e, k, x)
     real(wp), intent(in) :: xr(:, :)

@@ -11,7 +11,7 @@ module contact_point
   use contact_type, only: OPEN, TOUCH
   implicit none
   private
-  public :: point_t, slope_t, traction_at
+  public :: point_t, slope_t, traction_at, outer
 
   !> A distance this small, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
@@ -175,6 +175,7 @@ contains
     end if
   end function inverse
 
+  !> a b^T; here and not in tensor, so that it is compiled into the loops of a point.
   pure function outer(a, b) result(c)
     real(wp), intent(in) :: a(3), b(3)
     real(wp) :: c(3, 3)

@@ -3,7 +3,7 @@ module hexa_shape
   use base_kinds, only: wp
   use bspline, only: bernstein
   use element_type, only: cell_t, rule_t, topology_t
-  use quadrature, only: gauss
+  use quadrature, only: gauss_hex
   implicit none
   private
   public :: linear, quadratic, spline, corner_functions, tensor_functions, make_rational, nine_modes
@@ -155,32 +155,10 @@ contains
     n = usual
     if (q > 0) n(:2) = q
     if (qz > 0) n(3) = qz
-    call fill_rule(n, rule)
-  end subroutine tensor_rule
-
-  subroutine fill_rule(n, rule)
-    integer, intent(in) :: n(3)
-    type(rule_t), intent(inout) :: rule
-
-    real(wp) :: x1(n(1)), x2(n(2)), x3(n(3)), w1(n(1)), w2(n(2)), w3(n(3))
-    integer :: i, j, k, p
-
-    call gauss(n(1), x1, w1)
-    call gauss(n(2), x2, w2)
-    call gauss(n(3), x3, w3)
     rule%nq = product(n)
     allocate (rule%xi(3, rule%nq), rule%wgt(rule%nq))
-    p = 0
-    do k = 1, n(3)
-      do j = 1, n(2)
-        do i = 1, n(1)
-          p = p + 1
-          rule%xi(:, p) = [x1(i), x2(j), x3(k)]
-          rule%wgt(p) = w1(i)*w2(j)*w3(k)
-        end do
-      end do
-    end do
-  end subroutine fill_rule
+    call gauss_hex(n(1), n(2), n(3), rule%xi, rule%wgt)
+  end subroutine tensor_rule
 
   !> Which functions of one direction are not zero at its two ends.
   pure subroutine touches(p, c, low, high)

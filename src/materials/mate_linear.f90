@@ -9,6 +9,7 @@
 module mate_linear
   use base_kinds, only: wp
   use material_type, only: material_t, E_MOD, NU, MU, LAMBDA, NB
+  use tensor, only: isotropic
   implicit none
   private
   public :: describe
@@ -51,15 +52,9 @@ contains
     logical, intent(out) :: ok
 
     real(wp) :: lam, mus
-    integer :: i
 
     call moduli(prop, dg, tau, lam, mus, ok)
-    c = 0.0_wp
-    c(1:3, 1:3) = lam
-    do i = 1, 3
-      c(i, i) = lam + 2.0_wp*mus
-      c(i + 3, i + 3) = mus
-    end do
+    c = isotropic(lam, mus)
   end subroutine stress
 
   !> Stress and the Lame parameters.

@@ -14,7 +14,7 @@
 module mate_neohooke
   use base_kinds, only: wp
   use material_type, only: material_t, E_MOD, NU, VOLUME, MU, LAMBDA, NB
-  use tensor, only: det3
+  use tensor, only: det3, isotropic
   implicit none
   private
   public :: describe
@@ -59,15 +59,9 @@ contains
     logical, intent(out) :: ok
 
     real(wp) :: lam, mus
-    integer :: i
 
     call moduli(prop, dg, tau, lam, mus, ok)
-    c = 0.0_wp
-    c(1:3, 1:3) = lam
-    do i = 1, 3
-      c(i, i) = lam + 2.0_wp*mus
-      c(i + 3, i + 3) = mus
-    end do
+    c = isotropic(lam, mus)
   end subroutine stress
 
   !> Kirchhoff stress and the two moduli.

@@ -9,7 +9,7 @@ module bspline
   use base_kinds, only: wp
   implicit none
   private
-  public :: spline_t, new_spline, nfunction, nspan, span_list, find_span, same_spline
+  public :: spline_t, new_spline, nfunction, nspan, span_list, find_span
   public :: blossom, basis_functions, basis_derivatives, bernstein, greville, extraction
 
   !> A spline space in one direction.
@@ -57,13 +57,6 @@ contains
 
     k = pack([(i, i=1, size(s%knots) - 1)], s%knots(2:) > s%knots(:size(s%knots) - 1))
   end subroutine span_list
-
-  pure logical function same_spline(a, b)
-    type(spline_t), intent(in) :: a, b
-
-    same_spline = a%degree == b%degree .and. size(a%knots) == size(b%knots)
-    if (same_spline) same_spline = .not. any(abs(a%knots - b%knots) > 0.0_wp)
-  end function same_spline
 
   !> Span of u: knots(k) <= u < knots(k+1); at the upper end the last span.
   pure integer function find_span(s, u) result(k)

@@ -4,8 +4,7 @@ module lapack
   use base_kinds, only: wp
   implicit none
   private
-  public :: dgemm, dgemv, dsyrk, dsyr2k, dgbsv, dgesv, dgetrf, dgetrs, dsytrf, dsytrs, dpotrf, &
-            dpotrs, dsyev
+  public :: dgemm, dgbsv, dgesv, dgetrf, dgetrs, dsyev
 
   interface
     pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
@@ -16,33 +15,6 @@ module lapack
       real(wp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
       real(wp), intent(inout) :: c(ldc, *)
     end subroutine dgemm
-
-    subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
-      import :: wp
-      implicit none
-      character, intent(in) :: trans
-      integer, intent(in) :: m, n, lda, incx, incy
-      real(wp), intent(in) :: alpha, beta, a(lda, *), x(*)
-      real(wp), intent(inout) :: y(*)
-    end subroutine dgemv
-
-    subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
-      import :: wp
-      implicit none
-      character, intent(in) :: uplo, trans
-      integer, intent(in) :: n, k, lda, ldc
-      real(wp), intent(in) :: alpha, beta, a(lda, *)
-      real(wp), intent(inout) :: c(ldc, *)
-    end subroutine dsyrk
-
-    subroutine dsyr2k(uplo, trans, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
-      import :: wp
-      implicit none
-      character, intent(in) :: uplo, trans
-      integer, intent(in) :: n, k, lda, ldb, ldc
-      real(wp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
-      real(wp), intent(inout) :: c(ldc, *)
-    end subroutine dsyr2k
 
     subroutine dgbsv(n, kl, ku, nrhs, ab, ldab, ipiv, b, ldb, info)
       import :: wp
@@ -77,45 +49,6 @@ module lapack
       real(wp), intent(inout) :: b(ldb, *)
       integer, intent(out) :: info
     end subroutine dgetrs
-
-    subroutine dsytrf(uplo, n, a, lda, ipiv, work, lwork, info)
-      import :: wp
-      implicit none
-      character, intent(in) :: uplo
-      integer, intent(in) :: n, lda, lwork
-      real(wp), intent(inout) :: a(lda, *)
-      integer, intent(out) :: ipiv(*), info
-      real(wp), intent(out) :: work(*)
-    end subroutine dsytrf
-
-    subroutine dsytrs(uplo, n, nrhs, a, lda, ipiv, b, ldb, info)
-      import :: wp
-      implicit none
-      character, intent(in) :: uplo
-      integer, intent(in) :: n, nrhs, lda, ldb, ipiv(*)
-      real(wp), intent(in) :: a(lda, *)
-      real(wp), intent(inout) :: b(ldb, *)
-      integer, intent(out) :: info
-    end subroutine dsytrs
-
-    subroutine dpotrf(uplo, n, a, lda, info)
-      import :: wp
-      implicit none
-      character, intent(in) :: uplo
-      integer, intent(in) :: n, lda
-      real(wp), intent(inout) :: a(lda, *)
-      integer, intent(out) :: info
-    end subroutine dpotrf
-
-    subroutine dpotrs(uplo, n, nrhs, a, lda, b, ldb, info)
-      import :: wp
-      implicit none
-      character, intent(in) :: uplo
-      integer, intent(in) :: n, nrhs, lda, ldb
-      real(wp), intent(in) :: a(lda, *)
-      real(wp), intent(inout) :: b(ldb, *)
-      integer, intent(out) :: info
-    end subroutine dpotrs
 
     subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
       import :: wp

@@ -1,12 +1,12 @@
 !> NURBS patches of one, two or three directions in homogeneous coordinates.
 module nurbs
   use base_kinds, only: wp
-  use bspline, only: spline_t, nfunction, nspan, span_list, find_span, basis_derivatives
+  use bspline, only: spline_t, nfunction, nspan, find_span, basis_derivatives
   use bspline_refine, only: with_knots, elevated, insertion_row, elevation_row
   implicit none
   private
-  public :: nurbs_t, spline_t, new_nurbs, elevate, insert_knots, refine, evaluate, face_of
-  public :: uniform_knots, is_rational
+  public :: nurbs_t, spline_t, new_nurbs, elevate, insert_knots, evaluate, face_of, &
+            is_rational
 
   !> A patch. A direction that is not used has degree 0 and one function.
   type :: nurbs_t
@@ -87,32 +87,6 @@ contains
     to = with_knots(patch%dir(d), list)
     call change_space(patch, d, to, insertion_row)
   end subroutine insert_knots
-
-  !> n spans in direction d; n is a multiple of those there are.
-  subroutine refine(patch, d, n)
-    type(nurbs_t), intent(inout) :: patch
-    integer, intent(in) :: d, n
-
-    call insert_knots(patch, d, uniform_knots(patch%dir(d), n))
-  end subroutine refine
-
-  !> The knots that cut every span into equal parts, n spans in all.
-  function uniform_knots(s, n) result(list)
-    type(spline_t), intent(in) :: s
-    integer, intent(in) :: n
-    real(wp), allocatable :: list(:)
-    integer, allocatable :: k(:)
-    integer :: e, i, m
-
-    call span_list(s, k)
-    m = n/size(k)
-    allocate (list(size(k)*(m - 1)))
-    do e = 1, size(k)
-      do i = 1, m - 1
-        list((e - 1)*(m - 1) + i) = s%knots(k(e)) + (s%knots(k(e) + 1) - s%knots(k(e)))*i/m
-      end do
-    end do
-  end function uniform_knots
 
   !> Write the patch in a space of direction d that holds the old one.
   subroutine change_space(patch, d, to, row)

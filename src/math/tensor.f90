@@ -3,11 +3,7 @@ module tensor
   use base_kinds, only: wp
   implicit none
   private
-  public :: det3, inv3, cross, from_voigt, to_voigt, ldl_factor, ldl_solve
-
-  !> Voigt order 11 22 33 12 23 31.
-  integer, parameter, public :: VOIGT(2, 6) = reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 3, 1], [2, 6])
-  integer, parameter, public :: VOIGT_OF(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+  public :: det3, inv3, cross, isotropic, ldl_factor, ldl_solve
 
 contains
 
@@ -48,21 +44,19 @@ contains
     c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
   end function cross
 
-  pure function from_voigt(v) result(a)
-    real(wp), intent(in) :: v(6)
-    real(wp) :: a(3, 3)
+  !> lam 1 x 1 + 2 mu I, the tangent of a law with two moduli; order 11 22 33 12 23 31.
+  pure function isotropic(lam, mu) result(c)
+    real(wp), intent(in) :: lam, mu
+    real(wp) :: c(6, 6)
+    integer :: i
 
-    a = reshape([v(1), v(4), v(6), v(4), v(2), v(5), v(6), v(5), v(3)], [3, 3])
-  end function from_voigt
-
-  !> The symmetric part.
-  pure function to_voigt(a) result(v)
-    real(wp), intent(in) :: a(3, 3)
-    real(wp) :: v(6)
-
-    v = [a(1, 1), a(2, 2), a(3, 3), 0.5_wp*(a(1, 2) + a(2, 1)), 0.5_wp*(a(2, 3) + a(3, 2)), &
-         0.5_wp*(a(3, 1) + a(1, 3))]
-  end function to_voigt
+    c = 0.0_wp
+    c(1:3, 1:3) = lam
+    do i = 1, 3
+      c(i, i) = lam + 2.0_wp*mu
+      c(i + 3, i + 3) = mu
+    end do
+  end function isotropic
 
   !> Factors L D L^T of a symmetric matrix, in place (lower part); the number of negative
   !! entries of D is that of negative eigenvalues (Sylvester).

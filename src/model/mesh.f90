@@ -8,7 +8,7 @@ module mesh
   implicit none
   private
   public :: mesh_t, block_t, extraction_t, operator_t, body_t, body_face_t, group_t, &
-            block_cell
+            block_cell, append_nodes, append_blocks, append_body
 
   !> Bezier extraction operator of one knot span, or of a whole surface element.
   type :: operator_t
@@ -101,5 +101,65 @@ contains
     end if
     if (allocated(block%ext%w)) cell%w = block%ext%w(:, e)
   end subroutine block_cell
+
+  !> Nodes of elements behind those that the mesh has.
+  subroutine append_nodes(mesh, xr, is_control)
+    type(mesh_t), intent(inout) :: mesh
+    real(wp), intent(in) :: xr(:, :)       !! (3, n) [L]
+    logical, intent(in) :: is_control(:)   !! (n)
+    real(wp), allocatable :: all_xr(:, :)
+    logical, allocatable :: all_control(:), all_used(:)
+    integer :: n, m
+
+    n = mesh%nnode
+    m = size(is_control)
+    allocate (all_xr(3, n + m), all_control(n + m), all_used(n + m))
+    if (n > 0) then
+      all_xr(:, :n) = mesh%xr(:, :n)
+      all_control(:n) = mesh%is_control(:n)
+      all_used(:n) = mesh%used(:n)
+    end if
+    all_xr(:, n + 1:) = xr
+    all_control(n + 1:) = is_control
+    all_used(n + 1:) = .true.
+    call move_alloc(all_xr, mesh%xr)
+    call move_alloc(all_control, mesh%is_control)
+    call move_alloc(all_used, mesh%used)
+    mesh%nnode = n + m
+  end subroutine append_nodes
+
+  subroutine append_blocks(mesh, block)
+    type(mesh_t), intent(inout) :: mesh
+    type(block_t), intent(in) :: block(:)
+    type(block_t), allocatable :: longer(:)
+    integer :: i, n
+
+    n = 0
+    if (allocated(mesh%block)) n = size(mesh%block)
+    allocate (longer(n + size(block)))
+    do i = 1, n
+      longer(i) = mesh%block(i)
+    end do
+    do i = 1, size(block)
+      longer(n + i) = block(i)
+    end do
+    call move_alloc(longer, mesh%block)
+  end subroutine append_blocks
+
+  subroutine append_body(mesh, body)
+    type(mesh_t), intent(inout) :: mesh
+    type(body_t), intent(in) :: body
+    type(body_t), allocatable :: longer(:)
+    integer :: i, n
+
+    n = 0
+    if (allocated(mesh%body)) n = size(mesh%body)
+    allocate (longer(n + 1))
+    do i = 1, n
+      longer(i) = mesh%body(i)
+    end do
+    longer(n + 1) = body
+    call move_alloc(longer, mesh%body)
+  end subroutine append_body
 
 end module mesh

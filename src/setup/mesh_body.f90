@@ -5,7 +5,7 @@ module mesh_body
   use base_text, only: to_text, quoted
   use element_table, only: load_elements
   use element_type, only: element_t
-  use mesh, only: mesh_t, block_t, body_t
+  use mesh, only: mesh_t, block_t, body_t, append_nodes, append_blocks, append_body
   use mesh_check, only: check_shapes, check_elements
   use mesh_faces, only: faces_t, find_boundary
   use mesh_file, only: SHAPE, mark_solids
@@ -178,35 +178,12 @@ contains
     type(block_t), intent(in) :: block(:)
     type(body_t), intent(in) :: body
     type(mesh_t), intent(inout) :: mesh
-    type(block_t), allocatable :: blocks(:)
-    type(body_t), allocatable :: bodies(:)
-    real(wp), allocatable :: xr(:, :)
-    logical, allocatable :: control(:), used(:)
-    integer :: n, m
+    logical :: is_control(spec%file%nnode)
 
-    n = size(mesh%block)
-    allocate (blocks(n + size(block)))
-    blocks(:n) = mesh%block
-    blocks(n + 1:) = block
-    call move_alloc(blocks, mesh%block)
-    n = size(mesh%body)
-    allocate (bodies(n + 1))
-    bodies(:n) = mesh%body
-    bodies(n + 1) = body
-    call move_alloc(bodies, mesh%body)
-    n = mesh%nnode
-    m = spec%file%nnode
-    allocate (xr(3, n + m), control(n + m), used(n + m))
-    xr(:, :n) = mesh%xr
-    control(:n) = mesh%is_control
-    used(:n) = mesh%used
-    xr(:, n + 1:) = spec%file%x
-    control(n + 1:) = .false.
-    used(n + 1:) = .true.
-    call move_alloc(xr, mesh%xr)
-    call move_alloc(control, mesh%is_control)
-    call move_alloc(used, mesh%used)
-    mesh%nnode = n + m
+    is_control = .false.
+    call append_blocks(mesh, block)
+    call append_body(mesh, body)
+    call append_nodes(mesh, spec%file%x, is_control)
   end subroutine append
 
 end module mesh_body

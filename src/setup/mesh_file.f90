@@ -8,7 +8,7 @@ module mesh_file
   implicit none
   private
   public :: mesh_file_t, shape_t, SHAPE, find_shape, reserve, add_element, add_member, &
-            sort_nodes, node_at, mark_solids
+            sort_nodes, mark_solids
 
   !> What an element of a file is: its name, its number of nodes and the name of our element.
   type :: shape_t

@@ -4,7 +4,8 @@ module patch_draft
   use base_kinds, only: wp
   use bspline, only: spline_t, extraction
   use element_type, only: element_t, cell_t
-  use mesh, only: mesh_t, block_t, body_t, body_face_t, operator_t
+  use mesh, only: mesh_t, block_t, body_t, body_face_t, operator_t, append_nodes, &
+                  append_blocks, append_body
   use patch_spec, only: patch_spec_t
   implicit none
   private
@@ -155,46 +156,35 @@ contains
     type(draft_t), intent(inout) :: draft
     type(patch_spec_t), intent(in) :: spec
     type(mesh_t), intent(inout) :: mesh
-    type(block_t), allocatable :: blocks(:)
-    type(body_t), allocatable :: bodies(:)
+    type(body_t) :: body
     integer :: i, f, nblock, nbody, number
 
     nblock = 0
-    number = 0
     if (allocated(mesh%block)) nblock = size(mesh%block)
-    allocate (blocks(nblock + size(draft%block)))
-    do i = 1, nblock
-      blocks(i) = mesh%block(i)
-      if (allocated(blocks(i)%number)) number = max(number, maxval([0, blocks(i)%number]))
-    end do
     nbody = 0
     if (allocated(mesh%body)) nbody = size(mesh%body)
+    number = 0
+    do i = 1, nblock
+      if (allocated(mesh%block(i)%number)) number = max(number, maxval([0, mesh%block(i)%number]))
+    end do
     do i = 1, size(draft%block)
       call finish_block(draft, i, mesh%nnode, nbody + 1, number)
-      blocks(nblock + i) = draft%block(i)
     end do
-    call move_alloc(blocks, mesh%block)
-
-    allocate (bodies(nbody + 1))
-    do i = 1, nbody
-      bodies(i) = mesh%body(i)
+    body%name = spec%name
+    body%place = spec%place
+    body%node = [(mesh%nnode + i, i=1, draft%nnode)]
+    body%mask = draft%mask(:draft%nnode)
+    do f = 1, 6
+      associate (list => draft%face(f), n => draft%nface(f))
+        if (.not. allocated(list%block)) allocate (list%block(0), list%elem(0), list%side(0))
+        body%face(f)%block = list%block(:n) + nblock
+        body%face(f)%elem = list%elem(:n)
+        body%face(f)%side = list%side(:n)
+      end associate
     end do
-    associate (b => bodies(nbody + 1))
-      b%name = spec%name
-      b%place = spec%place
-      b%node = [(mesh%nnode + i, i=1, draft%nnode)]
-      b%mask = draft%mask(:draft%nnode)
-      do f = 1, 6
-        associate (list => draft%face(f), n => draft%nface(f))
-          if (.not. allocated(list%block)) allocate (list%block(0), list%elem(0), list%side(0))
-          b%face(f)%block = list%block(:n) + nblock
-          b%face(f)%elem = list%elem(:n)
-          b%face(f)%side = list%side(:n)
-        end associate
-      end do
-    end associate
-    call move_alloc(bodies, mesh%body)
-    call append_nodes(draft, mesh)
+    call append_blocks(mesh, draft%block)
+    call append_body(mesh, body)
+    call append_nodes(mesh, draft%xr(:, :draft%nnode), draft%is_control(:draft%nnode))
   end subroutine append_draft
 
   !> Numbers of the mesh, and the operators that the block uses.
@@ -227,29 +217,5 @@ contains
       end do
     end associate
   end subroutine finish_block
-
-  subroutine append_nodes(draft, mesh)
-    type(draft_t), intent(in) :: draft
-    type(mesh_t), intent(inout) :: mesh
-    real(wp), allocatable :: xr(:, :)
-    logical, allocatable :: is_control(:), used(:)
-    integer :: n, m
-
-    n = mesh%nnode
-    m = draft%nnode
-    allocate (xr(3, n + m), is_control(n + m), used(n + m))
-    if (n > 0) then
-      xr(:, :n) = mesh%xr(:, :n)
-      is_control(:n) = mesh%is_control(:n)
-      used(:n) = mesh%used(:n)
-    end if
-    xr(:, n + 1:) = draft%xr(:, :m)
-    is_control(n + 1:) = draft%is_control(:m)
-    used(n + 1:) = .true.
-    call move_alloc(xr, mesh%xr)
-    call move_alloc(is_control, mesh%is_control)
-    call move_alloc(used, mesh%used)
-    mesh%nnode = n + m
-  end subroutine append_nodes
 
 end module patch_draft

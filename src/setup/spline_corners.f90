@@ -3,7 +3,7 @@
 !! Two corners are the same point where the same functions have the same values.
 module spline_corners
   use base_kinds, only: wp, i8
-  use base_sort, only: sort_index
+  use base_sort, only: sort_index, hash
   use spline_surface, only: spline_surface_t
   implicit none
   private
@@ -82,17 +82,6 @@ contains
       corner%value = value(order)
     end associate
   end subroutine look_at
-
-  pure integer(i8) function hash(list)
-    integer, intent(in) :: list(:)
-    integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
-    integer :: i
-
-    hash = size(list)
-    do i = 1, size(list)
-      hash = mod(hash*FACTOR + list(i), MODULUS)
-    end do
-  end function hash
 
   pure logical function same(a, b)
     type(corner_t), intent(in) :: a, b

@@ -5,6 +5,7 @@ module spline_measure
   use quadrature, only: gauss
   use spline_surface, only: spline_surface_t
   use surface_shape, only: surface_functions
+  use tensor, only: cross
   implicit none
   private
   public :: surface_measures, surface_at, spline_thickness
@@ -45,13 +46,6 @@ contains
     cell%c = s%op(s%iop(e))%c
     cell%w = s%w(s%node(s%first(e):s%first(e + 1) - 1))
   end subroutine element_cell
-
-  pure function cross(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
   !> Area, sum of the area vectors (zero where the surface is closed) and the volume that the
   !! normals a_1 x a_2 point out of.

@@ -20,7 +20,7 @@ module contact_assembly
   implicit none
   private
   public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
-            add_contact, friction_acts
+            add_contact
 
   real(wp), parameter, public :: ASIDE = 0.1_wp !! of DEPTh: below a surface rather than at it
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr reached

@@ -9,7 +9,7 @@ module point_values
   use solid_recover, only: recovered_t, recover
   implicit none
   private
-  public :: stress_at, body_energy, largest_mises, element_points
+  public :: stress_at, body_energy, largest_mises
 
 contains
 
