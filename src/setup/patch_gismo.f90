@@ -52,8 +52,8 @@ contains
     integer, intent(in) :: ndir
     integer, intent(out) :: first, last
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: found, kind, id, others, what, plural, hint
-    integer :: n, tag, length
+    character(:), allocatable :: found, others, what, plural, hint
+    integer :: n, length
 
     what = 'body'
     plural = ' bodies'
@@ -63,26 +63,7 @@ contains
     end if
     hint = 'a '//what//' is a geometry TensorNurbs'//to_text(ndir)//' or TensorBSpline' &
            //to_text(ndir)
-    found = ''
-    others = ''
-    n = 0
-    first = 0
-    tag = 1
-    do
-      length = index(text%all(tag:), '<Geometry')
-      if (length == 0) exit
-      tag = tag + length - 1
-      kind = attribute(text, tag, 'type')
-      id = attribute(text, tag, 'id')
-      if (kind == 'TensorNurbs'//to_text(ndir) .or. kind == 'TensorBSpline'//to_text(ndir)) then
-        n = n + 1
-        found = found//' '//id
-        if (id == name .or. len_trim(name) == 0) first = tag
-      else
-        others = others//' '//kind
-      end if
-      tag = tag + 1
-    end do
+    call list_geometries(text, name, ndir, n, first, found, others)
     last = len(text%all)
     text%at = 0
     if (n == 0 .and. len(others) > 0) then
@@ -103,6 +84,39 @@ contains
       last = first + length - 2
     end if
   end subroutine choose
+
+  !> Ids of the geometries that fit, and kinds of the others.
+  subroutine list_geometries(text, name, ndir, n, first, found, others)
+    type(text_t), intent(in) :: text
+    character(*), intent(in) :: name
+    integer, intent(in) :: ndir
+    integer, intent(out) :: n     !! how many fit
+    integer, intent(out) :: first !! where the one of the name begins, or the last; 0: there is none
+    character(:), allocatable, intent(out) :: found, others
+    character(:), allocatable :: kind, id
+    integer :: tag, length
+
+    found = ''
+    others = ''
+    n = 0
+    first = 0
+    tag = 1
+    do
+      length = index(text%all(tag:), '<Geometry')
+      if (length == 0) exit
+      tag = tag + length - 1
+      kind = attribute(text, tag, 'type')
+      id = attribute(text, tag, 'id')
+      if (kind == 'TensorNurbs'//to_text(ndir) .or. kind == 'TensorBSpline'//to_text(ndir)) then
+        n = n + 1
+        found = found//' '//id
+        if (id == name .or. len_trim(name) == 0) first = tag
+      else
+        others = others//' '//kind
+      end if
+      tag = tag + 1
+    end do
+  end subroutine list_geometries
 
   !> Value of an attribute of the tag that begins at `tag`; empty where it has none.
   function attribute(text, tag, name) result(value)

@@ -139,7 +139,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical :: inside(3), on(0:7)
     integer, allocatable :: local(:)
-    integer :: a, b, i, v(4)
+    integer :: a, i, v(4)
 
     inside = ijk > 1 .and. ijk < n
     on = [(all(inside .or. CORNER(:, a) == merge(1, 0, ijk == n)), a=0, 7)]
@@ -149,24 +149,10 @@ contains
       case (1)
         number = vertex(local(1) + 1) + 1
       case (2)
-        a = local(1)
-        b = local(2)
-        if (vertex(a + 1) > vertex(b + 1)) then
-          a = local(2)
-          b = local(1)
-        end if
-        i = find_edge(mfem, vertex(a + 1), vertex(b + 1))
-        if (i == 0) then
-          call complain(text, 'element '//to_text(e) &
-                        //' has an edge that the section edges lacks', error)
-          return
-        end if
-        if (nfunction(mfem%dir(mfem%edge(1, i) + 1)) /= n(axis(a, b))) then
-          call complain(text, 'opposite edges of element '//to_text(e) &
-                        //' have different numbers of control points', error)
-          return
-        end if
-        number = mfem%first_edge(i) + inner_index(a, b)
+        if (vertex(local(1) + 1) > vertex(local(2) + 1)) local = local([2, 1])
+        call edge_of(text, mfem, e, n, local, i, error)
+        if (allocated(error)) return
+        number = mfem%first_edge(i) + inner_index(local(1), local(2))
       case (4)
         i = find_face(mfem%face, vertex(local + 1))
         v = [(findloc(vertex, mfem%face(a, i), 1) - 1, a=1, 4)]
@@ -188,5 +174,23 @@ contains
       inner_index = merge(ijk(d) - 1, n(d) - ijk(d), CORNER(d, p) == 0)
     end function inner_index
   end subroutine find_point
+
+  !> The edge between two vertices of an element.
+  subroutine edge_of(text, mfem, e, n, local, i, error)
+    type(text_t), intent(in) :: text
+    type(mfem_t), intent(in) :: mfem
+    integer, intent(in) :: e, n(3), local(2)
+    integer, intent(out) :: i
+    type(error_t), allocatable, intent(out) :: error
+
+    i = find_edge(mfem, mfem%vertex(local(1) + 1, e), mfem%vertex(local(2) + 1, e))
+    if (i == 0) then
+      call complain(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
+                    error)
+    else if (nfunction(mfem%dir(mfem%edge(1, i) + 1)) /= n(axis(local(1), local(2)))) then
+      call complain(text, 'opposite edges of element '//to_text(e) &
+                    //' have different numbers of control points', error)
+    end if
+  end subroutine edge_of
 
 end module patch_mfem_number
