@@ -23,9 +23,9 @@ STEPS = {
 CONVERGED = 0.172838925  # force on a quarter, head of verification/benchmark/section4/reference.csv
 
 
-def run(bezel, out, stem):
-    """Run a deck of input/ into the folder `out`."""
-    command = [str(bezel), "--quiet", "-o", str(out), str(TOP / "input" / f"{stem}.inp")]
+def run(bezel, out, deck):
+    """Run a deck into the folder `out`."""
+    command = [str(bezel), "--quiet", "-o", str(out), str(deck)]
     code = subprocess.run(command).returncode
     if code != 0:
         raise Unreadable(f"'{' '.join(command)}' ended with code {code}")
@@ -34,7 +34,7 @@ def run(bezel, out, stem):
 def draw_cubes(bezel, out):
     """Stress in both cubes, and their forces."""
     for stem in RUNS:
-        run(bezel, out, stem)
+        run(bezel, out, TOP / "input" / f"{stem}.inp")
     forces = [out / f"{s}_force.dat" for s in RUNS]
     errors = [read_table(f).columns["force_3"][-1] / CONVERGED - 1 for f in forces]
     labels = [f"{name}\nforce {100 * e:.2f} % too high" for name, e in zip(RUNS.values(), errors)]
@@ -46,7 +46,7 @@ def draw_cubes(bezel, out):
 
 def draw_twist(bezel, out):
     """Tractions on both surfaces while they stick and slide, and the torque."""
-    run(bezel, out, TWIST)
+    run(bezel, out, TOP / "input" / f"{TWIST}.inp")
     files = [out / f"{TWIST}.vtkhdf"] * len(STEPS)
     contact_map.draw(files, out / "twist.png", step=list(STEPS), labels=list(STEPS.values()),
                      say_step=False)  # fmt: skip

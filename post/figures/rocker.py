@@ -18,6 +18,7 @@ from post import _style, contact_map, field
 from post._error import Unreadable
 from post._screen import prepare
 from post._table import read_table
+from post.figures.demo import run
 from post.mesh import _draw, _draw_junction, _report, _tets, _write, body_of
 from post.mesh._surface import Surface
 
@@ -60,13 +61,10 @@ def draw_mesh(out, mesher):
     _draw_junction.draw(split, out / "figure_junction.png", near=NEAR)
 
 
-def run(bezel, out):
+def solve(bezel, out):
     """Run the deck in its folder; returns the seconds that it took."""
     start = time.perf_counter()
-    command = [str(bezel), "--quiet", "-o", str(out), str(out / "rocker.inp")]
-    code = subprocess.run(command).returncode
-    if code != 0:
-        raise Unreadable(f"'{' '.join(command)}' ended with code {code}")
+    run(bezel, out, out / "rocker.inp")
     return time.perf_counter() - start
 
 
@@ -103,7 +101,7 @@ def main(argv=None):
         _, report = make_body(o.out, mesher, o.refine)
         print(_report.text(report))
         draw_mesh(o.out, mesher)
-        print(f"solved in {run(o.bezel, o.out):.1f} s")
+        print(f"solved in {solve(o.bezel, o.out):.1f} s")
         draw_run(o.out)
     except (Unreadable, OSError) as error:
         print(f"demo-rocker: error: {error}", file=sys.stderr)

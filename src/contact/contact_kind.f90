@@ -12,7 +12,7 @@ module contact_kind
   use contact_pair, only: surface_kind_t
   use hexa_shape, only: make_rational
   use lapack, only: dgesv
-  use quadrature, only: gauss
+  use quadrature, only: gauss, gauss_quad
   implicit none
   private
   public :: find_kind, same_kind, is_mixed, surface_functions_at, make_rational
@@ -100,30 +100,26 @@ contains
     integer, intent(in) :: side, n(2)
     real(wp), intent(out) :: v(:, :) !! (nen, n(1)*n(2))
     type(cell_t) :: plain
-    real(wp) :: x1(n(1)), x2(n(2)), w1(n(1)), w2(n(2)), xi(3)
+    real(wp) :: x(2, n(1)*n(2)), w(n(1)*n(2)), xi(3)
     real(wp) :: dshp(3, size(v, 1)), below(size(v, 1))
-    integer :: d(2), i, j, q
+    integer :: d(2), q
     logical :: mixed
 
     plain = cell
     mixed = is_mixed(cell, size(v, 1), side)
     if (allocated(plain%w)) deallocate (plain%w)
     d = directions(side)
-    call gauss(n(1), x1, w1)
-    call gauss(n(2), x2, w2)
-    do j = 1, n(2)
-      do i = 1, n(1)
-        q = i + n(1)*(j - 1)
-        xi((side + 1)/2) = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
-        xi(d) = [x1(i), x2(j)]
-        if (mixed) then
-          call row%functions(cell, xi, v(:, q), dshp)
-          call row%functions(plain, [xi(1), xi(2), -1.0_wp], below, dshp)
-          v(:, q) = v(:, q)*dot_product(cell%w, below(:size(cell%w)))
-        else
-          call row%functions(plain, xi, v(:, q), dshp)
-        end if
-      end do
+    call gauss_quad(n(1), n(2), x, w)
+    do q = 1, size(w)
+      xi((side + 1)/2) = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
+      xi(d) = x(:, q)
+      if (mixed) then
+        call row%functions(cell, xi, v(:, q), dshp)
+        call row%functions(plain, [xi(1), xi(2), -1.0_wp], below, dshp)
+        v(:, q) = v(:, q)*dot_product(cell%w, below(:size(cell%w)))
+      else
+        call row%functions(plain, xi, v(:, q), dshp)
+      end if
     end do
   end subroutine sample
 

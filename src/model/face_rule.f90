@@ -1,7 +1,8 @@
 !> Points on a face of a hexahedral parent cell.
 module face_rule
   use base_kinds, only: wp
-  use quadrature, only: gauss
+  use quadrature, only: gauss_quad
+  use tensor, only: cross
   implicit none
   private
   public :: face_points, face_normal, face_directions
@@ -17,25 +18,17 @@ contains
     integer, intent(in) :: side
     real(wp), allocatable, intent(out) :: xi(:, :) !! (3, nq)
     real(wp), allocatable, intent(out) :: w(:)     !! (nq)
-    real(wp), allocatable :: x1(:), w1(:), x2(:), w2(:)
-    integer :: d, a, b, i, j, n1, n2, q
+    real(wp), allocatable :: plane(:, :)
+    integer :: d, a, b, n1, n2
 
     call face_directions(side, d, a, b)
     n1 = max((3*degree(a) + 1)/2, levels(inner(a, :)))
     n2 = max((3*degree(b) + 1)/2, levels(inner(b, :)))
-    allocate (x1(n1), w1(n1), x2(n2), w2(n2), xi(3, n1*n2), w(n1*n2))
-    call gauss(n1, x1, w1)
-    call gauss(n2, x2, w2)
-    q = 0
-    do j = 1, n2
-      do i = 1, n1
-        q = q + 1
-        xi(d, q) = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
-        xi(a, q) = x1(i)
-        xi(b, q) = x2(j)
-        w(q) = w1(i)*w2(j)
-      end do
-    end do
+    allocate (plane(2, n1*n2), xi(3, n1*n2), w(n1*n2))
+    call gauss_quad(n1, n2, plane, w)
+    xi(d, :) = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
+    xi(a, :) = plane(1, :)
+    xi(b, :) = plane(2, :)
   end subroutine face_points
 
   !> How many different coordinates there are in [-1,1].
@@ -72,7 +65,7 @@ contains
     call face_directions(side, d, a, b)
     ta = matmul(x, dshp(a, :))
     tb = matmul(x, dshp(b, :))
-    area = [ta(2)*tb(3) - ta(3)*tb(2), ta(3)*tb(1) - ta(1)*tb(3), ta(1)*tb(2) - ta(2)*tb(1)]
+    area = cross(ta, tb)
     if (mod(side, 2) == 1) area = -area
   end subroutine face_normal
 

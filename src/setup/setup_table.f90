@@ -62,7 +62,7 @@ contains
     call add(table, 'MOVE', ALONE, read_move)
     call add(table, 'PRESsure', ALONE, read_pressure)
     call add(table, 'CONTact', WORDS, read_contact, 'SURF NORM FRIC COHE BOND DEPT QUAD')
-    call add(table, 'CURVe', WORDS, read_curve, 'FORC TORQ DISP CONT STRE ENER MAXI')
+    call add(table, 'CURVe', WORDS, read_curve, 'FORC TORQ DISP CONT STRE ENER MAXI BOOK')
   end subroutine load_mesh_words
 
   subroutine add(table, name, follows, read, records)

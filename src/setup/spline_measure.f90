@@ -2,7 +2,7 @@
 module spline_measure
   use base_kinds, only: wp
   use element_type, only: cell_t
-  use quadrature, only: gauss
+  use quadrature, only: gauss_quad
   use spline_surface, only: spline_surface_t
   use surface_shape, only: surface_functions
   use tensor, only: cross
@@ -53,30 +53,26 @@ contains
     type(spline_surface_t), intent(in) :: s
     real(wp), intent(out) :: area, vector(3) !! [L^2]
     real(wp), intent(out) :: volume          !! [L^3]
-    real(wp), allocatable :: x1(:), w1(:), x2(:), w2(:)
+    real(wp), allocatable :: xi(:, :), w(:)
     real(wp) :: x(3), n(3), middle(3)
-    integer :: e, i, j
+    integer :: e, i, nq(2)
 
     area = 0.0_wp
     vector = 0.0_wp
     volume = 0.0_wp
     middle = sum(s%x(:, :s%nnode), 2)/s%nnode
     do e = 1, s%nelem
-      x1 = [(0.0_wp, i=1, min(16, s%degree(1, e) + MORE))]
-      x2 = [(0.0_wp, i=1, min(16, s%degree(2, e) + MORE))]
-      w1 = x1
-      w2 = x2
-      call gauss(size(x1), x1, w1)
-      call gauss(size(x2), x2, w2)
-      do j = 1, size(x2)
-        do i = 1, size(x1)
-          call surface_at(s, e, [x1(i), x2(j)], x, n)
-          n = n*(w1(i)*w2(j))
-          area = area + norm2(n)
-          vector = vector + n
-          volume = volume + dot_product(x - middle, n)/3.0_wp
-        end do
+      nq = min(16, s%degree(:, e) + MORE)
+      allocate (xi(2, product(nq)), w(product(nq)))
+      call gauss_quad(nq(1), nq(2), xi, w)
+      do i = 1, size(w)
+        call surface_at(s, e, xi(:, i), x, n)
+        n = n*w(i)
+        area = area + norm2(n)
+        vector = vector + n
+        volume = volume + dot_product(x - middle, n)/3.0_wp
       end do
+      deallocate (xi, w)
     end do
   end subroutine surface_measures
 

@@ -9,14 +9,14 @@ Prints them; `--write` puts them into the page, between its `<!-- table: name --
 
 import csv
 import pathlib
-import re
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parents[2]
-sys.path.insert(0, str(TOP))
+sys.path[:0] = [str(TOP), str(TOP / "verification")]
 
 import numpy as np  # noqa: E402
+from tradeoff_page import put  # noqa: E402
 
 from post._table import read_table  # noqa: E402
 from post.figures.section5_contact import DOFS, SLIDING, Runs, read_runs, reference_force  # noqa: E402
@@ -40,9 +40,7 @@ def main():
     text = PAGE.read_text() if PAGE.exists() else ""
     for name, lines in tables.items():
         print(f"{name}\n" + "\n".join(lines) + "\n")
-        block = rf"(<!-- table: {name} -->\n).*?(<!-- end -->)"
-        body = "\n".join(lines) + "\n"
-        text = re.sub(block, lambda m, b=body: m[1] + b + m[2], text, flags=re.S)
+        text = put(text, name, "\n".join(lines))
     if "--write" in sys.argv[1:]:
         PAGE.write_text(text)
 
