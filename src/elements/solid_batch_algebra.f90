@@ -47,6 +47,7 @@ contains
 
   !> Blocks (a, b), a = 1 to n, of one function b:
   !! sum_q (g_a . y g_b) 1 + lam g_a x g_b + mus g_b x g_a, weights in y, lam and mus.
+  !! One loop body: the nine sums of a block stay in registers.
   pure subroutine set_column(n, g, gb, y, lam, mus, k)
     integer, intent(in) :: n
     real(wp), intent(in) :: g(NB, 3, NC, n), gb(NB, 3, NC)

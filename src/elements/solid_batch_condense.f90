@@ -153,7 +153,8 @@ contains
     end do
   end subroutine multiply
 
-  !> r - K_ua m and the upper blocks of K - K_ua L.
+  !> r - K_ua m and the upper blocks of K - K_ua L. One loop body: the nine sums of a block stay in
+  !! registers.
   pure subroutine subtract(y, x, m, r, k)
     real(wp), intent(in) :: y(NB, NP, 3, NEN + 1) !! K_au
     real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L
