@@ -31,9 +31,9 @@ contains
              [run%plan%every, run%iterations, run%cutbacks, run%negative_pivots, &
               merge(1, 0, run%failed_step), run%plan%cutbacks, merge(1, 0, run%plan%retry)])
     associate (p => run%path)
-      call put(bag, 'path', [p%method, p%wait, p%steps, merge(1, 0, p%given), merge(1, 0, p%away), &
-                             merge(1, 0, p%trial)])
-      call put(bag, 'path_density', [p%density])
+      call put(bag, 'path', [p%method, p%wait, p%steps, merge(1, 0, p%given), p%way, &
+                             merge(1, 0, p%trial), merge(1, 0, p%spent)])
+      call put(bag, 'path_density', [p%density, p%largest, p%piece])
     end associate
     call put(bag, 'parameters', parameter_values(run))
   end subroutine pack_run
@@ -110,9 +110,12 @@ contains
         p%wait = n(2)
         p%steps = n(3)
         p%given = n(4) == 1
-        p%away = n(5) == 1
+        p%way = n(5)
         p%trial = n(6) == 1
+        p%spent = n(7) == 1
         p%density = x(1)
+        p%largest = x(2)
+        p%piece = x(3)
       end associate
     end if
     call get(bag, 'parameters', x, there(4))

@@ -12,7 +12,7 @@ module command_close
   use energy_book, only: accept_step_end
   use newton, only: close_newton, pass_t
   use path_switch, only: look_after_step
-  use step_control, only: accept_step
+  use step_control, only: accept_step, pass_target
   implicit none
   private
   public :: close_step
@@ -47,7 +47,7 @@ contains
       return
     end if
     if (.not. run%newton%converged) call complain(run, pass)
-    call look_at_pivots(run)
+    if (.not. run%newton%local%on) call look_at_pivots(run)
     call note_lost_contacts(run%model, run%state)
     call accept_step_end(run%newton%asm, run%model, run%state)
     call count_step(run)
@@ -66,6 +66,10 @@ contains
 
     if (.not. run%plan%timed) return
     n = run%newton%iterations - run%newton%before
+    if (run%newton%local%on) then
+      call pass_target(run%control)
+      return
+    end if
     call accept_step(run%control, n)
     if (.not. run%control%reduced) return
     call log_line('  step '//to_text(run%state%step)//' took '//to_text(n) &

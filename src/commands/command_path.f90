@@ -6,7 +6,7 @@ module command_path
   use command_type, only: run_t, command_t, command_row_t, new_row
   use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use energy_type, only: open_book
-  use path_type, only: PATH_OFF, PATH_DYNAMIC
+  use path_type, only: PATH_OFF, PATH_DYNAMIC, PATH_LOCAL
   implicit none
   private
   public :: describe_arcl, describe_tran, describe_mass
@@ -16,7 +16,7 @@ contains
   function describe_arcl() result(row)
     type(command_row_t) :: row
 
-    row = new_row('ARCLength', 'ARCLength [DYNAmic|OFF],[density]', 2, run_arcl)
+    row = new_row('ARCLength', 'ARCLength,[LOCAl|DYNAmic|OFF],[number]', 2, run_arcl)
   end function describe_arcl
 
   function describe_tran() result(row)
@@ -37,27 +37,50 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
-    if (all(command%option /= ['    ', 'dyna', 'off '])) then
-      call fail(error, DECK_ERROR, 'unknown way to follow a path, ' &
-                //quoted(command%record%text(2)), command%record%place(2), &
-                'ARCLength [DYNAmic|OFF],[density]')
-      return
-    end if
-    if (command%x(1) < 0.0_wp) then
-      call fail(error, DECK_ERROR, 'a density is positive', command%record%place(3), &
-                'leave it out: it is then chosen from the work done')
-      return
-    end if
-    run%path%given = .true.
-    run%path%method = merge(PATH_OFF, PATH_DYNAMIC, command%option == 'off')
-    run%path%density = -1.0_wp
-    if (command%x(1) > 0.0_wp) run%path%density = command%x(1)
+    call check_way(run, command, error)
+    if (allocated(error)) return
     if (run%dry) return
+    run%path%given = .true.
+    run%path%density = -1.0_wp
+    select case (command%option)
+    case ('off')
+      run%path%method = PATH_OFF
+    case ('loca')
+      run%path%method = PATH_LOCAL
+      if (command%x(1) > 0.0_wp) run%path%largest = command%x(1)
+    case default
+      run%path%method = PATH_DYNAMIC
+      if (command%x(1) > 0.0_wp) run%path%density = command%x(1)
+    end select
     if (.not. allocated(run%state%dynamics%v)) then
       call new_dynamics(run%state%dynamics, run%model%mesh%nnode)
     end if
     if (.not. run%state%energy%on) call open_book(run%state%energy, run%model%mesh%nnode)
   end subroutine run_arcl
+
+  !> The way and its number.
+  subroutine check_way(run, command, error)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+
+    if (all(command%option /= ['    ', 'dyna', 'loca', 'off '])) then
+      call fail(error, DECK_ERROR, 'unknown way to follow a path, ' &
+                //quoted(command%record%text(2)), command%record%place(2), &
+                'ARCLength,DYNAmic,[density] | LOCAl,[share] | OFF')
+    else if (command%option /= 'loca') then
+      if (command%x(1) >= 0.0_wp) return
+      call fail(error, DECK_ERROR, 'a density is positive', command%record%place(3), &
+                'leave it out: it is then chosen from the work done')
+    else if (.not. any(run%model%contact(:)%has_cohesive)) then
+      call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
+                command%record%place(2), 'a CONTact with COHEsive has bonds; else ' &
+                //'ARCLength,DYNAmic')
+    else if (command%x(1) < 0.0_wp .or. command%x(1) >= 1.0_wp) then
+      call fail(error, DECK_ERROR, 'the share of the bonds that a step releases lies between ' &
+                //'0 and 1', command%record%place(3), 'leave it out: a hundredth')
+    end if
+  end subroutine check_way
 
   !> Bodies move in time, from rest, with the densities of their materials (FEAP).
   subroutine run_tran(run, command, error)

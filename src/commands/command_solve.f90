@@ -9,6 +9,7 @@ module command_solve
   use linear_system, only: FULL, REUSE, SINGLE, LOWRANK
   use model, only: model_t
   use newton, only: newton_pass, form_system, solve_system, begin_newton, pass_t
+  use path_switch, only: note_time
   use solution_state, only: open_step
   implicit none
   private
@@ -151,6 +152,7 @@ contains
       return
     end if
     run%plan%solved = .true.
+    call note_time(run)
     run%iterations = run%iterations + 1
     call show_iteration(run)
     if (run%newton%converged) call leave_loop(run)

@@ -28,7 +28,10 @@ contains
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
 
-    if (run%plan%open) call rewind_step(run)
+    if (run%plan%open) then
+      call rewind_step(run)
+      run%plan%retry = run%plan%cutbacks > 0 ! its cuts are counted on
+    end if
     call write_anchor(run, error)
     if (allocated(error)) return
     call close_files(run, error)

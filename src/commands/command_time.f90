@@ -7,8 +7,8 @@ module command_time
   use command_close, only: close_step
   use command_loop, only: mark_step
   use newton, only: begin_newton
-  use solution_state, only: open_step
-  use step_control, only: set_dt, set_auto, next_step
+  use path_switch, only: begin_way
+  use step_control, only: set_dt, set_auto
   implicit none
   private
   public :: describe_dt, describe_time, describe_auto
@@ -57,7 +57,6 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical :: closed
     integer :: left, top
-    real(wp) :: to
 
     if (run%control%dt <= 0.0_wp) then
       call fail(error, DECK_ERROR, 'TIME without a time step', command%record%place(1), &
@@ -75,8 +74,7 @@ contains
       end if
     end if
     call mark_step(run)
-    to = next_step(run%control, run%state%time, left)
-    call open_step(run%state, to)
+    call begin_way(run, left)
     if (.not. run%plan%retry) run%plan%cutbacks = 0
     run%plan%retry = .false.
     run%plan%timed = .true.

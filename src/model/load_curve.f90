@@ -3,7 +3,7 @@ module load_curve
   use base_kinds, only: wp
   implicit none
   private
-  public :: load_table_t, table_factor, load_factor
+  public :: load_table_t, table_factor, table_slope, load_factor
 
   !> Factor over time. Kind 0: p = t (a blank record alone); kind 1: FEAP's formula;
   !! kind 2: straight lines between pairs, constant beyond both ends.
@@ -50,6 +50,37 @@ contains
       return
     end select
   end function table_factor
+
+  !> Derivative of the factor by time, within a formula's range also at its ends.
+  pure function table_slope(table, time, ahead) result(slope)
+    type(load_table_t), intent(in) :: table
+    real(wp), intent(in) :: time
+    logical, intent(in) :: ahead !! at a corner: of the line behind it, not of the one before
+    real(wp) :: slope
+    real(wp) :: gap, s
+    integer :: i, k
+
+    slope = 0.0_wp
+    select case (table%kind)
+    case (0)
+      slope = 1.0_wp
+    case (1)
+      gap = 8*epsilon(time)*max(abs(time), abs(table%tmin), abs(table%tmax))
+      if (time < table%tmin - gap .or. time > table%tmax + gap) return
+      s = table%a(4)*(time - table%tmin) + table%a(5)
+      k = max(table%power, 1)
+      slope = table%a(2) + table%a(3)*k*sin(s)**(k - 1)*cos(s)*table%a(4)
+    case (2)
+      do i = 2, size(table%t)
+        if (time > table%t(i) .or. (ahead .and. time >= table%t(i))) cycle
+        if (time < table%t(1)) exit
+        slope = (table%p(i) - table%p(i - 1))/(table%t(i) - table%t(i - 1))
+        exit
+      end do
+    case default
+      return
+    end select
+  end function table_slope
 
   !> Factor of a load number: 0 takes the sum of all tables (FEAP); without any table it is 1.
   pure function load_factor(factor, number) result(f)

@@ -1,6 +1,7 @@
 !> External forces: dead loads at the factors of now, and the pressures that follow the surface.
 module external_load
   use base_kinds, only: wp
+  use constraint, only: fold_force
   use csr, only: block_matrix_t, add_element
   use dead_load, only: dead_forces
   use follower_load, only: follower_face
@@ -8,7 +9,7 @@ module external_load
   use model, only: model_t, state_t
   implicit none
   private
-  public :: map_t, external_force, scatter_force
+  public :: map_t, external_force, load_rates, scatter_force
 
   !> Where the blocks of an element matrix go, for one block of elements.
   type :: map_t
@@ -31,6 +32,48 @@ contains
       if (model%bc%pressure(j)%follower) call follower_pressure(model, state, j, map, k, f)
     end do
   end subroutine external_force
+
+  !> Derivative of the external forces by time at fixed displacements.
+  subroutine load_rates(model, state, slope, f)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(in) :: slope(:)         !! (ntable) derivatives of the factors by time
+    real(wp), intent(out) :: f(:, :)         !! (3, nnode)
+    integer :: j
+
+    f = 0.0_wp
+    if (.not. any(abs(slope) > 0.0_wp)) return
+    call dead_forces(model%bc, slope, f)
+    do j = 1, size(model%bc%pressure)
+      if (model%bc%pressure(j)%follower) call pressure_rate(model, state, j, slope, f)
+    end do
+    call fold_force(model%mesh%constraint, f)
+  end subroutine load_rates
+
+  subroutine pressure_rate(model, state, j, slope, f)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: j
+    real(wp), intent(in) :: slope(:)
+    real(wp), intent(inout) :: f(:, :)
+    real(wp), allocatable :: fe(:, :), unused(:, :)
+    real(wp) :: rate
+    integer :: e, i, nen
+
+    rate = model%bc%pressure(j)%value*load_factor(slope, model%bc%pressure(j)%table)
+    do i = 1, size(model%bc%pressure(j)%elem)
+      e = model%bc%pressure(j)%elem(i)
+      associate (block => model%mesh%block(model%bc%pressure(j)%block(i)))
+        nen = block%nen
+        allocate (fe(3, nen), unused(3*nen, 3*nen))
+        call follower_face(block, e, model%bc%pressure(j)%side(i), rate, &
+                           model%mesh%xr(:, block%conn(:, e)) + state%u(:, block%conn(:, e)), &
+                           fe, unused)
+        call scatter_force(block%conn(:, e), fe, f)
+        deallocate (fe, unused)
+      end associate
+    end do
+  end subroutine pressure_rate
 
   !> One follower pressure: forces, and their share of the tangent.
   subroutine follower_pressure(model, state, j, map, k, f)

@@ -8,11 +8,12 @@ module newton
   use linear_system, only: new_linear_system, change_pattern, FULL
   use assembly, only: new_assembler, form
   use line_search, only: search_line, step_by, retreat
+  use local_control, only: solve_local
   use newton_judge, only: judge, energy_tolerance, force_tolerance, is_slow, damping, find_worst, &
                           name_element, count_flips
   use newton_type, only: newton_t, pass_t
   use nodal_vector, only: free_part, full_vector
-  use prescribed, only: prescribed_values
+  use prescribed, only: to_prescribed
   use rounding_floor, only: node_spacing, find_floor
   use solution_state, only: accept_iteration
   use singularity, only: name_singularity
@@ -31,7 +32,6 @@ contains
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    integer :: i, n
 
     newton%iterations = 0
     newton%before = 0
@@ -42,19 +42,7 @@ contains
     newton%sign = 0
     newton%flips = 0
     if (.not. allocated(newton%move)) allocate (newton%move(3, model%mesh%nnode))
-    call prescribed_values(model, state%factor, newton%move)
-    do n = 1, model%mesh%nnode
-      do i = 1, 3
-        if (model%eq(i, n) == 0 .and. model%mesh%used(n)) then
-          newton%move(i, n) = newton%move(i, n) - state%u(i, n)
-        else
-          newton%move(i, n) = 0.0_wp
-        end if
-      end do
-    end do
-    do i = 1, model%mesh%constraint%n ! slaves follow
-      newton%move(:, model%mesh%constraint%slave(i)) = 0.0_wp
-    end do
+    call to_prescribed(model, state%factor, state%u, newton%move)
     newton%moves = any(abs(newton%move) > 0.0_wp)
   end subroutine begin_newton
 
@@ -110,6 +98,10 @@ contains
       call change_pattern(newton%system, newton%asm%k, model%eq, error)
       if (allocated(error)) return
       newton%asm%new_pattern = .false.
+    end if
+    if (newton%local%on) then
+      call solve_local(newton, model, state, FORCING, pass, error)
+      return
     end if
     if (moved) then                       ! tangent predictor for prescribed motion
       call multiply(newton%asm%k, newton%move, force)

@@ -1,6 +1,7 @@
 !> The step under way, as Newton's iteration sees it, and what one pass of it did.
 module newton_type
   use base_kinds, only: wp
+  use local_type, only: local_t
   use linear_system, only: linear_system_t, solve_report_t, FULL
   use assembly, only: assembler_t, sweep_t
   use rounding_floor, only: floor_t
@@ -12,6 +13,7 @@ module newton_type
   type :: newton_t
     type(assembler_t) :: asm
     type(linear_system_t) :: system
+    type(local_t) :: local             !! local control, where it is on
     logical :: ready = .false.         !! pattern and analysis exist
     logical :: symmetric = .true.      !! as they stand
     integer :: mode = FULL             !! FACTor

@@ -1,30 +1,42 @@
 !> How the path of equilibria is followed, and when the way is changed.
 !!
-!! Load control goes as far as it can. Where a small step fails, inertia carries the
-!! model over the snap; when the motion has died down a step of load control is tried again, each
+!! Load control goes as far as it can. Where a small step fails, the release of the bonds is
+!! controlled instead of the load, or inertia carries the model over the snap. Load control is tried
+!! again when loads have risen for whole steps of the deck, or when the motion has died down; each
 !! time after twice as many steps as the last time it failed.
 module path_type
   use base_kinds, only: wp
   implicit none
   private
-  public :: path_t, may_leave, leave_statics, is_quiet, begin_trial, end_trial, fail_trial
+  public :: path_t, may_leave, leave_statics, is_quiet, is_forward, begin_trial, end_trial, &
+            fail_trial, controls_release, adapt_piece, cut_piece
 
-  integer, parameter, public :: PATH_OFF = 0, PATH_DYNAMIC = 1
+  !> What follows where load control ends.
+  integer, parameter, public :: PATH_OFF = 0, PATH_DYNAMIC = 1, PATH_LOCAL = 2
+  !> How the path is followed now.
+  integer, parameter, public :: BY_LOAD = 0, BY_INERTIA = 1, BY_RELEASE = 2
 
   real(wp), parameter :: SMALL = 0.6_wp          !! a step of load control, relative to dt
   integer, parameter :: FIRST_WAIT = 4           !! steps with inertia before load control is tried
+  integer, parameter :: FIRST_FORWARD = 2        !! whole steps of the deck before it is
   integer, parameter :: LONGEST_WAIT = 64
   real(wp), parameter :: QUIET = 1.0e-3_wp       !! inertia, relative to the largest nodal force
+  real(wp), parameter :: LARGEST_PIECE = 0.01_wp !! of the bond that a step releases
+  real(wp), parameter :: SMALLEST_PIECE = 1.0e-6_wp
+  integer, parameter :: FEW = 5, MANY = 9 !! iterations after which a piece grows, or shrinks
 
   type :: path_t
     integer :: method = PATH_OFF       !! what follows where load control ends
     logical :: given = .false.         !! the deck chose it
     logical :: told = .false.          !! the user was warned that load control was left
     real(wp) :: density = -1.0_wp      !! the deck's [M/L^3]; negative: from the work done
-    logical :: away = .false.          !! load control was left
-    logical :: trial = .false.         !! the step under way tries it again
+    integer :: way = BY_LOAD           !! as it is now; BY_LOAD: load control was not left
+    logical :: trial = .false.         !! the step under way tries load control again
+    logical :: spent = .false.         !! no bond is left whose release could be controlled
     integer :: wait = FIRST_WAIT       !! steps before the next trial
     integer :: steps = 0               !! since load control was left, or last tried
+    real(wp) :: largest = LARGEST_PIECE !! share of the bond that a step may release
+    real(wp) :: piece = 0.0_wp         !! share that the next step is to release
   end type path_t
 
 contains
@@ -34,16 +46,25 @@ contains
     type(path_t), intent(in) :: path
     real(wp), intent(in) :: size       !! of the step, relative to dt
 
-    may_leave = path%method /= PATH_OFF .and. .not. path%away .and. size <= SMALL
+    may_leave = path%method /= PATH_OFF .and. path%way == BY_LOAD .and. size <= SMALL
   end function may_leave
 
-  pure subroutine leave_statics(path)
+  pure subroutine leave_statics(path, way)
     type(path_t), intent(inout) :: path
+    integer, intent(in) :: way         !! BY_INERTIA, BY_RELEASE
 
-    path%away = .true.
+    path%way = way
     path%steps = 0
-    path%wait = FIRST_WAIT
+    path%wait = merge(FIRST_FORWARD, FIRST_WAIT, way == BY_RELEASE)
+    path%piece = 0.5_wp*path%largest
   end subroutine leave_statics
+
+  !> The step under way is controlled by the release of the bonds.
+  pure logical function controls_release(path)
+    type(path_t), intent(in) :: path
+
+    controls_release = path%way == BY_RELEASE .and. .not. path%trial
+  end function controls_release
 
   !> A step with inertia is done: has the motion died down, and is a trial due?
   logical function is_quiet(path, inertia, largest)
@@ -54,6 +75,32 @@ contains
     path%steps = path%steps + 1
     is_quiet = path%steps >= path%wait .and. inertia <= QUIET*largest
   end function is_quiet
+
+  !> A step of given release is done: have loads risen for long enough?
+  logical function is_forward(path, whole)
+    type(path_t), intent(inout) :: path
+    logical, intent(in) :: whole       !! it was a whole step of the deck
+
+    path%steps = merge(path%steps + 1, 0, whole)
+    is_forward = path%steps >= path%wait
+  end function is_forward
+
+  !> What the next step is to release, after one that took so many iterations.
+  pure subroutine adapt_piece(path, iterations)
+    type(path_t), intent(inout) :: path
+    integer, intent(in) :: iterations
+
+    if (iterations <= FEW) path%piece = min(1.5_wp*path%piece, path%largest)
+    if (iterations >= MANY) path%piece = max(0.7_wp*path%piece, SMALLEST_PIECE)
+  end subroutine adapt_piece
+
+  !> The step has failed: half of its release. .false.: that is too little.
+  logical function cut_piece(path) result(possible)
+    type(path_t), intent(inout) :: path
+
+    path%piece = 0.5_wp*path%piece
+    possible = path%piece >= SMALLEST_PIECE
+  end function cut_piece
 
   pure subroutine begin_trial(path)
     type(path_t), intent(inout) :: path
@@ -66,11 +113,10 @@ contains
     type(path_t), intent(inout) :: path
 
     path%trial = .false.
-    path%away = .false.
-    path%wait = FIRST_WAIT
+    path%way = BY_LOAD
   end subroutine end_trial
 
-  !> It has failed: on with inertia.
+  !> It has failed: on as before.
   pure subroutine fail_trial(path)
     type(path_t), intent(inout) :: path
 

@@ -7,7 +7,9 @@ module prescribed
   use tensor, only: cross
   implicit none
   private
-  public :: prescribed_values
+  public :: prescribed_values, prescribed_rates, to_prescribed
+
+  real(wp), parameter :: TURN = 1.0e-4_wp !! [rad] to both sides, for the rate of a rotation
 
 contains
 
@@ -40,6 +42,63 @@ contains
       end if
     end do
   end subroutine prescribed_values
+
+  !> What is left of the way to the prescribed displacements at `factor`; zero at free dofs, and at
+  !! slaves, which follow.
+  subroutine to_prescribed(model, factor, u, way)
+    type(model_t), intent(in) :: model
+    real(wp), intent(in) :: factor(:)  !! (ntable)
+    real(wp), intent(in) :: u(:, :)    !! (3, nnode) displacements of now [L]
+    real(wp), intent(out) :: way(:, :) !! (3, nnode) [L]
+
+    call prescribed_values(model, factor, way)
+    way = way - u
+    call leave_free(model, way)
+  end subroutine to_prescribed
+
+  !> Derivative of the prescribed displacements by time, from that of the factors; zero elsewhere.
+  subroutine prescribed_rates(model, factor, slope, rate)
+    type(model_t), intent(in) :: model
+    real(wp), intent(in) :: factor(:)   !! (ntable)
+    real(wp), intent(in) :: slope(:)    !! (ntable) derivatives by time
+    real(wp), intent(out) :: rate(:, :) !! (3, nnode)
+    real(wp), allocatable :: back(:, :)
+    real(wp) :: h
+    integer :: m
+
+    rate = 0.0_wp
+    if (.not. any(abs(slope) > 0.0_wp)) return
+    h = 0.0_wp
+    do m = 1, size(model%bc%motion)
+      if (model%bc%motion(m)%rotates) h = max(h, abs(model%bc%motion(m)%angle))
+    end do
+    if (h > 0.0_wp) then
+      h = TURN/(h*sum(abs(slope)))
+      allocate (back, mold=rate)
+      call prescribed_values(model, factor - h*slope, back)
+      call prescribed_values(model, factor + h*slope, rate)
+      rate = (rate - back)/(2*h)
+    else
+      call prescribed_values(model, slope, rate) ! it is linear
+    end if
+    call leave_free(model, rate)
+  end subroutine prescribed_rates
+
+  !> Zero at free dofs and slaves.
+  pure subroutine leave_free(model, v)
+    type(model_t), intent(in) :: model
+    real(wp), intent(inout) :: v(:, :) !! (3, nnode)
+    integer :: i, n
+
+    do n = 1, model%mesh%nnode
+      do i = 1, 3
+        if (model%eq(i, n) /= 0 .or. .not. model%mesh%used(n)) v(i, n) = 0.0_wp
+      end do
+    end do
+    do i = 1, model%mesh%constraint%n
+      v(:, model%mesh%constraint%slave(i)) = 0.0_wp
+    end do
+  end subroutine leave_free
 
   subroutine translate(motion, factor, up)
     type(motion_t), intent(in) :: motion

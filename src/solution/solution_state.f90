@@ -8,10 +8,11 @@ module solution_state
   use energy_type, only: open_book
   use model, only: model_t, state_t, history_t
   use solid_form, only: history_length
-  use load_curve, only: table_factor
+  use load_curve, only: table_factor, table_slope
   implicit none
   private
-  public :: new_state, open_step, accept_iteration, accept_step_state, restore_step, set_factors
+  public :: new_state, open_step, accept_iteration, accept_step_state, restore_step, set_factors, &
+            factor_slopes
 
 contains
 
@@ -84,6 +85,18 @@ contains
       state%factor(i) = table_factor(state%table(i), state%time)
     end do
   end subroutine set_factors
+
+  !> Derivatives of the factors by time.
+  pure function factor_slopes(state, ahead) result(slope)
+    type(state_t), intent(in) :: state
+    logical, intent(in) :: ahead !! at corners: of what comes
+    real(wp) :: slope(size(state%table))
+    integer :: i
+
+    do i = 1, size(slope)
+      slope(i) = table_slope(state%table(i), state%time, ahead)
+    end do
+  end function factor_slopes
 
   !> The trial of the last sweep becomes the iteration's state.
   subroutine accept_iteration(state)

@@ -6,7 +6,8 @@ module step_control
   use base_kinds, only: wp
   implicit none
   private
-  public :: step_control_t, set_dt, set_auto, next_step, accept_step, cut_step, on_target
+  public :: step_control_t, set_dt, set_auto, next_step, next_target, end_step, &
+            accept_step, pass_target, cut_step, on_target
 
   type :: step_control_t
     real(wp) :: dt = 0.0_wp          !! between targets
@@ -74,15 +75,35 @@ contains
     control%to = to
   end function next_step
 
+  !> The step is another one's to end: its target, which it may not pass.
+  function next_target(control, time) result(target)
+    type(step_control_t), intent(inout) :: control
+    real(wp), intent(in) :: time
+    real(wp) :: target
+
+    control%from = time
+    control%passed = 0
+    target = control%anchor + (control%target + 1)*control%dt
+    control%to = target
+  end function next_target
+
+  !> It ends at `time`, on its target or not.
+  subroutine end_step(control, time, on_target)
+    type(step_control_t), intent(inout) :: control
+    real(wp), intent(in) :: time
+    logical, intent(in) :: on_target
+
+    control%to = time
+    control%passed = merge(1, 0, on_target)
+  end subroutine end_step
+
   !> A converged step: count its targets; the next one may be larger.
   subroutine accept_step(control, iterations)
     type(step_control_t), intent(inout) :: control
     integer, intent(in) :: iterations
     real(wp) :: taken
 
-    control%target = control%target + control%passed
-    control%cuts = 0
-    control%reduced = .false.
+    call pass_target(control)
     if (.not. control%automatic) return
     taken = control%to - control%from
     control%quiet = control%quiet + 1
@@ -94,6 +115,15 @@ contains
       control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
     end if
   end subroutine accept_step
+
+  !> A step is behind, and the targets that it passed.
+  subroutine pass_target(control)
+    type(step_control_t), intent(inout) :: control
+
+    control%target = control%target + control%passed
+    control%cuts = 0
+    control%reduced = .false.
+  end subroutine pass_target
 
   !> A failed step: try half of it. .false.: smaller than dtmin.
   function cut_step(control) result(possible)

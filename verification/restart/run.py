@@ -27,7 +27,7 @@ import h5py
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
-DECKS = ["full.inp", "reuse.inp", "contact.inp", "peel.inp"]
+DECKS = ["full.inp", "reuse.inp", "contact.inp", "peel.inp", "local.inp"]
 
 
 def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM, room=None):
