@@ -174,10 +174,12 @@ verify-all: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $(B)/bezel --all
 	@$(PYTHON) verification/restart/run.py $(B)/bezel
-# Hours; goes on where it was interrupted. ARGS="--only '3_IGA2_*'", '--jobs 2', '--write' and so on.
+	@$(PYTHON) verification/section5_debonding.py --bezel $(B)/bezel --suite all $(ARGS)
+# Hours; goes on where it was interrupted. ARGS=--write updates the committed tables.
 verify-long: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/section5_contact.py --bezel $(B)/bezel --mesh 3 $(ARGS)
+	@$(PYTHON) verification/section5_debonding.py --bezel $(B)/bezel --suite long $(ARGS)
 # An hour; goes on where it was interrupted. Errors beside CPU seconds, their page and figures.
 tradeoff: setup
 	@$(MAKE) $(B)/bezel

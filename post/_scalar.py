@@ -11,7 +11,7 @@ from post._surface import GEOMETRY
 def values(grid, path, name, component=None):
     """((n) values, whether they belong to points) of an array of the grid.
 
-    component: a name in COMPONENTS, x y z, or 'magnitude'; None: the magnitude of a vector, a
+    component: a name in COMPONENTS, x y z, 'magnitude', or 'trace' of a tensor; None: the magnitude of a vector, a
     scalar itself.
     """
     for data, on_points in ((grid.point_data, True), (grid.cell_data, False)):
@@ -31,6 +31,8 @@ def _component(array, path, name, component):
     component = {"x": "1", "y": "2", "z": "3"}.get(component, component)
     if component == "magnitude" or (component is None and n == 3):
         return np.linalg.norm(array, axis=1)
+    if component == "trace" and n == 6:
+        return array[:, :3].sum(axis=1)
     if component not in names:
         raise Unreadable(f"choose a component of '{name}' with --component: {' '.join(names)}")
     return array[:, names.index(component)]

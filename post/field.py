@@ -1,8 +1,6 @@
-"""Render a field of a result file without a screen: `python -m post field RUN.vtkhdf --scalar
-mises`.
+"""Render a field of a result file without a screen: `python -m post field RUN.vtkhdf --scalar mises`.
 
-Bezier cells are drawn as the smooth surfaces that they are, deformed by the displacement, with the
-elements'
+Bezier cells are drawn as the smooth surfaces that they are, deformed by the displacement, with the elements'
 edges and the outline of the undeformed body. As a library:
 
 >>> import post
@@ -30,15 +28,17 @@ def draw(paths, output, scalar="displacement", component=None, step="last", warp
          mirror="", say_step=True):  # fmt: skip
     """Draw one result file, or several side by side with one colour scale, into the file `output`.
 
-    step: as post._grid.load; component: 1 2 3, 11 22 33 12 23 31 or magnitude; view: a key of VIEWS
-    or
-    'azimuth,elevation' in degrees; limits: (low, high) of the colours; size: pixels of one panel; mirror: letters of 'xyz', the model
+    step: as post._grid.load, or one for each path; component: 1 2 3, 11 22 33 12 23 31, magnitude or
+    trace; view: a key of VIEWS or 'azimuth,elevation' in degrees; limits: (low, high) of the colours; size: pixels of one panel; mirror: letters of 'xyz', the model
     is part of a body that is symmetric to these coordinates' zero planes (scalars only); say_step:
     below a panel with a label too.
     Returns the limits that were used.
     """
     prepare()
-    shown = [_scene(p, scalar, component, step, warp, edges, outline, level) for p in paths]
+    steps = step if isinstance(step, list) else [step] * len(paths)
+    shown = [
+        _scene(p, scalar, component, s, warp, edges, outline, level) for p, s in zip(paths, steps)
+    ]
     for scene, label in zip(shown, labels or [None] * len(shown)):
         for letter in mirror:
             scene.mirror("xyz".index(letter))
@@ -124,7 +124,7 @@ def _parser():
     )
     p.add_argument(
         "--component",
-        help="1 2 3 of a vector, 11 22 33 12 23 31 of a tensor; default the magnitude of a vector",
+        help="1 2 3 of a vector, 11 22 33 12 23 31 or trace of a tensor; default the magnitude of a vector",
     )
     p.add_argument(
         "--warp",

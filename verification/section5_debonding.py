@@ -2,11 +2,15 @@
 """Section 5.1: peels the strip off the plate with every element type.
 
     .venv/bin/python verification/section5_debonding.py --mesh 1 [--only NAME] [--write] [--force]
+    .venv/bin/python verification/section5_debonding.py --suite all|long [--write] [--force]
 
-A case that ended well is not run again unless --force is given. Prints dofs beside Table 2, how far each
+The suite `all` is mesh 1, and mesh 2 of the bodies of Q1E9 and IGA2; `long` is mesh 2 of the bodies of
+Q2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that ended well is not run again unless
+--force is given. Prints dofs beside Table 2, how far each
 case came, and the independent numbers of section5_peeling/peeling.csv beside ours; the exit code is 1
 where a case ends early or a number of dofs differs. `--write` puts summary.csv and the curves (few
-digits) into benchmark/section5_debonding/runs, from where the figures are drawn.
+digits) into benchmark/section5_debonding/runs, from where the figures are drawn. `--pictures` runs
+the decks of Figures 13 and 14 too.
 """
 
 import argparse
@@ -31,6 +35,12 @@ TABLE_2 = {
     "3": (55350, 55752, 56166, 73800, 404838, 387576, 405624, 65520),
 }
 REFINEMENT = {"1": 1, "2": 2, "3": 4}
+STEPS = {"1": 220, "2": 220, "3": 100}  # of a lift of 0.155
+Q2 = [t for t in TYPES if t.startswith("q2")]
+SUITES = {
+    "all": [("1", t) for t in TYPES] + [("2", t) for t in TYPES if t not in Q2],
+    "long": [*(("2", t) for t in Q2), ("3", "q1e9_q1n2"), ("3", "iga2")],
+}
 LOST, RELEASED = 0.98, 0.999  # shares of the bond: where energies are compared, and when it is off
 KEPT = ("time", "disp_3", "force_3", "force_3_2", "contact_glue_1_debonded", "book_work", "book_stored",
         "book_kinetic", "book_normal", "book_cohesive", "book_inertia", "book_imbalance")  # fmt: skip
@@ -39,25 +49,32 @@ KEPT = ("time", "disp_3", "force_3", "force_3_2", "contact_glue_1_debonded", "bo
 def main(argv=None):
     o = parser().parse_args(argv)
     rows, bad = [], 0
-    for mesh in o.mesh:
-        for name, dofs in zip(TYPES, TABLE_2[mesh]):
-            if name in o.only or not o.only:
-                place = o.out / f"{mesh}_{name}"
-                finish(o, mesh, name, place)
-                row = summary(mesh, name, place)
-                bad += row is None or row["status"] != "done" or row["dofs"] != dofs
-                if row is None:
-                    print(f"{mesh} {name}: no result")
-                    continue
-                rows.append(row)
-                print(" ".join(f"{k} {v}" for k, v in row.items()), f"table_2 {dofs}", flush=True)
-                if o.write:
-                    write(mesh, name, place)
+    for mesh, name in cases(o):
+        dofs, place = TABLE_2[mesh][TYPES.index(name)], o.out / f"{mesh}_{name}"
+        finish(o, mesh, name, place)
+        row = summary(mesh, name, place)
+        bad += row is None or row["status"] != "done" or row["dofs"] != dofs
+        if row is None:
+            print(f"{mesh} {name}: no result")
+            continue
+        rows.append(row)
+        print(" ".join(f"{k} {v}" for k, v in row.items()), f"table_2 {dofs}", flush=True)
+        if o.write:
+            write(mesh, name, place)
+    if o.pictures:
+        for name in ("pictures_q1e9", "pictures_q1e9_q1n2"):
+            finish(o, "1", name, o.out / name)
     beside(o.out)
     if o.write and rows:
         write_summary(rows)
     print(f"{len(rows)} cases, {bad} ended early or with other dofs")
     return 1 if bad else 0
+
+
+def cases(o):
+    """(mesh, elements) of all that is asked for."""
+    chosen = SUITES[o.suite] if o.suite else [(m, t) for m in o.mesh for t in TYPES]
+    return [(m, t) for m, t in chosen if t in o.only or not o.only]
 
 
 def finish(o, mesh, name, place):
@@ -66,7 +83,7 @@ def finish(o, mesh, name, place):
     if not o.force and report.exists() and json.loads(report.read_text())["status"] == "done":
         return
     options = ["--quiet", "-o", str(place), "--time-limit", str(o.time_limit)]
-    settings = ["--set", f"r={REFINEMENT[mesh]}"]
+    settings = ["--set", f"r={REFINEMENT[mesh]}", "--set", f"end={STEPS[mesh]}"]
     subprocess.run([o.bezel, *options, *settings, str(DECKS / f"{name}.inp")], check=False)
 
 
@@ -158,6 +175,8 @@ def parser():
     p = argparse.ArgumentParser(prog="section5_debonding", description=__doc__.split("\n")[0])
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
     p.add_argument("--mesh", nargs="+", choices=list(TABLE_2), default=["1"])
+    p.add_argument("--suite", choices=list(SUITES), help="in place of --mesh")
+    p.add_argument("--pictures", action="store_true", help="the decks of Figures 13 and 14 too")
     p.add_argument("--only", nargs="+", default=[], choices=TYPES, metavar="NAME")
     p.add_argument("--time-limit", type=int, default=7200, metavar="S", help="of a run")
     p.add_argument(

@@ -1,20 +1,24 @@
-"""Figures 15 and 16's kin of Corbett and Sauer 2015, section 5.1: peeling force over lift, and the energies.
+"""Figures 13 to 16 of Corbett and Sauer 2015, section 5.1: the strip, the peeling force, the front,
+the energies.
 
-Drawn from the curves of verification/section5_debonding.py --write, one a mesh and element type.
+Curves are those of verification/section5_debonding.py --write, one a mesh and element type; Figures 13
+and 14 are drawn where its --pictures has left result files.
 
-    python -m post.figures.section5_debonding [--results FOLDER] [--to doc/verification/figures]
+    python -m post.figures.section5_debonding [--results FOLDER] [--fields build/section5_debonding]
+        [--to doc/verification/figures]
 """
 
 import argparse
 import pathlib
 import sys
 
-from post import _style
+from post import _style, field
 from post._error import Unreadable
 from post._table import read_table
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = TOP / "verification/benchmark/section5_debonding/runs"
+FIELDS = TOP / "build/section5_debonding"
 FIGURES = TOP / "doc/verification/figures"
 LABELS = {
     "q1e9": "Q1E9", "q1e9_q1n2": "Q1E9+Q1N2", "q1e9_q1n3": "Q1E9+Q1N3", "q1e9_q1n2.1": "Q1E9+Q1N2.1",
@@ -35,24 +39,55 @@ def bonded(path):
     return {k: v[:n] for k, v in columns.items()}
 
 
-def forces(results, mesh, plt):
-    """A panel a kind of body, Q1E9 and Q2, as far as there are runs; IGA2 in both."""
-    there = lambda name: (results / f"{mesh}_{name}.dat").exists()
-    groups = [(b, [n for n in g if there(n)]) for b, g in zip(("Q1E9", "Q2"), GROUPS)]
-    groups = [(body, names) for body, names in groups if set(names) - {"iga2"}]
-    size = (_style.PAGE * (0.65 if len(groups) == 1 else 1), 3.2)
-    figure, axes = plt.subplots(1, len(groups), figsize=size, sharey=True, squeeze=False)
-    for ax, (body, names) in zip(axes[0], groups):
-        for k, name in enumerate(names):
+def forces(results, mesh, group, plt):
+    """Peeling forces of a group of element types, as far as there are runs."""
+    figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
+    for name in group:
+        if (results / f"{mesh}_{name}.dat").exists():
             c = bonded(results / f"{mesh}_{name}.dat")
-            colour = "#000000" if name == "iga2" else _style.COLOURS[k]
-            style = {"color": colour, "marker": "", "linewidth": 1.1}
-            ax.plot(c["disp_3"], c["force_3"], label=LABELS[name], **style)
-        ax.set_xlabel("lift $u / L_0$")
-        ax.set_title(f"bodies of {body}, mesh {mesh}", loc="left")
-        ax.legend(loc="lower left")
-    axes[0][0].set_ylabel("peeling force $P / E_0 L_0^2$")
+            ax.plot(c["disp_3"], c["force_3"], label=LABELS[name], **line(name))
+    ax.set_xlabel("lift $u / L_0$")
+    ax.set_ylabel("peeling force $P / E_0 L_0^2$")
+    ax.set_title(f"mesh {mesh}", loc="left")
+    ax.legend(loc="upper left", bbox_to_anchor=(1, 1))
     return figure
+
+
+def line(name):
+    """How the curves of an element type are drawn, the same in all figures."""
+    order = [n for group in GROUPS for n in group if n != "iga2"]
+    colour = (
+        "#000000" if name == "iga2" else _style.COLOURS[order.index(name) % len(_style.COLOURS)]
+    )
+    return {"color": colour, "marker": "", "linewidth": 1.1}
+
+
+def front(results, mesh, plt):
+    """Share of the bond that is released, over the lift."""
+    figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
+    for name in LABELS:
+        if (results / f"{mesh}_{name}.dat").exists():
+            c = read_table(results / f"{mesh}_{name}.dat").columns
+            released = 100 * c["contact_glue_1_debonded"]
+            ax.plot(c["disp_3"], released, label=LABELS[name], **line(name))
+    ax.set_xlabel("lift $u / L_0$")
+    ax.set_ylabel("bond released, %")
+    ax.set_title(f"mesh {mesh}", loc="left")
+    ax.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    return figure
+
+
+def strips(fields, to):
+    """Figures 13 and 14: the first invariant of the stress on the deformed bodies of mesh 1."""
+    files = {n: str(fields / f"pictures_{n}/pictures_{n}.vtkhdf") for n in ("q1e9", "q1e9_q1n2")}
+    if not all(pathlib.Path(f).exists() for f in files.values()):
+        print(f"no result files in {fields}: Figures 13 and 14 are left as they are")
+        return
+    look = {"scalar": "stress", "component": "trace", "outline": False, "say_step": False}
+    field.draw([files["q1e9_q1n2"]] * 2, str(to / "section5_figure13.png"), step=[("time", 0.5), ("time", 1.0)],
+               labels=["lift 7.75", "lift 15.5"], view="-60,25", **look)  # fmt: skip
+    field.draw([files["q1e9"], files["q1e9_q1n2"]], str(to / "section5_figure14.png"), step=("time", 6.4 / 15.5),
+               labels=["Q1E9, lift 6.4", "Q1E9+Q1N2, lift 6.4"], view="-60,25", **look)  # fmt: skip
 
 
 def energies(results, mesh, name, plt):
@@ -90,17 +125,26 @@ def energies(results, mesh, name, plt):
 def main(argv=None):
     p = argparse.ArgumentParser(prog="section5_debonding", description=__doc__.split("\n")[0])
     p.add_argument("--results", type=pathlib.Path, default=RESULTS, metavar="FOLDER")
+    p.add_argument("--fields", type=pathlib.Path, default=FIELDS, metavar="FOLDER")
     p.add_argument("--to", type=pathlib.Path, default=FIGURES, metavar="FOLDER")
     o = p.parse_args(argv)
     if not list(o.results.glob("1_*.dat")):
         raise Unreadable(
             f"no curves in {o.results}: verification/section5_debonding.py --write makes them"
         )
+    there = lambda mesh, names: any((o.results / f"{mesh}_{n}.dat").exists() for n in names)
     with _style.styled() as plt:
-        _style.save(forces(o.results, "1", plt), o.to / "section5_figure15.png")
+        for mesh in "123":
+            for figure, group in ("15", GROUPS[0]), ("16", GROUPS[1]):
+                if there(mesh, set(group) - {"iga2"}):
+                    file = o.to / f"section5_figure{figure}_mesh{mesh}.png"
+                    _style.save(forces(o.results, mesh, group, plt), file)
+            if there(mesh, LABELS):
+                _style.save(front(o.results, mesh, plt), o.to / f"section5_front_mesh{mesh}.png")
         _style.save(
             energies(o.results, "1", "q1e9_q1n2", plt), o.to / "section5_peeling_energy.png"
         )
+    strips(o.fields, o.to)
     return 0
 
 

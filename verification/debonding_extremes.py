@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Bonds under extreme numbers: runs benchmark/debonding_extremes and prints a table.
+
+`python3 verification/debonding_extremes.py [--bezel PROGRAM] [--only WORD] [--out DIR] [--write]`:
+a row for each run, as doc/verification/section5_debonding.md shows it; `--write` puts the rows into
+benchmark/debonding_extremes/results.csv. Forces are in units of s l^2 of the decks.
+"""
+
+import argparse
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TOP)]
+from post._table import read_table  # noqa: E402
+
+DECKS = TOP / "verification/benchmark/debonding_extremes"
+TIME_LIMIT = 300
+
+#: what is changed: deck and settings
+RUNS = {
+    "nothing": ("peel", {}),
+    **{f"g0 = {g:g} L0": ("peel", {"g0": g}) for g in (0.01, 0.03, 0.3, 1)},
+    **{f"T0 = {t:g} E0": ("peel", {"t0": t}) for t in (0.001, 0.01, 1)},
+    **{f"T0 = {t:g} E0, penalty {e}": ("peel", {"t0": t, "eps": e}) for t, e in ((1, 100), (10, 1000))},
+    "strip ten times thinner": ("peel", {"thick": 0.1}),
+    "one step to a lift of 15.5": ("peel", {"steps": 1, "most": 1}),
+    "down again to 0 and into the plate by 0.2": ("peel", {"lift": 5, "back": -0.2, "n": 200}),
+    "the same, irreversible": ("irreversible", {"lift": 5, "back": -0.2, "n": 200}),
+    **{f"edge led at {a} degrees": ("pull", {"mix": a}) for a in (0, 30, 60, 85, 90)},
+    "lengths 1e-6": ("peel", {"l": 1e-6}),
+    "lengths 1e6": ("peel", {"l": 1e6}),
+    "stresses 1e-6": ("peel", {"s": 1e-6}),
+    "stresses 1e6": ("peel", {"s": 1e6}),
+}  # fmt: skip
+COLUMNS = (
+    "changed", "outcome", "steps", "cuts", "snaps", "to", "released", "force",
+    "penetration", "bonds", "inertia", "imbalance", "last_words",
+)  # fmt: skip
+
+
+def main(argv=None):
+    o = parser().parse_args(argv)
+    bezel = pathlib.Path(o.bezel).resolve()
+    if not os.access(bezel, os.X_OK):
+        sys.exit(f"debonding_extremes: error: '{bezel}' is no program; build it with `make`")
+    rows = []
+    print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|", flush=True)
+    for name, (deck, settings) in RUNS.items():
+        if o.only in name:
+            with tempfile.TemporaryDirectory(dir=o.out) as place:
+                rows.append(row(bezel, name, deck, settings, pathlib.Path(place)))
+            print("| " + " | ".join(rows[-1]) + " |", flush=True)
+    if o.write:
+        with (DECKS / "results.csv").open("w", newline="") as text:
+            csv.writer(text, lineterminator="\n").writerows([COLUMNS, *rows])
+    return 0
+
+
+def row(bezel, name, deck, settings, place):
+    """One run as a line of the table."""
+    command = [bezel, "--quiet", "-o", place, "--time-limit", str(TIME_LIMIT)]
+    command += [f for key, x in settings.items() for f in ("--set", f"{key}={x:.16g}")]
+    done = subprocess.run([*command, DECKS / f"{deck}.inp"], capture_output=True, text=True)
+    outcome = {0: "runs", 2: "no solution", 4: "time limit"}.get(done.returncode, "error")
+    words = done.stderr.split("error: ")[-1].split("\n")[0] if done.returncode else ""
+    try:
+        c = read_table(place / f"{deck}_peel.dat").columns
+        report = json.loads((place / f"{deck}.report.json").read_text())
+    except OSError:
+        return [name, outcome, *["-"] * (len(COLUMNS) - 3), words]
+    log = (place / f"{deck}.log").read_text()
+    length, stress = settings.get("l", 1), settings.get("s", 1)
+    work = c["book_work"][abs(c["book_work"]).argmax()]
+    numbers = (
+        f"{c['disp_3'][-1] / length:.4g}",
+        f"{c['contact_glue_1_debonded'][-1]:.4f}",
+        f"{c['force_3'].max() / (stress * length**2):.5g}",
+        f"{c['contact_glue_1_penetration'].max() / length:.2g}",
+        *(f"{x / work:.4f}" for x in (c["book_cohesive"][-1], c["book_inertia"][-1])),
+        f"{abs(c['book_imbalance']).max() / work:.1e}",
+    )
+    snaps = str(log.count("path: load control ends"))
+    return [name, outcome, str(report["steps"]), str(report["cutbacks"]), snaps, *numbers, words]
+
+
+def parser():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    p.add_argument("--bezel", default=TOP / "build/release/bezel", help="the program")
+    p.add_argument("--only", default="", help="rows whose first cell has this word")
+    p.add_argument("--out", default=None, help="folder for the runs while they last")
+    p.add_argument("--write", action="store_true", help="write results.csv")
+    return p
+
+
+if __name__ == "__main__":
+    sys.exit(main())
