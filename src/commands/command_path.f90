@@ -16,7 +16,7 @@ contains
   function describe_arcl() result(row)
     type(command_row_t) :: row
 
-    row = new_row('ARCLength', 'ARCLength,[LOCAl|DYNAmic|OFF],[number]', 2, run_arcl)
+    row = new_row('ARCLength', 'ARCLength,[LOCAl|DYNAmic|OFF],[share|density]', 2, run_arcl)
   end function describe_arcl
 
   function describe_tran() result(row)
@@ -45,12 +45,12 @@ contains
     select case (command%option)
     case ('off')
       run%path%method = PATH_OFF
-    case ('loca')
-      run%path%method = PATH_LOCAL
-      if (command%x(1) > 0.0_wp) run%path%largest = command%x(1)
-    case default
+    case ('dyna')
       run%path%method = PATH_DYNAMIC
       if (command%x(1) > 0.0_wp) run%path%density = command%x(1)
+    case default
+      run%path%method = PATH_LOCAL
+      if (command%x(1) > 0.0_wp) run%path%largest = command%x(1)
     end select
     if (.not. allocated(run%state%dynamics%v)) then
       call new_dynamics(run%state%dynamics, run%model%mesh%nnode)

@@ -8,7 +8,7 @@ module path_switch
   use dynamics_type, only: new_dynamics, BACKWARD_EULER
   use inertia, only: mass_t, find_masses, energy_of_rate
   use local_type, only: local_t, begin_local, is_all_released
-  use path_type, only: PATH_OFF, PATH_DYNAMIC, PATH_LOCAL, BY_LOAD, BY_INERTIA, BY_RELEASE, &
+  use path_type, only: PATH_OFF, PATH_LOCAL, BY_LOAD, BY_INERTIA, BY_RELEASE, &
                        may_leave, leave_statics, is_quiet, is_forward, begin_trial, end_trial, &
                        fail_trial, controls_release, adapt_piece, cut_piece
   use solution_state, only: open_step
@@ -69,7 +69,7 @@ contains
       return
     end if
     if (.not. run%path%given) then
-      run%path%method = merge(PATH_DYNAMIC, PATH_OFF, size(run%model%contact) > 0)
+      run%path%method = merge(PATH_LOCAL, PATH_OFF, size(run%model%contact) > 0)
     end if
     yes = may_leave(run%path, (run%control%to - run%control%from)/run%control%dt)
     if (.not. yes) return

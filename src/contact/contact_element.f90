@@ -4,7 +4,7 @@ module contact_element
   use contact_cohesion, only: pull_t, find_pull
   use contact_foot, only: foot_t
   use contact_pair, only: contact_t, contact_points_t, surface_t
-  use contact_point, only: point_t, slope_t, traction_at
+  use contact_point, only: point_t, slope_t, traction_at, fade_border
   use contact_type, only: OPEN, SLIP, TOUCH
   use contact_work, only: work_t, clear, add_own, add_partner, measure, position_on
   implicit none
@@ -159,6 +159,18 @@ contains
     end if
     if (point%slides) call position_on(other, e, points%slide_xi(:, i), x, work, point%xs)
     call traction_at(contact, foot, point, dt)
+    if (point%state == OPEN .or. .not. contact%border > 0.0_wp) return
+    call fade_border(contact%border, is_outer(other, foot%elem), foot, point, dt)
   end subroutine find_traction
+
+  !> Edges of element e behind which the surface ends.
+  pure function is_outer(surface, e) result(outside)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    logical :: outside(4)
+
+    outside = surface%neighbour(:, e) == 0
+    if (allocated(surface%point)) outside = outside .and. .not. surface%point(:, e)
+  end function is_outer
 
 end module contact_element

@@ -11,7 +11,7 @@ module contact_point
   use contact_type, only: OPEN, TOUCH
   implicit none
   private
-  public :: point_t, slope_t, traction_at, outer
+  public :: point_t, slope_t, traction_at, fade_border, outer
 
   !> A distance this small, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
@@ -66,6 +66,57 @@ contains
     dt%a = point%p*dn%a
     if (point%slides) call add_friction(contact, point, n, dn, dpdx, dt)
   end subroutine traction_at
+
+  !> Near an outer border of the other surface the traction fades out, over `width` of an element:
+  !! a point that slides over the border loses nothing at once.
+  pure subroutine fade_border(width, outside, foot, point, dt)
+    real(wp), intent(in) :: width          !! relative to the element
+    logical, intent(in) :: outside(4)      !! edges of the foot's element that are outer borders
+    type(foot_t), intent(in) :: foot
+    type(point_t), intent(inout) :: point
+    type(slope_t), intent(inout) :: dt
+    real(wp) :: share, slope(2), w(2), h(3), g(3), metric(2, 2), hess(2, 2)
+    integer :: j
+
+    call border_share(width, outside, foot%xi, share, slope)
+    if (.not. share < 1.0_wp) return
+    g = point%x - foot%x
+    call find_hessian(foot, g, metric, hess)
+    w = matmul(inverse(hess, foot%free), slope)
+    h = matmul(foot%a, w)
+    dt%x = share*dt%x + outer(point%t, h)
+    dt%p = share*dt%p - outer(point%t, h)
+    do j = 1, 2
+      dt%a(:, :, j) = share*dt%a(:, :, j) + outer(point%t, w(j)*g)
+    end do
+    dt%s = share*dt%s
+    point%p = share*point%p
+    point%t = share*point%t
+    point%friction = share*point%friction
+  end subroutine fade_border
+
+  !> 1 inside, 0 on a border, and its derivatives by the parameters.
+  pure subroutine border_share(width, outside, xi, share, slope)
+    real(wp), intent(in) :: width, xi(2)
+    logical, intent(in) :: outside(4)      !! edges xi-, xi+, eta-, eta+
+    real(wp), intent(out) :: share, slope(2)
+    real(wp) :: s, z
+    integer :: i, j, k
+
+    share = 1.0_wp
+    slope = 0.0_wp
+    do k = 1, 4
+      i = (k + 1)/2
+      j = merge(-1, 1, mod(k, 2) == 1)     ! of the way out
+      z = 0.5_wp*(1.0_wp - j*xi(i))/width
+      if (.not. outside(k) .or. z >= 1.0_wp) cycle
+      z = max(0.0_wp, z)
+      s = z*z*(3.0_wp - 2*z)
+      slope = s*slope
+      slope(i) = slope(i) - share*j*3*z*(1.0_wp - z)/width
+      share = s*share
+    end do
+  end subroutine border_share
 
   !> Unit normal at the foot and how it varies.
   pure subroutine vary_normal(foot, x, n, dn)

@@ -71,6 +71,8 @@ module contact_pair
     real(wp) :: normal_prop(MAX_LAW_PROP) = 0.0_wp
     !> PAIR: the penalty of bonded points acts between point and partner until the bond is released.
     logical :: on_pair = .false.
+    !> BORDer: width, relative to an element, over which the pressure fades to a surface's border.
+    real(wp) :: border = 0.0_wp
     logical :: has_friction = .false.
     type(contact_law_t) :: friction
     real(wp) :: friction_prop(MAX_LAW_PROP) = 0.0_wp

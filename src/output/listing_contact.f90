@@ -22,6 +22,8 @@ contains
     if (contact%normal_prop(2) > 0.0_wp) text = text//', smooth to a penetration of ' &
                                                 //to_text(contact%normal_prop(2))
     if (contact%on_pair) text = text//', bonded points against their partners'
+    if (contact%border > 0.0_wp) text = text//', fading to the borders over ' &
+                                        //to_text(contact%border)//' of an element'
     call log_line('          '//text)
     call log_line('          '//trim(contact%normal%source))
     if (contact%has_friction) then

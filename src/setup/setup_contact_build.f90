@@ -180,6 +180,7 @@ contains
     contact%released = contact%cohesive%released(contact%cohesive_prop)
     contact%tau = spec%cohesive%tau
     contact%on_pair = spec%on_pair
+    contact%border = spec%border
     contact%bond = spec%bond
     contact%bond_gap = spec%bond_gap
   end subroutine set_laws

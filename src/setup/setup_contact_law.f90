@@ -13,11 +13,11 @@ module setup_contact_law
   private
   public :: read_normal, read_friction, read_cohesive, read_positive
 
-  character(4), parameter :: OPTION(2) = ['pair', 'smoo'] !! of NORMal
+  character(4), parameter :: OPTION(3) = ['pair', 'smoo', 'bord'] !! of NORMal
 
 contains
 
-  !> NORMal PENAlty eps, or AUTO [factor]; then PAIR and SMOOth d in any order.
+  !> NORMal PENAlty eps, or AUTO [factor]; then PAIR, SMOOth d and BORDer w in any order.
   subroutine read_normal(deck, line, contact, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -41,7 +41,7 @@ contains
           call read_positive(deck, line, i, 'factor of AUTO', law%factor, error)
         end if
       else
-        call check_count(line, i, i + 3, trim(law%row%usage), error)
+        call check_count(line, i, i + 5, trim(law%row%usage), error)
         if (.not. allocated(error)) call read_positive(deck, line, i, 'penalty', law%prop(1), error)
       end if
     end associate
@@ -66,9 +66,17 @@ contains
       contact%pair_place = line%place(i)
     else if (line%key(i) == 'smoo' .and. .not. contact%normal%prop(2) > 0.0_wp) then
       i = i + 1
-      call check_count(line, i, i + 1, usage, error)
+      call check_count(line, i, i + 3, usage, error)
       if (.not. allocated(error)) call read_positive(deck, line, i, 'penetration of SMOOth', &
                                                      contact%normal%prop(2), error)
+    else if (line%key(i) == 'bord' .and. .not. contact%border > 0.0_wp) then
+      i = i + 1
+      call check_count(line, i, i + 3, usage, error)
+      if (.not. allocated(error)) call read_positive(deck, line, i, 'width of BORDer', &
+                                                     contact%border, error)
+      if (allocated(error) .or. contact%border <= 1.0_wp) return
+      call fail(error, DECK_ERROR, 'the width of BORDer is a share of an element, at most 1', &
+                line%place(i), usage)
     else if (any(line%key(i) == OPTION)) then
       call fail(error, DECK_ERROR, line%text(i)//' stands twice', line%place(i), usage)
     else

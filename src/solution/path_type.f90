@@ -11,7 +11,7 @@ module path_type
   public :: path_t, may_leave, leave_statics, is_quiet, is_forward, begin_trial, end_trial, &
             fail_trial, controls_release, adapt_piece, cut_piece
 
-  !> What follows where load control ends.
+  !> What follows where load control ends; PATH_LOCAL: where it can, else inertia.
   integer, parameter, public :: PATH_OFF = 0, PATH_DYNAMIC = 1, PATH_LOCAL = 2
   !> How the path is followed now.
   integer, parameter, public :: BY_LOAD = 0, BY_INERTIA = 1, BY_RELEASE = 2
@@ -22,7 +22,7 @@ module path_type
   integer, parameter :: LONGEST_WAIT = 64
   real(wp), parameter :: QUIET = 1.0e-3_wp       !! inertia, relative to the largest nodal force
   real(wp), parameter :: LARGEST_PIECE = 0.01_wp !! of the bond that a step releases
-  real(wp), parameter :: SMALLEST_PIECE = 1.0e-6_wp
+  real(wp), parameter :: SMALLEST_PIECE = 1.0e-5_wp
   integer, parameter :: FEW = 5, MANY = 9 !! iterations after which a piece grows, or shrinks
 
   type :: path_t
