@@ -32,7 +32,7 @@ contains
               merge(1, 0, run%failed_step), run%plan%cutbacks, merge(1, 0, run%plan%retry)])
     associate (p => run%path)
       call put(bag, 'path', [p%method, p%wait, p%steps, merge(1, 0, p%given), p%way, &
-                             merge(1, 0, p%trial), merge(1, 0, p%spent)])
+                             merge(1, 0, p%trial)])
       call put(bag, 'path_density', [p%density, p%largest, p%piece])
     end associate
     call put(bag, 'parameters', parameter_values(run))
@@ -112,7 +112,6 @@ contains
         p%given = n(4) == 1
         p%way = n(5)
         p%trial = n(6) == 1
-        p%spent = n(7) == 1
         p%density = x(1)
         p%largest = x(2)
         p%piece = x(3)

@@ -54,7 +54,7 @@ contains
   function another_way(run, why) result(yes)
     type(run_t), intent(inout) :: run
     character(*), intent(in) :: why
-    logical :: yes
+    logical :: static, yes
 
     yes = .true.
     if (run%path%trial) then
@@ -73,7 +73,9 @@ contains
     end if
     yes = may_leave(run%path, (run%control%to - run%control%from)/run%control%dt)
     if (.not. yes) return
-    if (run%path%method == PATH_LOCAL .and. knows_release(run)) then
+    static = .false.
+    if (run%path%method == PATH_LOCAL) static = knows_release(run)
+    if (static) then
       call leave_statics(run%path, BY_RELEASE)
       call log_line('path: load control ends at time '//to_text(run%plan%time)//': '//why)
       call log_line('path: on by the release of the bonds, '//to_text(100*run%path%largest) &
@@ -125,9 +127,8 @@ contains
   logical function knows_release(run) result(yes)
     type(run_t), intent(in) :: run
 
-    yes = size(run%state%table) > 0 .and. .not. any(run%model%contact(:)%tau > 0.0_wp) &
-          .and. .not. run%path%spent
-    if (yes) yes = bonded_area(run%model, run%state) > 0.0_wp
+    yes = size(run%state%table) > 0 .and. .not. any(run%model%contact(:)%tau > 0.0_wp)
+    if (yes) yes = .not. is_all_released(run%model, run%state)
   end function knows_release
 
   !> The deck's density, or one with which the mean motion since the start has little energy; that
@@ -171,8 +172,7 @@ contains
     end if
     if (run%path%way == BY_RELEASE) then
       call adapt_piece(run%path, run%newton%iterations - run%newton%before)
-      run%path%spent = is_all_released(run%model, run%state)
-      if (run%path%spent) then
+      if (is_all_released(run%model, run%state)) then
         call end_trial(run%path)
         call log_line('path: load control again from time '//to_text(run%state%time) &
                       //': all bonds are released')

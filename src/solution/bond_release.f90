@@ -32,10 +32,11 @@ contains
     end do
   end function bonded_area
 
-  !> Release of all bonds at the displacements of now, and its derivative.
-  subroutine find_release(model, state, released, slope)
+  !> Release of all bonds at the displacements u, and its derivative.
+  subroutine find_release(model, state, u, released, slope)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
+    real(wp), intent(in) :: u(:, :)                !! (3, nnode) [L]
     real(wp), intent(out) :: released              !! [L^2]
     real(wp), intent(out) :: slope(:, :)           !! (3, nnode) [L]
     real(wp), allocatable :: x(:, :)
@@ -43,7 +44,7 @@ contains
 
     released = 0.0_wp
     slope = 0.0_wp
-    allocate (x, source=model%mesh%xr + state%u)
+    allocate (x, source=model%mesh%xr + u)
     do c = 1, size(model%contact)
       if (.not. model%contact(c)%has_cohesive) cycle
       do k = 1, 2

@@ -44,7 +44,7 @@ contains
     logical :: arrived
 
     allocate (a(3, model%mesh%nnode), b(3, model%mesh%nnode), slope(3, model%mesh%nnode))
-    call find_release(model, state, released, slope)
+    call find_release(model, state, state%u, released, slope)
     call solve_both(newton, model, state, forcing, a, b, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
     newton%iterations = newton%iterations + 1

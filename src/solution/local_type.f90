@@ -33,13 +33,13 @@ contains
     real(wp) :: left, part, released
 
     allocate (slope(3, model%mesh%nnode))
-    call find_release(model, state, released, slope)
+    call find_release(model, state, state%u, released, slope)
     left = bonded_area(model, state) - released
     part = min(piece, 0.5_wp*left)
     local = local_t(on=.true., piece=part, goal=released + part, from=state%time, limit=limit)
   end subroutine begin_local
 
-  !> Nothing is left to control.
+  !> Nothing was left to control when the last step ended.
   function is_all_released(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -48,7 +48,7 @@ contains
     real(wp) :: released
 
     allocate (slope(3, model%mesh%nnode))
-    call find_release(model, state, released, slope)
+    call find_release(model, state, state%u_step, released, slope)
     yes = released >= (1.0_wp - LAST)*bonded_area(model, state)
   end function is_all_released
 

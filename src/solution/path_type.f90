@@ -32,7 +32,6 @@ module path_type
     real(wp) :: density = -1.0_wp      !! the deck's [M/L^3]; negative: from the work done
     integer :: way = BY_LOAD           !! as it is now; BY_LOAD: load control was not left
     logical :: trial = .false.         !! the step under way tries load control again
-    logical :: spent = .false.         !! no bond is left whose release could be controlled
     integer :: wait = FIRST_WAIT       !! steps before the next trial
     integer :: steps = 0               !! since load control was left, or last tried
     real(wp) :: largest = LARGEST_PIECE !! share of the bond that a step may release
