@@ -95,10 +95,10 @@ def summary(mesh, name, place):
     except (OSError, ValueError):
         return None
     lift, force, lost = c["disp_3"], c["force_3"], c["contact_glue_1_debonded"]
-    bonded = lost < RELEASED
+    bonded = np.maximum.accumulate(lost) < RELEASED  # until the strip is off
     taken = "-"  # of the work when LOST are released, where it comes so far
     if lost.max() >= LOST:
-        share = np.interp(LOST, lost, c["book_inertia"]) / np.interp(LOST, lost, c["book_work"])
+        share = reached(LOST, lost, c["book_inertia"]) / reached(LOST, lost, c["book_work"])
         taken = f"{share:.4f}"
     log = (place / f"{name}.log").read_text()
     return {
@@ -117,14 +117,20 @@ def summary(mesh, name, place):
         "inertia_at_98": taken,
         "released": f"{lost[-1]:.4f}",
         "least_normal": f"{(c['book_normal'] / c['book_work'])[bonded].min():.4f}",
-        "imbalance": f"{np.abs(c['book_imbalance'][bonded]).max() / c['book_work'][-1]:.1e}",
+        "imbalance": f"{np.abs(c['book_imbalance'][bonded]).max() / c['book_work'][bonded][-1]:.1e}",
     }
+
+
+def reached(at, x, y):
+    """y where x reaches `at` for the first time: x may go back, in a snap-back it does."""
+    ahead = np.append(True, x[1:] > np.maximum.accumulate(x)[:-1])
+    return np.interp(at, x[ahead], y[ahead])
 
 
 def roughness(lift, force):
     """Root mean square of the force about its mean over a lift of 4, from a lift of 4 to 20."""
     x = np.linspace(4, min(20, lift.max()), 400)
-    f = np.interp(x, lift, force)
+    f = reached(x, lift, force)
     width = max(1, int(4 / (x[1] - x[0])))
     mean = np.convolve(f, np.ones(width) / width, mode="valid")
     inner = f[width // 2 : width // 2 + len(mean)]
@@ -143,8 +149,8 @@ def beside(out):
         print(f"{column}: lift, independent, ours, difference")
         for row in rows:
             lift, other = float(row["u"]), float(row[column])
-            if lift <= c["disp_3"][-1]:
-                ours = np.interp(lift, c["disp_3"], c["force_3"])
+            if lift <= c["disp_3"].max():
+                ours = reached(lift, c["disp_3"], c["force_3"])
                 print(f"{lift:6g} {other:9.5f} {ours:9.5f} {ours / other - 1:8.1%}")
 
 

@@ -67,7 +67,7 @@ def front(results, mesh, plt):
     figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
     for name in LABELS:
         if (results / f"{mesh}_{name}.dat").exists():
-            c = read_table(results / f"{mesh}_{name}.dat").columns
+            c = bonded(results / f"{mesh}_{name}.dat")
             released = 100 * c["contact_glue_1_debonded"]
             ax.plot(c["disp_3"], released, label=LABELS[name], **line(name))
     ax.set_xlabel("lift $u / L_0$")
@@ -91,14 +91,15 @@ def strips(fields, to):
 
 
 def energies(results, mesh, name, plt):
-    """Where the work goes, over the lift."""
+    """Where the work goes, over the released share: over the lift it would fold in a snap-back."""
     c = bonded(results / f"{mesh}_{name}.dat")
     figure, ax = plt.subplots(figsize=(0.6 * _style.PAGE, 3.2))
     parts = ("cohesive", "bonds"), ("stored", "strain energy"), ("kinetic", "kinetic energy")
-    base = 0.0 * c["disp_3"]
+    x = 100 * c["contact_glue_1_debonded"]
+    base = 0.0 * x
     for k, (part, words) in enumerate((*parts, ("inertia", "taken by inertia"))):
         ax.fill_between(
-            c["disp_3"],
+            x,
             base,
             base + c[f"book_{part}"],
             color=_style.COLOURS[k],
@@ -108,14 +109,14 @@ def energies(results, mesh, name, plt):
         )
         base = base + c[f"book_{part}"]
     ax.plot(
-        c["disp_3"],
+        x,
         c["book_work"],
         color="#000000",
         marker="",
         linewidth=1.0,
         label="work of the lifted edge",
     )
-    ax.set_xlabel("lift $u / L_0$")
+    ax.set_xlabel("bond released, %")
     ax.set_ylabel("energy $/ E_0 L_0^3$")
     ax.set_title(f"{LABELS[name]}, mesh {mesh}", loc="left")
     ax.legend(loc="upper left")
