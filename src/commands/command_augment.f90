@@ -44,6 +44,11 @@ contains
                 'it augments the pressures of contacts')
       return
     end if
+    if (any(run%model%contact(:)%ncell > 1)) then
+      call fail(error, DECK_ERROR, 'AUGMent in a deck with REFIne', command%record%place(1), &
+                'one of both: QUADrature n1 n2 with more points, or no AUGMent')
+      return
+    end if
     if (run%dry .or. .not. run%plan%open) return
     call find_rises(run, rise, change)
     if (change <= tolerance) then

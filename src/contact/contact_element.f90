@@ -2,6 +2,7 @@
 module contact_element
   use base_kinds, only: wp
   use contact_cohesion, only: pull_t, find_pull
+  use contact_cut, only: acting
   use contact_foot, only: foot_t
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_point, only: point_t, slope_t, traction_at, fade_border
@@ -38,12 +39,13 @@ contains
     type(slope_t) :: dt
     type(pull_t) :: pull
     real(wp) :: up(3, 2), da
-    integer :: i, q
+    integer :: act(2), i, q
 
     associate (own => contact%side(k), other => contact%side(3 - k))
       work%nk = own%kind(own%ikind(e))%nsf
       work%npartner = 0
-      do q = 1, contact%nq
+      act = acting(contact, points, e)
+      do q = act(1), act(2)
         i = (e - 1)*contact%nq + q
         call measure(own, e, q, x, work, point%x, up, da)
         da = da*contact%wgt(q)

@@ -20,12 +20,12 @@ contains
     do k = 1, 2
       np = contact%side(k)%nelem*contact%nq
       if (contact%side(k)%rigid) np = 0
-      call new_points(np, state%side(k))
+      call new_points(np, np/max(1, contact%nq), state%side(k))
     end do
   end subroutine new_contact_state
 
-  subroutine new_points(np, points)
-    integer, intent(in) :: np
+  subroutine new_points(np, nelem, points)
+    integer, intent(in) :: np, nelem
     type(contact_points_t), intent(out) :: points
 
     allocate (points%foot(np), points%foot_step(np), points%slide(np), source=0)
@@ -38,7 +38,7 @@ contains
     allocate (points%friction(3, np), points%cohesion(3, np), source=0.0_wp)
     allocate (points%state(np), points%state_step(np), source=OPEN)
     allocate (points%slip(np), points%slip_rate(np), source=0.0_wp)
-    allocate (points%aside(np), source=.false.)
+    allocate (points%aside(np), points%cut(nelem), source=.false.)
     allocate (points%bond(np), source=0)
     allocate (points%bond_xi(2, np), points%area0(np), points%opening(np), source=0.0_wp)
     allocate (points%past(MAX_PAST, np), points%past_step(MAX_PAST, np), source=0.0_wp)

@@ -33,10 +33,10 @@ contains
     real(wp) :: xp(3, contact%nq), df(3), dm(3)
     integer :: e, i, q
 
-    total%npoint = size(points%state)
-    total%nclosed = count(points%state /= OPEN)
-    total%nstick = count(points%state == STICK)
-    total%nslip = count(points%state == SLIP)
+    total%npoint = count(points%area > 0.0_wp)
+    total%nclosed = count(points%state /= OPEN .and. points%area > 0.0_wp)
+    total%nstick = count(points%state == STICK .and. points%area > 0.0_wp)
+    total%nslip = count(points%state == SLIP .and. points%area > 0.0_wp)
     if (contact%side(k)%rigid) return
     do e = 1, contact%side(k)%nelem
       i = (e - 1)*contact%nq
@@ -52,7 +52,7 @@ contains
         total%moment = total%moment + dm
         total%force_size = total%force_size + norm2(df)
         total%moment_size = total%moment_size + norm2(dm)
-        if (points%state(i) == OPEN) cycle
+        if (points%state(i) == OPEN .or. .not. points%area(i) > 0.0_wp) cycle
         total%area = total%area + points%area(i)
         total%penetration = max(total%penetration, -points%gap(i))
       end do

@@ -157,16 +157,20 @@ contains
     end do
   end subroutine gather_nodes
 
-  !> Gauss points n1 x n2, first direction fastest, and the functions of both sides at them.
+  !> Gauss points n1 x n2, first direction fastest, and the functions of both sides at them; behind
+  !! them those of contact%ncell x ncell cells, where there is more than one.
   subroutine tabulate_contact(contact, n1, n2)
     type(contact_t), intent(inout) :: contact
     integer, intent(in) :: n1, n2
     integer :: s, k, q
 
-    contact%nq = n1*n2
+    contact%nplain = n1*n2
+    contact%nq = contact%nplain
+    if (contact%ncell > 1) contact%nq = contact%nplain*(1 + contact%ncell**2)
     if (allocated(contact%xi)) deallocate (contact%xi, contact%wgt)
     allocate (contact%xi(2, contact%nq), contact%wgt(contact%nq))
-    call gauss_quad(n1, n2, contact%xi, contact%wgt)
+    call gauss_quad(n1, n2, contact%xi(:, :n1*n2), contact%wgt(:n1*n2))
+    if (contact%ncell > 1) call add_cells(contact)
     do s = 1, 2
       do k = 1, size(contact%side(s)%kind)
         associate (kind => contact%side(s)%kind(k))
@@ -179,5 +183,22 @@ contains
       end do
     end do
   end subroutine tabulate_contact
+
+  !> The plain rule in each of the cells.
+  pure subroutine add_cells(contact)
+    type(contact_t), intent(inout) :: contact
+    integer :: i, j, n, q
+
+    q = contact%nplain
+    n = contact%nplain
+    do j = 1, contact%ncell
+      do i = 1, contact%ncell
+        contact%xi(1, q + 1:q + n) = (contact%xi(1, :n) + 2*i - 1)/contact%ncell - 1.0_wp
+        contact%xi(2, q + 1:q + n) = (contact%xi(2, :n) + 2*j - 1)/contact%ncell - 1.0_wp
+        contact%wgt(q + 1:q + n) = contact%wgt(:n)/contact%ncell**2
+        q = q + n
+      end do
+    end do
+  end subroutine add_cells
 
 end module contact_surface

@@ -90,6 +90,8 @@ module contact_pair
     logical :: default_depth = .false.       !! the deck gives no DEPTh
     real(wp) :: depth = 0.0_wp               !! a deeper penetration is no contact [L]
     integer :: nq = 0                        !! integration points of a surface element
+    integer :: nplain = 0                    !! of them, those of the plain rule (contact_cut)
+    integer :: ncell = 1                     !! cells a direction of elements that are cut
     real(wp), allocatable :: xi(:, :)        !! (2, nq)
     real(wp), allocatable :: wgt(:)          !! (nq)
   end type contact_t
@@ -114,6 +116,7 @@ module contact_pair
     !! the body through its side, and is no contact of this surface.
     logical, allocatable :: aside(:)         !! (np)
     logical :: fresh = .false.               !! no sweep was made in this step yet
+    logical, allocatable :: cut(:)           !! (nelem) the points behind the plain rule act
     !> Cohesive partner on the other surface, found in the reference configuration. 0: not bonded.
     integer, allocatable :: bond(:)          !! (np)
     real(wp), allocatable :: bond_xi(:, :)   !! (2, np)

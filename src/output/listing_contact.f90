@@ -67,7 +67,10 @@ contains
       if (s%rigid) then
         part = part//'rigid)'
       else
-        part = part//to_text(s%nelem*contact%nq)//' points)'
+        part = part//to_text(s%nelem*contact%nplain)//' points'
+        if (contact%ncell > 1) part = part//', '//to_text(contact%nq - contact%nplain) &
+                                      //' in an element that is cut'
+        part = part//')'
       end if
     end function side
   end function contact_size

@@ -34,6 +34,8 @@ module contact_spec
     type(place_t) :: bond_place        !! of the first BONDed; no file: there is none
     real(wp) :: depth = 0.0_wp         !! [L] 0: the default
     integer :: n(2) = 5                !! integration points of an element in its two directions
+    integer :: ncell = 1               !! REFIne: cells a direction of an element that is cut
+    type(place_t) :: refine_place      !! of the word
   end type contact_spec_t
 
 end module contact_spec

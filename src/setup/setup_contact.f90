@@ -108,6 +108,9 @@ contains
     else if (contact%on_pair .and. .not. contact%cohesive%given) then
       call fail(error, DECK_ERROR, 'PAIR without COHEsive', contact%pair_place, &
                 'only bonded points have a partner: give COHEsive, or remove PAIR')
+    else if (contact%ncell > 1 .and. contact%cohesive%given) then
+      call fail(error, DECK_ERROR, 'REFIne with COHEsive', contact%refine_place, &
+                'bonds have points of their own: give more of them, QUADrature n1 n2')
     end if
   end subroutine check_complete
 

@@ -39,7 +39,7 @@ contains
           high = max(high, mesh%xr(:, s%node(a)))
         end do
         width(e) = norm2(high - low)
-        do q = 1, contact%nq
+        do q = 1, contact%nplain
           area(e) = area(e) + contact%wgt(q)*stretch(mesh, s, e, q)
         end do
       end do

@@ -54,6 +54,7 @@ contains
     end do
     call count_points(spec, contact, error)
     if (allocated(error)) return
+    contact%ncell = spec%ncell
     call tabulate_contact(contact, spec%n(1), spec%n(2))
     do k = 1, 2
       call check_side(spec, k, model, contact, error)
@@ -71,6 +72,7 @@ contains
     real(wp) :: n
 
     n = real(product(spec%n), wp)*maxval(contact%side%nelem)
+    if (spec%ncell > 1) n = n*(1 + spec%ncell**2)
     if (n <= MOST_POINTS) return
     call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has '//to_text(n) &
               //' points on a side', contact%place, 'a surface has at most '//to_text(MOST_POINTS) &

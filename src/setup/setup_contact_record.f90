@@ -16,7 +16,9 @@ module setup_contact_record
   character(*), parameter :: SURFACE_USAGE = 'SURFaces patch face patch face'
   character(*), parameter :: BOND_USAGE = 'BONDed [EXCEpt] HALFspace px py pz  nx ny nz [GAP d], ' &
                              //'or [EXCEpt] BOX x1 y1 z1  x2 y2 z2 [GAP d]'
+  character(*), parameter :: POINT_USAGE = 'QUADrature n1 n2 [REFIne m]'
   integer, parameter :: MAX_POINT = 50 !! integration points of an element in one direction
+  integer, parameter :: MAX_CELL = 10  !! cells of an element in one direction
 
 contains
 
@@ -42,7 +44,7 @@ contains
       call check_count(line, 2, 2, 'DEPTh d', error)
       if (.not. allocated(error)) call read_positive(deck, line, 2, 'depth', contact%depth, error)
     case default ! QUADrature
-      call read_quadrature(deck, line, contact%n, error)
+      call read_quadrature(deck, line, contact, error)
     end select
   end subroutine read_contact_line
 
@@ -138,23 +140,36 @@ contains
     i = i + 7
   end subroutine read_region
 
-  !> QUADrature n1 n2.
-  subroutine read_quadrature(deck, line, n, error)
+  !> QUADrature n1 n2 [REFIne m].
+  subroutine read_quadrature(deck, line, contact, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
-    integer, intent(inout) :: n(2)
+    type(contact_spec_t), intent(inout) :: contact
     type(error_t), allocatable, intent(out) :: error
     integer :: d
 
-    call check_count(line, 3, 3, 'QUADrature n1 n2', error)
+    call check_count(line, 3, 5, POINT_USAGE, error)
     do d = 1, 2
       if (allocated(error)) return
-      call get_integer(deck, line, d + 1, n(d), error)
+      call get_integer(deck, line, d + 1, contact%n(d), error)
       if (allocated(error)) return
-      if (n(d) >= 1 .and. n(d) <= MAX_POINT) cycle
-      call fail(error, DECK_ERROR, to_text(n(d))//' integration points', line%place(d + 1), &
-                '1 to '//to_text(MAX_POINT)//' points in each direction')
+      if (contact%n(d) >= 1 .and. contact%n(d) <= MAX_POINT) cycle
+      call fail(error, DECK_ERROR, to_text(contact%n(d))//' integration points', &
+                line%place(d + 1), '1 to '//to_text(MAX_POINT)//' points in each direction')
     end do
+    if (allocated(error) .or. line%n == 3) return
+    if (line%key(4) /= 'refi') then
+      call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(4)), line%place(4), &
+                POINT_USAGE)
+      return
+    end if
+    call check_count(line, 5, 5, POINT_USAGE, error)
+    if (.not. allocated(error)) call get_integer(deck, line, 5, contact%ncell, error)
+    if (allocated(error)) return
+    contact%refine_place = line%place(4)
+    if (contact%ncell >= 2 .and. contact%ncell <= MAX_CELL) return
+    call fail(error, DECK_ERROR, to_text(contact%ncell)//' cells', line%place(5), &
+              '2 to '//to_text(MAX_CELL)//' cells in each direction')
   end subroutine read_quadrature
 
 end module setup_contact_record

@@ -1,7 +1,8 @@
 !> Contact when a step is accepted: what its forces were made of, and what the next one starts with.
 module contact_accept
   use base_kinds, only: wp
-  use contact_assembly, only: contact_work_t, ASIDE
+  use contact_assembly, only: contact_work_t, friction_acts
+  use contact_feet, only: follow_silent, ASIDE
   use contact_history, only: look_aside
   use contact_shares, only: add_shares
   use contact_slide, only: accept_slides
@@ -31,7 +32,7 @@ contains
 
   !> The step is done: stored sliding points move.
   subroutine accept_contact(work, model, state)
-    type(contact_work_t), intent(in) :: work(:)
+    type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     real(wp), allocatable :: x(:, :)
@@ -40,12 +41,17 @@ contains
     if (size(work) == 0) return
     x = model%mesh%xr + state%u
     do c = 1, size(work)
-      do k = 1, 2
-        if (model%contact(c)%side(k)%rigid) cycle
-        call look_aside(work(c)%feet(k)%at, ASIDE*model%contact(c)%depth, state%contact(c)%side(k))
-        call accept_slides(model%contact(c)%side(k), model%contact(c)%side(3 - k), &
-                           work(c)%shape(3 - k), x, work(c)%feet(k)%at, state%contact(c)%side(k))
-      end do
+      associate (contact => model%contact(c), point => state%contact(c)%side)
+        do k = 1, 2
+          if (contact%side(k)%rigid) cycle
+          call follow_silent(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
+                             friction_acts(contact, state), work(c)%feet(k)%at, point(k), &
+                             work(c)%element(k))
+          call look_aside(work(c)%feet(k)%at, ASIDE*contact%depth, point(k))
+          call accept_slides(contact%side(k), contact%side(3 - k), work(c)%shape(3 - k), x, &
+                             work(c)%feet(k)%at, point(k))
+        end do
+      end associate
     end do
   end subroutine accept_contact
 

@@ -3,12 +3,13 @@
 module contact_assembly
   use base_kinds, only: wp
   use contact_cohesion, only: ask_foot
+  use contact_cut, only: acting
   use contact_element, only: form_element, touches
+  use contact_feet, only: find_feet
   use contact_foot, only: foot_t, shape_t
   use contact_pair, only: contact_t, contact_points_t
   use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
                            pair_clique, map_pairs
-  use contact_project, only: project
   use contact_search, only: grid_t, update_grid
   use contact_shape, only: update_shape
   use contact_slide, only: side_positions
@@ -20,9 +21,8 @@ module contact_assembly
   implicit none
   private
   public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
-            add_contact
+            add_contact, friction_acts
 
-  real(wp), parameter, public :: ASIDE = 0.1_wp !! of DEPTh: below a surface rather than at it
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr reached
 
   !> Feet of the points of one side on the other.
@@ -98,7 +98,8 @@ contains
         end do
         do k = 1, 2
           if (contact%side(k)%rigid) cycle
-          call find_feet(work(c), contact, k, x, state%contact(c)%side(k))
+          call find_feet(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
+                         work(c)%feet(k)%at, state%contact(c)%side(k))
           call need_pairs(work(c), contact, k, x, state%contact(c)%side(k), slides, state%step, &
                           grown)
           if (work(c)%step /= state%step) grown = grown .or. has_idle(work(c)%pairs(k), state%step)
@@ -107,35 +108,6 @@ contains
       end associate
     end do
   end subroutine find_contact
-
-  !> Feet of the points of side k.
-  subroutine find_feet(work, contact, k, x, points)
-    type(contact_work_t), intent(inout) :: work
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k
-    real(wp), intent(in) :: x(:, :)
-    type(contact_points_t), intent(inout) :: points
-    real(wp) :: xp(3, contact%nq)
-    integer :: e, i, q
-
-    do e = 1, contact%side(k)%nelem
-      call side_positions(contact%side(k), e, x, xp)
-      do q = 1, contact%nq
-        i = (e - 1)*contact%nq + q
-        associate (foot => work%feet(k)%at(i))
-          foot%elem = points%foot(i)
-          foot%xi = points%foot_xi(:, i)
-          call project(contact%side(3 - k), work%shape(3 - k), work%grid(3 - k), xp(:, q), foot, &
-                       contact%depth)
-          if (contact%has_cohesive .and. points%aside(i)) then ! what is pressed only may plough
-            if (foot%gap < -ASIDE*contact%depth) foot%elem = 0
-          end if
-          points%foot(i) = foot%elem
-          points%foot_xi(:, i) = foot%xi
-        end associate
-      end do
-    end do
-  end subroutine find_feet
 
   !> Pairs of elements that the points in contact couple.
   subroutine need_pairs(work, contact, k, x, points, slides, step, grown)
@@ -147,12 +119,13 @@ contains
     logical, intent(in) :: slides
     logical, intent(inout) :: grown
     real(wp) :: p, dp, xp(3, contact%nq)
-    integer :: e, i, q
+    integer :: act(2), e, i, q
     logical :: needed
 
     do e = 1, contact%side(k)%nelem
       if (contact%on_pair) call side_positions(contact%side(k), e, x, xp)
-      do q = 1, contact%nq
+      act = acting(contact, points, e)
+      do q = act(1), act(2)
         i = (e - 1)*contact%nq + q
         if (points%bond(i) > 0) then
           call need_pair(work%pairs(k), e, points%bond(i), step, grown)

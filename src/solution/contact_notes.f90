@@ -110,7 +110,7 @@ contains
       call update_shape(contact%side(k), x, shape(k))
       if (.not. contact%side(3 - k)%rigid) call update_grid(contact%side(k), shape(k), grid(k))
       h = min(h, element_size(shape(k)))
-      if (.not. contact%side(k)%rigid) np = np + contact%side(k)%nelem*contact%nq
+      if (.not. contact%side(k)%rigid) np = np + contact%side(k)%nelem*contact%nplain
     end do
     start%npoint = np
     allocate (points%side(np), points%gap(np), points%same(np))
@@ -145,7 +145,7 @@ contains
 
     reach = h + maxval(contact%side%thickness)
     do e = 1, contact%side(k)%nelem
-      do q = 1, contact%nq
+      do q = 1, contact%nplain
         call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), x, a, b)
         foot%elem = 0
         call project(contact%side(3 - k), shape(3 - k), grid, x, foot, reach)

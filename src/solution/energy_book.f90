@@ -16,7 +16,7 @@ contains
 
   !> state%reaction and the forces of the assembler are those of the converged displacements.
   subroutine accept_step_end(asm, model, state)
-    type(assembler_t), intent(in) :: asm
+    type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     real(wp), allocatable :: du(:, :), outer(:, :), contact(:, :, :)
