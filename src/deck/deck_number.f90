@@ -2,9 +2,11 @@
 module deck_number
   use base_kinds, only: wp, i8
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use, intrinsic :: ieee_exceptions, only: ieee_get_status, ieee_set_status, ieee_set_halting_mode
+  use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_usual
   implicit none
   private
-  public :: scan_number
+  public :: scan_number, whole_number
 
   character(*), parameter :: DIGITS = '0123456789'
   real(wp), parameter :: TEN(0:22) = [1e0_wp, 1e1_wp, 1e2_wp, 1e3_wp, 1e4_wp, 1e5_wp, 1e6_wp, &
@@ -42,6 +44,27 @@ contains
     end if
     call read_slowly(text(:n), value, trouble)
   end subroutine scan_number
+
+  !> A word that is one number with its sign: in files of others. .not. ok: it is none, or too large.
+  subroutine whole_number(word, value, ok)
+    character(*), intent(in) :: word
+    real(wp), intent(out) :: value
+    logical, intent(out) :: ok
+    type(ieee_status_type) :: status
+    character(:), allocatable :: trouble
+    integer :: n, sign
+
+    value = 0.0_wp
+    sign = 0
+    if (len(word) > 0) sign = merge(1, 0, scan(word(1:1), '+-') > 0)
+    call ieee_get_status(status)           ! a number out of range must not trap
+    call ieee_set_halting_mode(ieee_usual, .false.)
+    call scan_number(word(sign + 1:), n, value, trouble)
+    call ieee_set_status(status)
+    ok = n > 0 .and. n == len(word) - sign .and. ieee_is_finite(value)
+    if (ok .and. allocated(trouble)) ok = index(trouble, 'large') == 0
+    if (sign == 1) value = merge(-value, value, word(1:1) == '-')
+  end subroutine whole_number
 
   !> Digits before and behind the point, and the length with the exponent.
   pure subroutine measure(text, whole, fraction, n)

@@ -6,6 +6,7 @@ module json_tree
   use base_kinds, only: wp
   use base_error, only: error_t
   use base_text, only: to_text, quoted
+  use deck_number, only: whole_number
   use patch_text, only: text_t, complain
   implicit none
   private
@@ -245,13 +246,13 @@ contains
     type(text_t), intent(inout) :: text
     real(wp), intent(out) :: x
     type(error_t), allocatable, intent(out) :: error
-    integer :: length, status
+    integer :: length
+    logical :: ok
 
     length = verify(text%all(text%at:), '+-.0123456789eE') - 1
     if (length < 0) length = len(text%all) - text%at + 1
-    read (text%all(text%at:text%at + length - 1), *, iostat=status) x
-    if (status == 0 .and. .not. abs(x) <= huge(x)) status = 1
-    if (status == 0) then
+    call whole_number(text%all(text%at:text%at + length - 1), x, ok)
+    if (ok) then
       text%at = text%at + length
     else
       call complain(text, quoted(text%all(text%at:text%at + length - 1))//' is no number', error)

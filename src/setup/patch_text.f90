@@ -4,6 +4,7 @@ module patch_text
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_file, only: file_t, inspect, FILE_ABSENT, FILE_REGULAR
   use base_text, only: to_text, quoted
+  use deck_number, only: whole_number
   implicit none
   private
   public :: text_t, load_text, complain, next_word, next_integer, next_real, next_count, &
@@ -169,14 +170,11 @@ contains
     real(wp), intent(out) :: x
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: word
-    integer :: status
+    logical :: ok
 
-    x = 0.0_wp
     call next_word(text, word)
-    status = 1
-    if (len(word) > 0 .and. verify(word, '+-.0123456789eEdD') == 0) read (word, *, iostat=status) x
-    if (status == 0 .and. .not. abs(x) <= huge(x)) status = 1
-    if (status /= 0) call wrong(text, what, word, error)
+    call whole_number(word, x, ok)
+    if (.not. ok) call wrong(text, what, word, error)
   end subroutine next_real
 
   !> The next words as real numbers.
