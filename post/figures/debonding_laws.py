@@ -60,11 +60,11 @@ def dcb(ax, rows):
     ax.plot(way, force, "o", markersize=3, color=BLUE, label="exponential")
     ax.plot(*curve(rows, "dcb ppr"), "s", markersize=2.6, color=RED, label="PPR")
     ax.plot(opening, theory, color="black", linewidth=0.9, label="beams, Griffith")
-    ax.set_ylim(0, 6)
+    ax.set_ylim(0, 9.5)
     ax.set_xlabel("deflection of an arm, mm")
     ax.set_ylabel("force, N")
     ax.set_title("d) double cantilever beam", loc="left")
-    ax.legend()
+    ax.legend(loc="upper left")
 
 
 def pulled(ax, rows):
@@ -85,9 +85,10 @@ def pulled(ax, rows):
 def peeled(ax, rows):
     """Peeled strip: force over energy times width."""
     way, force = curve(rows, "peel")
-    ax.plot(way, force / 0.02, color=BLUE, label="force / (energy × width)")
+    ax.plot(way, force / 0.02, color=BLUE, label="strip")
     ax.axhline(1.0, color="black", linewidth=0.9, label="Rivlin")
     ax.set_ylim(0, 1.3)
+    ax.set_ylabel("force / (energy × width)")
     ax.set_xlabel("lift of the end / length")
     ax.set_title("f) strip peeled at 90°", loc="left")
     ax.legend(loc="lower right")
