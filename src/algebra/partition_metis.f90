@@ -7,6 +7,7 @@
 module partition_metis
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_system, only: hold_signals, let_signals_in
   use base_text, only: to_text
   use csr_pattern, only: block_matrix_t
   implicit none
@@ -125,11 +126,13 @@ contains
       place = [(v - 1, v=1, nvertex)]
       return
     end if
+    call hold_signals() ! METIS takes a SIGTERM for its own, and returns an error
     if (has_long_integers()) then
       call order_long(nvertex, first, neighbour, place, status)
     else
       call order_short(nvertex, first, neighbour, place, status)
     end if
+    call let_signals_in()
     if (status == METIS_OK) return
     call fail(error, SYSTEM_ERROR, 'METIS_NodeND failed with status '//to_text(status), &
               hint='memory may not suffice')

@@ -6,7 +6,8 @@ module base_libc
   implicit none
   private
   public :: c_exit, c_isatty, c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, c_unlink, &
-            c_signal, c_mallopt, c_malloc_trim, &
+            c_signal, c_sigemptyset, c_sigaddset, c_sigprocmask, sigset_t, c_mallopt, &
+            c_malloc_trim, &
             c_getpid, c_errno, c_strerror, c_strlen, statx_t
 
   integer(c_int), parameter, public :: AT_FDCWD = -100, AT_EMPTY_PATH = 4096, F_TLOCK = 2
@@ -14,6 +15,13 @@ module base_libc
   integer(c_int), parameter, public :: STATX_BASIC = 2047
   integer(c_int), parameter, public :: SIGINT = 2, SIGUSR1 = 10, SIGPIPE = 13, SIGTERM = 15, &
                                        SIGXFSZ = 25
+
+  integer(c_int), parameter, public :: SIG_BLOCK = 0, SIG_SETMASK = 2
+
+  !> A set of signals: 1024 bits.
+  type, bind(C) :: sigset_t
+    integer(c_int64_t) :: bits(16)
+  end type sigset_t
 
   !> struct statx: the same on every architecture.
   type, bind(C) :: statx_t
@@ -117,6 +125,30 @@ module base_libc
       type(c_funptr), value :: handler
       type(c_funptr) :: old
     end function c_signal
+
+    function c_sigemptyset(set) bind(C, name='sigemptyset') result(failed)
+      import :: c_int, sigset_t
+      implicit none
+      type(sigset_t), intent(out) :: set
+      integer(c_int) :: failed
+    end function c_sigemptyset
+
+    function c_sigaddset(set, number) bind(C, name='sigaddset') result(failed)
+      import :: c_int, sigset_t
+      implicit none
+      type(sigset_t), intent(inout) :: set
+      integer(c_int), value :: number
+      integer(c_int) :: failed
+    end function c_sigaddset
+
+    function c_sigprocmask(how, set, old) bind(C, name='sigprocmask') result(failed)
+      import :: c_int, sigset_t
+      implicit none
+      integer(c_int), value :: how
+      type(sigset_t), intent(in) :: set
+      type(sigset_t), intent(out) :: old
+      integer(c_int) :: failed
+    end function c_sigprocmask
 
     function c_getpid() bind(C, name='getpid') result(id)
       import :: c_int

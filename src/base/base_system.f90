@@ -2,16 +2,19 @@
 !! memory.
 module base_system
   use base_kinds, only: wp, i8
+  use base_libc, only: c_sigemptyset, c_sigaddset, c_sigprocmask, sigset_t, SIG_BLOCK, SIG_SETMASK
   use base_libc, only: c_exit, c_isatty, c_signal, c_getpid, SIGINT, SIGUSR1, SIGPIPE, SIGTERM, &
                        SIGXFSZ, c_mallopt, c_malloc_trim, M_TRIM_THRESHOLD, M_MMAP_MAX
   use, intrinsic :: iso_c_binding, only: c_int, c_funptr, c_funloc, c_intptr_t, c_size_t
   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
   implicit none
   private
-  public :: finish, stderr_is_terminal, catch_signals, stop_requested, stop_signal
+  public :: finish, stderr_is_terminal, catch_signals, hold_signals, let_signals_in, &
+            stop_requested, stop_signal
   public :: start_clock, wall_seconds, cpu_seconds, process_id, peak_memory_mb, &
             available_memory_mb, keep_memory, return_memory
 
+  type(sigset_t) :: before               !! hold_signals: the mask before it
   integer(c_int), volatile :: caught = 0 !! number of the signal that asked us to stop
   integer(i8) :: origin = -huge(0_i8)    !! count of the clock when the run began
 
@@ -55,6 +58,24 @@ contains
     caught = number
     if (number == SIGINT) old = c_signal(SIGINT, transfer(0_c_intptr_t, old)) ! SIG_DFL
   end subroutine note_signal
+
+  !> SIGTERM waits until it is let in again: for libraries that catch it for ends of their own.
+  subroutine hold_signals()
+    type(sigset_t) :: set
+    integer(c_int) :: failed
+
+    failed = c_sigemptyset(set)
+    failed = c_sigaddset(set, SIGTERM)
+    failed = c_sigprocmask(SIG_BLOCK, set, before)
+  end subroutine hold_signals
+
+  !> As it was before hold_signals; one that came meanwhile is heard now.
+  subroutine let_signals_in()
+    type(sigset_t) :: set
+    integer(c_int) :: failed
+
+    failed = c_sigprocmask(SIG_SETMASK, before, set)
+  end subroutine let_signals_in
 
   function stop_requested() result(yes)
     logical :: yes

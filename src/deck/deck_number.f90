@@ -45,7 +45,8 @@ contains
     call read_slowly(text(:n), value, trouble)
   end subroutine scan_number
 
-  !> A word that is one number with its sign: in files of others. .not. ok: it is none, or too large.
+  !> A word that is one number with its sign: in files of others. .not. ok: it is none, or too
+  !! large.
   subroutine whole_number(word, value, ok)
     character(*), intent(in) :: word
     real(wp), intent(out) :: value
