@@ -20,7 +20,7 @@ sys.path[:0] = [str(TOP)]
 from post._table import read_table  # noqa: E402
 
 DECKS = TOP / "verification/benchmark/debonding_extremes"
-TIME_LIMIT = 300
+TIME_LIMIT = 150
 
 #: what is changed: deck and settings
 RUNS = {
