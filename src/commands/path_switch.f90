@@ -180,11 +180,26 @@ contains
       end if
       due = is_forward(run%path, run%newton%local%at_limit)
     else
+      call look_at_energy(run)
       due = is_quiet(run%path, maxval(abs(run%newton%asm%f_inert)), largest)
     end if
     if (.not. due) return
     call begin_trial(run%path)
     run%state%dynamics%on = .false.
   end subroutine look_after_step
+
+  !> More motion than work was done: contact has made energy, which its two half passes can.
+  subroutine look_at_energy(run)
+    type(run_t), intent(inout) :: run
+
+    associate (energy => run%state%energy)
+      if (run%path%told_energy .or. energy%kinetic <= abs(energy%outer)) return
+      run%path%told_energy = .true.
+      call warn('step '//to_text(run%state%step)//': the motion of the path has an energy of ' &
+                //to_text(energy%kinetic)//', but the work done is only '//to_text(energy%outer), &
+                hint='contact has made energy, what follows means little: bonds peeled to their ' &
+                //'end want NORMal ... PAIR BORDer 0.2; see BOOK NORMal')
+    end associate
+  end subroutine look_at_energy
 
 end module path_switch

@@ -29,6 +29,7 @@ module path_type
     integer :: method = PATH_OFF       !! what follows where load control ends
     logical :: given = .false.         !! the deck chose it
     logical :: told = .false.          !! the user was warned that load control was left
+    logical :: told_energy = .false.   !! the user was warned of energy from nowhere
     real(wp) :: density = -1.0_wp      !! the deck's [M/L^3]; negative: from the work done
     integer :: way = BY_LOAD           !! as it is now; BY_LOAD: load control was not left
     logical :: trial = .false.         !! the step under way tries load control again
