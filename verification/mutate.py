@@ -18,6 +18,7 @@ import random
 import re
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -31,7 +32,7 @@ except ImportError:  # the fields are then not looked at
     h5py = None
 
 HERE = Path(__file__).resolve().parent
-SECONDS = 20.0  # of a mutated deck
+SECONDS = 20.0  # of a processor, for a mutated deck
 QUICK = 3.0  # of the processor: a deck worth mutating
 BUSY = 4  # seconds of the clock for one of the processor, at most
 NUMBER = re.compile(r"(?<![\w.+-])-?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?(?![\w.])")
@@ -175,14 +176,18 @@ def mutate(text: str, chance: random.Random) -> str:
 
 # --- runs ----------------------------------------------------------------------------------------
 def run(bezel: Path, deck: Path, out: Path, seconds: float) -> tuple[int | None, bytes, float]:
-    """Exit code (None: too slow), stderr, seconds."""
+    """Exit code (None: more than so many seconds of a processor), stderr, seconds of the clock."""
     start = time.monotonic()
+    most = math.ceil(seconds)
+    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (most, most + 1))
     try:
         result = subprocess.run(
-            [bezel, "--quiet", "-o", out, deck], capture_output=True, timeout=seconds, check=False)  # fmt: skip
+            [bezel, "--quiet", "-o", out, deck], capture_output=True, timeout=BUSY * seconds,
+            check=False, preexec_fn=limit)  # fmt: skip
     except subprocess.TimeoutExpired:
         return None, b"", time.monotonic() - start
-    return result.returncode, result.stderr, time.monotonic() - start
+    late = -result.returncode in (signal.SIGXCPU, signal.SIGKILL)
+    return None if late else result.returncode, result.stderr, time.monotonic() - start
 
 
 def has_nan(path: Path) -> bool:
@@ -247,7 +252,7 @@ def find_decks(bezel: Path, folder: Path) -> list[Path]:
         if "deck_errors" in deck.parts:
             continue
         before = processor_seconds()
-        code, *_ = run(bezel, deck, folder / "base", BUSY * QUICK)
+        code, *_ = run(bezel, deck, folder / "base", 2 * QUICK)
         seconds = processor_seconds() - before
         shutil.rmtree(folder / "base", ignore_errors=True)
         if code is not None and seconds < QUICK:
