@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Bonds under extreme numbers: runs benchmark/debonding_extremes and prints a table.
 
-`python3 verification/debonding_extremes.py [--bezel PROGRAM] [--only WORD] [--out DIR] [--write]`:
+`python3 verification/debonding_extremes.py [--bezel PROGRAM] [--only WORD ...] [--out DIR] [--write]`:
 a row for each run, as doc/verification/section5_debonding.md shows it; `--write` puts the rows into
 benchmark/debonding_extremes/results.csv. Forces are in units of s l^2 of the decks.
 """
@@ -17,6 +17,7 @@ import tempfile
 
 TOP = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TOP)]
+from post._error import Unreadable  # noqa: E402
 from post._table import read_table  # noqa: E402
 
 DECKS = TOP / "verification/benchmark/debonding_extremes"
@@ -52,14 +53,25 @@ def main(argv=None):
     rows = []
     print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|", flush=True)
     for name, (deck, settings) in RUNS.items():
-        if o.only in name:
+        if any(word in name for word in o.only):
             with tempfile.TemporaryDirectory(dir=o.out) as place:
                 rows.append(row(bezel, name, deck, settings, pathlib.Path(place)))
             print("| " + " | ".join(rows[-1]) + " |", flush=True)
-    if o.write:
-        with (DECKS / "results.csv").open("w", newline="") as text:
-            csv.writer(text, lineterminator="\n").writerows([COLUMNS, *rows])
+            if o.write:
+                write(rows)
     return 0
+
+
+def write(rows):
+    """results.csv with these rows in it."""
+    file, known = DECKS / "results.csv", {}
+    if file.exists():
+        with file.open(newline="") as text:
+            known = {r[0]: r for r in csv.reader(text)}
+    known.update({r[0]: r for r in rows})
+    with file.open("w", newline="") as text:
+        out = csv.writer(text, lineterminator="\n")
+        out.writerows([COLUMNS, *(known[n] for n in RUNS if n in known)])
 
 
 def row(bezel, name, deck, settings, place):
@@ -72,7 +84,7 @@ def row(bezel, name, deck, settings, place):
     try:
         c = read_table(place / f"{deck}_peel.dat").columns
         report = json.loads((place / f"{deck}.report.json").read_text())
-    except OSError:
+    except (OSError, Unreadable):
         return [name, outcome, *["-"] * (len(COLUMNS) - 3), words]
     log = (place / f"{deck}.log").read_text()
     length, stress = settings.get("l", 1), settings.get("s", 1)
@@ -92,7 +104,9 @@ def row(bezel, name, deck, settings, place):
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     p.add_argument("--bezel", default=TOP / "build/release/bezel", help="the program")
-    p.add_argument("--only", default="", help="rows whose first cell has this word")
+    p.add_argument(
+        "--only", nargs="+", default=[""], help="rows whose first cell has one of these words"
+    )
     p.add_argument("--out", default=None, help="folder for the runs while they last")
     p.add_argument("--write", action="store_true", help="write results.csv")
     return p

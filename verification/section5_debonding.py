@@ -24,6 +24,7 @@ import numpy as np
 
 TOP = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TOP)]
+from post._error import Unreadable  # noqa: E402
 from post._table import read_table  # noqa: E402
 
 DECKS = TOP / "verification/benchmark/section5_debonding"
@@ -92,7 +93,7 @@ def summary(mesh, name, place):
     try:
         report = json.loads((place / f"{name}.report.json").read_text())
         c = read_table(place / f"{name}_peel.dat").columns
-    except (OSError, ValueError):
+    except (OSError, ValueError, Unreadable):
         return None
     lift, force, lost = c["disp_3"], c["force_3"], c["contact_glue_1_debonded"]
     bonded = np.maximum.accumulate(lost) < RELEASED  # until the strip is off
@@ -144,7 +145,7 @@ def beside(out):
     for column, name in ("IGA2", "iga2"), ("Q1E9+Q1N2", "q1e9_q1n2"):
         try:
             c = read_table(out / f"1_{name}" / f"{name}_peel.dat").columns
-        except OSError:
+        except (OSError, Unreadable):
             continue
         print(f"{column}: lift, independent, ours, difference")
         for row in rows:
