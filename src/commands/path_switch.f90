@@ -100,6 +100,10 @@ contains
     else
       yes = goes_with_inertia(run, 'control of the release ends', why)
     end if
+    if (yes) return
+    call end_trial(run%path) ! by load, in smaller steps, and by nothing else any more
+    run%path%given = .true.
+    run%path%method = PATH_OFF
   end function smaller_piece
 
   !> The next steps have inertia.
@@ -123,11 +127,13 @@ contains
                   //to_text(run%state%dynamics%density)//' in units of force, length and TIME')
   end function goes_with_inertia
 
-  !> There are bonds whose release a load can change, and none that depends on the speed.
+  !> There are bonds whose release a load can change, none that depends on the speed, and a load has
+  !! worked on them: closed bonds do not say which way they open.
   logical function knows_release(run) result(yes)
     type(run_t), intent(in) :: run
 
     yes = size(run%state%table) > 0 .and. .not. any(run%model%contact(:)%tau > 0.0_wp)
+    if (yes) yes = run%plan%time > 0.0_wp .and. abs(run%state%energy%outer) > 0.0_wp
     if (yes) yes = .not. is_all_released(run%model, run%state)
   end function knows_release
 
