@@ -124,7 +124,7 @@ def meshes(folder, plt):
     axes[1].set_title("b) scatter of the force", loc="left")
     for ax in axes:
         ax.set_xlabel("length of the zone / element")
-    axes[0].legend()
+    axes[1].legend(loc="lower left")
     return drawing
 
 

@@ -7,7 +7,7 @@
 !! histories: when a step is accepted the points that did not act follow.
 module contact_cut
   use base_kinds, only: wp
-  use contact_foot, only: foot_t
+  use contact_foot, only: foot_t, touches
   use contact_pair, only: contact_t, contact_points_t
   use contact_type, only: OPEN
   implicit none
@@ -52,8 +52,7 @@ contains
     if (contact%nplain == contact%nq) return
     n = 0
     do q = 1, contact%nplain
-      if (feet(q)%elem == 0) cycle
-      if (feet(q)%gap < 0.0_wp .and. feet(q)%gap >= -contact%depth) n = n + 1
+      if (touches(feet(q), contact%depth) .and. feet(q)%gap < 0.0_wp) n = n + 1
     end do
     is_cut = n > 0 .and. n < contact%nplain
   end function is_cut

@@ -3,27 +3,18 @@ module contact_element
   use base_kinds, only: wp
   use contact_cohesion, only: pull_t, find_pull
   use contact_cut, only: acting
-  use contact_foot, only: foot_t
+  use contact_foot, only: foot_t, touches
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_point, only: point_t, slope_t, traction_at, fade_border
   use contact_type, only: OPEN, SLIP, TOUCH
   use contact_work, only: work_t, clear, add_own, add_partner, measure, position_on
   implicit none
   private
-  public :: form_element, touches
+  public :: form_element
 
   real(wp), parameter :: FIXED_AREA(3, 2) = 0.0_wp !! the reference area does not change
 
 contains
-
-  !> There is a foot, not deeper than allowed.
-  pure logical function touches(contact, foot)
-    type(contact_t), intent(in) :: contact
-    type(foot_t), intent(in) :: foot
-
-    touches = foot%elem > 0
-    if (touches) touches = foot%gap >= -contact%depth
-  end function touches
 
   !> Forces and derivatives of element e of side k; what its points found goes into their history.
   !! Where no point touches work%npartner is 0, and the rest of work means nothing.
@@ -151,7 +142,7 @@ contains
     point%friction = 0.0_wp
     point%elastic = 0.0_wp
     point%slip = 0.0_wp
-    if (.not. touches(contact, foot)) return
+    if (.not. touches(foot, contact%depth)) return
     point%multiplier = points%multiplier(i)
     e = points%slide(i)
     point%slides = slides .and. e > 0

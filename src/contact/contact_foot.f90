@@ -3,7 +3,7 @@ module contact_foot
   use base_kinds, only: wp
   implicit none
   private
-  public :: foot_t, shape_t
+  public :: foot_t, shape_t, touches
 
   !> A surface where it is now.
   type :: shape_t
@@ -32,5 +32,16 @@ module contact_foot
     real(wp) :: gap = huge(1.0_wp) !! [L] negative inside; on an edge or vertex the distance with
     !! that sign
   end type foot_t
+
+contains
+
+  !> There is a foot, and the point not deeper below it than `depth`.
+  pure logical function touches(foot, depth)
+    type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: depth           !! [L]
+
+    touches = foot%elem > 0
+    if (touches) touches = foot%gap >= -depth
+  end function touches
 
 end module contact_foot

@@ -5,7 +5,7 @@ module contact_shares
   use contact_kind, only: make_rational
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_tool, only: put_force
-  use contact_work, only: element_functions, work_t, new_work, position_on
+  use contact_work, only: measure, position_on, work_t, new_work
   implicit none
   private
   public :: add_shares, add_release
@@ -104,9 +104,8 @@ contains
     real(wp), intent(inout) :: released            !! [L^2]
     real(wp), intent(inout) :: slope(:, :)         !! (3, nnode) its derivative [L]
     type(work_t) :: work
-    real(wp), allocatable :: shp(:), far(:), unused(:, :)
-    real(wp) :: g(3), r, c
-    integer :: e, i, n, q
+    real(wp) :: g(3), up(3, 2), xp(3), c, r, area
+    integer :: e, i, m, n, q
 
     call new_work(contact, k, work)
     associate (own => contact%side(k), other => contact%side(3 - k))
@@ -114,18 +113,16 @@ contains
         do q = 1, contact%nq
           i = (e - 1)*contact%nq + q
           if (points%bond(i) == 0) cycle
-          shp = own_functions(own, e, q)
+          m = own%kind(own%ikind(e))%nsf
           n = other%kind(other%ikind(points%bond(i)))%nsf
-          allocate (far(n), unused(2, n))
-          call element_functions(other, points%bond(i), points%bond_xi(:, i), far, unused)
+          call measure(own, e, q, x, work, xp, up, area)
           call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, g)
-          g = matmul(x(:, own%node(own%first(e):own%first(e + 1) - 1)), shp) - g
+          g = xp - g
           r = norm2(g)/scale
           released = released + points%area0(i)*(1.0_wp - (1.0_wp + r)*exp(-r))
           c = points%area0(i)*exp(-r)/scale**2
-          call spread_slope(own, e, shp, c*g, slope)
-          call spread_slope(other, points%bond(i), far, -c*g, slope)
-          deallocate (far, unused)
+          call spread_slope(own, e, work%own(:m), c*g, slope)
+          call spread_slope(other, points%bond(i), work%shp(:n), -c*g, slope)
         end do
       end do
     end associate

@@ -16,21 +16,25 @@ module contact_slide
 
 contains
 
-  !> Positions of the integration points of element e.
-  pure subroutine side_positions(surface, e, x, xp)
+  !> Positions of integration points of element e: those behind `from`, as many as xp has room for.
+  pure subroutine side_positions(surface, e, x, xp, from)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) current positions [L]
-    real(wp), intent(out) :: xp(:, :)    !! (3, nq)
-    integer :: j, q
+    real(wp), intent(out) :: xp(:, :)    !! (3, n)
+    integer, intent(in), optional :: from
+    integer :: j, q, q0
     real(wp) :: s, w
+
+    q0 = 0
+    if (present(from)) q0 = from
 
     associate (shp => surface%kind(surface%ikind(e))%shp, first => surface%first(e))
       do q = 1, size(xp, 2)
         xp(:, q) = 0.0_wp
         w = 0.0_wp
         do j = 1, size(shp, 1)
-          s = shp(j, q)
+          s = shp(j, q0 + q)
           if (allocated(surface%w)) s = s*surface%w(first + j - 1)
           xp(:, q) = xp(:, q) + s*x(:, surface%node(first + j - 1))
           w = w + s

@@ -128,22 +128,23 @@ contains
     mesh%nnode = n + m
   end subroutine append_nodes
 
-  subroutine append_blocks(mesh, block)
-    type(mesh_t), intent(inout) :: mesh
+  !> Blocks behind those that a list has, if any.
+  subroutine append_blocks(list, block)
+    type(block_t), allocatable, intent(inout) :: list(:)
     type(block_t), intent(in) :: block(:)
     type(block_t), allocatable :: longer(:)
     integer :: i, n
 
     n = 0
-    if (allocated(mesh%block)) n = size(mesh%block)
+    if (allocated(list)) n = size(list)
     allocate (longer(n + size(block)))
     do i = 1, n
-      longer(i) = mesh%block(i)
+      longer(i) = list(i)
     end do
     do i = 1, size(block)
       longer(n + i) = block(i)
     end do
-    call move_alloc(longer, mesh%block)
+    call move_alloc(longer, list)
   end subroutine append_blocks
 
   subroutine append_body(mesh, body)

@@ -181,7 +181,7 @@ contains
     logical :: is_control(spec%file%nnode)
 
     is_control = .false.
-    call append_blocks(mesh, block)
+    call append_blocks(mesh%block, block)
     call append_body(mesh, body)
     call append_nodes(mesh, spec%file%x, is_control)
   end subroutine append

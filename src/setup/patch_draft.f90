@@ -69,17 +69,10 @@ contains
     type(element_t), intent(in) :: row
     integer, intent(in) :: degree(3), nen, nelem
     integer, intent(out) :: ib
-    type(block_t), allocatable :: list(:)
-    integer :: i, n
+    type(block_t) :: empty
 
-    n = 0
-    if (allocated(draft%block)) n = size(draft%block)
-    allocate (list(n + 1))
-    do i = 1, n
-      list(i) = draft%block(i)
-    end do
-    call move_alloc(list, draft%block)
-    ib = n + 1
+    call append_blocks(draft%block, [empty])
+    ib = size(draft%block)
     associate (b => draft%block(ib))
       b%name = name
       b%row = row
@@ -182,7 +175,7 @@ contains
         body%face(f)%side = list%side(:n)
       end associate
     end do
-    call append_blocks(mesh, draft%block)
+    call append_blocks(mesh%block, draft%block)
     call append_body(mesh, body)
     call append_nodes(mesh, draft%xr(:, :draft%nnode), draft%is_control(:draft%nnode))
   end subroutine append_draft

@@ -4,9 +4,9 @@ module contact_assembly
   use base_kinds, only: wp
   use contact_cohesion, only: ask_foot
   use contact_cut, only: acting
-  use contact_element, only: form_element, touches
+  use contact_element, only: form_element
   use contact_feet, only: find_feet
-  use contact_foot, only: foot_t, shape_t
+  use contact_foot, only: foot_t, shape_t, touches
   use contact_pair, only: contact_t, contact_points_t
   use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
                            pair_clique, map_pairs
@@ -134,7 +134,7 @@ contains
           if (.not. needed) cycle
         end if
         associate (foot => work%feet(k)%at(i))
-          if (.not. touches(contact, foot)) cycle
+          if (.not. touches(foot, contact%depth)) cycle
           call contact%normal%normal(contact%normal_prop, foot%gap, points%multiplier(i), p, dp)
           if (.not. p > 0.0_wp) cycle
           call need_pair(work%pairs(k), e, foot%elem, step, grown)

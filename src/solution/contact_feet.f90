@@ -26,20 +26,18 @@ contains
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
     type(foot_t), intent(inout) :: feet(:)         !! (np)
     type(contact_points_t), intent(inout) :: points
-    real(wp) :: xp(3, contact%nq)
     integer :: act(2), e, i
 
     if (points%fresh) call begin_cuts(contact, points)
     do e = 1, contact%side(k)%nelem
-      call side_positions(contact%side(k), e, x, xp)
       act = acting(contact, points, e)
-      call project_points(contact, k, shape, grid, xp, e, act, feet, points)
+      call project_points(contact, k, shape, grid, x, e, act, feet, points)
       if (contact%nq == contact%nplain) cycle
       i = (e - 1)*contact%nq
       if (.not. points%cut(e)) then
         points%cut(e) = is_cut(contact, feet(i + 1:i + contact%nplain))
-        if (points%cut(e)) call project_points(contact, k, shape, grid, xp, e, &
-                                               acting(contact, points, e), feet, points)
+        act = acting(contact, points, e)
+        if (points%cut(e)) call project_points(contact, k, shape, grid, x, e, act, feet, points)
       end if
       act = silent(contact, points, e)
       call silence(points, i + act(1), i + act(2))
@@ -58,22 +56,24 @@ contains
   end function silent
 
   !> Points act(1) to act(2) of element e.
-  subroutine project_points(contact, k, shape, grid, xp, e, act, feet, points)
+  subroutine project_points(contact, k, shape, grid, x, e, act, feet, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e, act(2)
     type(shape_t), intent(in) :: shape
     type(grid_t), intent(in) :: grid
-    real(wp), intent(in) :: xp(:, :)               !! (3, nq) their positions [L]
+    real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
     type(foot_t), intent(inout) :: feet(:)
     type(contact_points_t), intent(inout) :: points
+    real(wp) :: xp(3, act(2) - act(1) + 1)
     integer :: i, q
 
+    call side_positions(contact%side(k), e, x, xp, from=act(1) - 1)
     do q = act(1), act(2)
       i = (e - 1)*contact%nq + q
       associate (foot => feet(i))
         foot%elem = points%foot(i)
         foot%xi = points%foot_xi(:, i)
-        call project(contact%side(3 - k), shape, grid, xp(:, q), foot, contact%depth)
+        call project(contact%side(3 - k), shape, grid, xp(:, q - act(1) + 1), foot, contact%depth)
         if (contact%has_cohesive .and. points%aside(i)) then ! what is pressed only may plough
           if (foot%gap < -ASIDE*contact%depth) foot%elem = 0
         end if
@@ -95,16 +95,14 @@ contains
     type(foot_t), intent(inout) :: feet(:)
     type(contact_points_t), intent(inout) :: points
     type(work_t), intent(inout) :: part
-    real(wp) :: xp(3, contact%nq)
     integer :: act(2), e, i
 
     if (contact%nq == contact%nplain) return
     do e = 1, contact%side(k)%nelem
-      call side_positions(contact%side(k), e, x, xp)
       points%cut(e) = .not. points%cut(e)
       act = acting(contact, points, e)
       i = (e - 1)*contact%nq
-      call project_points(contact, k, shape, grid, xp, e, act, feet, points)
+      call project_points(contact, k, shape, grid, x, e, act, feet, points)
       call form_element(contact, k, e, x, feet(i + 1:i + contact%nq), slides, points, part)
       call silence(points, i + act(1), i + act(2))
       points%cut(e) = .not. points%cut(e)

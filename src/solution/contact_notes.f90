@@ -8,8 +8,7 @@ module contact_notes
   use base_log, only: log_line, warn
   use base_text, only: to_text
   use contact_bond, only: find_bonds
-  use contact_element, only: touches
-  use contact_foot, only: foot_t, shape_t
+  use contact_foot, only: foot_t, shape_t, touches
   use contact_history, only: new_contact_state, had_touched
   use contact_pair, only: contact_t, contact_state_t, surface_t
   use contact_project, only: project
@@ -156,7 +155,7 @@ contains
           points%gap(points%n) = foot%gap
           points%same(points%n) = dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp
         end if
-        if (.not. (foot%gap < -INSIDE*h .and. touches(contact, foot))) cycle
+        if (.not. (foot%gap < -INSIDE*h .and. touches(foot, contact%depth))) cycle
         start%ninside = start%ninside + 1
         if (-foot%gap <= start%deepest) cycle
         start%deepest = -foot%gap

@@ -29,7 +29,8 @@ contains
 
     call dead_forces(model%bc, state%factor, f)
     do j = 1, size(model%bc%pressure)
-      if (model%bc%pressure(j)%follower) call follower_pressure(model, state, j, map, k, f)
+      if (.not. model%bc%pressure(j)%follower) cycle
+      call follower_pressure(model, state, j, state%factor, f, map, k)
     end do
   end subroutine external_force
 
@@ -45,49 +46,25 @@ contains
     if (.not. any(abs(slope) > 0.0_wp)) return
     call dead_forces(model%bc, slope, f)
     do j = 1, size(model%bc%pressure)
-      if (model%bc%pressure(j)%follower) call pressure_rate(model, state, j, slope, f)
+      if (model%bc%pressure(j)%follower) call follower_pressure(model, state, j, slope, f)
     end do
     call fold_force(model%mesh%constraint, f)
   end subroutine load_rates
 
-  subroutine pressure_rate(model, state, j, slope, f)
+  !> One follower pressure: its forces, and their share of the tangent where k is there.
+  subroutine follower_pressure(model, state, j, factor, f, map, k)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     integer, intent(in) :: j
-    real(wp), intent(in) :: slope(:)
-    real(wp), intent(inout) :: f(:, :)
-    real(wp), allocatable :: fe(:, :), unused(:, :)
-    real(wp) :: rate
-    integer :: e, i, nen
-
-    rate = model%bc%pressure(j)%value*load_factor(slope, model%bc%pressure(j)%table)
-    do i = 1, size(model%bc%pressure(j)%elem)
-      e = model%bc%pressure(j)%elem(i)
-      associate (block => model%mesh%block(model%bc%pressure(j)%block(i)))
-        nen = block%nen
-        allocate (fe(3, nen), unused(3*nen, 3*nen))
-        call follower_face(block, e, model%bc%pressure(j)%side(i), rate, &
-                           model%mesh%xr(:, block%conn(:, e)) + state%u(:, block%conn(:, e)), &
-                           fe, unused)
-        call scatter_force(block%conn(:, e), fe, f)
-        deallocate (fe, unused)
-      end associate
-    end do
-  end subroutine pressure_rate
-
-  !> One follower pressure: forces, and their share of the tangent.
-  subroutine follower_pressure(model, state, j, map, k, f)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    integer, intent(in) :: j
-    type(map_t), intent(in) :: map(:)
-    type(block_matrix_t), intent(inout) :: k
-    real(wp), intent(inout) :: f(:, :)
+    real(wp), intent(in) :: factor(:)        !! (ntable) of the load curves, or their derivatives
+    real(wp), intent(inout) :: f(:, :)       !! (3, nnode)
+    type(map_t), intent(in), optional :: map(:)
+    type(block_matrix_t), intent(inout), optional :: k
     real(wp), allocatable :: fe(:, :), ke(:, :)
     real(wp) :: p
     integer :: b, e, i, nen
 
-    p = model%bc%pressure(j)%value*load_factor(state%factor, model%bc%pressure(j)%table)
+    p = model%bc%pressure(j)%value*load_factor(factor, model%bc%pressure(j)%table)
     do i = 1, size(model%bc%pressure(j)%elem)
       b = model%bc%pressure(j)%block(i)
       e = model%bc%pressure(j)%elem(i)
@@ -98,8 +75,10 @@ contains
                            model%mesh%xr(:, block%conn(:, e)) + state%u(:, block%conn(:, e)), &
                            fe, ke)
         call scatter_force(block%conn(:, e), fe, f)
-        if (k%symmetric) ke = 0.5_wp*(ke + transpose(ke))
-        call add_element(k, map(b)%at(:, :, e), ke)
+        if (present(k)) then
+          if (k%symmetric) ke = 0.5_wp*(ke + transpose(ke))
+          call add_element(k, map(b)%at(:, :, e), ke)
+        end if
         deallocate (fe, ke)
       end associate
     end do

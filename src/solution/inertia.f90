@@ -113,7 +113,7 @@ contains
     end do
   end subroutine add_inertia
 
-  !> 1/2 v.M.v of the velocity when the step began.
+  !> 1/2 v.M.v of the velocity at the end of the last step that was accepted.
   real(wp) function kinetic_energy(model, mass, state) result(energy)
     type(model_t), intent(in) :: model
     type(mass_t), intent(in) :: mass(:)

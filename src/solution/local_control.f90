@@ -20,7 +20,7 @@ module local_control
   use newton_judge, only: judge
   use newton_type, only: newton_t, pass_t
   use nodal_vector, only: free_part, full_vector
-  use prescribed, only: prescribed_values, prescribed_rates, to_prescribed
+  use prescribed, only: prescribed_rates, to_prescribed
   use solution_state, only: set_factors, factor_slopes
   implicit none
   private
