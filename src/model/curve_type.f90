@@ -16,10 +16,11 @@ module curve_type
                                 Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
   !> An entry of the book of energies, `component`: work done on the bodies; strain and kinetic
   !! energy; work against pressure, friction and bonds of contacts; what the time integration took;
-  !! and what is missing.
+  !! what is missing; and by the laws of the bonds what these hold, and damage and VISCous took.
   integer, parameter, public :: Q_BOOK = 18
   integer, parameter, public :: B_WORK = 1, B_STORED = 2, B_KINETIC = 3, B_NORMAL = 4, &
-                                B_FRICTION = 5, B_COHESIVE = 6, B_INERTIA = 7, B_IMBALANCE = 8
+                                B_FRICTION = 5, B_COHESIVE = 6, B_INERTIA = 7, B_IMBALANCE = 8, &
+                                B_BONDS = 9, B_DAMAGE = 10, B_VISCOUS = 11
 
   !> One column.
   type :: quantity_t

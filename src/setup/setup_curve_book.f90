@@ -9,8 +9,9 @@ module setup_curve_book
   public :: read_book
 
   !> In the order of curve_type's B_WORK ...
-  character(10), parameter :: WORD(8) = ['WORK      ', 'STORed    ', 'KINEtic   ', 'NORMal    ', &
-                                         'FRICtion  ', 'COHEsive  ', 'INERtia   ', 'IMBAlance ']
+  character(10), parameter :: WORD(11) = ['WORK      ', 'STORed    ', 'KINEtic   ', 'NORMal    ', &
+                                          'FRICtion  ', 'COHEsive  ', 'INERtia   ', 'IMBAlance ', &
+                                          'BONDs     ', 'DAMAge    ', 'VISCous   ']
 
 contains
 
@@ -20,7 +21,8 @@ contains
     type(quantity_t), intent(inout) :: quantity
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: USAGE = &
-                               'BOOK WORK|STORed|KINEtic|NORMal|FRICtion|COHEsive|INERtia|IMBAlance'
+                               'BOOK WORK|STORed|KINEtic|NORMal|FRICtion|COHEsive|INERtia|' &
+                               //'IMBAlance|BONDs|DAMAge|VISCous'
     integer :: i
 
     call check_count(line, 2, 2, USAGE, error)
