@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Stops and restarts of a run, compared bit for bit with the run that nothing stopped.
 
-usage: run.py BEZEL [--kills N]
+usage: run.py BEZEL [--kills N] [--deck NAME]
 
 1. SIGTERM while the run is under way: exit code 4, then --restart: curves and fields are equal.
 2. --time-limit: the same, restarted as often as it takes.
@@ -27,7 +27,7 @@ import h5py
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
-DECKS = ["full.inp", "reuse.inp", "contact.inp", "peel.inp", "local.inp"]
+DECKS = ["full.inp", "reuse.inp", "contact.inp", "peel.inp", "local.inp", "spline.inp"]
 
 
 def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM, room=None):
@@ -101,6 +101,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("bezel")
     parser.add_argument("--kills", type=int, default=4)
+    parser.add_argument("--deck", action="append", choices=DECKS, help="only this one")
     args = parser.parse_args()
     random.seed(1)
     passed = failed = 0
@@ -113,7 +114,7 @@ def main():
         )
 
     with tempfile.TemporaryDirectory() as top:
-        for deck in DECKS:
+        for deck in args.deck or DECKS:
             stem, top_path = pathlib.Path(deck).stem, pathlib.Path(top)
             whole_run = top_path / f"{stem}_whole"
             begin = time.time()
