@@ -174,6 +174,7 @@ verify-all: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) verification/verify.py --bezel $(B)/bezel --all
 	@$(PYTHON) verification/restart/run.py $(B)/bezel
+	@$(PYTHON) verification/section3.py check --bezel $(B)/bezel --work $(BUILD)/section3
 	@$(PYTHON) verification/section5_debonding.py --bezel $(B)/bezel --suite all $(ARGS)
 # Hours; goes on where it was interrupted. ARGS=--write updates the committed tables.
 verify-long: setup

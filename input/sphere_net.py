@@ -1,9 +1,9 @@
 """A closed net of quads whose smooth surface is nearly a sphere of radius 1: a cube, blown up.
 
-    python3 input/sphere_net.py N FILE.obj
+    python3 input/sphere_net.py N FILE.obj [POLE]
 
-N quads along an edge of the cube; towards the poles (0, 0, -1) and (0, 0, 1) the quads become smaller.
-The points of the net are those whose surface is nearest to the sphere, in the mean over its elements,
+N quads along an edge of the cube; towards the poles (0, 0, -1) and (0, 0, 1) the quads become smaller, down to
+POLE (0.6) of what they are without that. The points of the net are those whose surface is nearest to the sphere, in the mean over its elements,
 with the extraction that `python -m post mesh` uses.
 """
 
@@ -15,8 +15,9 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from post.mesh import _net, _patches, _surface  # noqa: E402
 
-POLE = 0.6  # size of the quads at the poles over that at the equator
+POLE = 0.6
 ROUNDS = 3
+ANGLES = np.linspace(0, np.pi, 20001)
 
 
 def cube(n):
@@ -42,44 +43,64 @@ def cube(n):
     return 2 * np.array(points) / n - 1, np.array(quads)
 
 
-def blown_up(x):
-    """Points of the cube moved to the unit sphere at equal angles, denser at the poles."""
-    pole = np.abs(x[:, 2]) == 1
-    inside = (1 - x[:, :1] ** 2) * (1 - x[:, 1:2] ** 2)  # zero on the face's edges
-    x = x.copy()
-    x[pole, :2] *= 1 - (1 - POLE) * inside[pole]
+def blown_up(x, pole):
+    """Points of the cube moved to the unit sphere at equal angles, then drawn to the poles.
+
+    An angle t from a pole becomes the integral of `slope` over its mean: smooth everywhere, and flat
+    at the poles, so that many quads there have the same size.
+    """
     x = np.tan(np.pi / 4 * x)
-    return x / np.linalg.norm(x, axis=1, keepdims=True)
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    rate = slope(ANGLES, strength(pole))
+    angle = np.r_[0, np.cumsum(0.5 * (rate[1:] + rate[:-1]))]
+    angle = np.interp(np.arccos(x[:, 2]), ANGLES, np.pi * angle / angle[-1])
+    around = np.arctan2(x[:, 1], x[:, 0])
+    ring = np.sin(angle)
+    return np.column_stack([ring * np.cos(around), ring * np.sin(around), np.cos(angle)])
+
+
+def slope(t, k):
+    """Size of the quads at the angle t from a pole over that at the pole."""
+    return np.exp(k * np.sin(t) ** 4)
+
+
+def strength(pole):
+    """k for which quads at the poles are `pole` times as large as without it.
+
+    >>> round(1 / float(slope(ANGLES[1:], strength(0.3)).mean()), 9)
+    0.3
+    """
+    low, high = 0.0, 40.0
+    for _ in range(60):
+        k = 0.5 * (low + high)
+        low, high = (k, high) if slope(ANGLES[1:], k).mean() < 1 / pole else (low, k)
+    return low
 
 
 def fitted(surface, points):
-    """(n, 3) control points of the surface nearest to the sphere, by least squares."""
+    """(n, 3) control points of the surface nearest to the sphere, by least squares of its radii.
+
+    A control point moves along its own direction from the centre.
+    """
     t = np.linspace(-0.9, 0.9, 4)
     u, v = (k.ravel() for k in np.meshgrid(t, t))
     p, q = surface.degree
     shape = (_surface.bernstein(q, v)[:, :, None] * _surface.bernstein(p, u)[:, None]).reshape(16, 16)
-    rows = np.zeros((16 * len(surface.nodes), len(points)))
-    for e, (ids, c) in enumerate(zip(surface.nodes, surface.coefficients)):
-        rows[16 * e : 16 * e + 16, ids] = shape @ c.T
-    # Only distances from the centre count; a little of the rest keeps points from sliding about.
-    free = 1e-3 * np.eye(3)
+    elements = [(ids, shape @ c.T) for ids, c in zip(surface.nodes, surface.coefficients)]
+    way = _surface.unit(points)
     for _ in range(ROUNDS):
-        x = rows @ points
-        radius = np.linalg.norm(x, axis=1, keepdims=True)
-        weight = np.einsum("ki,kj->kij", x / radius, x / radius) + free
-        target = np.einsum("kij,kj->ki", weight, x / radius)
-        n = len(points)
-        matrix = np.zeros((n, 3, n, 3))
-        for i in range(3):
-            for j in range(3):
-                matrix[:, i, :, j] = rows.T @ (weight[:, i, j, None] * rows)
-        points = np.linalg.solve(matrix.reshape(3 * n, 3 * n), (rows.T @ target).ravel()).reshape(n, 3)
+        matrix, right = np.zeros((len(points), len(points))), np.zeros(len(points))
+        for ids, rows in elements:
+            radii = rows * (_surface.unit(rows @ points[ids]) @ way[ids].T)
+            matrix[np.ix_(ids, ids)] += radii.T @ radii
+            right[ids] += radii.sum(axis=0)
+        points = way * np.linalg.solve(matrix, right)[:, None]
     return points
 
 
-def main(n, path):
+def main(n, path, pole=POLE):
     x, quads = cube(n)
-    net = _net.checked(_net.Net(blown_up(x), quads), path)
+    net = _net.checked(_net.Net(blown_up(x, pole), quads), path)
     points = fitted(_patches.extract(net), net.points)
     with open(path, "w") as f:
         f.write(f"# a cube of {n} x {n} quads a side, blown up; made by input/sphere_net.py\n")
@@ -87,7 +108,21 @@ def main(n, path):
         f.writelines("f " + " ".join(str(v + 1) for v in q) + "\n" for q in quads)
 
 
+def arguments(words):
+    """(N, FILE, POLE) of the command line; None where they cannot be used."""
+    if len(words) not in (2, 3) or not words[0].isdigit() or int(words[0]) < 2:
+        return None
+    try:
+        pole = float(words[2]) if words[2:] else POLE
+    except ValueError:
+        return None
+    return (int(words[0]), words[1], pole) if 0 < pole < 1 else None
+
+
 if __name__ == "__main__":
-    if len(sys.argv) != 3 or not sys.argv[1].isdigit() or int(sys.argv[1]) < 2:
-        sys.exit("usage: python3 input/sphere_net.py N FILE.obj   (N at least 2)")
-    main(int(sys.argv[1]), sys.argv[2])
+    given = arguments(sys.argv[1:])
+    if given is None:
+        sys.exit(
+            "usage: python3 input/sphere_net.py N FILE.obj [POLE]   (N at least 2, POLE in 0 to 1)"
+        )
+    main(*given)

@@ -3,12 +3,16 @@
     .venv/bin/python verification/section3.py mesh [--net FILE --name NAME]
     .venv/bin/python verification/section3.py bend --net FILE
     .venv/bin/python verification/section3.py slide
+    .venv/bin/python verification/section3.py hertz [--largest N]
+    .venv/bin/python verification/section3.py check
 
 `mesh` makes the bodies of VARIANTS from input/rocker_arm.py's net, or from another, and writes
 verification/section3/mesh_NAME.csv. `bend` goes from the file of hexahedra of a rocker arm to its solved
 bending, with tetrahedra and with the file's own hexahedra, and writes verification/section3/bend.csv.
 `slide` runs the deck of `make demo-rocker` with the spline on the arm and with plain faces of the same net,
 and writes verification/section3/slide.csv and a figure; runs that are in the work folder are used again.
+`hertz` presses spheres of input/sphere_net.py between planes and writes verification/section3/hertz.csv.
+`check`, which is part of `make verify-all`, repeats the quick ones of these and tries broken files.
 """
 
 import argparse
@@ -24,6 +28,8 @@ TOP = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TOP))
 
 import numpy as np  # noqa: E402
+from section3_check import check  # noqa: E402
+from section3_hertz import hertz  # noqa: E402
 
 from post import _style  # noqa: E402
 from post._table import read_table  # noqa: E402
@@ -41,7 +47,7 @@ VARIANTS = {
 COLUMNS = (
     "counts.elements", "counts.dofs", "counts.tets", "counts.pyramids", "counts.hexes", "counts.hanging",
     "volume.relative_difference", "layer.det_gauss", "layer.det_corner", "layer.scaled_corner",
-    "pyramids.scaled", "hexes.scaled", "tets.dihedral_least", "tets.dihedral_largest",
+    "pyramids.scaled", "hexes.scaled", "tets.scaled", "tets.dihedral_least", "tets.dihedral_largest",
     "normals.edges", "self_intersections",
 )  # fmt: skip
 BENDING = """
@@ -183,17 +189,22 @@ def main():
     p = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    p.add_argument("part", choices=("mesh", "bend", "slide"))
+    p.add_argument("part", choices=("mesh", "bend", "slide", "hertz", "check"))
     p.add_argument("--net", help="another net; bend needs a file of hexahedra")
     p.add_argument("--name", default="arm", help="of the table")
+    p.add_argument("--largest", type=int, default=24, help="hertz: quads along the cube's edge")
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"))
     p.add_argument("--work", type=pathlib.Path, default=TOP / "build/section3")
     o = p.parse_args()
     o.work.mkdir(parents=True, exist_ok=True)
+    if o.part == "hertz":
+        return hertz(TOP, o.bezel, HERE, o.work, o.largest)
     net = o.net
     if net is None:
         net = str(o.work / "rocker_arm.obj")
         subprocess.run([sys.executable, str(TOP / "input/rocker_arm.py"), net], check=True)
+    if o.part == "check":
+        return check(TOP, o.bezel, o.work, net, VARIANTS)
     if o.part == "mesh":
         mesh(net, o.name, HERE)
     elif o.part == "bend":
@@ -203,4 +214,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -71,7 +71,8 @@ def solve(bezel, out):
 def draw_run(out):
     """Stress in the arm at the end, tractions on its surface, and the forces over the way."""
     result = out / "rocker.vtkhdf"
-    field.draw([result], out / "rocker_stress.png", scalar="mises", view="60,25", say_step=False)
+    field.draw([result], out / "rocker_stress.png", scalar="mises", view="60,25", labels=["the pin at its end"],
+               say_step=False)  # fmt: skip
     steps = {1.05: "just sliding", 1.5: "half of the way", 2.0: "at the end"}
     for name in ("pressure", "friction"):
         contact_map.draw([result] * len(steps), out / f"rocker_{name}.png", scalar=f"contact_{name}", axis="y",

@@ -60,6 +60,7 @@ def main(argv):
     body = body_of(
         o.file, not o.open, o.orient, o.refine, o.smooth, o.split, o.group, o.enrich,
         interior=o.interior, mesher=o.mesher, size=o.size, heights=heights, junction=o.t_junction,
+        fine=o.fine,
     )  # fmt: skip
     report = _report.describe(body)
     for path in _write.write(body, output, " ".join(argv)):
@@ -89,6 +90,8 @@ def _parser():
                    help="tetrahedra (default), the file's hexahedra, or the layer alone")  # fmt: skip
     p.add_argument("--mesher", choices=("gmsh", "tetgen"), default="gmsh")
     p.add_argument("--size", type=float, help="largest edge of tetrahedra inside [L]")
+    p.add_argument("--fine", action="append", default=[], metavar="D=PLACE",
+                   help="edges of tetrahedra in a sphere or a box (Gmsh); may be repeated")  # fmt: skip
     p.add_argument("--open", action="store_true", help="the surface is open: the layer alone")
     p.add_argument("--orient", action="store_true", help="turn quads so that they agree")
     p.add_argument("--refine", type=int, default=0, metavar="N", help="Catmull-Clark steps first")

@@ -35,16 +35,17 @@ class Body:
 
 
 def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=None, heights=None,
-          junction="constraint"):  # fmt: skip
+          junction="constraint", fine=()):  # fmt: skip
     """The Body below a surface.
 
     interior: tets, hexes (those of the net) or none; enrich: (m) whether an element keeps its
-    spline, None: all of them; heights: options of _layer.build; junction: constraint or peak.
+    spline, None: all of them; heights: options of _layer.build; junction: constraint or peak; fine:
+    places with smaller tetrahedra, texts as _tets.places has them.
     """
     if interior == "hexes":  # they have no room for a layer as thick as tetrahedra leave
         heights = {"factor": 0.3, "thickness_share": 0.15} | (heights or {})
     form = _layer.build(surface, **(heights or {}))
-    points, cells = fill(surface, form, net, interior, mesher, size, junction)
+    points, cells = fill(surface, form, net, interior, mesher, size, junction, fine)
     hanging = [(s, (a, b), (1 - tau, tau)) for s, (a, b, tau) in sorted(surface.hanging.items())]
     body = Body(surface, points, cells, hanging, whole=surface, form=form)
     if enrich is not None and not enrich.all():
@@ -52,7 +53,7 @@ def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=N
     return body
 
 
-def fill(surface, form, net, interior, mesher, size, junction):
+def fill(surface, form, net, interior, mesher, size, junction, fine=()):
     """(points, cells) of the interior; the layer's inner corners come first and do not move."""
     cells = {kind: np.empty((0, n), dtype=np.int64) for kind, n in EMPTY.items()}
     if interior == "none":
@@ -70,16 +71,16 @@ def fill(surface, form, net, interior, mesher, size, junction):
     else:
         made = _pyramids.build(surface.corners, form.inner, room, splits)
     cells["pyramids"] = made.cells
-    points, cells["tets"] = _compact(made, mesher, size)
+    points, cells["tets"] = _compact(made, mesher, size, fine)
     return points, cells
 
 
-def _compact(made, mesher, size):
+def _compact(made, mesher, size, fine):
     """Mesh the room between the pyramids; points that stand in no triangle are kept out of it."""
     used = np.unique(made.triangles)
     place = np.full(len(made.points), -1)
     place[used] = np.arange(len(used))
-    points, tets = _tets.mesh(made.points[used], place[made.triangles], mesher, size)
+    points, tets = _tets.mesh(made.points[used], place[made.triangles], mesher, size, fine)
     n = len(made.points)
     back = np.concatenate([used, n + np.arange(len(points) - len(used))])
     return np.concatenate([made.points, points[len(used) :]]), back[tets]

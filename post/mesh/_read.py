@@ -127,6 +127,8 @@ def read_off(path):
         if width != 4:
             t.fail(f"face {k + 1} has {width} corners; a net has quads only")
         quads.append(t.numbers(4, f"face {k + 1}", int))
+    if t.more():
+        t.fail(f"the file goes on behind the {m} faces that it announces")
     return points, _table(quads, 4), _table([], 8), {}
 
 

@@ -64,6 +64,10 @@ def _check(path, degree, points, weights, nodes, coefficients):
 def _json(path):
     try:
         data = json.loads(text_of(path))
+    except json.JSONDecodeError as error:
+        raise Unreadable(f"'{path}' is no JSON, or cut off: {error}") from None
+    try:
+        _json_counts(path, data)
         degrees = {(b["deg_s"], b["deg_t"]) for b in data["elements"]["element_block_info"]}
         if len(degrees) != 1 or min(min(degrees)) < 1:
             raise Unreadable(f"'{path}' has no surface of one degree; degrees {sorted(degrees)}")
@@ -75,6 +79,17 @@ def _json(path):
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise Unreadable(f"'{path}' is no BEXT 2.0 in JSON ({error!r})") from None
     return degrees.pop(), full[:, :3], full[:, 3], nodes, rows, sets
+
+
+def _json_counts(path, data):
+    """What the file announces must be what it holds."""
+    blocks = data["elements"]["element_block_info"]
+    for what, announced, held in (
+        ("control points", data["num_nodes"], data["nodes"]),
+        ("elements", sum(b["num_elems"] for b in blocks), data["elements"]["element_blocks"]),
+    ):
+        if announced != len(held):
+            raise Unreadable(f"'{path}' announces {announced} {what} and holds {len(held)}")
 
 
 def _json_vectors(data, degrees):

@@ -23,8 +23,19 @@ Volume(1) = {1};
 Mesh.Algorithm3D = %d;
 Mesh.MeshSizeExtendFromBoundary = 1;
 Mesh.MeshSizeMax = %s;
+Mesh.OptimizeThreshold = 0.35;
 General.NumThreads = 1;
 """
+#: Sizes from a ball or a box on: half of the distance larger outside.
+FIELD = """Field[{k}] = {kind};
+Field[{k}].VIn = {size!r};
+Field[{k}].VOut = {far!r};
+Field[{k}].Thickness = {thickness!r};
+"""
+PLACES = {
+    "sphere": ("Ball", ("XCenter", "YCenter", "ZCenter", "Radius")),
+    "box": ("Box", ("XMin", "YMin", "ZMin", "XMax", "YMax", "ZMax")),
+}
 #: The Python package's TetGen, in a process of its own.
 TETGEN = """import sys, numpy, tetgen
 x, t = numpy.load('points.npy'), numpy.load('triangles.npy')
@@ -34,17 +45,51 @@ numpy.save('out_tets.npy', made[1])
 """
 
 
-def mesh(points, triangles, mesher="gmsh", size=None):
+def mesh(points, triangles, mesher="gmsh", size=None, fine=()):
     """(points, tets) inside: the first len(points) points are bit by bit those that were given.
 
     points: (n, 3), all of them in the triangles (k, 3), whose normals point outward; mesher: gmsh,
-    tetgen; size: largest edge of a tetrahedron inside [L], None: as on the surface.
+    tetgen; size: largest edge of a tetrahedron inside [L], None: as on the surface; fine: places
+    where they are smaller, see `places`.
     """
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        run = {"gmsh": _gmsh, "tetgen": _tetgen}[mesher]
-        x, tets = run(folder, points, triangles, size)
+        if mesher == "gmsh":
+            x, tets = _gmsh(folder, points, triangles, size, places(fine, points))
+        elif fine:
+            raise Unreadable("--fine is for Gmsh; TetGen has one --size for all of the inside")
+        else:
+            x, tets = _tetgen(folder, points, triangles, size)
     return _numbered(points, x, tets, mesher)
+
+
+def places(texts, points):
+    """Gmsh's words for texts D=sphere:x,y,z,r and D=box:x1,y1,z1,x2,y2,z2.
+
+    >>> places(["0.5=sphere:0,0,1,2"], np.eye(3)).splitlines()[4]
+    'Field[1].XCenter = 0.0;'
+    """
+    far, lines = float(np.linalg.norm(np.ptp(points, axis=0))), []
+    for k, text in enumerate(texts, 1):
+        size, _, choice = text.partition("=")
+        kind, _, rest = choice.partition(":")
+        try:
+            size, numbers = float(size), [float(w) for w in rest.split(",")]
+        except ValueError:
+            numbers = []
+        if kind not in PLACES or len(numbers) != len(PLACES[kind][1]) or not size > 0:
+            raise Unreadable(f"'{text}' is no D=sphere:x,y,z,r or D=box:x1,y1,z1,x2,y2,z2")
+        if kind == "box":
+            numbers = [*map(min, numbers[:3], numbers[3:]), *map(max, numbers[:3], numbers[3:])]
+        word, names = PLACES[kind]
+        lines.append(FIELD.format(k=k, kind=word, size=size, far=far, thickness=2 * far))
+        lines += [f"Field[{k}].{name} = {v!r};\n" for name, v in zip(names, numbers)]
+    if lines:
+        n = len(texts) + 1
+        members = ", ".join(map(str, range(1, n)))
+        lines.append(f"Field[{n}] = Min;\nField[{n}].FieldsList = {{{members}}};\n")
+        lines.append(f"Background Field = {n};\n")
+    return "".join(lines)
 
 
 def available(mesher):
@@ -92,7 +137,7 @@ def _program(name):
     return [found] if found else None
 
 
-def _gmsh(folder, points, triangles, size):
+def _gmsh(folder, points, triangles, size, sizes=""):
     command = _program("gmsh")
     if not command:
         raise Unreadable(f"Gmsh is not on this machine; {INSTALL}")
@@ -107,7 +152,7 @@ def _gmsh(folder, points, triangles, size):
     limit = "1e22" if size is None else repr(float(size))
     # HXT first; where it fails the older Delaunay mesher, which takes longer.
     for algorithm in (10, 1):
-        (folder / "volume.geo").write_text(GEO % (algorithm, limit))
+        (folder / "volume.geo").write_text(GEO % (algorithm, limit) + sizes)
         out = folder / "out.msh"
         try:
             _run(command + ["volume.geo", "-3", "-format", "msh22", "-save_all", "-o", "out.msh",

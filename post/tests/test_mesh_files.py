@@ -171,6 +171,20 @@ class Errors(Folder):
         data["coefficients"]["dense_coefficient_vectors"][0]["components"][5] += 0.5
         self.assertIn("do not sum to one", self.message(json.dumps(data), "a.bext.json"))
 
+    def test_places_of_small_tetrahedra_that_are_none(self):
+        text = vtk(*grid())
+        for fine in (
+            "0.1",
+            "x=sphere:0,0,0,1",
+            "0=sphere:0,0,0,1",
+            "1=sphere:0,0,1",
+            "1=cylinder:1,1",
+        ):
+            said = self.message(text, interior="tets", fine=[fine])
+            self.assertIn(f"'{fine}' is no D=sphere", said)
+        said = self.message(text, interior="tets", mesher="tetgen", fine=["1=sphere:0,0,0,1"])
+        self.assertIn("--fine is for Gmsh", said)
+
     def test_a_choice_that_names_nothing(self):
         text = vtk(*grid())
         self.assertIn("has not 6 numbers", self.message(text, groups=["top=box:1,2"]))

@@ -1,0 +1,151 @@
+"""What `make verify-all` runs of section 3: `verification/section3.py check`.
+
+Broken files get one sentence and no output; bodies below the arm's net keep what the committed table says;
+the coarse sphere's contact keeps its distance from Hertz. What needs Gmsh or TetGen is skipped where they
+are not installed, and said to be.
+"""
+
+import csv
+import json
+import subprocess
+import sys
+
+from section3_hertz import case, make
+
+from post.mesh import _report, _tets, body_of
+
+EXACT = 1e-12  # sums of volumes against the surface's integral
+TOLERANCE = 0.01  # of Hertz' ratios: another Gmsh makes other tetrahedra
+
+
+def broken(top):
+    """{what is wrong: (file, its text, words of the message)} from the net of a patch test."""
+    folder = top / "verification/patch/unstructured"
+    good = (folder / "net.off").read_text()
+    lines = good.splitlines()
+    head = lines.index("26 24 0")
+    quads = [line.split() for line in lines[head + 27 :]]
+
+    def net(rows, count=None):
+        size = f"26 {count or len(rows)} 0"
+        return "\n".join(
+            [*lines[:head], size, *lines[head + 1 : head + 27], *map(" ".join, rows), ""]
+        )
+
+    def turned(q):
+        return [q[0], *q[:0:-1]]
+
+    def other(k, place, value):
+        return [[*q[:place], value, *q[place + 1 :]] if i == k else q for i, q in enumerate(quads)]
+
+    spline = (folder / "hanging.bext.json").read_text()
+    return {
+        "an open surface said to be closed": ("a.off", net(quads[:-1]), "is not closed"),
+        "a surface turned inside out": (
+            "a.off",
+            net([turned(q) for q in quads]),
+            "seen from inside",
+        ),
+        "one quad turned": ("a.off", net([turned(quads[0]), *quads[1:]]), "opposite orientation"),
+        "a quad with a point twice": (
+            "a.off",
+            net(other(3, 2, quads[3][1])),
+            "quad 4 is degenerate",
+        ),
+        "a quad without area": ("a.off", good.replace("-1 -1 0", "-1 -1 -1"), "degenerate"),
+        "a point that is missing": ("a.off", net(other(5, 1, "99")), "outside the 26 points"),
+        "more quads announced than there are": ("a.off", net(quads, 25), "the file ends"),
+        "fewer quads announced than there are": (
+            "a.off",
+            net(quads, 23),
+            "goes on behind the 23 faces",
+        ),
+        "a net that is cut off": ("a.off", good[: len(good) // 2], "the file ends"),
+        "a coordinate that is no number": (
+            "a.off",
+            good.replace("-1 -1 0", "-1 nan 0"),
+            "is not finite",
+        ),
+        "a spline that is cut off": ("a.bext.json", spline[: len(spline) // 2], "cut off"),
+        "a spline without its last element": ("a.bext.json", without_element(spline), "announces"),
+    }
+
+
+def without_element(text):
+    data = json.loads(text)
+    data["elements"]["element_blocks"].pop()
+    return json.dumps(data)
+
+
+def check_broken(top, work):
+    """(what, trouble or None) of each broken file."""
+    folder = work / "broken"
+    folder.mkdir(parents=True, exist_ok=True)
+    for what, (name, text, words) in broken(top).items():
+        (folder / name).write_text(text)
+        command = [sys.executable, "-m", "post", "mesh", folder / name, "-o", folder / "out/body"]
+        done = subprocess.run(command, cwd=top, capture_output=True, text=True)
+        said = done.stderr.strip().splitlines()
+        trouble = None
+        if done.returncode != 2:
+            trouble = f"exit code {done.returncode}"
+        elif len(said) != 1 or words not in said[0]:
+            trouble = f"{len(said)} lines: {' / '.join(said)[:200]}"
+        elif (folder / "out").exists():
+            trouble = "files were written"
+        yield f"{what}: {said[0] if said else 'nothing said'}", trouble
+
+
+def check_bodies(net, variants, table):
+    """The arm's bodies against the committed table: counts that no mesher decides, sums, shapes."""
+    rows = {row["variant"]: row for row in csv.DictReader(table.open())}
+    for name, options in variants.items():
+        if name not in rows:
+            continue
+        if not _tets.available(options["mesher"]):
+            yield f"body of the arm, {name}: skipped, {options['mesher']} is not installed", None
+            continue
+        report = _report.describe(body_of(net, **options))
+        wrong = _report.bad(report)
+        for key in ("counts.elements", "counts.pyramids", "counts.hanging"):
+            part, entry = key.split(".")
+            if report[part][entry] != int(rows[name][key]):
+                wrong.append(f"{key} is {report[part][entry]}, not {rows[name][key]}")
+        if report["volume"]["relative_difference"] > EXACT:
+            wrong.append("volumes do not add up to rounding")
+        least = report["tets"]["dihedral_least"]
+        if options["mesher"] == "gmsh" and least < 4:
+            wrong.append(f"least dihedral angle {least:.2f}")
+        yield f"body of the arm, {name}: least angle {least:.2f}", "; ".join(wrong) or None
+
+
+def check_hertz(top, bezel, work, table):
+    """The coarsest sphere's contact against the committed ratios."""
+    if not _tets.available("gmsh"):
+        yield "sphere against Hertz: skipped, gmsh is not installed", None
+        return
+    want = next(csv.DictReader(table.open()))
+    folder = work / "hertz_12"
+    make(top, folder, 12)
+    got = dict(zip(want, case(bezel, folder, 12, 0.1).split(",")))
+    for name in ("force", "pressure", "radius"):
+        away = abs(float(got[name]) / float(want[name]) - 1)
+        trouble = f"{want[name]} before" if away > TOLERANCE else None
+        yield f"sphere against Hertz, {name}: {got[name]}", trouble
+
+
+def check(top, bezel, work, net, variants):
+    """Print a line for each check; returns the exit code."""
+    tables = top / "verification/section3"
+    failed = count = 0
+    for part in (
+        check_broken(top, work),
+        check_bodies(net, variants, tables / "mesh_arm.csv"),
+        check_hertz(top, bezel, work, tables / "hertz.csv"),
+    ):
+        for what, trouble in part:
+            print(f"{'ok    ' if trouble is None else 'FAILED'} {what}{': ' + trouble if trouble else ''}",
+                  flush=True)  # fmt: skip
+            count, failed = count + 1, failed + (trouble is not None)
+    print(f"section 3: {count - failed} passed, {failed} failed")
+    return 1 if failed else 0
