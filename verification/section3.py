@@ -142,7 +142,7 @@ def slide(bezel, out, work):
                 deck = folder / "rocker.inp"
                 text = re.sub(r"SPLIne,arm FILE.*?MATErial 1\n\n", "", deck.read_text(), flags=re.S)
                 deck.write_text(text.replace("arm pad", "bulk pad"))
-            rocker.run(bezel, folder)
+            rocker.solve(bezel, folder)
         c = read_table(folder / "rocker_pin.dat").columns
         values = [abs(c[f"contact_pad_2_{name}"]) for name in ("force_2", "force_1", "pressure")]
         down, along = np.flatnonzero(c["time"] <= 1)[-1], c["time"] > 1.05
