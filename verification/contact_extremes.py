@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Contact under extreme numbers: runs benchmark/contact_extremes/hemisphere.inp and prints a table.
+"""Contact under extreme numbers: runs benchmark/contact_extremes and prints a table.
 
 `python3 verification/contact_extremes.py [--bezel PROGRAM] [--only WORD] [--out DIR]`: a row for
 each run, outcome and reason, as doc/verification/contact.md shows it. Penalties are multiples of
@@ -16,11 +16,11 @@ import time
 
 TOP = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(TOP))
-DECK = TOP / "verification/benchmark/contact_extremes/hemisphere.inp"
+DECKS = TOP / "verification/benchmark/contact_extremes"
 AUTO = 125  # NORMal PENAlty AUTO: 125 E/h of the block, E = 1, h = 1
 TIME_LIMIT = 100
 
-#: what is changed: settings of the deck
+#: what is changed: settings, and the deck where it is another
 RUNS = {
     "nothing (penalty 125, the automatic one; mu 0.5)": {},
     **{f"penalty {f:g} times the automatic one": {"eps": f * AUTO} for f in
@@ -36,6 +36,10 @@ RUNS = {
     "stresses 1e6": {"s": 1e6},
     "lengths and stresses 1e-6": {"l": 1e-6, "s": 1e-6},
     "lengths and stresses 1e6": {"l": 1e6, "s": 1e6},
+    "BALAnced": {"deck": "balanced"},
+    **{f"BALAnced, penalty {f:g} times": {"eps": f * AUTO, "deck": "balanced"} for f in
+       (10, 1e2, 1e3, 1e4, 1e5, 1e6)},
+    **{f"BALAnced, stiffness ratio {r:g}": {"ratio": r, "deck": "balanced"} for r in (1e-3, 1e-2)},
 }  # fmt: skip
 
 
@@ -46,14 +50,16 @@ def main():
     for name, settings in RUNS.items():
         if o.only in name:
             with tempfile.TemporaryDirectory(dir=o.out) as place:
-                print(row(o.bezel, name, settings, pathlib.Path(place)), flush=True)
+                print(row(o.bezel, name, dict(settings), pathlib.Path(place)), flush=True)
 
 
 def row(bezel, name, settings, place):
     """One run as a line of the table; force, torque and penetration of side 1, in the deck's units."""
-    command = [bezel, "--quiet", "-o", str(place), "--time-limit", str(TIME_LIMIT), str(DECK)]
+    deck = settings.pop("deck", "hemisphere")
+    command = [bezel, "--quiet", "-o", str(place), "--time-limit", str(TIME_LIMIT)]
     for key, value in settings.items():
         command += ["--set", f"{key}={value:.16g}"]
+    command.append(str(DECKS / f"{deck}.inp"))
     start = time.monotonic()
     done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
     seconds = time.monotonic() - start
@@ -61,11 +67,11 @@ def row(bezel, name, settings, place):
 
     length, stress = settings.get("l", 1), settings.get("s", 1)
     cells = ["-"] * 5
-    curve = place / "hemisphere_sole.dat"
+    curve = place / f"{deck}_sole.dat"
     if curve.exists():
         table = read_table(curve)
         value = lambda word: table.columns[table.find(word)][-1]
-        report = json.loads((place / "hemisphere.report.json").read_text())
+        report = json.loads((place / f"{deck}.report.json").read_text())
         cells = [str(report["steps"]), str(report["cutbacks"])] + [
             f"{x:.6g}" for x in (
                 value("contact_sole_1_force_3") / (stress * length**2),

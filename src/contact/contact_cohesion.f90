@@ -83,7 +83,7 @@ contains
     integer :: j
 
     pull%gap = dot_product(n, g)
-    call fade(contact, g, pull%share, pull%slope)
+    call fade(contact, g, points%opening_step(i), pull%share, pull%slope)
     hold = 1.0_wp - pull%share
     dhold = -pull%slope
     call contact%normal%normal(contact%normal_prop, pull%gap, points%multiplier(i), p, dp)
@@ -98,18 +98,20 @@ contains
   end subroutine press
 
   !> With which share the penalty on the current foot acts: 0 up to half of the opening at which the
-  !! bond counts as released, 1 from there on.
-  pure subroutine fade(contact, g, share, slope)
+  !! bond counts as released, 1 from there on. Where points load both surfaces it is that of the
+  !! step's start: the partner's element and the foot's are not coupled.
+  pure subroutine fade(contact, g, before, share, slope)
     type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: g(3)               !! [L]
+    real(wp), intent(in) :: g(3), before       !! opening of now, and its length before [L]
     real(wp), intent(out) :: share, slope(3)
     real(wp) :: s, r
 
     r = norm2(g)
+    if (contact%balanced) r = before
     s = min(1.0_wp, max(0.0_wp, 2*r/contact%released - 1.0_wp))
     share = s*s*(3.0_wp - 2*s)
     slope = 0.0_wp
-    if (s > 0.0_wp) slope = 6*s*(1.0_wp - s)*(2/contact%released)*g/r
+    if (s > 0.0_wp .and. .not. contact%balanced) slope = 6*s*(1.0_wp - s)*(2/contact%released)*g/r
   end subroutine fade
 
   !> The bonded point i at the position `at` has need of its foot.
@@ -128,6 +130,7 @@ contains
     if (.not. contact%on_pair) return
     call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
     needed = 2*norm2(at - partner) > (1.0_wp - NEARLY)*contact%released
+    if (contact%balanced) needed = 2*points%opening_step(i) > contact%released
   end subroutine ask_foot
 
 end module contact_cohesion

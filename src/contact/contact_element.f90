@@ -1,6 +1,7 @@
 !> One surface element in contact: nodal forces and their derivatives against both surfaces.
 module contact_element
   use base_kinds, only: wp
+  use contact_balance, only: add_back, add_cross
   use contact_cohesion, only: pull_t, find_pull
   use contact_cut, only: acting
   use contact_foot, only: foot_t, touches
@@ -29,8 +30,8 @@ contains
     type(point_t) :: point
     type(slope_t) :: dt
     type(pull_t) :: pull
-    real(wp) :: up(3, 2), da
-    integer :: act(2), i, q
+    real(wp) :: up(3, 2), da, load
+    integer :: act(2), i, q, slot
 
     associate (own => contact%side(k), other => contact%side(3 - k))
       work%nk = own%kind(own%ikind(e))%nsf
@@ -45,31 +46,53 @@ contains
         if (points%bond(i) > 0) call find_pull(contact, other, x, i, point%x, points, work, pull)
         if (.not. pull%share > 0.0_wp) point%state = OPEN
         call record(feet(q), i, point, pull, da, points)
-        if (points%bond(i) > 0) call add_pull(other, i, points, pull, work)
+        if (points%bond(i) > 0) call add_pull(contact, other, i, points, pull, work)
         if (point%state == OPEN) cycle
         call clear(work)
-        if (points%bond(i) > 0) call fade_foot(other, i, points, pull, point%t, da, dt, work)
-        call add_own(pull%share*point%t, dt%x, up, da, work)
-        call add_partner(other, feet(q)%elem, feet(q)%xi, dt%p, dt%a, da, work)
-        if (point%slides) call add_partner(other, points%slide(i), points%slide_xi(:, i), dt%s, &
-                                           0.0_wp*dt%a, da, work)
+        load = da*own_share(contact)
+        if (points%bond(i) > 0) call fade_foot(other, i, points, pull, point%t, load, dt, work)
+        call add_own(pull%share*point%t, dt%x, up, load, work)
+        call add_partner(other, feet(q)%elem, feet(q)%xi, dt%p, dt%a, load, work)
+        if (contact%balanced) call add_back(other, feet(q)%elem, pull%share*point%t, dt, up, load, &
+                                            work, feet(q), point%x)
+        if (.not. point%slides) cycle
+        slot = work%slot
+        call add_partner(other, points%slide(i), points%slide_xi(:, i), dt%s, 0.0_wp*dt%a, load, &
+                         work)
+        if (contact%balanced) call add_cross(other, feet(q), slot, dt%s, load, work)
       end do
     end associate
   end subroutine form_element
 
   !> Force of a bonded point and its change with both surfaces.
-  pure subroutine add_pull(other, i, points, pull, work)
+  pure subroutine add_pull(contact, other, i, points, pull, work)
+    type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: other
     integer, intent(in) :: i
     type(contact_points_t), intent(in) :: points
     type(pull_t), intent(in) :: pull
     type(work_t), intent(inout) :: work
+    type(slope_t) :: dt
+    real(wp) :: load
 
     call clear(work)
-    call add_own(pull%t, pull%dtdg, FIXED_AREA, points%area0(i), work)
-    call add_partner(other, points%bond(i), points%bond_xi(:, i), -pull%dtdg, pull%dtda, &
-                     points%area0(i), work)
+    load = points%area0(i)*own_share(contact)
+    call add_own(pull%t, pull%dtdg, FIXED_AREA, load, work)
+    call add_partner(other, points%bond(i), points%bond_xi(:, i), -pull%dtdg, pull%dtda, load, &
+                     work)
+    if (.not. contact%balanced) return
+    dt%x = pull%dtdg
+    dt%p = -pull%dtdg
+    dt%a = pull%dtda
+    call add_back(other, points%bond(i), pull%t, dt, FIXED_AREA, load, work)
   end subroutine add_pull
+
+  !> Of its traction a point loads its own side with all, or where it loads both sides with half.
+  pure real(wp) function own_share(contact)
+    type(contact_t), intent(in) :: contact
+
+    own_share = merge(0.5_wp, 1.0_wp, contact%balanced)
+  end function own_share
 
   !> The traction t on the foot acts with a share that varies with the opening of the bond.
   pure subroutine fade_foot(other, i, points, pull, t, da, dt, work)

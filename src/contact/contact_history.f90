@@ -42,6 +42,7 @@ contains
     allocate (points%bond(np), source=0)
     allocate (points%bond_xi(2, np), points%area0(np), points%opening(np), source=0.0_wp)
     allocate (points%past(MAX_PAST, np), points%past_step(MAX_PAST, np), source=0.0_wp)
+    allocate (points%opening_step(np), source=0.0_wp)
     allocate (points%energy(3, np), points%pull(3, np), source=0.0_wp)
   end subroutine new_points
 
@@ -55,6 +56,7 @@ contains
       state%side(k)%foot_xi = state%side(k)%foot_xi_step
       state%side(k)%multiplier = state%side(k)%multiplier_step
       state%side(k)%past = state%side(k)%past_step
+      state%side(k)%opening = state%side(k)%opening_step
       state%side(k)%state = state%side(k)%state_step
       state%side(k)%fresh = .true.
     end do
@@ -70,6 +72,7 @@ contains
       state%side(k)%foot_xi_step = state%side(k)%foot_xi
       state%side(k)%multiplier_step = state%side(k)%multiplier
       state%side(k)%past_step = state%side(k)%past
+      state%side(k)%opening_step = state%side(k)%opening
       state%side(k)%state_step = state%side(k)%state
       state%side(k)%slip_rate = 0.0_wp
       if (state%side(k)%dt > 0.0_wp) then

@@ -11,7 +11,7 @@ module contact_point
   use contact_type, only: OPEN, TOUCH
   implicit none
   private
-  public :: point_t, slope_t, traction_at, fade_border, outer
+  public :: point_t, slope_t, foot_way, traction_at, fade_border, outer
 
   !> A distance this small, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
@@ -117,6 +117,21 @@ contains
       share = s*share
     end do
   end subroutine border_share
+
+  !> How the foot's parameters vary: dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b.
+  pure subroutine foot_way(foot, x, h, c, g)
+    type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: x(3)           !! the point
+    real(wp), intent(out) :: h(3, 2)       !! [1/L]
+    real(wp), intent(out) :: c(2, 2)       !! [1/L^2]
+    real(wp), intent(out) :: g(3)          !! x less the foot [L]
+    real(wp) :: metric(2, 2), hess(2, 2)
+
+    g = x - foot%x
+    call find_hessian(foot, g, metric, hess)
+    c = inverse(hess, foot%free)
+    h = matmul(foot%a, c)
+  end subroutine foot_way
 
   !> Unit normal at the foot and how it varies.
   pure subroutine vary_normal(foot, x, n, dn)

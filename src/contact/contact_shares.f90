@@ -21,13 +21,15 @@ contains
     real(wp), intent(inout) :: f(:, :, :)          !! (3, nnode, 3) pressure, friction, cohesion [F]
     real(wp) :: t(3, contact%nq, 3)
     real(wp), allocatable :: shp(:)
+    real(wp) :: weight
     integer :: e, i, j, n, q
 
+    weight = merge(0.5_wp, 1.0_wp, contact%balanced)
     associate (own => contact%side(k), other => contact%side(3 - k))
       do e = 1, own%nelem
         i = (e - 1)*contact%nq
         do q = 1, contact%nq
-          t(:, q, :) = shares(points, i + q)
+          t(:, q, :) = weight*shares(points, i + q)
         end do
         if (.not. any(abs(t) > 0.0_wp)) cycle
         do q = 1, contact%nq
@@ -37,35 +39,36 @@ contains
             f(:, n, :) = f(:, n, :) - shp(j)*t(:, q, :)
           end do
         end do
-        if (.not. other%rigid) cycle
+        if (.not. (other%rigid .or. contact%balanced)) cycle
         do q = 1, contact%nq
-          call share_tool(other, feet(i + q), i + q, t(:, q, :), points, f)
+          call share_other(other, feet(i + q), i + q, t(:, q, :), weight, points, f)
         end do
       end do
     end associate
   end subroutine add_shares
 
-  !> A rigid tool bears the other side's: those of a bond at the partner, all others at the foot.
-  subroutine share_tool(tool, foot, i, t, points, f)
-    type(surface_t), intent(in) :: tool
+  !> What the other side bears too: of a bond at the partner, all else at the foot.
+  subroutine share_other(other, foot, i, t, weight, points, f)
+    type(surface_t), intent(in) :: other
     type(foot_t), intent(in) :: foot
     integer, intent(in) :: i
     real(wp), intent(in) :: t(3, 3)                !! of point i [F]
+    real(wp), intent(in) :: weight                 !! of its tractions that t has
     type(contact_points_t), intent(in) :: points
     real(wp), intent(inout) :: f(:, :, :)
     real(wp) :: press(3)
 
     press = t(:, 1)
     if (points%bond(i) > 0) then
-      press = points%area0(i)*(points%pull(:, i) - points%cohesion(:, i))
-      call put_force(tool, points%bond(i), points%bond_xi(:, i), press, f(:, :, 1))
-      call put_force(tool, points%bond(i), points%bond_xi(:, i), t(:, 3), f(:, :, 3))
+      press = weight*points%area0(i)*(points%pull(:, i) - points%cohesion(:, i))
+      call put_force(other, points%bond(i), points%bond_xi(:, i), press, f(:, :, 1))
+      call put_force(other, points%bond(i), points%bond_xi(:, i), t(:, 3), f(:, :, 3))
       press = t(:, 1) - press
     end if
     if (foot%elem == 0) return
-    call put_force(tool, foot%elem, foot%xi, press, f(:, :, 1))
-    call put_force(tool, foot%elem, foot%xi, t(:, 2), f(:, :, 2))
-  end subroutine share_tool
+    call put_force(other, foot%elem, foot%xi, press, f(:, :, 1))
+    call put_force(other, foot%elem, foot%xi, t(:, 2), f(:, :, 2))
+  end subroutine share_other
 
   !> Forces of point i: its tractions times the areas they act on.
   pure function shares(points, i) result(t)

@@ -6,7 +6,7 @@ module contact_work
   implicit none
   private
   public :: work_t, new_work, clear, add_own, add_partner, measure, position_on, tangents_on, &
-            element_functions
+            element_functions, spread_rows
 
   !> Room for one element and the elements of the other side that its points see.
   type :: work_t
@@ -16,6 +16,15 @@ module contact_work
     real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]
     real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/du of the own nodes [F/L]
     real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) and of the partners' nodes
+    !> BALAnced: force on the partners' nodes, and its derivatives by the own nodes and by theirs.
+    real(wp), allocatable :: back(:, :, :)     !! (3, nl, npartner) [F]
+    real(wp), allocatable :: lk(:, :, :)       !! (3*nl, 3*nk, npartner) [F/L]
+    real(wp), allocatable :: ll(:, :, :)       !! (3*nl, 3*nl, npartner)
+    integer :: slot = 0                        !! partner that add_partner was asked for
+    !> And by those of another partner: of slot pair(1) by slot pair(2).
+    integer :: ncross = 0
+    integer, allocatable :: pair(:, :)         !! (2, ncross)
+    real(wp), allocatable :: cross(:, :, :)    !! (3*nl, 3*nl, ncross)
     real(wp), allocatable :: own(:), down(:, :) !! own functions at a point
     real(wp), allocatable :: shp(:), dshp(:, :) !! the partner's
     real(wp), allocatable :: q(:, :, :)        !! (3, 3, n) columns of a point
@@ -36,6 +45,11 @@ contains
     allocate (work%partner(3*contact%nq), work%r(3, mk), work%kk(3*mk, 3*mk))
     allocate (work%kl(3*mk, 3*ml, 3*contact%nq), work%shp(m), work%dshp(2, m), work%own(m))
     allocate (work%down(2, m), work%q(3, 3, m))
+    if (.not. contact%balanced) return
+    allocate (work%back(3, ml, 3*contact%nq), work%lk(3*ml, 3*mk, 3*contact%nq))
+    allocate (work%ll(3*ml, 3*ml, 3*contact%nq))
+    if (.not. contact%has_friction) return
+    allocate (work%pair(2, contact%nq), work%cross(3*ml, 3*ml, contact%nq))
   end subroutine new_work
 
   !> Functions of element e of a surface at a point, weights included.
@@ -135,6 +149,7 @@ contains
     type(work_t), intent(inout) :: work
 
     if (work%npartner > 0) return
+    work%ncross = 0
     work%r = 0.0_wp
     work%kk(:, :3*work%nk) = 0.0_wp
   end subroutine clear
@@ -173,7 +188,13 @@ contains
       work%npartner = slot
       work%partner(slot) = e
       work%kl(:, :, slot) = 0.0_wp
+      if (allocated(work%back)) then
+        work%back(:, :, slot) = 0.0_wp
+        work%lk(:, :, slot) = 0.0_wp
+        work%ll(:, :, slot) = 0.0_wp
+      end if
     end if
+    work%slot = slot
     n = other%kind(other%ikind(e))%nsf
     call element_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
     do b = 1, n

@@ -73,6 +73,8 @@ module contact_pair
     logical :: on_pair = .false.
     !> BORDer: width, relative to an element, over which the pressure fades to a surface's border.
     real(wp) :: border = 0.0_wp
+    !> BALAnced: every point loads both surfaces, with half of its traction each.
+    logical :: balanced = .false.
     logical :: has_friction = .false.
     type(contact_law_t) :: friction
     real(wp) :: friction_prop(MAX_LAW_PROP) = 0.0_wp
@@ -124,6 +126,7 @@ module contact_pair
     real(wp), allocatable :: past(:, :)      !! (MAX_PAST, np) what the cohesive law remembers
     real(wp), allocatable :: past_step(:, :) !! (MAX_PAST, np) at the start of the step
     real(wp), allocatable :: opening(:)      !! (np) of now: distance to the partner [L]
+    real(wp), allocatable :: opening_step(:) !! (np) at the start of the step
     real(wp), allocatable :: energy(:, :)    !! (3, np) stored, spent, viscous per area0 [F/L]
     real(wp), allocatable :: pull(:, :)      !! (3, np) traction of the bond on area0 [F/L^2]
     !> What the last sweep found.

@@ -24,6 +24,7 @@ contains
     if (contact%on_pair) text = text//', bonded points against their partners'
     if (contact%border > 0.0_wp) text = text//', fading to the borders over ' &
                                         //to_text(contact%border)//' of an element'
+    if (contact%balanced) text = text//', every point loads both surfaces'
     call log_line('          '//text)
     call log_line('          '//trim(contact%normal%source))
     if (contact%has_friction) then

@@ -105,6 +105,7 @@ contains
     points%elastic = values(18:20, :)
     points%area = values(21, :)
     points%opening = values(22, :)
+    points%opening_step = points%opening
     points%state_step = nint(values(23, :))
     points%energy = values(24:26, :)
     points%pull = values(27:29, :)

@@ -27,6 +27,7 @@ module contact_spec
     logical :: on_pair = .false.       !! PAIR
     type(place_t) :: pair_place        !! of the word
     real(wp) :: border = 0.0_wp        !! BORDer, share of an element
+    logical :: balanced = .false.      !! BALAnced
     logical :: has_after = .false.
     real(wp) :: after = 0.0_wp         !! AFTEr [T]
     type(bond_t), allocatable :: bond(:)

@@ -12,8 +12,9 @@ module setup_contact
   private
   public :: read_contact, contact_named
 
-  character(10), parameter :: WORD(7) = ['SURFaces  ', 'NORMal    ', 'FRICtion  ', 'COHEsive  ', &
-                                         'BONDed    ', 'DEPTh     ', 'QUADrature']
+  character(10), parameter :: WORD(8) = ['SURFaces  ', 'NORMal    ', 'FRICtion  ', 'COHEsive  ', &
+                                         'BONDed    ', 'DEPTh     ', 'QUADrature', &
+                                         'BALAnced  ']
   integer, parameter :: LONGEST = 32 !! of a name, which becomes part of a column's
 
 contains

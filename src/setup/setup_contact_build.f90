@@ -175,6 +175,8 @@ contains
       contact%has_after = spec%has_after
       contact%after = spec%after
     end if
+    contact%border = spec%border
+    contact%balanced = spec%balanced .and. .not. any(contact%side%rigid) ! a tool bears all anyway
     contact%has_cohesive = spec%cohesive%given
     if (.not. contact%has_cohesive) return
     contact%cohesive = spec%cohesive%row
@@ -182,7 +184,6 @@ contains
     contact%released = contact%cohesive%released(contact%cohesive_prop)
     contact%tau = spec%cohesive%tau
     contact%on_pair = spec%on_pair
-    contact%border = spec%border
     contact%bond = spec%bond
     contact%bond_gap = spec%bond_gap
   end subroutine set_laws

@@ -43,6 +43,9 @@ contains
     case ('dept')
       call check_count(line, 2, 2, 'DEPTh d', error)
       if (.not. allocated(error)) call read_positive(deck, line, 2, 'depth', contact%depth, error)
+    case ('bala')
+      call check_count(line, 1, 1, 'BALAnced', error)
+      contact%balanced = .true.
     case default ! QUADrature
       call read_quadrature(deck, line, contact, error)
     end select

@@ -7,7 +7,7 @@ module contact_assembly
   use contact_element, only: form_element
   use contact_feet, only: find_feet
   use contact_foot, only: foot_t, shape_t, touches
-  use contact_pair, only: contact_t, contact_points_t
+  use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_pairs, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
                            pair_clique, map_pairs
   use contact_search, only: grid_t, update_grid
@@ -16,7 +16,7 @@ module contact_assembly
   use contact_tool, only: react
   use contact_work, only: work_t, new_work
   use csr, only: block_matrix_t, clique_t
-  use csr_coupling, only: add_coupling
+  use csr_coupling, only: add_coupling, coupling_map
   use model, only: model_t, state_t
   implicit none
   private
@@ -157,8 +157,9 @@ contains
     do c = 1, size(work)
       do k = 1, 2
         call prune_pairs(work(c)%pairs(k), step)
-        associate (side => model%contact(c)%side)
-          call pair_clique(work(c)%pairs(k), side(k), side(3 - k), clique(2*c - 2 + k))
+        associate (contact => model%contact(c))
+          call pair_clique(work(c)%pairs(k), contact%side(k), contact%side(3 - k), &
+                           contact%balanced .and. contact%has_friction, clique(2*c - 2 + k))
         end associate
       end do
     end do
@@ -173,8 +174,9 @@ contains
 
     do c = 1, size(work)
       do k = 1, 2
-        associate (side => model%contact(c)%side)
-          call map_pairs(work(c)%pairs(k), side(k), side(3 - k), a)
+        associate (contact => model%contact(c))
+          call map_pairs(work(c)%pairs(k), contact%side(k), contact%side(3 - k), &
+                         contact%balanced, a)
         end associate
       end do
     end do
@@ -237,11 +239,56 @@ contains
             call add_coupling(a, mine, other%node(other%first(n):other%first(n + 1) - 1), &
                               work%pairs(k)%map(find_pair(work%pairs(k), e, n))%at, &
                               part%kl(:, :, b))
+            if (contact%balanced) call load_partner(work%pairs(k), other, mine, e, b, part, a, f)
           end do
         end associate
+        call couple_partners(other, part, a)
       end do
     end associate
     points%fresh = .false.
   end subroutine add_side
+
+  !> Forces of the element's points on their partner of slot b, and their derivatives.
+  subroutine load_partner(pairs, other, mine, e, b, part, a, f)
+    type(pairs_t), intent(in) :: pairs
+    type(surface_t), intent(in) :: other
+    integer, intent(in) :: mine(:)                 !! nodes of the element
+    integer, intent(in) :: e, b
+    type(work_t), intent(in) :: part
+    type(block_matrix_t), intent(inout) :: a
+    real(wp), intent(inout) :: f(:, :)
+    integer :: j
+
+    associate (map => pairs%map(find_pair(pairs, e, part%partner(b))), p => part%partner(b))
+      associate (theirs => other%node(other%first(p):other%first(p + 1) - 1))
+        do j = 1, size(theirs)
+          f(:, theirs(j)) = f(:, theirs(j)) + part%back(:, j, b)
+        end do
+        call add_coupling(a, theirs, mine, map%back, part%lk(:, :, b))
+        call add_coupling(a, theirs, theirs, map%there, part%ll(:, :, b))
+      end associate
+    end associate
+  end subroutine load_partner
+
+  !> Derivatives of the forces on a partner against another one's nodes: friction, BALAnced.
+  subroutine couple_partners(other, part, a)
+    type(surface_t), intent(in) :: other
+    type(work_t), intent(in) :: part
+    type(block_matrix_t), intent(inout) :: a
+    integer, allocatable :: map(:, :)
+    integer :: i, m, n
+
+    do i = 1, part%ncross
+      m = part%partner(part%pair(1, i))
+      n = part%partner(part%pair(2, i))
+      associate (rows => other%node(other%first(m):other%first(m + 1) - 1), &
+                 cols => other%node(other%first(n):other%first(n + 1) - 1))
+        allocate (map(size(rows), size(cols)))
+        call coupling_map(a, rows, cols, map)
+        call add_coupling(a, rows, cols, map, part%cross(:, :, i))
+        deallocate (map)
+      end associate
+    end do
+  end subroutine couple_partners
 
 end module contact_assembly

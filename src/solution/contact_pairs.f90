@@ -11,6 +11,8 @@ module contact_pairs
   !> Block positions of one pair.
   type :: map_t
     integer, allocatable :: at(:, :)     !! (nk, nl)
+    integer, allocatable :: back(:, :)   !! (nl, nk) BALAnced: rows of the partner
+    integer, allocatable :: there(:, :)  !! (nl, nl) its own
   end type map_t
 
   !> Pairs of an element of one side and one of the other. The list of an element is chained.
@@ -110,12 +112,17 @@ contains
   end subroutine prune_pairs
 
   !> Nodes of all pairs, for the pattern; shorter lists are filled with their first node.
-  subroutine pair_clique(pairs, own, other, clique)
+  subroutine pair_clique(pairs, own, other, whole, clique)
     type(pairs_t), intent(in) :: pairs
     type(surface_t), intent(in) :: own, other
+    logical, intent(in) :: whole         !! the partners of an element are coupled too
     type(clique_t), intent(out) :: clique
     integer :: i, nk, nl, most
 
+    if (whole) then
+      call whole_clique(pairs, own, other, clique)
+      return
+    end if
     most = maxval(own%kind%nsf) + maxval(other%kind%nsf)
     allocate (clique%conn(most, pairs%n))
     do i = 1, pairs%n
@@ -129,10 +136,43 @@ contains
     end do
   end subroutine pair_clique
 
+  !> Nodes of each element that has pairs, and of all of its partners.
+  subroutine whole_clique(pairs, own, other, clique)
+    type(pairs_t), intent(in) :: pairs
+    type(surface_t), intent(in) :: own, other
+    type(clique_t), intent(out) :: clique
+    integer :: e, i, m, n, npair(size(pairs%head))
+
+    npair = 0
+    do i = 1, pairs%n
+      npair(pairs%own(i)) = npair(pairs%own(i)) + 1
+    end do
+    n = maxval(own%kind%nsf) + maxval(other%kind%nsf)*maxval([0, npair])
+    allocate (clique%conn(n, count(npair > 0)))
+    n = 0
+    do e = 1, size(npair)
+      if (npair(e) == 0) cycle
+      n = n + 1
+      clique%conn(:, n) = own%node(own%first(e))
+      m = own%first(e + 1) - own%first(e)
+      clique%conn(:m, n) = own%node(own%first(e):own%first(e + 1) - 1)
+      i = pairs%head(e)
+      do while (i > 0)
+        associate (theirs => other%node(other%first(pairs%partner(i)): &
+                                        other%first(pairs%partner(i) + 1) - 1))
+          clique%conn(m + 1:m + size(theirs), n) = theirs
+          m = m + size(theirs)
+        end associate
+        i = pairs%next(i)
+      end do
+    end do
+  end subroutine whole_clique
+
   !> Positions of all pairs in a matrix.
-  subroutine map_pairs(pairs, own, other, a)
+  subroutine map_pairs(pairs, own, other, balanced, a)
     type(pairs_t), intent(inout) :: pairs
     type(surface_t), intent(in) :: own, other
+    logical, intent(in) :: balanced      !! the partners' rows too
     type(block_matrix_t), intent(in) :: a
     integer :: i, nk, nl
 
@@ -149,6 +189,11 @@ contains
           nl = size(theirs)
           allocate (pairs%map(i)%at(nk, nl))
           call coupling_map(a, mine, theirs, pairs%map(i)%at)
+          if (balanced) then
+            allocate (pairs%map(i)%back(nl, nk), pairs%map(i)%there(nl, nl))
+            call coupling_map(a, theirs, mine, pairs%map(i)%back)
+            call coupling_map(a, theirs, theirs, pairs%map(i)%there)
+          end if
           if (allocated(pairs%self(e)%at)) cycle
           allocate (pairs%self(e)%at(nk, nk))
           call coupling_map(a, mine, mine, pairs%self(e)%at)
