@@ -175,7 +175,8 @@ verify-all: setup
 	@$(PYTHON) verification/verify.py --bezel $(B)/bezel --all
 	@$(PYTHON) verification/restart/run.py $(B)/bezel
 	@$(PYTHON) verification/section3.py check --bezel $(B)/bezel --work $(BUILD)/section3
-	@$(PYTHON) verification/section5_debonding.py --bezel $(B)/bezel --suite all $(ARGS)
+	@$(PYTHON) verification/section5_contact.py --bezel $(B)/bezel --mesh 1 2 --jobs $(J) $(ARGS)
+	@$(PYTHON) verification/section5_debonding.py --bezel $(B)/bezel --suite all --jobs $(J) $(ARGS)
 # Hours; goes on where it was interrupted. ARGS=--write updates the committed tables.
 verify-long: setup
 	@$(MAKE) $(B)/bezel

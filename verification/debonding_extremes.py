@@ -31,6 +31,8 @@ RUNS = {
     "T0 = 1 E0, penalty 100": ("peel", {"t0": 1, "eps": 100}),
     "T0 = 10 E0": ("peel", {"t0": 10}),
     "T0 = 10 E0, 12 x 12 points": ("peel", {"t0": 10, "q": 12}),
+    "T0 = 10 E0, BALAnced": ("balanced", {"t0": 10}),
+    "T0 = 10 E0, penalty 1000, BALAnced": ("balanced", {"t0": 10, "eps": 1000}),
     "strip ten times thinner": ("peel", {"thick": 0.1}),
     "one step to a lift of 15.5": ("peel", {"steps": 1, "most": 1}),
     "down again to 0 and into the plate by 0.2": ("peel", {"lift": 5, "back": -0.2, "n": 200}),
