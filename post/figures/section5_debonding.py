@@ -57,9 +57,9 @@ def forces(results, mesh, group, plt):
 def line(name):
     """How the curves of an element type are drawn, the same in all figures."""
     order = [n for group in GROUPS for n in group if n != "iga2"]
-    colour = (
-        "#000000" if name == "iga2" else _style.COLOURS[order.index(name) % len(_style.COLOURS)]
-    )
+    black = "#000000"
+    colours = [c for c in _style.COLOURS if c != black] + ["#8c564b"]  # black is IGA2's
+    colour = black if name == "iga2" else colours[order.index(name)]
     return {"color": colour, "marker": "", "linewidth": 1.1}
 
 
