@@ -66,8 +66,12 @@ def same(a, b, stem):
     if left.keys() != right.keys():
         return "the result files hold different datasets"
     for name in left:
-        if left[name].shape != right[name].shape or left[name].tobytes() != right[name].tobytes():
-            return f"the fields differ in {name}"
+        one, other = left[name], right[name]
+        if one.shape != other.shape:
+            return f"the fields differ in the size of {name}: {one.shape} and {other.shape}"
+        if one.tobytes() != other.tobytes():
+            rows = np.unique(np.nonzero(one != other)[0])
+            return f"the fields differ in {name}, rows {rows[:3]} and {len(rows)} in all"
     return None
 
 
