@@ -8,7 +8,7 @@ module contact_element
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_point, only: point_t, slope_t, traction_at, fade_border
   use contact_type, only: OPEN, SLIP, TOUCH
-  use contact_work, only: work_t, clear, add_own, add_partner, measure, position_on
+  use contact_work, only: work_t, own_share, clear, add_own, add_partner, measure, position_on
   implicit none
   private
   public :: form_element
@@ -86,13 +86,6 @@ contains
     dt%a = pull%dtda
     call add_back(other, points%bond(i), pull%t, dt, FIXED_AREA, load, work)
   end subroutine add_pull
-
-  !> Of its traction a point loads its own side with all, or where it loads both sides with half.
-  pure real(wp) function own_share(contact)
-    type(contact_t), intent(in) :: contact
-
-    own_share = merge(0.5_wp, 1.0_wp, contact%balanced)
-  end function own_share
 
   !> The traction t on the foot acts with a share that varies with the opening of the bond.
   pure subroutine fade_foot(other, i, points, pull, t, da, dt, work)

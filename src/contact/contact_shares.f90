@@ -5,7 +5,7 @@ module contact_shares
   use contact_kind, only: make_rational
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_tool, only: put_force
-  use contact_work, only: measure, position_on, work_t, new_work
+  use contact_work, only: measure, own_share, position_on, work_t, new_work
   implicit none
   private
   public :: add_shares, add_release
@@ -24,7 +24,7 @@ contains
     real(wp) :: weight
     integer :: e, i, j, n, q
 
-    weight = merge(0.5_wp, 1.0_wp, contact%balanced)
+    weight = own_share(contact)
     associate (own => contact%side(k), other => contact%side(3 - k))
       do e = 1, own%nelem
         i = (e - 1)*contact%nq

@@ -6,7 +6,7 @@ module contact_work
   implicit none
   private
   public :: work_t, new_work, clear, add_own, add_partner, measure, position_on, tangents_on, &
-            element_functions, spread_rows
+            element_functions, own_share, spread_rows
 
   !> Room for one element and the elements of the other side that its points see.
   type :: work_t
@@ -51,6 +51,13 @@ contains
     if (.not. contact%has_friction) return
     allocate (work%pair(2, contact%nq), work%cross(3*ml, 3*ml, contact%nq))
   end subroutine new_work
+
+  !> Of its traction a point loads its own side with all, or where it loads both sides with half.
+  pure real(wp) function own_share(contact)
+    type(contact_t), intent(in) :: contact
+
+    own_share = merge(0.5_wp, 1.0_wp, contact%balanced)
+  end function own_share
 
   !> Functions of element e of a surface at a point, weights included.
   pure subroutine element_functions(surface, e, xi, shp, dshp)
