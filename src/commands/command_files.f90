@@ -24,7 +24,8 @@ module command_files
 
 contains
 
-  !> Curves; the result file opens with its first fields.
+  !> Curves; the result file opens with its first fields. Where a run goes on both are cut back to
+  !! the step it goes on from, whether it has more to write or not.
   subroutine open_files(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
@@ -51,6 +52,7 @@ contains
       end associate
     end do
     run%files_open = .true.
+    if (run%restarted) call open_fields(run, error)
   end subroutine open_files
 
   !> A row of every curve.

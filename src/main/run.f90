@@ -49,7 +49,7 @@ contains
     type(command_t) :: command
     logical :: closed
 
-    if (job%restarted) call open_files(job, error) ! cuts back what a run that went on has written
+    if (job%restarted) call open_files(job, error) ! cuts back what a killed run has written
     if (allocated(error)) return
     call drop_anchor(job)
     do

@@ -22,14 +22,14 @@ module result_file
 contains
 
   !> Prepare the picture; the files come with the first step. Files of that name go; a run that
-  !! goes on keeps their first `keep` steps.
+  !! goes on keeps their steps up to number `keep`.
   subroutine open_result(result, stem, model, deck_text, error, keep)
     type(result_file_t), intent(inout) :: result !! fields may be chosen before
     character(*), intent(in) :: stem             !! folder and name
     type(model_t), intent(in) :: model
     character(*), intent(in) :: deck_text
     type(error_t), allocatable, intent(out) :: error
-    integer, intent(in), optional :: keep        !! number of steps written before
+    integer, intent(in), optional :: keep        !! last step that stays
     type(run_info_t) :: info
     real(wp), allocatable :: xr(:, :)
 
@@ -40,7 +40,6 @@ contains
     call build_view(model, result%view)
     allocate (xr(3, result%view%npoint))
     call map_field(result%view, model%mesh%xr, xr)
-    if (.not. allocated(result%wanted)) result%wanted = default_fields(model)
     call open_series(result%series, stem, keep)
     call open_vtkhdf(result%hdf, stem//'.vtkhdf', result%view, xr, info, error, keep)
     if (allocated(error)) return
@@ -64,6 +63,13 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(field_t), allocatable :: field(:)
 
+    if (.not. allocated(result%wanted)) then ! no OUTPut, or one that names none
+      if (allocated(result%hdf%names)) then
+        result%wanted = result%hdf%names
+      else
+        result%wanted = default_fields(model)
+      end if
+    end if
     call collect_fields(model, state, result%view, result%wanted, field)
     call append_vtkhdf(result%hdf, result%view, state%step, state%time, field, error)
     if (allocated(error)) return

@@ -30,8 +30,8 @@ module vtkhdf_file
 
 contains
 
-  !> Begin a result. The file is made with the first step; an old one goes, but for its first `keep`
-  !! steps.
+  !> Begin a result. The file is made with the first step; an old one goes, but for its steps up to
+  !! number `keep`.
   subroutine open_vtkhdf(result, path, view, xr, info, error, keep)
     type(vtkhdf_t), intent(out) :: result
     character(*), intent(in) :: path
@@ -240,7 +240,7 @@ contains
                 hint='restart with another --name, or in another folder')
       return
     end if
-    result%nstep = min(keep, n(1))
+    result%nstep = count(number <= keep)
     result%number = number(:result%nstep)
     if (result%nstep == 0) then
       call remove_file(result%path)

@@ -23,19 +23,19 @@ module vtu_file
 
 contains
 
-  !> Begin a series; an old one goes, but for its first `keep` steps.
+  !> Begin a series; an old one goes, but for its steps up to number `keep`.
   subroutine open_series(series, stem, keep)
     type(vtu_series_t), intent(out) :: series
     character(*), intent(in) :: stem
     integer, intent(in), optional :: keep
     character(1024) :: line
-    integer :: unit, status, step, most
+    integer :: unit, status, step, last
     real(wp) :: time
 
     series%stem = stem
     allocate (series%step(0), series%time(0))
-    most = 0
-    if (present(keep)) most = keep
+    last = -1
+    if (present(keep)) last = keep
     open (newunit=unit, file=stem//'.pvd', action='read', status='old', iostat=status)
     if (status /= 0) return
     do
@@ -43,7 +43,7 @@ contains
       if (status /= 0) exit
       call read_entry(line, step, time, status)
       if (status /= 0) cycle
-      if (size(series%step) < most) then
+      if (step <= last) then
         series%step = [series%step, step]
         series%time = [series%time, time]
       else

@@ -7,7 +7,9 @@ usage: run.py BEZEL [--kills N] [--deck NAME]
 2. --time-limit: the same, restarted as often as it takes.
 3. kill -9 at random moments: every row and field written before stays readable, the last checkpoint
    can be restarted, and the restarted run ends like the uninterrupted one.
-4. Files that may not grow beyond a size, as on a full disk: exit code 3.
+4. A checkpoint that is older than the results, and a restart from it that is stopped before it makes
+   a step: the results are cut back to the checkpoint, and going on ends like the uninterrupted run.
+5. Files that may not grow beyond a size, as on a full disk: exit code 3.
 
 Prints a line a check and `N passed, N failed`. Needs h5py for the fields (the project's .venv has it).
 """
@@ -62,6 +64,9 @@ def same(a, b, stem):
     """Equal curves and fields of two folders; the reason where they are not."""
     if (a / f"{stem}_force.dat").read_bytes() != (b / f"{stem}_force.dat").read_bytes():
         return "the curves differ"
+    for path in [a / f"{stem}.pvd", *sorted(a.glob(f"{stem}_*.vtu"))]:
+        if not (b / path.name).exists() or path.read_bytes() != (b / path.name).read_bytes():
+            return f"{path.name} differs"
     left, right = fields(a / f"{stem}.vtkhdf"), fields(b / f"{stem}.vtkhdf")
     if left.keys() != right.keys():
         return "the result files hold different datasets"
@@ -90,6 +95,24 @@ def whole(folder, stem):
             fields(result)
         except OSError as error:
             return f"the result file cannot be read: {error}"
+    return None
+
+
+def stop_behind(bezel, deck, folder):
+    """In the folder of a finished run: restart from its last checkpoint but one, and stop at once."""
+    stem = pathlib.Path(deck).stem
+    checkpoint = folder / f"{stem}.restart.h5"
+    with h5py.File(checkpoint, "r+") as file:
+        del file["last"]
+        file.move("before", "last")
+        step = int(file["last"].attrs["step"])
+    code = run(bezel, deck, folder, "--time-limit", "1e-9", "--restart", str(checkpoint))
+    if code != 4:
+        return f"exit code {code}"
+    rows = np.loadtxt(folder / f"{stem}_force.dat", ndmin=2)[:, 0]
+    number = fields(folder / f"{stem}.vtkhdf")["VTKHDF/Steps/StepNumber"]
+    if rows[-1] != step or max(number) > step:
+        return f"step {step}, a last row {rows[-1]:.0f} and last fields {max(number)}"
     return None
 
 
@@ -173,6 +196,13 @@ def main():
                     trouble = same(whole_run, part, stem) if code == 0 else f"exit code {code}"
                 report(f"{stem}: killed {kill + 1} of {args.kills}", trouble)
                 shutil.rmtree(part, ignore_errors=True)
+            part = top_path / f"{stem}_behind"
+            shutil.copytree(whole_run, part)
+            trouble = stop_behind(args.bezel, deck, part)
+            if trouble is None:
+                code = go_on(args.bezel, deck, part)
+                trouble = same(whole_run, part, stem) if code == 0 else f"exit code {code}"
+            report(f"{stem}: from a checkpoint older than the results", trouble)
             size = max(file.stat().st_size for file in whole_run.iterdir())
             for share in (0.01, 0.1, 0.3, 0.6, 0.9):
                 code = run(args.bezel, deck, top_path / "full_disk", room=int(share * size))
