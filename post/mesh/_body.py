@@ -26,7 +26,8 @@ class Body:
     surface: object  # the enriched part, a Surface; below its corner k is the bulk's point k
     points: np.ndarray  # (n, 3) of the bulk: inner corners of the layer first
     cells: dict  # tets (k,4), pyramids (k,5), hexes (k,8)
-    hanging: list = field(default_factory=list)  # (slave, masters, coefficients) of the bulk
+    #: (slave, masters, coefficients) of the bulk; a master -1 - k is control point k.
+    hanging: list = field(default_factory=list)
     ties: list = field(default_factory=list)  # (bulk point, control point) that are one
     whole: object = None  # the Surface before parts of it became plain
     form: object = None  # the Layer of the whole surface

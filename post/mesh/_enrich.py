@@ -2,12 +2,13 @@
 
 In that ring an element's corner that a plain face has too becomes a function of its own, whose
 control point lies at the corner; the edge between two such corners is made straight. The spline and
-the bilinear faces then have the same points and displacements along their common edges.
+the bilinear faces then have the same points and displacements along their common edges, also where
+corners hang there (_border).
 """
 
 import numpy as np
 
-from post._error import Unreadable
+from post.mesh import _border
 from post.mesh._patches import tables
 from post.mesh._surface import Surface
 
@@ -15,64 +16,81 @@ from post.mesh._surface import Surface
 def make_partial(body, keep):
     """Change the body in place: elements that are not in `keep` (m), nor beside it, become plain."""
     s = body.whole
-    if not keep.any():
-        ring = keep
-    else:
-        near = np.unique(s.corners[keep])
+    lines = _border.lines(s.hanging)
+    ring = keep
+    if keep.any():
+        near = _border.protected(s.corners, keep, lines)
         ring = np.isin(s.corners, near).any(axis=1)
     plain = ~ring
-    border = set(np.intersect1d(s.corners[ring], s.corners[plain]).tolist())
-    caught = border & set(s.hanging) | {
-        h for h, (a, b, _) in s.hanging.items() if a in border and b in border
-    }
-    if caught:
-        raise Unreadable(
-            "a T-junction lies on the border of the enriched part; choose a larger or smaller part"
-        )
+    border = np.intersect1d(s.corners[ring], s.corners[plain]).tolist()
+    flat, straight = _border.flattened(s.corners, plain, border, lines)
     x = s.corner_points()
-    for h, (a, b, tau) in s.hanging.items():
+    for h, (a, b, tau) in _border.in_order(s.hanging):
         x[h] = (1 - tau) * x[a] + tau * x[b]
-    body.surface, own = _part(s, ring, plain, sorted(border), x)
+    own = {v: len(s.points) + k for k, v in enumerate(sorted(flat - set(s.hanging)))}
+    rows = {e: _rows(s, e) for e in np.flatnonzero(ring).tolist()}
+    _straighten(s, rows, {v: _border.combination(v, own, s.hanging) for v in flat}, plain, straight)
+    around = _border.users(s.corners, rows)
+    for line in _border.bent(flat, straight, lines):
+        _follow(s, rows, line, around)
+    body.surface, own = _part(s, ring, rows, own, x)
     _add_plain(body, s, plain, x, own)
 
 
-def _part(s, ring, plain, border, x):
-    """(Surface of the ring and what it surrounds, {corner of the border: its control point})."""
-    n = len(s.points)
-    own = {v: n + k for k, v in enumerate(border)}
-    straight = _edges(s.corners[plain])
-    rows, numbers = [], np.flatnonzero(ring)
-    for e in numbers:
-        rows.append(_rows(s, e, own, straight))
-    nodes, coefficients = tables(rows)
-    points = np.concatenate([s.points, x[border]])
-    weights = np.concatenate([s.weights, np.ones(len(border))])
+def _part(s, ring, rows, own, x):
+    """(Surface of the ring and what it surrounds, {corner: its own control point} as far as used)."""
+    nodes, coefficients = tables(list(rows.values()))
+    points = np.concatenate([s.points, x[list(own)]])
+    weights = np.concatenate([s.weights, np.ones(len(own))])
     used = np.unique(np.concatenate(nodes)) if nodes else np.empty(0, dtype=int)
     place = np.full(len(points), -1)
     place[used] = np.arange(len(used))
     new = np.cumsum(ring) - 1
     sets = {name: new[ids[ring[ids]]] for name, ids in s.sets.items()}
     part = Surface(s.degree, points[used], weights[used], [place[i] for i in nodes], coefficients,
-                   s.corners[numbers].reshape(-1, 4), sets, s.hanging)  # fmt: skip
-    return part, {v: int(place[k]) for v, k in own.items()}
+                   s.corners[ring].reshape(-1, 4), sets, s.hanging)  # fmt: skip
+    return part, {v: int(place[k]) for v, k in own.items() if place[k] >= 0}
 
 
-def _rows(s, e, own, straight):
+def _rows(s, e):
     ids, c = s.nodes[e].tolist(), s.coefficients[e]
-    rows = [{i: v for i, v in zip(ids, c[:, b].tolist()) if v} for b in range(c.shape[1])]
+    return [{i: v for i, v in zip(ids, c[:, b].tolist()) if v} for b in range(c.shape[1])]
+
+
+def _straighten(s, rows, value, plain, straight):
+    """Corners in `value` ({corner: row}) are plain, and so are edges between them where one is."""
+    edges = _border.edges(s.corners[plain])
+    of = _border.by_corner(straight)
+    for e, part in rows.items():
+        for v, following, points in _sides(s, e):
+            if v in value:
+                part[points[0]] = value[v]
+            on_line = not set(of.get(v, ())).isdisjoint(of.get(following, ()))
+            if on_line or frozenset((v, following)) in edges:
+                for j, b in enumerate(points[1:-1], 1):
+                    tau = j / (len(points) - 1)
+                    part[b] = _border.combined([(1 - tau, value[v]), (tau, value[following])])
+
+
+def _follow(s, rows, line, around):
+    """Edges of small elements become parts of the large one's; around: {corner: elements}."""
+    beside = {e for v in line.corners() for e in around.get(v, ())}
+    sides = [(e, *side) for e in sorted(beside) for side in _sides(s, e)]
+    e, v, _, points = next(x for x in sides if set(x[1:3]) == set(line.ends))
+    curve = [rows[e][b] for b in (points if v == line.ends[0] else points[::-1])]
+    for e, v, following, points in sides:
+        t = [line.parameter(w) for w in (v, following) if w in line.corners()]
+        if v in line.at and len(t) == 1:
+            t, points = 2 * t, points[:1]
+        if {v, following} & set(line.at) and len(t) == 2:
+            for b, row in zip(points, _border.restricted(curve, *t)):
+                rows[e][b] = row
+
+
+def _sides(s, e):
+    """(corner, next corner, Bezier points of the edge between) of element e, four times."""
     corners = s.corners[e].tolist()
-    p, q = s.degree
-    lines = _lines(p, q)
-    for k, v in enumerate(corners):
-        following = corners[(k + 1) % 4]
-        if v in own:
-            rows[s.corner_index[k]] = {own[v]: 1.0}
-        if v in own and following in own and (following, v) in straight:
-            line = lines[k]
-            for j, b in enumerate(line[1:-1], 1):
-                tau = j / (len(line) - 1)
-                rows[b] = {own[v]: 1 - tau, own[following]: tau}
-    return rows
+    return zip(corners, corners[1:] + corners[:1], _lines(*s.degree))
 
 
 def _lines(p, q):
@@ -83,10 +101,6 @@ def _lines(p, q):
     """
     at = np.arange((p + 1) * (q + 1)).reshape(q + 1, p + 1)
     return [at[0].tolist(), at[:, p].tolist(), at[q, ::-1].tolist(), at[::-1, 0].tolist()]
-
-
-def _edges(corners):
-    return {(int(a), int(b)) for row in corners for a, b in zip(row, np.roll(row, -1))}
 
 
 def _add_plain(body, s, plain, x, own):
@@ -101,7 +115,22 @@ def _add_plain(body, s, plain, x, own):
     body.cells["hexes"] = np.concatenate([hexes, body.cells["hexes"]])
     new = np.cumsum(plain) - 1
     body.plain_sets = {name: new[ids[plain[ids]]] for name, ids in s.sets.items()}
-    body.ties = [(int(number[v]), point) for v, point in sorted(own.items())]
-    for h, (a, b, tau) in sorted(s.hanging.items()):
+    body.ties = [(int(number[v]), k) for v, k in sorted(own.items()) if number[v] >= 0]
+    for h, masters in sorted(s.hanging.items()):
         if number[h] >= 0:
-            body.hanging.append((int(number[h]), (int(number[a]), int(number[b])), (1 - tau, tau)))
+            row = _masters(masters, number, own, s.hanging)
+            body.hanging.append((int(number[h]), tuple(row), tuple(row.values())))
+
+
+def _masters(masters, number, own, hanging):
+    """{point of the bulk, or -1 - k for control point k: factor} of a plain corner that hangs."""
+    a, b, tau = masters
+    pairs = []
+    for factor, v in ((1 - tau, a), (tau, b)):
+        if number[v] >= 0:
+            pairs.append((factor, {int(number[v]): 1.0}))
+        elif v in own:
+            pairs.append((factor, {-1 - own[v]: 1.0}))
+        else:
+            pairs.append((factor, _masters(hanging[v], number, own, hanging)))
+    return _border.combined(pairs)

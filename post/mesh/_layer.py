@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from post._error import Unreadable
-from post.mesh import _surface, _triangles
+from post.mesh import _border, _surface, _triangles
 
 SAMPLES = np.array([-1.0, 0.0, 1.0])
 ROUNDS = 12
@@ -60,7 +60,7 @@ def build(surface, factor=0.8, thickness_share=0.2, curvature_share=0.6, constan
 
 def _chord(surface, inner):
     """Inner points of hanging corners put on the chord between their masters."""
-    for s, (a, b, tau) in surface.hanging.items():
+    for s, (a, b, tau) in _border.in_order(surface.hanging):
         inner[s] = (1 - tau) * inner[a] + tau * inner[b]
     return inner
 

@@ -20,7 +20,8 @@ def describe(body):
         "height": {"least": float(form.height.min()), "largest": float(form.height.max())},
         "normals": normal_jumps(whole),
     }
-    if body.cells["pyramids"].size or body.cells["tets"].size or body.cells["hexes"].size:
+    plain = 0 if body.plain is None else len(body.plain)
+    if body.cells["pyramids"].size or body.cells["tets"].size or len(body.cells["hexes"]) > plain:
         report["volume"]["relative_difference"] = abs(total - wanted) / abs(wanted)
     report["self_intersections"] = inner_cuts(body)
     report |= _cells(body)

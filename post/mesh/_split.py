@@ -3,7 +3,7 @@
 import numpy as np
 
 from post._error import Unreadable
-from post.mesh import _surface
+from post.mesh import _border, _surface
 from post.mesh._surface import Surface
 
 TOLERANCE = 1e-9  # of values of functions, which are between 0 and 1
@@ -44,13 +44,9 @@ def split(surface, chosen):
             rows.append(part[used])
     place = _places(chosen)
     sets = {k: np.sort(np.concatenate([place[e] for e in ids])) for k, ids in surface.sets.items()}
-    hanging = dict(surface.hanging)
-    edges = _edges(surface.corners[kept])
-    for (a, b), s in middles.items():
-        if (b, a) in edges or (a, b) in edges:
-            hanging[s] = (a, b, 0.5)
-    hanging = {s: m for s, m in hanging.items() if (m[0], m[1]) in edges or (m[1], m[0]) in edges}
     corners = np.concatenate([surface.corners[kept], corners])
+    hanging = surface.hanging | {s: (a, b, 0.5) for (a, b), s in middles.items()}
+    hanging = _still(hanging, _border.edges(corners))
     return Surface(
         surface.degree, surface.points, surface.weights, nodes, rows, corners, sets, hanging
     )
@@ -63,8 +59,21 @@ def _places(chosen):
     return [np.arange(late[e], late[e] + 4) if chosen[e] else [kept[e]] for e in range(len(chosen))]
 
 
-def _edges(corners):
-    return {(int(a), int(b)) for row in corners for a, b in zip(row, np.roll(row, -1))}
+def _still(hanging, edges):
+    """Those corners that do hang: on an edge of an element, or on part of such an edge.
+
+    >>> _still({5: (1, 2, 0.5), 6: (1, 5, 0.5), 7: (3, 4, 0.5)}, {frozenset((1, 2))})
+    {5: (1, 2, 0.5), 6: (1, 5, 0.5)}
+    """
+    result = {}
+    while True:
+        more = {s: m for s, m in hanging.items() if frozenset(m[:2]) in edges and s not in result}
+        if not more:
+            return result
+        result |= more
+        edges = edges.union(
+            *({frozenset((a, s)), frozenset((s, b))} for s, (a, b, _) in more.items())
+        )
 
 
 def _new_corners(surface, chosen):

@@ -23,13 +23,9 @@ MATErial 1
     ELAStic NEOHook e nu
 
 MESH,{name}_bulk FILE {name}.msh
-  MATErial 1
+{inside}  MATErial 1
 
-SPLIne,{name} FILE {name}.bext.json
-  LAYEr {name}.layer {name}_bulk
-{constraint}  MATErial 1
-
-{supports}END
+{skin}{supports}END
 
 BATCh
   DT,,1
@@ -41,6 +37,13 @@ BATCh
 END
 
 STOP
+"""
+
+
+SKIN = """SPLIne,{name} FILE {name}.bext.json
+  LAYEr {name}.layer {name}_bulk
+{constraint}  MATErial 1
+
 """
 
 
@@ -151,7 +154,8 @@ def constraint_text(body):
     """A line for each constraint; a master -k is control point k of the surface."""
     lines = ["# slave, number of masters, then each with its coefficient; -k: control point k"]
     for s, masters, factors in body.hanging:
-        pairs = " ".join(f"{m + 1} {float(c)!r}" for m, c in zip(masters, factors))
+        numbers = [m + 1 if m >= 0 else m for m in masters]
+        pairs = " ".join(f"{m} {float(c)!r}" for m, c in zip(numbers, factors))
         lines.append(f"{s + 1} {len(masters)} {pairs}")
     lines += [f"{s + 1} 1 {-(k + 1)} 1.0" for s, k in body.ties]
     return "\n".join(lines) + "\n"
@@ -160,9 +164,12 @@ def constraint_text(body):
 def deck_text(body, name, arguments):
     """A deck that reads the files; supports and loads are left to its user."""
     constraint = f"  CONStraint {name}.con\n" if body.hanging or body.ties else ""
+    enriched = len(body.surface.nodes) > 0
+    skin = SKIN.format(name=name, constraint=constraint) if enriched else ""
     places = [f"{name},{s}" for s, ids in sorted(body.surface.sets.items()) if len(ids)]
     places += [f"{name}_bulk,{s}" for s in plain_sets(body)]
     supports = "".join(f"! FIX,{place}  1 1 1\n" for place in places or [f"{name},ALL"])
+    inside = "" if enriched else constraint
     return DECK.format(
-        name=name, arguments=arguments, constraint=constraint, supports=supports + "\n"
+        name=name, arguments=arguments, skin=skin, inside=inside, supports=supports + "\n"
     )

@@ -5,7 +5,9 @@ import unittest
 import numpy as np
 
 from post.mesh import (
+    _border,
     _choose,
+    _enrich,
     _hexes,
     _layer,
     _net,
@@ -99,6 +101,20 @@ class Surfaces(Folder):
         volumes = [_surface.measures(s)[1] for s in (again, surface)]
         self.assertLess(abs(volumes[0] / volumes[1] - 1), 1e-13)
 
+    def test_corners_hang_on_parts_of_edges_after_a_second_split(self):
+        surface, _ = surface_of(self.block())
+        once = _split.split(surface, np.arange(len(surface.nodes)) == 4)
+        touching = np.isin(once.corners, list(once.hanging)).any(axis=1)
+        twice = _split.split(once, touching)
+        chains = [m for m in twice.hanging.values() if set(m[:2]) & set(twice.hanging)]
+        self.assertEqual((len(twice.hanging), len(chains)), (12, 8))
+        form = _layer.build(twice)
+        for line in _border.lines(twice.hanging):
+            a, b = (form.inner[v] for v in line.ends)
+            self.assertEqual(sorted(line.at.values()), [0.25, 0.5, 0.75])
+            for v, t in line.at.items():
+                np.testing.assert_allclose(form.inner[v], (1 - t) * a + t * b, atol=1e-15)
+
 
 class Bodies(Folder):
     def check_volumes(self, body):
@@ -129,6 +145,48 @@ class Bodies(Folder):
         on_border = [e for e in edges if tuple(e[0]) in ends and tuple(e[3]) in ends]
         straight = [e for e in on_border if np.allclose(3 * e[1], 2 * e[0] + e[3], atol=1e-14)]
         self.assertGreaterEqual(len(straight), len(at))
+
+    def test_edges_on_which_corners_hang_stay_one_at_the_border(self):
+        body = self.body(interior="none", split="normal:0,0,1,30", enrich="box:1,1,1,9,9,9")
+        surface = body.surface
+        self.assertEqual(_report.bad(_report.describe(body)), [])
+        self.assertTrue(any(min(masters) < 0 for _, masters, _ in body.hanging))
+        for c in surface.coefficients:
+            np.testing.assert_allclose(c.sum(axis=0), 1, atol=1e-15)
+        surface.points = np.random.default_rng(1).random(surface.points.shape)  # displacements
+        bezier = surface.bezier()[..., :3]
+        edge = {}
+        for e, row in enumerate(surface.corners.tolist()):
+            for k, line in enumerate(_enrich._lines(3, 3)):
+                for v, w, at in (
+                    (row[k], row[(k + 1) % 4], line),
+                    (row[(k + 1) % 4], row[k], line[::-1]),
+                ):
+                    edge.setdefault((v, w), []).append(bezier[e, at])
+        pairs = [both for both in edge.values() if len(both) == 2]
+        np.testing.assert_allclose(*np.swapaxes(pairs, 0, 1), atol=1e-14)
+        low, high = _split.halves(3)
+        hang = [(a, s, b) for s, (a, b, _) in surface.hanging.items() if (a, b) in edge]
+        for a, s, b in hang:
+            for half, small in ((low, (a, s)), (high, (s, b))):
+                for part in edge.get(small, []):
+                    np.testing.assert_allclose(half @ edge[a, b][0], part, atol=1e-14)
+        self.assertGreater(len(hang), 2)
+
+    def test_elements_that_stay_splines_keep_their_functions_beside_t_junctions(self):
+        whole, _ = surface_of(self.block(), split="normal:0,0,1,30")
+        keep = _choose.elements(whole, "box:1,1,1,9,9,9")
+        body = self.body(interior="none", split="normal:0,0,1,30", enrich="box:1,1,1,9,9,9")
+        kept = {tuple(r): b for r, b in zip(whole.corners[keep].tolist(), whole.bezier()[keep])}
+        part = dict(zip(map(tuple, body.surface.corners.tolist()), body.surface.bezier()))
+        for row, bezier in kept.items():
+            np.testing.assert_array_equal(part[row], bezier)
+
+    def test_a_body_without_splines_has_a_deck_without_them(self):
+        body = self.body(interior="none", split="normal:0,0,1,10", enrich="box:90,90,90,91,91,91")
+        text = _write.deck_text(body, "b", "")
+        self.assertNotIn("SPLIne", text)
+        self.assertIn("MESH,b_bulk FILE b.msh\n  CONStraint b.con\n", text)
 
     def test_layer_above_hanging_corners_is_conforming(self):
         body = self.body(interior="none", split="normal:0,0,1,10")

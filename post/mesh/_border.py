@@ -1,0 +1,177 @@
+"""T-junctions where the enriched part meets the plain one: which edges become straight, which follow.
+
+A line is the edge of a large element with the corners that hang on it. Where a plain face has a part
+of it, or a corner that hangs on it, the whole line is straight and its corners are plain: a function
+of their own each, or, if they hang, what their masters make of them. Where only an end of a line is
+plain, the small elements' edges are taken anew from the large one's.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from post._error import Unreadable
+
+
+@dataclass(eq=False)
+class Line:
+    """An edge of a large element and the corners on it; as a member of sets it is itself."""
+
+    ends: tuple  # (corner, corner)
+    at: dict = field(default_factory=dict)  # corner that hangs to its parameter from 0 to 1
+
+    def corners(self):
+        """All corners, the ends too."""
+        return {*self.ends, *self.at}
+
+    def parameter(self, v):
+        """Where corner v is."""
+        return float(self.ends.index(v)) if v in self.ends else self.at[v]
+
+
+def lines(hanging):
+    """[Line] of {corner: (a, b, tau)}, corners that hang on parts of an edge too.
+
+    >>> lines({5: (1, 2, 0.5), 6: (5, 2, 0.5)})
+    [Line(ends=(1, 2), at={5: 0.5, 6: 0.75})]
+    """
+    part = {
+        frozenset((end, h)): frozenset((a, b)) for h, (a, b, _) in hanging.items() for end in (a, b)
+    }
+    found = {}
+    for h, (a, b, tau) in in_order(hanging):
+        edge = frozenset((a, b))
+        while edge in part:
+            edge = part[edge]
+        line = found.setdefault(edge, Line(tuple(sorted(edge))))
+        line.at[h] = (1 - tau) * line.parameter(a) + tau * line.parameter(b)
+    return list(found.values())
+
+
+def in_order(hanging):
+    """[(corner, (a, b, tau))], masters that hang themselves before those that hang on them.
+
+    >>> in_order({6: (5, 2, 0.5), 5: (1, 2, 0.5)})
+    [(5, (1, 2, 0.5)), (6, (5, 2, 0.5))]
+    """
+    left, result = dict(sorted(hanging.items())), []
+    while left:
+        ready = [h for h, (a, b, _) in left.items() if a not in left and b not in left]
+        if not ready:
+            raise Unreadable("T-junctions hang on one another in a circle")
+        result += [(h, left.pop(h)) for h in ready]
+    return result
+
+
+def by_corner(all_lines):
+    """{corner: [lines that have it]}"""
+    found = {}
+    for line in all_lines:
+        for v in line.corners():
+            found.setdefault(v, []).append(line)
+    return found
+
+
+def edges(corners):
+    """The edges of elements (m, 4), a set of frozensets."""
+    rows = corners.tolist()
+    return {frozenset(edge) for row in rows for edge in zip(row, row[1:] + row[:1])}
+
+
+def users(corners, elements):
+    """{corner: those of the elements that have it}"""
+    found = {}
+    for e in elements:
+        for v in corners[e].tolist():
+            found.setdefault(v, []).append(e)
+    return found
+
+
+def protected(corners, keep, all_lines):
+    """(k) corners whose elements must all be splines so that those in `keep` stay what they are."""
+    near = set(corners[keep].ravel().tolist())
+    near = near.union(*(x.ends for x in all_lines if len(near & x.corners()) > 1))
+    of = by_corner(all_lines)
+    done, todo = set(), {x for v in near for x in of.get(v, [])}
+    while todo:
+        line = todo.pop()
+        done.add(line)
+        near |= line.corners()
+        todo |= {x for v in line.at for x in of[v]} - done
+    return np.array(sorted(near), dtype=np.int64)
+
+
+def flattened(corners, plain, border, all_lines):
+    """(corners that are plain, lines that are straight), both as plain faces demand."""
+    touched = set(corners[plain].ravel().tolist())
+    plain_edges = edges(corners[plain])
+    flat, straight = set(border), set()
+    while True:
+        more = {
+            x for x in all_lines
+            if frozenset(x.ends) in plain_edges or touched & set(x.at) or flat & set(x.at)
+        } - straight  # fmt: skip
+        if not more:
+            return flat, straight
+        straight |= more
+        flat = flat.union(*(x.corners() for x in more))
+
+
+def combination(v, own, hanging):
+    """{function: factor} of a plain corner."""
+    if v not in hanging:
+        return {own[v]: 1.0}
+    a, b, tau = hanging[v]
+    return combined([(1 - tau, combination(a, own, hanging)), (tau, combination(b, own, hanging))])
+
+
+def combined(pairs):
+    """Sum of factor times row; (factor, row) pairs.
+
+    >>> combined([(0.5, {1: 1.0}), (0.5, {1: 1.0, 2: 1.0})])
+    {1: 1.0, 2: 0.5}
+    """
+    total = {}
+    for factor, row in pairs:
+        for i, c in row.items() if factor else ():
+            total[i] = total.get(i, 0.0) + factor * c
+    return total
+
+
+def restricted(rows, start, end):
+    """Bezier rows of a curve between two parameters, `start` first.
+
+    >>> restricted([{0: 1.0}, {1: 1.0}], 0.5, 1.0)
+    [{0: 0.5, 1: 0.5}, {1: 1.0}]
+    """
+    p = len(rows) - 1
+    result = []
+    for j in range(p + 1):
+        part = rows
+        for t in (p - j) * [start] + j * [end]:
+            part = [combined([(1 - t, a), (t, b)]) for a, b in zip(part[:-1], part[1:])]
+        result.append(part[0])
+    return result
+
+
+def bent(flat, straight, all_lines):
+    """Lines that are not straight and one of whose ends has changed, in an order to take them anew."""
+    changed, left = set(flat), set()
+    while True:
+        more = {x for x in all_lines if changed & set(x.ends)} - straight - left
+        if not more:
+            break
+        left |= more
+        changed = changed.union(*(x.at for x in more))
+    ordered = []
+    while left:
+        waits = set().union(*(x.at for x in left))
+        ready = {x for x in left if not waits & set(x.ends)}
+        if not ready:
+            raise Unreadable(
+                "T-junctions in a circle lie at the border of the enriched part; choose a larger or "
+                "smaller part"
+            )
+        ordered += ready
+        left -= ready
+    return ordered
