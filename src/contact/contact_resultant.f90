@@ -1,17 +1,23 @@
 !> Sums over the integration points of one side: resultants, area, points in contact.
+!!
+!! Force and moment are those of the nodal forces of the side. Where the points of the other side
+!! load it too (BALAnced, or it is rigid) their forces act where they stand on it: moments of the
+!! two sides differ by friction times penetration then.
 module contact_resultant
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_points_t
+  use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_slide, only: side_positions
+  use contact_tool, only: split_force
   use contact_type, only: OPEN, STICK, SLIP
+  use contact_work, only: element_functions, own_share
   use tensor, only: cross
   implicit none
   private
   public :: resultant_t, find_resultant
 
   type :: resultant_t
-    real(wp) :: force(3) = 0.0_wp        !! int t da on this side [F]
-    real(wp) :: moment(3) = 0.0_wp       !! int (x - about) x t da, current positions [F L]
+    real(wp) :: force(3) = 0.0_wp        !! on this side [F]
+    real(wp) :: moment(3) = 0.0_wp       !! of it, at current positions [F L]
     real(wp) :: force_size = 0.0_wp      !! int |t| da [F]
     real(wp) :: moment_size = 0.0_wp     !! int |(x - about) x t| da [F L]
     real(wp) :: area = 0.0_wp            !! in contact, current [L^2]
@@ -22,14 +28,39 @@ module contact_resultant
 
 contains
 
-  !> A rigid side has no points: zero.
+  !> Of side k. A rigid side has no points of its own: the sizes, areas and numbers of points are
+  !! those of the other side.
   subroutine find_resultant(contact, k, points, x, about, total)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k                       !! side
-    type(contact_points_t), intent(in) :: points   !! of that side
+    type(contact_points_t), intent(in) :: points(2) !! of both sides
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
     real(wp), intent(in) :: about(3)               !! point of the moments [L]
     type(resultant_t), intent(out) :: total
+    real(wp) :: force(3), moment(3), weight
+    integer :: own
+
+    own = merge(3 - k, k, contact%side(k)%rigid)
+    call sum_points(contact, own, points(own), x, about, total)
+    if (.not. (own /= k .or. contact%balanced)) return
+    weight = own_share(contact)
+    call sum_reversed(contact%side(k), points(3 - k), x, about, force, moment)
+    if (own /= k) then
+      total%force = -force
+      total%moment = -moment
+    else
+      total%force = weight*(total%force - force)
+      total%moment = weight*(total%moment - moment)
+    end if
+  end subroutine find_resultant
+
+  !> Of the points of side k where they stand.
+  subroutine sum_points(contact, k, points, x, about, total)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(contact_points_t), intent(in) :: points   !! of side k
+    real(wp), intent(in) :: x(:, :), about(3)
+    type(resultant_t), intent(inout) :: total
     real(wp) :: xp(3, contact%nq), df(3), dm(3)
     integer :: e, i, q
 
@@ -57,6 +88,48 @@ contains
         total%penetration = max(total%penetration, -points%gap(i))
       end do
     end do
-  end subroutine find_resultant
+  end subroutine sum_points
+
+  !> Tractions of points, and their moment where they act on the other side.
+  subroutine sum_reversed(other, points, x, about, force, moment)
+    type(surface_t), intent(in) :: other           !! side that the points load
+    type(contact_points_t), intent(in) :: points
+    real(wp), intent(in) :: x(:, :), about(3)
+    real(wp), intent(out) :: force(3), moment(3)
+    real(wp) :: at_partner(3), at_foot(3)
+    integer :: i
+
+    force = 0.0_wp
+    moment = 0.0_wp
+    do i = 1, size(points%state)
+      if (points%state(i) == OPEN .and. points%bond(i) == 0) cycle
+      call split_force(points, i, at_partner, at_foot)
+      force = force + points%traction(:, i)*points%area(i)
+      if (points%bond(i) > 0) then
+        moment = moment + cross(place(other, points%bond(i), points%bond_xi(:, i), x) - about, &
+                                at_partner)
+      end if
+      if (points%state(i) == OPEN .or. points%foot(i) == 0) cycle
+      moment = moment + cross(place(other, points%foot(i), points%foot_xi(:, i), x) - about, &
+                              at_foot)
+    end do
+  end subroutine sum_reversed
+
+  !> Position of a parametric point of element e.
+  pure function place(surface, e, xi, x) result(at)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2), x(:, :)
+    real(wp) :: at(3)
+    real(wp) :: shp(surface%first(e + 1) - surface%first(e))
+    real(wp) :: dshp(2, surface%first(e + 1) - surface%first(e))
+    integer :: j
+
+    call element_functions(surface, e, xi, shp, dshp)
+    at = 0.0_wp
+    do j = 1, size(shp)
+      at = at + shp(j)*x(:, surface%node(surface%first(e) + j - 1))
+    end do
+  end function place
 
 end module contact_resultant

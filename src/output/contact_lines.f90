@@ -1,9 +1,10 @@
 !> What contacts say in the log after a step: resultants of both sides, balance with the supports,
 !! and how the points are.
 !!
-!! Each side of a contact integrates its own tractions (two-half-pass), so the two resultants differ
-!! by the error of the discretization: `sum` shows it. With the supports and the loads they balance
-!! as well as the step converged.
+!! Two half passes: each side integrates its own tractions, so the two resultants differ by the
+!! error of the discretization: `sum` shows it. BALAnced, or with a rigid side: forces are opposite,
+!! moments are but for friction times penetration. With the supports and the loads they balance as
+!! well as the step converged.
 module contact_lines
   use base_kinds, only: wp
   use base_log, only: log_line

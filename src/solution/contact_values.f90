@@ -2,7 +2,7 @@
 !!
 !! Tractions on side k act on side k: a body that is pressed down on another one is pushed up, and
 !! what it lies on feels a negative z force. A rigid side has no points of its own: it shows what
-!! the other side shows, with forces and torques reversed.
+!! the other side shows, with forces reversed where the points stand on it.
 module contact_values
   use base_kinds, only: wp
   use contact_resultant, only: resultant_t, find_resultant
@@ -80,22 +80,9 @@ contains
     integer, intent(in) :: c, k            !! contact and side
     real(wp), intent(in) :: about(3)       !! point of the moments [L]
     type(resultant_t), intent(out) :: total
-    type(resultant_t) :: back
-    integer :: own
 
-    own = k
-    if (model%contact(c)%side(k)%rigid) own = 3 - k
-    call find_resultant(model%contact(c), own, state%contact(c)%side(own), &
-                        model%mesh%xr + state%u, about, total)
-    if (model%contact(c)%balanced) then ! half of the own points', half of the other side's reversed
-      call find_resultant(model%contact(c), 3 - k, state%contact(c)%side(3 - k), &
-                          model%mesh%xr + state%u, about, back)
-      total%force = 0.5_wp*(total%force - back%force)
-      total%moment = 0.5_wp*(total%moment - back%moment)
-    end if
-    if (own == k) return
-    total%force = -total%force
-    total%moment = -total%moment
+    call find_resultant(model%contact(c), k, state%contact(c)%side, model%mesh%xr + state%u, &
+                        about, total)
   end subroutine side_resultant
 
   !> Largest value of a smooth field.
