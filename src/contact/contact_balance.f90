@@ -6,67 +6,52 @@ module contact_balance
   use base_kinds, only: wp
   use contact_foot, only: foot_t
   use contact_pair, only: surface_t
-  use contact_point, only: slope_t, foot_way, outer
-  use contact_work, only: work_t, element_functions, spread_rows
+  use contact_point, only: foot_way, outer
+  use contact_work, only: work_t, spread_rows
   implicit none
   private
   public :: add_back, add_cross
 
 contains
 
-  !> After add_own and add_partner were asked for the same traction at element e of the other side.
-  pure subroutine add_back(other, e, t, dt, up, da, work, foot, x)
+  !> After add_own and add_partner were asked for the same traction at element e of the other side:
+  !! their columns are used.
+  pure subroutine add_back(other, e, t, da, work, foot, x)
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
     real(wp), intent(in) :: t(3)                 !! traction on the own side [F/L^2]
-    type(slope_t), intent(in) :: dt              !! its derivatives
-    real(wp), intent(in) :: up(3, 2), da         !! as of add_own
+    real(wp), intent(in) :: da                   !! as of add_own
     type(work_t), intent(inout) :: work
     type(foot_t), intent(in), optional :: foot   !! where the force acts, if it moves on the surface
     real(wp), intent(in), optional :: x(3)       !! the point [L]
-    real(wp) :: q(3, 3, size(work%shp)), v(3)
-    integer :: b, j, n
+    integer :: b, n
 
     n = other%kind(other%ikind(e))%nsf
-    associate (slot => work%slot, nk => work%nk)
+    associate (slot => work%slot)
       do b = 1, n
         work%back(:, b, slot) = work%back(:, b, slot) + work%shp(b)*da*t
       end do
-      do b = 1, nk
-        v = up(:, 1)*work%down(1, b) + up(:, 2)*work%down(2, b)
-        do j = 1, 3
-          q(:, j, b) = dt%x(:, j)*work%own(b) + t*v(j)
-        end do
-      end do
-      call spread_rows(n, nk, work%shp, q, -da, size(work%lk, 1), work%lk(:, :, slot))
-      do b = 1, n
-        q(:, :, b) = dt%p*work%shp(b) + dt%a(:, :, 1)*work%dshp(1, b) &
-                     + dt%a(:, :, 2)*work%dshp(2, b)
-      end do
-      call spread_rows(n, n, work%shp, q, -da, size(work%ll, 1), work%ll(:, :, slot))
-      if (present(foot)) call move_foot(n, t, da, foot, x, work)
+      call spread_rows(n, work%nk, work%shp, work%own_q, -da, size(work%lk, 1), &
+                       work%lk(:, :, slot))
+      call spread_rows(n, n, work%shp, work%q, -da, size(work%ll, 1), work%ll(:, :, slot))
+      work%foot = slot
+      work%foot_shp(:n) = work%shp(:n)
     end associate
+    if (present(foot)) call move_foot(n, t, da, foot, x, work)
   end subroutine add_back
 
-  !> The force at the foot's element varies with the sliding point, on the element that add_partner
-  !! was asked for last.
-  pure subroutine add_cross(other, foot, slot, dtds, da, work)
+  !> The force that add_back put on the foot's element varies with the sliding point, for which
+  !! add_partner was asked since.
+  pure subroutine add_cross(other, da, work)
     type(surface_t), intent(in) :: other
-    type(foot_t), intent(in) :: foot
-    integer, intent(in) :: slot                  !! of the foot's element
-    real(wp), intent(in) :: dtds(3, 3), da
+    real(wp), intent(in) :: da
     type(work_t), intent(inout) :: work
-    real(wp) :: q(3, 3, size(work%shp)), shp(size(work%shp)), dshp(2, size(work%shp))
-    integer :: b, i, n
+    integer :: i
 
-    n = other%kind(other%ikind(foot%elem))%nsf
-    call element_functions(other, foot%elem, foot%xi, shp(:n), dshp(:, :n))
-    associate (m => other%kind(other%ikind(work%partner(work%slot)))%nsf)
-      do b = 1, m
-        q(:, :, b) = dtds*work%shp(b)
-      end do
+    associate (slot => work%foot, n => other%kind(other%ikind(work%partner(work%foot)))%nsf, &
+               m => other%kind(other%ikind(work%partner(work%slot)))%nsf)
       if (work%slot == slot) then
-        call spread_rows(n, m, shp, q, -da, size(work%ll, 1), work%ll(:, :, slot))
+        call spread_rows(n, m, work%foot_shp, work%q, -da, size(work%ll, 1), work%ll(:, :, slot))
         return
       end if
       do i = 1, work%ncross
@@ -77,7 +62,7 @@ contains
         work%pair(:, i) = [slot, work%slot]
         work%cross(:, :, i) = 0.0_wp
       end if
-      call spread_rows(n, m, shp, q, -da, size(work%cross, 1), work%cross(:, :, i))
+      call spread_rows(n, m, work%foot_shp, work%q, -da, size(work%cross, 1), work%cross(:, :, i))
     end associate
   end subroutine add_cross
 

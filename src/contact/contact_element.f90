@@ -31,7 +31,7 @@ contains
     type(slope_t) :: dt
     type(pull_t) :: pull
     real(wp) :: up(3, 2), da, load
-    integer :: act(2), i, q, slot
+    integer :: act(2), i, q
 
     associate (own => contact%side(k), other => contact%side(3 - k))
       work%nk = own%kind(own%ikind(e))%nsf
@@ -53,13 +53,12 @@ contains
         if (points%bond(i) > 0) call fade_foot(other, i, points, pull, point%t, load, dt, work)
         call add_own(pull%share*point%t, dt%x, up, load, work)
         call add_partner(other, feet(q)%elem, feet(q)%xi, dt%p, dt%a, load, work)
-        if (contact%balanced) call add_back(other, feet(q)%elem, pull%share*point%t, dt, up, load, &
-                                            work, feet(q), point%x)
+        if (contact%balanced) call add_back(other, feet(q)%elem, pull%share*point%t, load, work, &
+                                            feet(q), point%x)
         if (.not. point%slides) cycle
-        slot = work%slot
         call add_partner(other, points%slide(i), points%slide_xi(:, i), dt%s, 0.0_wp*dt%a, load, &
                          work)
-        if (contact%balanced) call add_cross(other, feet(q), slot, dt%s, load, work)
+        if (contact%balanced) call add_cross(other, load, work)
       end do
     end associate
   end subroutine form_element
@@ -72,7 +71,6 @@ contains
     type(contact_points_t), intent(in) :: points
     type(pull_t), intent(in) :: pull
     type(work_t), intent(inout) :: work
-    type(slope_t) :: dt
     real(wp) :: load
 
     call clear(work)
@@ -80,11 +78,7 @@ contains
     call add_own(pull%t, pull%dtdg, FIXED_AREA, load, work)
     call add_partner(other, points%bond(i), points%bond_xi(:, i), -pull%dtdg, pull%dtda, load, &
                      work)
-    if (.not. contact%balanced) return
-    dt%x = pull%dtdg
-    dt%p = -pull%dtdg
-    dt%a = pull%dtda
-    call add_back(other, points%bond(i), pull%t, dt, FIXED_AREA, load, work)
+    if (contact%balanced) call add_back(other, points%bond(i), pull%t, load, work)
   end subroutine add_pull
 
   !> The traction t on the foot acts with a share that varies with the opening of the bond.

@@ -25,9 +25,12 @@ module contact_work
     integer :: ncross = 0
     integer, allocatable :: pair(:, :)         !! (2, ncross)
     real(wp), allocatable :: cross(:, :, :)    !! (3*nl, 3*nl, ncross)
+    integer :: foot = 0                        !! slot that add_back was asked for,
+    real(wp), allocatable :: foot_shp(:)       !! and the functions there
     real(wp), allocatable :: own(:), down(:, :) !! own functions at a point
     real(wp), allocatable :: shp(:), dshp(:, :) !! the partner's
-    real(wp), allocatable :: q(:, :, :)        !! (3, 3, n) columns of a point
+    !> (3, 3, n) derivatives of a point's traction by its own nodes, and by the partner's.
+    real(wp), allocatable :: own_q(:, :, :), q(:, :, :)
   end type work_t
 
 contains
@@ -44,10 +47,11 @@ contains
     m = max(mk, ml)
     allocate (work%partner(3*contact%nq), work%r(3, mk), work%kk(3*mk, 3*mk))
     allocate (work%kl(3*mk, 3*ml, 3*contact%nq), work%shp(m), work%dshp(2, m), work%own(m))
-    allocate (work%down(2, m), work%q(3, 3, m))
+    allocate (work%down(2, m), work%own_q(3, 3, mk), work%q(3, 3, ml))
     if (.not. contact%balanced) return
     allocate (work%back(3, ml, 3*contact%nq), work%lk(3*ml, 3*mk, 3*contact%nq))
     allocate (work%ll(3*ml, 3*ml, 3*contact%nq))
+    allocate (work%foot_shp(ml))
     if (.not. contact%has_friction) return
     allocate (work%pair(2, contact%nq), work%cross(3*ml, 3*ml, contact%nq))
   end subroutine new_work
@@ -173,10 +177,10 @@ contains
       work%r(:, b) = work%r(:, b) - work%own(b)*da*t
       v = up(:, 1)*work%down(1, b) + up(:, 2)*work%down(2, b)
       do j = 1, 3
-        work%q(:, j, b) = dtdx(:, j)*work%own(b) + t*v(j)
+        work%own_q(:, j, b) = dtdx(:, j)*work%own(b) + t*v(j)
       end do
     end do
-    call spread_rows(n, n, work%own, work%q, da, size(work%kk, 1), work%kk)
+    call spread_rows(n, n, work%own, work%own_q, da, size(work%kk, 1), work%kk)
   end subroutine add_own
 
   !> Change with the nodes of an element of the other side, at a point of it.
