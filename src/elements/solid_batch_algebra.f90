@@ -58,6 +58,43 @@ contains
     real(wp) :: s1, s2, s3, k11, k21, k31, k12, k22, k32, k13, k23, k33
     integer :: a, q, l
 
+    call weigh(gb, y, lam, mus, t, gl, gm, gs)
+    do a = 1, n
+      !$omp simd private(s1, s2, s3, k11, k21, k31, k12, k22, k32, k13, k23, k33)
+      do l = 1, NB
+        s1 = 0.0_wp; s2 = 0.0_wp; s3 = 0.0_wp
+        k11 = 0.0_wp; k12 = 0.0_wp; k13 = 0.0_wp
+        k21 = 0.0_wp; k22 = 0.0_wp; k23 = 0.0_wp
+        k31 = 0.0_wp; k32 = 0.0_wp; k33 = 0.0_wp
+        do q = 1, NC ! many sums side by side: short chains of dependent additions
+          s1 = s1 + g(l, 1, q, a)*t(l, 1, q)
+          s2 = s2 + g(l, 2, q, a)*t(l, 2, q)
+          s3 = s3 + g(l, 3, q, a)*t(l, 3, q)
+          k11 = k11 + g(l, 1, q, a)*gs(l, 1, q)
+          k22 = k22 + g(l, 2, q, a)*gs(l, 2, q)
+          k33 = k33 + g(l, 3, q, a)*gs(l, 3, q)
+          k12 = k12 + g(l, 1, q, a)*gl(l, 2, q) + g(l, 2, q, a)*gm(l, 1, q)
+          k21 = k21 + g(l, 2, q, a)*gl(l, 1, q) + g(l, 1, q, a)*gm(l, 2, q)
+          k13 = k13 + g(l, 1, q, a)*gl(l, 3, q) + g(l, 3, q, a)*gm(l, 1, q)
+          k31 = k31 + g(l, 3, q, a)*gl(l, 1, q) + g(l, 1, q, a)*gm(l, 3, q)
+          k23 = k23 + g(l, 2, q, a)*gl(l, 3, q) + g(l, 3, q, a)*gm(l, 2, q)
+          k32 = k32 + g(l, 3, q, a)*gl(l, 2, q) + g(l, 2, q, a)*gm(l, 3, q)
+        end do
+        s1 = s1 + s2 + s3
+        k(l, 1, 1, a) = k11 + s1; k(l, 1, 2, a) = k12; k(l, 1, 3, a) = k13
+        k(l, 2, 1, a) = k21; k(l, 2, 2, a) = k22 + s1; k(l, 2, 3, a) = k23
+        k(l, 3, 1, a) = k31; k(l, 3, 2, a) = k32; k(l, 3, 3, a) = k33 + s1
+      end do
+    end do
+  end subroutine set_column
+
+  !> What set_column needs of its function b: y g_b, lam g_b, mus g_b, and the sum of these two.
+  pure subroutine weigh(gb, y, lam, mus, t, gl, gm, gs)
+    real(wp), intent(in) :: gb(NB, 3, NC), y(NB, 6, NC), lam(NB, NC), mus(NB, NC)
+    real(wp), intent(out), dimension(NB, 3, NC) :: t, gl, gm, gs
+
+    integer :: q, l
+
     do q = 1, NC
       !$omp simd
       do l = 1, NB
@@ -75,48 +112,7 @@ contains
         t(l, 3, q) = y(l, 6, q)*gb(l, 1, q) + y(l, 5, q)*gb(l, 2, q) + y(l, 3, q)*gb(l, 3, q)
       end do
     end do
-    do a = 1, n
-      !$omp simd private(s1, s2, s3, k11, k21, k31, k12, k22, k32, k13, k23, k33)
-      do l = 1, NB
-        s1 = 0.0_wp
-        s2 = 0.0_wp
-        s3 = 0.0_wp
-        k11 = 0.0_wp
-        k21 = 0.0_wp
-        k31 = 0.0_wp
-        k12 = 0.0_wp
-        k22 = 0.0_wp
-        k32 = 0.0_wp
-        k13 = 0.0_wp
-        k23 = 0.0_wp
-        k33 = 0.0_wp
-        do q = 1, NC ! many sums side by side: short chains of dependent additions
-          s1 = s1 + g(l, 1, q, a)*t(l, 1, q)
-          s2 = s2 + g(l, 2, q, a)*t(l, 2, q)
-          s3 = s3 + g(l, 3, q, a)*t(l, 3, q)
-          k11 = k11 + g(l, 1, q, a)*gs(l, 1, q)
-          k22 = k22 + g(l, 2, q, a)*gs(l, 2, q)
-          k33 = k33 + g(l, 3, q, a)*gs(l, 3, q)
-          k12 = k12 + g(l, 1, q, a)*gl(l, 2, q) + g(l, 2, q, a)*gm(l, 1, q)
-          k21 = k21 + g(l, 2, q, a)*gl(l, 1, q) + g(l, 1, q, a)*gm(l, 2, q)
-          k13 = k13 + g(l, 1, q, a)*gl(l, 3, q) + g(l, 3, q, a)*gm(l, 1, q)
-          k31 = k31 + g(l, 3, q, a)*gl(l, 1, q) + g(l, 1, q, a)*gm(l, 3, q)
-          k23 = k23 + g(l, 2, q, a)*gl(l, 3, q) + g(l, 3, q, a)*gm(l, 2, q)
-          k32 = k32 + g(l, 3, q, a)*gl(l, 2, q) + g(l, 2, q, a)*gm(l, 3, q)
-        end do
-        s1 = s1 + s2 + s3
-        k(l, 1, 1, a) = k11 + s1
-        k(l, 2, 1, a) = k21
-        k(l, 3, 1, a) = k31
-        k(l, 1, 2, a) = k12
-        k(l, 2, 2, a) = k22 + s1
-        k(l, 3, 2, a) = k32
-        k(l, 1, 3, a) = k13
-        k(l, 2, 3, a) = k23
-        k(l, 3, 3, a) = k33 + s1
-      end do
-    end do
-  end subroutine set_column
+  end subroutine weigh
 
   !> r_a = sum_q x g_a of n functions, x = w tau.
   pure subroutine set_force(n, g, x, r)

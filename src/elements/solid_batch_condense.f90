@@ -43,7 +43,7 @@ contains
     real(wp) :: y(NB, NP, 3, NEN + 1), x(NB, NP, 3, NEN + 1)
     real(wp) :: f(NB, NP, NP)
     logical :: ok(NB)
-    integer :: i, j, b, n, l, p
+    integer :: i, j, b, n, l
 
     do n = 1, NM
       do b = 1, n
@@ -71,7 +71,19 @@ contains
     do l = 1, NB
       report(l)%enhanced = abs(dot_product(x(l, :, 1, NEN + 1), ra(l, :)))
     end do
-    call subtract(y, x, x(:, :, 1, NEN + 1), r, k)
+    call subtract_forces(y, x(:, :, 1, NEN + 1), r)
+    call subtract_blocks(y, x, k)
+    call keep_history(a, x, h_new)
+  end subroutine condense_batch
+
+  !> What advance_batch reads: a, m and L.
+  pure subroutine keep_history(a, x, h_new)
+    real(wp), intent(in) :: a(NB, NP)
+    real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L, and last m
+    real(wp), intent(out) :: h_new(:, :) !! (history, NB)
+
+    integer :: i, b, l, p
+
     do l = 1, NB
       h_new(:NP, l) = a(l, :)
       h_new(NP + 1:2*NP, l) = x(l, :, 1, NEN + 1)
@@ -82,7 +94,7 @@ contains
         end do
       end do
     end do
-  end subroutine condense_batch
+  end subroutine keep_history
 
   !> Inverse by Gauss and Jordan without pivoting: its pivots are the D of L D L^T (ldl_factor).
   !! A factorisation would need loops of varying length, which do not become vectors.
@@ -153,46 +165,50 @@ contains
     end do
   end subroutine multiply
 
-  !> r - K_ua m and the upper blocks of K - K_ua L. One loop body: the nine sums of a block stay in
+  !> r - K_ua m.
+  pure subroutine subtract_forces(y, m, r)
+    real(wp), intent(in) :: y(NB, NP, 3, NEN + 1) !! K_au
+    real(wp), intent(in) :: m(NB, NP)
+    real(wp), intent(inout) :: r(NB, 3, NEN)
+
+    real(wp) :: r1, r2, r3
+    integer :: a, p, l
+
+    do a = 1, NEN
+      !$omp simd private(r1, r2, r3)
+      do l = 1, NB
+        r1 = r(l, 1, a)
+        r2 = r(l, 2, a)
+        r3 = r(l, 3, a)
+        do p = 1, NP
+          r1 = r1 - y(l, p, 1, a)*m(l, p)
+          r2 = r2 - y(l, p, 2, a)*m(l, p)
+          r3 = r3 - y(l, p, 3, a)*m(l, p)
+        end do
+        r(l, 1, a) = r1
+        r(l, 2, a) = r2
+        r(l, 3, a) = r3
+      end do
+    end do
+  end subroutine subtract_forces
+
+  !> The upper blocks of K - K_ua L, mirrored. One loop body: the nine sums of a block stay in
   !! registers.
-  pure subroutine subtract(y, x, m, r, k)
+  pure subroutine subtract_blocks(y, x, k)
     real(wp), intent(in) :: y(NB, NP, 3, NEN + 1) !! K_au
     real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L
-    real(wp), intent(in) :: m(NB, NP)
-    real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
+    real(wp), intent(inout) :: k(NB, 3, 3, NEN, NEN)
 
     real(wp) :: k11, k21, k31, k12, k22, k32, k13, k23, k33
     integer :: a, b, p, l
 
-    do a = 1, NEN
-      !$omp simd private(k11, k21, k31)
-      do l = 1, NB
-        k11 = r(l, 1, a)
-        k21 = r(l, 2, a)
-        k31 = r(l, 3, a)
-        do p = 1, NP
-          k11 = k11 - y(l, p, 1, a)*m(l, p)
-          k21 = k21 - y(l, p, 2, a)*m(l, p)
-          k31 = k31 - y(l, p, 3, a)*m(l, p)
-        end do
-        r(l, 1, a) = k11
-        r(l, 2, a) = k21
-        r(l, 3, a) = k31
-      end do
-    end do
     do b = 1, NEN
       do a = 1, b
         !$omp simd private(k11, k21, k31, k12, k22, k32, k13, k23, k33)
         do l = 1, NB
-          k11 = k(l, 1, 1, a, b)
-          k21 = k(l, 2, 1, a, b)
-          k31 = k(l, 3, 1, a, b)
-          k12 = k(l, 1, 2, a, b)
-          k22 = k(l, 2, 2, a, b)
-          k32 = k(l, 3, 2, a, b)
-          k13 = k(l, 1, 3, a, b)
-          k23 = k(l, 2, 3, a, b)
-          k33 = k(l, 3, 3, a, b)
+          k11 = k(l, 1, 1, a, b); k12 = k(l, 1, 2, a, b); k13 = k(l, 1, 3, a, b)
+          k21 = k(l, 2, 1, a, b); k22 = k(l, 2, 2, a, b); k23 = k(l, 2, 3, a, b)
+          k31 = k(l, 3, 1, a, b); k32 = k(l, 3, 2, a, b); k33 = k(l, 3, 3, a, b)
           do p = 1, NP
             k11 = k11 - y(l, p, 1, a)*x(l, p, 1, b)
             k21 = k21 - y(l, p, 2, a)*x(l, p, 1, b)
@@ -204,19 +220,13 @@ contains
             k23 = k23 - y(l, p, 2, a)*x(l, p, 3, b)
             k33 = k33 - y(l, p, 3, a)*x(l, p, 3, b)
           end do
-          k(l, 1, 1, a, b) = k11
-          k(l, 2, 1, a, b) = k21
-          k(l, 3, 1, a, b) = k31
-          k(l, 1, 2, a, b) = k12
-          k(l, 2, 2, a, b) = k22
-          k(l, 3, 2, a, b) = k32
-          k(l, 1, 3, a, b) = k13
-          k(l, 2, 3, a, b) = k23
-          k(l, 3, 3, a, b) = k33
+          k(l, 1, 1, a, b) = k11; k(l, 1, 2, a, b) = k12; k(l, 1, 3, a, b) = k13
+          k(l, 2, 1, a, b) = k21; k(l, 2, 2, a, b) = k22; k(l, 2, 3, a, b) = k23
+          k(l, 3, 1, a, b) = k31; k(l, 3, 2, a, b) = k32; k(l, 3, 3, a, b) = k33
         end do
       end do
       call mirror(b, k)
     end do
-  end subroutine subtract
+  end subroutine subtract_blocks
 
 end module solid_batch_condense

@@ -106,27 +106,12 @@ contains
     real(wp), intent(out) :: tau(NB, 6), lam(NB), mus(NB)
     logical, intent(out) :: ok(NB)
 
-    real(wp) :: jac(NB), p(NB), l, m, bad
+    real(wp) :: jac(NB), p(NB), l, m
     integer :: n
 
     l = prop(LAMBDA)
     m = prop(MU)
-    !$omp simd
-    do n = 1, NB
-      jac(n) = dg(n, 1, 1)*(dg(n, 2, 2)*dg(n, 3, 3) - dg(n, 2, 3)*dg(n, 3, 2)) &
-               + dg(n, 1, 2)*(dg(n, 2, 3)*dg(n, 3, 1) - dg(n, 2, 1)*dg(n, 3, 3)) &
-               + dg(n, 1, 3)*(dg(n, 2, 1)*dg(n, 3, 2) - dg(n, 2, 2)*dg(n, 3, 1))
-    end do
-    ok = .true.
-    bad = 0.0_wp
-    !$omp simd reduction(+:bad)
-    do n = 1, NB
-      bad = bad + merge(0.0_wp, 1.0_wp, jac(n) > 0.0_wp .and. jac(n) <= huge(l))
-    end do
-    if (bad > 0.0_wp) then
-      ok = jac > 0.0_wp .and. jac <= huge(l)
-      where (.not. ok) jac = 1.0_wp
-    end if
+    call find_volumes(dg, jac, ok)
     select case (nint(prop(VOLUME)))
     case (1)
       do n = 1, NB
@@ -155,6 +140,33 @@ contains
       tau(n, 6) = m*(dg(n, 3, 1)*dg(n, 1, 1) + dg(n, 3, 2)*dg(n, 1, 2) + dg(n, 3, 3)*dg(n, 1, 3))
     end do
   end subroutine moduli_batch
+
+  !> Determinants; where one is not positive and finite ok is .false., and it is harmless.
+  pure subroutine find_volumes(dg, jac, ok)
+    real(wp), intent(in) :: dg(NB, 3, 3)
+    real(wp), intent(out) :: jac(NB)
+    logical, intent(out) :: ok(NB)
+
+    real(wp) :: bad
+    integer :: n
+
+    !$omp simd
+    do n = 1, NB
+      jac(n) = dg(n, 1, 1)*(dg(n, 2, 2)*dg(n, 3, 3) - dg(n, 2, 3)*dg(n, 3, 2)) &
+               + dg(n, 1, 2)*(dg(n, 2, 3)*dg(n, 3, 1) - dg(n, 2, 1)*dg(n, 3, 3)) &
+               + dg(n, 1, 3)*(dg(n, 2, 1)*dg(n, 3, 2) - dg(n, 2, 2)*dg(n, 3, 1))
+    end do
+    ok = .true.
+    bad = 0.0_wp
+    !$omp simd reduction(+:bad)
+    do n = 1, NB
+      bad = bad + merge(0.0_wp, 1.0_wp, jac(n) > 0.0_wp .and. jac(n) <= huge(bad))
+    end do
+    if (bad > 0.0_wp) then
+      ok = jac > 0.0_wp .and. jac <= huge(bad)
+      where (.not. ok) jac = 1.0_wp
+    end if
+  end subroutine find_volumes
 
   !> Stored energy; huge where det F <= 0.
   pure function energy(prop, dg) result(w)

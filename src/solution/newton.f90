@@ -92,7 +92,6 @@ contains
     real(wp), allocatable :: du(:, :), force(:, :)
     logical :: moved
 
-    allocate (du(3, model%mesh%nnode), force(3, model%mesh%nnode))
     moved = newton%moves
     if (newton%asm%new_pattern) then
       call change_pattern(newton%system, newton%asm%k, model%eq, error)
@@ -103,30 +102,17 @@ contains
       call solve_local(newton, model, state, FORCING, pass, error)
       return
     end if
-    if (moved) then                       ! tangent predictor for prescribed motion
-      call multiply(newton%asm%k, newton%move, force)
-      call free_part(model%eq, -state%reaction - force, newton%rhs)
-    end if
-    call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, FORCING, &
-                             pass%solve, error)
-    if (allocated(error)) return
-    if (pass%solve%singular) then
-      pass%ok = .false.
-      pass%trouble = name_singularity(model, pass%solve%null)
-      return
-    end if
-    if (.not. pass%solve%converged) then
-      pass%ok = .false.
-      pass%trouble = 'the tangent is so nearly singular that its system cannot be solved'
-      return
-    end if
+    call solve_tangent(newton, model, state, pass, error)
+    if (allocated(error) .or. .not. pass%ok) return
     newton%iterations = newton%iterations + 1
     call count_flips(newton, merge(0, pass%solve%determinant, newton%symmetric))
     newton%exact = newton%exact .and. newton%mode == FULL
+    allocate (du(3, model%mesh%nnode))
     call full_vector(model%eq, newton%dx, du)
     pass%energy = abs(dot_product(newton%dx, newton%rhs)) + pass%sweep%enhanced
     if (moved) then
       du = du + newton%move
+      allocate (force(3, model%mesh%nnode))
       call multiply(newton%asm%k, du, force)
       newton%largest_energy = max(newton%largest_energy, abs(sum(du*force)))
     end if
@@ -144,6 +130,31 @@ contains
     newton%last = pass%line*newton%dx
     newton%may_retreat = .not. moved .and. .not. newton%converged
   end subroutine solve_system
+
+  !> The increment of the free dofs, after the tangent's own guess of what prescribed motion does.
+  subroutine solve_tangent(newton, model, state, pass, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(pass_t), intent(inout) :: pass
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: force(:, :)
+
+    if (newton%moves) then
+      allocate (force(3, model%mesh%nnode))
+      call multiply(newton%asm%k, newton%move, force)
+      call free_part(model%eq, -state%reaction - force, newton%rhs)
+    end if
+    call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, FORCING, pass%solve, error)
+    if (allocated(error)) return
+    if (pass%solve%singular) then
+      pass%ok = .false.
+      pass%trouble = name_singularity(model, pass%solve%null)
+    else if (.not. pass%solve%converged) then
+      pass%ok = .false.
+      pass%trouble = 'the tangent is so nearly singular that its system cannot be solved'
+    end if
+  end subroutine solve_tangent
 
   !> One pass of TANG,,1 or UTAN,,1.
   subroutine newton_pass(newton, model, state, symmetric, searches, pass, error)
