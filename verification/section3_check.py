@@ -116,6 +116,9 @@ def check_bodies(net, variants, table):
         least = report["tets"]["dihedral_least"]
         if options["mesher"] == "gmsh" and least < 4:
             wrong.append(f"least dihedral angle {least:.2f}")
+        worst = min(report[kind]["scaled"] for kind in ("tets", "pyramids"))
+        if options["mesher"] == "gmsh" and worst < 0.1:
+            wrong.append(f"worst scaled Jacobian {worst:.3f}")
         yield f"body of the arm, {name}: least angle {least:.2f}", "; ".join(wrong) or None
 
 

@@ -10,6 +10,7 @@ from post.mesh import (
     _hexes,
     _junction,
     _layer,
+    _polish,
     _pyramids,
     _quality,
     _surface,
@@ -73,6 +74,7 @@ def fill(surface, form, net, interior, mesher, size, junction, fine=()):
         made = _pyramids.build(surface.corners, form.inner, room, splits)
     cells["pyramids"] = made.cells
     points, cells["tets"] = _compact(made, mesher, size, fine)
+    _polish.improve(points, cells["tets"], cells["pyramids"], len(form.inner))
     return points, cells
 
 

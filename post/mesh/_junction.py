@@ -41,10 +41,10 @@ def _normals(x):
 
 
 def _upright(made, members):
-    """Whether the pyramids of a group are positive at all corners of their bases."""
+    """Whether the pyramids of a group have a good shape at all corners of their bases."""
     from post.mesh import _quality
 
-    return bool((_quality.pyramids(made.points, made.cells[members])[1] > 0.05).all())
+    return bool((_quality.pyramids(made.points, made.cells[members])[1] > 0.2).all())
 
 
 def _groups(surface):

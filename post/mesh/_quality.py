@@ -57,6 +57,25 @@ def hex_volumes(points, cells):
     return np.linalg.det(hex_jacobians(points, cells, SIGN / np.sqrt(3))).sum(axis=1)
 
 
+def tet_shapes(x):
+    """(...) scaled Jacobians of tetrahedra (..., 4, 3): the least corner's, 1 where regular."""
+    length = np.linalg.norm(x[..., :, None, :] - x[..., None, :, :], axis=-1)
+    length[..., np.arange(4), np.arange(4)] = 1
+    det = np.linalg.det(x[..., 1:, :] - x[..., :1, :])
+    return np.sqrt(2) * det / length.prod(axis=-1).max(axis=-1)
+
+
+def pyramid_shapes(x):
+    """(...) the least scaled Jacobians of pyramids (..., 5, 3) at the corners of their bases."""
+    return _pyramid_corners(x).min(axis=-1)
+
+
+def _pyramid_corners(x):
+    base, peak = x[..., :4, :], x[..., 4:, :]
+    ahead, behind = np.roll(base, -1, axis=-2) - base, np.roll(base, 1, axis=-2) - base
+    return scaled(np.stack([ahead, behind, peak - base], axis=-1))
+
+
 def pyramids(points, cells):
     """(volumes (m), scaled Jacobians at the corners of the base (m, 4)).
 
@@ -64,12 +83,10 @@ def pyramids(points, cells):
     """
     x = points[cells]
     base, peak = x[:, :4], x[:, 4]
-    ahead, behind = np.roll(base, -1, axis=1) - base, np.roll(base, 1, axis=1) - base
-    jac = np.stack([ahead, behind, peak[:, None] - base], axis=-1)
     xi, eta, w = _surface.gauss(2)
     y, a, b = _layer.bilinear(base, xi, eta, derivatives=True)
     volume = np.einsum("mkc,mkc->mk", peak[:, None] - y, np.cross(a, b)) @ w / 3
-    return volume, scaled(jac)
+    return volume, _pyramid_corners(x)
 
 
 def tets(points, cells):
@@ -83,10 +100,4 @@ def tets(points, cells):
     )
     pairs = [(i, j) for i in range(4) for j in range(i)]
     cosine = np.stack([-np.einsum("mc,mc->m", normal[:, i], normal[:, j]) for i, j in pairs], 1)
-    length = np.linalg.norm(x[:, :, None] - x[:, None], axis=3)
-    length[:, np.arange(4), np.arange(4)] = 1
-    return (
-        volume,
-        np.degrees(np.arccos(np.clip(cosine, -1, 1))),
-        (6 * np.sqrt(2) * volume / length.prod(axis=2).max(axis=1)),
-    )
+    return volume, np.degrees(np.arccos(np.clip(cosine, -1, 1))), tet_shapes(x)

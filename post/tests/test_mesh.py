@@ -12,6 +12,8 @@ from post.mesh import (
     _layer,
     _net,
     _patches,
+    _polish,
+    _quality,
     _read,
     _report,
     _smooth,
@@ -230,6 +232,36 @@ class Bodies(Folder):
         start[np.sort(inner)] = 0
         got = _hexes.harmonic(number[edges], start, int((~inner).sum()), np.ones(len(edges)))
         np.testing.assert_allclose(got, values, atol=1e-10)
+
+    def test_free_points_move_where_the_worst_cells_get_better(self):
+        # An octahedron of eight tetrahedra and a pyramid below it; the middle is near a face.
+        points = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1],
+                           [0.32, 0.32, 0.32]])  # fmt: skip
+        tets = np.array([[a, b, c, 6] if (a + b + c) % 2 else [b, a, c, 6]
+                         for a in (0, 1) for b in (2, 3) for c in (4, 5)])  # fmt: skip
+        shapes = _quality.tet_shapes(points[tets])
+        tets[shapes < 0] = tets[shapes < 0][:, [1, 0, 2, 3]]
+        start = points.copy()
+        self.assertLess(_quality.tet_shapes(points[tets]).min(), 0.05)
+        _polish.improve(points, tets, np.empty((0, 5), dtype=int), 6)
+        self.assertGreater(_quality.tet_shapes(points[tets]).min(), _polish.TARGET)
+        np.testing.assert_array_equal(points[:6], start[:6])
+        self.assertLess(abs(_quality.tets(points, tets)[0].sum() / 4 * 3 - 1), 1e-14)
+        # Without points that may move, or with a good mesh, nothing does.
+        for fixed, at in ((7, start), (6, points.copy())):
+            again = at.copy()
+            _polish.improve(again, tets, np.empty((0, 5), dtype=int), fixed)
+            np.testing.assert_array_equal(again, at)
+
+    def test_a_peak_stays_where_its_pyramid_would_suffer(self):
+        base = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+        points = np.array([*base, [0.5, 0.5, 3], [0.5, 0.5, 0.1]])
+        tets = np.array([[0, 1, 5, 4]])
+        pyramids = np.array([[0, 1, 2, 3, 5]])
+        before = _quality.pyramid_shapes(points[pyramids])[0], _quality.tet_shapes(points[tets])[0]
+        _polish.improve(points, tets, pyramids, 5)
+        after = _quality.pyramid_shapes(points[pyramids])[0], _quality.tet_shapes(points[tets])[0]
+        self.assertGreater(min(after), min(before))
 
     def test_choices_are_joined_and_cut(self):
         surface, _ = surface_of(self.block())
