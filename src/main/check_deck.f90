@@ -6,7 +6,7 @@ module check_deck
   use base_system, only: available_memory_mb
   use command_type, only: run_t
   use contact_notes, only: warn_contacts
-  use listing, only: warn_loose
+  use listing, only: warn_loose, warn_unread
   use listing_contact, only: contact_size
   use newton, only: prepare_newton
   implicit none
@@ -37,6 +37,7 @@ contains
       //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
     call warn_contacts(job%model)
     call warn_loose(job%model)
+    call warn_unread(job%model)
     if (warning_count() == 0) print '(a)', 'no problems found'
   end subroutine print_check
 

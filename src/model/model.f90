@@ -1,6 +1,6 @@
 !> The two aggregates: what is analysed (fixed once built) and where it is now.
 module model
-  use base_kinds, only: wp
+  use base_kinds, only: wp, i8
   use base_error, only: place_t
   use material_type, only: material_t, MAX_PROP
   use mesh, only: mesh_t
@@ -12,7 +12,7 @@ module model
   use load_curve, only: load_table_t
   implicit none
   private
-  public :: model_t, state_t, material_set_t
+  public :: model_t, state_t, material_set_t, unread_t
 
   !> One MATErial of the deck.
   type :: material_set_t
@@ -29,6 +29,13 @@ module model
     type(place_t) :: place
   end type material_set_t
 
+  !> A file that stands beside one of the deck's and is not read, for a warning.
+  type :: unread_t
+    integer(i8) :: identity(2) = 0
+    character(:), allocatable :: text
+    type(place_t) :: place
+  end type unread_t
+
   !> What is analysed: intent(in) after set-up.
   type :: model_t
     character(:), allocatable :: title
@@ -37,6 +44,7 @@ module model
     type(boundary_t) :: bc
     type(contact_t), allocatable :: contact(:)
     type(curve_t), allocatable :: curve(:)
+    type(unread_t), allocatable :: unread(:)
     !> Equations of the free dofs: equation number, or 0 where prescribed.
     integer, allocatable :: eq(:, :)     !! (3, nnode)
     integer :: neq = 0

@@ -10,7 +10,7 @@ module listing
   use rigid_block, only: is_rigid
   implicit none
   private
-  public :: list_model, warn_loose
+  public :: list_model, warn_loose, warn_unread
 
 contains
 
@@ -43,6 +43,7 @@ contains
     end if
     call warn_contacts(model)
     call warn_loose(model)
+    call warn_unread(model)
     call log_line('')
   end subroutine list_model
 
@@ -57,6 +58,18 @@ contains
                 model%bc%loose(i), hint='restrain it: BOUN, EBOU, CBOU or FIX')
     end do
   end subroutine warn_loose
+
+  !> Tables of constraints that nobody read.
+  subroutine warn_unread(model)
+    type(model_t), intent(in) :: model
+    integer :: i
+
+    if (.not. allocated(model%unread)) return
+    do i = 1, size(model%unread)
+      call warn(model%unread(i)%text, model%unread(i)%place, &
+                'give CONStraint in this block: without it nodes that hang are free')
+    end do
+  end subroutine warn_unread
 
   subroutine list_block(model, block)
     type(model_t), intent(in) :: model

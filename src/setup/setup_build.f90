@@ -8,6 +8,7 @@ module setup_build
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: deck_t, get_real
   use model, only: model_t
+  use setup_aside, only: aside_t
   use setup_entry, only: patch_entry_t, npatch_t, knot_vector_t, support_t, move_t, press_t, &
                          column_t, curve_entry_t, request_t, tie_t, control_t
   use setup_lists, only: node_list_t, element_list_t, mention_list_t, place_list_t, MAX_NUMBER
@@ -38,6 +39,7 @@ module setup_build
     type(element_list_t) :: elements
     type(mention_list_t) :: mention
     type(place_list_t) :: places
+    type(aside_t) :: aside             !! tables beside the files of the mesh
     real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3]) !! TRAN
     real(wp) :: shift(3) = 0.0_wp
     integer :: last_node = 0, last_element = 0, last_material = 0 !! of the last BLOC

@@ -8,6 +8,7 @@ module setup_finish
   use rigid_block, only: is_rigid
   use patch_body, only: build_body
   use patch_spec, only: GEO_SPLINE, GEO_MESH
+  use setup_aside, only: find_unread
   use setup_apply, only: apply_conditions, note_loose
   use setup_build, only: build_t
   use setup_check, only: check_references
@@ -54,6 +55,7 @@ contains
       call release_slaves(build, model%mesh, model%bc)
       call resolve_loads(build, model)
       call note_loose(build, model%mesh, model%bc)
+      call find_unread(build%aside, model%unread)
       call resolve_curves(build, model)
       if (build%errors%count() > 0) return
       call check_jacobians(build, model%mesh)

@@ -10,6 +10,7 @@ module setup_mesh_word
   use mesh_spec, only: mesh_spec_t, mesh_material_t
   use patch_spec, only: patch_spec_t, placement_t, GEO_MESH
   use patch_text, only: load_text, complain
+  use setup_aside, only: expect_table, note_table
   use setup_build, only: build_t, patch_entry_t, next_line
   use setup_patch, only: check_patch_name, append_patch
   use setup_patch_shape, only: read_placement
@@ -49,12 +50,13 @@ contains
       return
     end if
     call read_file(record, patch%mesh, broken)
+    call expect_table(build%aside, resolve_path(record, 4), record%place(4))
     typed = .false.
     do
       call next_line(build, deck, line, more, error)
       if (allocated(error)) exit
       if (.not. more) exit
-      call read_line(deck, line, patch, typed, error)
+      call read_line(build, deck, line, patch, typed, error)
       if (allocated(error)) exit
     end do
     if (allocated(broken)) call build%errors%add(broken)
@@ -99,7 +101,8 @@ contains
     end associate
   end subroutine read_file
 
-  subroutine read_line(deck, line, patch, typed, error)
+  subroutine read_line(build, deck, line, patch, typed, error)
+    type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
     type(patch_entry_t), intent(inout) :: patch
@@ -130,6 +133,7 @@ contains
       if (allocated(error)) return
       patch%mesh%constraint_place = line%place(2)
       call read_constraints(resolve_path(line, 2), patch%mesh%constraint, line%place(2), error)
+      call note_table(build%aside, resolve_path(line, 2))
     case default
       call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a MESH', &
                 line%place(1), 'nearest known: '//nearest(line%text(1), WORD))

@@ -52,6 +52,7 @@ contains
     if (allocated(from%material)) call move_alloc(from%material, to%material)
     if (allocated(from%contact)) call move_alloc(from%contact, to%contact)
     if (allocated(from%curve)) call move_alloc(from%curve, to%curve)
+    if (allocated(from%unread)) call move_alloc(from%unread, to%unread)
     to%mesh%nnode = from%mesh%nnode
     if (allocated(from%mesh%xr)) call move_alloc(from%mesh%xr, to%mesh%xr)
     if (allocated(from%mesh%is_control)) call move_alloc(from%mesh%is_control, to%mesh%is_control)

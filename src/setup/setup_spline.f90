@@ -5,6 +5,7 @@ module setup_spline
   use deck_record, only: record_t, check_count, resolve_path
   use deck_stream, only: deck_t
   use patch_spec, only: GEO_SPLINE
+  use setup_aside, only: expect_table, note_table
   use setup_build, only: build_t, patch_entry_t, next_line
   use setup_patch, only: check_patch_name, append_patch
   use setup_patch_record, only: read_line
@@ -70,12 +71,13 @@ contains
       if (allocated(error) .or. .not. more) return
       call check_record(line, WORD, 'rota tran', 'SPLIne', 'spline '//quoted(patch%spec%name), &
                         seen, error)
-      if (.not. allocated(error)) call read_record(deck, line, patch, error)
+      if (.not. allocated(error)) call read_record(build, deck, line, patch, error)
       if (allocated(error)) return
     end do
   end subroutine read_records
 
-  subroutine read_record(deck, line, patch, error)
+  subroutine read_record(build, deck, line, patch, error)
+    type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
     type(patch_entry_t), intent(inout) :: patch
@@ -91,11 +93,13 @@ contains
         if (line%n > 2) s%mesh = line%text(3)
         s%mesh_place = line%place(3)
         call read_layer(resolve_path(line, 2), s%surface%nelem, s%inner, line%place(2), error)
+        call expect_table(build%aside, resolve_path(line, 2), line%place(2))
       case ('cons')
         call check_count(line, 2, 2, 'CONStraint path', error)
         if (allocated(error)) return
         s%constraint_place = line%place(1)
         call read_constraints(resolve_path(line, 2), s%constraint, line%place(2), error)
+        call note_table(build%aside, resolve_path(line, 2))
       case ('type')
         call read_type(line, patch, error)
       case ('reve')
