@@ -48,6 +48,7 @@ COLUMNS = (
     "counts.elements", "counts.dofs", "counts.tets", "counts.pyramids", "counts.hexes", "counts.hanging",
     "volume.relative_difference", "layer.det_gauss", "layer.det_corner", "layer.scaled_corner",
     "pyramids.scaled", "hexes.scaled", "tets.scaled", "tets.dihedral_least", "tets.dihedral_largest",
+    "mesher.scaled", "mesher.dihedral_least", "mesher.moved",
     "normals.edges", "self_intersections",
 )  # fmt: skip
 BENDING = """

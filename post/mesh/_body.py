@@ -34,6 +34,8 @@ class Body:
     form: object = None  # the Layer of the whole surface
     plain: np.ndarray | None = None  # (k, 4) outer points of the plain part's faces
     plain_sets: dict = field(default_factory=dict)  # name to (k) numbers of plain faces
+    #: Worst shapes of the tetrahedra as the mesher made them, and how many points moved then.
+    mesher: dict = field(default_factory=dict)
 
 
 def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=None, heights=None,
@@ -47,24 +49,27 @@ def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=N
     if interior == "hexes":  # they have no room for a layer as thick as tetrahedra leave
         heights = {"factor": 0.3, "thickness_share": 0.15} | (heights or {})
     form = _layer.build(surface, **(heights or {}))
-    points, cells = fill(surface, form, net, interior, mesher, size, junction, fine)
+    points, cells, made = fill(surface, form, net, interior, mesher, size, junction, fine)
     hanging = [(s, (a, b), (1 - tau, tau)) for s, (a, b, tau) in sorted(surface.hanging.items())]
-    body = Body(surface, points, cells, hanging, whole=surface, form=form)
+    body = Body(surface, points, cells, hanging, whole=surface, form=form, mesher=made)
     if enrich is not None and not enrich.all():
         _enrich.make_partial(body, enrich)
     return body
 
 
 def fill(surface, form, net, interior, mesher, size, junction, fine=()):
-    """(points, cells) of the interior; the layer's inner corners come first and do not move."""
+    """(points, cells, Body.mesher) of the interior.
+
+    The layer's inner corners come first and do not move.
+    """
     cells = {kind: np.empty((0, n), dtype=np.int64) for kind, n in EMPTY.items()}
     if interior == "none":
-        return form.inner, cells
+        return form.inner, cells, {}
     if interior == "hexes":
         if net is None or not len(net.hexes):
             raise Unreadable("the file has no hexahedra inside to use again; take --interior tets")
         points, cells["hexes"] = _hexes.reuse(net, surface, form)
-        return points, cells
+        return points, cells, {}
     room = form.thickness[surface.corners].min(axis=1)
     room = np.maximum(room - 2 * form.height[surface.corners].max(axis=1), 0)
     splits = {(a, b): s for s, (a, b, _) in surface.hanging.items()}
@@ -74,8 +79,10 @@ def fill(surface, form, net, interior, mesher, size, junction, fine=()):
         made = _pyramids.build(surface.corners, form.inner, room, splits)
     cells["pyramids"] = made.cells
     points, cells["tets"] = _compact(made, mesher, size, fine)
-    _polish.improve(points, cells["tets"], cells["pyramids"], len(form.inner))
-    return points, cells
+    _, angle, shape = _quality.tets(points, cells["tets"])
+    moved = _polish.improve(points, cells["tets"], cells["pyramids"], len(form.inner))
+    worst = {"scaled": float(shape.min()), "dihedral_least": float(angle.min()), "moved": moved}
+    return points, cells, worst
 
 
 def _compact(made, mesher, size, fine):

@@ -18,7 +18,7 @@ DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1)[:, None]
 
 
 def improve(points, tets, pyramids, fixed):
-    """Move points after the first `fixed` ones, in place, one after the other.
+    """Move points after the first `fixed` ones, in place, one after the other; how many moved.
 
     A point goes to the best of some places near it, judged by the least scaled Jacobian of its
     tetrahedra and pyramids; the worst of a body never gets worse.
@@ -36,13 +36,16 @@ def improve(points, tets, pyramids, fixed):
             axis=0,
         )
 
+    changed = set()
     for _ in range(ROUNDS):
         bad = [cells[shapes(points[cells]) < TARGET].ravel() for cells, shapes in kinds]
         bad = np.unique(np.concatenate(bad))
-        moved = [_move(points, v, tets[around[0][v]], worst)
-                 for v in bad[bad >= fixed].tolist() if v in around[0]]  # fmt: skip
-        if not any(moved):
-            return
+        free = [v for v in bad[bad >= fixed].tolist() if v in around[0]]
+        moved = [v for v in free if _move(points, v, tets[around[0][v]], worst)]
+        changed |= set(moved)
+        if not moved:
+            break
+    return len(changed)
 
 
 def _users(cells):

@@ -25,6 +25,8 @@ def describe(body):
         report["volume"]["relative_difference"] = abs(total - wanted) / abs(wanted)
     report["self_intersections"] = inner_cuts(body)
     report |= _cells(body)
+    if body.mesher:
+        report["mesher"] = body.mesher
     return report
 
 
