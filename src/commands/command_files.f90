@@ -49,6 +49,7 @@ contains
         end if
         if (allocated(error)) return
         deallocate (column)
+        if (run%restarted .and. has_row(run, i)) call note_row(run, i) ! it may be the last one
       end associate
     end do
     run%files_open = .true.
@@ -59,29 +60,45 @@ contains
   subroutine write_rows(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
-    real(wp), allocatable :: value(:), factor(:)
-    integer :: i, j
+    real(wp), allocatable :: factor(:)
+    integer :: i
 
     allocate (factor(run%nfactor), source=0.0_wp)
     factor(:size(run%state%factor)) = run%state%factor
     if (size(run%state%factor) == 0) factor = 1.0_wp
     do i = 1, size(run%curve)
-      associate (curve => run%model%curve(i))
-        if (curve%name == 'tplot') then
-          if (mod(run%state%step - 1, run%tplot_every) /= 0) cycle
-        end if
-        allocate (value(size(curve%quantity)))
-        do j = 1, size(value)
-          value(j) = quantity_value(run%model, run%state, curve%quantity(j))
-        end do
-        call write_row(run%curve(i), run%state%step, run%state%time, factor, &
-                       run%newton%iterations, run%plan%cutbacks, run%newton%converged, value, error)
-        if (allocated(error)) return
-        run%last_row(i)%value = [real(run%state%step, wp), run%state%time, value]
-        deallocate (value)
-      end associate
+      if (.not. has_row(run, i)) cycle
+      call note_row(run, i)
+      call write_row(run%curve(i), run%state%step, run%state%time, factor, run%newton%iterations, &
+                     run%plan%cutbacks, run%newton%converged, run%last_row(i)%value(3:), error)
+      if (allocated(error)) return
     end do
   end subroutine write_rows
+
+  !> TPLOt may leave steps out.
+  pure logical function has_row(run, i)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+
+    has_row = run%model%curve(i)%name /= 'tplot'
+    if (.not. has_row) has_row = mod(run%state%step - 1, run%tplot_every) == 0
+  end function has_row
+
+  !> Row of curve i: step, time, values of now.
+  subroutine note_row(run, i)
+    type(run_t), intent(inout) :: run
+    integer, intent(in) :: i
+    real(wp), allocatable :: value(:)
+    integer :: j
+
+    associate (quantity => run%model%curve(i)%quantity)
+      allocate (value(size(quantity)))
+      do j = 1, size(value)
+        value(j) = quantity_value(run%model, run%state, quantity(j))
+      end do
+    end associate
+    run%last_row(i)%value = [real(run%state%step, wp), run%state%time, value]
+  end subroutine note_row
 
   !> The fields of now.
   subroutine write_fields(run, error)
