@@ -20,6 +20,8 @@ from post.mesh import _body, _choose, _net, _patches, _read, _read_spline, _repo
 def surface_of(path, closed=True, orient=False, refine=0, smooth=False, split=None):
     """(Surface, Net or None) of a file; arguments as the command's options."""
     net = None
+    if refine < 0:
+        raise Unreadable(f"--refine {refine}: a number of steps is not negative")
     if _read_spline.is_spline(path):
         if refine:
             raise Unreadable("--refine is for nets; a spline surface has its elements already")
@@ -32,7 +34,10 @@ def surface_of(path, closed=True, orient=False, refine=0, smooth=False, split=No
     if split:
         from post.mesh import _split
 
-        surface = _split.split(surface, _choose.elements(surface, split))
+        chosen = _choose.elements(surface, split)
+        if not chosen.any():
+            raise Unreadable(f"--split '{split}' names no element of the surface")
+        surface = _split.split(surface, chosen)
     if smooth:
         surface = _smooth.smooth(surface, everywhere=smooth == "everywhere")
     return surface, net

@@ -17,6 +17,7 @@ from post.mesh import (
     _tets,
 )
 
+_OPTION = {"factor": "layer", "constant": "thickness"}
 EMPTY = {"tets": 4, "pyramids": 5, "hexes": 8}
 
 
@@ -46,6 +47,13 @@ def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=N
     spline, None: all of them; heights: options of _layer.build; junction: constraint or peak; fine:
     places with smaller tetrahedra, texts as _tets.places has them.
     """
+    given = {
+        "--size": size,
+        **{f"--{_OPTION[k]}": v for k, v in (heights or {}).items() if k in _OPTION},
+    }
+    for name, value in given.items():
+        if value is not None and not 0 < value < np.inf:
+            raise Unreadable(f"{name} {value:g}: a length or a share of one is positive")
     if interior == "hexes":  # they have no room for a layer as thick as tetrahedra leave
         heights = {"factor": 0.3, "thickness_share": 0.15} | (heights or {})
     form = _layer.build(surface, **(heights or {}))

@@ -67,6 +67,8 @@ def named(surface, texts):
         name, equals, choice = text.partition("=")
         if not equals or not name.isidentifier():
             raise Unreadable(f"'{text}' is no name=choice, as in hole=box:0,0,0,1,1,1")
+        if name == "plain":
+            raise Unreadable("the name 'plain' is taken: all faces that --enrich leaves plain")
         chosen = elements(surface, choice)
         if not chosen.any():
             raise Unreadable(f"'{text}' names no element of the surface")

@@ -38,7 +38,7 @@ def checked(net, path, closed=True, orient=False):
         fail(
             f"the surface is not closed: {len(open_edges)} edges have a quad on one side only, the "
             f"first from point {a + 1} at {_place(net.points[a])} to point {b + 1} at "
-            f"{_place(net.points[b])}; --open meshes an open surface"
+            f"{_place(net.points[b])}{_apart(net, twin)}; --open meshes an open surface"
         )
     if len(open_edges) == 0:
         volume = quad_volume(net.points, net.quads)
@@ -52,6 +52,18 @@ def checked(net, path, closed=True, orient=False):
     for q, c in np.argwhere(twin < 0):
         net.border[[net.quads[q, c], net.quads[q, (c + 1) % 4]]] = True
     return net
+
+
+def _apart(net, twin):
+    """What to say where points of open edges stand at one place."""
+    q, c = np.argwhere(twin < 0).T
+    ends = np.unique(np.r_[net.quads[q, c], net.quads[q, (c + 1) % 4]])
+    _, first, count = np.unique(net.points[ends], axis=0, return_inverse=True, return_counts=True)
+    double = ends[count[first.ravel()] > 1]
+    if not len(double):
+        return ""
+    twins = double[(net.points[double] == net.points[double[0]]).all(axis=1)]
+    return f" (points {twins[0] + 1} and {twins[1] + 1} stand at one place: make them one)"
 
 
 def _place(x):

@@ -158,8 +158,8 @@ def read_obj(path):
 
 def _obj_numbers(t, words, n, place, kind):
     try:
-        values = [kind(w) for w in words]
-    except ValueError:
+        values = np.array([kind(w) for w in words], dtype=kind).tolist()
+    except (ValueError, OverflowError):
         t.fail(f"{place}: not numbers")
     if n and len(values) != n or not np.isfinite(values).all():
         t.fail(f"{place}: not {n} finite numbers")

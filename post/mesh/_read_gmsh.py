@@ -42,10 +42,18 @@ def read_all(path):
     if version not in ("2.2", "4.1"):
         t.fail(f"version {version} of Gmsh's format; known: 2.2 4.1")
     names, groups, points, tags, cells = {}, {}, None, None, None
+    seen = set()
     while True:
-        section = t.seek("$PHYSICALNAMES", "$ENTITIES", "$NODES", "$ELEMENTS")
+        section = t.seek(
+            "$PHYSICALNAMES", "$ENTITIES", "$NODES", "$ELEMENTS", "$PARTITIONEDENTITIES"
+        )
         if section is None:
             break
+        if section == "$PARTITIONEDENTITIES":
+            t.fail("the mesh is partitioned; save it in one part")
+        if section in seen:
+            t.fail(f"${section[1:].capitalize()} stands there twice")
+        seen.add(section)
         if section == "$PHYSICALNAMES":
             names = _names(t)
         elif section == "$ENTITIES":
@@ -58,6 +66,9 @@ def read_all(path):
             t.fail(f"the file ends before $End{section[1:].capitalize()}")
     if points is None or cells is None:
         t.fail("no $Nodes or no $Elements in it")
+    unique, count = np.unique(tags, return_counts=True)
+    if (count > 1).any():
+        t.fail(f"node {unique[count > 1][0]} is defined twice")
     return points, tags, cells, names
 
 
@@ -75,7 +86,10 @@ def _names(t):
 def _nodes2(t):
     n = t.count("the number of nodes")
     values = t.numbers(4 * n, "$Nodes").reshape(-1, 4)
-    return values[:, 1:], values[:, 0].astype(np.int64)
+    tags = values[:, 0]
+    if (tags != np.rint(tags)).any():
+        t.fail(f"a node has the number {tags[tags != np.rint(tags)][0]:g}")
+    return values[:, 1:], tags.astype(np.int64)
 
 
 def _elements2(t):
@@ -108,13 +122,14 @@ def _nodes4(t):
     blocks, n, _, _ = (t.integer("a count of $Nodes") for _ in range(4))
     points, tags = [], []
     for _ in range(blocks):
-        t.numbers(3, "a block of $Nodes", int)
+        dim, _, parametric = t.numbers(3, "a block of $Nodes", int)
         count = t.count("the nodes of a block")
         tags.append(t.numbers(count, "$Nodes", int))
-        points.append(t.numbers(3 * count, "$Nodes").reshape(-1, 3))
+        width = 3 + (min(max(dim, 0), 3) if parametric else 0)  # behind x y z: parameters
+        points.append(t.numbers(width * count, "$Nodes").reshape(-1, width)[:, :3])
     if sum(map(len, tags)) != n:
         t.fail(f"$Nodes says {n} nodes and has {sum(map(len, tags))}")
-    return np.concatenate(points), np.concatenate(tags)
+    return np.concatenate([np.empty((0, 3)), *points]), np.concatenate([np.empty(0, int), *tags])
 
 
 def _elements4(t, groups):

@@ -28,6 +28,9 @@ def read_spline(path, closed=True):
     reader = {".json": _json, ".iga": _iga}.get(ending, _text)
     degree, points, weights, nodes, coefficients, sets = reader(path)
     _check(path, degree, points, weights, nodes, coefficients)
+    for name, ids in sets.items():
+        if len(ids) and not (0 <= ids.min() and ids.max() < len(nodes)):
+            raise Unreadable(f"'{path}': set '{name}' names an element that is not there")
     s = Surface(degree, points, weights, nodes, coefficients, None, sets)
     s.corners = _split.find_corners(nodes, coefficients, s.corner_index)
     s.hanging = _split.find_hanging(s)
@@ -50,14 +53,14 @@ def _check(path, degree, points, weights, nodes, coefficients):
     if not len(nodes):
         raise Unreadable(f"'{path}' has no elements")
     width = (degree[0] + 1) * (degree[1] + 1)
-    if not (weights > 0).all() or not np.isfinite(points).all():
+    if not (weights > 0).all() or not np.isfinite(weights).all() or not np.isfinite(points).all():
         raise Unreadable(f"'{path}' has a weight that is not positive, or no finite coordinate")
     for e, (ids, c) in enumerate(zip(nodes, coefficients), 1):
         if len(ids) and not (0 <= ids.min() and ids.max() < len(points)):
             raise Unreadable(f"'{path}': element {e} names a control point that is not there")
         if c.shape != (len(ids), width):
             raise Unreadable(f"'{path}': element {e} has not {width} coefficients a function")
-        if abs(c.sum(axis=0) - 1).max() > 1e-6:
+        if not abs(c.sum(axis=0) - 1).max() <= 1e-6:
             raise Unreadable(f"'{path}': the functions of element {e} do not sum to one")
 
 
@@ -66,6 +69,8 @@ def _json(path):
         data = json.loads(text_of(path))
     except json.JSONDecodeError as error:
         raise Unreadable(f"'{path}' is no JSON, or cut off: {error}") from None
+    except RecursionError:
+        raise Unreadable(f"'{path}' is no BEXT 2.0 in JSON: lists in lists without end") from None
     try:
         _json_counts(path, data)
         degrees = {(b["deg_s"], b["deg_t"]) for b in data["elements"]["element_block_info"]}
@@ -73,20 +78,34 @@ def _json(path):
             raise Unreadable(f"'{path}' has no surface of one degree; degrees {sorted(degrees)}")
         full = np.array(data["nodes"], dtype=float).reshape(-1, 4)
         vectors = _json_vectors(data["coefficients"], degrees)
-        nodes = [np.array(b["node_ids"], dtype=int) for b in data["elements"]["element_blocks"]]
+        nodes = [_whole(b["node_ids"]) for b in data["elements"]["element_blocks"]]
         rows = [vectors[b["coeff_vector_ids"]] for b in data["elements"]["element_blocks"]]
-        sets = {name: np.array(ids, dtype=int) for name, ids in data.get("sets", {}).items()}
-    except (KeyError, TypeError, ValueError, IndexError) as error:
+        sets = {name: _whole(ids) for name, ids in data.get("sets", {}).items()}
+        if data.get("dim", 2) != 2:
+            raise Unreadable(f"'{path}' has splines of {data['dim']} directions; a surface has 2")
+    except (AttributeError, KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
         raise Unreadable(f"'{path}' is no BEXT 2.0 in JSON ({error!r})") from None
     return degrees.pop(), full[:, :3], full[:, 3], nodes, rows, sets
 
 
+def _whole(numbers):
+    """An array of integers; ValueError where one is none.
+
+    >>> _whole([0, 2]).tolist()
+    [0, 2]
+    """
+    if not all(isinstance(n, int) for n in numbers):
+        raise ValueError("a number that counts is no integer")
+    return np.array(numbers, dtype=np.int64)
+
+
 def _json_counts(path, data):
     """What the file announces must be what it holds."""
-    blocks = data["elements"]["element_block_info"]
+    blocks, cells = (data["elements"][key] for key in ("element_block_info", "element_blocks"))
     for what, announced, held in (
         ("control points", data["num_nodes"], data["nodes"]),
-        ("elements", sum(b["num_elems"] for b in blocks), data["elements"]["element_blocks"]),
+        ("elements", sum(b["num_elems"] for b in blocks), cells),
+        ("elements", data.get("num_elems", len(cells)), cells),
     ):
         if announced != len(held):
             raise Unreadable(f"'{path}' announces {announced} {what} and holds {len(held)}")
@@ -158,6 +177,8 @@ def _iga(path):
     counts = {}
     while len(counts) < 2:
         word = t.word("nodeN and elemN")
+        if word == "type" and t.word("the type") not in ("surface", "plane"):
+            t.fail(f"it is of the type {t.words[t.at - 1]}; a surface is of type surface or plane")
         if word in ("nodeN", "elemN"):
             counts[word] = t.count(word)
     full = np.empty((counts["nodeN"], 4))
@@ -183,5 +204,7 @@ def _iga_sets(t):
     for line in t.lines:
         words = line.split()
         if words[:1] == ["set"] and len(words) > 3 and words[2] == "elem":
-            sets[words[3]] = np.array(words[4:], dtype=int)
+            if not all(w.isdigit() for w in words[4:]):
+                t.fail(f"set '{words[3]}' has a number of an element that is none")
+            sets[words[3]] = np.array(words[4:], dtype=np.int64)
     return sets

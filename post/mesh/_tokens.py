@@ -80,7 +80,7 @@ def text_of(path):
     except OSError as error:
         raise Unreadable(f"'{path}' cannot be read ({error.strerror})") from None
     try:
-        return data.decode()
+        return data.decode("utf-8-sig")  # editors of Windows put a mark in front
     except UnicodeDecodeError:
         raise Unreadable(f"'{path}' is binary; save it as ASCII") from None
 

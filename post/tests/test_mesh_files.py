@@ -185,6 +185,87 @@ class Errors(Folder):
         said = self.message(text, interior="tets", mesher="tetgen", fine=["1=sphere:0,0,0,1"])
         self.assertIn("--fine is for Gmsh", said)
 
+    def gmsh(self, version="2.2"):
+        """A closed net as a Gmsh file of either version."""
+        points, quads = self.quads()
+        lines = rows(points).splitlines()
+        cells = [" ".join(str(i + 1) for i in q) for q in quads]
+        head = f"$MeshFormat\n{version} 0 8\n$EndMeshFormat\n$Nodes\n"
+        if version == "2.2":
+            nodes = "27\n" + "\n".join(f"{i} {x}" for i, x in enumerate(lines, 1))
+            elements = "24\n" + "\n".join(f"{k} 3 2 1 1 {c}" for k, c in enumerate(cells, 1))
+        else:
+            tags = "\n".join(map(str, range(1, 28)))
+            nodes = f"1 27 1 27\n2 1 0 27\n{tags}\n" + "\n".join(lines)
+            elements = "1 24 1 24\n2 1 3 24\n" + "\n".join(
+                f"{k} {c}" for k, c in enumerate(cells, 1)
+            )
+        return f"{head}{nodes}\n$EndNodes\n$Elements\n{elements}\n$EndElements\n"
+
+    def test_gmsh_files_that_are_twice_partitioned_or_not_whole(self):
+        good = self.gmsh()
+        body_of(self.file("good.msh", good), interior="none")
+        for old, new, said in (
+            ("\n5 ", "\n4 ", "node 4 is defined twice"),
+            ("\n5 ", "\n5.5 ", "a node has the number 5.5"),
+            ("$Elements", "$Nodes\n0\n$EndNodes\n$Elements", "$Nodes stands there twice"),
+            ("$Nodes", "$PartitionedEntities\n$Nodes", "the mesh is partitioned"),
+            ("2.2 0 8", "2.2 1 8", "a binary Gmsh file"),
+            ("$EndElements", "", "ends before $EndElements"),
+        ):
+            self.assertIn(said, self.message(good.replace(old, new, 1), "a.msh"))
+
+    def test_nodes_of_gmsh_4_with_parameters(self):
+        text = self.gmsh("4.1").replace("2 1 0 27", "2 1 1 27")
+        self.assertIn("stands where a number of $Nodes", self.message(text, "a.msh"))
+        start = text.index("0.0 0.0 0.0")
+        end = text.index("$EndNodes")
+        given = "".join(line + " 0.25 0.75\n" for line in text[start:end].splitlines())
+        points = _read.read_net(self.file("b.msh", text[:start] + given + text[end:])).points
+        np.testing.assert_array_equal(points, self.quads()[0])
+
+    def test_files_from_windows(self):
+        plain = _read.read_net(self.file("a.msh", self.gmsh()))
+        path = self.folder / "b.msh"
+        path.write_bytes(b"\xef\xbb\xbf" + self.gmsh().replace("\n", "\r\n").encode())
+        net = _read.read_net(str(path))
+        np.testing.assert_array_equal(net.points, plain.points)
+        np.testing.assert_array_equal(net.quads, plain.quads)
+
+    def test_points_at_one_place_are_named(self):
+        points, quads = self.quads()
+        points = np.vstack([points, points[quads[0, 0]]])
+        quads[0, 0] = 27
+        self.assertIn("(points 1 and 28 stand at one place", self.message(vtk(points, quads, 9)))
+
+    def test_spline_files_with_something_else_in_them(self):
+        data = json.loads(_write.bext_text(_write.grouped(self.body().surface)))
+        for change, said in (
+            ({"sets": {"a": [99]}}, "set 'a' names an element that is not there"),
+            ({"sets": {"a": [1.5]}}, "is no integer"),
+            ({"sets": [1]}, "is no BEXT 2.0"),
+            ({"dim": 3}, "splines of 3 directions"),
+            ({"num_elems": 3}, "announces 3 elements"),
+        ):
+            self.assertIn(said, self.message(json.dumps(data | change), "a.bext.json"))
+        self.assertIn("lists in lists", self.message("[" * 100_000, "a.bext.json"))
+        data["coefficients"]["dense_coefficient_vectors"][0]["components"][0] = float("nan")
+        self.assertIn("do not sum to one", self.message(json.dumps(data), "a.bext.json"))
+        self.assertIn("of the type volume", self.message("type volume\nnodeN 0\n", "a.iga"))
+        self.assertIn("line 1: not numbers", self.message("f 1 2 3 " + 20 * "9", "a.obj"))
+
+    def test_options_that_make_no_sense(self):
+        text = vtk(*grid())
+        for options, said in (
+            ({"size": -1.0}, "--size -1"),
+            ({"heights": {"factor": float("nan")}}, "--layer nan"),
+            ({"heights": {"constant": 0.0}}, "--thickness 0"),
+            ({"refine": -1}, "--refine -1"),
+            ({"split": "box:9,9,9,9,9,9"}, "--split 'box:9,9,9,9,9,9' names no element"),
+            ({"groups": ["plain=all"]}, "the name 'plain' is taken"),
+        ):
+            self.assertIn(said, self.message(text, **options))
+
     def test_a_choice_that_names_nothing(self):
         text = vtk(*grid())
         self.assertIn("has not 6 numbers", self.message(text, groups=["top=box:1,2"]))

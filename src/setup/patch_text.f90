@@ -11,6 +11,7 @@ module patch_text
             next_reals, next_integers, words_left, next_line
 
   integer(i8), parameter :: MAX_SIZE = 1000000000_i8 !! bytes
+  character(*), parameter :: MARK = char(239)//char(187)//char(191) !! of UTF-8, by Windows
 
   !> A file in memory and a position in it.
   type :: text_t
@@ -53,6 +54,7 @@ contains
       return
     end if
     close (unit)
+    if (index(text%all, MARK) == 1) text%all = text%all(len(MARK) + 1:)
   end subroutine load_text
 
   !> An error at the present position.
