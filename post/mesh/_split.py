@@ -111,7 +111,7 @@ def find_hanging(surface):
     """{corner: (a, b, tau)} corners inside an edge of a larger element: T-junctions.
 
     An edge a-b without a neighbour and edges a-s, s-b without one, where the point of the edge with
-    the values of s has the parameter tau.
+    the values of s has the parameter tau. Of several corners on an edge the next hangs on s-b.
     """
     count = {}
     for e, row in enumerate(surface.corners.tolist()):
@@ -125,11 +125,23 @@ def find_hanging(surface):
     hanging = {}
     for e, c in single.values():
         a, b = surface.corners[e, c], surface.corners[e, (c + 1) % 4]
-        for s in beside[int(a)] & beside[int(b)]:
-            tau = _parameter(surface, e, c, s, single)
-            if tau is not None:
-                hanging[s] = (int(a), int(b), tau)
+        start, low, end = int(a), 0.0, int(b)
+        for s, t in _chain(surface, e, c, (start, end), beside, single):
+            hanging[s] = (start, end, (t - low) / (1 - low))
+            start, low = s, t
     return hanging
+
+
+def _chain(surface, e, c, ends, beside, single):
+    """[(corner, parameter)] on edge c of element e, from end to end; empty where they are none."""
+    found, v, t = [], ends[0], 0.0
+    while not found or ends[1] not in beside[v]:
+        places = ((s, _parameter(surface, e, c, s, single)) for s in sorted(beside[v] - {*ends}))
+        v, t = next(((s, u) for s, u in places if u is not None and u > t), (None, None))
+        if v is None:
+            return []
+        found.append((v, t))
+    return found
 
 
 def _parameter(surface, e, c, s, single):
@@ -140,6 +152,8 @@ def _parameter(surface, e, c, s, single):
     index = surface.corner_index
     want = dict(zip(surface.nodes[other].tolist(), surface.coefficients[other][:, index[d]]))
     target = np.array([want.get(i, 0.0) for i in surface.nodes[e].tolist()])
+    if abs(target.sum() - 1) > 1e-6:
+        return None  # the corner has functions that the element has not
     start, end = (np.array([(-1.0, -1), (1, -1), (1, 1), (-1, 1)])[k] for k in (c, (c + 1) % 4))
 
     def miss(tau):

@@ -110,6 +110,11 @@ class Surfaces(Folder):
         twice = _split.split(once, touching)
         chains = [m for m in twice.hanging.values() if set(m[:2]) & set(twice.hanging)]
         self.assertEqual((len(twice.hanging), len(chains)), (12, 8))
+        again, _ = surface_of(self.file("a.bext.json", _write.bext_text(_write.grouped(twice))))
+        places = [
+            sorted(sorted(x.at.values()) for x in _border.lines(s.hanging)) for s in (again, twice)
+        ]
+        np.testing.assert_allclose(*places, atol=1e-7)
         form = _layer.build(twice)
         for line in _border.lines(twice.hanging):
             a, b = (form.inner[v] for v in line.ends)
