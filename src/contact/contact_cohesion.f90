@@ -79,14 +79,14 @@ contains
     real(wp), intent(in) :: g(3), n(3), up(3, 2)
     type(contact_points_t), intent(in) :: points
     type(pull_t), intent(inout) :: pull
-    real(wp) :: p, dp, hold, dhold(3)
+    real(wp) :: p, dp, energy, hold, dhold(3)
     integer :: j
 
     pull%gap = dot_product(n, g)
     call fade(contact, g, points%opening_step(i), pull%share, pull%slope)
     hold = 1.0_wp - pull%share
     dhold = -pull%slope
-    call contact%normal%normal(contact%normal_prop, pull%gap, points%multiplier(i), p, dp)
+    call contact%normal%normal(contact%normal_prop, pull%gap, points%multiplier(i), p, dp, energy)
     if (.not. hold*p > 0.0_wp) return
     pull%p = hold*p
     pull%t = pull%t + pull%p*n

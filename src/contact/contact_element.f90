@@ -4,15 +4,19 @@ module contact_element
   use contact_balance, only: add_back, add_cross
   use contact_cohesion, only: pull_t, find_pull
   use contact_cut, only: acting
+  use contact_fade, only: fade_border
   use contact_foot, only: foot_t, touches
+  use contact_history, only: ASIDE
   use contact_pair, only: contact_t, contact_points_t, surface_t
-  use contact_point, only: point_t, slope_t, traction_at, fade_border
+  use contact_point, only: point_t, slope_t, traction_at
   use contact_type, only: OPEN, SLIP, TOUCH
   use contact_work, only: work_t, own_share, clear, add_own, add_partner, measure, position_on
   implicit none
   private
   public :: form_element
 
+  !> Of DEPTh: where points within reach of a border begin to count as beside, and where they do.
+  real(wp), parameter :: DEEP = 0.25_wp, LAST = 0.9_wp
   real(wp), parameter :: FIXED_AREA(3, 2) = 0.0_wp !! the reference area does not change
 
 contains
@@ -154,6 +158,7 @@ contains
     point%slip = 0.0_wp
     if (.not. touches(foot, contact%depth)) return
     point%multiplier = points%multiplier(i)
+    call limit_depth(contact, points%aside(i), point)
     e = points%slide(i)
     point%slides = slides .and. e > 0
     point%ahead = -1.0_wp
@@ -165,6 +170,20 @@ contains
     if (point%state == OPEN .or. .not. contact%border > 0.0_wp) return
     call fade_border(contact%border, is_outer(other, foot%elem), foot, point, dt)
   end subroutine find_traction
+
+  !> Points of bonded surfaces that are deep inside have come in over a border. What is pressed only
+  !! may plough.
+  pure subroutine limit_depth(contact, beside, point)
+    type(contact_t), intent(in) :: contact
+    logical, intent(in) :: beside              !! it stood beside the surface
+    type(point_t), intent(inout) :: point
+
+    point%full = -1.0_wp
+    if (.not. contact%has_cohesive) return
+    point%last = LAST*contact%depth
+    if (contact%border > 0.0_wp) point%full = DEEP*contact%depth
+    if (beside) point%full = ASIDE*contact%depth
+  end subroutine limit_depth
 
   !> Edges of element e behind which the surface ends.
   pure function is_outer(surface, e) result(outside)

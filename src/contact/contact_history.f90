@@ -9,6 +9,8 @@ module contact_history
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, &
             look_aside
 
+  real(wp), parameter, public :: ASIDE = 0.1_wp !! of DEPTh: at a surface rather than below it
+
 contains
 
   !> No point has a foot yet; a rigid side has no points.
@@ -91,9 +93,9 @@ contains
 
     do i = 1, size(feet)
       if (feet(i)%elem > 0) then
-        points%aside(i) = .false.
+        points%aside(i) = points%aside(i) .and. feet(i)%gap < -depth
       else if (feet(i)%border > 0) then
-        points%aside(i) = feet(i)%border_gap < -depth
+        points%aside(i) = feet(i)%border_gap < depth
       end if
     end do
   end subroutine look_aside

@@ -27,21 +27,24 @@ contains
   !> p = <y>, y = multiplier - eps_n gap; without augmentation the multiplier is zero. With d > 0
   !! p = y^2/(2 eps_n d) up to y = eps_n d, and y - eps_n d/2 beyond: its slope has no jump, and
   !! nothing presses where the surfaces just touch.
-  pure subroutine pressure(prop, gap, multiplier, p, dp)
+  pure subroutine pressure(prop, gap, multiplier, p, dp, energy)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: gap, multiplier
-    real(wp), intent(out) :: p, dp
+    real(wp), intent(out) :: p, dp, energy
 
     p = multiplier - prop(1)*gap
     dp = -prop(1)
     if (.not. p > 0.0_wp) then
       p = 0.0_wp
       dp = 0.0_wp
+      energy = 0.0_wp
     else if (p < prop(1)*prop(2)) then
       dp = -p/prop(2)
+      energy = p**3/(6*prop(1)**2*prop(2))
       p = 0.5_wp*p*p/(prop(1)*prop(2))
     else
       p = p - 0.5_wp*prop(1)*prop(2)
+      energy = 0.5_wp*p*p/prop(1) + prop(1)*prop(2)**2/24
     end if
   end subroutine pressure
 

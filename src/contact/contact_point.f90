@@ -11,7 +11,7 @@ module contact_point
   use contact_type, only: OPEN, TOUCH
   implicit none
   private
-  public :: point_t, slope_t, foot_way, traction_at, fade_border, outer
+  public :: point_t, slope_t, foot_way, traction_at, inverse, outer
 
   !> A distance this small, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
@@ -23,8 +23,12 @@ module contact_point
     real(wp) :: xs(3) = 0.0_wp         !! its position [L]
     real(wp) :: ahead = -1.0_wp        !! [L] see friction_law_i
     real(wp) :: multiplier = 0.0_wp    !! of the augmentation [F/L^2]
+    real(wp) :: full = -1.0_wp         !! [L] depth where pressure begins to fall; negative: nowhere
+    real(wp) :: last = 0.0_wp          !! [L] depth where nothing is left, > 2*full
     integer :: state = OPEN
+    real(wp) :: n(3) = 0.0_wp          !! where it touches: normal of the other side
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
+    real(wp) :: energy = 0.0_wp        !! of the pressure, up to this gap [F/L]
     real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
     real(wp) :: friction(3) = 0.0_wp   !! friction's share of t [F/L^2]
     real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i
@@ -55,68 +59,47 @@ contains
     point%elastic = 0.0_wp
     point%slip = 0.0_wp
     point%state = OPEN
-    call contact%normal%normal(contact%normal_prop, foot%gap, point%multiplier, point%p, dp)
-    if (.not. point%p > 0.0_wp) return
+    call press(contact, foot%gap, point, dp)
+    if (.not. point%energy > 0.0_wp) return
     point%state = TOUCH
     call vary_normal(foot, point%x, n, dn)
+    point%n = n
     dpdx = dp*n                        ! the gap varies with n.(dx - dx_p)
     point%t = point%p*n
     dt%x = outer(n, dpdx) + point%p*dn%x
     dt%p = -outer(n, dpdx) + point%p*dn%p
     dt%a = point%p*dn%a
-    if (point%slides) call add_friction(contact, point, n, dn, dpdx, dt)
+    if (point%slides .and. point%p > 0.0_wp) call add_friction(contact, point, n, dn, dpdx, dt)
   end subroutine traction_at
 
-  !> Near an outer border of the other surface the traction fades out, over `width` of an element:
-  !! a point that slides over the border loses nothing at once.
-  pure subroutine fade_border(width, outside, foot, point, dt)
-    real(wp), intent(in) :: width          !! relative to the element
-    logical, intent(in) :: outside(4)      !! edges of the foot's element that are outer borders
-    type(foot_t), intent(in) :: foot
+  !> Pressure of the normal law. A point deeper than `full` is not pressed out through the face:
+  !! over the same depth again its pressure falls to zero, and then, until `last`, its energy does.
+  pure subroutine press(contact, gap, point, dp)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: gap            !! [L]
     type(point_t), intent(inout) :: point
-    type(slope_t), intent(inout) :: dt
-    real(wp) :: share, slope(2), w(2), h(3), g(3), metric(2, 2), hess(2, 2)
-    integer :: j
+    real(wp), intent(out) :: dp            !! [F/L^3]
+    real(wp) :: z, w, y, rest
 
-    call border_share(width, outside, foot%xi, share, slope)
-    if (.not. share < 1.0_wp) return
-    g = point%x - foot%x
-    call find_hessian(foot, g, metric, hess)
-    w = matmul(inverse(hess, foot%free), slope)
-    h = matmul(foot%a, w)
-    dt%x = share*dt%x + outer(point%t, h)
-    dt%p = share*dt%p - outer(point%t, h)
-    do j = 1, 2
-      dt%a(:, :, j) = share*dt%a(:, :, j) + outer(point%t, w(j)*g)
-    end do
-    dt%s = share*dt%s
-    point%p = share*point%p
-    point%t = share*point%t
-    point%friction = share*point%friction
-  end subroutine fade_border
-
-  !> 1 inside, 0 on a border, and its derivatives by the parameters.
-  pure subroutine border_share(width, outside, xi, share, slope)
-    real(wp), intent(in) :: width, xi(2)
-    logical, intent(in) :: outside(4)      !! edges xi-, xi+, eta-, eta+
-    real(wp), intent(out) :: share, slope(2)
-    real(wp) :: s, z
-    integer :: i, j, k
-
-    share = 1.0_wp
-    slope = 0.0_wp
-    do k = 1, 4
-      i = (k + 1)/2
-      j = merge(-1, 1, mod(k, 2) == 1)     ! of the way out
-      z = 0.5_wp*(1.0_wp - j*xi(i))/width
-      if (.not. outside(k) .or. z >= 1.0_wp) cycle
-      z = max(0.0_wp, z)
-      s = z*z*(3.0_wp - 2*z)
-      slope = s*slope
-      slope(i) = slope(i) - share*j*3*z*(1.0_wp - z)/width
-      share = s*share
-    end do
-  end subroutine border_share
+    z = -1.0_wp
+    if (point%full > 0.0_wp) z = -gap/point%full - 1.0_wp
+    call contact%normal%normal(contact%normal_prop, merge(-point%full, gap, z > 0.0_wp), &
+                               point%multiplier, point%p, dp, point%energy)
+    if (.not. z > 0.0_wp) return
+    w = point%p*point%full
+    if (z < 1.0_wp) then
+      dp = point%p*6*z*(1.0_wp - z)/point%full
+      point%p = point%p*(1.0_wp - z*z*(3.0_wp - 2*z))
+      point%energy = point%energy + w*z*(1.0_wp - z*z*(1.0_wp - 0.5_wp*z))
+    else
+      w = point%energy + 0.5_wp*w
+      rest = point%last - 2*point%full
+      y = min((z - 1.0_wp)*point%full/rest, 1.0_wp)
+      dp = w*6*(1.0_wp - 2*y)/rest**2
+      point%p = -w*6*y*(1.0_wp - y)/rest
+      point%energy = w*(1.0_wp - y*y*(3.0_wp - 2*y))
+    end if
+  end subroutine press
 
   !> How the foot's parameters vary: dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b.
   pure subroutine foot_way(foot, x, h, c, g)

@@ -44,7 +44,7 @@ module contact_type
 
   abstract interface
     !> Pressure at a normal gap; positive presses.
-    pure subroutine normal_law_i(prop, gap, multiplier, p, dp)
+    pure subroutine normal_law_i(prop, gap, multiplier, p, dp, energy)
       import :: wp
       implicit none
       real(wp), intent(in) :: prop(:)     !! (nprop)
@@ -52,6 +52,7 @@ module contact_type
       real(wp), intent(in) :: multiplier  !! [F/L^2] of the augmentation; 0 without
       real(wp), intent(out) :: p          !! [F/L^2]
       real(wp), intent(out) :: dp         !! dp/dgap [F/L^3]
+      real(wp), intent(out) :: energy     !! [F/L] integral of p from where it begins
     end subroutine normal_law_i
 
     !> Tangential traction: predictor and corrector.

@@ -2,8 +2,8 @@
 module contact_accept
   use base_kinds, only: wp
   use contact_assembly, only: contact_work_t, friction_acts
-  use contact_feet, only: follow_silent, ASIDE
-  use contact_history, only: look_aside
+  use contact_feet, only: follow_silent
+  use contact_history, only: look_aside, ASIDE
   use contact_shares, only: add_shares
   use contact_slide, only: accept_slides
   use model, only: model_t, state_t

@@ -118,7 +118,7 @@ contains
     type(contact_points_t), intent(in) :: points
     logical, intent(in) :: slides
     logical, intent(inout) :: grown
-    real(wp) :: p, dp, xp(3, contact%nq)
+    real(wp) :: p, dp, energy, xp(3, contact%nq)
     integer :: act(2), e, i, q
     logical :: needed
 
@@ -135,7 +135,8 @@ contains
         end if
         associate (foot => work%feet(k)%at(i))
           if (.not. touches(foot, contact%depth)) cycle
-          call contact%normal%normal(contact%normal_prop, foot%gap, points%multiplier(i), p, dp)
+          call contact%normal%normal(contact%normal_prop, foot%gap, points%multiplier(i), p, dp, &
+                                     energy)
           if (.not. p > 0.0_wp) cycle
           call need_pair(work%pairs(k), e, foot%elem, step, grown)
           if (slides .and. points%slide(i) > 0) then

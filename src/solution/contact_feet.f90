@@ -13,8 +13,6 @@ module contact_feet
   private
   public :: find_feet, follow_silent
 
-  real(wp), parameter, public :: ASIDE = 0.1_wp !! of DEPTh: below a surface rather than at it
-
 contains
 
   !> Project the points of side k that act; elements that have come to be cut are told by the way.
@@ -74,9 +72,6 @@ contains
         foot%elem = points%foot(i)
         foot%xi = points%foot_xi(:, i)
         call project(contact%side(3 - k), shape, grid, xp(:, q - act(1) + 1), foot, contact%depth)
-        if (contact%has_cohesive .and. points%aside(i)) then ! what is pressed only may plough
-          if (foot%gap < -ASIDE*contact%depth) foot%elem = 0
-        end if
         points%foot(i) = foot%elem
         points%foot_xi(:, i) = foot%xi
       end associate
