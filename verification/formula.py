@@ -27,7 +27,7 @@ def work(force, way):
 FUNCTIONS = {
     "abs": np.abs, "sqrt": np.sqrt, "arcsin": np.arcsin, "log": np.log, "exp": np.exp, "sum": np.sum, "min": np.min,
     "max": np.max, "mean": np.mean, "diff": np.diff, "minimum": np.minimum, "maximum": np.maximum,
-    "where": np.where, "last": last, "span": span, "work": work, "pi": np.pi,
+    "where": np.where, "interp": np.interp, "last": last, "span": span, "work": work, "pi": np.pi,
 }  # fmt: skip
 
 

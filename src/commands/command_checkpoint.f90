@@ -32,8 +32,9 @@ contains
               merge(1, 0, run%failed_step), run%plan%cutbacks, merge(1, 0, run%plan%retry)])
     associate (p => run%path)
       call put(bag, 'path', [p%method, p%wait, p%steps, merge(1, 0, p%given), p%way, &
-                             merge(1, 0, p%trial)])
-      call put(bag, 'path_density', [p%density, p%largest, p%piece])
+                             merge(1, 0, p%trial), p%opening, p%patience, p%rest])
+      call put(bag, 'path_density', [p%density, p%largest, p%piece, p%length, p%shortest, &
+                                     p%longest, p%gained, p%multiple])
     end associate
     call put(bag, 'parameters', parameter_values(run))
   end subroutine pack_run
@@ -112,9 +113,17 @@ contains
         p%given = n(4) == 1
         p%way = n(5)
         p%trial = n(6) == 1
+        p%opening = n(7)
+        p%patience = n(8)
+        p%rest = n(9)
         p%density = x(1)
         p%largest = x(2)
         p%piece = x(3)
+        p%length = x(4)
+        p%shortest = x(5)
+        p%longest = x(6)
+        p%gained = x(7)
+        p%multiple = x(8)
       end associate
     end if
     call get(bag, 'parameters', x, there(4))

@@ -6,7 +6,7 @@ module command_path
   use command_type, only: run_t, command_t, command_row_t, new_row
   use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use energy_type, only: open_book
-  use path_type, only: PATH_OFF, PATH_DYNAMIC, PATH_LOCAL
+  use path_type, only: PATH_OFF, PATH_DYNAMIC, PATH_LOCAL, PATH_LENGTH
   implicit none
   private
   public :: describe_arcl, describe_tran, describe_mass
@@ -16,7 +16,8 @@ contains
   function describe_arcl() result(row)
     type(command_row_t) :: row
 
-    row = new_row('ARCLength', 'ARCLength,[LOCAl|DYNAmic|OFF],[share|density]', 2, run_arcl)
+    row = new_row('ARCLength', &
+                  'ARCLength,[LOCAl|LENGth|DYNAmic|OFF],[share|multiple|density]', 2, run_arcl)
   end function describe_arcl
 
   function describe_tran() result(row)
@@ -45,6 +46,9 @@ contains
     select case (command%option)
     case ('off')
       run%path%method = PATH_OFF
+    case ('leng')
+      run%path%method = PATH_LENGTH
+      if (command%x(1) > 0.0_wp) run%path%multiple = command%x(1)
     case ('dyna')
       run%path%method = PATH_DYNAMIC
       if (command%x(1) > 0.0_wp) run%path%density = command%x(1)
@@ -64,10 +68,15 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
-    if (all(command%option /= ['    ', 'dyna', 'loca', 'off '])) then
+    if (all(command%option /= ['    ', 'dyna', 'leng', 'loca', 'off '])) then
       call fail(error, DECK_ERROR, 'unknown way to follow a path, ' &
                 //quoted(command%record%text(2)), command%record%place(2), &
-                'ARCLength,DYNAmic,[density] | LOCAl,[share] | OFF')
+                'ARCLength,DYNAmic,[density] | LOCAl,[share] | LENGth,[multiple] | ' &
+                //'OFF')
+    else if (command%option == 'leng') then
+      if (command%x(1) >= 1.0_wp .or. .not. abs(command%x(1)) > 0.0_wp) return
+      call fail(error, DECK_ERROR, 'the longest step is no shorter than the first', &
+                command%record%place(3), 'leave it out: four times the first')
     else if (command%option /= 'loca') then
       if (command%x(1) >= 0.0_wp) return
       call fail(error, DECK_ERROR, 'a density is positive', command%record%place(3), &

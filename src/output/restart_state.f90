@@ -31,6 +31,7 @@ contains
     end if
     if (.not. allocated(error)) call write_matrix(file, group//'/u', state%u, error)
     if (.not. allocated(error)) call write_matrix(file, group//'/u_step', state%u_step, error)
+    if (.not. allocated(error)) call write_matrix(file, group//'/way', state%way, error)
     if (.not. allocated(error)) call write_matrix(file, group//'/u_base', state%u_base, error)
     if (.not. allocated(error)) call write_matrix(file, group//'/reaction', state%reaction, error)
     if (.not. allocated(error)) call write_reals(file, group//'/factor', state%factor, error)
@@ -70,6 +71,7 @@ contains
     state%scale = time(3)
     call read_matrix(file, group//'/u', state%u, error)
     if (.not. allocated(error)) call read_matrix(file, group//'/u_step', state%u_step, error)
+    if (.not. allocated(error)) call read_matrix(file, group//'/way', state%way, error)
     if (.not. allocated(error)) call read_matrix(file, group//'/u_base', state%u_base, error)
     if (.not. allocated(error)) call read_matrix(file, group//'/reaction', state%reaction, error)
     if (.not. allocated(error)) call read_reals(file, group//'/factor', state%factor, error)

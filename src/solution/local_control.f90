@@ -1,7 +1,7 @@
 !> Newton's iteration under local control: one factorisation, two right-hand sides.
 !!
 !! Displacements u and time t are unknown, R(u, t) = 0 and G(u) = goal are the equations, G the
-!! release of the bonds. With K = dR/du,
+!! release of the bonds or the way along the last step. With K = dR/du,
 !!
 !!     K a = -R,   K b = -dR/dt,   dt = (goal - G - G'.a)/(G'.b),   du = a + dt b.
 !!
@@ -11,12 +11,11 @@ module local_control
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
   use base_error, only: error_t
-  use bond_release, only: find_release
   use csr, only: multiply
   use external_load, only: load_rates
   use linear_system, only: solve_report_t, FULL
   use model, only: model_t, state_t
-  use local_type, only: local_t
+  use local_type, only: local_t, find_measure
   use newton_judge, only: judge
   use newton_type, only: newton_t, pass_t
   use nodal_vector, only: free_part, full_vector
@@ -44,7 +43,7 @@ contains
     logical :: arrived
 
     allocate (a(3, model%mesh%nnode), b(3, model%mesh%nnode), slope(3, model%mesh%nnode))
-    call find_release(model, state, state%u, released, slope)
+    call find_measure(newton%local, model, state, released, slope)
     call solve_both(newton, model, state, forcing, a, b, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
     newton%iterations = newton%iterations + 1
@@ -53,6 +52,7 @@ contains
                    pass%ok)
     if (.not. pass%ok) then
       pass%trouble = 'no load since time 0 opens the bonds so far'
+      if (allocated(newton%local%way)) pass%trouble = 'the path leads to times before 0'
       return
     end if
     a = a + dt*b
@@ -80,7 +80,9 @@ contains
     logical :: again
 
     dt = local%limit - time                  ! where nothing is open yet
-    if (released > NEAR*local%piece) dt = (local%goal - released - by_a)/by_b
+    if (allocated(local%way) .or. released > NEAR*local%piece) then
+      dt = (local%goal - released - by_a)/by_b
+    end if
     ok = ieee_is_finite(dt)
     if (ok) ok = time + dt >= 0.0_wp
     again = local%at_limit

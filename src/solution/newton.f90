@@ -9,6 +9,7 @@ module newton
   use assembly, only: new_assembler, form
   use line_search, only: search_line, step_by, retreat
   use local_control, only: solve_local
+  use local_type, only: turns_away
   use newton_judge, only: judge, energy_tolerance, force_tolerance, is_slow, damping, find_worst, &
                           name_element, count_flips
   use newton_type, only: newton_t, pass_t
@@ -180,6 +181,11 @@ contains
 
     call form_system(newton, model, state, newton%symmetric, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
+    if (turns_away(newton%local, state)) then
+      pass%ok = .false.
+      pass%trouble = 'the step turns away from the one before'
+      return
+    end if
     if (newton%converged) return
     if (newton%moves) return
     newton%converged = pass%residual <= force_tolerance(pass) &
