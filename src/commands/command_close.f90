@@ -1,6 +1,7 @@
 !> Closing a step: the last test, the rows of the curves, fields, checkpoint.
 module command_close
   use base_error, only: error_t
+  use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
   use contact_lines, only: list_contacts
@@ -18,6 +19,7 @@ module command_close
   public :: close_step
 
   integer, parameter :: ANCHOR = 10 !! steps between anchors where factors are kept
+  real(wp), parameter :: FAR = 2.0_wp !! sizes of the model: no step goes farther
 
 contains
 
@@ -39,6 +41,10 @@ contains
     end if
     call close_newton(run%newton, run%model, run%state, pass, error)
     if (allocated(error)) return
+    if (pass%ok .and. flies_off(run)) then
+      pass%ok = .false.
+      pass%trouble = 'a body that nothing holds has flown off'
+    end if
     closed = pass%ok .and. (run%newton%converged .or. .not. run%control%automatic)
     if (.not. closed) then
       run%plan%open = .true.
@@ -58,6 +64,21 @@ contains
     run%plan%cutbacks = 0
     run%plan%solved = .false.
   end subroutine close_step
+
+  !> Automatic steps with contact: has a node gone farther than the model is large, and than any was
+  !! led? What contact and bonds no longer hold has equilibria anywhere; inertia finds a better one.
+  pure logical function flies_off(run) result(yes)
+    type(run_t), intent(in) :: run
+    real(wp) :: size_of_all
+
+    yes = run%control%automatic .and. size(run%model%contact) > 0
+    if (.not. yes) return
+    associate (xr => run%model%mesh%xr)
+      size_of_all = maxval(maxval(xr, 2) - minval(xr, 2))
+    end associate
+    yes = maxval(abs(run%state%u - run%state%u_step)) &
+          > FAR*(size_of_all + maxval(abs(run%newton%move)))
+  end function flies_off
 
   !> The step is behind; where it was hard the next one is smaller, and the log says so.
   subroutine count_step(run)

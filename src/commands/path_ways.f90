@@ -123,7 +123,7 @@ contains
       call warn('step '//to_text(run%state%step)//': the motion of the path has an energy of ' &
                 //to_text(energy%kinetic)//', but the work done is only '//to_text(energy%outer), &
                 hint='contact has made energy, what follows means little: bonds peeled to their ' &
-                //'end want NORMal ... PAIR BORDer 0.2; see BOOK NORMal')
+                //'end want NORMal ... BORDer 0.2 and BALAnced; see BOOK NORMal')
     end associate
   end subroutine look_at_energy
 
