@@ -4,18 +4,20 @@
     .venv/bin/python verification/section5_debonding.py --mesh 1 [--only NAME] [--write] [--force]
     .venv/bin/python verification/section5_debonding.py --suite all|long [--write] [--force]
 
-The suite `all` is mesh 1, `long` is mesh 2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that ended well is not run again unless
---force is given. Prints dofs beside Table 2, how far each
-case came, and the independent numbers of section5_peeling/peeling.csv beside ours; the exit code is 1
-where a case ends early or a number of dofs differs. `--write` puts summary.csv and the curves (few
-digits) into benchmark/section5_debonding/runs, from where the figures are drawn. `--pictures` runs
-the decks of Figures 13 and 14 too.
+The suite `all` is mesh 1, and mesh 2 of IGA2 and the bodies of Q1; `long` is mesh 2 of the bodies of
+Q2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that ended well is not run again unless
+--force is given. Prints dofs beside Table 2, how far each case came, and the independent numbers of
+section5_peeling/peeling.csv beside ours; the exit code is 1 where a case ends early or a number of
+dofs differs. `--write` puts summary.csv and the curves (few digits) into
+benchmark/section5_debonding/runs, from where the figures are drawn. `--pictures` runs the decks of
+Figures 13 and 14 too, `--readings` those that read the scene in other ways (readings.csv).
 """
 
 import argparse
 import csv
 import json
 import pathlib
+import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -36,10 +38,14 @@ TABLE_2 = {
     "3": (55350, 55752, 56166, 73800, 404838, 387576, 405624, 65520),
 }
 REFINEMENT = {"1": 1, "2": 2, "3": 4}
+LIFT = 15.5  # at time 1
+READ_AT = (2, 5, 10, 15.5)
+COMPARED = {"IGA2": "iga2", "Q1E9+Q1N2": "q1e9_q1n2"}  # with the independent numbers
+HALF_STEPS = 120  # of the runs in two half passes: as far as the independent numbers go
 STEPS = {"1": 180, "2": 180, "3": 100}  # of a lift of 0.155
 SUITES = {
-    "all": [("1", t) for t in TYPES],
-    "long": [*(("2", t) for t in TYPES), ("3", "q1e9_q1n2"), ("3", "iga2")],
+    "all": [*(("1", t) for t in TYPES), *(("2", t) for t in (*TYPES[:4], "iga2"))],
+    "long": [*(("2", t) for t in TYPES[4:7]), ("3", "q1e9_q1n2"), ("3", "iga2")],
 }
 LOST, RELEASED = 0.98, 0.999  # shares of the bond: where energies are compared, and when it is off
 KEPT = ("time", "disp_3", "force_3", "force_3_2", "contact_glue_1_debonded", "book_work", "book_stored",
@@ -65,9 +71,13 @@ def main(argv=None):
     if o.pictures:
         for name in ("pictures_q1e9", "pictures_q1e9_q1n2"):
             finish(o, "1", name, o.out / name)
-    beside(o.out)
     if o.write and rows:
         write_summary(rows)
+    if o.readings:
+        readings(o)
+    done = {(row["mesh"], row["elements"]) for row in rows}
+    if done >= {("1", name) for name in COMPARED.values()}:
+        beside(o)
     print(f"{len(rows)} cases, {bad} ended early or with other dofs")
     return 1 if bad else 0
 
@@ -78,13 +88,13 @@ def cases(o):
     return [(m, t) for m, t in chosen if t in o.only or not o.only]
 
 
-def finish(o, mesh, name, place):
+def finish(o, mesh, name, place, steps=None):
     """Run a case that has no good end yet."""
     report = place / f"{name}.report.json"
     if not o.force and report.exists() and json.loads(report.read_text())["status"] == "done":
         return
     options = ["--quiet", "-o", str(place), "--time-limit", str(o.time_limit)]
-    settings = ["--set", f"r={REFINEMENT[mesh]}", "--set", f"end={STEPS[mesh]}"]
+    settings = ["--set", f"r={REFINEMENT[mesh]}", "--set", f"end={steps or STEPS[mesh]}"]
     subprocess.run([o.bezel, *options, *settings, str(DECKS / f"{name}.inp")], check=False)
 
 
@@ -102,6 +112,8 @@ def summary(mesh, name, place):
         share = reached(LOST, lost, c["book_inertia"]) / reached(LOST, lost, c["book_work"])
         taken = f"{share:.4f}"
     log = (place / f"{name}.log").read_text()
+    ends = [LIFT * float(t) for t in re.findall("path: load control ends at time ([^:]*):", log)]
+    moves = np.maximum.accumulate(c["book_inertia"] != 0)
     return {
         "mesh": mesh,
         "elements": name,
@@ -111,7 +123,9 @@ def summary(mesh, name, place):
         "off_at": f"{lift[np.argmax(~bonded)]:.2f}" if (~bonded).any() else "-",
         "largest_force": f"{force[bonded].max():.5f}",
         "oscillation": f"{roughness(lift[bonded], force[bonded]):.5f}",
-        "snaps": log.count("path: load control ends"),
+        "load_control_to": f"{ends[0]:.2f}" if ends else "-",
+        "equilibrium_to": f"{lost[~moves].max():.4f}",
+        "snaps": len(ends),
         "steps": report["steps"],
         "iterations": report["iterations"],
         "seconds": f"{report['seconds']['total']:.0f}",
@@ -120,6 +134,22 @@ def summary(mesh, name, place):
         "least_normal": f"{(c['book_normal'] / c['book_work'])[bonded].min():.4f}",
         "imbalance": f"{np.abs(c['book_imbalance'][bonded]).max() / c['book_work'][bonded][-1]:.1e}",
     }
+
+
+def readings(o):
+    """The scene read in other ways than the decks' (mesh 1, Q1E9+Q1N2): forces, and where it is off."""
+    rows = [("reading", "largest_force", *(f"force_at_{u:g}" for u in READ_AT), "off_at")]
+    for name in ("q1e9_q1n2", *sorted(p.stem for p in DECKS.glob("reading_*.inp"))):
+        place = o.out / ("1_" + name)
+        finish(o, "1", name, place)
+        row = summary("1", name, place)
+        c = read_table(place / f"{name}_peel.dat").columns
+        forces = (reached(u, c["disp_3"], c["force_3"]) for u in READ_AT)
+        rows.append((name, row["largest_force"], *(f"{f:.5f}" for f in forces), row["off_at"]))
+    print("\n".join(" ".join(row) for row in rows))
+    if o.write:
+        with (DECKS / "runs/readings.csv").open("w", newline="") as text:
+            csv.writer(text, lineterminator="\n").writerows(rows)
 
 
 def reached(at, x, y):
@@ -138,21 +168,27 @@ def roughness(lift, force):
     return np.sqrt(np.mean((inner - mean) ** 2))
 
 
-def beside(out):
-    """Forces of mesh 1 beside the independent ones, at the lifts of these."""
+def beside(o):
+    """Forces of mesh 1, every point loading both surfaces and in two half passes, beside the
+    independent ones, which are those of two half passes."""
     with PEELING.open(newline="") as text:
-        rows = list(csv.DictReader(line for line in text if not line.startswith("#")))
-    for column, name in ("IGA2", "iga2"), ("Q1E9+Q1N2", "q1e9_q1n2"):
-        try:
-            c = read_table(out / f"1_{name}" / f"{name}_peel.dat").columns
-        except (OSError, Unreadable):
-            continue
-        print(f"{column}: lift, independent, ours, difference")
-        for row in rows:
+        theirs = list(csv.DictReader(line for line in text if not line.startswith("#")))
+    rows = [
+        ("elements", "lift", "independent", "ours", "difference", "half_passes", "half_difference")
+    ]
+    for column, name in COMPARED.items():
+        finish(o, "1", f"half_{name}", o.out / f"1_half_{name}", HALF_STEPS)
+        places = [o.out / f"1_{n}" / f"{n}_peel.dat" for n in (name, f"half_{name}")]
+        curves = [read_table(p).columns for p in places]
+        for row in theirs:
             lift, other = float(row["u"]), float(row[column])
-            if lift <= c["disp_3"].max():
-                ours = reached(lift, c["disp_3"], c["force_3"])
-                print(f"{lift:6g} {other:9.5f} {ours:9.5f} {ours / other - 1:8.1%}")
+            ours = [reached(lift, c["disp_3"], c["force_3"]) for c in curves]
+            cells = [x for f in ours for x in (f"{f:.5f}", f"{f / other - 1:.1%}")]
+            rows.append((column, f"{lift:g}", f"{other:.5f}", *cells))
+    print("\n".join(" ".join(row) for row in rows))
+    if o.write:
+        with (DECKS / "runs/beside.csv").open("w", newline="") as text:
+            csv.writer(text, lineterminator="\n").writerows(rows)
 
 
 def write(mesh, name, place):
@@ -184,6 +220,7 @@ def parser():
     p.add_argument("--mesh", nargs="+", choices=list(TABLE_2), default=["1"])
     p.add_argument("--suite", choices=list(SUITES), help="in place of --mesh")
     p.add_argument("--pictures", action="store_true", help="the decks of Figures 13 and 14 too")
+    p.add_argument("--readings", action="store_true", help="other readings of the scene too")
     p.add_argument("--only", nargs="+", default=[], choices=TYPES, metavar="NAME")
     p.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at once")
     p.add_argument("--time-limit", type=int, default=7200, metavar="S", help="of a run")

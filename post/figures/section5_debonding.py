@@ -29,14 +29,22 @@ GROUPS = (
     ("q2", "q2_q2n2", "q2_q2n2.1", "iga2"),
 )
 OFF = 0.999  # share of the bond from which the strip swings free: not drawn
-LAST = 0.965  # and from which it hangs on one corner: forces are not drawn, inertia is in them
 
 
-def bonded(path, share=OFF):
-    """Columns of a curve up to the moment at which a share of the bond is released."""
+def bonded(path):
+    """Columns of a curve up to the moment at which the bond is off."""
     columns = read_table(path).columns
-    off = columns["contact_glue_1_debonded"] >= share
-    n = int(off.argmax()) + 1 if off.any() else len(off)
+    return until(columns["contact_glue_1_debonded"] >= OFF, columns)
+
+
+def in_equilibrium(columns):
+    """The rows before inertia acts."""
+    return until(abs(columns["book_inertia"]) > 0, columns)
+
+
+def until(ends, columns):
+    """The columns to the first row where `ends` is true."""
+    n = int(ends.argmax()) + 1 if ends.any() else len(ends)
     return {k: v[:n] for k, v in columns.items()}
 
 
@@ -45,11 +53,11 @@ def forces(results, mesh, group, plt):
     figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
     for name in group:
         if (results / f"{mesh}_{name}.dat").exists():
-            c = bonded(results / f"{mesh}_{name}.dat", LAST)
+            c = in_equilibrium(bonded(results / f"{mesh}_{name}.dat"))
             ax.plot(c["disp_3"], c["force_3"], label=LABELS[name], **line(name))
     ax.set_xlabel("lift $u / L_0$")
     ax.set_ylabel("peeling force $P / E_0 L_0^2$")
-    ax.set_title(f"mesh {mesh}, to {100 * LAST:g} % released", loc="left")
+    ax.set_title(f"mesh {mesh}, in equilibrium", loc="left")
     ax.legend(loc="upper left", bbox_to_anchor=(1, 1))
     return figure
 

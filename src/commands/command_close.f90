@@ -65,19 +65,22 @@ contains
     run%plan%solved = .false.
   end subroutine close_step
 
-  !> Automatic steps with contact: has a node gone farther than the model is large, and than any was
-  !! led? What contact and bonds no longer hold has equilibria anywhere; inertia finds a better one.
+  !> Automatic steps with contact: has a node gone farther than twice the size of the model and the
+  !! longest way that a node was led? What contact and bonds no longer hold has equilibria anywhere;
+  !! inertia finds a better one.
   pure logical function flies_off(run) result(yes)
     type(run_t), intent(in) :: run
-    real(wp) :: size_of_all
+    real(wp) :: extent, led
 
     yes = run%control%automatic .and. size(run%model%contact) > 0
     if (.not. yes) return
     associate (xr => run%model%mesh%xr)
-      size_of_all = maxval(maxval(xr, 2) - minval(xr, 2))
+      extent = maxval(maxval(xr, 2) - minval(xr, 2))
     end associate
-    yes = maxval(abs(run%state%u - run%state%u_step)) &
-          > FAR*(size_of_all + maxval(abs(run%newton%move)))
+    associate (way => run%state%u - run%state%u_step)
+      led = max(0.0_wp, maxval(abs(way), mask=run%model%bc%fixed /= 0))
+      yes = maxval(abs(way)) > FAR*(extent + led)
+    end associate
   end function flies_off
 
   !> The step is behind; where it was hard the next one is smaller, and the log says so.

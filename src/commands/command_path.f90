@@ -6,7 +6,7 @@ module command_path
   use command_type, only: run_t, command_t, command_row_t, new_row
   use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use energy_type, only: open_book
-  use path_type, only: PATH_OFF, PATH_DYNAMIC, PATH_LOCAL, PATH_LENGTH
+  use path_type, only: path_t, PATH_OFF, PATH_DYNAMIC, PATH_LOCAL, PATH_LENGTH
   implicit none
   private
   public :: describe_arcl, describe_tran, describe_mass
@@ -37,6 +37,7 @@ contains
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
+    type(path_t) :: default
 
     call check_way(run, command, error)
     if (allocated(error)) return
@@ -48,12 +49,14 @@ contains
       run%path%method = PATH_OFF
     case ('leng')
       run%path%method = PATH_LENGTH
+      run%path%multiple = default%multiple
       if (command%x(1) > 0.0_wp) run%path%multiple = command%x(1)
     case ('dyna')
       run%path%method = PATH_DYNAMIC
       if (command%x(1) > 0.0_wp) run%path%density = command%x(1)
     case default
       run%path%method = PATH_LOCAL
+      run%path%largest = default%largest
       if (command%x(1) > 0.0_wp) run%path%largest = command%x(1)
     end select
     if (.not. allocated(run%state%dynamics%v)) then

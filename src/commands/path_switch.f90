@@ -1,7 +1,7 @@
 !> Load control is left where it fails, and taken up again.
 module path_switch
   use base_kinds, only: wp
-  use base_log, only: log_line
+  use base_log, only: log_line, warn
   use base_text, only: to_text
   use bond_release, only: bonded_area
   use command_type, only: run_t
@@ -10,11 +10,13 @@ module path_switch
                        may_leave, leave_statics, is_quiet, is_forward, begin_trial, end_trial, &
                        fail_trial, controls_release, adapt_piece, cut_piece, follows_arc, cut_length
   use path_ways, only: goes_along, goes_with_inertia, give_up, look_after_arc, look_at_energy
-  use solution_state, only: open_step
+  use solution_state, only: open_step, factor_slopes
   use step_control, only: next_step, next_target, end_step
   implicit none
   private
   public :: begin_way, note_time, another_way, look_after_step
+
+  real(wp), parameter :: REST = 1.0e-9_wp !! of a way, or of a load's rate: that is none
 
 contains
 
@@ -139,16 +141,41 @@ contains
     if (yes) yes = .not. is_all_released(run%model, run%state)
   end function knows_release
 
+  !> LENGth asks for steps that can be cut.
+  subroutine tell_of_auto(run)
+    type(run_t), intent(inout) :: run
+
+    if (run%path%method /= PATH_LENGTH .or. run%control%automatic .or. run%path%told) return
+    run%path%told = .true.
+    call warn('ARCLength,LENGth does nothing without AUTO', &
+              hint='write AUTO,,dtmin,dtmax before the steps')
+  end subroutine tell_of_auto
+
+  !> LENGth: a step has moved something, steps can be cut, and loads go on as they went. Where they
+  !! rest or turn there is one step of load control.
+  pure logical function may_go_along(run) result(yes)
+    type(run_t), intent(in) :: run
+    real(wp), allocatable :: before(:), ahead(:)
+
+    yes = run%path%method == PATH_LENGTH .and. run%control%automatic
+    if (yes) yes = norm2(run%state%way) > REST*norm2(run%state%u_step)
+    if (.not. yes) return
+    before = factor_slopes(run%state, ahead=.false.)
+    ahead = factor_slopes(run%state, ahead=.true.)
+    yes = any(abs(ahead) > 0.0_wp) .and. .not. any(abs(ahead - before) > REST*abs(ahead))
+  end function may_go_along
+
   !> A step is accepted: is load control worth a try?
   subroutine look_after_step(run, largest)
     type(run_t), intent(inout) :: run
     real(wp), intent(in) :: largest    !! largest nodal force of an element [F]
     logical :: due, off
 
-    if (run%path%way == BY_LOAD .and. run%path%method == PATH_LENGTH) then
-      if (any(abs(run%state%way) > 0.0_wp)) call goes_along(run, 'load control has begun')
+    if (run%path%way == BY_LOAD) then
+      call tell_of_auto(run)
+      if (may_go_along(run)) call goes_along(run, 'load control has begun')
+      return
     end if
-    if (run%path%way == BY_LOAD) return
     if (run%path%trial) then
       call end_trial(run%path)
       call log_line('path: load control again from time '//to_text(run%state%time))
@@ -169,6 +196,7 @@ contains
         return
       end if
       due = is_forward(run%path, run%newton%local%at_limit) .and. run%path%method /= PATH_LENGTH
+      if (run%path%method == PATH_LENGTH .and. .not. may_go_along(run)) call end_trial(run%path)
     else
       call look_at_energy(run)
       due = is_quiet(run%path, maxval(abs(run%newton%asm%f_inert)), largest)

@@ -8,7 +8,7 @@ module path_ways
   use dynamics_type, only: new_dynamics, BACKWARD_EULER
   use inertia, only: mass_t, find_masses, energy_of_rate
   use path_type, only: PATH_OFF, PATH_LOCAL, BY_INERTIA, leave_statics, end_trial, &
-                       begin_way_along, adapt_length, runs_back, opens_again
+                       begin_way_along, adapt_length, note_gain, runs_back, opens_again
   implicit none
   private
   public :: goes_along, goes_with_inertia, give_up, look_after_arc, look_at_energy
@@ -100,6 +100,7 @@ contains
       call find_release(model, state, state%u, now, slope)
       now = now - before                  ! without bonds: nothing
       if (abs(now) > 0.0_wp) now = now/bonded_area(model, state)
+      call note_gain(run%path, now)
       if (.not. run%newton%local%at_limit) then
         call adapt_length(run%path, run%newton%iterations - run%newton%before, now)
       end if

@@ -15,7 +15,8 @@ module contact_element
   private
   public :: form_element
 
-  !> Of DEPTh: where points within reach of a border begin to count as beside, and where they do.
+  !> Of DEPTh: with BORDer pressure falls from here on, and for points from beside too nothing is
+  !! left here.
   real(wp), parameter :: DEEP = 0.25_wp, LAST = 0.9_wp
   real(wp), parameter :: FIXED_AREA(3, 2) = 0.0_wp !! the reference area does not change
 
@@ -171,8 +172,8 @@ contains
     call fade_border(contact%border, is_outer(other, foot%elem), foot, point, dt)
   end subroutine find_traction
 
-  !> Points of bonded surfaces that are deep inside have come in over a border. What is pressed only
-  !! may plough.
+  !> Of bonded surfaces: points from beside, and with BORDer those that a faded pressure did not
+  !! stop, are not pressed out through the face. What is pressed only may plough.
   pure subroutine limit_depth(contact, beside, point)
     type(contact_t), intent(in) :: contact
     logical, intent(in) :: beside              !! it stood beside the surface

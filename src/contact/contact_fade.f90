@@ -8,6 +8,7 @@
 !!
 !! The second part points outwards, along the surface. Without it a point could come in over the
 !! border for nothing and be paid when it leaves through the face.
+!! Limits: a^a are those at the foot; off a curved surface grad s differs by gap times curvature.
 module contact_fade
   use base_kinds, only: wp
   use contact_foot, only: foot_t

@@ -9,7 +9,7 @@ module contact_history
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, &
             look_aside
 
-  real(wp), parameter, public :: ASIDE = 0.1_wp !! of DEPTh: at a surface rather than below it
+  real(wp), parameter, public :: ASIDE = 0.1_wp !! of DEPTh: at a surface, not far off it
 
 contains
 
@@ -84,10 +84,11 @@ contains
     end do
   end subroutine keep_contact_step
 
-  !> Feet of an accepted step: which points stand beside the other surface, and below it.
+  !> Feet of an accepted step: which points stand beside the other surface, no higher than `depth`
+  !! above its tangent plane, or have stood there and are deeper now.
   pure subroutine look_aside(feet, depth, points)
     type(foot_t), intent(in) :: feet(:)    !! (np)
-    real(wp), intent(in) :: depth          !! below it by so much [L]
+    real(wp), intent(in) :: depth          !! [L]
     type(contact_points_t), intent(inout) :: points
     integer :: i
 

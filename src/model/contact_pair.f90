@@ -114,8 +114,8 @@ module contact_pair
     integer, allocatable :: state_step(:)    !! (np)
     real(wp), allocatable :: slip_rate(:)    !! (np) slip over time in the last step [L/T]
     real(wp) :: dt = 0.0_wp                  !! of the step under way [T]; 0: no time
-    !> Beside the other surface and below it when the last step ended: what comes from there enters
-    !! the body through its side, and is no contact of this surface.
+    !> Beside the other surface, and not far above it, when the last step ended: what comes from
+    !! there enters the body through its side, and is not pressed out through the face.
     logical, allocatable :: aside(:)         !! (np)
     logical :: fresh = .false.               !! no sweep was made in this step yet
     logical, allocatable :: cut(:)           !! (nelem) the points behind the plain rule act

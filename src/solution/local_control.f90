@@ -25,7 +25,7 @@ module local_control
   private
   public :: solve_local
 
-  real(wp), parameter :: NEAR = 1.0e-6_wp !! of the goal, relative to the step's release
+  real(wp), parameter :: NEAR = 1.0e-6_wp !! of the goal, relative to the step's piece
 
 contains
 
@@ -39,25 +39,27 @@ contains
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: a(:, :), b(:, :), slope(:, :)
-    real(wp) :: released, dt
+    real(wp) :: alone, measure, dt
     logical :: arrived
 
     allocate (a(3, model%mesh%nnode), b(3, model%mesh%nnode), slope(3, model%mesh%nnode))
-    call find_measure(newton%local, model, state, released, slope)
+    call find_measure(newton%local, model, state, measure, slope)
     call solve_both(newton, model, state, forcing, a, b, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
     newton%iterations = newton%iterations + 1
     newton%exact = newton%exact .and. newton%mode == FULL
-    call find_time(newton%local, state%time, released, sum(slope*a), sum(slope*b), dt, arrived, &
+    call find_time(newton%local, state%time, measure, sum(slope*a), sum(slope*b), dt, arrived, &
                    pass%ok)
     if (.not. pass%ok) then
       pass%trouble = 'no load since time 0 opens the bonds so far'
       if (allocated(newton%local%way)) pass%trouble = 'the path leads to times before 0'
       return
     end if
+    call free_part(model%eq, a, newton%dx)
+    alone = abs(dot_product(newton%dx, newton%rhs)) ! also what other times would balance
     a = a + dt*b
     call free_part(model%eq, a, newton%dx)
-    pass%energy = abs(dot_product(newton%dx, newton%rhs)) + pass%sweep%enhanced
+    pass%energy = max(alone, abs(dot_product(newton%dx, newton%rhs))) + pass%sweep%enhanced
     if (newton%iterations == newton%before + 1) then ! the predictor
       call multiply(newton%asm%k, a, b)
       newton%largest_energy = max(newton%largest_energy, abs(sum(a*b)))
@@ -69,24 +71,24 @@ contains
 
   !> The way to go in time. It does not pass the limit; a step that stops there has arrived when it
   !! stopped there before.
-  pure subroutine find_time(local, time, released, by_a, by_b, dt, arrived, ok)
+  pure subroutine find_time(local, time, measure, by_a, by_b, dt, arrived, ok)
     type(local_t), intent(inout) :: local
     real(wp), intent(in) :: time
-    real(wp), intent(in) :: released         !! [L^2]
-    real(wp), intent(in) :: by_a, by_b       !! G'.a [L^2], G'.b [L^2] a unit of time
+    real(wp), intent(in) :: measure         !! [L^2], or [L]
+    real(wp), intent(in) :: by_a, by_b       !! G'.a, and G'.b a unit of time
     real(wp), intent(out) :: dt
     logical, intent(out) :: arrived          !! the step's goal was reached before this iteration
     logical, intent(out) :: ok
     logical :: again
 
     dt = local%limit - time                  ! where nothing is open yet
-    if (allocated(local%way) .or. released > NEAR*local%piece) then
-      dt = (local%goal - released - by_a)/by_b
+    if (allocated(local%way) .or. measure > NEAR*local%piece) then
+      dt = (local%goal - measure - by_a)/by_b
     end if
     ok = ieee_is_finite(dt)
     if (ok) ok = time + dt >= 0.0_wp
     again = local%at_limit
-    arrived = abs(local%goal - released) <= NEAR*local%piece
+    arrived = abs(local%goal - measure) <= NEAR*local%piece
     local%at_limit = time + dt >= local%limit
     if (.not. local%at_limit) return
     dt = local%limit - time

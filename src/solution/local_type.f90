@@ -20,7 +20,7 @@ module local_type
     real(wp), allocatable :: way(:, :) !! (3, nnode) the last step's, of length one; else: release
     real(wp) :: from = 0.0_wp          !! time when it began
     real(wp) :: limit = 0.0_wp         !! time it may not pass
-    !> It ends at the limit, with less release than it may have.
+    !> It ends at the limit, with less of the measure than it may have.
     logical :: at_limit = .false.
   end type local_t
 

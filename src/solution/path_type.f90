@@ -1,16 +1,17 @@
 !> How the path of equilibria is followed, and when the way is changed.
 !!
 !! Load control goes as far as it can. Where a small step fails, the release of the bonds is
-!! controlled instead of the load, or inertia carries the model over the snap. Load control is tried
-!! again when loads have risen for whole steps of the deck, or when the motion has died down; each
-!! time after twice as many steps as the last time it failed.
+!! controlled instead of the load, where that fails the length of the step (LENGth: from the start),
+!! or inertia carries the model over the snap. Load control is tried again when loads have risen for
+!! whole steps of the deck, or when the motion has died down; each time after twice as many steps as
+!! the last time it failed.
 module path_type
   use base_kinds, only: wp
   implicit none
   private
   public :: path_t, may_leave, leave_statics, is_quiet, is_forward, begin_trial, end_trial, &
-            fail_trial, controls_release, adapt_piece, cut_piece, &
-            follows_arc, begin_way_along, adapt_length, cut_length, runs_back, opens_again
+            fail_trial, controls_release, adapt_piece, cut_piece, follows_arc, begin_way_along, &
+            adapt_length, note_gain, cut_length, runs_back, opens_again
 
   !> What follows where load control ends; PATH_LOCAL: where it can, else PATH_LENGTH, and where
   !! that cannot, inertia.
@@ -38,7 +39,7 @@ module path_type
     integer :: way = BY_LOAD           !! as it is now; BY_LOAD: load control was not left
     logical :: trial = .false.         !! the step under way tries load control again
     integer :: wait = FIRST_WAIT       !! steps before the next trial
-    integer :: rest = FIRST_WAIT       !! steps with inertia before the first, next time
+    integer :: rest = FIRST_WAIT       !! steps before the first trial of the next motion
     integer :: steps = 0               !! since load control was left, or last tried
     real(wp) :: largest = LARGEST_PIECE !! share of the bond that a step may release
     real(wp) :: piece = 0.0_wp         !! share that the next step is to release
@@ -62,7 +63,7 @@ contains
 
   pure subroutine leave_statics(path, way)
     type(path_t), intent(inout) :: path
-    integer, intent(in) :: way         !! BY_INERTIA, BY_RELEASE
+    integer, intent(in) :: way         !! BY_INERTIA, BY_RELEASE, BY_ARC
 
     path%way = way
     path%steps = 0
@@ -145,11 +146,19 @@ contains
     real(wp), intent(in) :: share
 
     if (iterations <= FEW) path%length = min(1.5_wp*path%length, path%longest)
-    if (iterations > MANY) path%length = 0.7_wp*path%length
+    if (iterations >= MANY) path%length = 0.7_wp*path%length
     if (abs(share) > path%largest) path%length = path%length*path%largest/abs(share)
+    path%length = max(path%length, path%shortest)
+  end subroutine adapt_length
+
+  !> A step along the last one has released such a share of the bonds.
+  pure subroutine note_gain(path, share)
+    type(path_t), intent(inout) :: path
+    real(wp), intent(in) :: share
+
     path%opening = merge(path%opening + 1, 0, share > SMALLEST_PIECE)
     path%gained = path%gained + share
-  end subroutine adapt_length
+  end subroutine note_gain
 
   !> Bonds close by more than one step may open: the path is followed back to where it came from.
   pure logical function runs_back(path)

@@ -19,6 +19,7 @@ import sys
 
 import bench_contact
 import bench_page
+import bench_peel
 import bench_runs as runs
 import bench_table as table
 
@@ -53,8 +54,8 @@ def main():
         for _ in range(1 if arguments else 3):  # the kernels take seconds, and jump
             found = runs.run_program(program.resolve(), folder, arguments)
             parts[program.name] = parts.get(program.name, "") + found
-    if o.only == "contact":
-        return add_contact(bezel, folder, parts, o.record)
+    if o.only:
+        return add_part(o.only, bezel, folder, parts, o.record)
     result = {
         "date": datetime.date.today().isoformat(),
         "n": o.n,
@@ -65,6 +66,7 @@ def main():
     result["runs"] = time_cube(bezel, folder, o.n, o.rounds, result["missing"])
     result["kernels"] = read_kernels(parts)
     result["contact"] = bench_contact.time_contact(bezel, folder, result["missing"])
+    result["peel"] = bench_peel.time_peel(bezel, folder)
     if o.large:
         print(f"bench: one step at n={o.large}", flush=True)
         large = runs.run_bezel(bezel, folder, "large", o.large, steps=1)
@@ -74,11 +76,14 @@ def main():
     return finish(result, folder, parts, o.record)
 
 
-def add_contact(bezel, folder, parts, keep):
-    """Contact and parts of now, all else of the record."""
+def add_part(name, bezel, folder, parts, keep):
+    """Contact, or debonding, and parts of now, all else of the record."""
     result = json.loads(RECORD.read_text())
     result["missing"] = []
-    result["contact"] = bench_contact.time_contact(bezel, folder, result["missing"])
+    if name == "peel":
+        result["peel"] = bench_peel.time_peel(bezel, folder)
+    else:
+        result["contact"] = bench_contact.time_contact(bezel, folder, result["missing"])
     result["kernels"] |= read_kernels(parts)
     return finish(result, folder, parts, keep)
 
@@ -94,7 +99,9 @@ def parser():
     p.add_argument("--short", type=float, default=2000, help="MB in which the large step fails")
     p.add_argument("--parts", nargs="*", default=[], help="programs that time a part")
     p.add_argument(
-        "--only", choices=["contact"], help="time this and the parts; the rest is the record's"
+        "--only",
+        choices=["contact", "peel"],
+        help="time this and the parts; the rest is the record's",
     )
     p.add_argument("--record", action="store_true", help="keep this run as record.json")
     return p

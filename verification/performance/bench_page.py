@@ -5,6 +5,7 @@ import json
 import pathlib
 
 import bench_contact as contact
+import bench_peel as peel
 import bench_table as table
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -55,6 +56,7 @@ def page(result):
         "## Machine\n\n" + table.head(result),
         "## One cube, three programs\n\n" + table.cube(result, SAME_FORCE),
         *(["## Contact\n\n" + contact.table(result["contact"])] if "contact" in result else []),
+        *(["## Debonding\n\n" + peel.table(result["peel"])] if "peel" in result else []),
         "## Targets\n\n" + table.targets(result),
         MISSED.format(lines=missed(result)).lstrip("\n"),
         "## Kernels\n\nMicroseconds of one element (residual and tangent) or one point, the best of some runs; the rate of dgemm.\n\n"

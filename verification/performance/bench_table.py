@@ -1,6 +1,7 @@
 """The table of `make bench` in markdown, beside the targets and the record."""
 
 import bench_contact
+import bench_peel
 
 TITLES = {
     "full": "bezel, full Newton",
@@ -30,6 +31,8 @@ def render(result, record, tolerance):
     parts = [head(result), cube(result, tolerance), targets(result), kernels(result)]
     if "contact" in result:
         parts.append(bench_contact.table(result["contact"]))
+    if "peel" in result:
+        parts.append(bench_peel.table(result["peel"]))
     if "large" in result:
         parts.append(large(result["large"]))
     if record:

@@ -30,7 +30,15 @@ import h5py
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
-DECKS = ["full.inp", "reuse.inp", "contact.inp", "peel.inp", "local.inp", "spline.inp"]
+DECKS = [
+    "full.inp",
+    "reuse.inp",
+    "contact.inp",
+    "peel.inp",
+    "local.inp",
+    "length.inp",
+    "spline.inp",
+]
 
 
 def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM, room=None):

@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""Points of the bonds' integrals against time: section 5.1, mesh 1, to a lift of 15.5.
+
+    .venv/bin/python verification/debonding_points.py [--bezel PROGRAM] [--write]
+
+Runs q1e9_q1n2.inp and iga2.inp of benchmark/section5_debonding with few to many points a direction,
+one run at a time. Errors are those of the lifted edge's force beside the run with the most points:
+root mean square over the lift from 0.5 to 15, and of the largest force. `--write` puts the rows into
+runs/points.csv and into doc/verification/tradeoff.md.
+"""
+
+import argparse
+import csv
+import pathlib
+import resource
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TOP), str(TOP / "verification")]
+import section5_debonding  # noqa: E402
+import tradeoff_page  # noqa: E402
+
+from post._table import read_table  # noqa: E402
+
+DECKS = TOP / "verification/benchmark/section5_debonding"
+POINTS = (3, 4, 5, 6, 8, 10, 16)
+LABELS = {"q1e9_q1n2": "Q1E9+Q1N2", "iga2": "IGA2"}
+COLUMNS = (
+    "elements",
+    "points",
+    "steps",
+    "iterations",
+    "CPU s",
+    "force",
+    "largest force",
+    "imbalance",
+)
+LIFT = np.linspace(0.5, 15, 400)
+
+
+def main(argv=None):
+    p = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
+    p.add_argument("--write", action="store_true", help="update points.csv and the page")
+    o = p.parse_args(argv)
+    rows = [row for name in LABELS for row in sweep(o.bezel, name)]
+    lines = [" | ".join(row) for row in (COLUMNS, ("---",) * len(COLUMNS), *rows)]
+    table = "\n".join(f"| {line} |" for line in lines)
+    print(table)
+    if o.write:
+        with (DECKS / "runs/points.csv").open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
+        page = tradeoff_page.PAGE.read_text()
+        tradeoff_page.PAGE.write_text(tradeoff_page.put(page, "bonds", table))
+    return 0
+
+
+def sweep(bezel, name):
+    """A row for each number of points of a deck."""
+    runs = [run(bezel, name, q) for q in POINTS]
+    best, most = runs[-1][1:3]
+    for q, (numbers, force, largest, imbalance) in zip(POINTS, runs):
+        error = np.sqrt(np.mean((force - best) ** 2) / np.mean(best**2))
+        yield (
+            LABELS[name],
+            f"{q} x {q}",
+            *numbers,
+            f"{error:.2%}",
+            f"{largest / most - 1:+.2%}",
+            imbalance,
+        )
+
+
+def run(bezel, name, q):
+    """((steps, iterations, CPU seconds), forces at LIFT, the largest, imbalance over work)."""
+    with tempfile.TemporaryDirectory() as place:
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        subprocess.run([bezel, "--quiet", "-o", place, "--set", f"q={q}", "--set", "end=100",
+                        str(DECKS / f"{name}.inp")], check=True)  # fmt: skip
+        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+        c = read_table(pathlib.Path(place) / f"{name}_peel.dat").columns
+    force = section5_debonding.reached(LIFT, c["disp_3"], c["force_3"])
+    imbalance = np.abs(c["book_imbalance"]).max() / c["book_work"][-1]
+    numbers = (f"{len(c['step'])}", f"{c['iterations'].sum():.0f}", f"{seconds:.1f}")
+    return numbers, force, c["force_3"].max(), f"{imbalance:.1e}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

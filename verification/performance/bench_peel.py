@@ -1,0 +1,35 @@
+"""Debonding in `make bench`: the strip of section 5.1, mesh 2, IGA2, peeled to its end. One thread."""
+
+import json
+import pathlib
+
+import bench_runs as runs
+
+DECKS = pathlib.Path(__file__).resolve().parents[1] / "benchmark/section5_debonding"
+
+
+def time_peel(bezel, folder):
+    """A whole process: seconds, steps, iterations, share of contact."""
+    print("bench: debonding, mesh 2, IGA2", flush=True)
+    folder = folder / "peel"
+    folder.mkdir(exist_ok=True)
+    command = [bezel, "--quiet", "--threads", "1", "-o", str(folder), "--set=r=2"]
+    wall, cpu, _, code, _, errors = runs.measure([*command, str(DECKS / "iga2.inp")], folder)
+    if code:
+        raise SystemExit(f"bench: error: bezel ended with {code}: {errors.strip()}")
+    report = json.loads((folder / "iga2.report.json").read_text())
+    seconds = report["seconds"]
+    solving = sum(seconds[part] for part in ("assembly", "contact", "factorise", "solve"))
+    counts = {key: report[key] for key in ("steps", "iterations", "cutbacks", "equations")}
+    return counts | {"wall": wall, "cpu": cpu, "share": seconds["contact"] / solving}
+
+
+def table(r):
+    """One row."""
+    return (
+        "Strip peeled off a plate to its end, section 5.1, mesh 2, IGA2, 10 x 10 points, `BALAnced`; a whole process.\n\n"
+        "| equations | steps | cuts | iterations | cpu s | ms an iteration | in contact |\n"
+        "|--:|--:|--:|--:|--:|--:|--:|\n"
+        f"| {r['equations']} | {r['steps']} | {r['cutbacks']} | {r['iterations']} | {r['cpu']:.0f} "
+        f"| {1e3 * r['cpu'] / r['iterations']:.0f} | {100 * r['share']:.0f} % |\n"
+    )
