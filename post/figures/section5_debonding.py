@@ -34,18 +34,15 @@ OFF = 0.999  # share of the bond from which the strip swings free: not drawn
 def bonded(path):
     """Columns of a curve up to the moment at which the bond is off."""
     columns = read_table(path).columns
-    return until(columns["contact_glue_1_debonded"] >= OFF, columns)
+    off = columns["contact_glue_1_debonded"] >= OFF
+    n = int(off.argmax()) + 1 if off.any() else len(off)
+    return {k: v[:n] for k, v in columns.items()}
 
 
 def in_equilibrium(columns):
     """The rows before inertia acts."""
-    return until(abs(columns["book_inertia"]) > 0, columns)
-
-
-def until(ends, columns):
-    """The columns to the first row where `ends` is true."""
-    n = int(ends.argmax()) + 1 if ends.any() else len(ends)
-    return {k: v[:n] for k, v in columns.items()}
+    moves = abs(columns["book_inertia"]) > 0
+    return {k: v[: int(moves.argmax())] for k, v in columns.items()} if moves.any() else columns
 
 
 def forces(results, mesh, group, plt):
