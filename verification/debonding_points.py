@@ -69,8 +69,8 @@ def sweep(bezel, name):
             LABELS[name],
             f"{q} x {q}",
             *numbers,
-            f"{error:.2%}",
-            f"{largest / most - 1:+.2%}",
+            f"{100 * error:.2f} %",
+            f"{100 * (largest / most - 1):+.2f} %",
             imbalance,
         )
 
