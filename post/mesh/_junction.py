@@ -8,6 +8,7 @@ import numpy as np
 from post.mesh import _pyramids, _surface, _triangles
 
 MOST = 6  # quads below one peak; larger groups get a pyramid each, with the long side split
+GOOD = 0.2  # scaled Jacobian of pyramids that may have one peak
 
 
 def common_peaks(surface, form, room):
@@ -44,7 +45,7 @@ def _upright(made, members):
     """Whether the pyramids of a group have a good shape at all corners of their bases."""
     from post.mesh import _quality
 
-    return bool((_quality.pyramids(made.points, made.cells[members])[1] > 0.2).all())
+    return bool((_quality.pyramids(made.points, made.cells[members])[1] > GOOD).all())
 
 
 def _groups(surface):

@@ -2,7 +2,7 @@
 !!
 !! Force and moment are those of the nodal forces of the side. Where the points of the other side
 !! load it too (BALAnced, or it is rigid) their forces act where they stand on it: moments of the
-!! two sides differ by friction times penetration then.
+!! two sides differ by forces along the surface (friction, BORDer) times penetration then.
 module contact_resultant
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t

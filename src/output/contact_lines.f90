@@ -3,8 +3,8 @@
 !!
 !! Two half passes: each side integrates its own tractions, so the two resultants differ by the
 !! error of the discretization: `sum` shows it. BALAnced, or with a rigid side: forces are opposite,
-!! moments are but for friction times penetration. With the supports and the loads they balance as
-!! well as the step converged.
+!! moments are but for forces along the surface times penetration. With the supports and the loads
+!! they balance as well as the step converged.
 module contact_lines
   use base_kinds, only: wp
   use base_log, only: log_line
