@@ -1,14 +1,14 @@
 """Tables of doc/verification/section3.md: meshes below surfaces, and runs on them.
 
     .venv/bin/python verification/section3.py mesh [--net FILE --name NAME]
-    .venv/bin/python verification/section3.py bend --net FILE
+    .venv/bin/python verification/section3.py bend [--net FILE]
     .venv/bin/python verification/section3.py slide
     .venv/bin/python verification/section3.py hertz [--largest N]
     .venv/bin/python verification/section3.py check
 
 `mesh` makes the bodies of VARIANTS from input/rocker_arm.py's net, or from another, and writes
-verification/section3/mesh_NAME.csv. `bend` goes from the file of hexahedra of a rocker arm to its solved
-bending, with tetrahedra and with the file's own hexahedra, and writes verification/section3/bend.csv.
+verification/section3/mesh_NAME.csv. `bend` goes from the file of hexahedra of a rocker arm, or of a
+curved bar, to its solved bending, with tetrahedra and with the file's own hexahedra, and writes verification/section3/bend.csv.
 `slide` runs the deck of `make demo-rocker` with the spline on the arm and with plain faces of the same net,
 and writes verification/section3/slide.csv and a figure; runs that are in the work folder are used again.
 `hertz` presses spheres of input/sphere_net.py between planes and writes verification/section3/hertz.csv.
@@ -21,13 +21,12 @@ import pathlib
 import re
 import subprocess
 import sys
-import time
-from resource import RUSAGE_CHILDREN, getrusage
 
 TOP = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TOP))
 
 import numpy as np  # noqa: E402
+from section3_bend import bend, cpu_seconds  # noqa: E402
 from section3_check import check  # noqa: E402
 from section3_hertz import hertz  # noqa: E402
 
@@ -51,13 +50,6 @@ COLUMNS = (
     "mesher.scaled", "mesher.dihedral_least", "mesher.moved",
     "normals.edges", "self_intersections",
 )  # fmt: skip
-BENDING = """
-FIX,{name},foot    1 1 1
-MOVE,{name},tip    TRANslate 0 0.05 0  PROP 1
-
-CURVe,force
-  FORCe {name} tip 2
-"""
 
 
 def entry(report, path):
@@ -66,12 +58,6 @@ def entry(report, path):
     for key in path.split("."):
         value = value.get(key, "") if isinstance(value, dict) else ""
     return f"{value:.4g}" if isinstance(value, float) else value
-
-
-def cpu_seconds():
-    """Seconds of the processor, of this process and of the programs that it started."""
-    children = getrusage(RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def mesh(net, name, out):
@@ -94,38 +80,6 @@ def mesh(net, name, out):
         if (body.points[: len(body.form.inner)] != body.form.inner).any():
             raise SystemExit("the mesher moved a point of the layer")
     (out / f"mesh_{name}.csv").write_text("\n".join(rows) + "\n")
-
-
-def bend(net, bezel, out, work):
-    """From the file to the solved bending, by tetrahedra and by the file's hexahedra."""
-    rows = ["interior,dofs,force,mesh_cpu_seconds,solve_cpu_seconds,iterations"]
-    for interior in ("tets", "hexes"):
-        start = cpu_seconds()
-        name = f"bend_{interior}"
-        body = body_of(
-            net,
-            interior=interior,
-            groups=["foot=box:-9,-9,-9,9,9,-0.45", "tip=box:-9,-9,0.45,9,9,9"],
-        )
-        _write.write(body, work / name)
-        deck = (work / name).with_suffix(".inp")
-        text = deck.read_text()
-        lines = [line for line in text.splitlines() if not line.startswith("! FIX")]
-        text = "\n".join(lines).replace(
-            "\nEND\n\nBATCh", BENDING.format(name=name) + "\nEND\n\nBATCh\n  PROP,,1", 1
-        )
-        deck.write_text(text.replace("END\n\nSTOP", "END\n2 1\n0 0\n1 1\n\nSTOP") + "\n")
-        middle = cpu_seconds()
-        subprocess.run([bezel, "--quiet", "-o", work, deck], check=True)
-        end = cpu_seconds()
-        table = read_table(work / f"{name}_force.dat").columns
-        dofs = _report.describe(body)["counts"]["dofs"]
-        force = next(v for key, v in table.items() if key.startswith("force"))[-1]
-        rows.append(
-            f"{interior},{dofs},{force:.6g},{middle - start:.0f},{end - middle:.0f},{table['iterations'][-1]:.0f}"
-        )
-        print(rows[-1])
-    (out / "bend.csv").write_text("\n".join(rows) + "\n")
 
 
 def slide(bezel, out, work):
@@ -191,7 +145,7 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     p.add_argument("part", choices=("mesh", "bend", "slide", "hertz", "check"))
-    p.add_argument("--net", help="another net; bend needs a file of hexahedra")
+    p.add_argument("--net", help="another net; of a rocker arm of hexahedra for bend")
     p.add_argument("--name", default="arm", help="of the table")
     p.add_argument("--largest", type=int, default=24, help="hertz: quads along the cube's edge")
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"))
@@ -200,6 +154,8 @@ def main():
     o.work.mkdir(parents=True, exist_ok=True)
     if o.part == "hertz":
         return hertz(TOP, o.bezel, HERE, o.work, o.largest)
+    if o.part == "bend":
+        return bend(o.bezel, HERE, o.work, o.net)
     net = o.net
     if net is None:
         net = str(o.work / "rocker_arm.obj")
@@ -208,8 +164,6 @@ def main():
         return check(TOP, o.bezel, o.work, net, VARIANTS)
     if o.part == "mesh":
         mesh(net, o.name, HERE)
-    elif o.part == "bend":
-        bend(net, o.bezel, HERE, o.work)
     else:
         slide(o.bezel, HERE, o.work)
 

@@ -1,7 +1,8 @@
 """What `make verify-all` runs of section 3: `verification/section3.py check`.
 
 Broken files get one sentence and no output; bodies below the arm's net keep what the committed table says;
-the coarse sphere's contact keeps its distance from Hertz. What needs Gmsh or TetGen is skipped where they
+the coarse sphere's contact keeps its distance from Hertz; the same body on tetrahedra and on hexahedra gives
+nearly the same force. What needs Gmsh or TetGen is skipped where they
 are not installed, and said to be.
 """
 
@@ -10,12 +11,14 @@ import json
 import subprocess
 import sys
 
+from section3_bend import curved_bar_rows
 from section3_hertz import case, make
 
 from post.mesh import _report, _tets, body_of
 
 EXACT = 1e-12  # sums of volumes against the surface's integral
 TOLERANCE = 0.01  # of Hertz' ratios: another Gmsh makes other tetrahedra
+APART = 0.015  # forces of the bar: linear tetrahedra are 1.0 % stiffer than hexahedra
 
 
 def broken(top):
@@ -137,6 +140,27 @@ def check_hertz(top, bezel, work, table):
         yield f"sphere against Hertz, {name}: {got[name]}", trouble
 
 
+def check_interiors(bezel, work, table):
+    """The curved bar bent on tetrahedra and on hexahedra: near each other, and as they were."""
+    if not _tets.available("gmsh"):
+        yield "bar on tetrahedra and hexahedra: skipped, gmsh is not installed", None
+        return
+    want = {
+        tuple(r[k] for k in ("body", "interior")): float(r["force"])
+        for r in csv.DictReader(table.open())
+    }
+    forces = {}
+    for row in curved_bar_rows(bezel, work):
+        body, interior, _, force = row.split(",")[:4]
+        forces[interior] = float(force)
+        before = want[body, interior]
+        away = abs(forces[interior] / before - 1)
+        trouble = f"{before} before" if away > TOLERANCE / 10 else None
+        yield f"force of the {body} on {interior}: {force}", trouble
+    apart = forces["tets"] / forces["hexes"] - 1
+    yield f"the bar's forces differ by {apart:.2%}", "too much" if abs(apart) > APART else None
+
+
 def check(top, bezel, work, net, variants):
     """Print a line for each check; returns the exit code."""
     tables = top / "verification/section3"
@@ -145,6 +169,7 @@ def check(top, bezel, work, net, variants):
         check_broken(top, work),
         check_bodies(net, variants, tables / "mesh_arm.csv"),
         check_hertz(top, bezel, work, tables / "hertz.csv"),
+        check_interiors(bezel, work, tables / "bend.csv"),
     ):
         for what, trouble in part:
             print(f"{'ok    ' if trouble is None else 'FAILED'} {what}{': ' + trouble if trouble else ''}",

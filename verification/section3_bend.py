@@ -1,0 +1,115 @@
+"""From a file of hexahedra to its solved bending: `verification/section3.py bend`.
+
+The same surface and layer stand on tetrahedra and on the file's own hexahedra, and the forces at the tip are
+compared: of the rocker arm made by others, and of a curved bar of our own, which `check` runs too.
+"""
+
+import subprocess
+import time
+from resource import RUSAGE_CHILDREN, getrusage
+
+import numpy as np
+
+from post._table import read_table
+from post.mesh import _report, _write, body_of
+
+BENDING = """
+FIX,{name},foot    1 1 1
+MOVE,{name},tip    TRANslate 0 0.05 0  PROP 1
+
+CURVe,force
+  FORCe {name} tip 2
+"""
+INTERIORS = ("tets", "hexes")
+ARM = ["foot=box:-9,-9,-9,9,9,-0.45", "tip=box:-9,-9,0.45,9,9,9"]
+BAR = ["foot=box:-9,-9,-9,9,0.15,9", "tip=box:-9,-9,-9,0.15,9,9"]
+BAR_ELEMENTS = (30, 8, 8)  # around, through the thickness, across
+HEXAHEDRON = 12  # VTK's number
+
+
+def bend(bezel, out, work, net=None):
+    """Rows of bend.csv: the bar's, and those of an arm in the file `net` or as they were."""
+    table = out / "bend.csv"
+    rows = table.read_text().splitlines()
+    if net is None:
+        new = list(curved_bar_rows(bezel, work))
+    else:
+        new = [row("arm", net, ARM, interior, bezel, work) for interior in INTERIORS]
+    kept = [r for r in rows[1:] if r.split(",")[0] != new[0].split(",")[0]]
+    table.write_text("\n".join([rows[0], *sorted([*kept, *new])]) + "\n")
+    print("\n".join(new))
+
+
+def curved_bar_rows(bezel, work):
+    """A row for each interior."""
+    net = curved_bar(work / "bar.vtk")
+    for interior in INTERIORS:
+        yield row("bar", net, BAR, interior, bezel, work)
+
+
+def row(name, net, groups, interior, bezel, work):
+    """body,interior,dofs,force,mesh_cpu_seconds,solve_cpu_seconds,iterations."""
+    start = cpu_seconds()
+    body = body_of(net, interior=interior, groups=groups)
+    place = work / f"bend_{name}_{interior}"
+    _write.write(body, place)
+    middle = cpu_seconds()
+    c = solved(bezel, place)
+    end = cpu_seconds()
+    dofs = _report.describe(body)["counts"]["dofs"]
+    force = next(v for key, v in c.items() if key.startswith("force"))[-1]
+    seconds = f"{middle - start:.0f},{end - middle:.0f}"
+    return f"{name},{interior},{dofs},{force:.6g},{seconds},{c['iterations'][-1]:.0f}"
+
+
+def solved(bezel, place):
+    """Columns of the curve of a written body, its foot held and its tip moved."""
+    deck = place.with_suffix(".inp")
+    lines = [line for line in deck.read_text().splitlines() if not line.startswith("! FIX")]
+    supports = BENDING.format(name=place.name)
+    text = "\n".join(lines).replace("\nEND\n\nBATCh", supports + "\nEND\n\nBATCh\n  PROP,,1", 1)
+    deck.write_text(text.replace("END\n\nSTOP", "END\n2 1\n0 0\n1 1\n\nSTOP") + "\n")
+    subprocess.run([bezel, "--quiet", "-o", place.parent, deck], check=True)
+    return read_table(place.parent / f"{place.name}_force.dat").columns
+
+
+def curved_bar(path):
+    """Write a quarter of a ring, mean radius 3, section 1 x 1, in hexahedra (VTK)."""
+    n = BAR_ELEMENTS
+    number = np.arange(np.prod(np.add(n, 1))).reshape(np.add(n, 1))
+    angle, radius, z = np.meshgrid(
+        np.linspace(0, np.pi / 2, n[0] + 1),
+        np.linspace(2.5, 3.5, n[1] + 1),
+        np.linspace(-0.5, 0.5, n[2] + 1),
+        indexing="ij",
+    )
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], -1).reshape(-1, 3)
+    corners = (
+        (0, 0, 0),
+        (0, 0, 1),
+        (0, 1, 1),
+        (0, 1, 0),
+        (1, 0, 0),
+        (1, 0, 1),
+        (1, 1, 1),
+        (1, 1, 0),
+    )
+    last = np.subtract(number.shape, 1)
+    cells = np.stack([
+        number[tuple(slice(c, c + m) for c, m in zip(corner, last))].ravel() for corner in corners
+    ], -1)  # fmt: skip
+    lines = ["# vtk DataFile Version 3.0", "curved bar", "ASCII", "DATASET UNSTRUCTURED_GRID"]
+    lines += [f"POINTS {len(points)} double", *(" ".join(f"{x:.17g}" for x in p) for p in points)]
+    lines += [
+        f"CELLS {len(cells)} {9 * len(cells)}",
+        *("8 " + " ".join(map(str, c)) for c in cells),
+    ]
+    lines += [f"CELL_TYPES {len(cells)}", *[str(HEXAHEDRON)] * len(cells)]
+    path.write_text("\n".join(lines) + "\n")
+    return str(path)
+
+
+def cpu_seconds():
+    """Seconds of the processor, of this process and of the programs that it started."""
+    children = getrusage(RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
