@@ -118,9 +118,16 @@ def flattened(corners, plain, border, all_lines):
 
 
 def combination(v, own, hanging):
-    """{function: factor} of a plain corner."""
-    if v not in hanging:
-        return {own[v]: 1.0}
+    """{own's value: factor} of a corner: its own, or what its masters make of it.
+
+    >>> combination(5, {1: "a", 2: "b"}, {5: (1, 2, 0.25)})
+    {'a': 0.75, 'b': 0.25}
+    """
+    return {own[v]: 1.0} if v in own else from_masters(v, own, hanging)
+
+
+def from_masters(v, own, hanging):
+    """The same of a corner that hangs, were it its own or not."""
     a, b, tau = hanging[v]
     return combined([(1 - tau, combination(a, own, hanging)), (tau, combination(b, own, hanging))])
 

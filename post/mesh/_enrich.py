@@ -104,7 +104,10 @@ def _lines(p, q):
 
 
 def _add_plain(body, s, plain, x, own):
-    """Hexahedra of the plain part, whose outer corners are new points of the bulk."""
+    """Hexahedra of the plain part, whose outer corners are new points of the bulk.
+
+    A corner that hangs follows points of the bulk and control points k, the latter as -1 - k.
+    """
     corners = np.unique(s.corners[plain])
     number = np.full(len(x), -1)
     number[corners] = len(body.points) + np.arange(len(corners))
@@ -116,21 +119,8 @@ def _add_plain(body, s, plain, x, own):
     new = np.cumsum(plain) - 1
     body.plain_sets = {name: new[ids[plain[ids]]] for name, ids in s.sets.items()}
     body.ties = [(int(number[v]), k) for v, k in sorted(own.items()) if number[v] >= 0]
-    for h, masters in sorted(s.hanging.items()):
+    known = {v: -1 - k for v, k in own.items()} | {int(v): int(number[v]) for v in corners}
+    for h in sorted(s.hanging):
         if number[h] >= 0:
-            row = _masters(masters, number, own, s.hanging)
+            row = _border.from_masters(h, known, s.hanging)
             body.hanging.append((int(number[h]), tuple(row), tuple(row.values())))
-
-
-def _masters(masters, number, own, hanging):
-    """{point of the bulk, or -1 - k for control point k: factor} of a plain corner that hangs."""
-    a, b, tau = masters
-    pairs = []
-    for factor, v in ((1 - tau, a), (tau, b)):
-        if number[v] >= 0:
-            pairs.append((factor, {int(number[v]): 1.0}))
-        elif v in own:
-            pairs.append((factor, {-1 - own[v]: 1.0}))
-        else:
-            pairs.append((factor, _masters(hanging[v], number, own, hanging)))
-    return _border.combined(pairs)

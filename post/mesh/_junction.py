@@ -5,7 +5,7 @@ The mesher then sees triangles between common points only. The point that hangs 
 
 import numpy as np
 
-from post.mesh import _pyramids, _surface, _triangles
+from post.mesh import _pyramids, _quality, _surface, _triangles
 
 MOST = 6  # quads below one peak; larger groups get a pyramid each, with the long side split
 GOOD = 0.2  # scaled Jacobian of pyramids that may have one peak
@@ -43,8 +43,6 @@ def _normals(x):
 
 def _upright(made, members):
     """Whether the pyramids of a group have a good shape at all corners of their bases."""
-    from post.mesh import _quality
-
     return bool((_quality.pyramids(made.points, made.cells[members])[1] > GOOD).all())
 
 

@@ -4,6 +4,7 @@ module command_checkpoint
   use bag, only: bag_t, put, get
   use command_type, only: run_t
   use deck_params, only: parameter_names, find_parameter, set_parameter
+  use path_type, only: path_t
   implicit none
   private
   public :: pack_run, unpack_run
@@ -83,7 +84,7 @@ contains
     logical, intent(out) :: found
     real(wp), allocatable :: x(:)
     integer, allocatable :: n(:)
-    logical :: there(6)
+    logical :: there(5)
 
     call get(bag, 'newton_reals', x, there(1))
     call get(bag, 'newton_integers', n, there(2))
@@ -103,34 +104,45 @@ contains
       run%plan%cutbacks = n(6)
       run%plan%retry = n(7) == 1
     end if
-    call get(bag, 'path', n, there(5))
-    call get(bag, 'path_density', x, there(6))
-    if (all(there(5:6))) then
-      associate (p => run%path)
-        p%method = n(1)
-        p%wait = n(2)
-        p%steps = n(3)
-        p%given = n(4) == 1
-        p%way = n(5)
-        p%trial = n(6) == 1
-        p%opening = n(7)
-        p%patience = n(8)
-        p%rest = n(9)
-        p%density = x(1)
-        p%largest = x(2)
-        p%piece = x(3)
-        p%length = x(4)
-        p%shortest = x(5)
-        p%longest = x(6)
-        p%gained = x(7)
-        p%multiple = x(8)
-      end associate
-    end if
+    call unpack_path(bag, run%path, there(5))
     call get(bag, 'parameters', x, there(4))
     found = all(there)
     if (found) found = size(x) == size(parameter_names(run%deck%params))
     if (found) call set_parameters(run, x)
   end subroutine unpack_policies
+
+  subroutine unpack_path(bag, path, found)
+    type(bag_t), intent(in) :: bag
+    type(path_t), intent(inout) :: path
+    logical, intent(out) :: found
+    real(wp), allocatable :: x(:)
+    integer, allocatable :: n(:)
+    logical :: there(2)
+
+    call get(bag, 'path', n, there(1))
+    call get(bag, 'path_density', x, there(2))
+    found = all(there)
+    if (.not. found) return
+    associate (p => path)
+      p%method = n(1)
+      p%wait = n(2)
+      p%steps = n(3)
+      p%given = n(4) == 1
+      p%way = n(5)
+      p%trial = n(6) == 1
+      p%opening = n(7)
+      p%patience = n(8)
+      p%rest = n(9)
+      p%density = x(1)
+      p%largest = x(2)
+      p%piece = x(3)
+      p%length = x(4)
+      p%shortest = x(5)
+      p%longest = x(6)
+      p%gained = x(7)
+      p%multiple = x(8)
+    end associate
+  end subroutine unpack_path
 
   !> Values of all parameters, in the order of their names.
   function parameter_values(run) result(value)

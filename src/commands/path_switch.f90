@@ -98,10 +98,7 @@ contains
 
     yes = cut_piece(run%path)
     if (yes) then
-      run%plan%cutbacks = run%plan%cutbacks + 1
-      run%cutbacks = run%cutbacks + 1
-      call log_line('  step '//to_text(run%state%step)//' is cut: '//why//'; next try releases ' &
-                    //to_text(100*run%path%piece)//' % of the bonds')
+      call note_cut(run, why, 'releases '//to_text(100*run%path%piece)//' % of the bonds')
     else if (any(abs(run%state%way) > 0.0_wp)) then
       yes = .true.
       call goes_along(run, 'control of the release ends at time '//to_text(run%plan%time) &
@@ -120,15 +117,21 @@ contains
 
     yes = cut_length(run%path)
     if (yes) then
-      run%plan%cutbacks = run%plan%cutbacks + 1
-      run%cutbacks = run%cutbacks + 1
-      call log_line('  step '//to_text(run%state%step)//' is cut: '//why//'; next try has a ' &
-                    //'length of '//to_text(run%path%length))
+      call note_cut(run, why, 'has a length of '//to_text(run%path%length))
       return
     end if
     yes = goes_with_inertia(run, 'control of the length ends', why)
     if (.not. yes) call give_up(run)
   end function shorter_arc
+
+  subroutine note_cut(run, why, next)
+    type(run_t), intent(inout) :: run
+    character(*), intent(in) :: why, next !! what the next try does
+
+    run%plan%cutbacks = run%plan%cutbacks + 1
+    run%cutbacks = run%cutbacks + 1
+    call log_line('  step '//to_text(run%state%step)//' is cut: '//why//'; next try '//next)
+  end subroutine note_cut
 
   !> There are bonds whose release a load can change, none that depends on the speed, and a load has
   !! worked on them: closed bonds do not say which way they open.

@@ -9,7 +9,7 @@ module contact_resultant
   use contact_slide, only: side_positions
   use contact_tool, only: split_force
   use contact_type, only: OPEN, STICK, SLIP
-  use contact_work, only: element_functions, own_share
+  use contact_work, only: own_share, position_at
   use tensor, only: cross
   implicit none
   private
@@ -123,13 +123,8 @@ contains
     real(wp) :: at(3)
     real(wp) :: shp(surface%first(e + 1) - surface%first(e))
     real(wp) :: dshp(2, surface%first(e + 1) - surface%first(e))
-    integer :: j
 
-    call element_functions(surface, e, xi, shp, dshp)
-    at = 0.0_wp
-    do j = 1, size(shp)
-      at = at + shp(j)*x(:, surface%node(surface%first(e) + j - 1))
-    end do
+    call position_at(surface, e, xi, x, shp, dshp, at)
   end function place
 
 end module contact_resultant

@@ -5,8 +5,8 @@ module contact_work
   use contact_pair, only: contact_t, surface_t
   implicit none
   private
-  public :: work_t, new_work, clear, add_own, add_partner, measure, position_on, tangents_on, &
-            element_functions, own_share, spread_rows
+  public :: work_t, new_work, clear, add_own, add_partner, measure, position_on, position_at, &
+            tangents_on, element_functions, own_share, spread_rows
 
   !> Room for one element and the elements of the other side that its points see.
   type :: work_t
@@ -82,15 +82,27 @@ contains
     real(wp), intent(in) :: xi(2), x(:, :)
     type(work_t), intent(inout) :: work
     real(wp), intent(out) :: at(3)
-    integer :: j, n
+    integer :: n
 
     n = surface%kind(surface%ikind(e))%nsf
-    call element_functions(surface, e, xi, work%shp(:n), work%dshp(:, :n))
-    at = 0.0_wp
-    do j = 1, n
-      at = at + work%shp(j)*x(:, surface%node(surface%first(e) + j - 1))
-    end do
+    call position_at(surface, e, xi, x, work%shp(:n), work%dshp(:, :n), at)
   end subroutine position_on
+
+  !> The same, the functions to a place of the caller's.
+  pure subroutine position_at(surface, e, xi, x, shp, dshp, at)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2), x(:, :)     !! (3, nnode) current positions
+    real(wp), intent(out) :: shp(:), dshp(:, :) !! (n), (2, n) functions and derivatives
+    real(wp), intent(out) :: at(3)
+    integer :: j
+
+    call element_functions(surface, e, xi, shp, dshp)
+    at = 0.0_wp
+    do j = 1, size(shp)
+      at = at + shp(j)*x(:, surface%node(surface%first(e) + j - 1))
+    end do
+  end subroutine position_at
 
   !> Unit normal and contravariant tangents at the point that position_on was asked for.
   pure subroutine tangents_on(surface, e, x, work, n, up)

@@ -90,7 +90,7 @@ contains
     logical, intent(in) :: searches !! look along the increment
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
-    real(wp), allocatable :: du(:, :), force(:, :)
+    real(wp), allocatable :: du(:, :)
     logical :: moved
 
     moved = newton%moves
@@ -108,17 +108,8 @@ contains
     newton%iterations = newton%iterations + 1
     call count_flips(newton, merge(0, pass%solve%determinant, newton%symmetric))
     newton%exact = newton%exact .and. newton%mode == FULL
-    allocate (du(3, model%mesh%nnode))
-    call full_vector(model%eq, newton%dx, du)
-    pass%energy = abs(dot_product(newton%dx, newton%rhs)) + pass%sweep%enhanced
-    if (moved) then
-      du = du + newton%move
-      allocate (force(3, model%mesh%nnode))
-      call multiply(newton%asm%k, du, force)
-      newton%largest_energy = max(newton%largest_energy, abs(sum(du*force)))
-    end if
+    call find_increment(newton, model, moved, du, pass)
     newton%moves = .false.
-    newton%largest_energy = max(newton%largest_energy, pass%energy)
     call judge(newton, pass, moved)
     if (.not. pass%ok) return
     if ((searches .or. is_slow(newton, model)) .and. .not. moved) then
@@ -131,6 +122,27 @@ contains
     newton%last = pass%line*newton%dx
     newton%may_retreat = .not. moved .and. .not. newton%converged
   end subroutine solve_system
+
+  !> The increment of all dofs, and the largest energy that one had.
+  subroutine find_increment(newton, model, moved, du, pass)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: moved       !! it contains the prescribed motion
+    real(wp), allocatable, intent(out) :: du(:, :) !! (3, nnode) [L]
+    type(pass_t), intent(inout) :: pass
+    real(wp), allocatable :: force(:, :)
+
+    allocate (du(3, model%mesh%nnode))
+    call full_vector(model%eq, newton%dx, du)
+    pass%energy = abs(dot_product(newton%dx, newton%rhs)) + pass%sweep%enhanced
+    if (moved) then
+      du = du + newton%move
+      allocate (force(3, model%mesh%nnode))
+      call multiply(newton%asm%k, du, force)
+      newton%largest_energy = max(newton%largest_energy, abs(sum(du*force)))
+    end if
+    newton%largest_energy = max(newton%largest_energy, pass%energy)
+  end subroutine find_increment
 
   !> The increment of the free dofs, after the tangent's own guess of what prescribed motion does.
   subroutine solve_tangent(newton, model, state, pass, error)
