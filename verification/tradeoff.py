@@ -45,7 +45,7 @@ SIDES = {"force": "force_3", "torque": "torque", "traction": "tangential_1"}
 SIGNS = {"force": (1, -1), "torque": (1, -1), "traction": (1, 1)}
 FROM = {"force": 0.0, "torque": 120.0, "traction": 120.0}  # degrees
 COLUMNS = (
-    "group", "name", "mesh", "elements", "settings", "dofs", "code", "steps", "cutbacks", "iterations",
+    "group", "name", "mesh", "elements", "settings", "dofs", "code", "inertia", "steps", "cutbacks", "iterations",
     "cpu_s", "contact_share", "ratio", "force", "torque", "traction", "force_imbalance", "penetration",
     "e_force", "e_torque", "e_traction", "beside", "d_force", "d_torque", "d_traction", "command",
 )  # fmt: skip
@@ -222,6 +222,7 @@ def make_row(out, run, reference):
     row = {
         "group": run.group, "name": run.name, "mesh": run.mesh, "elements": run.elements,
         "settings": " ".join(f"{k}={v:g}" for k, v in run.settings.items()), "code": told["code"],
+        "inertia": "yes" if "on with inertia" in (place / "run.log").read_text() else "",
         "dofs": report["dofs"], "steps": report["steps"], "cutbacks": report["cutbacks"],
         "iterations": report["iterations"], "cpu_s": f"{told['cpu']:.3g}", "command": run.command,
         "contact_share": f"{report['seconds']['contact'] / report['seconds']['total']:.2f}",

@@ -17,6 +17,8 @@ ELEMENTS = (
     "Q1E9+Q1N3.1", "Q1E9+Q1E9N2.1", "Q2", "Q2+Q2N2.1", "IGA2", "IGA3",
 )  # fmt: skip
 
+WORDS = {"balanced": "BALAnced", "refined": "REFIne 3"}
+
 #: Those worth a mesh 2.
 BEST = (
     "Q1", "Q1E9", "Q1E9+Q1N2", "Q1E9+Q1N3", "Q1E9+Q1N2.1", "Q1E9+Q1E9N2.1", "Q2+Q2N2.1", "IGA2", "IGA3",
@@ -66,7 +68,18 @@ REFERENCE = new_run("reference", "reference", 3, SPLINE, q=10)
 
 def runs():
     """All runs, in the order in which they are made."""
-    for part in (elements, points, penalties, solvers, tangents, places, augmented, steps, fine):
+    for part in (
+        elements,
+        points,
+        penalties,
+        schemes,
+        solvers,
+        tangents,
+        places,
+        augmented,
+        steps,
+        fine,
+    ):
         yield from part()
 
 
@@ -104,6 +117,26 @@ def penalties():
             beside = new_run("penalty", "", mesh, name, eps=most * usual)
             for x in factors:
                 yield new_run("penalty", f"x {x:g}", mesh, name, beside=beside, eps=x * usual)
+
+
+def schemes():
+    """Two half passes, BALAnced (also with larger penalties), cells at the border of the contact."""
+    for mesh, types in (
+        (1, ("Q1E9", "Q1E9+Q1N2", ENRICHED, SPLINE, "Q2")),
+        (2, ("Q1E9", ENRICHED, SPLINE)),
+    ):
+        for name in types:
+            plain = new_run("scheme", "half passes", mesh, name)
+            yield plain
+            for word in ("balanced", "refined"):
+                if word == "balanced" or name in (ENRICHED, SPLINE):
+                    deck = f"{word}_{deck_of(name)}"
+                    yield new_run("scheme", WORDS[word], mesh, name, deck, plain, plain)
+    usual = MESHES[1]["eps"]
+    for x in (3, 10, 100):
+        name = f"BALAnced, penalty x {x}"
+        deck = f"balanced_{deck_of(ENRICHED)}"
+        yield new_run("scheme", name, 1, ENRICHED, deck, eps=x * usual)
 
 
 def steps():

@@ -18,9 +18,14 @@ WORK = {"iterations": "iterations", "cpu_s": "CPU s"}
 RUN = {"mesh": "mesh", "elements": "elements"}
 #: group: columns of its table and their heads
 TABLES = {
-    "elements": {**RUN, "dofs": "dofs", **WORK, **ERRORS, "force_imbalance": "imbalance"},
-    "points": {**RUN, "name": "points", "cpu_s": "CPU s", "contact_share": "in contact", **CHANGES},
-    "penalty": {**RUN, "name": "penalty", **WORK, "penetration": "penetration", **CHANGES},
+    "elements": {**RUN, "dofs": "dofs", **WORK, **ERRORS, "force_imbalance": "imbalance",
+                 "inertia": "inertia"},
+    "points": {**RUN, "name": "points", "cpu_s": "CPU s", "contact_share": "in contact", **CHANGES,
+               "inertia": "inertia"},
+    "penalty": {**RUN, "name": "penalty", **WORK, "penetration": "penetration", **CHANGES,
+                "inertia": "inertia"},
+    "scheme": {**RUN, "name": "", **WORK, "ratio": "CPU, ratio", "penetration": "penetration", **ERRORS,
+               "force_imbalance": "imbalance", "inertia": "inertia"},
     "steps": {"mesh": "mesh", "name": "step", "steps": "steps", "cutbacks": "cuts", **WORK, **CHANGES},
     "solver": {"name": "FACTor", **WORK, "ratio": "CPU, ratio", **CHANGES},
     "tangent": {**RUN, "name": "tangent", **WORK, "ratio": "CPU, ratio"},

@@ -28,6 +28,7 @@ GROUPS = (
     ("q1e9", "q1e9_q1n2", "q1e9_q1n3", "q1e9_q1n2.1", "iga2"),
     ("q2", "q2_q2n2", "q2_q2n2.1", "iga2"),
 )
+FINER = "iga2"
 OFF = 0.999  # share of the bond from which the strip swings free: not drawn
 
 
@@ -52,6 +53,11 @@ def forces(results, mesh, group, plt):
         if (results / f"{mesh}_{name}.dat").exists():
             c = in_equilibrium(bonded(results / f"{mesh}_{name}.dat"))
             ax.plot(c["disp_3"], c["force_3"], label=LABELS[name], **line(name))
+    finer = results / f"3_{FINER}.dat"
+    if mesh == "2" and FINER in group and finer.exists():  # the paper's reference in Figure 16
+        c = in_equilibrium(bonded(finer))
+        grey = line(FINER) | {"color": "#bbbbbb", "zorder": 1, "linewidth": 3.0}
+        ax.plot(c["disp_3"], c["force_3"], label=f"{LABELS[FINER]}, mesh 3", **grey)
     ax.set_xlabel("lift $u / L_0$")
     ax.set_ylabel("peeling force $P / E_0 L_0^2$")
     ax.set_title(f"mesh {mesh}, in equilibrium", loc="left")
