@@ -2,6 +2,8 @@
 module blas_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_ptr
   use base_kinds, only: wp
+  use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_text, only: to_text
   use lapack, only: dgemm
   implicit none
   private
@@ -23,19 +25,31 @@ module blas_threads
 contains
 
   !> Use n threads in factorisations.
-  subroutine set_threads(n)
+  subroutine set_threads(n, error)
     integer, intent(in) :: n
+    type(error_t), allocatable, intent(out) :: error
 
     call openblas_set_num_threads(int(max(n, 1), c_int))
-    call claim_buffer()
+    call claim_buffer(error)
   end subroutine set_threads
 
   !> Let OpenBLAS take its buffer while there is memory: it keeps it, and asks for ever where there
-  !! is none. Products of small matrices need no buffer.
-  subroutine claim_buffer()
-    integer, parameter :: LARGE = 128
+  !! is none, so we ask first. Products of small matrices need no buffer.
+  subroutine claim_buffer(error)
+    type(error_t), allocatable, intent(out) :: error
+    integer, parameter :: LARGE = 128, BUFFER_MB = 192 !! OpenBLAS takes 128, and some for itself
     real(wp), allocatable :: a(:, :), c(:, :)
+    character(:), allocatable :: room !! never touched, so it costs nothing
+    integer :: status
 
+    allocate (character(BUFFER_MB*2**20) :: room, stat=status)
+    if (status /= 0) then
+      call fail(error, SYSTEM_ERROR, 'no memory for the linear algebra: it needs ' &
+                //to_text(BUFFER_MB)//' MB before any model is read', &
+                hint='see the limits that ulimit -a shows')
+      return
+    end if
+    deallocate (room)
     allocate (a(LARGE, LARGE), c(LARGE, LARGE))
     a = 0.0_wp
     c = 0.0_wp

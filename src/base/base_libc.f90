@@ -5,7 +5,8 @@ module base_libc
   use, intrinsic :: iso_c_binding, only: c_int16_t, c_int32_t, c_int64_t, c_size_t
   implicit none
   private
-  public :: c_exit, c_isatty, c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, c_unlink, &
+  public :: c_exit, c_leave, c_isatty, c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, &
+            c_unlink, &
             c_signal, c_sigemptyset, c_sigaddset, c_sigprocmask, sigset_t, c_mallopt, &
             c_malloc_trim, &
             c_getpid, c_errno, c_strerror, c_strlen, statx_t
@@ -42,6 +43,12 @@ module base_libc
       implicit none
       integer(c_int), value :: code
     end subroutine c_exit
+
+    subroutine c_leave(code) bind(C, name='_exit')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: code
+    end subroutine c_leave
 
     function c_mallopt(option, value) bind(C, name='mallopt') result(done)
       import :: c_int

@@ -3,13 +3,14 @@
 module base_system
   use base_kinds, only: wp, i8
   use base_libc, only: c_sigemptyset, c_sigaddset, c_sigprocmask, sigset_t, SIG_BLOCK, SIG_SETMASK
-  use base_libc, only: c_exit, c_isatty, c_signal, c_getpid, SIGINT, SIGUSR1, SIGPIPE, SIGTERM, &
-                       SIGXFSZ, c_mallopt, c_malloc_trim, M_TRIM_THRESHOLD, M_MMAP_MAX
+  use base_libc, only: c_exit, c_leave, c_isatty, c_signal, c_getpid, SIGINT, SIGUSR1, &
+                       SIGPIPE, SIGTERM, SIGXFSZ, c_mallopt, c_malloc_trim, &
+                       M_TRIM_THRESHOLD, M_MMAP_MAX
   use, intrinsic :: iso_c_binding, only: c_int, c_funptr, c_funloc, c_intptr_t, c_size_t
   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
   implicit none
   private
-  public :: finish, stderr_is_terminal, catch_signals, hold_signals, let_signals_in, &
+  public :: finish, finish_now, stderr_is_terminal, catch_signals, hold_signals, let_signals_in, &
             stop_requested, stop_signal
   public :: start_clock, wall_seconds, cpu_seconds, process_id, peak_memory_mb, &
             available_memory_mb, keep_memory, return_memory
@@ -28,6 +29,15 @@ contains
     flush (error_unit)
     call c_exit(int(code, c_int))
   end subroutine finish
+
+  !> End the process without what libraries do at the end: a thread of OpenBLAS that waits for
+  !! memory is waited for there, for ever.
+  subroutine finish_now(code)
+    integer, intent(in) :: code
+
+    flush (error_unit)
+    call c_leave(int(code, c_int))
+  end subroutine finish_now
 
   function stderr_is_terminal() result(yes)
     logical :: yes

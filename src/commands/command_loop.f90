@@ -170,6 +170,10 @@ contains
     end if
     hint = hint//'smaller steps may help: AUTO,,dtmin,dtmax'
     if (run%control%automatic) hint = hint//' with a smaller dtmin'
+    if (size(run%model%contact) > 0 .and. run%control%cuts > 2) then
+      hint = hint//'; or points take turns at a border or in a gap of zero, where no step is ' &
+             //'small enough: CONTact with BALAnced, or NORMal ... BORDer 0.2'
+    end if
     if (turns_back(run%newton)) then
       hint = 'Newton goes to and fro between two states of contact whose tangents have ' &
              //'determinants of opposite sign: the load path turns back here, and smaller steps ' &

@@ -4,7 +4,7 @@ program main
   use base_error_list, only: error_list_t
   use base_file, only: make_folder, lock_file, unlock_file, lock_t
   use base_log, only: open_log, close_log, log_line, set_quiet, progress
-  use base_system, only: finish, catch_signals, start_clock, wall_seconds, keep_memory
+  use base_system, only: finish, finish_now, catch_signals, start_clock, wall_seconds, keep_memory
   use base_text, only: to_text
   use base_timer, only: new_timers
   use blas_choice, only: choose_blas_kernel
@@ -44,7 +44,11 @@ program main
   end if
 
   call set_quiet(options%quiet)
-  call set_threads(options%threads)
+  call set_threads(options%threads, error)
+  if (allocated(error)) then
+    write (error_unit, '(a)') render(error)
+    call finish_now(error%code)
+  end if
   allocate (job)
   call new_timers(job%timers)
   job%stem = options%outdir//'/'//options%stem
