@@ -6,10 +6,8 @@ module base_libc
   implicit none
   private
   public :: c_exit, c_leave, c_isatty, c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, &
-            c_unlink, &
-            c_signal, c_sigemptyset, c_sigaddset, c_sigprocmask, sigset_t, c_mallopt, &
-            c_malloc_trim, &
-            c_getpid, c_errno, c_strerror, c_strlen, statx_t
+            c_unlink, c_signal, c_sigemptyset, c_sigaddset, c_sigprocmask, sigset_t, c_mallopt, &
+            c_malloc_trim, c_getpid, c_errno, c_strerror, c_strlen, statx_t
 
   integer(c_int), parameter, public :: AT_FDCWD = -100, AT_EMPTY_PATH = 4096, F_TLOCK = 2
   integer(c_int), parameter, public :: M_TRIM_THRESHOLD = -1, M_MMAP_MAX = -4 !! mallopt
