@@ -12,6 +12,7 @@ import numpy as np
 
 from post._table import read_table
 from post.mesh import _report, _write, body_of
+from post.tests.net_samples import grid, vtk
 
 BENDING = """
 FIX,{name},foot    1 1 1
@@ -23,12 +24,11 @@ CURVe,force
 INTERIORS = ("tets", "hexes")
 ARM = ["foot=box:-9,-9,-9,9,9,-0.45", "tip=box:-9,-9,0.45,9,9,9"]
 BAR = ["foot=box:-9,-9,-9,9,0.15,9", "tip=box:-9,-9,-9,0.15,9,9"]
-BAR_ELEMENTS = (30, 8, 8)  # around, through the thickness, across
-HEXAHEDRON = 12  # VTK's number
+BAR_ELEMENTS = (8, 30, 8)  # through the thickness, around, across
 
 
 def bend(bezel, out, work, net=None):
-    """Rows of bend.csv: the bar's, and those of an arm in the file `net` or as they were."""
+    """New rows of bend.csv, of the arm in the file `net` or else of the bar; the other's stay."""
     table = out / "bend.csv"
     rows = table.read_text().splitlines()
     if net is None:
@@ -75,37 +75,11 @@ def solved(bezel, place):
 
 def curved_bar(path):
     """Write a quarter of a ring, mean radius 3, section 1 x 1, in hexahedra (VTK)."""
-    n = BAR_ELEMENTS
-    number = np.arange(np.prod(np.add(n, 1))).reshape(np.add(n, 1))
-    angle, radius, z = np.meshgrid(
-        np.linspace(0, np.pi / 2, n[0] + 1),
-        np.linspace(2.5, 3.5, n[1] + 1),
-        np.linspace(-0.5, 0.5, n[2] + 1),
-        indexing="ij",
-    )
-    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], -1).reshape(-1, 3)
-    corners = (
-        (0, 0, 0),
-        (0, 0, 1),
-        (0, 1, 1),
-        (0, 1, 0),
-        (1, 0, 0),
-        (1, 0, 1),
-        (1, 1, 1),
-        (1, 1, 0),
-    )
-    last = np.subtract(number.shape, 1)
-    cells = np.stack([
-        number[tuple(slice(c, c + m) for c, m in zip(corner, last))].ravel() for corner in corners
-    ], -1)  # fmt: skip
-    lines = ["# vtk DataFile Version 3.0", "curved bar", "ASCII", "DATASET UNSTRUCTURED_GRID"]
-    lines += [f"POINTS {len(points)} double", *(" ".join(f"{x:.17g}" for x in p) for p in points)]
-    lines += [
-        f"CELLS {len(cells)} {9 * len(cells)}",
-        *("8 " + " ".join(map(str, c)) for c in cells),
-    ]
-    lines += [f"CELL_TYPES {len(cells)}", *[str(HEXAHEDRON)] * len(cells)]
-    path.write_text("\n".join(lines) + "\n")
+    x, cells = grid(BAR_ELEMENTS)
+    radius, angle, z = (x / BAR_ELEMENTS + [-0.5, 0, -0.5]).T * [[1], [np.pi / 2], [1]]
+    radius = radius + 3
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], -1)
+    path.write_text(vtk(points, cells))
     return str(path)
 
 
