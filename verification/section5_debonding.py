@@ -8,9 +8,11 @@ The suite `all` is mesh 1, and mesh 2 of the bodies of Q1 and of IGA2; `long` is
 of Q2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that ended well is not run again unless
 --force is given. Prints dofs beside Table 2, how far each case came, and the independent numbers of
 section5_peeling/peeling.csv beside ours; the exit code is 1 where a case ends early or a number of
-dofs differs. `--apart` says how far committed curves lie apart (apart.csv). `--write` puts summary.csv and the curves (few digits) into
+dofs differs. `--write` puts summary.csv and the curves (few digits) into
 benchmark/section5_debonding/runs, from where the figures are drawn. `--pictures` runs the decks of
 Figures 13 and 14 too, `--readings` those that read the scene in other ways (readings.csv).
+`--steps` ends runs earlier, in folders of their own. `--apart` runs nothing: it says how far
+committed curves lie apart (apart.csv).
 """
 
 import argparse
@@ -67,9 +69,9 @@ def main(argv=None):
     rows, bad = [], 0
     with ThreadPoolExecutor(o.jobs) as pool:
         late = reversed(cases(o))  # the long ones first
-        list(pool.map(lambda case: finish(o, *case, o.out / "_".join(case)), late))
+        list(pool.map(lambda case: finish(o, *case, place_of(o, *case)), late))
     for mesh, name in cases(o):
-        dofs, place = TABLE_2[mesh][TYPES.index(name)], o.out / f"{mesh}_{name}"
+        dofs, place = TABLE_2[mesh][TYPES.index(name)], place_of(o, mesh, name)
         row = summary(mesh, name, place)
         bad += row is None or row["status"] != "done" or row["dofs"] != dofs
         if row is None:
@@ -97,6 +99,11 @@ def cases(o):
     """(mesh, elements) of all that is asked for."""
     chosen = SUITES[o.suite] if o.suite else [(m, t) for m in o.mesh for t in TYPES]
     return [(m, t) for m, t in chosen if t in o.only or not o.only]
+
+
+def place_of(o, mesh, name):
+    """The folder of a case; one that ends early does not stand for the whole."""
+    return o.out / (f"{mesh}_{name}" + (f"_{o.steps}_steps" if o.steps else ""))
 
 
 def finish(o, mesh, name, place, steps=None):

@@ -17,7 +17,8 @@ ELEMENTS = (
     "Q1E9+Q1N3.1", "Q1E9+Q1E9N2.1", "Q2", "Q2+Q2N2.1", "IGA2", "IGA3",
 )  # fmt: skip
 
-WORDS = {"balanced": "BALAnced", "refined": "REFIne 3"}
+#: Decks' first word, and what their contact has.
+SCHEMES = {"balanced": "BALAnced", "refined": "REFIne 3"}
 
 #: Those worth a mesh 2.
 BEST = (
@@ -128,10 +129,10 @@ def schemes():
         for name in types:
             plain = new_run("scheme", "half passes", mesh, name)
             yield plain
-            for word in ("balanced", "refined"):
+            for word, scheme in SCHEMES.items():
                 if word == "balanced" or name in (ENRICHED, SPLINE):
                     deck = f"{word}_{deck_of(name)}"
-                    yield new_run("scheme", WORDS[word], mesh, name, deck, plain, plain)
+                    yield new_run("scheme", scheme, mesh, name, deck, plain, plain)
     usual = MESHES[1]["eps"]
     for x in (3, 10, 100):
         name = f"BALAnced, penalty x {x}"

@@ -54,7 +54,7 @@ def forces(results, mesh, group, plt):
             c = in_equilibrium(bonded(results / f"{mesh}_{name}.dat"))
             ax.plot(c["disp_3"], c["force_3"], label=LABELS[name], **line(name))
     finer = results / f"3_{FINER}.dat"
-    if mesh == "2" and FINER in group and finer.exists():  # the paper's reference in Figure 16
+    if mesh == "2" and FINER in group and finer.exists():  # grey, as in the paper's Figure 16
         c = in_equilibrium(bonded(finer))
         grey = line(FINER) | {"color": "#bbbbbb", "zorder": 1, "linewidth": 3.0}
         ax.plot(c["disp_3"], c["force_3"], label=f"{LABELS[FINER]}, mesh 3", **grey)
