@@ -119,14 +119,14 @@ contains
     type(run_t), intent(inout) :: run
     character(:), allocatable :: hint
 
-    hint = 'smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
-    if (size(run%model%contact) > 0) then
-      hint = 'contact has made energy, what follows means little: bonds peeled to their end want ' &
-             //'NORMal ... BORDer 0.2 and BALAnced; see BOOK NORMal'
-    end if
     associate (energy => run%state%energy)
       if (run%path%told_energy .or. energy%kinetic <= abs(energy%outer)) return
       run%path%told_energy = .true.
+      hint = 'smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
+      if (size(run%model%contact) > 0) then
+        hint = 'contact has made energy, what follows means little: bonds peeled to their ' &
+               //'end want NORMal ... BORDer 0.2 and BALAnced; see BOOK NORMal'
+      end if
       call warn('step '//to_text(run%state%step)//': the motion of the path has an energy of ' &
                 //to_text(energy%kinetic)//', but the work done is only '//to_text(energy%outer), &
                 hint=hint)
