@@ -58,7 +58,7 @@ def over_meshes(value, have, key):
 
 
 def cost(rows):
-    """Steps, iterations a step, seconds and contact's share, of meshes 1 to 3."""
+    """Steps, iterations per step, seconds and the share of contact, for meshes 1 to 3."""
     shown = []
     for mu in (0.0, 0.5):
         for e in DOFS:
@@ -68,7 +68,7 @@ def cost(rows):
                 cells(lambda r: f"{float(r['seconds']):.0f}"),
                 cells(lambda r: f"{100 * float(r['contact_share']):.0f}"),
             ])  # fmt: skip
-    head = ("elements", "$\\mu$", "steps", "iterations a step", "seconds", "contact, % of them")
+    head = ("elements", "$\\mu$", "steps", "iterations per step", "seconds", "contact, % of the seconds")
     return list(table(head, shown))
 
 
@@ -117,7 +117,7 @@ def torque(runs):
         half = max(abs(t[-1]) for t in fine.torque)  # antisymmetry wants zero there
         words = f"{half:.0e} at {fine.degrees[-1]:.0f} degrees"
         shown.append(["IGA2, reference", f"{fine.amplitude():.2e}", "-", "-", "-", words])
-    head = ("elements", "largest torque", "Q1E9's over it", "slope over dofs", "off period", "off antisymmetry")  # fmt: skip
+    head = ("elements", "largest torque", "Q1E9 over this type", "slope over dofs", "error of period", "error of antisymmetry")  # fmt: skip
     return list(table(head, shown))
 
 
@@ -145,7 +145,7 @@ def force(runs):
         swing = over_meshes(lambda r: f"{100 * np.ptp(np.abs(r.force[0])) / r.forces()[0]:.1f}", runs, key)  # fmt: skip
         shown.append([e, *(", ".join(x) for x in (*sides, errors, swing))])
     head = ("elements", "mean force on the hemisphere", "on the block",
-            f"error of their mean, % (of {reference:.4f}, {words})", "swing on the hemisphere, %")  # fmt: skip
+            f"error of their mean, % (of {reference:.4f}, {words})", "variation on the hemisphere, %")  # fmt: skip
     return list(table(head, shown))
 
 
@@ -161,7 +161,7 @@ def friction(runs):
             lambda r: "/".join(f"{a:.0f}" for a in sliding_from(r)),
         )]  # fmt: skip
         shown.append([e, *(", ".join(x) for x in columns)])
-    head = ("elements", "mean torque from 120 degrees on", "largest deviation from it", "99 % of it at [degrees]", "full sliding from [degrees]")  # fmt: skip
+    head = ("elements", "mean torque from 120 degrees on", "largest deviation from it", "99 % of the mean at [degrees]", "full sliding from [degrees]")  # fmt: skip
     return list(table(head, shown))
 
 
