@@ -14,58 +14,100 @@ SAME_FORCE = 1e-6  # as in bench.py
 
 INTRO = """# Performance
 
-Written by `verification/performance/bench_page.py` from `record.json`, the run that is kept:
+## Summary
+
+- **Measured:** run time and memory of bezel on one thread, for a cube, a sliding hemisphere and a peeled strip, and the times of kernels.
+- **Against:** FElupe and CalculiX on the same meshes, and the targets of the project.
+- **Main result:** one iteration takes {result} the CPU time of bezel.
+- **Does not meet its target:** {missed}.
+- **Command:** `make bench`.
+
+## Method
+
+- `verification/performance/bench_page.py` writes this page from `record.json`, the recorded run:
 
 ```
 make bench ARGS="--n {n} --rounds {rounds} --record"
 ```
 
-Without `--record` the run is compared with the kept one instead. Every run stands between two full Newton runs
-of bezel, and the ratios are taken within such a triple; the seconds are those of one machine, the ratios carry over.
+- Without `--record` the run is compared with the recorded one instead.
+- Every run of the cube stands between two full Newton runs of bezel, and the ratios are taken within such a triple. The seconds are those of
+  one machine; the ratios carry over to others.
 """
 
 MISSED = """
-## What misses its target
+## Missed targets
 
 {lines}
 """
 
-WHY = {  # the beginning of a target's text: what there is to say about it
-    "one iteration of FElupe, Pardiso on the upper": "FElupe's own way, "
-    "the row above, factorises an unsymmetric matrix; here Pardiso is handed the upper triangle by a solver "
-    "function that is not FElupe's.",
+KERNELS = """## Kernels
+
+- Times are given in microseconds for one element (residual and tangent) or for one point. Each is the best of several runs.
+- The rate of dgemm is given for comparison.
+- A projection starts a hundredth or a tenth of an element away from the closest point, or from the search grid.
+
+"""
+
+WHY = {  # the beginning of a target's text: the reason for missing it
+    "CPU time per iteration, 'FElupe, Pardiso on the upper": "The recommended solver of FElupe, in the row above, factorises "
+    "an unsymmetric matrix. Here a solver function that is not part of FElupe passes the upper triangle to Pardiso.",
 }
 
 
+def summary(result):
+    """The headline of the page: CPU time per iteration of the others over that of bezel."""
+    rows, contact = result["runs"], result.get("contact", {}).get("runs", {})
+    found = [
+        f"{rows[name]['iteration_cpu']:.2f} times ({title})"
+        for name, title in (("felupe", "FElupe, cube"), ("calculix", "CalculiX, cube"))
+        if name in rows
+    ]
+    found += [
+        f"{contact[key]['ratio']:.2f} times (CalculiX, contact, mu = {key.split(', ')[1]})"
+        for key in ("calculix, 0", "calculix, 0.5")
+        if key in contact
+    ]
+    return ", ".join(found[:-1]) + " and " + found[-1] if found[1:] else "".join(found)
+
+
+def missed_names(result):
+    """The missed targets in one phrase."""
+    rows = (row for row in table.targets(result).splitlines() if "(missed)" in row)
+    return "; ".join(row.strip("|").split("|")[0].strip() for row in rows) or "none"
+
+
 def missed(result):
-    """A line for each target that is missed, with its reason where one is known."""
+    """A line for each missed target, with the reason where one is known."""
     lines = []
     for row in table.targets(result).splitlines():
         if "(missed)" not in row:
             continue
         text, wanted, found = (cell.strip() for cell in row.strip("|").split("|"))
         why = next((reason for start, reason in WHY.items() if text.startswith(start)), "")
-        lines.append(f"- {text}: {found.removesuffix(' (missed)')} where {wanted} is wanted. {why}")
-    return "\n".join(line.strip() for line in lines) or "Nothing."
+        lines.append(f"- {text}: {found.removesuffix(' (missed)')} instead of {wanted}. {why}")
+    return "\n".join(line.strip() for line in lines) or "None."
 
 
 def page(result):
     """The text of the page."""
     parts = [
-        INTRO.format(n=result["n"], rounds=result["rounds"]),
+        INTRO.format(
+            n=result["n"],
+            rounds=result["rounds"],
+            result=summary(result),
+            missed=missed_names(result),
+        ),
         "## Machine\n\n" + table.head(result),
         "## One cube, three programs\n\n" + table.cube(result, SAME_FORCE),
         *(["## Contact\n\n" + contact.table(result["contact"])] if "contact" in result else []),
         *(["## Debonding\n\n" + peel.table(result["peel"])] if "peel" in result else []),
         "## Targets\n\n" + table.targets(result),
         MISSED.format(lines=missed(result)).lstrip("\n"),
-        "## Kernels\n\nMicroseconds of one element (residual and tangent) or one point, the best of some runs; the rate of dgemm.\n\n"
-        + table.kernels(result),
+        KERNELS + table.kernels(result),
     ]
     if "large" in result:
-        parts.append(
-            "## A large step, and what happens without memory\n\n" + table.large(result["large"])
-        )
+        parts.append("## A large step and a memory limit\n\n" + table.large(result["large"]))
     return "\n".join(parts)
 
 

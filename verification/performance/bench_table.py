@@ -1,4 +1,4 @@
-"""The table of `make bench` in markdown, beside the targets and the record."""
+"""The tables of `make bench` in markdown: measured values, targets, and the change against the record."""
 
 import bench_contact
 import bench_peel
@@ -15,14 +15,14 @@ TITLES = {
 
 
 def same_force(result, tolerance):
-    """Do bezel's ways agree with each other and with FElupe? Q1E9 and CalculiX solve another."""
+    """Whether bezel's solvers agree with each other and with FElupe; Q1E9 and CalculiX solve another problem."""
     rows = result["runs"]
     same = [n for n in ("reuse", "single", "felupe", "felupe, symmetric") if n in rows]
     return all(difference(rows, name) <= tolerance for name in same)
 
 
 def difference(rows, name):
-    """Relative, of the force at the end, from full Newton's."""
+    """Relative difference of the final force from that of full Newton."""
     return abs(rows[name]["force"] / rows["full"]["force"] - 1)
 
 
@@ -45,24 +45,26 @@ def head(result):
     m = result["machine"]
     versions = {row["version"] for row in result["runs"].values() if "version" in row}
     lines = [
-        f"{result['date']}: {m['cpu']}, {m['cores']} cores, {m['memory_gib']} GiB, one thread, "
-        f"load averages {m['load']} at the start.",
-        f"{', '.join(sorted(versions))}; gfortran {m['gfortran']}, MUMPS {m['mumps']}, "
-        f"OpenBLAS {m['openblas']} with its {m['blas_kernel']} kernels.",
-        *(f"{text}." for text in result["missing"]),
+        f"- Date: {result['date']}",
+        f"- Machine: {m['cpu']}, {m['cores']} cores, {m['memory_gib']} GiB; one thread; "
+        f"load averages {m['load']} at the start",
+        f"- Programs: {', '.join(sorted(versions))}",
+        f"- Compiler and libraries: gfortran {m['gfortran']}, MUMPS {m['mumps']}, "
+        f"OpenBLAS {m['openblas']} with its {m['blas_kernel']} kernels",
+        *(f"- Not available: {text}" for text in result["missing"]),
     ]
     return "\n".join(lines) + "\n"
 
 
 def cube(result, tolerance):
-    """One row a program."""
+    """One row per program."""
     n = result["n"]
     lines = [
-        f"Cube of section 4, {n} x {n} x {2 * n} elements, 25 % compression in five steps; medians "
-        f"of {result['rounds']} rounds; ratios to the full Newton runs just before and after.",
+        f"The cube of section 4 with {n} x {n} x {2 * n} elements is compressed by 25 % in five steps. The table "
+        f"gives medians of {result['rounds']} rounds and ratios to the full Newton runs just before and after.",
         "",
-        "| run | iterations | cpu s | wall s | cpu s an iteration | whole run / full, cpu (wall) "
-        "| iteration / full, cpu (wall) | assembly | MB | force | differs |",
+        "| run | iterations | CPU s | wall s | CPU s per iteration | run over full Newton, CPU (wall) "
+        "| iteration over full Newton, CPU (wall) | assembly | MB | force | difference |",
         "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
     ]
     rows = result["runs"]
@@ -83,16 +85,17 @@ def cube(result, tolerance):
         )
     lines += [
         "",
-        "Whole processes, but of FElupe the iterations alone. Q1E9 is another element. CalculiX's "
-        "neo-Hooke has (J - 1)^2 where ours has (ln J)^2: its force differs.",
-        f"Same force to {tolerance:.0e}: {'yes' if same_force(result, tolerance) else 'NO'}.",
+        "- The times are those of whole processes; for FElupe only the iterations are timed.",
+        "- Q1E9 is a different element. The neo-Hooke law of CalculiX has (J - 1)^2 where that of bezel has "
+        "(ln J)^2, so its force differs.",
+        f"- Forces agree to {tolerance:.0e}: {'yes' if same_force(result, tolerance) else 'NO'}.",
     ]
     return "\n".join(lines) + "\n"
 
 
 def targets(result):
-    """What the project wants."""
-    rows, lines = result["runs"], ["| target | wanted | found |", "|---|--:|--:|"]
+    """The targets of the project and what was measured."""
+    rows, lines = result["runs"], ["| target | required | measured |", "|---|--:|--:|"]
 
     def line(text, wanted, found, good):
         lines.append(f"| {text} | {wanted} | {found}{'' if good else ' (missed)'} |")
@@ -100,12 +103,17 @@ def targets(result):
     for name, wanted in (("felupe", 2.0), ("felupe, symmetric", 2.0), ("calculix", 3.5)):
         if name in rows:
             found = rows[name]["iteration_cpu"]
-            text = f"one iteration of {TITLES[name]} / one of ours, cpu"
+            text = f"CPU time per iteration, '{TITLES[name]}' over bezel"
             line(text, f"{wanted}", f"{found:.2f}", found >= wanted)
     found = 1 / rows["single"]["run_cpu"]
-    line("full run / run with reused single factors, cpu", "4", f"{found:.2f}", found >= 4)
+    line(
+        "CPU time, full Newton over reused single-precision factors",
+        "4",
+        f"{found:.2f}",
+        found >= 4,
+    )
     share = rows["full"]["share"]
-    line("assembly, share of a full run", "5 %", f"{100 * share:.1f} %", share <= 0.05)
+    line("fraction of assembly in a full Newton run", "5 %", f"{100 * share:.1f} %", share <= 0.05)
     for key, value in result["kernels"].items():
         if key.startswith("Q1, "):
             line(f"{key[:-5]}: residual and tangent", "0.5 us", f"{value:.2f} us", value <= 0.5)
@@ -115,7 +123,7 @@ def targets(result):
 
 
 def kernels(result):
-    """Microseconds an element."""
+    """Microseconds per element."""
     if not result["kernels"]:
         return ""
     lines = ["| kernel | |", "|---|--:|"]
@@ -128,16 +136,16 @@ def large(r):
     if "message" in r:
         return f"n = {r['n']}: {r['message']}\n"
     return (
-        f"n = {r['n']}, {r['equations']} equations, one step: {r['iterations']} iterations, "
-        f"{r['cpu']:.0f} s cpu, {r['wall']:.0f} s wall, {r['memory'] / 1024:.1f} GiB. "
-        f"Within {r['limit_mb']:.0f} MB:\n\n```\n{r['short_of_memory']}\n```\n"
+        f"One step with n = {r['n']} and {r['equations']} equations takes {r['iterations']} iterations, "
+        f"{r['cpu']:.0f} s of CPU time, {r['wall']:.0f} s of wall-clock time and {r['memory'] / 1024:.1f} GiB. "
+        f"With a limit of {r['limit_mb']:.0f} MB the program reports:\n\n```\n{r['short_of_memory']}\n```\n"
     )
 
 
 def change(result, record):
-    """Against the record."""
+    """The change against the record."""
     if record["n"] != result["n"]:
-        return f"The record of {record['date']} is of n = {record['n']}: no comparison.\n"
+        return f"The record of {record['date']} has n = {record['n']}, so there is no comparison.\n"
     lines = [
         f"Against the record of {record['date']} ({record['machine']['cpu']}, "
         f"{record['machine']['blas_kernel']} kernels):",
@@ -154,9 +162,9 @@ def change(result, record):
         if not old:
             continue
         each = [r["cpu"] / r["iterations"] for r in (old, row)]
-        line(f"{TITLES[name]}, cpu s an iteration", *each)
+        line(f"{TITLES[name]}, CPU s per iteration", *each)
         if name != "full":
-            line(f"{TITLES[name]}, whole run / full", old["run_cpu"], row["run_cpu"])
+            line(f"{TITLES[name]}, run over full Newton", old["run_cpu"], row["run_cpu"])
     for key, value in result["kernels"].items():
         if key in record["kernels"]:
             line(key, record["kernels"][key], value)

@@ -68,7 +68,14 @@ def cost(rows):
                 cells(lambda r: f"{float(r['seconds']):.0f}"),
                 cells(lambda r: f"{100 * float(r['contact_share']):.0f}"),
             ])  # fmt: skip
-    head = ("elements", "$\\mu$", "steps", "iterations per step", "seconds", "contact, % of the seconds")
+    head = (
+        "elements",
+        "$\\mu$",
+        "steps",
+        "iterations per step",
+        "seconds",
+        "contact, % of the seconds",
+    )
     return list(table(head, shown))
 
 
