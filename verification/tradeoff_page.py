@@ -1,5 +1,7 @@
-"""Tables of doc/verification/tradeoff.md, from results.csv: what stands between the marks
-`<!-- table: name -->` and `<!-- end -->` is written anew.
+"""Writes the tables of doc/verification/tradeoff.md from results.csv.
+
+The text between the marks `<!-- table: name -->` and `<!-- end -->` is replaced; all other text is
+edited in the page itself. The table `bonds` is written by debonding_points.py.
 
     python3 verification/tradeoff_page.py
 """
@@ -16,21 +18,21 @@ ERRORS = {"e_force": "force", "e_torque": "torque", "e_traction": "traction"}
 CHANGES = {"d_force": "force", "d_torque": "torque", "d_traction": "traction"}
 WORK = {"iterations": "iterations", "cpu_s": "CPU s"}
 RUN = {"mesh": "mesh", "elements": "elements"}
-#: group: columns of its table and their heads
+#: group: columns of its table and their headings
 TABLES = {
     "elements": {**RUN, "dofs": "dofs", **WORK, **ERRORS, "force_imbalance": "imbalance",
                  "inertia": "inertia"},
-    "points": {**RUN, "name": "points", "cpu_s": "CPU s", "contact_share": "in contact", **CHANGES,
+    "points": {**RUN, "name": "points", "cpu_s": "CPU s", "contact_share": "contact time", **CHANGES,
                "inertia": "inertia"},
     "penalty": {**RUN, "name": "penalty", **WORK, "penetration": "penetration", **CHANGES,
                 "inertia": "inertia"},
-    "scheme": {**RUN, "name": "", **WORK, "ratio": "CPU, ratio", "penetration": "penetration", **ERRORS,
+    "scheme": {**RUN, "name": "formulation", **WORK, "ratio": "CPU, ratio", "penetration": "penetration", **ERRORS,
                "force_imbalance": "imbalance", "inertia": "inertia"},
-    "steps": {"mesh": "mesh", "name": "step", "steps": "steps", "cutbacks": "cuts", **WORK, **CHANGES},
+    "steps": {"mesh": "mesh", "name": "step", "steps": "steps", "cutbacks": "cut-backs", **WORK, **CHANGES},
     "solver": {"name": "FACTor", **WORK, "ratio": "CPU, ratio", **CHANGES},
     "tangent": {**RUN, "name": "tangent", **WORK, "ratio": "CPU, ratio"},
     "place": {"name": "elements", "dofs": "dofs", **WORK, **ERRORS},
-    "augment": {"mesh": "mesh", "name": "", **WORK, "penetration": "penetration", "force": "force",
+    "augment": {"mesh": "mesh", "name": "method", **WORK, "penetration": "penetration", "force": "force",
                 "torque": "torque", "force_imbalance": "imbalance"},
 }  # fmt: skip
 WORDS = ("elements", "name")
@@ -48,13 +50,13 @@ def main():
 
 
 def heads(columns):
-    """The two first lines of a table."""
+    """The heading line of a table and the line below it."""
     rule = "|".join("---" if name in WORDS else "--:" for name in columns)
     return ["| " + " | ".join(columns.values()) + " |", f"|{rule}|"]
 
 
 def row_of(row, columns):
-    """A run as a line; one that did not end well shows no results.
+    """One run as a line of a table; a failed run shows its exit code.
 
     >>> row_of({"name": "q 5", "code": "0", "d_force": "0.0123"}, {"name": "", "d_force": ""})
     '| q 5 | 1.2 % |'
@@ -76,7 +78,7 @@ def cell(name, value):
 
 
 def put(text, name, table):
-    """A table between its marks.
+    """The text with a new table between the marks of that name.
 
     >>> put("<!-- table: a -->old<!-- end -->", "a", "new")
     '<!-- table: a -->\\nnew\\n<!-- end -->'
