@@ -32,9 +32,9 @@ OPT_coverage := -O0 -g --coverage -Wno-uninitialized # which is wrong without op
 OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
 # Files whose inner loops carry the run time.
 KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
-                solid_form solid_condense mate_neohooke mate_linear contact_shape contact_spot \
-                contact_project contact_border contact_element contact_point contact_fade \
-                contact_kind contact_work contact_balance contact_cohesion
+                solid_form solid_condense mate_neohooke mate_linear surface_geometry surface_basis \
+                projection projection_iterate surface_traversal contact_element contact_point \
+                contact_work contact_bond edge_taper
 # These once more for wider vector registers, under other names (@ becomes _v3, _v4): the program
 # takes what its processor has (solid_simd). Fused products are worth 15 % here.
 WIDE         := elements/solid_batch@ elements/solid_batch@_algebra elements/solid_batch@_condense \

@@ -2,9 +2,10 @@
 # With -v strict=1 also on a file that is not named after its module.
 # usage: awk -v b=FOLDER [-v u=FOLDER_OF_TESTS] -f depend.awk src/*/*.f90 [verification/unit/*/*.pf] > depend.mk
 BEGIN {
-  n = split("base math deck model materials elements contact algebra setup solution output commands main test", order, " ")
+  n = split("base math deck model materials elements geometry algebra contact input solution output commands main test", order, " ")
   for (i = 1; i <= n; i++) level[order[i]] = i
-  special["material_type"] = special["element_type"] = level["model"] - 0.5  # interfaces that the model refers to
+  split("material_type element_type contact_type contact_pair", interface, " ")  # what the model refers to
+  for (i in interface) special[interface[i]] = level["model"] - 0.5
 }
 FNR == 1 {
   n = split(FILENAME, part, "/"); object = part[n]; sub(/\.f90$/, "", object)

@@ -2,7 +2,7 @@
 
 usage: manual.py [--bezel build/release/bezel] [--out build/manual]
 
-The words are those of `bezel --list commands` and of src/setup/setup_table.f90. A page is doc/manual/<KEY>.md, KEY the
+The words are those of `bezel --list commands` and of src/input/word_table.f90. A page is doc/manual/<KEY>.md, KEY the
 first four letters; its lines `Example: [...](../../input/manual/<name>.inp)` name examples, which must use the word
 and end with code 0. Words that are not available yet say so on their page and need no example. Exit code 1 if anything is wrong.
 """
@@ -58,7 +58,7 @@ def main(argv=None):
 
 def mesh_words():
     """Words of the table of mesh words."""
-    return re.findall(r"call add\(table, '(\w+)'", (TOP / "src/setup/setup_table.f90").read_text())
+    return re.findall(r"call add\(table, '(\w+)'", (TOP / "src/input/word_table.f90").read_text())
 
 
 def command_words(bezel):

@@ -1,12 +1,433 @@
-!> Block matrices under one name, for the rest of the program.
+!> Sparse matrices of 3x3 blocks, one block row a node: pattern, values and element maps.
+!!
+!! A symmetric matrix stores the blocks on and above the diagonal (row node <= column node); its
+!! diagonal blocks are kept full, so that elements may add to them without looking.
+!! Every node has a diagonal block. Columns ascend within a row.
+!!
+!! Products of a block matrix with vectors.
+!!
+!! Adds element matrices to a sparse matrix through precomputed block positions.
+!!
+!! Block matrices under one name, for the rest of the program.
 module csr
-  use csr_pattern, only: block_matrix_t, clique_t, new_pattern, element_map, block_position, &
-                         set_zero
-  use csr_scatter, only: add_element, add_batch
-  use csr_product, only: multiply, multiply_free
+  use base_kinds, only: wp, i8
+  use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
+  use base_text, only: to_text
+  use element_type, only: NB
   implicit none
   private
-  public :: block_matrix_t, clique_t, new_pattern, element_map, block_position, set_zero
-  public :: add_element, add_batch
-  public :: multiply, multiply_free
+  public :: block_matrix_t, clique_t, new_pattern, element_map, block_position, set_zero, &
+            multiply, multiply_free, row_sums, add_element, add_batch
+
+  !> Block positions of one element, conn(nen), or of all elements of a block, conn(nen, nelem).
+  interface element_map
+    module procedure map_one
+    module procedure map_all
+  end interface element_map
+
+  !> Nodes that are all coupled with each other, one column a clique: the elements of a block, or
+  !! pairs in contact.
+  type :: clique_t
+    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a node may stand twice
+  end type clique_t
+
+  !> The matrix.
+  type :: block_matrix_t
+    integer :: nnode = 0
+    logical :: symmetric = .true.          !! upper blocks only
+    integer, allocatable :: row(:)         !! (nnode+1) first block of each row
+    integer, allocatable :: col(:)         !! (nblock) column node of each block
+    real(wp), allocatable :: val(:, :, :)  !! (3, 3, nblock) row dof, column dof, block
+  end type block_matrix_t
+
+  !> Which cliques a node belongs to.
+  type :: incidence_t
+    integer, allocatable :: first(:)  !! (nnode+1)
+    integer, allocatable :: group(:)  !! index into the array of cliques
+    integer, allocatable :: elem(:)   !! column of its conn
+  end type incidence_t
+
+contains
+
+  !> Pattern of a matrix that couples the nodes of each clique; values zero.
+  subroutine new_pattern(a, nnode, cliques, symmetric, error)
+    type(block_matrix_t), intent(out) :: a
+    integer, intent(in) :: nnode
+    type(clique_t), intent(in) :: cliques(:)
+    logical, intent(in) :: symmetric
+    type(error_t), allocatable, intent(out) :: error
+
+    type(incidence_t) :: inc
+    integer, allocatable :: count(:)
+    integer :: stat
+
+    a%nnode = nnode
+    a%symmetric = symmetric
+    call find_incidence(nnode, cliques, inc, error)
+    if (allocated(error)) return
+    allocate (count(nnode))
+    call walk_columns(a, cliques, inc, count, counting=.true.)
+    call check_size(sum(int(count, i8)), error)
+    if (allocated(error)) return
+    call set_row_starts(a%row, count)
+    allocate (a%col(a%row(nnode + 1) - 1), stat=stat)
+    if (stat == 0) allocate (a%val(3, 3, size(a%col)), stat=stat)
+    if (stat /= 0) then
+      call fail(error, SYSTEM_ERROR, 'no memory for the tangent matrix')
+      return
+    end if
+    call walk_columns(a, cliques, inc, count, counting=.false.)
+    call set_zero(a)
+  end subroutine new_pattern
+
+  !> Positions of scalar entries are default integers: 9 a block must fit.
+  subroutine check_size(nblock, error)
+    integer(i8), intent(in) :: nblock
+    type(error_t), allocatable, intent(out) :: error
+
+    if (9*nblock <= int(huge(1), i8)) return
+    call fail(error, SYSTEM_ERROR, 'the tangent matrix would have '//to_text(9*nblock) &
+              //' entries, more than '//to_text(huge(1)), hint='use a coarser mesh')
+  end subroutine check_size
+
+  !> Cliques of every node, by counting.
+  subroutine find_incidence(nnode, cliques, inc, error)
+    integer, intent(in) :: nnode
+    type(clique_t), intent(in) :: cliques(:)
+    type(incidence_t), intent(out) :: inc
+    type(error_t), allocatable, intent(out) :: error
+
+    integer, allocatable :: count(:)
+    integer :: g, e, a, i
+
+    allocate (count(nnode))
+    count = 0
+    do g = 1, size(cliques)
+      if (size(cliques(g)%conn) == 0) cycle
+      if (minval(cliques(g)%conn) < 1 .or. maxval(cliques(g)%conn) > nnode) then
+        call fail(error, BUG, 'an element of the pattern refers to a node that does not exist')
+        return
+      end if
+      do e = 1, size(cliques(g)%conn, 2)
+        do a = 1, size(cliques(g)%conn, 1)
+          count(cliques(g)%conn(a, e)) = count(cliques(g)%conn(a, e)) + 1
+        end do
+      end do
+    end do
+    call check_size(sum(int(count, i8)), error)
+    if (allocated(error)) return
+    call set_row_starts(inc%first, count)
+    allocate (inc%group(inc%first(nnode + 1) - 1), inc%elem(inc%first(nnode + 1) - 1))
+    count = inc%first(1:nnode)
+    do g = 1, size(cliques)
+      do e = 1, size(cliques(g)%conn, 2)
+        do a = 1, size(cliques(g)%conn, 1)
+          i = cliques(g)%conn(a, e)
+          inc%group(count(i)) = g
+          inc%elem(count(i)) = e
+          count(i) = count(i) + 1
+        end do
+      end do
+    end do
+  end subroutine find_incidence
+
+  !> Column after column, so that every row comes out sorted without sorting.
+  subroutine walk_columns(a, cliques, inc, count, counting)
+    type(block_matrix_t), intent(inout) :: a
+    type(clique_t), intent(in) :: cliques(:)
+    type(incidence_t), intent(in) :: inc
+    integer, intent(inout) :: count(:) !! (nnode) blocks found so far in each row
+    logical, intent(in) :: counting    !! .true.: first pass, no column is stored
+
+    integer, allocatable :: mark(:)
+    integer :: i, j, k, b
+
+    allocate (mark(a%nnode))
+    mark = 0
+    count = 0
+    do j = 1, a%nnode
+      ! The diagonal block leads its row, and is there even where no element touches the node.
+      if (a%symmetric .or. inc%first(j) == inc%first(j + 1)) call put(j)
+      do k = inc%first(j), inc%first(j + 1) - 1
+        associate (conn => cliques(inc%group(k))%conn)
+          do b = 1, size(conn, 1)
+            i = conn(b, inc%elem(k))
+            if (a%symmetric .and. i > j) cycle
+            if (mark(i) /= j) call put(i)
+          end do
+        end associate
+      end do
+    end do
+
+  contains
+
+    subroutine put(i)
+      integer, intent(in) :: i
+
+      mark(i) = j
+      count(i) = count(i) + 1
+      if (.not. counting) a%col(a%row(i) + count(i) - 1) = j
+    end subroutine put
+
+  end subroutine walk_columns
+
+  !> Running sum of counts.
+  subroutine set_row_starts(row, count)
+    integer, allocatable, intent(out) :: row(:)
+    integer, intent(in) :: count(:)
+
+    integer :: i
+
+    allocate (row(size(count) + 1))
+    row(1) = 1
+    do i = 1, size(count)
+      row(i + 1) = row(i) + count(i)
+    end do
+  end subroutine set_row_starts
+
+  !> Block positions of the node pairs of every element of a block.
+  subroutine map_all(a, conn, map, error)
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: conn(:, :)     !! (nen, nelem)
+    integer, intent(out) :: map(:, :, :)  !! (nen, nen, nelem)
+    type(error_t), allocatable, intent(out), optional :: error !! a pair is not in the pattern
+
+    integer :: e
+
+    do e = 1, size(conn, 2)
+      call map_one(a, conn(:, e), map(:, :, e), error)
+      if (.not. present(error)) cycle
+      if (allocated(error)) return
+    end do
+  end subroutine map_all
+
+  !> Block positions of the node pairs of one element.
+  !!
+  !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2); 0 where a symmetric
+  !! matrix stores the transpose instead. Where b1 /= b2 are the same node, both pairs lead to its
+  !! diagonal block.
+  subroutine map_one(a, conn, map, error)
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: conn(:)    !! (nen)
+    integer, intent(out) :: map(:, :) !! (nen, nen)
+    type(error_t), allocatable, intent(out), optional :: error
+
+    integer :: b1, b2
+    logical :: complete
+
+    complete = .true.
+    do b2 = 1, size(conn)
+      do b1 = 1, size(conn)
+        map(b1, b2) = 0
+        if (a%symmetric .and. conn(b1) > conn(b2)) cycle
+        map(b1, b2) = block_position(a, conn(b1), conn(b2))
+        if (map(b1, b2) == 0) complete = .false.
+      end do
+    end do
+    if (complete .or. .not. present(error)) return
+    call fail(error, BUG, 'an element is not in the pattern of the tangent matrix')
+  end subroutine map_one
+
+  !> Position of the block (i, j); 0 where it is not stored.
+  pure integer function block_position(a, i, j) result(p)
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: i !! row node
+    integer, intent(in) :: j !! column node
+
+    integer :: low, high
+
+    low = a%row(i)
+    high = a%row(i + 1) - 1
+    do while (low <= high)
+      p = low + (high - low)/2
+      if (a%col(p) == j) return
+      if (a%col(p) < j) then
+        low = p + 1
+      else
+        high = p - 1
+      end if
+    end do
+    p = 0
+  end function block_position
+
+  !> Make all values zero, keep the pattern.
+  pure subroutine set_zero(a)
+    type(block_matrix_t), intent(inout) :: a
+
+    a%val = 0.0_wp
+  end subroutine set_zero
+
+  !> y = A x over all nodes, prescribed dofs included.
+  !!
+  !! With x = 0 at the free dofs this is what prescribed motion asks of them: the tangent predictor.
+  pure subroutine multiply(a, x, y)
+    type(block_matrix_t), intent(in) :: a
+    real(wp), intent(in) :: x(:, :)   !! (3, nnode)
+    real(wp), intent(out) :: y(:, :)  !! (3, nnode)
+
+    if (a%symmetric) then
+      call multiply_symmetric(a%nnode, a%row, a%col, a%val, x, y)
+    else
+      call multiply_full(a%nnode, a%row, a%col, a%val, x, y)
+    end if
+  end subroutine multiply
+
+  !> Both halves of a symmetric matrix from its upper one.
+  pure subroutine multiply_symmetric(nnode, row, col, val, x, y)
+    integer, intent(in) :: nnode
+    integer, intent(in) :: row(:), col(:)
+    real(wp), intent(in) :: val(:, :, :), x(:, :)
+    real(wp), intent(out) :: y(:, :)
+
+    real(wp) :: s1, s2, s3, x1, x2, x3
+    integer :: i, j, p
+
+    y = 0.0_wp
+    do i = 1, nnode
+      p = row(i) ! the diagonal block leads its row; its upper triangle counts
+      x1 = x(1, i); x2 = x(2, i); x3 = x(3, i)
+      s1 = val(1, 1, p)*x1 + val(1, 2, p)*x2 + val(1, 3, p)*x3
+      s2 = val(1, 2, p)*x1 + val(2, 2, p)*x2 + val(2, 3, p)*x3
+      s3 = val(1, 3, p)*x1 + val(2, 3, p)*x2 + val(3, 3, p)*x3
+      do p = row(i) + 1, row(i + 1) - 1
+        j = col(p)
+        s1 = s1 + val(1, 1, p)*x(1, j) + val(1, 2, p)*x(2, j) + val(1, 3, p)*x(3, j)
+        s2 = s2 + val(2, 1, p)*x(1, j) + val(2, 2, p)*x(2, j) + val(2, 3, p)*x(3, j)
+        s3 = s3 + val(3, 1, p)*x(1, j) + val(3, 2, p)*x(2, j) + val(3, 3, p)*x(3, j)
+        y(1, j) = y(1, j) + val(1, 1, p)*x1 + val(2, 1, p)*x2 + val(3, 1, p)*x3
+        y(2, j) = y(2, j) + val(1, 2, p)*x1 + val(2, 2, p)*x2 + val(3, 2, p)*x3
+        y(3, j) = y(3, j) + val(1, 3, p)*x1 + val(2, 3, p)*x2 + val(3, 3, p)*x3
+      end do
+      y(1, i) = y(1, i) + s1
+      y(2, i) = y(2, i) + s2
+      y(3, i) = y(3, i) + s3
+    end do
+  end subroutine multiply_symmetric
+
+  !> Product with a matrix stored in full.
+  pure subroutine multiply_full(nnode, row, col, val, x, y)
+    integer, intent(in) :: nnode
+    integer, intent(in) :: row(:), col(:)
+    real(wp), intent(in) :: val(:, :, :), x(:, :)
+    real(wp), intent(out) :: y(:, :)
+
+    real(wp) :: s1, s2, s3
+    integer :: i, j, p
+
+    do i = 1, nnode
+      s1 = 0.0_wp; s2 = 0.0_wp; s3 = 0.0_wp
+      do p = row(i), row(i + 1) - 1
+        j = col(p)
+        s1 = s1 + val(1, 1, p)*x(1, j) + val(1, 2, p)*x(2, j) + val(1, 3, p)*x(3, j)
+        s2 = s2 + val(2, 1, p)*x(1, j) + val(2, 2, p)*x(2, j) + val(2, 3, p)*x(3, j)
+        s3 = s3 + val(3, 1, p)*x(1, j) + val(3, 2, p)*x(2, j) + val(3, 3, p)*x(3, j)
+      end do
+      y(1, i) = s1; y(2, i) = s2; y(3, i) = s3
+    end do
+  end subroutine multiply_full
+
+  !> y = A x over the free dofs only.
+  pure subroutine multiply_free(a, eq, x, y, xn, yn)
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
+    real(wp), intent(in) :: x(:)         !! (neq)
+    real(wp), intent(inout) :: y(:)      !! (neq)
+    real(wp), intent(inout) :: xn(:, :)  !! (3, nnode) work
+    real(wp), intent(inout) :: yn(:, :)  !! (3, nnode) work
+
+    integer :: i, n
+
+    do n = 1, a%nnode
+      do i = 1, 3
+        xn(i, n) = 0.0_wp
+        if (eq(i, n) > 0) xn(i, n) = x(eq(i, n))
+      end do
+    end do
+    call multiply(a, xn, yn)
+    do n = 1, a%nnode
+      do i = 1, 3
+        if (eq(i, n) > 0) y(eq(i, n)) = yn(i, n)
+      end do
+    end do
+  end subroutine multiply_free
+
+  !> Sums of absolute values of each row, over free rows and columns.
+  pure subroutine row_sums(a, eq, total)
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: eq(:, :)       !! (3, nnode)
+    real(wp), intent(out) :: total(:)     !! (neq)
+
+    integer :: i, j, n, m, p
+
+    total = 0.0_wp
+    do n = 1, a%nnode
+      do p = a%row(n), a%row(n + 1) - 1
+        m = a%col(p)
+        do j = 1, 3
+          do i = 1, 3
+            if (eq(i, n) == 0 .or. eq(j, m) == 0) cycle
+            total(eq(i, n)) = total(eq(i, n)) + abs(a%val(i, j, p))
+            if (.not. a%symmetric .or. n == m) cycle
+            total(eq(j, m)) = total(eq(j, m)) + abs(a%val(i, j, p))
+          end do
+        end do
+      end do
+    end do
+  end subroutine row_sums
+
+  !> Add one element matrix. A symmetric matrix takes what lies on and above its diagonal: k must
+  !! then be symmetric.
+  pure subroutine add_element(a, map, k)
+    type(block_matrix_t), intent(inout) :: a
+    integer, intent(in) :: map(:, :)  !! (nen, nen) block positions, 0: not stored (element_map)
+    real(wp), intent(in) :: k(:, :)   !! (3*nen, 3*nen)
+
+    integer :: b1, b2, j, p
+
+    do b2 = 1, size(map, 2)
+      do b1 = 1, size(map, 1)
+        p = map(b1, b2)
+        if (p == 0) cycle
+        do j = 1, 3
+          a%val(1, j, p) = a%val(1, j, p) + k(3*b1 - 2, 3*b2 - 3 + j)
+          a%val(2, j, p) = a%val(2, j, p) + k(3*b1 - 1, 3*b2 - 3 + j)
+          a%val(3, j, p) = a%val(3, j, p) + k(3*b1, 3*b2 - 3 + j)
+        end do
+      end do
+    end do
+  end subroutine add_element
+
+  !> Add a batch of elements, the last one perhaps not full.
+  pure subroutine add_batch(a, map, k)
+    type(block_matrix_t), intent(inout) :: a
+    integer, intent(in) :: map(:, :, :)      !! (nen, nen, n) positions, n <= NB elements in use
+    real(wp), intent(in) :: k(:, :, :, :, :) !! (NB, 3, 3, nen, nen), see element_batch_i
+
+    call add_batch_to(size(map, 1), size(map, 3), size(a%val, 3), map, k, a%val)
+  end subroutine add_batch
+
+  !> Explicit shapes: the addresses are then known to the compiler.
+  pure subroutine add_batch_to(nen, n, nblock, map, k, val)
+    integer, intent(in) :: nen, n, nblock
+    integer, intent(in) :: map(nen, nen, n)
+    real(wp), intent(in) :: k(NB, 3, 3, nen, nen)
+    real(wp), intent(inout) :: val(3, 3, nblock)
+
+    integer :: b1, b2, e, j, p
+
+    do e = 1, n
+      do b2 = 1, nen
+        do b1 = 1, nen
+          p = map(b1, b2, e)
+          if (p == 0) cycle
+          do j = 1, 3
+            val(1, j, p) = val(1, j, p) + k(e, 1, j, b1, b2)
+            val(2, j, p) = val(2, j, p) + k(e, 2, j, b1, b2)
+            val(3, j, p) = val(3, j, p) + k(e, 3, j, b1, b2)
+          end do
+        end do
+      end do
+    end do
+  end subroutine add_batch_to
+
 end module csr

@@ -3,7 +3,7 @@
 !! A symmetric matrix takes the symmetric part of what is added.
 module csr_coupling
   use base_kinds, only: wp
-  use csr_pattern, only: block_matrix_t, block_position
+  use csr, only: block_matrix_t, block_position
   implicit none
   private
   public :: coupling_map, add_coupling

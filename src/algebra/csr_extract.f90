@@ -2,7 +2,7 @@
 module csr_extract
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, SYSTEM_ERROR
-  use csr_pattern, only: block_matrix_t
+  use csr, only: block_matrix_t
   implicit none
   private
   public :: entries_t, new_entries, gather

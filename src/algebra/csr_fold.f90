@@ -6,7 +6,7 @@ module csr_fold
   use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG
   use constraint, only: constraint_t, slave_marks
-  use csr_pattern, only: block_matrix_t, clique_t, block_position
+  use csr, only: block_matrix_t, clique_t, block_position
   implicit none
   private
   public :: fold_t, tied_cliques, new_fold, fold_matrix

@@ -8,8 +8,7 @@
 module null_space
   use base_kinds, only: wp
   use base_error, only: error_t
-  use csr_pattern, only: block_matrix_t
-  use csr_product, only: multiply_free, row_sums
+  use csr, only: block_matrix_t, multiply_free, row_sums
   use solver_type, only: solver_t
   implicit none
   private

@@ -9,7 +9,7 @@ module partition_metis
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_system, only: hold_signals, let_signals_in
   use base_text, only: to_text
-  use csr_pattern, only: block_matrix_t
+  use csr, only: block_matrix_t
   implicit none
   private
   public :: elimination_order

@@ -5,11 +5,9 @@ module solver_mumps
   use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
   use solver_type, only: solver_t
-  use solver_mumps_control, only: FIRST_MARGIN, ORDER_AMD, ORDER_GIVEN, ORDER_PORD
-  use solver_mumps_instance, only: mumps_t, start, runs, give_options, give_pattern, &
-                                   give_values, give_margin, narrow_panels, run, solve_with, &
-                                   null_pivots, finish, ANALYSE_JOB, FACTORISE_JOB
-  use solver_mumps_text, only: check_memory
+  use mumps_instance, only: FIRST_MARGIN, ORDER_AMD, ORDER_GIVEN, ORDER_PORD, mumps_t, start, &
+      runs, give_options, give_pattern, give_values, give_margin, narrow_panels, run, solve_with, &
+      null_pivots, finish, ANALYSE_JOB, FACTORISE_JOB, check_memory
   implicit none
   private
   public :: solver_mumps_t, new_solver_mumps, ORDER_AMD, ORDER_PORD

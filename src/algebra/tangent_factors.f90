@@ -1,18 +1,43 @@
-!> Factors of the tangent, as exact as was chosen or as turned out to be needed.
+!> What the solution of a linear system reports.
+!!
+!! Which solver a system gets, with its pattern analysed.
+!!
+!! Factors of the tangent, as exact as was chosen or as turned out to be needed.
 module tangent_factors
   use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
-  use base_system, only: available_memory_mb, return_memory
-  use csr_pattern, only: block_matrix_t
-  use csr_extract, only: entries_t, gather
-  use null_space, only: prove_regular
-  use solve_report, only: solve_report_t
-  use solver_choice, only: new_solver
+  use csr, only: block_matrix_t
+  use csr_extract, only: entries_t, new_entries, gather
+  use partition_metis, only: elimination_order
   use solver_type, only: solver_t
+  use solver_dense, only: solver_dense_t
+  use solver_mumps, only: solver_mumps_t, new_solver_mumps
+  use base_system, only: available_memory_mb, return_memory
+  use null_space, only: prove_regular
   implicit none
   private
-  public :: factors_t, new_factors, take_equations, analyse, renew, look_for_motions, be_exact, &
-            start_anew, drop
+  public :: solve_report_t, new_solver, factors_t, new_factors, take_equations, analyse, renew, &
+            look_for_motions, be_exact, start_anew, drop
+
+  !> What a solve did.
+  type :: solve_report_t
+    logical :: factorised = .false.        !! in this call
+    logical :: converged = .false.         !! the tolerance, or all that rounding allows, is met
+    logical :: singular = .false.          !! no solution: x is zero, see null
+    integer, allocatable :: null(:)        !! equations whose pivot vanished
+    integer :: iterations = 0              !! applications of the factors, failed attempts included
+    integer :: factorisations = 0          !! in this call
+    logical :: used_single = .false.       !! the last factors are in single precision
+    logical :: used_gmres = .false.
+    integer :: negative = 0                !! negative pivots of the factors in use
+    integer :: determinant = 1             !! unsymmetric: sign of the determinant of the same
+    real(wp) :: residual = 0.0_wp          !! |b - A x| / |b|
+    real(wp) :: seconds_factor = 0.0_wp    !! wall time of analysis and factorisation
+    real(wp) :: seconds_solve = 0.0_wp     !! wall time of the rest
+    real(wp) :: memory_mb = 0.0_wp         !! held by the factors
+  end type solve_report_t
+
+  integer, parameter :: SMALL = 24 !! equations up to which the dense solver does it
 
   type :: factors_t
     logical :: single = .false.          !! wanted in single precision
@@ -30,6 +55,37 @@ module tangent_factors
   end type factors_t
 
 contains
+
+  !> A solver for the free dofs of a matrix: dense for a few equations, sparse with METIS's order
+  !! for more.
+  subroutine new_solver(solver, entries, a, eq, single, low_rank, exact, error)
+    class(solver_t), allocatable, intent(out) :: solver
+    type(entries_t), intent(out) :: entries
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
+    logical, intent(in) :: single        !! factors in single precision
+    real(wp), intent(in) :: low_rank     !! relative error of compressed blocks; 0: none
+    logical, intent(out) :: exact        !! factors will be in double precision, not compressed
+    type(error_t), allocatable, intent(out) :: error
+
+    type(solver_mumps_t), allocatable :: mumps
+    integer, allocatable :: order(:)
+
+    call new_entries(entries, a, eq, error)
+    if (allocated(error)) return
+    exact = entries%neq <= SMALL .or. .not. (single .or. low_rank > 0.0_wp)
+    if (entries%neq <= SMALL) then
+      allocate (solver_dense_t :: solver)
+      order = [integer ::]
+    else
+      allocate (mumps)
+      call new_solver_mumps(mumps, single, low_rank)
+      call move_alloc(mumps, solver)
+      call elimination_order(a, eq, order, error)
+      if (allocated(error)) return
+    end if
+    call solver%analyse(entries%neq, a%symmetric, entries%row, entries%col, order, error)
+  end subroutine new_solver
 
   !> Choose precision and compression.
   subroutine new_factors(factors, single, eps, available_mb)

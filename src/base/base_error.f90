@@ -1,8 +1,11 @@
 !> Failures as values: what went wrong, where in the deck, and what to do about it.
+!!
+!! Several independent errors of one deck.
 module base_error
+  use base_text, only: to_text
   implicit none
   private
-  public :: place_t, error_t, fail, render, render_note
+  public :: place_t, error_t, fail, render, render_note, error_list_t
 
   integer, parameter, public :: DECK_ERROR = 1    !! the deck is wrong; nothing is written
   integer, parameter, public :: NO_SOLUTION = 2   !! the solution failed
@@ -28,6 +31,19 @@ module base_error
     character(:), allocatable :: hint     !! what to do; not allocated: no hint
     type(place_t) :: place
   end type error_t
+
+  integer, parameter :: MOST = 10 !! shown and kept; the others are counted
+
+  type :: error_list_t
+    private
+    type(error_t) :: kept(MOST)
+    integer :: n = 0
+  contains
+    procedure :: add => add_error
+    procedure :: count => count_errors
+    procedure :: code => exit_code
+    procedure :: render => render_list
+  end type error_list_t
 
 contains
 
@@ -187,5 +203,44 @@ contains
     write (number, '(i0)') n
     text = trim(number)
   end function decimal
+
+  !> Keep one more.
+  subroutine add_error(list, error)
+    class(error_list_t), intent(inout) :: list
+    type(error_t), intent(in) :: error
+
+    list%n = list%n + 1
+    if (list%n <= MOST) list%kept(list%n) = error
+  end subroutine add_error
+
+  pure function count_errors(list) result(n)
+    class(error_list_t), intent(in) :: list
+    integer :: n
+
+    n = list%n
+  end function count_errors
+
+  !> Exit code: that of the first error, 0 where there is none.
+  pure function exit_code(list) result(code)
+    class(error_list_t), intent(in) :: list
+    integer :: code
+
+    code = 0
+    if (list%n > 0) code = list%kept(1)%code
+  end function exit_code
+
+  !> As the user sees them, up to ten, and how many more there are.
+  pure function render_list(list) result(text)
+    class(error_list_t), intent(in) :: list
+    character(:), allocatable :: text
+    integer :: i
+
+    text = ''
+    do i = 1, min(list%n, MOST)
+      if (i > 1) text = text//new_line('a')
+      text = text//render(list%kept(i))
+    end do
+    if (list%n > MOST) text = text//new_line('a')//'and '//to_text(list%n - MOST)//' more'
+  end function render_list
 
 end module base_error

@@ -2,9 +2,8 @@
 module base_file
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_kinds, only: i8
-  use base_libc, only: c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, c_unlink, c_errno, &
-                       c_strerror, &
-                       c_strlen, statx_t, AT_FDCWD, AT_EMPTY_PATH, F_TLOCK, STATX_BASIC
+  use base_system, only: c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, c_unlink, c_errno, &
+      c_strerror, c_strlen, statx_t, AT_FDCWD, AT_EMPTY_PATH, F_TLOCK, STATX_BASIC
   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_null_char, c_ptr, c_associated, &
                                                                             c_f_pointer
   implicit none

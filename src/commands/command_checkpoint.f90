@@ -1,7 +1,7 @@
 !> What a checkpoint keeps beside the state: the command counter, loops, step control, policies.
 module command_checkpoint
   use base_kinds, only: wp
-  use bag, only: bag_t, put, get
+  use named_values, only: bag_t, put, get
   use command_type, only: run_t
   use deck_params, only: parameter_names, find_parameter, set_parameter
   use path_type, only: path_t

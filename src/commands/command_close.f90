@@ -4,7 +4,7 @@ module command_close
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use contact_lines, only: list_contacts
+  use listing_contact, only: list_contacts
   use contact_notes, only: note_lost_contacts
   use command_files, only: open_files, write_rows, write_fields, write_checkpoint, drop_anchor
   use linear_system, only: FULL

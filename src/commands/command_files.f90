@@ -4,7 +4,7 @@ module command_files
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_log, only: log_line
   use base_text, only: to_text
-  use bag, only: bag_t
+  use named_values, only: bag_t
   use byte_file, only: close_bytes
   use command_checkpoint, only: pack_run, unpack_run
   use command_type, only: run_t

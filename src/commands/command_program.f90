@@ -4,8 +4,7 @@
 !! and those with data read their records then, in the order in which they will run.
 module command_program
   use base_kinds, only: wp
-  use base_error, only: error_t, fail, DECK_ERROR
-  use base_error_list, only: error_list_t
+  use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_text, only: nearest
   use command_table, only: load_commands
   use command_type, only: run_t, command_t, command_row_t, loop_t, data_t

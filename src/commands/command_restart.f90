@@ -4,7 +4,7 @@ module command_restart
   use base_log, only: log_line
   use base_kinds, only: wp
   use base_text, only: to_text, quoted
-  use bag, only: bag_t
+  use named_values, only: bag_t
   use command_type, only: run_t, command_t, command_row_t, new_row
   use load_curve, only: load_table_t
   use model, only: state_t

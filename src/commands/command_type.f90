@@ -13,7 +13,7 @@ module command_type
   use path_type, only: path_t
   use step_control, only: step_control_t
   use result_file, only: result_file_t
-  use bag, only: bag_t
+  use named_values, only: bag_t
   use byte_file, only: byte_file_t
   use curve_file, only: curve_file_t
   implicit none

@@ -3,7 +3,7 @@ module path_switch
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use bond_release, only: bonded_area
+  use contact_forces, only: bonded_area
   use command_type, only: run_t
   use local_type, only: local_t, begin_local, begin_arc, is_all_released
   use path_type, only: PATH_OFF, PATH_LOCAL, PATH_LENGTH, BY_LOAD, BY_INERTIA, BY_RELEASE, BY_ARC, &

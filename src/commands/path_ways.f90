@@ -3,7 +3,7 @@ module path_ways
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use bond_release, only: bonded_area, find_release
+  use contact_forces, only: bonded_area, find_release
   use command_type, only: run_t
   use dynamics_type, only: new_dynamics, BACKWARD_EULER
   use inertia, only: mass_t, find_masses, energy_of_rate

@@ -1,17 +1,43 @@
 !> Which points are bonded, and to what: the reference projection of a cohesive contact, eq. (30).
+!!
+!! What acts between a bonded point and its partner: the cohesive law, and with PAIR the penalty.
+!!
+!! g is the vector from the partner x_p = x_l(xi_0) to the point x, n the outward unit normal of
+!! side l at xi_0. Both surfaces move; xi_0 does not, so that with the tangents a_1, a_2 there
+!!
+!!   dg = dx - dx_p,    dn = -sum_j a^j (n . da_j).
+!!
+!! Everything acts on the reference area.
 module contact_bond
   use base_kinds, only: wp
-  use contact_work, only: work_t, new_work, measure
-  use contact_foot, only: foot_t, shape_t
-  use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t
-  use contact_project, only: project
-  use contact_search, only: grid_t, update_grid
-  use contact_shape, only: update_shape
+  use contact_work, only: work_t, new_work, measure, position_on, tangents_on
+  use projection_type, only: foot_t, shape_t
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, surface_t
+  use projection, only: project
+  use projection_search, only: grid_t, update_grid
+  use surface_geometry, only: update_shape
+  use contact_point, only: outer
+  use contact_type, only: cohesion_t
   implicit none
   private
-  public :: find_bonds
+  public :: find_bonds, pull_t, find_pull, ask_foot
 
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! of an element: the default of GAP
+
+  real(wp), parameter :: NEARLY = 1.0e-6_wp !! positions are found in two ways
+
+  !> Traction of a bonded point on its reference area, and how it varies.
+  type :: pull_t
+    real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
+    real(wp) :: bond(3) = 0.0_wp       !! the law's share of it [F/L^2]
+    real(wp) :: dtdg(3, 3) = 0.0_wp    !! [F/L^3] against g
+    real(wp) :: dtda(3, 3, 2) = 0.0_wp !! against the tangents of l at the partner
+    real(wp) :: p = 0.0_wp             !! pressure of the penalty in t [F/L^2]
+    real(wp) :: gap = 0.0_wp           !! n . g [L]
+    !> The penalty on the current foot acts with this share, which varies with g.
+    real(wp) :: share = 1.0_wp
+    real(wp) :: slope(3) = 0.0_wp      !! dshare/dg [1/L]
+  end type pull_t
 
 contains
 
@@ -84,5 +110,105 @@ contains
       is_inside = is_inside .and. (in .neqv. bond(i)%is_except)
     end do
   end function is_inside
+
+  !> Law and penalty of the bonded point i at the position `at`.
+  pure subroutine find_pull(contact, other, x, i, at, points, work, pull)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: other
+    real(wp), intent(in) :: x(:, :)            !! (3, nnode) current positions [L]
+    integer, intent(in) :: i
+    real(wp), intent(in) :: at(3)              !! [L]
+    type(contact_points_t), intent(inout) :: points
+    type(work_t), intent(inout) :: work
+    type(pull_t), intent(out) :: pull
+    type(cohesion_t) :: c
+    real(wp) :: g(3), partner(3), n(3), up(3, 2), lag
+    integer :: j
+
+    call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
+    g = at - partner
+    n = 0.0_wp
+    up = 0.0_wp
+    if (contact%cohesive%oriented .or. contact%on_pair) call tangents_on(other, points%bond(i), x, &
+                                                                         work, n, up)
+    lag = 0.0_wp
+    if (points%dt > 0.0_wp) lag = contact%tau/points%dt
+    call contact%cohesive%cohesive(contact%cohesive_prop, lag, g, n, points%past_step(:, i), &
+                                   points%past(:, i), c)
+    pull%t = c%t
+    pull%dtdg = c%dtdg
+    if (contact%cohesive%oriented) then
+      do j = 1, 2
+        pull%dtda(:, :, j) = -outer(matmul(c%dtdn, up(:, j)), n)
+      end do
+    end if
+    points%opening(i) = norm2(g)
+    points%energy(:, i) = [c%stored, c%spent, c%viscous]
+    pull%bond = pull%t
+    if (contact%on_pair) call press(contact, i, g, n, up, points, pull)
+    points%pull(:, i) = pull%t
+  end subroutine find_pull
+
+  !> The penalty along the partner's normal: it fades out as the bond is released, and the one on
+  !! the current foot comes in.
+  pure subroutine press(contact, i, g, n, up, points, pull)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: i
+    real(wp), intent(in) :: g(3), n(3), up(3, 2)
+    type(contact_points_t), intent(in) :: points
+    type(pull_t), intent(inout) :: pull
+    real(wp) :: p, dp, energy, hold, dhold(3)
+    integer :: j
+
+    pull%gap = dot_product(n, g)
+    call fade(contact, g, points%opening_step(i), pull%share, pull%slope)
+    hold = 1.0_wp - pull%share
+    dhold = -pull%slope
+    call contact%normal%normal(contact%normal_prop, pull%gap, points%multiplier(i), p, dp, energy)
+    if (.not. hold*p > 0.0_wp) return
+    pull%p = hold*p
+    pull%t = pull%t + pull%p*n
+    pull%dtdg = pull%dtdg + outer(n, hold*dp*n + p*dhold)
+    do j = 1, 2
+      pull%dtda(:, :, j) = pull%dtda(:, :, j) &
+                           - hold*outer(p*up(:, j) + dp*dot_product(g, up(:, j))*n, n)
+    end do
+  end subroutine press
+
+  !> With which share the penalty on the current foot acts: 0 up to half of the opening at which the
+  !! bond counts as released, 1 from there on. Where points load both surfaces it is that of the
+  !! step's start: the partner's element and the foot's are not coupled.
+  pure subroutine fade(contact, g, before, share, slope)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: g(3), before       !! opening of now, and its length before [L]
+    real(wp), intent(out) :: share, slope(3)
+    real(wp) :: s, r
+
+    r = norm2(g)
+    if (contact%balanced) r = before
+    s = min(1.0_wp, max(0.0_wp, 2*r/contact%released - 1.0_wp))
+    share = s*s*(3.0_wp - 2*s)
+    slope = 0.0_wp
+    if (s > 0.0_wp .and. .not. contact%balanced) slope = 6*s*(1.0_wp - s)*(2/contact%released)*g/r
+  end subroutine fade
+
+  !> The bonded point i at the position `at` has need of its foot.
+  pure subroutine ask_foot(contact, other, x, i, at, points, work, needed)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: other
+    real(wp), intent(in) :: x(:, :)            !! (3, nnode) current positions [L]
+    integer, intent(in) :: i
+    real(wp), intent(in) :: at(3)              !! [L]
+    type(contact_points_t), intent(in) :: points
+    type(work_t), intent(inout) :: work
+    logical, intent(out) :: needed
+    real(wp) :: partner(3)
+
+    needed = .true.
+    if (.not. contact%on_pair) return
+    call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
+    needed = 2*norm2(at - partner) > (1.0_wp - NEARLY)*contact%released
+    if (contact%balanced) needed = 2*points%opening_step(i) > contact%released
+  end subroutine ask_foot
 
 end module contact_bond

@@ -6,7 +6,7 @@
 !! stands on an interior edge of facets only the parameter along it moves, on a vertex none.
 module contact_point
   use base_kinds, only: wp
-  use contact_foot, only: foot_t
+  use projection_type, only: foot_t
   use contact_pair, only: contact_t
   use contact_type, only: OPEN, TOUCH
   implicit none

@@ -3,8 +3,8 @@ module contact_surface
   use base_error, only: error_t
   use base_kinds, only: wp, i8
   use base_sort, only: sort_index
-  use contact_edges, only: connect_elements
-  use contact_kind, only: find_kind, same_kind, is_mixed, surface_functions_at, make_rational
+  use surface_topology, only: connect_elements
+  use surface_basis, only: find_kind, same_kind, is_mixed, surface_functions_at, make_rational
   use contact_pair, only: contact_t, surface_t, surface_kind_t
   use element_type, only: cell_t
   use mesh, only: mesh_t, block_cell

@@ -1,7 +1,7 @@
 !> What an integration point adds to its element's forces and to their derivatives.
 module contact_work
   use base_kinds, only: wp
-  use contact_kind, only: surface_functions_at, make_rational
+  use surface_basis, only: surface_functions_at, make_rational
   use contact_pair, only: contact_t, surface_t
   implicit none
   private

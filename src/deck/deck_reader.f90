@@ -7,8 +7,7 @@ module deck_reader
   use deck_expression, only: evaluate, params_t
   use deck_lexer, only: read_record
   use deck_record, only: record_t, check_count, resolve_path, RECORD_WORDS, RECORD_END
-  use deck_source, only: source_line
-  use deck_source_list, only: source_list_t, find_source, add_source, joined
+  use deck_source, only: source_line, source_list_t, find_source, add_source, joined
   implicit none
   private
   public :: reader_t, open_reader, next_record, next_unrolled, include_file, cancel_loops, &

@@ -1,7 +1,6 @@
 !> From arguments to exit code. Start reading at run.f90.
 program main
-  use base_error, only: error_t, render, DECK_ERROR
-  use base_error_list, only: error_list_t
+  use base_error, only: error_t, render, DECK_ERROR, error_list_t
   use base_file, only: make_folder, lock_file, unlock_file, lock_t
   use base_log, only: open_log, close_log, log_line, set_quiet, progress
   use base_system, only: finish, finish_now, catch_signals, start_clock, wall_seconds, keep_memory

@@ -1,7 +1,6 @@
 !> A whole analysis on one page: read the deck, execute its commands, say how it went.
 module run
-  use base_error, only: error_t, fail, NO_SOLUTION, STOPPED
-  use base_error_list, only: error_list_t
+  use base_error, only: error_t, fail, NO_SOLUTION, STOPPED, error_list_t
   use command_check, only: check_tables
   use command_close, only: close_step
   use command_files, only: close_files, drop_anchor, open_files
@@ -11,7 +10,7 @@ module run
   use command_type, only: run_t, command_t
   use deck_stream, only: open_deck, check_settings, deck_text
   use dof_map, only: number_equations
-  use setup_model, only: build_model
+  use input_model, only: build_model
   use solution_state, only: new_state
   implicit none
   private

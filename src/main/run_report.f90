@@ -4,8 +4,7 @@ module run_report
   use base_kinds, only: wp
   use base_system, only: peak_memory_mb
   use command_type, only: run_t
-  use contact_resultant, only: resultant_t
-  use contact_values, only: side_resultant
+  use contact_resultant, only: resultant_t, side_resultant
   use curve_file, only: curve_names
   use program_version, only: VERSION
   use report_file, only: report_t, write_report, add_count, add_real, add_curve

@@ -5,12 +5,19 @@
 !! spline; new knots as arguments insert them or raise the degree; the ends of a span as
 !! arguments give its Bezier points. All of these are exact.
 !! Source: Ramshaw 1989; Goldman and Lyche 1993; Borden et al. 2011 (Bezier extraction).
+!!
+!! B-splines in one direction: more knots, a higher degree.
+!! Source: Goldman and Lyche 1993: new control points are values of the blossom.
+!!
+!! Splines through given points.
 module bspline
   use base_kinds, only: wp
+  use lapack, only: dgbsv
   implicit none
   private
-  public :: spline_t, new_spline, nfunction, nspan, span_list, find_span
-  public :: blossom, basis_functions, basis_derivatives, bernstein, greville, extraction
+  public :: spline_t, new_spline, nfunction, nspan, span_list, find_span, blossom, &
+            basis_functions, basis_derivatives, bernstein, greville, extraction, with_knots, &
+            elevated, insertion_row, elevation_row, interpolate
 
   !> A spline space in one direction.
   type :: spline_t
@@ -216,5 +223,105 @@ contains
       end do
     end do
   end subroutine extraction
+
+  !> The space with more knots.
+  pure function with_knots(s, list) result(fine)
+    type(spline_t), intent(in) :: s
+    real(wp), intent(in) :: list(:) !! knots to insert, inside the range, any order
+    type(spline_t) :: fine
+    integer :: i, j
+
+    fine%degree = s%degree
+    allocate (fine%knots(size(s%knots) + size(list)))
+    fine%knots(:size(s%knots)) = s%knots
+    do i = 1, size(list)
+      j = size(s%knots) + i
+      do while (fine%knots(j - 1) > list(i))
+        fine%knots(j) = fine%knots(j - 1)
+        j = j - 1
+      end do
+      fine%knots(j) = list(i)
+    end do
+  end function with_knots
+
+  !> The space of one degree more and the same continuity.
+  pure function elevated(s) result(high)
+    type(spline_t), intent(in) :: s
+    type(spline_t) :: high
+    integer :: i, n
+
+    high%degree = s%degree + 1
+    allocate (high%knots(size(s%knots) + nspan(s) + 1))
+    n = 0
+    do i = 1, size(s%knots)
+      n = n + 1
+      high%knots(n) = s%knots(i)
+      if (i < size(s%knots)) then
+        if (.not. s%knots(i + 1) > s%knots(i)) cycle
+      end if
+      n = n + 1
+      high%knots(n) = s%knots(i)
+    end do
+  end function elevated
+
+  !> Control point i of the space `fine` as a combination of those of `s`, whose knots it holds.
+  pure subroutine insertion_row(s, fine, i, first, w)
+    type(spline_t), intent(in) :: s, fine
+    integer, intent(in) :: i
+    integer, intent(out) :: first  !! first control point of s
+    real(wp), intent(out) :: w(:)  !! (p+1)
+    integer :: k
+
+    ! The arguments rise from the span of knot i on: the order in which all factors stay positive.
+    k = find_span(s, fine%knots(i))
+    first = k - s%degree
+    call blossom(s%knots, s%degree, k, fine%knots(i + 1:i + s%degree), w)
+  end subroutine insertion_row
+
+  !> The same where `high` is `elevated(s)`: the mean of the blossoms that leave one knot out.
+  pure subroutine elevation_row(s, high, i, first, w)
+    type(spline_t), intent(in) :: s, high
+    integer, intent(in) :: i
+    integer, intent(out) :: first
+    real(wp), intent(out) :: w(:) !! (p+1)
+    real(wp) :: t(s%degree + 1), n(s%degree + 1)
+    integer :: j, k, p
+
+    p = s%degree
+    k = find_span(s, high%knots(i))
+    first = k - p
+    t = high%knots(i + 1:i + p + 1)
+    w = 0.0_wp
+    do j = 1, p + 1
+      call blossom(s%knots, p, k, [t(:j - 1), t(j + 1:)], n)
+      w = w + n
+    end do
+    w = w/(p + 1)
+  end subroutine elevation_row
+
+  !> Coefficients of the spline that takes given values at its Greville points.
+  subroutine interpolate(s, v, ok)
+    type(spline_t), intent(in) :: s
+    real(wp), intent(inout) :: v(:, :) !! (n, m) values of m quantities; out: coefficients
+    logical, intent(out) :: ok         !! .false.: no such spline
+    real(wp), allocatable :: band(:, :)
+    real(wp) :: g(nfunction(s)), b(s%degree + 1)
+    integer :: pivot(nfunction(s)), i, k, a, p, info
+
+    p = s%degree
+    g = greville(s)
+    allocate (band(3*p + 1, size(g)), source=0.0_wp)
+    do i = 1, size(g)
+      k = find_span(s, g(i))
+      call basis_functions(s, k, g(i), b)
+      do a = 1, p + 1
+        associate (j => k - p + a - 1)
+          if (abs(i - j) <= p) band(2*p + 1 + i - j, j) = b(a)
+        end associate
+      end do
+    end do
+    call dgbsv(size(g), p, p, size(v, 2), band, 3*p + 1, pivot, v, size(v, 1), info)
+    ok = info == 0
+  end subroutine interpolate
 
 end module bspline

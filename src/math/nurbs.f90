@@ -1,8 +1,8 @@
 !> NURBS patches of one, two or three directions in homogeneous coordinates.
 module nurbs
   use base_kinds, only: wp
-  use bspline, only: spline_t, nfunction, nspan, find_span, basis_derivatives
-  use bspline_refine, only: with_knots, elevated, insertion_row, elevation_row
+  use bspline, only: spline_t, nfunction, nspan, find_span, basis_derivatives, with_knots, &
+      elevated, insertion_row, elevation_row
   implicit none
   private
   public :: nurbs_t, spline_t, new_nurbs, elevate, insert_knots, evaluate, face_of, &

@@ -1,8 +1,7 @@
 !> Equation numbers of the free degrees of freedom.
 module dof_map
-  use mesh, only: mesh_t
+  use mesh, only: mesh_t, solid_nodes
   use boundary, only: boundary_t
-  use rigid_block, only: solid_nodes
   implicit none
   private
   public :: number_equations, dof_name

@@ -1,4 +1,6 @@
 !> The mesh: nodes, blocks of elements, spline patches and named surfaces.
+!!
+!! Blocks of rigid bodies: they have faces and a picture, but no stiffness, and no material.
 module mesh
   use base_kinds, only: wp
   use base_error, only: place_t
@@ -7,8 +9,8 @@ module mesh
   use element_type, only: element_t, cell_t, rule_t
   implicit none
   private
-  public :: mesh_t, block_t, extraction_t, operator_t, body_t, body_face_t, group_t, &
-            block_cell, append_nodes, append_blocks, append_body
+  public :: mesh_t, block_t, extraction_t, operator_t, body_t, body_face_t, group_t, block_cell, &
+            append_nodes, append_blocks, append_body, is_rigid, solid_nodes
 
   !> Bezier extraction operator of one knot span, or of a whole surface element.
   type :: operator_t
@@ -162,5 +164,27 @@ contains
     longer(n + 1) = body
     call move_alloc(longer, mesh%body)
   end subroutine append_body
+
+  !> The elements of the block are not solved for.
+  elemental logical function is_rigid(block)
+    type(block_t), intent(in) :: block
+
+    is_rigid = .not. (associated(block%row%form) .or. associated(block%row%form_batch))
+  end function is_rigid
+
+  !> Nodes of elements that are solved for.
+  pure subroutine solid_nodes(mesh, solid)
+    type(mesh_t), intent(in) :: mesh
+    logical, allocatable, intent(out) :: solid(:) !! (nnode)
+    integer :: b, e
+
+    allocate (solid(mesh%nnode), source=.false.)
+    do b = 1, size(mesh%block)
+      if (is_rigid(mesh%block(b))) cycle
+      do e = 1, mesh%block(b)%nelem
+        solid(mesh%block(b)%conn(:, e)) = .true.
+      end do
+    end do
+  end subroutine solid_nodes
 
 end module mesh

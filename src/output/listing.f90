@@ -5,9 +5,8 @@ module listing
   use contact_notes, only: warn_contacts
   use listing_contact, only: list_contact
   use material_type, only: material_t
-  use mesh, only: block_t
+  use mesh, only: block_t, is_rigid
   use model, only: model_t, material_set_t
-  use rigid_block, only: is_rigid
   implicit none
   private
   public :: list_model, warn_loose, warn_unread

@@ -1,12 +1,25 @@
 !> The log's account of a contact.
+!!
+!! What contacts say in the log after a step: resultants of both sides, balance with the supports,
+!! and how the points are.
+!!
+!! Two half passes: each side integrates its own tractions, so the two resultants differ by the
+!! error of the discretization: `sum` shows it. BALAnced, or with a rigid side: forces are opposite,
+!! moments are but for forces along the surface times penetration. With the supports and the loads
+!! they balance as well as the step converged.
 module listing_contact
   use base_kinds, only: wp
   use base_log, only: log_line
   use base_text, only: to_text
   use contact_pair, only: contact_t, surface_t
+  use contact_resultant, only: resultant_t, side_resultant
+  use model, only: model_t, state_t
+  use tensor, only: cross
   implicit none
   private
-  public :: list_contact, contact_size
+  public :: list_contact, contact_size, list_contacts
+
+  real(wp), parameter :: ORIGIN(3) = 0.0_wp !! moments are about it
 
 contains
 
@@ -75,5 +88,115 @@ contains
       end if
     end function side
   end function contact_size
+
+  !> Two lines a contact and one of the supports; nothing where there is no contact.
+  subroutine list_contacts(model, state, f_ext)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(in) :: f_ext(:, :)         !! (3, nnode) loads [F]
+    type(resultant_t) :: side(2), all_sides
+    integer :: c, k
+
+    if (size(model%contact) == 0) return
+    do c = 1, size(model%contact)
+      do k = 1, 2
+        call side_resultant(model, state, c, k, ORIGIN, side(k))
+        call add(side(k), all_sides)
+      end do
+      call list_sides(model%contact(c)%name, side)
+    end do
+    call list_supports(model, state, f_ext, all_sides)
+  end subroutine list_contacts
+
+  pure subroutine add(part, whole)
+    type(resultant_t), intent(in) :: part
+    type(resultant_t), intent(inout) :: whole
+
+    whole%force = whole%force + part%force
+    whole%moment = whole%moment + part%moment
+    whole%force_size = whole%force_size + part%force_size
+    whole%moment_size = whole%moment_size + part%moment_size
+  end subroutine add
+
+  subroutine list_sides(name, side)
+    character(*), intent(in) :: name
+    type(resultant_t), intent(in) :: side(2)
+    type(resultant_t) :: both
+
+    call add(side(1), both)
+    call add(side(2), both)
+    call log_line('contact '//name//': force on 1'//vector(side(1)%force)//', on 2' &
+                  //vector(side(2)%force)//', sum'//share(both%force, both%force_size/2) &
+                  //'; moment'//vector(side(1)%moment)//','//vector(side(2)%moment)//', sum' &
+                  //share(both%moment, both%moment_size/2))
+    call log_line(repeat(' ', len('contact '//name))//'  in contact '//text_of(side%nclosed)// &
+                  ' of '//text_of(side%npoint)//' points: stick '//text_of(side%nstick)//', slip ' &
+                  //text_of(side%nslip)//', area'//number(side(1)%area)//number(side(2)%area) &
+                  //', deepest'//number(maxval(side%penetration)))
+  end subroutine list_sides
+
+  !> Reactions of all prescribed dofs.
+  subroutine list_supports(model, state, f_ext, contact)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(in) :: f_ext(:, :)
+    type(resultant_t), intent(in) :: contact
+    real(wp) :: force(3), moment(3), load(3), load_moment(3), r(3), x(3)
+    integer :: n
+
+    force = 0.0_wp
+    moment = 0.0_wp
+    load = 0.0_wp
+    load_moment = 0.0_wp
+    do n = 1, model%mesh%nnode
+      if (.not. model%mesh%used(n)) cycle
+      x = model%mesh%xr(:, n) + state%u(:, n) - ORIGIN
+      r = merge(state%reaction(:, n), 0.0_wp, model%eq(:, n) == 0)
+      force = force + r
+      moment = moment + cross(x, r)
+      load = load + f_ext(:, n)
+      load_moment = load_moment + cross(x, f_ext(:, n))
+    end do
+    load = load + force + contact%force
+    load_moment = load_moment + moment + contact%moment
+    call log_line('supports: force'//vector(force)//', moment'//vector(moment) &
+                  //'; sum with contact and loads'//share(load, contact%force_size/2) &
+                  //', of moments'//share(load_moment, contact%moment_size/2))
+  end subroutine list_supports
+
+  !> Length of a sum over the size of what was summed up.
+  pure function share(total, size) result(text)
+    real(wp), intent(in) :: total(3), size
+    character(:), allocatable :: text
+
+    text = ' 0'
+    if (size > 0.0_wp) text = number(norm2(total)/size)
+  end function share
+
+  pure function vector(v) result(text)
+    real(wp), intent(in) :: v(3)
+    character(:), allocatable :: text
+    character(40) :: field
+
+    write (field, '(3es12.4e2)') v
+    text = trim(field)
+  end function vector
+
+  pure function number(v) result(text)
+    real(wp), intent(in) :: v
+    character(:), allocatable :: text
+    character(16) :: field
+
+    write (field, '(es10.2e2)') v
+    text = ' '//trim(adjustl(field))
+  end function number
+
+  !> Numbers of the two sides.
+  pure function text_of(n) result(text)
+    integer, intent(in) :: n(2)
+    character(:), allocatable :: text
+
+    text = to_text(n(1))//' + '//to_text(n(2))
+  end function text_of
 
 end module listing_contact

@@ -7,7 +7,7 @@ module restart_file
   use base_kinds, only: i8
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use model, only: model_t, state_t
-  use bag, only: bag_t
+  use named_values, only: bag_t
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, has_object, copy_object, &
                        put_attribute, get_attribute, flush_file
   use base_file, only: replace_file, remove_file, inspect, file_t

@@ -1,18 +1,27 @@
 !> The contents of a checkpoint: the state and the commands' bag, in a group of an HDF5 file.
+!!
+!! Rates and the book of energies in a checkpoint.
+!!
+!! The history of contacts in a checkpoint: one matrix a side, a column a point.
 module restart_state
   use base_kinds, only: wp
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use model, only: state_t
   use load_curve, only: load_table_t
-  use bag, only: bag_t, item_t, ITEM_REAL, ITEM_INTEGER, ITEM_TEXT, put
+  use named_values, only: bag_t, item_t, ITEM_REAL, ITEM_INTEGER, ITEM_TEXT, put
   use hdf5_file, only: hdf5_t, make_group, put_attribute, get_attribute, AS_INT32, AS_UINT8
   use restart_arrays, only: write_reals, read_reals, write_integers, read_integers, write_matrix, &
-                            read_matrix, name
-  use restart_contact, only: write_contact, read_contact
-  use restart_motion, only: write_motion, read_motion
+      read_matrix, name
+  use dynamics_type, only: dynamics_t, new_dynamics
+  use energy_type, only: energy_t, open_book
+  use contact_pair, only: contact_state_t, contact_points_t
+  use contact_type, only: MAX_PAST
   implicit none
   private
-  public :: write_state, read_state, write_bag, read_bag
+  public :: write_state, read_state, write_bag, read_bag, write_motion, read_motion, &
+            write_contact, read_contact
+
+  integer, parameter :: NROW = 31 + 2*MAX_PAST !! numbers of a point
 
 contains
 
@@ -185,7 +194,7 @@ contains
   end subroutine pack_tables
 
   subroutine unpack_tables(bag, table, error)
-    use bag, only: get
+    use named_values, only: get
     type(bag_t), intent(in) :: bag
     type(load_table_t), allocatable, intent(inout) :: table(:)
     type(error_t), allocatable, intent(out) :: error
@@ -214,5 +223,236 @@ contains
       call get(bag, name('p', i), table(i)%p, ignored)
     end do
   end subroutine unpack_tables
+
+  !> Nothing of what the run does not keep.
+  subroutine write_motion(file, group, state, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: group
+    type(state_t), intent(in) :: state
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    logical :: rates
+
+    path = group//'/motion'
+    call make_group(file, path, error)
+    if (allocated(error)) return
+    rates = allocated(state%dynamics%v)
+    call put_attribute(file, path, 'keeps', merge(1, 0, [rates, state%energy%on]), error)
+    if (allocated(error)) return
+    if (rates) call write_rates(file, path, state%dynamics, error)
+    if (allocated(error)) return
+    if (state%energy%on) call write_book(file, path, state%energy, error)
+  end subroutine write_motion
+
+  subroutine write_rates(file, path, dynamics, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: path
+    type(dynamics_t), intent(in) :: dynamics
+    type(error_t), allocatable, intent(out) :: error
+
+    call put_attribute(file, path, 'scheme', [merge(1, 0, dynamics%on), dynamics%method, &
+                                              merge(1, 0, dynamics%lumped)], error)
+    if (.not. allocated(error)) then
+      call write_reals(file, path//'/numbers', [dynamics%beta, dynamics%gamma, dynamics%alpha, &
+                                                dynamics%density], error)
+    end if
+    if (.not. allocated(error)) call write_matrix(file, path//'/v', dynamics%v, error)
+    if (.not. allocated(error)) call write_matrix(file, path//'/a', dynamics%a, error)
+    if (.not. allocated(error)) call write_matrix(file, path//'/held', dynamics%held, error)
+  end subroutine write_rates
+
+  subroutine write_book(file, path, energy, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: path
+    type(energy_t), intent(in) :: energy
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    call write_reals(file, path//'/works', [energy%outer, energy%inertia, energy%kinetic, &
+                                            energy%contact], error)
+    if (.not. allocated(error)) call write_matrix(file, path//'/f_outer', energy%f_outer, error)
+    if (.not. allocated(error)) call write_matrix(file, path//'/f_inert', energy%f_inert, error)
+    do i = 1, 3
+      if (allocated(error)) return
+      call write_matrix(file, path//name('/f_contact', i), energy%f_contact(:, :, i), error)
+    end do
+  end subroutine write_book
+
+  !> The state has the sizes of the model; what it lacks of this is made.
+  subroutine read_motion(file, group, state, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: group
+    type(state_t), intent(inout) :: state
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    integer :: keeps(2)
+
+    path = group//'/motion'
+    call get_attribute(file, path, 'keeps', keeps, error)
+    if (allocated(error)) return
+    if (keeps(1) == 1) call read_rates(file, path, size(state%u, 2), state%dynamics, error)
+    if (keeps(2) == 1 .and. .not. allocated(error)) then
+      call read_book(file, path, size(state%u, 2), state%energy, error)
+    end if
+  end subroutine read_motion
+
+  subroutine read_rates(file, path, nnode, dynamics, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: path
+    integer, intent(in) :: nnode
+    type(dynamics_t), intent(inout) :: dynamics
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: x(:)
+    integer :: scheme(3)
+
+    call new_dynamics(dynamics, nnode)
+    call get_attribute(file, path, 'scheme', scheme, error)
+    if (.not. allocated(error)) call read_reals(file, path//'/numbers', x, error)
+    if (.not. allocated(error)) call read_matrix(file, path//'/v', dynamics%v, error)
+    if (.not. allocated(error)) call read_matrix(file, path//'/a', dynamics%a, error)
+    if (.not. allocated(error)) call read_matrix(file, path//'/held', dynamics%held, error)
+    if (allocated(error)) return
+    if (size(x) /= 4) then
+      call fail(error, SYSTEM_ERROR, 'damaged')
+      return
+    end if
+    dynamics%on = scheme(1) == 1
+    dynamics%method = scheme(2)
+    dynamics%lumped = scheme(3) == 1
+    dynamics%beta = x(1)
+    dynamics%gamma = x(2)
+    dynamics%alpha = x(3)
+    dynamics%density = x(4)
+  end subroutine read_rates
+
+  subroutine read_book(file, path, nnode, energy, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: path
+    integer, intent(in) :: nnode
+    type(energy_t), intent(inout) :: energy
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: x(:)
+    integer :: i
+
+    call open_book(energy, nnode)
+    call read_reals(file, path//'/works', x, error)
+    if (.not. allocated(error)) call read_matrix(file, path//'/f_outer', energy%f_outer, error)
+    if (.not. allocated(error)) call read_matrix(file, path//'/f_inert', energy%f_inert, error)
+    do i = 1, 3
+      if (allocated(error)) return
+      call read_matrix(file, path//name('/f_contact', i), energy%f_contact(:, :, i), error)
+    end do
+    if (allocated(error)) return
+    if (size(x) /= 6) then
+      call fail(error, SYSTEM_ERROR, 'damaged')
+      return
+    end if
+    energy%outer = x(1)
+    energy%inertia = x(2)
+    energy%kinetic = x(3)
+    energy%contact = x(4:6)
+  end subroutine read_book
+
+  !> Everything that the next step, a cut of it, and the results of this one need.
+  subroutine write_contact(file, group, contact, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: group
+    type(contact_state_t), intent(in) :: contact(:)
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: values(:, :)
+    character(:), allocatable :: path
+    integer :: c, k
+
+    do c = 1, size(contact)
+      path = group//name('/contact', c)
+      call make_group(file, path, error)
+      do k = 1, 2
+        if (allocated(error)) return
+        call pack_points(contact(c)%side(k), values)
+        call write_matrix(file, path//name('/side', k), values, error)
+      end do
+      if (allocated(error)) return
+    end do
+  end subroutine write_contact
+
+  !> The state must have the sizes of the model.
+  subroutine read_contact(file, group, contact, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: group
+    type(contact_state_t), intent(inout) :: contact(:)
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: values(:, :)
+    integer :: c, k
+
+    do c = 1, size(contact)
+      do k = 1, 2
+        allocate (values(NROW, size(contact(c)%side(k)%state)))
+        call read_matrix(file, group//name('/contact', c)//name('/side', k), values, error)
+        if (allocated(error)) return
+        call unpack_points(values, contact(c)%side(k))
+        deallocate (values)
+      end do
+    end do
+  end subroutine read_contact
+
+  !> Integers are kept as reals, which hold them exactly.
+  subroutine pack_points(points, values)
+    type(contact_points_t), intent(in) :: points
+    real(wp), allocatable, intent(out) :: values(:, :) !! (NROW, np)
+
+    allocate (values(NROW, size(points%state)))
+    values(1, :) = points%foot
+    values(2:3, :) = points%foot_xi
+    values(4, :) = points%foot_step
+    values(5:6, :) = points%foot_xi_step
+    values(7, :) = points%slide
+    values(8:9, :) = points%slide_xi
+    values(10, :) = points%multiplier
+    values(11, :) = points%multiplier_step
+    values(12, :) = points%state
+    values(13, :) = points%gap
+    values(14, :) = points%pressure
+    values(15:17, :) = points%traction
+    values(18:20, :) = points%elastic
+    values(21, :) = points%area
+    values(22, :) = points%opening
+    values(23, :) = points%state_step
+    values(24:26, :) = points%energy
+    values(27:29, :) = points%pull
+    values(30, :) = points%slip_rate
+    values(31, :) = merge(1.0_wp, 0.0_wp, points%aside)
+    values(32:31 + MAX_PAST, :) = points%past
+    values(32 + MAX_PAST:, :) = points%past_step
+  end subroutine pack_points
+
+  subroutine unpack_points(values, points)
+    real(wp), intent(in) :: values(:, :) !! (NROW, np)
+    type(contact_points_t), intent(inout) :: points
+
+    points%foot = nint(values(1, :))
+    points%foot_xi = values(2:3, :)
+    points%foot_step = nint(values(4, :))
+    points%foot_xi_step = values(5:6, :)
+    points%slide = nint(values(7, :))
+    points%slide_xi = values(8:9, :)
+    points%multiplier = values(10, :)
+    points%multiplier_step = values(11, :)
+    points%state = nint(values(12, :))
+    points%gap = values(13, :)
+    points%pressure = values(14, :)
+    points%traction = values(15:17, :)
+    points%elastic = values(18:20, :)
+    points%area = values(21, :)
+    points%opening = values(22, :)
+    points%opening_step = points%opening
+    points%state_step = nint(values(23, :))
+    points%energy = values(24:26, :)
+    points%pull = values(27:29, :)
+    points%slip_rate = values(30, :)
+    points%aside = values(31, :) > 0.5_wp
+    points%past = values(32:31 + MAX_PAST, :)
+    points%past_step = values(32 + MAX_PAST:, :)
+    points%fresh = .true.
+  end subroutine unpack_points
 
 end module restart_state

@@ -8,9 +8,8 @@
 module stress_projection
   use base_kinds, only: wp
   use basis_type, only: basis_t
-  use mesh, only: block_t
+  use mesh, only: block_t, is_rigid
   use model, only: model_t, state_t
-  use rigid_block, only: is_rigid
   use solid_recover, only: recovered_t, recover
   use tensor, only: det3
   implicit none

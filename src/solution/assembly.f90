@@ -5,9 +5,8 @@ module assembly
   use base_system, only: wall_seconds
   use constraint, only: follow, fold_force
   use element_type, only: form_report_t, NB
-  use mesh, only: block_t
+  use mesh, only: block_t, is_rigid
   use model, only: model_t, state_t, history_t
-  use rigid_block, only: is_rigid
   use contact_assembly, only: contact_work_t, new_contact_work, find_contact, contact_cliques, &
                               map_contact, add_contact
   use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, &

@@ -2,7 +2,7 @@
 module curve_values
   use base_kinds, only: wp
   use book_values, only: book_value
-  use contact_values, only: contact_value
+  use contact_resultant, only: contact_value
   use curve_type, only: quantity_t, Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, &
                         Q_MAX_MISES, Q_NODAL, Q_CONTACT_FORCE, Q_CONTACT_DEBONDED, Q_BOOK
   use model, only: model_t, state_t

@@ -2,7 +2,7 @@
 module energy_book
   use base_kinds, only: wp
   use assembly, only: assembler_t
-  use contact_accept, only: accept_contact, share_contact
+  use contact_assembly, only: accept_contact, share_contact
   use dynamics_type, only: advance
   use energy_type, only: energy_t, book_work
   use inertia, only: kinetic_energy

@@ -3,9 +3,8 @@ module inertia
   use base_kinds, only: wp
   use csr, only: block_matrix_t
   use dynamics_type, only: dynamics_t, acceleration, HHT
-  use mesh, only: block_t
+  use mesh, only: block_t, is_rigid
   use model, only: model_t, state_t
-  use rigid_block, only: is_rigid
   implicit none
   private
   public :: mass_t, find_masses, add_inertia, kinetic_energy, energy_of_rate

@@ -2,7 +2,7 @@
 !! release of the bonds, or the way along the step before (arc length in the tangent plane).
 module local_type
   use base_kinds, only: wp
-  use bond_release, only: bonded_area, find_release
+  use contact_forces, only: bonded_area, find_release
   use model, only: model_t, state_t
   implicit none
   private

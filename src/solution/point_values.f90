@@ -2,10 +2,9 @@
 module point_values
   use base_kinds, only: wp
   use basis_type, only: basis_t
-  use mesh, only: block_t
+  use mesh, only: block_t, is_rigid
   use model, only: model_t, state_t
   use model_basis, only: tabulate_points
-  use rigid_block, only: is_rigid
   use solid_recover, only: recovered_t, recover
   implicit none
   private

@@ -4,7 +4,7 @@ module singularity
   use base_text, only: to_text
   use dof_map, only: dof_name
   use model, only: model_t
-  use rigid_block, only: solid_nodes
+  use mesh, only: solid_nodes
   implicit none
   private
   public :: name_singularity

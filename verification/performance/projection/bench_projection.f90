@@ -4,11 +4,11 @@
 program bench_projection
   use base_error, only: error_t
   use base_kinds, only: wp, i8
-  use contact_foot, only: foot_t, shape_t
+  use projection_type, only: foot_t, shape_t
   use contact_pair, only: surface_t
-  use contact_project, only: project
-  use contact_search, only: grid_t, update_grid
-  use contact_shape, only: update_shape
+  use projection, only: project
+  use projection_search, only: grid_t, update_grid
+  use surface_geometry, only: update_shape
   use contact_surface, only: build_surface
   use mesh, only: mesh_t
   use patch_body, only: build_body

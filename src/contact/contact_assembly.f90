@@ -1,0 +1,339 @@
+!> Contact in the global system: where every point stands, which elements that couples, and the sum
+!! of their forces and derivatives.
+!!
+!! Contact when a step is accepted: what its forces were made of, and what the next one starts with.
+module contact_assembly
+  use base_kinds, only: wp
+  use contact_bond, only: ask_foot
+  use subcell_quadrature, only: acting
+  use contact_element, only: form_element
+  use contact_active, only: find_feet, pairs_t, new_pairs, need_pair, find_pair, has_idle, &
+      prune_pairs, pair_clique, map_pairs, follow_silent
+  use projection_type, only: foot_t, shape_t, touches
+  use contact_pair, only: contact_t, contact_points_t, surface_t
+  use projection_search, only: grid_t, update_grid
+  use surface_geometry, only: update_shape
+  use contact_history, only: side_positions, look_aside, ASIDE, accept_slides
+  use rigid_surface, only: react
+  use contact_work, only: work_t, new_work
+  use csr, only: block_matrix_t, clique_t
+  use csr_coupling, only: add_coupling, coupling_map
+  use model, only: model_t, state_t
+  use contact_forces, only: add_shares
+  implicit none
+  private
+  public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
+            add_contact, friction_acts, share_contact, accept_contact
+
+  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr reached
+
+  !> Feet of the points of one side on the other.
+  type :: feet_t
+    type(foot_t), allocatable :: at(:)   !! (np)
+  end type feet_t
+
+  !> One contact under way.
+  type :: contact_work_t
+    integer :: step = -1                 !! of the last search
+    type(shape_t) :: shape(2)
+    type(grid_t) :: grid(2)
+    type(feet_t) :: feet(2)
+    type(pairs_t) :: pairs(2)
+    type(work_t) :: element(2)
+  end type contact_work_t
+
+contains
+
+  !> Room for all contacts of a model.
+  subroutine new_contact_work(model, work)
+    type(model_t), intent(in) :: model
+    type(contact_work_t), allocatable, intent(out) :: work(:)
+    integer :: c, k
+
+    allocate (work(size(model%contact)))
+    do c = 1, size(work)
+      do k = 1, 2
+        associate (contact => model%contact(c))
+          call new_pairs(work(c)%pairs(k), contact%side(k)%nelem)
+          call new_work(contact, k, work(c)%element(k))
+          if (contact%side(k)%rigid) cycle
+          allocate (work(c)%feet(k)%at(contact%nq*contact%side(k)%nelem))
+        end associate
+      end do
+    end do
+  end subroutine new_contact_work
+
+  !> Friction acts in steps that start at AFTEr or later.
+  pure logical function friction_acts(contact, state) result(acts)
+    type(contact_t), intent(in) :: contact
+    type(state_t), intent(in) :: state
+
+    acts = contact%has_friction
+    if (acts .and. contact%has_after) then
+      acts = state%time - state%dt >= contact%after - AT_ONCE*state%dt
+    end if
+  end function friction_acts
+
+  !> Project all points; `grown`: the pattern must be made anew, as elements are coupled now that it
+  !! does not couple, or as a step begins with fewer: its pattern may not tell of the steps before,
+  !! which a restarted run has not seen.
+  subroutine find_contact(work, model, state, grown)
+    type(contact_work_t), intent(inout) :: work(:)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    logical, intent(out) :: grown
+    real(wp), allocatable :: x(:, :)
+    logical :: slides
+    integer :: c, k
+
+    grown = .false.
+    if (size(work) == 0) return
+    x = model%mesh%xr + state%u
+    do c = 1, size(work)
+      associate (contact => model%contact(c))
+        slides = friction_acts(contact, state)
+        do k = 1, 2
+          call update_shape(contact%side(k), x, work(c)%shape(k))
+          if (.not. contact%side(3 - k)%rigid) then
+            call update_grid(contact%side(k), work(c)%shape(k), work(c)%grid(k))
+          end if
+        end do
+        do k = 1, 2
+          if (contact%side(k)%rigid) cycle
+          call find_feet(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
+                         work(c)%feet(k)%at, state%contact(c)%side(k))
+          call need_pairs(work(c), contact, k, x, state%contact(c)%side(k), slides, state%step, &
+                          grown)
+          if (work(c)%step /= state%step) grown = grown .or. has_idle(work(c)%pairs(k), state%step)
+        end do
+        work(c)%step = state%step
+      end associate
+    end do
+  end subroutine find_contact
+
+  !> Pairs of elements that the points in contact couple.
+  subroutine need_pairs(work, contact, k, x, points, slides, step, grown)
+    type(contact_work_t), intent(inout) :: work
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, step
+    real(wp), intent(in) :: x(:, :)
+    type(contact_points_t), intent(in) :: points
+    logical, intent(in) :: slides
+    logical, intent(inout) :: grown
+    real(wp) :: p, dp, energy, xp(3, contact%nq)
+    integer :: act(2), e, i, q
+    logical :: needed
+
+    do e = 1, contact%side(k)%nelem
+      if (contact%on_pair) call side_positions(contact%side(k), e, x, xp)
+      act = acting(contact, points, e)
+      do q = act(1), act(2)
+        i = (e - 1)*contact%nq + q
+        if (points%bond(i) > 0) then
+          call need_pair(work%pairs(k), e, points%bond(i), step, grown)
+          call ask_foot(contact, contact%side(3 - k), x, i, xp(:, q), points, work%element(k), &
+                        needed)
+          if (.not. needed) cycle
+        end if
+        associate (foot => work%feet(k)%at(i))
+          if (.not. touches(foot, contact%depth)) cycle
+          call contact%normal%normal(contact%normal_prop, foot%gap, points%multiplier(i), p, dp, &
+                                     energy)
+          if (.not. p > 0.0_wp) cycle
+          call need_pair(work%pairs(k), e, foot%elem, step, grown)
+          if (slides .and. points%slide(i) > 0) then
+            call need_pair(work%pairs(k), e, points%slide(i), step, grown)
+          end if
+        end associate
+      end do
+    end do
+  end subroutine need_pairs
+
+  !> Couplings for the pattern, two cliques a contact; pairs not needed in this step are dropped.
+  subroutine contact_cliques(work, model, step, clique)
+    type(contact_work_t), intent(inout) :: work(:)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: step
+    type(clique_t), intent(out) :: clique(:) !! (2*size(work))
+    integer :: c, k
+
+    do c = 1, size(work)
+      do k = 1, 2
+        call prune_pairs(work(c)%pairs(k), step)
+        associate (contact => model%contact(c))
+          call pair_clique(work(c)%pairs(k), contact%side(k), contact%side(3 - k), &
+                           contact%balanced .and. contact%has_friction, clique(2*c - 2 + k))
+        end associate
+      end do
+    end do
+  end subroutine contact_cliques
+
+  !> Where the couplings stand in a new pattern.
+  subroutine map_contact(work, model, a)
+    type(contact_work_t), intent(inout) :: work(:)
+    type(model_t), intent(in) :: model
+    type(block_matrix_t), intent(in) :: a
+    integer :: c, k
+
+    do c = 1, size(work)
+      do k = 1, 2
+        associate (contact => model%contact(c))
+          call map_pairs(work(c)%pairs(k), contact%side(k), contact%side(3 - k), &
+                         contact%balanced, a)
+        end associate
+      end do
+    end do
+  end subroutine map_contact
+
+  !> Forces and derivatives of all contacts, at the feet that find_contact found.
+  subroutine add_contact(work, model, state, a, f, rounding, largest)
+    type(contact_work_t), intent(inout) :: work(:)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(block_matrix_t), intent(inout) :: a
+    real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
+    real(wp), intent(inout) :: rounding, largest   !! see sweep_t
+    real(wp), allocatable :: x(:, :)
+    integer :: c, k
+
+    if (size(work) == 0) return
+    x = model%mesh%xr + state%u
+    do c = 1, size(work)
+      do k = 1, 2
+        if (model%contact(c)%side(k)%rigid) cycle
+        state%contact(c)%side(k)%dt = state%dt
+        call add_side(work(c), model%contact(c), k, x, friction_acts(model%contact(c), state), &
+                      state%u, state%contact(c)%side(k), a, f, rounding, largest)
+      end do
+    end do
+  end subroutine add_contact
+
+  !> One side of one contact.
+  subroutine add_side(work, contact, k, x, slides, u, points, a, f, rounding, largest)
+    type(contact_work_t), intent(inout) :: work
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    real(wp), intent(in) :: x(:, :), u(:, :)
+    logical, intent(in) :: slides
+    type(contact_points_t), intent(inout) :: points
+    type(block_matrix_t), intent(inout) :: a
+    real(wp), intent(inout) :: f(:, :), rounding, largest
+    integer :: b, e, i, n
+
+    associate (own => contact%side(k), other => contact%side(3 - k), part => work%element(k))
+      do e = 1, own%nelem
+        i = (e - 1)*contact%nq
+        call form_element(contact, k, e, x, work%feet(k)%at(i + 1:i + contact%nq), slides, points, &
+                          part)
+        if (part%npartner == 0) cycle
+        if (other%rigid) then
+          call react(other, work%feet(k)%at(i + 1:i + contact%nq), points, i, f)
+        end if
+        associate (mine => own%node(own%first(e):own%first(e + 1) - 1))
+          do b = 1, part%nk
+            n = mine(b)
+            f(:, n) = f(:, n) + part%r(:, b)
+            rounding = rounding + sum(abs(part%r(:, b)*u(:, n)))
+            largest = max(largest, maxval(abs(part%r(:, b))))
+          end do
+          call add_coupling(a, mine, mine, work%pairs(k)%self(e)%at, part%kk)
+          do b = 1, part%npartner
+            n = part%partner(b)
+            call add_coupling(a, mine, other%node(other%first(n):other%first(n + 1) - 1), &
+                              work%pairs(k)%map(find_pair(work%pairs(k), e, n))%at, &
+                              part%kl(:, :, b))
+            if (contact%balanced) call load_partner(work%pairs(k), other, mine, e, b, part, a, f)
+          end do
+        end associate
+        call couple_partners(other, part, a)
+      end do
+    end associate
+    points%fresh = .false.
+  end subroutine add_side
+
+  !> Forces of the element's points on their partner of slot b, and their derivatives.
+  subroutine load_partner(pairs, other, mine, e, b, part, a, f)
+    type(pairs_t), intent(in) :: pairs
+    type(surface_t), intent(in) :: other
+    integer, intent(in) :: mine(:)                 !! nodes of the element
+    integer, intent(in) :: e, b
+    type(work_t), intent(in) :: part
+    type(block_matrix_t), intent(inout) :: a
+    real(wp), intent(inout) :: f(:, :)
+    integer :: j
+
+    associate (map => pairs%map(find_pair(pairs, e, part%partner(b))), p => part%partner(b))
+      associate (theirs => other%node(other%first(p):other%first(p + 1) - 1))
+        do j = 1, size(theirs)
+          f(:, theirs(j)) = f(:, theirs(j)) + part%back(:, j, b)
+        end do
+        call add_coupling(a, theirs, mine, map%back, part%lk(:, :, b))
+        call add_coupling(a, theirs, theirs, map%there, part%ll(:, :, b))
+      end associate
+    end associate
+  end subroutine load_partner
+
+  !> Derivatives of the forces on a partner against another one's nodes: friction, BALAnced.
+  subroutine couple_partners(other, part, a)
+    type(surface_t), intent(in) :: other
+    type(work_t), intent(in) :: part
+    type(block_matrix_t), intent(inout) :: a
+    integer, allocatable :: map(:, :)
+    integer :: i, m, n
+
+    do i = 1, part%ncross
+      m = part%partner(part%pair(1, i))
+      n = part%partner(part%pair(2, i))
+      associate (rows => other%node(other%first(m):other%first(m + 1) - 1), &
+                 cols => other%node(other%first(n):other%first(n + 1) - 1))
+        allocate (map(size(rows), size(cols)))
+        call coupling_map(a, rows, cols, map)
+        call add_coupling(a, rows, cols, map, part%cross(:, :, i))
+        deallocate (map)
+      end associate
+    end do
+  end subroutine couple_partners
+
+  !> Shares of the internal forces: pressure, friction and cohesion of all contacts.
+  subroutine share_contact(work, model, state, f)
+    type(contact_work_t), intent(in) :: work(:)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(out) :: f(:, :, :)            !! (3, nnode, 3) [F]
+    integer :: c, k
+
+    f = 0.0_wp
+    do c = 1, size(work)
+      do k = 1, 2
+        if (model%contact(c)%side(k)%rigid) cycle
+        call add_shares(model%contact(c), k, work(c)%feet(k)%at, state%contact(c)%side(k), f)
+      end do
+    end do
+  end subroutine share_contact
+
+  !> The step is done: stored sliding points move.
+  subroutine accept_contact(work, model, state)
+    type(contact_work_t), intent(inout) :: work(:)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), allocatable :: x(:, :)
+    integer :: c, k
+
+    if (size(work) == 0) return
+    x = model%mesh%xr + state%u
+    do c = 1, size(work)
+      associate (contact => model%contact(c), point => state%contact(c)%side)
+        do k = 1, 2
+          if (contact%side(k)%rigid) cycle
+          call follow_silent(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
+                             friction_acts(contact, state), work(c)%feet(k)%at, point(k), &
+                             work(c)%element(k))
+          call look_aside(work(c)%feet(k)%at, ASIDE*contact%depth, point(k))
+          call accept_slides(contact%side(k), contact%side(3 - k), work(c)%shape(3 - k), x, &
+                             work(c)%feet(k)%at, point(k))
+        end do
+      end associate
+    end do
+  end subroutine accept_contact
+
+end module contact_assembly

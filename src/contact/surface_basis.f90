@@ -1,0 +1,190 @@
+!> Functions of an element on one of its faces, as Bernstein polynomials: N = C B.
+!!
+!! They are found by interpolation of what the element's row gives, so any type is served. Weights
+!! stay outside (surface%w) where numerators are w N; where a rational enriched element meets a
+!! lateral face, nodes of both kinds share the denominator W of its surface: then the weights are
+!! inside C, W N_b for the Lagrange nodes, and surface%w is one there.
+module surface_basis
+  use base_kinds, only: wp
+  use bspline, only: bernstein
+  use element_type, only: element_t, cell_t
+  use face_rule, only: face_directions
+  use contact_pair, only: surface_kind_t
+  use hexa_shape, only: make_rational
+  use lapack, only: dgesv
+  use quadrature, only: gauss, gauss_quad
+  implicit none
+  private
+  public :: find_kind, same_kind, is_mixed, surface_functions_at, make_rational
+
+  !> Coefficients that are closer than this to zero, or to a simple fraction, are rounded to it.
+  real(wp), parameter :: ROUNDING = 1.0e-12_wp, FRACTION = 40320.0_wp
+
+contains
+
+  !> Functions on face `side`, and the local nodes they belong to.
+  subroutine find_kind(row, cell, nen, side, kind, local)
+    type(element_t), intent(in) :: row
+    type(cell_t), intent(in) :: cell
+    integer, intent(in) :: nen, side
+    type(surface_kind_t), intent(out) :: kind
+    integer, allocatable, intent(out) :: local(:)
+    real(wp), allocatable :: v(:, :), c(:, :), m1(:, :), m2(:, :)
+    integer :: n1, n2, i, j, a
+
+    kind%degree = face_degree(cell, nen, side)
+    n1 = kind%degree(1) + 1
+    n2 = kind%degree(2) + 1
+    allocate (m1(n1, n1), m2(n2, n2), v(nen, n1*n2), c(nen, n1*n2))
+    call invert_collocation(n1, m1)
+    call invert_collocation(n2, m2)
+    call sample(row, cell, side, [n1, n2], v)
+    do j = 1, n2 ! second direction first
+      do i = 1, n1
+        c(:, i + n1*(j - 1)) = matmul(v(:, i:i + n1*(n2 - 1):n1), m2(j, :))
+      end do
+    end do
+    do j = 1, n2
+      v(:, n1*(j - 1) + 1:n1*j) = matmul(c(:, n1*(j - 1) + 1:n1*j), transpose(m1))
+    end do
+    call clean(v)
+    local = pack([(a, a=1, nen)], [(any(abs(v(a, :)) > 0.0_wp), a=1, nen)])
+    kind%nsf = size(local)
+    kind%c = v(local, :)
+  end subroutine find_kind
+
+  !> Is the face one on which only some of the nodes have weights?
+  pure logical function is_mixed(cell, nen, side)
+    type(cell_t), intent(in) :: cell
+    integer, intent(in) :: nen, side
+
+    is_mixed = .false.
+    if (allocated(cell%w)) is_mixed = size(cell%w) < nen .and. side < 5
+  end function is_mixed
+
+  !> Degrees in the face's own directions. Enriched elements have more functions on their surface
+  !! than the tensor product of the degrees of the bulk.
+  pure function face_degree(cell, nen, side) result(p)
+    type(cell_t), intent(in) :: cell
+    integer, intent(in) :: nen, side
+    integer :: p(2), full(3), d(2)
+    logical :: enriched
+
+    full = cell%degree
+    d = directions(side)
+    enriched = nen /= product(cell%degree + 1)
+    if (allocated(cell%c)) enriched = cell%degree(3) > 0
+    if (is_mixed(cell, nen, side)) then
+      full(:2) = full(:2) + full(3)
+    else if (enriched .and. side == 6) then
+      full(:2) = full(3)
+    else if (enriched .and. side < 5) then
+      full(:2) = max(full(:2), full(3))
+    end if
+    p = full(d)
+  end function face_degree
+
+  !> The element's directions a and b: a_1 x a_2 points out of the body.
+  pure function directions(side) result(d)
+    integer, intent(in) :: side
+    integer :: d(2), normal
+
+    call face_directions(side, normal, d(1), d(2))
+    if (mod(side, 2) == 1) d = d([2, 1])
+  end function directions
+
+  !> The element's functions at n(1) x n(2) points of the face, numerators where they are rational.
+  subroutine sample(row, cell, side, n, v)
+    type(element_t), intent(in) :: row
+    type(cell_t), intent(in) :: cell
+    integer, intent(in) :: side, n(2)
+    real(wp), intent(out) :: v(:, :) !! (nen, n(1)*n(2))
+    type(cell_t) :: plain
+    real(wp) :: x(2, n(1)*n(2)), w(n(1)*n(2)), xi(3)
+    real(wp) :: dshp(3, size(v, 1)), below(size(v, 1))
+    integer :: d(2), q
+    logical :: mixed
+
+    plain = cell
+    mixed = is_mixed(cell, size(v, 1), side)
+    if (allocated(plain%w)) deallocate (plain%w)
+    d = directions(side)
+    call gauss_quad(n(1), n(2), x, w)
+    do q = 1, size(w)
+      xi((side + 1)/2) = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
+      xi(d) = x(:, q)
+      if (mixed) then
+        call row%functions(cell, xi, v(:, q), dshp)
+        call row%functions(plain, [xi(1), xi(2), -1.0_wp], below, dshp)
+        v(:, q) = v(:, q)*dot_product(cell%w, below(:size(cell%w)))
+      else
+        call row%functions(plain, xi, v(:, q), dshp)
+      end if
+    end do
+  end subroutine sample
+
+  !> m(b, q): coefficient b of the polynomial that is one at point q and zero at the others.
+  subroutine invert_collocation(n, m)
+    integer, intent(in) :: n
+    real(wp), intent(out) :: m(n, n)
+    real(wp) :: a(n, n), b(n), db(n), x(n), w(n)
+    integer :: pivot(n), info, q
+
+    call gauss(n, x, w)
+    m = 0.0_wp
+    do q = 1, n
+      call bernstein(n - 1, x(q), b, db)
+      a(q, :) = b
+      m(q, q) = 1.0_wp
+    end do
+    call dgesv(n, n, a, n, pivot, m, n, info)
+  end subroutine invert_collocation
+
+  !> Take rounding off: what is zero, or a fraction of uniform knots, is that again.
+  pure subroutine clean(c)
+    real(wp), intent(inout) :: c(:, :)
+    real(wp) :: simple
+    integer :: i, j
+
+    do j = 1, size(c, 2)
+      do i = 1, size(c, 1)
+        simple = anint(c(i, j)*FRACTION)/FRACTION
+        if (abs(c(i, j) - simple) < ROUNDING) c(i, j) = simple
+      end do
+    end do
+  end subroutine clean
+
+  pure logical function same_kind(a, b)
+    type(surface_kind_t), intent(in) :: a, b
+
+    same_kind = all(a%degree == b%degree) .and. a%nsf == b%nsf
+    if (same_kind) same_kind = all(abs(a%c - b%c) < ROUNDING)
+  end function same_kind
+
+  !> N and its derivatives at any point of [-1,1]^2, without weights.
+  pure subroutine surface_functions_at(kind, xi, shp, dshp)
+    type(surface_kind_t), intent(in) :: kind
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: shp(:)     !! (nsf)
+    real(wp), intent(out) :: dshp(:, :) !! (2, nsf)
+    real(wp) :: f1(kind%degree(1) + 1), d1(kind%degree(1) + 1)
+    real(wp) :: f2(kind%degree(2) + 1), d2(kind%degree(2) + 1)
+    integer :: i, j, b, n
+
+    n = kind%nsf
+    call bernstein(kind%degree(1), xi(1), f1, d1)
+    call bernstein(kind%degree(2), xi(2), f2, d2)
+    shp(:n) = 0.0_wp
+    dshp(:, :n) = 0.0_wp
+    b = 0
+    do j = 1, size(f2)
+      do i = 1, size(f1)
+        b = b + 1
+        shp(:n) = shp(:n) + kind%c(:, b)*(f1(i)*f2(j))
+        dshp(1, :n) = dshp(1, :n) + kind%c(:, b)*(d1(i)*f2(j))
+        dshp(2, :n) = dshp(2, :n) + kind%c(:, b)*(f1(i)*d2(j))
+      end do
+    end do
+  end subroutine surface_functions_at
+
+end module surface_basis

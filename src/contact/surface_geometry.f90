@@ -1,0 +1,258 @@
+!> Where a surface is now: its Bezier points, and points with tangents and curvatures on it.
+module surface_geometry
+  use base_kinds, only: wp
+  use projection_type, only: shape_t
+  use contact_pair, only: surface_t
+  use hexa_shape, only: MAX_DEGREE
+  implicit none
+  private
+  public :: update_shape, surface_point
+
+contains
+
+  !> Bezier points of all elements from the nodes' positions, and boxes round them.
+  subroutine update_shape(surface, x, shape)
+    type(surface_t), intent(in) :: surface
+    real(wp), intent(in) :: x(:, :)       !! (3, nnode) current positions [L]
+    type(shape_t), intent(inout) :: shape
+    integer :: e, b, n
+
+    if (.not. allocated(shape%bez)) call allocate_shape(surface, shape)
+    do e = 1, surface%nelem
+      associate (kind => surface%kind(surface%ikind(e)), first => surface%first(e))
+        n = product(kind%degree + 1)
+        if (allocated(surface%w)) then
+          call find_rational(kind%c, surface%node(first:), surface%w(first:), x, &
+                             shape%bez(:, :n, e), shape%w(:n, e))
+        else
+          call find_points(kind%c, surface%node(first:), x, shape%bez(:, :n, e))
+        end if
+        shape%low(:, e) = shape%bez(:, 1, e)
+        shape%high(:, e) = shape%bez(:, 1, e)
+        do b = 2, n
+          shape%low(:, e) = min(shape%low(:, e), shape%bez(:, b, e))
+          shape%high(:, e) = max(shape%high(:, e), shape%bez(:, b, e))
+        end do
+      end associate
+    end do
+  end subroutine update_shape
+
+  subroutine allocate_shape(surface, shape)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(inout) :: shape
+    integer :: k, nb
+
+    nb = 0
+    do k = 1, size(surface%kind)
+      nb = max(nb, product(surface%kind(k)%degree + 1))
+    end do
+    allocate (shape%bez(3, nb, surface%nelem), source=0.0_wp)
+    allocate (shape%low(3, surface%nelem), shape%high(3, surface%nelem))
+    if (allocated(surface%w)) allocate (shape%w(nb, surface%nelem), source=1.0_wp)
+  end subroutine allocate_shape
+
+  !> C^T x.
+  pure subroutine find_points(c, node, x, bez)
+    real(wp), intent(in) :: c(:, :)       !! (nsf, nb)
+    integer, intent(in) :: node(:)        !! (nsf or more)
+    real(wp), intent(in) :: x(:, :)
+    real(wp), intent(out) :: bez(:, :)    !! (3, nb)
+    integer :: a, b
+
+    do b = 1, size(c, 2)
+      bez(:, b) = 0.0_wp
+      do a = 1, size(c, 1)
+        if (abs(c(a, b)) > 0.0_wp) bez(:, b) = bez(:, b) + c(a, b)*x(:, node(a))
+      end do
+    end do
+  end subroutine find_points
+
+  !> C^T (w x) over C^T w.
+  pure subroutine find_rational(c, node, w, x, bez, wb)
+    real(wp), intent(in) :: c(:, :)
+    integer, intent(in) :: node(:)
+    real(wp), intent(in) :: w(:)
+    real(wp), intent(in) :: x(:, :)
+    real(wp), intent(out) :: bez(:, :), wb(:)
+    integer :: a, b
+
+    do b = 1, size(c, 2)
+      bez(:, b) = 0.0_wp
+      wb(b) = 0.0_wp
+      do a = 1, size(c, 1)
+        bez(:, b) = bez(:, b) + c(a, b)*w(a)*x(:, node(a))
+        wb(b) = wb(b) + c(a, b)*w(a)
+      end do
+      bez(:, b) = bez(:, b)/wb(b)
+    end do
+  end subroutine find_rational
+
+  !> Position, tangents and second derivatives 11, 22, 12 at a point of an element.
+  pure subroutine surface_point(surface, shape, e, xi, x, a, b)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
+    integer :: p(2)
+
+    p = surface%kind(surface%ikind(e))%degree
+    if (allocated(shape%w)) then
+      call rational_point(p(1) + 1, p(2) + 1, shape%bez(1, 1, e), shape%w(1, e), xi, x, a, b)
+    else if (p(1) == 2 .and. p(2) == 2) then
+      call biquadratic(shape%bez(1, 1, e), xi, x, a, b)
+    else if (p(1) == 1 .and. p(2) == 1) then
+      call bilinear(shape%bez(1, 1, e), xi, x, a, b)
+    else if (p(1) == 3 .and. p(2) == 3) then
+      call tensor_point(4, 4, shape%bez(1, 1, e), xi, x, a, b) ! the compiler makes a copy for it
+    else
+      call tensor_point(p(1) + 1, p(2) + 1, shape%bez(1, 1, e), xi, x, a, b)
+    end if
+  end subroutine surface_point
+
+  pure subroutine bilinear(p, xi, x, a, b)
+    real(wp), intent(in) :: p(3, 2, 2), xi(2)
+    real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
+    real(wp) :: s, t
+
+    s = 0.5_wp*(1.0_wp + xi(1))
+    t = 0.5_wp*(1.0_wp + xi(2))
+    a(:, 1) = 0.5_wp*((1.0_wp - t)*(p(:, 2, 1) - p(:, 1, 1)) + t*(p(:, 2, 2) - p(:, 1, 2)))
+    a(:, 2) = 0.5_wp*((1.0_wp - s)*(p(:, 1, 2) - p(:, 1, 1)) + s*(p(:, 2, 2) - p(:, 2, 1)))
+    x = (1.0_wp - t)*((1.0_wp - s)*p(:, 1, 1) + s*p(:, 2, 1)) &
+        + t*((1.0_wp - s)*p(:, 1, 2) + s*p(:, 2, 2))
+    b(:, :2) = 0.0_wp
+    b(:, 3) = 0.25_wp*((p(:, 2, 2) - p(:, 1, 2)) - (p(:, 2, 1) - p(:, 1, 1)))
+  end subroutine bilinear
+
+  !> Rows in direction 1 first, then across them.
+  pure subroutine biquadratic(p, xi, x, a, b)
+    real(wp), intent(in) :: p(3, 3, 3), xi(2)
+    real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
+    real(wp) :: f(3, 2), d(3, 2), s, t, row(3, 3), slope(3, 3), bend(3, 3)
+    integer :: i, j
+
+    do i = 1, 2
+      s = 0.5_wp*(1.0_wp - xi(i))
+      t = 0.5_wp*(1.0_wp + xi(i))
+      f(1, i) = s*s
+      f(2, i) = 2.0_wp*s*t
+      f(3, i) = t*t
+      d(1, i) = -s
+      d(2, i) = s - t
+      d(3, i) = t
+    end do
+    do j = 1, 3
+      row(:, j) = f(1, 1)*p(:, 1, j) + f(2, 1)*p(:, 2, j) + f(3, 1)*p(:, 3, j)
+      slope(:, j) = d(1, 1)*p(:, 1, j) + d(2, 1)*p(:, 2, j) + d(3, 1)*p(:, 3, j)
+      bend(:, j) = 0.5_wp*(p(:, 1, j) + p(:, 3, j)) - p(:, 2, j)
+    end do
+    x = f(1, 2)*row(:, 1) + f(2, 2)*row(:, 2) + f(3, 2)*row(:, 3)
+    a(:, 1) = f(1, 2)*slope(:, 1) + f(2, 2)*slope(:, 2) + f(3, 2)*slope(:, 3)
+    a(:, 2) = d(1, 2)*row(:, 1) + d(2, 2)*row(:, 2) + d(3, 2)*row(:, 3)
+    b(:, 1) = f(1, 2)*bend(:, 1) + f(2, 2)*bend(:, 2) + f(3, 2)*bend(:, 3)
+    b(:, 2) = 0.5_wp*(row(:, 1) + row(:, 3)) - row(:, 2)
+    b(:, 3) = d(1, 2)*slope(:, 1) + d(2, 2)*slope(:, 2) + d(3, 2)*slope(:, 3)
+  end subroutine biquadratic
+
+  !> Bernstein polynomials on [-1,1] with two derivatives; no work arrays from the heap.
+  pure subroutine fill_basis(n, xi, f)
+    integer, intent(in) :: n             !! degree + 1
+    real(wp), intent(in) :: xi
+    real(wp), intent(inout) :: f(0:MAX_DEGREE, 0:2)
+    real(wp) :: low(-2:MAX_DEGREE)
+    integer :: p, q, i
+
+    if (n == 4) then
+      call fill_cubic(0.5_wp*(1.0_wp - xi), 0.5_wp*(1.0_wp + xi), f)
+      return
+    end if
+    p = n - 1
+    low = 0.0_wp
+    low(0) = 1.0_wp
+    f(:p, 2) = 0.0_wp
+    do q = 1, p
+      if (q == p - 1) then ! low has degree p - 2
+        do i = 0, p
+          f(i, 2) = 0.25_wp*p*(p - 1)*(low(i - 2) - 2.0_wp*low(i - 1) + low(i))
+        end do
+      end if
+      if (q == p) then
+        do i = 0, p
+          f(i, 1) = 0.5_wp*p*(low(i - 1) - low(i))
+        end do
+      end if
+      do i = q, 0, -1
+        low(i) = 0.5_wp*((1.0_wp - xi)*low(i) + (1.0_wp + xi)*low(i - 1))
+      end do
+    end do
+    f(:p, 0) = low(0:p)
+  end subroutine fill_basis
+
+  pure subroutine fill_cubic(s, t, f)
+    real(wp), intent(in) :: s, t         !! (1-xi)/2 and (1+xi)/2
+    real(wp), intent(inout) :: f(0:MAX_DEGREE, 0:2)
+
+    f(:3, 0) = [s**3, 3.0_wp*s*s*t, 3.0_wp*s*t*t, t**3]
+    f(:3, 1) = 1.5_wp*[-s*s, s*(s - 2.0_wp*t), t*(2.0_wp*s - t), t*t]
+    f(:3, 2) = 1.5_wp*[s, t - 2.0_wp*s, s - 2.0_wp*t, t]
+  end subroutine fill_cubic
+
+  !> Any degrees.
+  pure subroutine tensor_point(n1, n2, p, xi, x, a, b)
+    integer, intent(in) :: n1, n2
+    real(wp), intent(in) :: p(3, n1, n2), xi(2)
+    real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
+    real(wp) :: f(0:MAX_DEGREE, 0:2), g(0:MAX_DEGREE, 0:2), row(3), slope(3), bend(3)
+    integer :: i, j
+
+    call fill_basis(n1, xi(1), f)
+    call fill_basis(n2, xi(2), g)
+    x = 0.0_wp
+    a = 0.0_wp
+    b = 0.0_wp
+    do j = 1, n2
+      row = 0.0_wp
+      slope = 0.0_wp
+      bend = 0.0_wp
+      do i = 1, n1
+        row = row + f(i - 1, 0)*p(:, i, j)
+        slope = slope + f(i - 1, 1)*p(:, i, j)
+        bend = bend + f(i - 1, 2)*p(:, i, j)
+      end do
+      x = x + g(j - 1, 0)*row
+      a(:, 1) = a(:, 1) + g(j - 1, 0)*slope
+      a(:, 2) = a(:, 2) + g(j - 1, 1)*row
+      b(:, 1) = b(:, 1) + g(j - 1, 0)*bend
+      b(:, 2) = b(:, 2) + g(j - 1, 2)*row
+      b(:, 3) = b(:, 3) + g(j - 1, 1)*slope
+    end do
+  end subroutine tensor_point
+
+  !> The same for w x and w, then the quotient.
+  pure subroutine rational_point(n1, n2, bez, w, xi, x, a, b)
+    integer, intent(in) :: n1, n2
+    real(wp), intent(in) :: bez(3, n1*n2), w(n1*n2), xi(2)
+    real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
+    integer, parameter :: FIRST(3) = [1, 2, 1], SECOND(3) = [1, 2, 2]
+    real(wp) :: p(3, (MAX_DEGREE + 1)**2), q(3, (MAX_DEGREE + 1)**2)
+    real(wp) :: h(3), ha(3, 2), hb(3, 3)
+    integer :: i
+
+    do i = 1, n1*n2
+      p(:, i) = w(i)*bez(:, i)
+      q(:, i) = w(i)
+    end do
+    call tensor_point(n1, n2, p, xi, x, a, b)
+    call tensor_point(n1, n2, q, xi, h, ha, hb)
+    x = x/h(1)
+    do i = 1, 2
+      a(:, i) = (a(:, i) - ha(1, i)*x)/h(1)
+    end do
+    do i = 1, 3
+      b(:, i) = (b(:, i) - hb(1, i)*x - ha(1, FIRST(i))*a(:, SECOND(i)) &
+                 - ha(1, SECOND(i))*a(:, FIRST(i)))/h(1)
+    end do
+  end subroutine rational_point
+
+end module surface_geometry

@@ -1,0 +1,131 @@
+!> `.iga` files of spline surfaces: control points, and the functions of each element row by row.
+module format_iga
+  use base_kinds, only: wp
+  use base_error, only: error_t
+  use base_text, only: to_text, quoted
+  use format_text, only: text_t, complain, next_word, next_integer, next_count, next_reals, &
+      words_left
+  use spline_surface, only: spline_surface_t, start_surface, add_point, check_sizes, add_element, &
+      finish_surface
+  implicit none
+  private
+  public :: read_iga
+
+contains
+
+  !> From the first word on.
+  subroutine read_iga(text, surface, error)
+    type(text_t), intent(inout) :: text
+    type(spline_surface_t), intent(out) :: surface
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i, nnode, nelem
+    real(wp) :: x(4)
+
+    text%comment = '#'
+    call read_head(text, nnode, nelem, error)
+    if (allocated(error)) return
+    call start_surface(nnode, nelem, surface)
+    do i = 1, nnode
+      call next_keyword(text, 'node', error)
+      if (.not. allocated(error)) call next_reals(text, 'a coordinate or weight', x, error)
+      if (.not. allocated(error)) call add_point(text, x, surface, error)
+      if (allocated(error)) return
+    end do
+    do i = 1, nelem
+      call read_element(text, surface, error)
+      if (allocated(error)) return
+    end do
+    call read_sets(text, error)
+    if (.not. allocated(error)) call finish_surface(text, surface, error)
+  end subroutine read_iga
+
+  !> type, nodeN and elemN.
+  subroutine read_head(text, nnode, nelem, error)
+    type(text_t), intent(inout) :: text
+    integer, intent(out) :: nnode, nelem
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: word
+
+    nnode = 0
+    nelem = 0
+    call next_keyword(text, 'type', error)
+    if (allocated(error)) return
+    call next_word(text, word)
+    if (word /= 'surface' .and. word /= 'plane') then
+      call complain(text, 'the file is of type '//quoted(word), error, &
+                    'a surface is of type surface or plane')
+      return
+    end if
+    call next_keyword(text, 'nodeN', error)
+    if (.not. allocated(error)) call next_count(text, 'a number of control points', nnode, error)
+    if (.not. allocated(error)) call next_keyword(text, 'elemN', error)
+    if (.not. allocated(error)) call next_count(text, 'a number of elements', nelem, error)
+  end subroutine read_head
+
+  subroutine next_keyword(text, key, error)
+    type(text_t), intent(inout) :: text
+    character(*), intent(in) :: key
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: word
+
+    call next_word(text, word)
+    if (word == key) return
+    if (len(word) == 0) then
+      call complain(text, 'the file ends where '//quoted(key)//' should stand', error, &
+                    'its counts may be wrong, or it is cut off')
+    else
+      call complain(text, quoted(word)//' where '//quoted(key)//' should stand', error, &
+                    'counts of control points, elements or functions may be wrong')
+    end if
+  end subroutine next_keyword
+
+  !> belem nshl p q, control points from 0, a row of coefficients for each.
+  subroutine read_element(text, surface, error)
+    type(text_t), intent(inout) :: text
+    type(spline_surface_t), intent(inout) :: surface
+    type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: node(:)
+    real(wp), allocatable :: c(:, :)
+    integer :: a, at, n, degree(2)
+
+    call next_keyword(text, 'belem', error)
+    if (allocated(error)) return
+    at = text%at
+    if (words_left(text) /= 3) then
+      call complain(text, 'belem with '//to_text(words_left(text))//' numbers', error, &
+                    'an element of a surface has its number of functions and two degrees')
+      return
+    end if
+    call next_integer(text, 'a number of functions', n, error)
+    if (.not. allocated(error)) call next_integer(text, 'a degree', degree(1), error)
+    if (.not. allocated(error)) call next_integer(text, 'a degree', degree(2), error)
+    if (.not. allocated(error)) call check_sizes(text, surface%nelem + 1, degree, n, error)
+    if (allocated(error)) return
+    allocate (node(n), c(n, product(degree + 1)))
+    do a = 1, n
+      call next_integer(text, 'the number of a control point', node(a), error)
+      if (allocated(error)) return
+    end do
+    do a = 1, n
+      call next_reals(text, 'a coefficient', c(a, :), error)
+      if (allocated(error)) return
+    end do
+    a = text%at
+    text%at = at
+    call add_element(text, degree, node + 1, c, surface, error)
+    text%at = a
+  end subroutine read_element
+
+  !> Named sets may follow, nothing else: more elements than counted would be lost.
+  subroutine read_sets(text, error)
+    type(text_t), intent(inout) :: text
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: word
+
+    call next_word(text, word)
+    if (len(word) == 0 .or. word == 'set') return
+    call complain(text, quoted(word)//' behind the last element', error, &
+                  'elemN may be too small')
+  end subroutine read_sets
+
+end module format_iga

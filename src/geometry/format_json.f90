@@ -1,0 +1,397 @@
+!> JSON files as a tree of values; what is wrong with one is said with its line.
+!!
+!! Values stand in the order of the file: the first member or element of a value is the one behind
+!! it. Depth and number are bounded.
+!!
+!! Members of JSON objects with the kind that they must have.
+module format_json
+  use base_kinds, only: wp
+  use base_error, only: error_t
+  use base_text, only: to_text, quoted
+  use deck_number, only: whole_number
+  use format_text, only: text_t, complain
+  implicit none
+  private
+  public :: json_t, parse_json, member, first_of, get, get_integer, to_integer, get_reals, compare
+
+  integer, parameter, public :: JSON_NULL = 0, JSON_FALSE = 1, JSON_TRUE = 2, JSON_NUMBER = 3, &
+                                JSON_STRING = 4, JSON_LIST = 5, JSON_OBJECT = 6
+  integer, parameter :: DEEPEST = 64, MOST = 100000000
+
+  type :: json_t
+    integer :: n = 0
+    integer, allocatable :: kind(:)
+    integer, allocatable :: at(:)        !! place in the file
+    integer, allocatable :: key(:)       !! place of a member's name in the file; 0: it has none
+    integer, allocatable :: next(:)      !! its next brother; 0: none
+    integer, allocatable :: length(:)    !! how many members or elements it has
+    real(wp), allocatable :: number(:)
+  end type json_t
+
+contains
+
+  !> The whole text; value 1 is all of it.
+  subroutine parse_json(text, json, error)
+    type(text_t), intent(inout) :: text
+    type(json_t), intent(out) :: json
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    text%at = 1
+    call read_value(text, json, 0, i, error)
+    if (allocated(error)) return
+    call skip_blanks(text)
+    if (text%at <= len(text%all)) call complain(text, 'text behind the end of the JSON value', &
+                                                error)
+  end subroutine parse_json
+
+  !> First member or element of value i; 0: it has none.
+  pure integer function first_of(json, i)
+    type(json_t), intent(in) :: json
+    integer, intent(in) :: i
+
+    first_of = 0
+    if (i > 0) then
+      if (json%length(i) > 0) first_of = i + 1
+    end if
+  end function first_of
+
+  !> Member of an object by its name; 0: there is none.
+  pure integer function member(text, json, i, name)
+    type(text_t), intent(in) :: text
+    type(json_t), intent(in) :: json
+    integer, intent(in) :: i
+    character(*), intent(in) :: name
+    integer :: last
+
+    member = first_of(json, i)
+    do while (member > 0)
+      if (json%key(member) > 0) then
+        last = json%key(member) + len(name)
+        if (last <= len(text%all)) then
+          if (text%all(json%key(member):last) == name//'"') return
+        end if
+      end if
+      member = json%next(member)
+    end do
+  end function member
+
+  !> One more value.
+  subroutine append(json, kind, at, i)
+    type(json_t), intent(inout) :: json
+    integer, intent(in) :: kind, at
+    integer, intent(out) :: i
+
+    if (.not. allocated(json%kind)) then
+      allocate (json%kind(1024), json%at(1024), json%key(1024), json%next(1024), &
+                json%length(1024), json%number(1024))
+    else if (json%n == size(json%kind)) then
+      json%kind = [json%kind, json%kind]
+      json%at = [json%at, json%at]
+      json%key = [json%key, json%key]
+      json%next = [json%next, json%next]
+      json%length = [json%length, json%length]
+      json%number = [json%number, json%number]
+    end if
+    json%n = json%n + 1
+    i = json%n
+    json%kind(i) = kind
+    json%at(i) = at
+    json%key(i) = 0
+    json%next(i) = 0
+    json%length(i) = 0
+    json%number(i) = 0.0_wp
+  end subroutine append
+
+  subroutine skip_blanks(text)
+    type(text_t), intent(inout) :: text
+
+    do while (text%at <= len(text%all))
+      if (iachar(text%all(text%at:text%at)) > 32) exit
+      text%at = text%at + 1
+    end do
+  end subroutine skip_blanks
+
+  !> The next character that is no blank; a blank at the end of the file.
+  subroutine look(text, c)
+    type(text_t), intent(inout) :: text
+    character, intent(out) :: c
+
+    call skip_blanks(text)
+    c = ' '
+    if (text%at <= len(text%all)) c = text%all(text%at:text%at)
+  end subroutine look
+
+  !> A value and all in it.
+  recursive subroutine read_value(text, json, depth, i, error)
+    type(text_t), intent(inout) :: text
+    type(json_t), intent(inout) :: json
+    integer, intent(in) :: depth
+    integer, intent(out) :: i
+    type(error_t), allocatable, intent(out) :: error
+    character :: c
+    integer :: key
+
+    i = 0
+    call look(text, c)
+    if (depth > DEEPEST .or. json%n >= MOST) then
+      call complain(text, 'too much in a JSON value', error, 'values stand at most ' &
+                    //to_text(DEEPEST)//' deep, and there are at most '//to_text(MOST))
+      return
+    end if
+    select case (c)
+    case ('{')
+      call append(json, JSON_OBJECT, text%at, i)
+      call read_list(text, json, depth, i, '}', error)
+    case ('[')
+      call append(json, JSON_LIST, text%at, i)
+      call read_list(text, json, depth, i, ']', error)
+    case ('"')
+      call append(json, JSON_STRING, text%at, i)
+      call read_string(text, key, error)
+    case ('t')
+      call read_word(text, json, 'true', JSON_TRUE, i, error)
+    case ('f')
+      call read_word(text, json, 'false', JSON_FALSE, i, error)
+    case ('n')
+      call read_word(text, json, 'null', JSON_NULL, i, error)
+    case ('-', '0', '1', '2', '3', '4', '5', '6', '7', '8', '9')
+      call append(json, JSON_NUMBER, text%at, i)
+      call read_number(text, json%number(i), error)
+    case default
+      call unexpected(text, 'a value', error)
+    end select
+  end subroutine read_value
+
+  !> Elements, or members with their names, up to the closing bracket.
+  recursive subroutine read_list(text, json, depth, list, close, error)
+    type(text_t), intent(inout) :: text
+    type(json_t), intent(inout) :: json
+    integer, intent(in) :: depth, list
+    character, intent(in) :: close
+    type(error_t), allocatable, intent(out) :: error
+    character :: c
+    integer :: i, last, key
+
+    text%at = text%at + 1
+    last = 0
+    key = 0
+    call look(text, c)
+    if (c == close) then
+      text%at = text%at + 1
+      return
+    end if
+    do
+      if (close == '}') then
+        call read_name(text, key, error)
+        if (allocated(error)) return
+      end if
+      call read_value(text, json, depth + 1, i, error)
+      if (allocated(error)) return
+      json%key(i) = key
+      json%length(list) = json%length(list) + 1
+      if (last > 0) json%next(last) = i
+      last = i
+      call look(text, c)
+      if (c /= close .and. c /= ',') then
+        call unexpected(text, 'a comma or '//close, error)
+        return
+      end if
+      text%at = text%at + 1
+      if (c == close) return
+    end do
+  end subroutine read_list
+
+  !> A member's name and its colon.
+  subroutine read_name(text, key, error)
+    type(text_t), intent(inout) :: text
+    integer, intent(out) :: key
+    type(error_t), allocatable, intent(out) :: error
+    character :: c
+
+    key = 0
+    call look(text, c)
+    if (c /= '"') then
+      call unexpected(text, 'a name in quotes', error)
+      return
+    end if
+    call read_string(text, key, error)
+    if (allocated(error)) return
+    call look(text, c)
+    if (c /= ':') then
+      call unexpected(text, 'a colon', error)
+      return
+    end if
+    text%at = text%at + 1
+  end subroutine read_name
+
+  !> Over a text in quotes; key is where it begins behind them.
+  subroutine read_string(text, key, error)
+    type(text_t), intent(inout) :: text
+    integer, intent(out) :: key
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    key = text%at + 1
+    i = key
+    do while (i <= len(text%all))
+      if (text%all(i:i) == '"') then
+        text%at = i + 1
+        return
+      end if
+      i = i + merge(2, 1, text%all(i:i) == '\')
+    end do
+    call complain(text, 'a text in quotes has no end', error)
+  end subroutine read_string
+
+  subroutine read_number(text, x, error)
+    type(text_t), intent(inout) :: text
+    real(wp), intent(out) :: x
+    type(error_t), allocatable, intent(out) :: error
+    integer :: length
+    logical :: ok
+
+    length = verify(text%all(text%at:), '+-.0123456789eE') - 1
+    if (length < 0) length = len(text%all) - text%at + 1
+    call whole_number(text%all(text%at:text%at + length - 1), x, ok)
+    if (ok) then
+      text%at = text%at + length
+    else
+      call complain(text, quoted(text%all(text%at:text%at + length - 1))//' is no number', error)
+    end if
+  end subroutine read_number
+
+  !> true, false or null.
+  subroutine read_word(text, json, word, kind, i, error)
+    type(text_t), intent(inout) :: text
+    type(json_t), intent(inout) :: json
+    character(*), intent(in) :: word
+    integer, intent(in) :: kind
+    integer, intent(out) :: i
+    type(error_t), allocatable, intent(out) :: error
+
+    i = 0
+    if (index(text%all(text%at:), word) /= 1) then
+      call unexpected(text, 'a value', error)
+      return
+    end if
+    call append(json, kind, text%at, i)
+    text%at = text%at + len(word)
+  end subroutine read_word
+
+  subroutine unexpected(text, what, error)
+    type(text_t), intent(in) :: text
+    character(*), intent(in) :: what
+    type(error_t), allocatable, intent(out) :: error
+
+    if (text%at > len(text%all)) then
+      call complain(text, 'the file ends where '//what//' should stand', error, &
+                    'the file seems to be cut off')
+    else
+      call complain(text, quoted(text%all(text%at:text%at))//' where '//what//' should stand', &
+                    error)
+    end if
+  end subroutine unexpected
+
+  !> A member of a kind.
+  subroutine get(text, json, i, name, kind, found, error)
+    type(text_t), intent(inout) :: text
+    type(json_t), intent(in) :: json
+    integer, intent(in) :: i, kind
+    character(*), intent(in) :: name
+    integer, intent(out) :: found
+    type(error_t), allocatable, intent(out) :: error
+
+    found = member(text, json, i, name)
+    text%at = json%at(i)
+    if (found == 0) then
+      call complain(text, 'there is no '//quoted(name), error, &
+                    'the format asks for it')
+      return
+    end if
+    text%at = json%at(found)
+    if (json%kind(found) /= kind) call complain(text, quoted(name)//' is not what it should be', &
+                                                error, 'it is '//kind_name(kind))
+  end subroutine get
+
+  pure function kind_name(kind) result(name)
+    integer, intent(in) :: kind
+    character(:), allocatable :: name
+
+    name = 'a list'
+    if (kind == JSON_NUMBER) name = 'a number'
+    if (kind == JSON_OBJECT) name = 'an object'
+  end function kind_name
+
+  subroutine get_integer(text, json, i, name, n, error)
+    type(text_t), intent(inout) :: text
+    type(json_t), intent(in) :: json
+    integer, intent(in) :: i
+    character(*), intent(in) :: name
+    integer, intent(out) :: n
+    type(error_t), allocatable, intent(out) :: error
+    integer :: found
+
+    n = 0
+    call get(text, json, i, name, JSON_NUMBER, found, error)
+    if (.not. allocated(error)) call to_integer(text, json, found, name, n, error)
+  end subroutine get_integer
+
+  !> A value as a whole number.
+  subroutine to_integer(text, json, i, name, n, error)
+    type(text_t), intent(inout) :: text
+    type(json_t), intent(in) :: json
+    integer, intent(in) :: i
+    character(*), intent(in) :: name
+    integer, intent(out) :: n
+    type(error_t), allocatable, intent(out) :: error
+
+    n = 0
+    text%at = json%at(i)
+    if (json%kind(i) == JSON_NUMBER .and. abs(json%number(i)) < huge(n) &
+        .and. .not. abs(json%number(i) - anint(json%number(i))) > 0.0_wp) then
+      n = nint(json%number(i))
+    else
+      call complain(text, 'a whole number should stand in '//quoted(name), error)
+    end if
+  end subroutine to_integer
+
+  !> All numbers of a list.
+  subroutine get_reals(text, json, list, name, x, error)
+    type(text_t), intent(inout) :: text
+    type(json_t), intent(in) :: json
+    integer, intent(in) :: list
+    character(*), intent(in) :: name
+    real(wp), allocatable, intent(out) :: x(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i, j
+
+    allocate (x(json%length(list)), source=0.0_wp)
+    j = first_of(json, list)
+    do i = 1, size(x)
+      if (json%kind(j) /= JSON_NUMBER) then
+        text%at = json%at(j)
+        call complain(text, 'a number should stand in '//quoted(name), error)
+        return
+      end if
+      x(i) = json%number(j)
+      j = json%next(j)
+    end do
+  end subroutine get_reals
+
+  !> A count, where the file says one.
+  subroutine compare(text, json, i, name, n, error)
+    type(text_t), intent(inout) :: text
+    type(json_t), intent(in) :: json
+    integer, intent(in) :: i, n
+    character(*), intent(in) :: name
+    type(error_t), allocatable, intent(out) :: error
+    integer :: said
+
+    if (member(text, json, i, name) == 0) return
+    call get_integer(text, json, i, name, said, error)
+    if (allocated(error) .or. said == n) return
+    call complain(text, quoted(name)//' is '//to_text(said)//', but there are '//to_text(n), error)
+  end subroutine compare
+
+end module format_json

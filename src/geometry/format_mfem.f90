@@ -1,0 +1,480 @@
+!> Files `MFEM NURBS mesh v1.0`: blocks of NURBS with a common numbering of control points.
+!!
+!! Knots run as the edge is written; positions are Euclidean; format_mfem says in which order
+!! the control points stand.
+!! Source: mfem.org, mesh format; the files of its own data folder.
+!!
+!! Topology of an MFEM NURBS mesh and the numbering of its control points.
+!!
+!! Numbering: vertices; the inner points of the edges, in the order of the section `edges`, each
+!! from its lower vertex to its higher; those of the faces, in the order in which the elements
+!! bring them, along the face's first vertices; those of the elements.
+module format_mfem
+  use base_error, only: error_t
+  use base_text, only: to_text, quoted
+  use bspline, only: spline_t, nfunction
+  use nurbs, only: nurbs_t, new_nurbs
+  use format_text, only: text_t, complain, next_word, next_integer, next_count, next_reals
+  use base_kinds, only: wp, i8
+  implicit none
+  private
+  public :: read_mfem, mfem_t, number_points, find_point, find_edge
+
+  !> Where the eight vertices of an element stand in its directions.
+  integer, parameter :: CORNER(3, 0:7) = reshape([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &
+                                                  0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
+  !> Vertices of its faces, in the order that numbers the inner points.
+  integer, parameter :: QUAD(4, 6) = reshape([3, 2, 1, 0, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, &
+                                              3, 0, 4, 7, 4, 5, 6, 7], [4, 6])
+
+  !> A file as read.
+  type :: mfem_t
+    integer :: nvertex = 0
+    integer, allocatable :: vertex(:, :)  !! (8, nelem) from 0, as in the file
+    integer, allocatable :: edge(:, :)    !! (3, nedge) knot vector, two vertices, from 0
+    type(spline_t), allocatable :: dir(:) !! knot vectors
+    real(wp), allocatable :: w(:), x(:, :) !! (n), (3, n)
+    integer, allocatable :: face(:, :)    !! (4, nface) vertices in the order of the first element
+    integer, allocatable :: first_edge(:) !! (nedge+1) points before those of the edge
+    integer, allocatable :: first_face(:) !! (nface+1)
+    integer, allocatable :: first_elem(:) !! (nelem+1)
+  end type mfem_t
+
+contains
+
+  !> The element `name` (its number, from 1) of a file.
+  subroutine read_mfem(text, name, patch, error)
+    type(text_t), intent(inout) :: text
+    character(*), intent(in) :: name
+    type(nurbs_t), intent(out) :: patch
+    type(error_t), allocatable, intent(out) :: error
+    type(mfem_t) :: mfem
+    integer :: e
+
+    text%comment = '#'
+    call read_topology(text, mfem, error)
+    if (allocated(error)) return
+    call choose(text, name, size(mfem%vertex, 2), e, error)
+    if (allocated(error)) return
+    call number_points(text, mfem, error)
+    if (allocated(error)) return
+    call read_points(text, mfem, error)
+    if (allocated(error)) return
+    call take_element(text, mfem, e, patch, error)
+  end subroutine read_mfem
+
+  subroutine choose(text, name, n, e, error)
+    type(text_t), intent(inout) :: text
+    character(*), intent(in) :: name
+    integer, intent(in) :: n
+    integer, intent(out) :: e
+    type(error_t), allocatable, intent(out) :: error
+    integer :: status
+
+    e = 1
+    if (len_trim(name) == 0 .and. n == 1) return
+    status = 1
+    if (len_trim(name) > 0 .and. verify(trim(name), '0123456789') == 0) then
+      read (name, *, iostat=status) e
+    end if
+    if (status == 0 .and. e >= 1 .and. e <= n) return
+    text%at = 0
+    if (len_trim(name) == 0) then
+      call complain(text, 'the file has '//to_text(n)//' patches', error, &
+                    'name one by its number: FILE path 1')
+    else
+      call complain(text, 'the file has no patch '//quoted(trim(name)), error, &
+                    'it has patches 1 to '//to_text(n))
+    end if
+  end subroutine choose
+
+  !> Everything up to the knot vectors.
+  subroutine read_topology(text, mfem, error)
+    type(text_t), intent(inout) :: text
+    type(mfem_t), intent(inout) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: word
+    integer :: n
+
+    do
+      call next_word(text, word)
+      select case (word)
+      case ('dimension')
+        call next_integer(text, 'the dimension', n, error)
+        if (.not. allocated(error) .and. n /= 3) then
+          call complain(text, 'the mesh has dimension '//to_text(n), error, 'a body needs 3')
+        end if
+      case ('elements')
+        call read_elements(text, mfem%vertex, error)
+      case ('boundary')
+        call skip_boundary(text, error)
+      case ('edges')
+        call read_edges(text, mfem%edge, error)
+      case ('vertices')
+        call next_count(text, 'the number of vertices', mfem%nvertex, error)
+      case ('knotvectors')
+        call read_knots(text, mfem%dir, error)
+        if (.not. allocated(error)) call check_topology(text, mfem, error)
+        return
+      case ('')
+        call complain(text, 'the file ends before its knotvectors', error)
+      case default
+        call complain(text, 'section '//quoted(word)//' is not supported', error, 'known ' &
+                      //'sections: dimension elements boundary edges vertices knotvectors weights')
+      end select
+      if (allocated(error)) return
+    end do
+  end subroutine read_topology
+
+  subroutine read_elements(text, vertex, error)
+    type(text_t), intent(inout) :: text
+    integer, allocatable, intent(out) :: vertex(:, :)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: n, e, i, kind
+
+    call next_count(text, 'the number of elements', n, error)
+    if (allocated(error)) return
+    allocate (vertex(8, n))
+    do e = 1, n
+      call next_integer(text, 'an attribute', kind, error)
+      if (allocated(error)) return
+      call next_integer(text, 'an element type', kind, error)
+      if (allocated(error)) return
+      if (kind /= 5) then
+        call complain(text, 'element type '//to_text(kind)//' is not a cube (5)', error)
+        return
+      end if
+      do i = 1, 8
+        call next_count(text, 'a vertex', vertex(i, e), error)
+        if (allocated(error)) return
+      end do
+    end do
+  end subroutine read_elements
+
+  subroutine skip_boundary(text, error)
+    type(text_t), intent(inout) :: text
+    type(error_t), allocatable, intent(out) :: error
+    integer :: n, e, i, kind
+
+    call next_count(text, 'the number of boundary faces', n, error)
+    if (allocated(error)) return
+    do e = 1, n
+      do i = 1, 6
+        call next_integer(text, 'a number of a boundary face', kind, error)
+        if (allocated(error)) return
+      end do
+    end do
+  end subroutine skip_boundary
+
+  subroutine read_edges(text, edge, error)
+    type(text_t), intent(inout) :: text
+    integer, allocatable, intent(out) :: edge(:, :)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: n, e, i
+
+    call next_count(text, 'the number of edges', n, error)
+    if (allocated(error)) return
+    allocate (edge(3, n))
+    do e = 1, n
+      do i = 1, 3
+        call next_count(text, 'a number of an edge', edge(i, e), error)
+        if (allocated(error)) return
+      end do
+    end do
+  end subroutine read_edges
+
+  subroutine read_knots(text, dir, error)
+    type(text_t), intent(inout) :: text
+    type(spline_t), allocatable, intent(out) :: dir(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: n, i, ncp
+
+    call next_count(text, 'the number of knot vectors', n, error)
+    if (allocated(error)) return
+    allocate (dir(n))
+    do i = 1, n
+      call next_count(text, 'a degree', dir(i)%degree, error)
+      if (allocated(error)) return
+      call next_count(text, 'a number of control points', ncp, error)
+      if (allocated(error)) return
+      if (ncp <= dir(i)%degree) then
+        call complain(text, to_text(ncp)//' control points for degree '//to_text(dir(i)%degree), &
+                      error)
+        return
+      end if
+      allocate (dir(i)%knots(ncp + dir(i)%degree + 1))
+      call next_reals(text, 'a knot', dir(i)%knots, error)
+      if (allocated(error)) return
+    end do
+  end subroutine read_knots
+
+  !> Numbers that point to what is there.
+  subroutine check_topology(text, mfem, error)
+    type(text_t), intent(in) :: text
+    type(mfem_t), intent(in) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    integer :: e
+
+    if (.not. (allocated(mfem%vertex) .and. allocated(mfem%edge))) then
+      call complain(text, 'no elements or no edges before the knotvectors', error)
+    else if (size(mfem%vertex) == 0 .or. size(mfem%edge) == 0) then
+      call complain(text, 'no elements or no edges before the knotvectors', error)
+    else if (max(maxval(mfem%vertex), maxval(mfem%edge(2:3, :))) >= mfem%nvertex) then
+      call complain(text, 'a vertex is not among the '//to_text(mfem%nvertex)//' there are', error)
+    else if (any([(repeats(mfem%vertex(:, e)), e=1, size(mfem%vertex, 2))])) then
+      call complain(text, 'an element has a vertex twice', error)
+    else if (maxval(mfem%edge(1, :)) >= size(mfem%dir)) then
+      call complain(text, 'an edge has a knot vector that is not among the ' &
+                    //to_text(size(mfem%dir))//' of the file', error)
+    end if
+  end subroutine check_topology
+
+  pure logical function repeats(v)
+    integer, intent(in) :: v(:)
+    integer :: i
+
+    repeats = any([(any(v(i + 1:) == v(i)), i=1, size(v) - 1)])
+  end function repeats
+
+  !> Weights and positions.
+  subroutine read_points(text, mfem, error)
+    type(text_t), intent(inout) :: text
+    type(mfem_t), intent(inout) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: word
+    integer :: n, i, ordering, dimension
+
+    n = mfem%first_elem(size(mfem%first_elem))
+    allocate (mfem%w(n), mfem%x(3, n))
+    ordering = -1
+    dimension = 0
+    call next_word(text, word)
+    if (word /= 'weights') then
+      call complain(text, quoted(word)//' where weights should stand', error)
+      return
+    end if
+    call next_reals(text, 'a weight', mfem%w, error)
+    if (allocated(error)) return
+    do while (ordering < 0)
+      call next_word(text, word)
+      select case (word)
+      case ('FiniteElementSpace', 'FiniteElementCollection:')
+        if (word == 'FiniteElementCollection:') call next_word(text, word)
+      case ('VDim:')
+        call next_integer(text, 'the dimension', dimension, error)
+      case ('Ordering:')
+        call next_count(text, 'the ordering', ordering, error)
+      case default
+        call complain(text, quoted(word)//' where the FiniteElementSpace should stand', error)
+      end select
+      if (allocated(error)) return
+    end do
+    if (dimension /= 3 .or. ordering > 1) then
+      call complain(text, 'VDim '//to_text(dimension)//', Ordering '//to_text(ordering), error, &
+                    'VDim is 3, Ordering 0 or 1')
+      return
+    end if
+    do i = 1, merge(n, 3, ordering == 1)
+      if (ordering == 1) then
+        call next_reals(text, 'a coordinate', mfem%x(:, i), error)
+      else
+        call next_reals(text, 'a coordinate', mfem%x(i, :), error)
+      end if
+      if (allocated(error)) return
+    end do
+  end subroutine read_points
+
+  !> The patch of one element.
+  subroutine take_element(text, mfem, e, patch, error)
+    type(text_t), intent(in) :: text
+    type(mfem_t), intent(in) :: mfem
+    integer, intent(in) :: e
+    type(nurbs_t), intent(out) :: patch
+    type(error_t), allocatable, intent(out) :: error
+    integer, parameter :: FAR(3) = [1, 3, 4]
+    type(spline_t) :: dir(3)
+    integer, allocatable :: at(:)
+    integer :: d, i, j, k, n(3), last
+
+    do d = 1, 3
+      associate (a => mfem%vertex(1, e), b => mfem%vertex(FAR(d) + 1, e))
+        i = find_edge(mfem, a, b)
+        dir(d) = mfem%dir(mfem%edge(1, i) + 1)
+        if (mfem%edge(2, i) == b) then ! the edge is written the other way
+          last = size(dir(d)%knots)
+          dir(d)%knots = dir(d)%knots(1) + dir(d)%knots(last) - dir(d)%knots(last:1:-1)
+        end if
+      end associate
+      n(d) = nfunction(dir(d))
+    end do
+    allocate (at(product(n)))
+    do k = 1, n(3)
+      do j = 1, n(2)
+        do i = 1, n(1)
+          call find_point(text, mfem, e, n, [i, j, k], at(i + n(1)*(j - 1 + n(2)*(k - 1))), error)
+          if (allocated(error)) return
+        end do
+      end do
+    end do
+    call new_nurbs(patch, dir, mfem%x(:, at), mfem%w(at))
+  end subroutine take_element
+
+  !> Where the points of each edge, face and element begin.
+  subroutine number_points(text, mfem, error)
+    type(text_t), intent(in) :: text
+    type(mfem_t), intent(inout) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: list(:, :)
+    integer(i8), allocatable :: inner(:)
+    integer :: e, f, i, n(3), nface, v(4)
+    integer(i8) :: total
+
+    nface = 0
+    allocate (list(4, 6*size(mfem%vertex, 2)), inner(6*size(mfem%vertex, 2)))
+    allocate (mfem%first_edge(size(mfem%edge, 2) + 1), mfem%first_elem(size(mfem%vertex, 2) + 1))
+    total = mfem%nvertex
+    do e = 1, size(mfem%edge, 2)
+      mfem%first_edge(e) = int(total)
+      total = total + nfunction(mfem%dir(mfem%edge(1, e) + 1)) - 2
+    end do
+    do e = 1, size(mfem%vertex, 2)
+      call directions(text, mfem, e, n, error)
+      if (allocated(error)) return
+      do f = 1, 6
+        v = mfem%vertex(QUAD(:, f) + 1, e)
+        if (find_face(list(:, :nface), v) > 0) cycle
+        nface = nface + 1
+        list(:, nface) = v
+        i = axis(QUAD(1, f), QUAD(2, f))
+        inner(nface) = int(n(i) - 2, i8)*(n(axis(QUAD(1, f), QUAD(4, f))) - 2)
+      end do
+    end do
+    mfem%face = list(:, :nface)
+    allocate (mfem%first_face(nface + 1))
+    do f = 1, nface
+      mfem%first_face(f) = int(min(total, int(huge(1), i8)))
+      total = total + inner(f)
+    end do
+    do e = 1, size(mfem%vertex, 2)
+      mfem%first_elem(e) = int(min(total, int(huge(1), i8)))
+      call directions(text, mfem, e, n, error)
+      total = total + product(int(n - 2, i8))
+    end do
+    mfem%first_elem(size(mfem%vertex, 2) + 1) = int(min(total, int(huge(1), i8)))
+    if (total > len(text%all)) call complain(text, to_text(total) &
+                                             //' control points cannot stand in this file', error)
+  end subroutine number_points
+
+  !> Control points of an element in its directions.
+  subroutine directions(text, mfem, e, n, error)
+    type(text_t), intent(in) :: text
+    type(mfem_t), intent(in) :: mfem
+    integer, intent(in) :: e
+    integer, intent(out) :: n(3)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d, i
+    integer, parameter :: FAR(3) = [1, 3, 4] ! neighbours of vertex 0
+
+    do d = 1, 3
+      i = find_edge(mfem, mfem%vertex(1, e), mfem%vertex(FAR(d) + 1, e))
+      if (i == 0) then
+        call complain(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
+                      error)
+        return
+      end if
+      n(d) = nfunction(mfem%dir(mfem%edge(1, i) + 1))
+    end do
+  end subroutine directions
+
+  pure integer function find_edge(mfem, a, b) result(i)
+    type(mfem_t), intent(in) :: mfem
+    integer, intent(in) :: a, b
+
+    do i = 1, size(mfem%edge, 2)
+      if (mfem%edge(2, i) == a .and. mfem%edge(3, i) == b) return
+      if (mfem%edge(2, i) == b .and. mfem%edge(3, i) == a) return
+    end do
+    i = 0
+  end function find_edge
+
+  pure integer function find_face(face, v) result(i)
+    integer, intent(in) :: face(:, :), v(4)
+    integer :: a
+
+    do i = 1, size(face, 2)
+      if (all([(any(face(:, i) == v(a)), a=1, 4)])) return
+    end do
+    i = 0
+  end function find_face
+
+  !> Direction in which two neighbouring vertices of an element differ.
+  pure integer function axis(a, b)
+    integer, intent(in) :: a, b
+
+    axis = maxloc(abs(CORNER(:, a) - CORNER(:, b)), 1)
+  end function axis
+
+  !> Number of the control point (i,j,k) of an element.
+  subroutine find_point(text, mfem, e, n, ijk, number, error)
+    type(text_t), intent(in) :: text
+    type(mfem_t), intent(in) :: mfem
+    integer, intent(in) :: e, n(3), ijk(3)
+    integer, intent(out) :: number !! from 1
+    type(error_t), allocatable, intent(out) :: error
+    logical :: inside(3), on(0:7)
+    integer, allocatable :: local(:)
+    integer :: a, i, v(4)
+
+    inside = ijk > 1 .and. ijk < n
+    on = [(all(inside .or. CORNER(:, a) == merge(1, 0, ijk == n)), a=0, 7)]
+    local = pack([(a, a=0, 7)], on) ! vertices of the face, edge or vertex that the point lies on
+    associate (vertex => mfem%vertex(:, e))
+      select case (size(local))
+      case (1)
+        number = vertex(local(1) + 1) + 1
+      case (2)
+        if (vertex(local(1) + 1) > vertex(local(2) + 1)) local = local([2, 1])
+        call edge_of(text, mfem, e, n, local, i, error)
+        if (allocated(error)) return
+        number = mfem%first_edge(i) + inner_index(local(1), local(2))
+      case (4)
+        i = find_face(mfem%face, vertex(local + 1))
+        v = [(findloc(vertex, mfem%face(a, i), 1) - 1, a=1, 4)]
+        number = mfem%first_face(i) + inner_index(v(1), v(2)) &
+                 + (n(axis(v(1), v(2))) - 2)*(inner_index(v(1), v(4)) - 1)
+      case default
+        number = mfem%first_elem(e) + ijk(1) - 1 + (n(1) - 2)*(ijk(2) - 2 + (n(2) - 2)*(ijk(3) - 2))
+      end select
+    end associate
+
+  contains
+
+    !> Count along the direction from vertex p to vertex q, from 1.
+    pure integer function inner_index(p, q)
+      integer, intent(in) :: p, q
+      integer :: d
+
+      d = axis(p, q)
+      inner_index = merge(ijk(d) - 1, n(d) - ijk(d), CORNER(d, p) == 0)
+    end function inner_index
+  end subroutine find_point
+
+  !> The edge between two vertices of an element.
+  subroutine edge_of(text, mfem, e, n, local, i, error)
+    type(text_t), intent(in) :: text
+    type(mfem_t), intent(in) :: mfem
+    integer, intent(in) :: e, n(3), local(2)
+    integer, intent(out) :: i
+    type(error_t), allocatable, intent(out) :: error
+
+    i = find_edge(mfem, mfem%vertex(local(1) + 1, e), mfem%vertex(local(2) + 1, e))
+    if (i == 0) then
+      call complain(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
+                    error)
+    else if (nfunction(mfem%dir(mfem%edge(1, i) + 1)) /= n(axis(local(1), local(2)))) then
+      call complain(text, 'opposite edges of element '//to_text(e) &
+                    //' have different numbers of control points', error)
+    end if
+  end subroutine edge_of
+
+end module format_mfem

@@ -1,0 +1,307 @@
+!> The geometry of a body: box, hemisphere or NURBS patch, with the ends of its elements.
+!!
+!! Where the elements of a patch begin and end: parameters of the ELEMents and KNOTs records.
+module patch_geometry
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, DECK_ERROR
+  use nurbs, only: nurbs_t, new_nurbs, evaluate
+  use bspline, only: spline_t, new_spline, greville, interpolate, span_list
+  use patch_spec, only: compose, patch_spec_t, knot_list_t, GEO_BOX, GEO_HEMISPHERE
+  use base_text, only: to_text
+  implicit none
+  private
+  public :: geometry_t, new_geometry, point, greville_points, own_breaks, nurbs_breaks
+
+  !> What the mesher asks for points.
+  type :: geometry_t
+    integer :: kind = 0
+    logical :: sampled = .false.      !! nodes stand on the map itself, not on its spline
+    real(wp) :: origin(3) = 0.0_wp    !! corner of a box, centre of a hemisphere [L]
+    real(wp) :: length(3) = 0.0_wp    !! of a box [L]
+    real(wp) :: radius = 0.0_wp       !! outer [L]
+    real(wp) :: inner = 0.0_wp        !! inner radius over outer [-]
+    type(nurbs_t) :: coarse           !! the patch before elevation and knot insertion
+    integer :: n(3) = 0               !! elements
+    type(knot_list_t) :: breaks(3)    !! ends of the elements, n(d)+1 parameters
+    type(knot_list_t) :: insert(3)    !! knots that `coarse` lacks
+    real(wp) :: turn(3, 3) = 0.0_wp   !! placement: x -> turn x + shift
+    real(wp) :: shift(3) = 0.0_wp
+    logical :: placed = .false.
+  end type geometry_t
+
+contains
+
+  !> Geometry of a specification; `degree` is that of a hemisphere's surface.
+  subroutine new_geometry(spec, degree, geo, error)
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(in) :: degree
+    type(geometry_t), intent(out) :: geo
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d
+
+    geo%kind = spec%geometry
+    geo%origin = spec%origin
+    geo%length = spec%length
+    geo%n = spec%nelem
+    if (allocated(spec%placement)) then
+      geo%placed = size(spec%placement) > 0
+      call compose(spec%placement, geo%turn, geo%shift)
+    end if
+    if (geo%kind == GEO_BOX .or. geo%kind == GEO_HEMISPHERE) then
+      do d = 1, 3
+        call own_breaks(spec, d, geo%breaks(d)%u, error)
+        if (allocated(error)) return
+        allocate (geo%insert(d)%u(0))
+      end do
+    end if
+    select case (geo%kind)
+    case (GEO_BOX)
+      call box_patch(geo)
+    case (GEO_HEMISPHERE)
+      geo%radius = spec%radius
+      geo%inner = (spec%radius - spec%thickness)/spec%radius
+      geo%sampled = spec%type == 'Q2' .and. size(spec%enrich) == 0
+      call hemisphere_patch(geo, degree)
+    case default
+      geo%coarse = spec%nurbs
+      do d = 1, 3
+        call nurbs_breaks(spec, d, geo%breaks(d)%u, geo%insert(d)%u, error)
+        if (allocated(error)) return
+      end do
+    end select
+  end subroutine new_geometry
+
+  !> A box is its eight corners.
+  subroutine box_patch(geo)
+    type(geometry_t), intent(inout) :: geo
+    type(spline_t) :: dir(3)
+    real(wp) :: x(3, 8)
+    integer :: d, i
+
+    do d = 1, 3
+      dir(d) = new_spline(1, [geo%breaks(d)%u(1), geo%breaks(d)%u(geo%n(d) + 1)])
+      geo%insert(d)%u = geo%breaks(d)%u(2:geo%n(d))
+    end do
+    do i = 0, 7
+      x(:, i + 1) = geo%origin + geo%length*[mod(i, 2), mod(i/2, 2), i/4]
+    end do
+    call new_nurbs(geo%coarse, dir, x)
+  end subroutine box_patch
+
+  !> The surface space interpolates the map at its Greville points; direction 3 is linear.
+  subroutine hemisphere_patch(geo, degree)
+    type(geometry_t), intent(inout) :: geo
+    integer, intent(in) :: degree
+    type(spline_t) :: dir(3)
+    real(wp), allocatable :: v(:, :, :), x(:, :), g1(:), g2(:)
+    integer :: i, j, n1, n2, last
+    logical :: ok
+
+    dir(1) = new_spline(degree, geo%breaks(1)%u)
+    dir(2) = new_spline(degree, geo%breaks(2)%u)
+    last = geo%n(3) + 1
+    dir(3) = new_spline(1, [geo%breaks(3)%u(1), geo%breaks(3)%u(last)])
+    geo%insert(3)%u = geo%breaks(3)%u(2:geo%n(3))
+    g1 = greville(dir(1))/geo%breaks(1)%u(geo%n(1) + 1)
+    g2 = greville(dir(2))/geo%breaks(2)%u(geo%n(2) + 1)
+    n1 = size(g1)
+    n2 = size(g2)
+    allocate (v(n1, n2, 3))
+    do j = 1, n2
+      do i = 1, n1
+        v(i, j, :) = geo%radius*hemisphere(g1(i), g2(j))
+      end do
+    end do
+    x = reshape(v, [n1, 3*n2])
+    call interpolate(dir(1), x, ok)
+    v = reshape(x, [n2, n1, 3], order=[2, 1, 3])
+    x = reshape(v, [n2, 3*n1])
+    call interpolate(dir(2), x, ok)
+    v = reshape(x, [n1, n2, 3], order=[2, 1, 3])
+    x = transpose(reshape(v, [n1*n2, 3]))
+    x = reshape([x, geo%inner*x], [3, 2*n1*n2])
+    x = x + spread(geo%origin, 2, 2*n1*n2)
+    call new_nurbs(geo%coarse, dir, x)
+  end subroutine hemisphere_patch
+
+  !> Unit square to the lower unit hemisphere: elliptical map to the disc, then azimuthally
+  !! equidistant.
+  pure function hemisphere(u, v) result(x)
+    real(wp), intent(in) :: u, v !! in [0,1]
+    real(wp) :: x(3)
+    real(wp), parameter :: HALF_PI = acos(0.0_wp)
+    real(wp) :: s, t, a, b, r
+
+    s = 2.0_wp*u - 1.0_wp
+    t = 2.0_wp*v - 1.0_wp
+    a = s*sqrt(1.0_wp - 0.5_wp*t*t)
+    b = t*sqrt(1.0_wp - 0.5_wp*s*s)
+    r = sqrt(a*a + b*b)
+    x = [0.0_wp, 0.0_wp, -1.0_wp]
+    if (max(abs(s), abs(t)) >= 1.0_wp) then
+      x = [a/r, b/r, 0.0_wp] ! the rim, to the bit
+    else if (r > 0.0_wp) then
+      x = [a/r*sin(HALF_PI*r), b/r*sin(HALF_PI*r), -cos(HALF_PI*r)]
+    end if
+  end function hemisphere
+
+  !> Point at parameters u, placed.
+  pure function point(geo, u) result(x)
+    type(geometry_t), intent(in) :: geo
+    real(wp), intent(in) :: u(3)
+    real(wp) :: x(3), t(3)
+    integer :: d
+
+    if (geo%kind == GEO_BOX) then
+      do d = 1, 3
+        x(d) = along_box(geo, d, u(d))
+      end do
+    else if (geo%sampled) then
+      do d = 1, 3
+        t(d) = u(d)/geo%breaks(d)%u(geo%n(d) + 1)
+      end do
+      x = geo%origin + geo%radius*(1.0_wp - t(3)*(1.0_wp - geo%inner))*hemisphere(t(1), t(2))
+    else
+      call evaluate(geo%coarse, u, x)
+    end if
+    if (geo%placed) x = matmul(geo%turn, x) + geo%shift
+  end function point
+
+  !> Coordinate d of a box; its ends are hit to the last bit.
+  pure real(wp) function along_box(geo, d, u) result(x)
+    type(geometry_t), intent(in) :: geo
+    integer, intent(in) :: d
+    real(wp), intent(in) :: u
+
+    associate (last => geo%breaks(d)%u(geo%n(d) + 1))
+      x = geo%origin(d) + geo%length(d)
+      if (u < last) x = geo%origin(d) + geo%length(d)*u/last
+    end associate
+  end function along_box
+
+  !> Placed control points of a space over the patch: Euclidean positions. `fixed` gives the
+  !! parameters of the directions that the space does not have.
+  subroutine greville_points(geo, space, dir, fixed, x)
+    type(geometry_t), intent(in) :: geo
+    type(nurbs_t), intent(in) :: space            !! directions 1 to size(dir) are used
+    integer, intent(in) :: dir(:)                 !! their directions in the patch
+    real(wp), intent(in) :: fixed(3)
+    real(wp), allocatable, intent(out) :: x(:, :) !! (3, ncp), direction 1 fastest [L]
+    type(knot_list_t) :: g(3)
+    integer :: n(4), i, j, k, d, a
+    real(wp) :: u(3)
+
+    n = shape(space%cp)
+    do d = 1, 3
+      g(d)%u = greville(space%dir(d))
+    end do
+    allocate (x(3, product(n(2:))))
+    a = 0
+    do k = 1, n(4)
+      do j = 1, n(3)
+        do i = 1, n(2)
+          a = a + 1
+          if (geo%kind == GEO_BOX) then ! the identity map, without the rounding of the insertion
+            u = fixed
+            u(dir(1)) = g(1)%u(i)
+            u(dir(2)) = g(2)%u(j)
+            if (size(dir) == 3) u(dir(3)) = g(3)%u(k)
+            x(:, a) = point(geo, u)
+          else
+            x(:, a) = space%cp(:3, i, j, k)/space%cp(4, i, j, k)
+            if (geo%placed) x(:, a) = matmul(geo%turn, x(:, a)) + geo%shift
+          end if
+        end do
+      end do
+    end do
+  end subroutine greville_points
+
+  !> Element ends of a box or hemisphere: whole numbers, or 0, the given knots, 1.
+  subroutine own_breaks(spec, d, breaks, error)
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(in) :: d
+    real(wp), allocatable, intent(out) :: breaks(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    if (allocated(spec%knots(d)%u)) then
+      breaks = [0.0_wp, spec%knots(d)%u, 1.0_wp]
+      call check_rising(spec, d, breaks, error)
+    else
+      breaks = [(real(i, wp), i=0, spec%nelem(d))] ! whole numbers: equal spans are equal to the bit
+    end if
+  end subroutine own_breaks
+
+  subroutine check_rising(spec, d, breaks, error)
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(in) :: d
+    real(wp), intent(in) :: breaks(:)
+    type(error_t), allocatable, intent(out) :: error
+
+    if (all(breaks(2:) > breaks(:size(breaks) - 1))) return
+    call fail(error, DECK_ERROR, 'knots of direction '//to_text(d)//" of patch '"//spec%name &
+              //"' do not rise from "//to_text(breaks(1))//' to '//to_text(breaks(size(breaks))), &
+              spec%place, 'KNOTs,dir lists the interior knots only, each once')
+  end subroutine check_rising
+
+  !> Element ends of a NURBS patch and the knots to insert.
+  subroutine nurbs_breaks(spec, d, breaks, insert, error)
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(in) :: d
+    real(wp), allocatable, intent(out) :: breaks(:), insert(:)
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: old(:)
+    integer, allocatable :: k(:)
+    integer :: e, i, m
+
+    associate (s => spec%nurbs%dir(d))
+      call span_list(s, k)
+      old = [s%knots(k), s%knots(size(s%knots))]
+    end associate
+    if (allocated(spec%knots(d)%u)) then
+      call graded_breaks(spec, d, old, breaks, insert, error)
+      return
+    end if
+    m = spec%nelem(d)/size(k)
+    if (m*size(k) /= spec%nelem(d)) then
+      call fail(error, DECK_ERROR, &
+                to_text(spec%nelem(d))//' elements in direction '//to_text(d)//" of patch '" &
+                //spec%name//"', which has "//to_text(size(k))//' knot spans', spec%place, &
+                'give a multiple of '//to_text(size(k))//', or KNOTs,'//to_text(d)//' list')
+      return
+    end if
+    breaks = [((old(e) + (old(e + 1) - old(e))*i/m, i=0, m - 1), e=1, size(k)), &
+              old(size(old))]
+    insert = pack(breaks, [(mod(e - 1, m) /= 0, e=1, size(breaks))])
+  end subroutine nurbs_breaks
+
+  !> The same for a KNOTs list, which has to hold the knots of the patch.
+  subroutine graded_breaks(spec, d, old, breaks, insert, error)
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(in) :: d
+    real(wp), intent(in) :: old(:)
+    real(wp), allocatable, intent(out) :: breaks(:), insert(:)
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), parameter :: SAME = 1.0e-10_wp ! of the range: the same knot in fewer digits
+    logical, allocatable :: is_old(:)
+    integer :: i, j
+
+    breaks = [old(1), spec%knots(d)%u, old(size(old))]
+    call check_rising(spec, d, breaks, error)
+    if (allocated(error)) return
+    allocate (is_old(size(breaks)), source=.false.)
+    do i = 1, size(old)
+      j = minloc(abs(breaks - old(i)), 1)
+      if (abs(breaks(j) - old(i)) > SAME*(old(size(old)) - old(1))) then
+        call fail(error, DECK_ERROR, "patch '"//spec%name//"' has a knot at "//to_text(old(i)) &
+                  //' in direction '//to_text(d)//' that KNOTs leaves out', spec%place, &
+                  'knots cannot be removed: add it to the list')
+        return
+      end if
+      breaks(j) = old(i)
+      is_old(j) = .true.
+    end do
+    insert = pack(breaks,.not. is_old)
+  end subroutine graded_breaks
+
+end module patch_geometry

@@ -1,0 +1,210 @@
+!> From a spline surface to elements: a layer of enriched hexahedra between the surface and inner
+!! nodes of a mesh, or a rigid surface alone.
+module spline_body
+  use base_kinds, only: wp
+  use base_error, only: error_t
+  use element_type, only: element_t, cell_t
+  use elmt_surface, only: describe_surface => describe
+  use mesh, only: mesh_t, block_t
+  use patch_draft, only: draft_t, add_node, new_block, add_face, append_draft, find_row
+  use patch_spec, only: compose, patch_spec_t
+  use spline_check, only: check_layer, orient_layer, orient_tool
+  use spline_set, only: put_sets
+  use spline_surface, only: spline_surface_t
+  implicit none
+  private
+  public :: build_spline
+
+  integer, parameter :: OUTER = 5 !! the surface is face 3- of the body
+  integer, parameter :: LAYER_SIDE = 5, TOOL_SIDE = 6
+
+  !> Elements with the same degrees and number of functions.
+  type :: group_t
+    integer :: degree(2) = 0, nf = 0, nelem = 0, block = 0
+  end type group_t
+
+contains
+
+  !> Append the body to the mesh; on an error the mesh is as it was.
+  subroutine build_spline(spec, inner, mesh, error)
+    type(patch_spec_t), intent(inout) :: spec
+    integer, intent(inout) :: inner(:, :)     !! (4, nelem) nodes of the mesh; (4, 0): a tool
+    type(mesh_t), intent(inout) :: mesh
+    type(error_t), allocatable, intent(out) :: error
+    type(draft_t) :: draft
+    type(element_t) :: row
+    type(group_t), allocatable :: group(:)
+    integer :: igroup(spec%spline%surface%nelem)
+    integer, allocatable :: new(:)
+
+    associate (s => spec%spline%surface)
+      if (size(inner) > 0) then
+        call find_row(spec, layer_row(spec), row, error)
+        if (.not. allocated(error)) call orient_layer(spec, mesh%xr, inner, error)
+        if (.not. allocated(error)) call check_layer(spec, mesh%xr, inner, error)
+        if (allocated(error)) return
+      else
+        row = describe_surface()
+        call place_tool(spec)
+        call orient_tool(s, spec%spline%reverse)
+      end if
+      call group_elements(s, group, igroup)
+      call add_points(s, draft, new)
+      call make_blocks(spec, row, size(inner) > 0, group, draft)
+      call add_elements(s, inner - mesh%nnode, new, group, igroup, draft)
+    end associate
+    call append_draft(draft, spec, mesh)
+    call put_sets(spec%spline%surface, new, igroup, OUTER, mesh)
+    call number_elements(group, igroup, mesh)
+  end subroutine build_spline
+
+  !> Row of the table of elements that the layer uses.
+  function layer_row(spec) result(name)
+    type(patch_spec_t), intent(in) :: spec
+    character(:), allocatable :: name
+
+    name = 'Q1N'
+    if (spec%spline%eas) name = 'Q1E9N'
+    if (spec%spline%tapered) name = 'Q1E9NT'
+  end function layer_row
+
+  !> ROTAte and TRANslate.
+  subroutine place_tool(spec)
+    type(patch_spec_t), intent(inout) :: spec
+    real(wp) :: turn(3, 3), shift(3)
+    integer :: a
+
+    call compose(spec%placement, turn, shift)
+    do a = 1, spec%spline%surface%nnode
+      spec%spline%surface%x(:, a) = matmul(turn, spec%spline%surface%x(:, a)) + shift
+    end do
+  end subroutine place_tool
+
+  !> Kinds of elements, and the one of each.
+  subroutine group_elements(s, group, igroup)
+    type(spline_surface_t), intent(in) :: s
+    type(group_t), allocatable, intent(out) :: group(:)
+    integer, intent(out) :: igroup(:)
+    type(group_t) :: new
+    integer :: e, g
+
+    allocate (group(0))
+    do e = 1, s%nelem
+      new%degree = s%degree(:, e)
+      new%nf = s%first(e + 1) - s%first(e)
+      do g = size(group), 1, -1
+        if (group(g)%nf == new%nf .and. all(group(g)%degree == new%degree)) exit
+      end do
+      if (g == 0) then
+        group = [group, new]
+        g = size(group)
+      end if
+      group(g)%nelem = group(g)%nelem + 1
+      igroup(e) = g
+    end do
+  end subroutine group_elements
+
+  !> Control points that functions have; others of the file stand for nothing.
+  subroutine add_points(s, draft, new)
+    type(spline_surface_t), intent(in) :: s
+    type(draft_t), intent(inout) :: draft
+    integer, allocatable, intent(out) :: new(:) !! (nnode) node of the body; 0: none
+    integer :: a
+    logical :: has(s%nnode)
+
+    has = .false.
+    has(s%node(:s%first(s%nelem + 1) - 1)) = .true.
+    allocate (new(s%nnode), source=0)
+    do a = 1, s%nnode
+      if (has(a)) call add_node(draft, s%x(:, a), .true., ibset(0, OUTER - 1), new(a))
+    end do
+  end subroutine add_points
+
+  subroutine make_blocks(spec, row, is_layer, group, draft)
+    type(patch_spec_t), intent(in) :: spec
+    type(element_t), intent(in) :: row
+    logical, intent(in) :: is_layer
+    type(group_t), intent(inout) :: group(:)
+    type(draft_t), intent(inout) :: draft
+    type(cell_t) :: cell
+    integer :: g, nen
+
+    do g = 1, size(group)
+      cell%degree = [group(g)%degree, merge(1, 0, is_layer)]
+      nen = group(g)%nf + merge(4, 0, is_layer)
+      call new_block(draft, spec, block_name(spec, group(g)%degree, is_layer), row, cell%degree, &
+                     nen, group(g)%nelem, group(g)%block)
+      associate (b => draft%block(group(g)%block))
+        deallocate (b%ext%iop) ! operators are of whole elements
+        allocate (b%ext%isurface(group(g)%nelem), source=0)
+        if (spec%spline%surface%rational) allocate (b%ext%w(group(g)%nf, group(g)%nelem))
+        call row%rule(cell, spec%q, spec%qz, b%rule)
+      end associate
+    end do
+  end subroutine make_blocks
+
+  !> Name as reported: Q1N3, Q1E9N3, Q1E9N3T; RIGId.
+  function block_name(spec, degree, is_layer) result(name)
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(in) :: degree(2)
+    logical, intent(in) :: is_layer
+    character(:), allocatable :: name
+    character(2) :: digits
+
+    if (.not. is_layer) then
+      name = 'RIGId'
+      return
+    end if
+    write (digits, '(i0)') maxval(degree)
+    name = 'Q1N'//trim(digits)
+    if (spec%spline%eas) name = 'Q1E9N'//trim(digits)
+    if (spec%spline%tapered) name = name//'T'
+  end function block_name
+
+  subroutine add_elements(s, inner, new, group, igroup, draft)
+    type(spline_surface_t), intent(in) :: s
+    integer, intent(in) :: inner(:, :)  !! (4, nelem) nodes, less those that come before the body
+    integer, intent(in) :: new(:), igroup(:)
+    type(group_t), intent(in) :: group(:)
+    type(draft_t), intent(inout) :: draft
+    integer :: e, g, n, own(s%nop)
+
+    do g = 1, size(group)
+      own = 0
+      associate (b => draft%block(group(g)%block))
+        do e = 1, s%nelem
+          if (igroup(e) /= g) cycle
+          b%nelem = b%nelem + 1
+          associate (node => s%node(s%first(e):s%first(e + 1) - 1))
+            b%conn(:group(g)%nf, b%nelem) = new(node)
+            if (allocated(b%ext%w)) b%ext%w(:, b%nelem) = s%w(node)
+          end associate
+          if (size(inner) > 0) b%conn(group(g)%nf + 1:, b%nelem) = inner(:, e)
+          if (own(s%iop(e)) == 0) own(s%iop(e)) = maxval(own) + 1
+          b%ext%isurface(b%nelem) = own(s%iop(e))
+          call add_face(draft, OUTER, group(g)%block, b%nelem, &
+                        merge(LAYER_SIDE, TOOL_SIDE, size(inner) > 0))
+        end do
+        allocate (b%ext%surface(maxval(own)))
+        do n = 1, s%nop
+          if (own(n) > 0) b%ext%surface(own(n))%c = s%op(n)%c
+        end do
+      end associate
+    end do
+  end subroutine add_elements
+
+  !> The user sees the numbers of the file, behind those of other bodies.
+  subroutine number_elements(group, igroup, mesh)
+    type(group_t), intent(in) :: group(:)
+    integer, intent(in) :: igroup(:)
+    type(mesh_t), intent(inout) :: mesh
+    integer :: first, g, e, i
+
+    first = size(mesh%block) - size(group)
+    i = minval(mesh%block(first + 1)%number) - 1
+    do g = 1, size(group)
+      mesh%block(first + g)%number = pack([(i + e, e=1, size(igroup))], igroup == g)
+    end do
+  end subroutine number_elements
+
+end module spline_body

@@ -1,0 +1,150 @@
+!> Spline surfaces from files: the format is told by the first characters.
+!!
+!! NURBS surfaces of G+Smo files, by Bezier extraction element by element.
+!!
+!! Bodies from spline files made by others: the format is told by the first line.
+module spline_file
+  use base_error, only: error_t, place_t
+  use base_text, only: quoted
+  use format_text, only: text_t, load_text, complain
+  use format_bext, only: read_bext, BEXT_HEAD
+  use format_iga, only: read_iga
+  use format_bext_json, only: read_bext_json
+  use spline_surface, only: spline_surface_t, start_surface, add_point, add_element, &
+      finish_surface
+  use base_kinds, only: wp
+  use bspline, only: extraction
+  use nurbs, only: nurbs_t
+  use format_gismo, only: read_gismo
+  use patch_nurbs, only: check_nurbs
+  use format_mfem, only: read_mfem
+  implicit none
+  private
+  public :: read_spline_file, read_nurbs, read_patch_file
+
+contains
+
+  !> The surface of a file.
+  subroutine read_spline_file(path, name, surface, place, error)
+    character(*), intent(in) :: path
+    character(*), intent(in) :: name      !! which surface; blank: the only one
+    type(spline_surface_t), intent(out) :: surface
+    type(place_t), intent(in) :: place    !! the record that asks for the file
+    type(error_t), allocatable, intent(out) :: error
+    type(text_t) :: text
+    integer :: first
+
+    call load_text(path, place, text, error)
+    if (allocated(error)) return
+    first = max(1, verify(text%all, ' '//achar(9)//achar(10)//achar(13)))
+    if (len_trim(name) > 0 .and. index(text%all, '<xml>') == 0) then
+      text%at = 0
+      call complain(text, 'the file has no named surfaces', error, 'leave '//quoted(name)//' out')
+    else if (index(text%all, '<xml>') > 0) then
+      call read_nurbs(text, name, surface, error)
+    else if (index(text%all, BEXT_HEAD) == 1) then
+      call read_bext(text, surface, error)
+    else if (index(text%all(first:), '{') == 1) then
+      call read_bext_json(text, surface, error)
+    else if (is_iga(text)) then
+      call read_iga(text, surface, error)
+    else
+      call complain(text, 'the format is not known', error, 'known formats: BEXT 2.0, as text ' &
+                    //'that begins with '//BEXT_HEAD//' or as JSON, .iga, and G+Smo XML')
+    end if
+  end subroutine read_spline_file
+
+  !> `type`, at the beginning of a line.
+  pure logical function is_iga(text)
+    type(text_t), intent(in) :: text
+
+    is_iga = index(text%all, 'type ') == 1 .or. index(text%all, achar(10)//'type ') > 0
+  end function is_iga
+
+  !> The surface with id `name`, or the only one.
+  subroutine read_nurbs(text, name, surface, error)
+    type(text_t), intent(inout) :: text
+    character(*), intent(in) :: name
+    type(spline_surface_t), intent(out) :: surface
+    type(error_t), allocatable, intent(out) :: error
+    type(nurbs_t) :: patch
+    real(wp), allocatable :: c1(:, :, :), c2(:, :, :)
+    integer, allocatable :: first1(:), first2(:)
+    integer :: i, j
+
+    call read_gismo(text, name, 2, patch, error)
+    if (allocated(error)) return
+    call check_nurbs(patch, 2, quoted(text%path), text%place, error)
+    if (allocated(error)) return
+    call extraction(patch%dir(1), c1, first1)
+    call extraction(patch%dir(2), c2, first2)
+    call start_surface(size(patch%cp, 2)*size(patch%cp, 3), size(first1)*size(first2), surface)
+    do j = 1, size(patch%cp, 3)
+      do i = 1, size(patch%cp, 2)
+        associate (h => patch%cp(:, i, j, 1))
+          call add_point(text, [h(:3)/h(4), h(4)], surface, error)
+        end associate
+        if (allocated(error)) return
+      end do
+    end do
+    do j = 1, size(first2)
+      do i = 1, size(first1)
+        call add_product(text, c1(:, :, i), c2(:, :, j), first1(i), first2(j), &
+                         size(patch%cp, 2), surface, error)
+        if (allocated(error)) return
+      end do
+    end do
+    call finish_surface(text, surface, error)
+  end subroutine read_nurbs
+
+  !> One pair of spans.
+  subroutine add_product(text, c1, c2, first1, first2, n, surface, error)
+    type(text_t), intent(in) :: text
+    real(wp), intent(in) :: c1(:, :), c2(:, :) !! operators of the directions
+    integer, intent(in) :: first1, first2      !! their first functions
+    integer, intent(in) :: n                   !! control points in direction 1
+    type(spline_surface_t), intent(inout) :: surface
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: c(size(c1, 1)*size(c2, 1), size(c1, 1)*size(c2, 1))
+    integer :: node(size(c1, 1)*size(c2, 1)), i, j, k, l, p
+
+    p = size(c1, 1)
+    do j = 1, size(c2, 1)
+      do i = 1, p
+        node(i + p*(j - 1)) = first1 + i - 1 + n*(first2 + j - 2)
+        do l = 1, size(c2, 1)
+          do k = 1, p
+            c(i + p*(j - 1), k + p*(l - 1)) = c1(i, k)*c2(j, l)
+          end do
+        end do
+      end do
+    end do
+    call add_element(text, [p - 1, size(c2, 1) - 1], node, c, surface, error)
+  end subroutine add_product
+
+  !> One tri-variate patch of a file.
+  subroutine read_patch_file(path, name, patch, place, error)
+    character(*), intent(in) :: path
+    character(*), intent(in) :: name      !! which patch; blank: the only one
+    type(nurbs_t), intent(out) :: patch
+    type(place_t), intent(in) :: place    !! the record that asks for the file
+    type(error_t), allocatable, intent(out) :: error
+    character(*), parameter :: MFEM = 'MFEM NURBS mesh v1.0'
+    type(text_t) :: text
+
+    call load_text(path, place, text, error)
+    if (allocated(error)) return
+    if (index(text%all, MFEM) == 1) then
+      text%at = len(MFEM) + 1
+      call read_mfem(text, name, patch, error)
+    else if (index(text%all, '<xml>') > 0) then
+      call read_gismo(text, name, 3, patch, error)
+    else
+      call complain(text, 'the format is not known', error, &
+                    "known formats: 'MFEM NURBS mesh v1.0', and G+Smo XML")
+    end if
+    if (allocated(error)) return
+    call check_nurbs(patch, 3, quoted(path), place, error)
+  end subroutine read_patch_file
+
+end module spline_file

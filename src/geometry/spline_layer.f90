@@ -1,0 +1,133 @@
+!> Tables beside a spline surface: the four inner nodes of each element, and hanging nodes.
+module spline_layer
+  use base_error, only: error_t, place_t
+  use base_kinds, only: wp
+  use base_text, only: to_text
+  use constraint, only: constraint_t, add_constraint
+  use format_text, only: text_t, load_text, complain, next_integer, next_real, next_line, &
+      words_left
+  implicit none
+  private
+  public :: read_layer, read_constraints
+
+  integer, parameter :: MOST_MASTERS = 256
+
+contains
+
+  !> A record is an element, then its inner nodes at (-,-) (+,-) (+,+) (-,+).
+  subroutine read_layer(path, nelem, inner, place, error)
+    character(*), intent(in) :: path
+    integer, intent(in) :: nelem
+    integer, allocatable, intent(out) :: inner(:, :) !! (4, nelem)
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+    type(text_t) :: text
+    integer :: e, i, node(4)
+
+    call load_text(path, place, text, error)
+    if (allocated(error)) return
+    call unify_comments(text)
+    allocate (inner(4, nelem), source=0)
+    do
+      call next_line(text)
+      if (words_left(text) == 0) exit
+      call read_record(text, nelem, e, node, error)
+      if (allocated(error)) return
+      if (inner(1, e) /= 0) then
+        call complain(text, 'element '//to_text(e)//' stands twice', error, &
+                      'each element of the surface has one record')
+        return
+      end if
+      inner(:, e) = node
+    end do
+    text%at = 0
+    do i = 1, nelem
+      if (inner(1, i) /= 0) cycle
+      call complain(text, 'element '//to_text(i)//' has no record', error, &
+                    'the surface has '//to_text(nelem)//' elements')
+      return
+    end do
+  end subroutine read_layer
+
+  subroutine read_record(text, nelem, e, node, error)
+    type(text_t), intent(inout) :: text
+    integer, intent(in) :: nelem
+    integer, intent(out) :: e, node(4)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    e = 0
+    node = 0
+    if (words_left(text) /= 5) then
+      call complain(text, 'a record with '//to_text(words_left(text))//' numbers', error, &
+                    'a record is an element of the surface and its four inner nodes')
+      return
+    end if
+    call next_integer(text, 'the number of an element', e, error)
+    do i = 1, 4
+      if (.not. allocated(error)) call next_integer(text, 'the number of a node', node(i), error)
+    end do
+    if (allocated(error)) return
+    if (e < 1 .or. e > nelem) then
+      call complain(text, 'element '//to_text(e)//' is not in the surface', error, &
+                    'its elements are 1 to '//to_text(nelem)//', in the order of its file')
+    else if (any(node < 1)) then
+      call complain(text, 'node '//to_text(minval(node)), error, 'node numbers are positive')
+    end if
+  end subroutine read_record
+
+  !> Hanging nodes: a record is the slave, the number of its masters, and each with its coefficient.
+  !! A negative master is a control point of the surface.
+  subroutine read_constraints(path, list, place, error)
+    character(*), intent(in) :: path
+    type(constraint_t), intent(inout) :: list
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+    type(text_t) :: text
+    integer :: slave, n, i
+    integer, allocatable :: master(:)
+    real(wp), allocatable :: c(:)
+
+    call load_text(path, place, text, error)
+    if (allocated(error)) return
+    call unify_comments(text)
+    do
+      call next_line(text)
+      i = words_left(text)
+      if (i == 0) exit
+      call next_integer(text, 'the number of a node', slave, error)
+      if (.not. allocated(error)) call next_integer(text, 'a number of masters', n, error)
+      if (allocated(error)) return
+      if (n < 1 .or. n > MOST_MASTERS .or. i /= 2 + 2*n) then
+        call complain(text, 'a record of '//to_text(n)//' masters with '//to_text(i)//' numbers', &
+                      error, 'a record is slave n, then n pairs of a master and its coefficient')
+        return
+      end if
+      master = [(0, i=1, n)]
+      c = [(0.0_wp, i=1, n)]
+      do i = 1, n
+        call next_integer(text, 'the number of a node', master(i), error)
+        if (.not. allocated(error)) call next_real(text, 'a coefficient', c(i), error)
+        if (allocated(error)) return
+      end do
+      if (slave < 1 .or. any(master == 0)) then
+        call complain(text, 'node '//to_text(min(slave, 0)), error, &
+                      'node numbers are positive; a master -k is control point k of the surface')
+        return
+      end if
+      call add_constraint(list, slave, master, c, place)
+    end do
+  end subroutine read_constraints
+
+  !> Both signs of comments become one.
+  subroutine unify_comments(text)
+    type(text_t), intent(inout) :: text
+    integer :: i
+
+    text%comment = '#'
+    do i = 1, len(text%all)
+      if (text%all(i:i) == '!') text%all(i:i) = '#'
+    end do
+  end subroutine unify_comments
+
+end module spline_layer

@@ -1,0 +1,235 @@
+!> A surface of spline functions, element by element: what files of extracted splines hold.
+module spline_surface
+  use base_kinds, only: wp, i8
+  use base_error, only: error_t
+  use base_text, only: to_text
+  use mesh, only: operator_t
+  use patch_nurbs, only: MAX_DEGREE
+  use format_text, only: text_t, complain
+  implicit none
+  private
+  public :: spline_surface_t, spline_set_t, start_surface, add_point, check_sizes, add_element, &
+            finish_surface, transpose_surface
+
+  integer, parameter :: MOST_FUNCTIONS = 256 !! of an element
+  integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! of a function
+  !> Functions sum to one to this: splines are written with all digits.
+  real(wp), parameter :: UNITY = 1.0e-9_wp
+
+  !> A named set of elements.
+  type :: spline_set_t
+    character(:), allocatable :: name
+    integer, allocatable :: elem(:) !! from 1
+  end type spline_set_t
+
+  !> Functions of element e: N = C B with C = op(iop(e)) and Bernstein polynomials B of [-1,1]^2,
+  !! the first direction fastest. They belong to the control points node(first(e) : first(e+1)-1).
+  type :: spline_surface_t
+    integer :: nnode = 0, nelem = 0
+    real(wp), allocatable :: x(:, :)      !! (3, nnode) control points, not weighted [L]
+    real(wp), allocatable :: w(:)         !! (nnode) weights
+    logical :: rational = .false.         !! the weights differ
+    integer, allocatable :: degree(:, :)  !! (2, nelem)
+    integer, allocatable :: first(:)      !! (nelem+1)
+    integer, allocatable :: node(:)       !! (>= first(nelem+1)-1)
+    integer, allocatable :: iop(:)        !! (nelem)
+    integer :: nop = 0
+    type(operator_t), allocatable :: op(:) !! (>= nop) distinct operators
+    integer, allocatable :: slot(:)       !! hash table of the operators
+    type(spline_set_t), allocatable :: set(:) !! not allocated: the file has none
+  end type spline_surface_t
+
+contains
+
+  !> Room for so many control points and elements: both take room in the file, so both are bounded.
+  subroutine start_surface(nnode, nelem, s)
+    integer, intent(in) :: nnode, nelem
+    type(spline_surface_t), intent(out) :: s
+
+    allocate (s%x(3, nnode), s%w(nnode), s%degree(2, nelem), s%first(nelem + 1), s%iop(nelem))
+    allocate (s%op(16), s%node(16*nelem + 1), s%slot(2*nelem + 1))
+    s%slot = 0
+    s%first(1) = 1
+  end subroutine start_surface
+
+  !> The next control point: x, y, z and its weight.
+  subroutine add_point(text, x, s, error)
+    type(text_t), intent(in) :: text
+    real(wp), intent(in) :: x(4)
+    type(spline_surface_t), intent(inout) :: s
+    type(error_t), allocatable, intent(out) :: error
+
+    if (.not. x(4) > 0.0_wp) then
+      call complain(text, 'control point '//to_text(s%nnode + 1)//' has the weight ' &
+                    //to_text(x(4)), error, 'weights are positive')
+      return
+    end if
+    s%nnode = s%nnode + 1
+    s%x(:, s%nnode) = x(:3)
+    s%w(s%nnode) = x(4)
+  end subroutine add_point
+
+  !> The next element.
+  subroutine add_element(text, degree, node, c, s, error)
+    type(text_t), intent(in) :: text     !! at the element, for what is wrong with it
+    integer, intent(in) :: degree(2)
+    integer, intent(in) :: node(:)       !! (nf) control points from 1
+    real(wp), intent(in) :: c(:, :)      !! (nf, nb)
+    type(spline_surface_t), intent(inout) :: s
+    type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: longer(:)
+    integer :: e, first, last
+
+    call check_element(text, s, node, c, error)
+    if (allocated(error)) return
+    e = s%nelem + 1
+    first = s%first(e)
+    last = first + size(node) - 1
+    if (last > size(s%node)) then
+      allocate (longer(2*last))
+      longer(:first - 1) = s%node(:first - 1)
+      call move_alloc(longer, s%node)
+    end if
+    s%node(first:last) = node
+    s%first(e + 1) = last + 1
+    s%degree(:, e) = degree
+    call find_operator(s, c, s%iop(e))
+    s%nelem = e
+  end subroutine add_element
+
+  !> Degrees and number of functions, before anything is allocated for them.
+  subroutine check_sizes(text, e, degree, nf, error)
+    type(text_t), intent(in) :: text
+    integer, intent(in) :: e, degree(2), nf
+    type(error_t), allocatable, intent(out) :: error
+
+    if (any(degree < 1 .or. degree > MAX_DEGREE)) then
+      call complain(text, 'element '//to_text(e)//' has the degrees '//to_text(degree(1))//' and ' &
+                    //to_text(degree(2)), error, 'degrees are 1 to '//to_text(MAX_DEGREE))
+    else if (nf < 1 .or. nf > MOST_FUNCTIONS) then
+      call complain(text, 'element '//to_text(e)//' has '//to_text(nf)//' functions', error, &
+                    'an element has 1 to '//to_text(MOST_FUNCTIONS))
+    end if
+  end subroutine check_sizes
+
+  !> Control points that are there, functions that sum to one.
+  subroutine check_element(text, s, node, c, error)
+    type(text_t), intent(in) :: text
+    type(spline_surface_t), intent(in) :: s
+    integer, intent(in) :: node(:)
+    real(wp), intent(in) :: c(:, :)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: a, b
+
+    do a = 1, size(node)
+      if (node(a) >= 1 .and. node(a) <= s%nnode) cycle
+      call complain(text, 'element '//to_text(s%nelem + 1)//' refers to control point ' &
+                    //to_text(node(a))//' of '//to_text(s%nnode), error, &
+                    'control points are counted from 1 here')
+      return
+    end do
+    do b = 1, size(c, 2)
+      if (abs(sum(c(:, b)) - 1.0_wp) <= UNITY) cycle
+      call complain(text, 'the functions of element '//to_text(s%nelem + 1)//' sum to ' &
+                    //to_text(sum(c(:, b)))//' at its Bernstein polynomial '//to_text(b), error, &
+                    'coefficients of the functions of an element sum to 1 for each polynomial: ' &
+                    //'one may be missing, or have too few digits')
+      return
+    end do
+  end subroutine check_element
+
+  !> Operators with the same bits are stored once.
+  subroutine find_operator(s, c, iop)
+    type(spline_surface_t), intent(inout) :: s
+    real(wp), intent(in) :: c(:, :)
+    integer, intent(out) :: iop
+    type(operator_t), allocatable :: more(:)
+    integer :: i, k
+
+    k = int(mod(hash(c), int(size(s%slot), i8))) + 1
+    do
+      iop = s%slot(k)
+      if (iop == 0) exit
+      if (same(s%op(iop)%c, c)) return
+      k = mod(k, size(s%slot)) + 1
+    end do
+    if (s%nop == size(s%op)) then
+      allocate (more(2*s%nop))
+      do i = 1, s%nop
+        call move_alloc(s%op(i)%c, more(i)%c)
+      end do
+      call move_alloc(more, s%op)
+    end if
+    s%nop = s%nop + 1
+    s%op(s%nop)%c = c
+    s%slot(k) = s%nop
+    iop = s%nop
+  end subroutine find_operator
+
+  pure logical function same(a, b)
+    real(wp), intent(in) :: a(:, :), b(:, :)
+
+    same = all(shape(a) == shape(b))
+    if (same) same = .not. any(abs(a - b) > 0.0_wp)
+  end function same
+
+  pure integer(i8) function hash(c)
+    real(wp), intent(in) :: c(:, :)
+    integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
+    integer(i8) :: bits
+    integer :: a, b
+
+    hash = size(c, 1)
+    do b = 1, size(c, 2)
+      do a = 1, size(c, 1)
+        bits = transfer(c(a, b) + 0.0_wp, bits) ! the sum makes one of both zeros
+        bits = iand(ieor(bits, ishft(bits, -31)), MODULUS)
+        hash = mod(hash*FACTOR + bits, MODULUS)
+      end do
+    end do
+  end function hash
+
+  !> Is anything there; and are the weights needed?
+  subroutine finish_surface(text, s, error)
+    type(text_t), intent(in) :: text
+    type(spline_surface_t), intent(inout) :: s
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), parameter :: ALIKE = 10*epsilon(1.0_wp)
+
+    if (s%nelem == 0) then
+      call complain(text, 'the surface has no elements', error)
+      return
+    end if
+    s%rational = maxval(s%w) - minval(s%w) > ALIKE*maxval(s%w)
+    deallocate (s%slot)
+  end subroutine finish_surface
+
+  !> Exchange the two directions of all elements: the normals turn over.
+  subroutine transpose_surface(s)
+    type(spline_surface_t), intent(inout) :: s
+    type(spline_surface_t) :: t
+    real(wp), allocatable :: c(:, :)
+    integer :: e, i, j, p, q
+
+    call start_surface(0, s%nelem, t)
+    do e = 1, s%nelem
+      p = s%degree(1, e)
+      q = s%degree(2, e)
+      associate (old => s%op(s%iop(e))%c)
+        allocate (c, mold=old)
+        do j = 0, q
+          do i = 0, p
+            c(:, 1 + j + (q + 1)*i) = old(:, 1 + i + (p + 1)*j)
+          end do
+        end do
+      end associate
+      call find_operator(t, c, t%iop(e))
+      deallocate (c)
+    end do
+    s%degree = s%degree([2, 1], :)
+    s%nop = t%nop
+    call move_alloc(t%iop, s%iop)
+    call move_alloc(t%op, s%op)
+  end subroutine transpose_surface
+
+end module spline_surface

@@ -1,0 +1,258 @@
+!> An NPATch as geometry of a PATCh, or as a body of its own with the given control points.
+module input_npatch
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_text, only: to_text
+  use bspline, only: spline_t, extraction
+  use element_table, only: load_elements
+  use element_type, only: element_t, cell_t
+  use hexa_shape, only: tensor_rule
+  use mesh, only: mesh_t, block_t, body_t, operator_t
+  use nurbs, only: nurbs_t, is_rational
+  use patch_nurbs, only: check_nurbs, check_orientation
+  use input_draft, only: build_t, npatch_t
+  use word_material, only: material_index
+  implicit none
+  private
+  public :: npatch_geometry, append_npatch, npatch_name
+
+contains
+
+  !> Name under which FIX and others know the k-th NPATch.
+  function npatch_name(k) result(name)
+    integer, intent(in) :: k
+    character(:), allocatable :: name
+
+    name = 'npatch'//to_text(k)
+  end function npatch_name
+
+  !> Knot vectors and control points of an NPATch.
+  subroutine npatch_geometry(build, k, patch, error)
+    type(build_t), intent(in) :: build
+    integer, intent(in) :: k
+    type(nurbs_t), intent(out) :: patch
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d, i, j, l, n
+    real(wp) :: w
+
+    associate (p => build%npatch(k), nodes => build%nodes)
+      do d = 1, 3
+        call take_knots(build, p, d, patch%dir(d), error)
+        if (allocated(error)) return
+      end do
+      allocate (patch%cp(4, p%n(1), p%n(2), p%n(3)))
+      do l = 1, p%n(3)
+        do j = 1, p%n(2)
+          do i = 1, p%n(1)
+            n = p%node(i, j, l)
+            if (n <= nodes%top) then
+              if (.not. nodes%given(n)) n = nodes%top + 1
+            end if
+            if (n > nodes%top) then
+              call fail(error, DECK_ERROR, 'NPATch refers to control point ' &
+                        //to_text(p%node(i, j, l))//', which is not defined', p%place, &
+                        'define it by NURBs')
+              return
+            end if
+            w = nodes%weight(n)
+            if (.not. w > 0.0_wp) w = 1.0_wp
+            patch%cp(:, i, j, l) = [w*nodes%x(:, n), w]
+          end do
+        end do
+      end do
+      call check_nurbs(patch, 3, 'NPATch '//to_text(k), p%place, error)
+    end associate
+  end subroutine npatch_geometry
+
+  !> The degree is told by the repeated first knot.
+  subroutine take_knots(build, p, d, s, error)
+    type(build_t), intent(in) :: build
+    type(npatch_t), intent(in) :: p
+    integer, intent(in) :: d
+    type(spline_t), intent(out) :: s
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    do i = size(build%knots), 1, -1
+      if (build%knots(i)%number == p%knot(d) .and. p%knot(d) > 0) exit
+    end do
+    if (i == 0) then
+      call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d)) &
+                //' of the NPATch is not defined', p%place, &
+                'define it by KNOTs: open id len k1 k2 ...')
+      return
+    end if
+    s%knots = build%knots(i)%u
+    s%degree = count(s%knots <= s%knots(1)) - 1
+  end subroutine take_knots
+
+  !> A body and a block of the given control points.
+  subroutine append_npatch(build, k, mesh, error)
+    type(build_t), intent(in) :: build
+    integer, intent(in) :: k
+    type(mesh_t), intent(inout) :: mesh
+    type(error_t), allocatable, intent(out) :: error
+    type(nurbs_t) :: patch
+    type(block_t) :: block
+    type(body_t) :: body
+    type(block_t), allocatable :: blocks(:)
+    type(body_t), allocatable :: bodies(:)
+
+    call npatch_geometry(build, k, patch, error)
+    if (allocated(error)) return
+    call check_orientation(patch, npatch_name(k), build%npatch(k)%place, error)
+    if (allocated(error)) return
+    block%body = size(mesh%body) + 1
+    body%name = npatch_name(k)
+    body%place = build%npatch(k)%place
+    call fill_block(build, k, patch, block)
+    block%number = block%number + last_number(mesh)
+    call fill_body(build%npatch(k), patch, size(mesh%block) + 1, block, body)
+    allocate (blocks(size(mesh%block) + 1), bodies(size(mesh%body) + 1))
+    blocks(:size(mesh%block)) = mesh%block
+    blocks(size(blocks)) = block
+    call move_alloc(blocks, mesh%block)
+    bodies(:size(mesh%body)) = mesh%body
+    bodies(size(bodies)) = body
+    call move_alloc(bodies, mesh%body)
+    mesh%is_control(body%node) = .true.
+  end subroutine append_npatch
+
+  pure integer function last_number(mesh) result(n)
+    type(mesh_t), intent(in) :: mesh
+    integer :: b
+
+    n = 0
+    do b = 1, size(mesh%block)
+      n = max(n, maxval(mesh%block(b)%number))
+    end do
+  end function last_number
+
+  !> One element a knot box, direction 1 fastest.
+  subroutine fill_block(build, k, patch, block)
+    type(build_t), intent(in) :: build
+    integer, intent(in) :: k
+    type(nurbs_t), intent(in) :: patch
+    type(block_t), intent(inout) :: block
+    integer, allocatable :: first1(:), first2(:), first3(:), iop1(:), iop2(:), iop3(:)
+    type(cell_t) :: cell
+    integer :: e, i, j, l, p(3)
+
+    call take_row(block%row)
+    p = patch%dir%degree
+    allocate (block%ext%op(0))
+    call add_operators(patch%dir(1), block%ext%op, first1, iop1)
+    call add_operators(patch%dir(2), block%ext%op, first2, iop2)
+    call add_operators(patch%dir(3), block%ext%op, first3, iop3)
+    block%name = 'IGA'//to_text(maxval(p))
+    block%material = material_index(build, build%npatch(k)%material)
+    block%ext%degree = p
+    block%nen = product(p + 1)
+    block%nelem = size(iop1)*size(iop2)*size(iop3)
+    allocate (block%conn(block%nen, block%nelem), block%ext%iop(3, block%nelem))
+    if (is_rational(patch)) allocate (block%ext%w(block%nen, block%nelem))
+    e = 0
+    do l = 1, size(iop3)
+      do j = 1, size(iop2)
+        do i = 1, size(iop1)
+          e = e + 1
+          block%ext%iop(:, e) = [iop1(i), iop2(j), iop3(l)]
+          associate (a => first1(i), b => first2(j), c => first3(l))
+            block%conn(:, e) = reshape(build%npatch(k)%node(a:a + p(1), b:b + p(2), c:c + p(3)), &
+                                       [block%nen])
+            if (allocated(block%ext%w)) block%ext%w(:, e) = &
+              reshape(patch%cp(4, a:a + p(1), b:b + p(2), c:c + p(3)), [block%nen])
+          end associate
+        end do
+      end do
+    end do
+    block%number = [(e, e=1, block%nelem)]
+    associate (q => build%model%material(block%material)%nurbs_points)
+      cell%degree = p
+      if (all(q > 0)) then
+        call tensor_rule(q, 0, 0, block%rule)
+      else
+        call block%row%rule(cell, 0, 0, block%rule)
+      end if
+    end associate
+  end subroutine fill_block
+
+  subroutine take_row(row)
+    type(element_t), intent(out) :: row
+    type(element_t), allocatable :: rows(:)
+    integer :: i
+
+    call load_elements(rows)
+    do i = 1, size(rows)
+      if (rows(i)%name == 'IGA') row = rows(i)
+    end do
+  end subroutine take_row
+
+  !> Extraction of a spline; equal operators are stored once.
+  subroutine add_operators(s, op, first, iop)
+    type(spline_t), intent(in) :: s
+    type(operator_t), allocatable, intent(inout) :: op(:)
+    integer, allocatable, intent(out) :: first(:), iop(:)
+    real(wp), parameter :: SAME = 16*epsilon(1.0_wp)
+    type(operator_t), allocatable :: longer(:)
+    real(wp), allocatable :: c(:, :, :)
+    integer :: e, i
+
+    call extraction(s, c, first)
+    allocate (iop(size(first)))
+    do e = 1, size(first)
+      do i = size(op), 1, -1
+        if (size(op(i)%c, 1) /= s%degree + 1) cycle
+        if (maxval(abs(op(i)%c - c(:, :, e))) <= SAME) exit
+      end do
+      if (i == 0) then
+        allocate (longer(size(op) + 1))
+        longer(:size(op)) = op
+        longer(size(longer))%c = c(:, :, e)
+        call move_alloc(longer, op)
+        i = size(op)
+      end if
+      iop(e) = i
+    end do
+  end subroutine add_operators
+
+  !> Control points with the faces they lie on, and the element faces of each face.
+  subroutine fill_body(p, patch, at, block, body)
+    type(npatch_t), intent(in) :: p
+    type(nurbs_t), intent(in) :: patch
+    integer, intent(in) :: at !! number of the block
+    type(block_t), intent(in) :: block
+    type(body_t), intent(inout) :: body
+    integer, allocatable :: mask(:, :, :), elem(:, :, :)
+    integer :: n(3), d, e, f
+
+    allocate (mask(p%n(1), p%n(2), p%n(3)), source=0)
+    mask(1, :, :) = ibset(mask(1, :, :), 0)
+    mask(p%n(1), :, :) = ibset(mask(p%n(1), :, :), 1)
+    mask(:, 1, :) = ibset(mask(:, 1, :), 2)
+    mask(:, p%n(2), :) = ibset(mask(:, p%n(2), :), 3)
+    mask(:, :, 1) = ibset(mask(:, :, 1), 4)
+    mask(:, :, p%n(3)) = ibset(mask(:, :, p%n(3)), 5)
+    body%node = reshape(p%node, [size(p%node)])
+    body%mask = reshape(mask, [size(mask)])
+    do d = 1, 3
+      associate (u => patch%dir(d)%knots)
+        n(d) = count(u(2:) > u(:size(u) - 1))
+      end associate
+    end do
+    elem = reshape([(e, e=1, block%nelem)], n)
+    body%face(1)%elem = reshape(elem(1, :, :), [n(2)*n(3)])
+    body%face(2)%elem = reshape(elem(n(1), :, :), [n(2)*n(3)])
+    body%face(3)%elem = reshape(elem(:, 1, :), [n(1)*n(3)])
+    body%face(4)%elem = reshape(elem(:, n(2), :), [n(1)*n(3)])
+    body%face(5)%elem = reshape(elem(:, :, 1), [n(1)*n(2)])
+    body%face(6)%elem = reshape(elem(:, :, n(3)), [n(1)*n(2)])
+    do f = 1, 6
+      associate (face => body%face(f))
+        allocate (face%block(size(face%elem)), source=at)
+        allocate (face%side(size(face%elem)), source=f)
+      end associate
+    end do
+  end subroutine fill_body
+
+end module input_npatch

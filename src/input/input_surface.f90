@@ -1,0 +1,216 @@
+!> Surfaces of CSURface and CBOUndary: nodes near a nine-node patch, its pressure on faces.
+!!
+!! FEAP's sign: a positive pressure acts along the normal of the patch (points 1 2 3 4
+!! counter-clockwise), which must be the outward one of the faces it meets: it pulls.
+!!
+!! Source: FEAPpv's manual
+module input_surface
+  use base_kinds, only: wp
+  use base_error, only: error_t, fail, DECK_ERROR
+  use boundary, only: boundary_t
+  use element_type, only: cell_t, topology_t
+  use face_rule, only: face_points, face_normal, face_directions
+  use mesh, only: mesh_t, block_t, block_cell
+  use input_draft, only: request_t
+  use tensor, only: cross
+  implicit none
+  private
+  public :: mark_surface, load_surface
+
+  real(wp), parameter :: BOX_SHARE = 1.0e-4_wp   !! FEAP's gap: share of the sum of the extents
+  real(wp), parameter :: SIZE_SHARE = 1.0e-3_wp  !! share of an extent over nodes^(1/3)
+  real(wp), parameter :: BEYOND = 1.0e-4_wp      !! a foot this far off the border is on it
+  real(wp), parameter :: ALIGNED = 0.8_wp        !! least cosine of the normals
+  integer, parameter :: MAX_ITER = 100
+  !> Signs of FEAP's nine points in the patch's parameters.
+  integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], AT2(9) = [-1, -1, 1, 1, -1, 0, &
+                                                                           1, 0, 0]
+
+contains
+
+  !> Nodes on the patch.
+  subroutine mark_surface(mesh, r, active, on)
+    type(mesh_t), intent(in) :: mesh
+    type(request_t), intent(in) :: r
+    logical, intent(in) :: active(:)
+    logical, allocatable, intent(out) :: on(:)
+    real(wp) :: low(3), high(3), gap, xi(2), normal(3)
+    integer :: n
+
+    allocate (on(mesh%nnode))
+    call search_box(r, mesh%nnode, low, high, gap)
+    do n = 1, mesh%nnode
+      on(n) = active(n)
+      if (on(n)) on(n) = all(mesh%xr(:, n) >= low) .and. all(mesh%xr(:, n) <= high)
+      if (on(n)) call project(r%surface, mesh%xr(:, n), gap, xi, normal, on(n))
+    end do
+  end subroutine mark_surface
+
+  !> The patch's box, widened, and FEAP's gap.
+  pure subroutine search_box(r, nnode, low, high, gap)
+    type(request_t), intent(in) :: r
+    integer, intent(in) :: nnode
+    real(wp), intent(out) :: low(3), high(3), gap
+
+    low = minval(r%surface(:3, :), 2)
+    high = maxval(r%surface(:3, :), 2)
+    if (r%gap > 0.0_wp) then
+      gap = r%gap
+    else
+      gap = max(BOX_SHARE*sum(high - low), SIZE_SHARE*maxval(high - low)/real(nnode, &
+                                                                              wp)**(1.0_wp/3.0_wp))
+    end if
+    low = low - 1.5_wp*gap
+    high = high + 1.5_wp*gap
+  end subroutine search_box
+
+  !> Foot of a point on the patch by Newton's method; `on` within the gap and the border.
+  pure subroutine project(patch, x, gap, xi, normal, on)
+    real(wp), intent(in) :: patch(:, :) !! (4, 9)
+    real(wp), intent(in) :: x(3), gap
+    real(wp), intent(out) :: xi(2), normal(3)
+    logical, intent(out) :: on
+    real(wp) :: f(9), d(2, 9), t1(3), t2(3), dx(3), r(2), a(2, 2), det, step(2)
+    integer :: it
+
+    xi = 0.0_wp
+    on = .false.
+    normal = 0.0_wp
+    do it = 1, MAX_ITER
+      call functions(xi, f, d)
+      dx = matmul(patch(:3, :), f) - x
+      t1 = matmul(patch(:3, :), d(1, :))
+      t2 = matmul(patch(:3, :), d(2, :))
+      r = [dot_product(dx, t1), dot_product(dx, t2)]
+      a = reshape([dot_product(t1, t1), dot_product(t1, t2), dot_product(t1, t2), &
+                   dot_product(t2, t2)], [2, 2])
+      det = a(1, 1)*a(2, 2) - a(1, 2)**2
+      if (.not. det > epsilon(det)*a(1, 1)*a(2, 2)) return
+      step = -[a(2, 2)*r(1) - a(1, 2)*r(2), a(1, 1)*r(2) - a(1, 2)*r(1)]/det
+      xi = xi + step
+      if (maxval(abs(step)) < 1.0e-10_wp) exit
+      if (maxval(abs(xi)) > 10.0_wp) return
+    end do
+    normal = cross(t1, t2)
+    on = norm2(dx) < gap .and. maxval(abs(xi)) < 1.0_wp + BEYOND
+  end subroutine project
+
+  !> Biquadratic functions of the nine points.
+  pure subroutine functions(xi, f, d)
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: f(9), d(2, 9)
+    real(wp) :: g1(-1:1), g2(-1:1), d1(-1:1), d2(-1:1)
+    integer :: a
+
+    g1 = [0.5_wp*xi(1)*(xi(1) - 1.0_wp), 1.0_wp - xi(1)**2, 0.5_wp*xi(1)*(xi(1) + 1.0_wp)]
+    g2 = [0.5_wp*xi(2)*(xi(2) - 1.0_wp), 1.0_wp - xi(2)**2, 0.5_wp*xi(2)*(xi(2) + 1.0_wp)]
+    d1 = [xi(1) - 0.5_wp, -2.0_wp*xi(1), xi(1) + 0.5_wp]
+    d2 = [xi(2) - 0.5_wp, -2.0_wp*xi(2), xi(2) + 0.5_wp]
+    do a = 1, 9
+      f(a) = g1(AT1(a))*g2(AT2(a))
+      d(:, a) = [d1(AT1(a))*g2(AT2(a)), g1(AT1(a))*d2(AT2(a))]
+    end do
+  end subroutine functions
+
+  !> Forces of the pressure on the element faces whose four corners lie on the patch.
+  subroutine load_surface(mesh, r, on, bc, error)
+    type(mesh_t), intent(in) :: mesh
+    type(request_t), intent(in) :: r
+    logical, intent(in) :: on(:) !! (nnode) nodes on the patch
+    type(boundary_t), intent(inout) :: bc
+    type(error_t), allocatable, intent(out) :: error
+    type(topology_t) :: topology
+    type(cell_t) :: cell
+    logical :: met
+    integer :: b, e, f
+
+    met = .false.
+    do b = 1, size(mesh%block)
+      do e = 1, mesh%block(b)%nelem
+        if (count(on(mesh%block(b)%conn(:, e))) < 3) cycle
+        call block_cell(mesh%block(b), e, cell)
+        call mesh%block(b)%row%topology(cell, topology)
+        if (topology%nface /= 6) cycle
+        do f = 1, 6
+          call load_face(mesh, mesh%block(b), e, f, cell, r, bc, met)
+        end do
+      end do
+    end do
+    if (.not. met) then
+      call fail(error, DECK_ERROR, 'no element face lies on the surface', r%place, 'its points 1 ' &
+                //'2 3 4 go counter-clockwise seen from outside; GAP d widens the search')
+    end if
+  end subroutine load_surface
+
+  !> One face: its corners must lie on the patch and its normal along the patch's.
+  subroutine load_face(mesh, block, e, f, cell, r, bc, met)
+    type(mesh_t), intent(in) :: mesh
+    type(block_t), intent(in) :: block
+    integer, intent(in) :: e, f
+    type(cell_t), intent(in) :: cell
+    type(request_t), intent(in) :: r
+    type(boundary_t), intent(inout) :: bc
+    logical, intent(inout) :: met
+    real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :), x(:, :)
+    real(wp) :: p(4), corner(3, 4), area(3), t1(3), t2(3), normal(3), load, low(3), high(3), gap, &
+                foot(2), g(9), d(2, 9)
+    logical :: lies
+    integer :: a, q, i, j
+
+    allocate (x, source=mesh%xr(:, block%conn(:, e)))
+    allocate (shp(block%nen), dshp(3, block%nen))
+    call search_box(r, mesh%nnode, low, high, gap)
+    call face_corners(f, corner)
+    do i = 1, 4
+      call block%row%functions(cell, corner(:, i), shp, dshp)
+      call project(r%surface, matmul(x, shp), gap, foot, normal, lies)
+      if (.not. lies) return
+      call functions(foot, g, d)
+      p(i) = dot_product(g, r%surface(4, :))
+    end do
+    call face_middle(f, corner(:, 1))
+    call block%row%functions(cell, corner(:, 1), shp, dshp)
+    call face_normal(f, x, dshp, area, t1, t2)
+    call project(r%surface, matmul(x, shp), huge(gap), foot, normal, lies)
+    if (.not. dot_product(area, normal) > ALIGNED*norm2(area)*norm2(normal)) return
+    met = .true.
+    call face_points(cell%degree, block%rule%xi, f, xi, w)
+    call face_directions(f, i, a, j)
+    do q = 1, size(w)
+      call block%row%functions(cell, xi(:, q), shp, dshp)
+      call face_normal(f, x, dshp, area, t1, t2)
+      load = w(q)*interpolated(p, xi(a, q), xi(j, q))
+      do i = 1, block%nen
+        bc%force(:, block%conn(i, e)) = bc%force(:, block%conn(i, e)) + load*shp(i)*area
+      end do
+    end do
+  end subroutine load_face
+
+  !> Corners of a face in the order (-,-) (+,-) (+,+) (-,+) of its two directions.
+  pure subroutine face_corners(f, corner)
+    integer, intent(in) :: f
+    real(wp), intent(out) :: corner(3, 4)
+    integer :: d, a, b
+
+    call face_directions(f, d, a, b)
+    corner(d, :) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
+    corner(a, :) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp]
+    corner(b, :) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
+  end subroutine face_corners
+
+  pure subroutine face_middle(f, xi)
+    integer, intent(in) :: f
+    real(wp), intent(out) :: xi(3)
+
+    xi = 0.0_wp
+    xi((f + 1)/2) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
+  end subroutine face_middle
+
+  pure real(wp) function interpolated(p, u, v)
+    real(wp), intent(in) :: p(4), u, v
+
+    interpolated = 0.25_wp*(p(1)*(1.0_wp - u)*(1.0_wp - v) + p(2)*(1.0_wp + u)*(1.0_wp - v) &
+                            + p(3)*(1.0_wp + u)*(1.0_wp + v) + p(4)*(1.0_wp - u)*(1.0_wp + v))
+  end function interpolated
+
+end module input_surface

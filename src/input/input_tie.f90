@@ -1,0 +1,228 @@
+!> TIE: nodes at one place become one node, the lowest of their numbers.
+!!
+!! The tolerance is FEAP's: 1e-3 of the mesh's extent in each direction over the square root of the
+!! number of nodes. Restraints of tied nodes join, their forces add up.
+!!
+!! Source: FEAPpv's manual
+module input_tie
+  use base_kinds, only: wp
+  use base_sort, only: sort_index, unique
+  use boundary, only: boundary_t
+  use mesh, only: mesh_t, body_t, is_rigid
+  use input_draft, only: build_t, tie_t
+  implicit none
+  private
+  public :: tie_nodes
+
+  real(wp), parameter :: SHARE = 1.0e-3_wp
+  integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! of the search grid
+
+  !> Nodes by position: chains of those that stay, one for each cell.
+  type :: grid_t
+    real(wp) :: low(3), width(3)       !! of the grid, of a cell [L]
+    real(wp) :: tol(3)                 !! nodes nearer than this are one [L]
+    integer :: cells(3)
+    integer, allocatable :: head(:, :, :), next(:)
+  end type grid_t
+
+contains
+
+  !> Carry out all TIE records; `used` is set anew.
+  subroutine tie_nodes(build, mesh, bc)
+    type(build_t), intent(in) :: build
+    type(mesh_t), intent(inout) :: mesh
+    type(boundary_t), intent(inout) :: bc
+    integer, allocatable :: new(:)
+    integer :: i, n, b
+
+    if (all(build%tie%from == 0)) return
+    new = [(n, n=1, mesh%nnode)]
+    do i = 1, count(build%tie%from > 0)
+      call find_pairs(build, build%tie(i), mesh, new)
+    end do
+    do n = 1, mesh%nnode
+      new(n) = new(new(n)) ! numbers fall, so the target is final
+    end do
+    call join_conditions(new, bc)
+    mesh%used = .false.
+    do b = 1, size(mesh%block)
+      do i = 1, mesh%block(b)%nelem
+        mesh%block(b)%conn(:, i) = new(mesh%block(b)%conn(:, i))
+        mesh%used(mesh%block(b)%conn(:, i)) = .true.
+      end do
+    end do
+    do i = 1, mesh%constraint%n
+      mesh%constraint%slave(i) = new(mesh%constraint%slave(i))
+      n = mesh%constraint%first(i + 1) - 1
+      mesh%constraint%master(:n) = new(mesh%constraint%master(:n))
+    end do
+    do b = 1, size(mesh%body)
+      call renumber_body(new, mesh%body(b))
+    end do
+  end subroutine tie_nodes
+
+  !> new(n): the node that n becomes.
+  subroutine find_pairs(build, tie, mesh, new)
+    type(build_t), intent(in) :: build
+    type(tie_t), intent(in) :: tie
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(inout) :: new(:)
+    type(grid_t) :: grid
+    integer, allocatable :: class(:)
+    integer :: n, m, at(3)
+
+    if (.not. any(mesh%used)) return
+    call new_grid(grid, tie, mesh)
+    call classify(build, tie, mesh, grid%tol, class)
+    do n = 1, mesh%nnode
+      if (class(n) == 0 .or. new(n) /= n) cycle
+      at = cell_of(grid, mesh%xr(:, n))
+      m = partner(grid, tie, mesh, class, n, at)
+      if (m > 0) then
+        new(n) = m
+      else
+        grid%next(n) = grid%head(at(1), at(2), at(3))
+        grid%head(at(1), at(2), at(3)) = n
+      end if
+    end do
+  end subroutine find_pairs
+
+  !> A grid without nodes; its cells are wider than the tolerance reaches.
+  subroutine new_grid(grid, tie, mesh)
+    type(grid_t), intent(out) :: grid
+    type(tie_t), intent(in) :: tie
+    type(mesh_t), intent(in) :: mesh
+    real(wp) :: high(3)
+    integer :: d
+
+    do d = 1, 3
+      grid%low(d) = minval(mesh%xr(d, :), mesh%used)
+      high(d) = maxval(mesh%xr(d, :), mesh%used)
+    end do
+    grid%tol = (high - grid%low)*merge(tie%tolerance, SHARE/sqrt(real(mesh%nnode, wp)), &
+                                       tie%tolerance > 0.0_wp)
+    grid%cells = max(1, min(MOST_CELLS, int((real(mesh%nnode, wp)/PER_CELL)**(1.0_wp/3.0_wp))))
+    grid%width = (high - grid%low)/grid%cells
+    where (grid%width < 2.0_wp*grid%tol .or. .not. grid%width > 0.0_wp)
+      grid%cells = 1
+      grid%width = max(high - grid%low, tiny(1.0_wp))
+    end where
+    allocate (grid%head(grid%cells(1), grid%cells(2), grid%cells(3)), source=0)
+    allocate (grid%next(mesh%nnode), source=0)
+  end subroutine new_grid
+
+  pure function cell_of(grid, x) result(c)
+    type(grid_t), intent(in) :: grid
+    real(wp), intent(in) :: x(3)
+    integer :: c(3)
+
+    c = max(1, min(grid%cells, int((x - grid%low)/grid%width) + 1))
+  end function cell_of
+
+  !> A node kept so far that is in reach of node n in cell `at`; 0: none.
+  pure integer function partner(grid, tie, mesh, class, n, at) result(m)
+    type(grid_t), intent(in) :: grid
+    type(tie_t), intent(in) :: tie
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: class(:)    !! (nnode)
+    integer, intent(in) :: n, at(3)
+    integer :: i, j, k
+
+    do k = max(1, at(3) - 1), min(grid%cells(3), at(3) + 1)
+      do j = max(1, at(2) - 1), min(grid%cells(2), at(2) + 1)
+        do i = max(1, at(1) - 1), min(grid%cells(1), at(1) + 1)
+          m = grid%head(i, j, k)
+          do while (m > 0)
+            if (matches(m)) return
+            m = grid%next(m)
+          end do
+        end do
+      end do
+    end do
+    m = 0
+
+  contains
+
+    pure logical function matches(b)
+      integer, intent(in) :: b
+
+      matches = all(abs(mesh%xr(:, n) - mesh%xr(:, b)) <= grid%tol)
+      if (matches .and. tie%material(1) /= tie%material(2)) matches = iand(class(n), class(b)) == 0
+    end function matches
+
+  end function partner
+
+  !> Nodes that take part: 0 for none; of two materials bit 0 and bit 1.
+  subroutine classify(build, tie, mesh, tol, class)
+    type(build_t), intent(in) :: build
+    type(tie_t), intent(in) :: tie
+    type(mesh_t), intent(in) :: mesh
+    real(wp), intent(in) :: tol(3)
+    integer, allocatable, intent(out) :: class(:)
+    integer :: b, i, number
+
+    allocate (class(mesh%nnode), source=0)
+    do b = 1, size(mesh%block)
+      number = 0 ! of rigid bodies
+      if (.not. is_rigid(mesh%block(b))) then
+        number = build%model%material(mesh%block(b)%material)%number
+      end if
+      if (tie%material(1) > 0 .and. all(tie%material /= number)) cycle
+      do i = 1, mesh%block(b)%nelem
+        class(mesh%block(b)%conn(:, i)) = merge(2, 1, number == tie%material(2))
+      end do
+    end do
+    where ([(i < tie%from .or. i > tie%to, i=1, mesh%nnode)]) class = 0
+    if (tie%direction == 0) return
+    where (abs(mesh%xr(tie%direction, :) - tie%coordinate) > tol(tie%direction)) class = 0
+  end subroutine classify
+
+  subroutine join_conditions(new, bc)
+    integer, intent(in) :: new(:)
+    type(boundary_t), intent(inout) :: bc
+    integer :: n
+
+    do n = 1, size(new)
+      associate (m => new(n))
+        if (m == n) cycle
+        where (bc%fixed(:, m) == 0 .and. bc%fixed(:, n) /= 0) bc%value(:, m) = bc%value(:, n)
+        bc%fixed(:, m) = max(bc%fixed(:, m), bc%fixed(:, n))
+        bc%force(:, m) = bc%force(:, m) + bc%force(:, n)
+        bc%force(:, n) = 0.0_wp
+      end associate
+    end do
+  end subroutine join_conditions
+
+  !> A body's nodes, each once, with the faces of all that became one.
+  subroutine renumber_body(new, body)
+    integer, intent(in) :: new(:)
+    type(body_t), intent(inout) :: body
+    integer, allocatable :: order(:)
+    integer :: i, n
+
+    if (allocated(body%group)) then
+      do i = 1, size(body%group)
+        body%group(i)%node = unique(new(body%group(i)%node))
+      end do
+    end if
+    if (allocated(body%label)) deallocate (body%label)
+    body%node = new(body%node)
+    allocate (order(size(body%node)))
+    call sort_index(body%node, order)
+    body%mask = body%mask(order)
+    body%node = body%node(order)
+    n = min(1, size(order))
+    do i = 2, size(order)
+      if (body%node(i) == body%node(n)) then
+        body%mask(n) = ior(body%mask(n), body%mask(i))
+      else
+        n = n + 1
+        body%node(n) = body%node(i)
+        body%mask(n) = body%mask(i)
+      end if
+    end do
+    body%node = body%node(:n)
+    body%mask = body%mask(:n)
+  end subroutine renumber_body
+
+end module input_tie

@@ -1,0 +1,316 @@
+!> WHERE of the deck: a face, an edge, a node, the node nearest a point, or a plane.
+!!
+!! Element faces that a WHERE means: of a patch, or of a named set of a mesh.
+module input_where
+  use base_kinds, only: wp
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_text, only: lower, to_text, quoted
+  use deck_record, only: record_t, get_word
+  use deck_stream, only: deck_t, get_integer, get_real
+  use mesh, only: mesh_t, body_t, group_t
+  implicit none
+  private
+  public :: where_t, read_where, read_face, find_nodes, body_index, nearest_node, unknown_face, &
+            group_index, find_faces
+
+  integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
+                                W_GROUP = 6
+
+  character(*), parameter, public :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; ' &
+                                     //'an edge is two of them, 1-,3+'
+  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! of the mesh's extent over sqrt(nodes), as EBOUndary
+
+  !> A place in the reference mesh, resolved after TIE. W_GROUP: its name is no face's, so the body
+  !! must be a MESH.
+  type :: where_t
+    integer :: kind = 0
+    character(:), allocatable :: body  !! name as written
+    character(:), allocatable :: face  !! face or group as written
+    integer :: mask = 0                !! bits f-1 of faces
+    integer :: node = 0
+    integer :: direction = 0           !! of a plane
+    real(wp) :: x(3) = 0.0_wp          !! point; x(1) of a plane is its coordinate [L]
+    type(place_t) :: place, face_place
+  end type where_t
+
+contains
+
+  !> Read WHERE from field i on; i ends behind it.
+  subroutine read_where(deck, record, i, place, error)
+    type(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(inout) :: i
+    type(where_t), intent(out) :: place
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d
+
+    call get_word(record, i, place%body, error)
+    if (allocated(error)) return
+    place%place = record%place(i)
+    select case (record%key(i))
+    case ('node')
+      place%kind = W_NODE
+      call get_integer(deck, record, i + 1, place%node, error)
+      i = i + 2
+    case ('poin')
+      place%kind = W_POINT
+      do d = 1, 3
+        call get_real(deck, record, i + d, place%x(d), error)
+        if (allocated(error)) return
+      end do
+      i = i + 4
+    case ('plan')
+      place%kind = W_PLANE
+      call get_integer(deck, record, i + 1, place%direction, error)
+      if (allocated(error)) return
+      if (place%direction < 1 .or. place%direction > 3) then
+        call fail(error, DECK_ERROR, 'direction '//to_text(place%direction), record%place(i + 1), &
+                  'directions are 1, 2 and 3')
+        return
+      end if
+      call get_real(deck, record, i + 2, place%x(1), error)
+      i = i + 3
+    case default
+      call read_faces(record, i, place, error)
+    end select
+  end subroutine read_where
+
+  !> `patch face` or `patch face,face`.
+  subroutine read_faces(record, i, place, error)
+    type(record_t), intent(in) :: record
+    integer, intent(inout) :: i
+    type(where_t), intent(inout) :: place
+    type(error_t), allocatable, intent(out) :: error
+    integer :: f, second
+
+    if (record%is_empty(i + 1)) then
+      call fail(error, DECK_ERROR, 'the face of '//quoted(place%body)//' is missing', &
+                record%place(i + 1), &
+                FACE_HINT)
+      return
+    end if
+    place%kind = W_FACES
+    place%face_place = record%place(i + 1)
+    place%face = record%text(i + 1)
+    select case (record%key(i + 1))
+    case ('side')
+      place%mask = 15
+    case ('all')
+      place%mask = 63
+    case default
+      f = face_number(place%face)
+      if (f == 0) then
+        place%kind = W_GROUP
+        i = i + 2
+        return
+      end if
+      place%mask = ibset(0, f - 1)
+      if (i + 2 <= record%n) then
+        second = face_number(record%text(i + 2))
+        if (second > 0) then
+          if ((second + 1)/2 == (f + 1)/2) then
+            call fail(error, DECK_ERROR, 'faces '//record%text(i + 1)//' and '//record%text(i + 2) &
+                      //' have no common edge', record%place(i + 2), FACE_HINT)
+            return
+          end if
+          place%kind = W_EDGE
+          place%mask = ibset(place%mask, second - 1)
+          i = i + 1
+        end if
+      end if
+    end select
+    i = i + 2
+  end subroutine read_faces
+
+  !> Number of the face in field i: 1 to 6 for 1- 1+ 2- 2+ 3- 3+.
+  subroutine read_face(record, i, f, error)
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: i
+    integer, intent(out) :: f
+    type(error_t), allocatable, intent(out) :: error
+
+    f = face_number(record%text(i))
+    if (f == 0) call unknown_face(record%text(i), record%place(i), error)
+  end subroutine read_face
+
+  subroutine unknown_face(text, place, error)
+    character(*), intent(in) :: text
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+
+    call fail(error, DECK_ERROR, 'unknown face '//quoted(text), place, FACE_HINT)
+  end subroutine unknown_face
+
+  pure integer function face_number(text) result(f)
+    character(*), intent(in) :: text
+    character(2), parameter :: NAME(6) = ['1-', '1+', '2-', '2+', '3-', '3+']
+    integer :: j
+
+    f = 0
+    if (len(text) /= 2) return
+    do j = 1, 6
+      if (text == NAME(j)) f = j
+    end do
+  end function face_number
+
+  !> Index of a body by its name; 0: there is none.
+  pure integer function body_index(mesh, name) result(b)
+    type(mesh_t), intent(in) :: mesh
+    character(*), intent(in) :: name
+
+    do b = size(mesh%body), 1, -1
+      if (lower(mesh%body(b)%name) == lower(name)) return
+    end do
+  end function body_index
+
+  !> Its nodes, each once, rising.
+  subroutine find_nodes(mesh, place, node, error)
+    type(mesh_t), intent(in) :: mesh
+    type(where_t), intent(in) :: place
+    integer, allocatable, intent(out) :: node(:)
+    type(error_t), allocatable, intent(out) :: error
+    logical, allocatable :: on(:)
+    integer :: i
+
+    allocate (on(mesh%nnode), source=.false.)
+    select case (place%kind)
+    case (W_FACES, W_EDGE, W_GROUP)
+      call mark_faces(mesh%body(body_index(mesh, place%body)), place, on)
+    case (W_NODE)
+      if (place%node < 1 .or. place%node > mesh%nnode) then
+        call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' is not in the mesh', &
+                  place%place, &
+                  'nodes are 1 to '//to_text(mesh%nnode))
+        return
+      else if (.not. mesh%used(place%node)) then
+        call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' belongs to no element', &
+                  place%place)
+        return
+      end if
+      on(place%node) = .true.
+    case (W_POINT)
+      on(nearest_node(mesh, place%x)) = .true.
+    case default ! W_PLANE
+      call find_plane(mesh, place%direction, place%x(1), on)
+    end select
+    on = on .and. mesh%used
+    node = pack([(i, i=1, mesh%nnode)], on)
+    if (size(node) == 0) call fail(error, DECK_ERROR, 'no node is there', place%place)
+  end subroutine find_nodes
+
+  !> Nodes of faces, of an edge, or of a named set.
+  pure subroutine mark_faces(body, place, on)
+    type(body_t), intent(in) :: body
+    type(where_t), intent(in) :: place
+    logical, intent(inout) :: on(:)
+    integer :: g, i, n
+
+    g = group_index(body, place%face)
+    if (g > 0) then
+      on(body%group(g)%node) = .true.
+      return
+    end if
+    do i = 1, size(body%node)
+      n = iand(body%mask(i), place%mask)
+      if (n == 0 .or. (n /= place%mask .and. place%kind /= W_FACES)) cycle
+      on(body%node(i)) = .true.
+    end do
+  end subroutine mark_faces
+
+  !> Index of a named set of a body; 0: there is none.
+  pure integer function group_index(body, name) result(g)
+    type(body_t), intent(in) :: body
+    character(*), intent(in) :: name
+
+    g = 0
+    if (.not. allocated(body%group)) return
+    do g = size(body%group), 1, -1
+      if (lower(body%group(g)%name) == lower(name)) return
+    end do
+  end function group_index
+
+  !> The node or control point in use that is nearest a point; the first of equals.
+  pure integer function nearest_node(mesh, x) result(node)
+    type(mesh_t), intent(in) :: mesh
+    real(wp), intent(in) :: x(3)
+    real(wp) :: least, here
+    integer :: i
+
+    node = 1
+    least = huge(least)
+    do i = 1, mesh%nnode
+      if (.not. mesh%used(i)) cycle
+      here = norm2(mesh%xr(:, i) - x)
+      if (here >= least) cycle
+      least = here
+      node = i
+    end do
+  end function nearest_node
+
+  pure subroutine find_plane(mesh, d, coordinate, on)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: d
+    real(wp), intent(in) :: coordinate
+    logical, intent(inout) :: on(:)
+    real(wp) :: low, high, gap
+
+    low = minval(mesh%xr(d, :), mesh%used)
+    high = maxval(mesh%xr(d, :), mesh%used)
+    gap = ON_PLANE*(high - low)/sqrt(real(mesh%nnode, wp))
+    on = abs(mesh%xr(d, :) - coordinate) <= gap
+  end subroutine find_plane
+
+  !> Element faces of the named faces of a body.
+  subroutine find_faces(mesh, place, block, elem, side, error)
+    type(mesh_t), intent(in) :: mesh
+    type(where_t), intent(in) :: place
+    integer, allocatable, intent(out) :: block(:), elem(:), side(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: b, f, g
+
+    allocate (block(0), elem(0), side(0))
+    if (place%kind /= W_FACES .and. place%kind /= W_GROUP) then
+      call fail(error, DECK_ERROR, 'a face of a patch is needed here', place%place, FACE_HINT)
+      return
+    end if
+    b = body_index(mesh, place%body)
+    g = group_index(mesh%body(b), place%face)
+    if (g > 0) then
+      associate (group => mesh%body(b)%group(g))
+        block = group%face%block
+        elem = group%face%elem
+        side = group%face%side
+        if (group%inner > 0) then
+          call fail_group(group, place, error)
+        else if (size(elem) == 0) then
+          call fail(error, DECK_ERROR, 'group '//quoted(group%name)//' of '//quoted(place%body) &
+                    //' has no surface elements', place%face_place, 'name a physical surface')
+        end if
+      end associate
+      return
+    end if
+    do f = 1, 6
+      if (.not. btest(place%mask, f - 1)) cycle
+      associate (face => mesh%body(b)%face(f))
+        block = [block, face%block]
+        elem = [elem, face%elem]
+        side = [side, face%side]
+      end associate
+    end do
+    if (size(elem) == 0) call fail(error, DECK_ERROR, quoted(place%body)//' has no such face', &
+                                   place%face_place, 'a spline surface is its face 3-, or ALL')
+  end subroutine find_faces
+
+  !> Surface elements that are no faces of the body's boundary.
+  subroutine fail_group(group, place, error)
+    type(group_t), intent(in) :: group
+    type(where_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+
+    call fail(error, DECK_ERROR, to_text(group%inner)//' of the surface elements of group ' &
+              //quoted(group%name)//' are no faces of the boundary of '//quoted(place%body), &
+              place%face_place, 'they lie inside, or on no element: loads and contact act ' &
+              //'on the boundary')
+  end subroutine fail_group
+
+end module input_where
