@@ -1,7 +1,7 @@
 !> What a checkpoint keeps beside the state: the command counter, loops, step control, policies.
 module command_checkpoint
   use base_kinds, only: wp
-  use named_values, only: bag_t, put, get
+  use named_values, only: named_values_t, put, get
   use command_type, only: run_t
   use deck_params, only: parameter_names, find_parameter, set_parameter
   use path_type, only: path_t
@@ -14,7 +14,7 @@ contains
   !> The run at a moment between two steps: the command at `pc` is the next one.
   subroutine pack_run(run, bag)
     type(run_t), intent(in) :: run
-    type(bag_t), intent(out) :: bag
+    type(named_values_t), intent(out) :: bag
 
     call put(bag, 'pc', run%pc)
     call put(bag, 'loop_at', run%loop(:)%at)
@@ -42,7 +42,7 @@ contains
 
   !> The run goes on where the checkpoint was made.
   subroutine unpack_run(bag, run, found)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     type(run_t), intent(inout) :: run
     logical, intent(out) :: found !! .false.: something is missing, or of another size
     real(wp), allocatable :: x(:)
@@ -79,7 +79,7 @@ contains
   end subroutine unpack_run
 
   subroutine unpack_policies(bag, run, found)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     type(run_t), intent(inout) :: run
     logical, intent(out) :: found
     real(wp), allocatable :: x(:)
@@ -112,7 +112,7 @@ contains
   end subroutine unpack_policies
 
   subroutine unpack_path(bag, path, found)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     type(path_t), intent(inout) :: path
     logical, intent(out) :: found
     real(wp), allocatable :: x(:)

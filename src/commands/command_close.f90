@@ -6,7 +6,7 @@ module command_close
   use base_text, only: to_text
   use listing_contact, only: list_contacts
   use contact_notes, only: note_lost_contacts
-  use command_files, only: open_files, write_rows, write_fields, write_checkpoint, drop_anchor
+  use command_files, only: open_files, write_rows, write_fields, write_checkpoint, set_restart_point
   use linear_system, only: FULL
   use command_loop, only: cut_back
   use command_type, only: run_t
@@ -18,7 +18,7 @@ module command_close
   private
   public :: close_step
 
-  integer, parameter :: ANCHOR = 10 !! steps between anchors where factors are kept
+  integer, parameter :: RESTART_EVERY = 10 !! steps between restart points where factors are kept
   real(wp), parameter :: FAR = 2.0_wp !! sizes of the model: no step goes farther
 
 contains
@@ -119,8 +119,8 @@ contains
     if (run%plan%save) then
       run%plan%save = .false.
       call write_checkpoint(run, error)
-    else if (run%newton%mode /= FULL .and. mod(run%state%step, ANCHOR) == 0) then
-      call drop_anchor(run)
+    else if (run%newton%mode /= FULL .and. mod(run%state%step, RESTART_EVERY) == 0) then
+      call set_restart_point(run)
     end if
   end subroutine write_step
 

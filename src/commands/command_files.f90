@@ -4,7 +4,7 @@ module command_files
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_log, only: log_line
   use base_text, only: to_text
-  use named_values, only: bag_t
+  use named_values, only: named_values_t
   use byte_file, only: close_bytes
   use command_checkpoint, only: pack_run, unpack_run
   use command_type, only: run_t
@@ -17,7 +17,7 @@ module command_files
                           read_checkpoint
   implicit none
   private
-  public :: open_files, write_rows, write_fields, write_checkpoint, write_anchor, drop_anchor, &
+  public :: open_files, write_rows, write_fields, write_checkpoint, write_restart_point, set_restart_point, &
             close_files, restore_run
 
   integer, parameter :: LONG = 64 !! longest name of a column
@@ -128,37 +128,37 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(fingerprint_t) :: print
 
-    call drop_anchor(run)
+    call set_restart_point(run)
     call make_fingerprint(VERSION, run%deck_text, run%model, print)
-    call store(run%stem//'.restart.h5', print, run%anchor%state, run%anchor%bag, error)
+    call store(run%stem//'.restart.h5', print, run%restart_point%state, run%restart_point%bag, error)
     if (allocated(error)) return
-    call log_line('checkpoint after step '//to_text(run%anchor%state%step)//' in '//run%stem &
+    call log_line('checkpoint after step '//to_text(run%restart_point%state%step)//' in '//run%stem &
                   //'.restart.h5')
   end subroutine write_checkpoint
 
   !> The same of the last anchor, for a stop that was not foreseen.
-  subroutine write_anchor(run, error)
+  subroutine write_restart_point(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
     type(fingerprint_t) :: print
 
-    if (run%newton%mode == FULL .or. .not. run%anchor%set) then
+    if (run%newton%mode == FULL .or. .not. run%restart_point%set) then
       call write_checkpoint(run, error)
       return
     end if
     call make_fingerprint(VERSION, run%deck_text, run%model, print)
-    call store(run%stem//'.restart.h5', print, run%anchor%state, run%anchor%bag, error)
-  end subroutine write_anchor
+    call store(run%stem//'.restart.h5', print, run%restart_point%state, run%restart_point%bag, error)
+  end subroutine write_restart_point
 
   !> From here on this run and one that is restarted here do the same: kept factors are forgotten.
-  subroutine drop_anchor(run)
+  subroutine set_restart_point(run)
     type(run_t), intent(inout) :: run
 
     if (run%newton%ready) call run%newton%system%force_refactor()
-    call pack_run(run, run%anchor%bag)
-    run%anchor%state = run%state
-    run%anchor%set = .true.
-  end subroutine drop_anchor
+    call pack_run(run, run%restart_point%bag)
+    run%restart_point%state = run%state
+    run%restart_point%set = .true.
+  end subroutine set_restart_point
 
   !> Go on from a checkpoint; no file is touched yet.
   subroutine restore_run(run, path, error)
@@ -166,7 +166,7 @@ contains
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
     type(fingerprint_t) :: print
-    type(bag_t) :: bag
+    type(named_values_t) :: bag
     logical :: found
 
     call make_fingerprint(VERSION, run%deck_text, run%model, print)

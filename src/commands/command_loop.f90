@@ -57,7 +57,7 @@ contains
     if (run%dry) return
     top = size(run%loop)
     passes = 1
-    if (run%command(command%mate)%holds_time .and. run%control%automatic) then
+    if (run%command(command%matching)%holds_time .and. run%control%automatic) then
       passes = max(1, run%control%passed)
       if (.not. on_target(run%control)) passes = 0
     end if
@@ -66,7 +66,7 @@ contains
       run%pc = run%loop(top)%at
     else
       run%loop = run%loop(:top - 1)
-      if (run%control%automatic .and. run%command(command%mate)%solves .and. run%plan%solved &
+      if (run%control%automatic .and. run%command(command%matching)%solves .and. run%plan%solved &
           .and. .not. run%newton%converged) then
         call cut_back(run, 'no convergence after '//to_text(run%newton%iterations)//' iterations', &
                       error)
@@ -82,7 +82,7 @@ contains
     top = size(run%loop)
     if (top == 0) return
     if (run%command(run%loop(top)%at)%holds_time) return
-    run%pc = run%command(run%loop(top)%at)%mate
+    run%pc = run%command(run%loop(top)%at)%matching
     run%loop = run%loop(:top - 1)
   end subroutine leave_loop
 

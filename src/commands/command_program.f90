@@ -157,8 +157,8 @@ contains
                           loop(depth) == i - 1, error)
         end if
         if (allocated(error)) return
-        run%command(i)%mate = loop(depth)
-        run%command(loop(depth))%mate = i
+        run%command(i)%matching = loop(depth)
+        run%command(loop(depth))%matching = i
         depth = depth - 1
       case ('time')
         if (depth > 0) run%command(loop(depth))%holds_time = .true.
@@ -228,7 +228,7 @@ contains
     integer :: i
 
     yes = .false.
-    do i = at, run%command(at)%mate
+    do i = at, run%command(at)%matching
       yes = yes .or. associated(run%row(run%command(i)%row)%data)
     end do
   end function has_data

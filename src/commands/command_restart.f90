@@ -4,7 +4,7 @@ module command_restart
   use base_log, only: log_line
   use base_kinds, only: wp
   use base_text, only: to_text, quoted
-  use named_values, only: bag_t
+  use named_values, only: named_values_t
   use command_type, only: run_t, command_t, command_row_t, new_row
   use load_curve, only: load_table_t
   use model, only: state_t
@@ -68,7 +68,7 @@ contains
     type(state_t), intent(inout) :: state
     type(error_t), allocatable, intent(out) :: error
     type(fingerprint_t) :: print
-    type(bag_t) :: bag
+    type(named_values_t) :: bag
 
     call make_fingerprint(VERSION, '', run%model, print)
     call read_checkpoint(path_of(run, command), print, state, bag, error, any_deck=.true.)

@@ -4,7 +4,7 @@ module command_stop
   use base_error, only: error_t, fail, STOPPED
   use base_system, only: stop_requested, wall_seconds
   use base_text, only: to_text
-  use command_files, only: write_anchor, close_files
+  use command_files, only: write_restart_point, close_files
   use command_loop, only: rewind_step
   use command_type, only: run_t
   implicit none
@@ -32,12 +32,12 @@ contains
       call rewind_step(run)
       run%plan%retry = run%plan%cutbacks > 0 ! its cuts are counted on
     end if
-    call write_anchor(run, error)
+    call write_restart_point(run, error)
     if (allocated(error)) return
     call close_files(run, error)
     if (allocated(error)) return
     call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step) &
-              //'; the checkpoint is of step '//to_text(run%anchor%state%step), &
+              //'; the checkpoint is of step '//to_text(run%restart_point%state%step), &
               hint='go on with --restart '//run%stem//'.restart.h5')
   end subroutine stop_run
 

@@ -86,9 +86,9 @@ contains
     if (allocated(error)) return
     select case (record%key(1))
     case ('disp')
-      quantity%kind = Q_DISP
+      quantity%id = Q_DISP
     case ('reac')
-      quantity%kind = Q_NODAL
+      quantity%id = Q_NODAL
     case default
       call fail(error, DECK_ERROR, "no history of '"//record%text(1)//"'", record%place(1), &
                 USAGE//'; stresses: CURVe with STREss')
@@ -110,7 +110,7 @@ contains
       call fail(error, DECK_ERROR, 'directions are 1, 2 and 3', record%place(3), USAGE)
     end if
     quantity%node = [node]
-    quantity%column = merge('disp', 'reac', quantity%kind == Q_DISP)//'_'//to_text(node)//'_' &
+    quantity%column = merge('disp', 'reac', quantity%id == Q_DISP)//'_'//to_text(node)//'_' &
                       //to_text(quantity%component)
     quantity%place = record%place(1)
   end subroutine read_history

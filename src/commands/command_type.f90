@@ -13,13 +13,13 @@ module command_type
   use path_type, only: path_t
   use step_control, only: step_control_t
   use result_file, only: result_file_t
-  use named_values, only: bag_t
+  use named_values, only: named_values_t
   use byte_file, only: byte_file_t
   use curve_file, only: curve_file_t
   implicit none
   private
   public :: run_t, command_t, command_row_t, loop_t, data_t, command_run_i, command_data_i, &
-            plan_t, row_t, anchor_t, new_row
+            plan_t, row_t, restart_point_t, new_row
 
   !> Data records a command owns, read before the run starts.
   type :: data_t
@@ -32,7 +32,7 @@ module command_type
   type :: command_t
     integer :: row = 0
     type(record_t) :: record
-    integer :: mate = 0            !! LOOP: its NEXT; NEXT: its LOOP
+    integer :: matching = 0            !! LOOP: its NEXT; NEXT: its LOOP
     logical :: holds_time = .false. !! LOOP: a TIME stands in it, not deeper
     logical :: solves = .false.     !! LOOP: a solving command stands in it, not deeper
     character(4) :: option = ''
@@ -86,11 +86,11 @@ module command_type
   !> The last moment a restart can begin at and still repeat this run to the last bit. With FULL
   !! factorisation that is the end of any step; where factors are kept it must be one at which they
   !! were forgotten.
-  type :: anchor_t
+  type :: restart_point_t
     logical :: set = .false.
     type(state_t) :: state
-    type(bag_t) :: bag
-  end type anchor_t
+    type(named_values_t) :: bag
+  end type restart_point_t
 
   !> Everything a command can reach.
   type :: run_t
@@ -123,7 +123,7 @@ module command_type
     integer :: tplot_every = 1         !! rows of TPLOt's table
     logical :: restarted = .false.
     integer :: kept = 0                !! last step of the run before the restart
-    type(anchor_t) :: anchor
+    type(restart_point_t) :: restart_point
     type(row_t), allocatable :: last_row(:) !! of every curve, for the report
     logical, allocatable :: noted(:)   !! rows whose one note has been given
   end type run_t

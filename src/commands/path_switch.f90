@@ -99,7 +99,7 @@ contains
     yes = cut_piece(run%path)
     if (yes) then
       call note_cut(run, why, 'releases '//to_text(100*run%path%piece)//' % of the bonds')
-    else if (any(abs(run%state%way) > 0.0_wp)) then
+    else if (any(abs(run%state%last_increment) > 0.0_wp)) then
       yes = .true.
       call goes_along(run, 'control of the release ends at time '//to_text(run%plan%time) &
                       //': '//why)
@@ -161,7 +161,7 @@ contains
     real(wp), allocatable :: before(:), ahead(:)
 
     yes = run%path%method == PATH_LENGTH .and. run%control%automatic
-    if (yes) yes = norm2(run%state%way) > REST*norm2(run%state%u_step)
+    if (yes) yes = norm2(run%state%last_increment) > REST*norm2(run%state%u_step)
     if (.not. yes) return
     before = factor_slopes(run%state, ahead=.false.)
     ahead = factor_slopes(run%state, ahead=.true.)

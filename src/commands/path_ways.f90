@@ -25,7 +25,7 @@ contains
     character(*), intent(in) :: what
     real(wp) :: length
 
-    length = norm2(run%state%way)
+    length = norm2(run%state%last_increment)
     call begin_way_along(run%path, length)
     call log_line('path: '//what)
     call log_line('path: on by the length of the step, first '//to_text(length))
@@ -96,7 +96,7 @@ contains
 
     associate (model => run%model, state => run%state)
       allocate (slope(3, model%mesh%nnode))
-      call find_release(model, state, state%u - state%way, before, slope)
+      call find_release(model, state, state%u - state%last_increment, before, slope)
       call find_release(model, state, state%u, now, slope)
       now = now - before                  ! without bonds: nothing
       if (abs(now) > 0.0_wp) now = now/bonded_area(model, state)

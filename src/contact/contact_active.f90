@@ -133,7 +133,7 @@ contains
       call whole_clique(pairs, own, other, clique)
       return
     end if
-    most = maxval(own%kind%nsf) + maxval(other%kind%nsf)
+    most = maxval(own%basis%nsf) + maxval(other%basis%nsf)
     allocate (clique%conn(most, pairs%n))
     do i = 1, pairs%n
       associate (e => pairs%own(i), p => pairs%partner(i))
@@ -157,7 +157,7 @@ contains
     do i = 1, pairs%n
       npair(pairs%own(i)) = npair(pairs%own(i)) + 1
     end do
-    n = maxval(own%kind%nsf) + maxval(other%kind%nsf)*maxval([0, npair])
+    n = maxval(own%basis%nsf) + maxval(other%basis%nsf)*maxval([0, npair])
     allocate (clique%conn(n, count(npair > 0)))
     n = 0
     do e = 1, size(npair)

@@ -20,14 +20,14 @@ module contact_bond
   use contact_type, only: cohesion_t
   implicit none
   private
-  public :: find_bonds, pull_t, find_pull, ask_foot
+  public :: find_bonds, bond_traction_t, find_pull, ask_foot
 
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! of an element: the default of GAP
 
   real(wp), parameter :: NEARLY = 1.0e-6_wp !! positions are found in two ways
 
   !> Traction of a bonded point on its reference area, and how it varies.
-  type :: pull_t
+  type :: bond_traction_t
     real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
     real(wp) :: bond(3) = 0.0_wp       !! the law's share of it [F/L^2]
     real(wp) :: dtdg(3, 3) = 0.0_wp    !! [F/L^3] against g
@@ -37,7 +37,7 @@ module contact_bond
     !> The penalty on the current foot acts with this share, which varies with g.
     real(wp) :: share = 1.0_wp
     real(wp) :: slope(3) = 0.0_wp      !! dshare/dg [1/L]
-  end type pull_t
+  end type bond_traction_t
 
 contains
 
@@ -120,7 +120,7 @@ contains
     real(wp), intent(in) :: at(3)              !! [L]
     type(contact_points_t), intent(inout) :: points
     type(work_t), intent(inout) :: work
-    type(pull_t), intent(out) :: pull
+    type(bond_traction_t), intent(out) :: pull
     type(cohesion_t) :: c
     real(wp) :: g(3), partner(3), n(3), up(3, 2), lag
     integer :: j
@@ -156,7 +156,7 @@ contains
     integer, intent(in) :: i
     real(wp), intent(in) :: g(3), n(3), up(3, 2)
     type(contact_points_t), intent(in) :: points
-    type(pull_t), intent(inout) :: pull
+    type(bond_traction_t), intent(inout) :: pull
     real(wp) :: p, dp, energy, hold, dhold(3)
     integer :: j
 

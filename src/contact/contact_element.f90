@@ -6,13 +6,13 @@
 !! dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b. A bond's xi is fixed.
 module contact_element
   use base_kinds, only: wp
-  use contact_bond, only: pull_t, find_pull
+  use contact_bond, only: bond_traction_t, find_pull
   use subcell_quadrature, only: acting
   use edge_taper, only: fade_border
   use projection_type, only: foot_t, touches
   use contact_history, only: ASIDE
   use contact_pair, only: contact_t, contact_points_t, surface_t
-  use contact_point, only: point_t, slope_t, traction_at, foot_way, outer
+  use contact_point, only: point_t, traction_derivatives_t, traction_at, foot_way, outer
   use contact_type, only: OPEN, SLIP, TOUCH
   use contact_work, only: work_t, own_share, clear, add_own, add_partner, measure, position_on, &
       spread_rows
@@ -38,13 +38,13 @@ contains
     type(contact_points_t), intent(inout) :: points
     type(work_t), intent(inout) :: work
     type(point_t) :: point
-    type(slope_t) :: dt
-    type(pull_t) :: pull
+    type(traction_derivatives_t) :: dt
+    type(bond_traction_t) :: pull
     real(wp) :: up(3, 2), da, load
     integer :: act(2), i, q
 
     associate (own => contact%side(k), other => contact%side(3 - k))
-      work%nk = own%kind(own%ikind(e))%nsf
+      work%nk = own%basis(own%ibasis(e))%nsf
       work%npartner = 0
       act = acting(contact, points, e)
       do q = act(1), act(2)
@@ -52,7 +52,7 @@ contains
         call measure(own, e, q, x, work, point%x, up, da)
         da = da*contact%wgt(q)
         call find_traction(contact, other, x, feet(q), slides, i, points, work, point, dt)
-        pull = pull_t()
+        pull = bond_traction_t()
         if (points%bond(i) > 0) call find_pull(contact, other, x, i, point%x, points, work, pull)
         if (.not. pull%share > 0.0_wp) point%state = OPEN
         call record(feet(q), i, point, pull, da, points)
@@ -79,7 +79,7 @@ contains
     type(surface_t), intent(in) :: other
     integer, intent(in) :: i
     type(contact_points_t), intent(in) :: points
-    type(pull_t), intent(in) :: pull
+    type(bond_traction_t), intent(in) :: pull
     type(work_t), intent(inout) :: work
     real(wp) :: load
 
@@ -96,9 +96,9 @@ contains
     type(surface_t), intent(in) :: other
     integer, intent(in) :: i
     type(contact_points_t), intent(in) :: points
-    type(pull_t), intent(in) :: pull
+    type(bond_traction_t), intent(in) :: pull
     real(wp), intent(in) :: t(3), da           !! [F/L^2], [L^2]
-    type(slope_t), intent(inout) :: dt
+    type(traction_derivatives_t), intent(inout) :: dt
     type(work_t), intent(inout) :: work
     real(wp) :: dtdg(3, 3)
     integer :: j
@@ -119,7 +119,7 @@ contains
     type(foot_t), intent(in) :: foot
     integer, intent(in) :: i
     type(point_t), intent(in) :: point
-    type(pull_t), intent(in) :: pull           !! of a point that is not bonded: zero
+    type(bond_traction_t), intent(in) :: pull           !! of a point that is not bonded: zero
     real(wp), intent(in) :: da                 !! current area [L^2]
     type(contact_points_t), intent(inout) :: points
     real(wp) :: ratio
@@ -153,7 +153,7 @@ contains
     type(contact_points_t), intent(in) :: points
     type(work_t), intent(inout) :: work
     type(point_t), intent(inout) :: point
-    type(slope_t), intent(out) :: dt
+    type(traction_derivatives_t), intent(out) :: dt
     integer :: e
 
     point%state = OPEN
@@ -213,7 +213,7 @@ contains
     real(wp), intent(in), optional :: x(3)       !! the point [L]
     integer :: b, n
 
-    n = other%kind(other%ikind(e))%nsf
+    n = other%basis(other%ibasis(e))%nsf
     associate (slot => work%slot)
       do b = 1, n
         work%back(:, b, slot) = work%back(:, b, slot) + work%shp(b)*da*t
@@ -235,8 +235,8 @@ contains
     type(work_t), intent(inout) :: work
     integer :: i
 
-    associate (slot => work%foot, n => other%kind(other%ikind(work%partner(work%foot)))%nsf, &
-               m => other%kind(other%ikind(work%partner(work%slot)))%nsf)
+    associate (slot => work%foot, n => other%basis(other%ibasis(work%partner(work%foot)))%nsf, &
+               m => other%basis(other%ibasis(work%partner(work%slot)))%nsf)
       if (work%slot == slot) then
         call spread_rows(n, m, work%foot_shp, work%q, -da, size(work%ll, 1), work%ll(:, :, slot))
         return

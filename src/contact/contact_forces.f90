@@ -95,9 +95,9 @@ contains
     real(wp), allocatable :: shp(:)
     real(wp), allocatable :: dshp(:, :)
 
-    shp = own%kind(own%ikind(e))%shp(:, q)
+    shp = own%basis(own%ibasis(e))%shp(:, q)
     if (.not. allocated(own%w)) return
-    dshp = own%kind(own%ikind(e))%dshp(:, :, q)
+    dshp = own%basis(own%ibasis(e))%dshp(:, :, q)
     call make_rational(own%w(own%first(e):own%first(e + 1) - 1), shp, dshp)
   end function own_functions
 
@@ -123,8 +123,8 @@ contains
         do q = 1, contact%nq
           i = (e - 1)*contact%nq + q
           if (points%bond(i) == 0) cycle
-          m = own%kind(own%ikind(e))%nsf
-          n = other%kind(other%ikind(points%bond(i)))%nsf
+          m = own%basis(own%ibasis(e))%nsf
+          n = other%basis(other%ibasis(points%bond(i)))%nsf
           call measure(own, e, q, x, work, xp, up, area)
           call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, g)
           g = xp - g

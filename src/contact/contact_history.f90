@@ -130,7 +130,7 @@ contains
     q0 = 0
     if (present(from)) q0 = from
 
-    associate (shp => surface%kind(surface%ikind(e))%shp, first => surface%first(e))
+    associate (shp => surface%basis(surface%ibasis(e))%shp, first => surface%first(e))
       do q = 1, size(xp, 2)
         xp(:, q) = 0.0_wp
         w = 0.0_wp

@@ -5,18 +5,18 @@ module contact_pair
   use contact_type, only: contact_law_t, MAX_LAW_PROP
   implicit none
   private
-  public :: contact_t, surface_t, surface_kind_t, contact_points_t, contact_state_t, bond_t, &
+  public :: contact_t, surface_t, surface_basis_t, contact_points_t, contact_state_t, bond_t, &
             edge_part_t
 
-  !> Functions of surface elements of one kind: N = C B with Bernstein polynomials B on [-1,1]^2,
+  !> Functions of surface elements of one basis: N = C B with Bernstein polynomials B on [-1,1]^2,
   !! the first direction fastest. Facets and Lagrange patches are written this way too.
-  type :: surface_kind_t
+  type :: surface_basis_t
     integer :: degree(2) = 1
     integer :: nsf = 0                       !! functions
     real(wp), allocatable :: c(:, :)         !! (nsf, nb) extraction, nb = (degree+1)(degree+1)
     real(wp), allocatable :: shp(:, :)       !! (nsf, nq) at the integration points, without weights
     real(wp), allocatable :: dshp(:, :, :)   !! (2, nsf, nq)
-  end type surface_kind_t
+  end type surface_basis_t
 
   !> A part of an edge and what is behind it: T-junctions.
   type :: edge_part_t
@@ -32,8 +32,8 @@ module contact_pair
     logical :: rigid = .false.               !! its nodes are prescribed; not integrated
     real(wp) :: thickness = 0.0_wp           !! of its body behind it [L]; 0: unknown or rigid
     integer :: nelem = 0
-    type(surface_kind_t), allocatable :: kind(:)
-    integer, allocatable :: ikind(:)         !! (nelem)
+    type(surface_basis_t), allocatable :: basis(:)
+    integer, allocatable :: ibasis(:)         !! (nelem)
     integer, allocatable :: first(:)         !! (nelem+1) where an element's nodes begin in `node`
     integer, allocatable :: node(:)          !! nodes and control points of all elements
     real(wp), allocatable :: w(:)            !! (size(node)) weights; not allocated: all one

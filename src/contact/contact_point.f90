@@ -11,7 +11,7 @@ module contact_point
   use contact_type, only: OPEN, TOUCH
   implicit none
   private
-  public :: point_t, slope_t, foot_way, traction_at, inverse, outer
+  public :: point_t, traction_derivatives_t, foot_way, traction_at, inverse, outer
 
   !> A distance this small, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
@@ -36,12 +36,12 @@ module contact_point
   end type point_t
 
   !> Derivatives of a vector against what varies.
-  type :: slope_t
+  type :: traction_derivatives_t
     real(wp) :: x(3, 3) = 0.0_wp       !! against x
     real(wp) :: p(3, 3) = 0.0_wp       !! against x_p, xi_p held
     real(wp) :: a(3, 3, 2) = 0.0_wp    !! against the tangents of l there
     real(wp) :: s(3, 3) = 0.0_wp       !! against x_s, xi_s held
-  end type slope_t
+  end type traction_derivatives_t
 
 contains
 
@@ -50,8 +50,8 @@ contains
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: foot
     type(point_t), intent(inout) :: point
-    type(slope_t), intent(out) :: dt
-    type(slope_t) :: dn
+    type(traction_derivatives_t), intent(out) :: dt
+    type(traction_derivatives_t) :: dn
     real(wp) :: n(3), dp, dpdx(3)
 
     point%t = 0.0_wp
@@ -121,7 +121,7 @@ contains
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: x(3)       !! the point
     real(wp), intent(out) :: n(3)
-    type(slope_t), intent(out) :: dn
+    type(traction_derivatives_t), intent(out) :: dn
     real(wp) :: g(3), h(3, 2), hess(2, 2), metric(2, 2), up(3, 2), c(2, 2)
     integer :: i, j
 
@@ -175,8 +175,8 @@ contains
     type(contact_t), intent(in) :: contact
     type(point_t), intent(inout) :: point
     real(wp), intent(in) :: n(3), dpdx(3)
-    type(slope_t), intent(in) :: dn
-    type(slope_t), intent(inout) :: dt
+    type(traction_derivatives_t), intent(in) :: dn
+    type(traction_derivatives_t), intent(inout) :: dt
     real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
     integer :: i
 

@@ -146,16 +146,16 @@ contains
     real(wp) :: value
     type(resultant_t) :: total
 
-    if (any(quantity%kind == [Q_CONTACT_PRESSURE, Q_CONTACT_TANGENTIAL])) then
+    if (any(quantity%id == [Q_CONTACT_PRESSURE, Q_CONTACT_TANGENTIAL])) then
       value = largest_value(model, state, quantity)
       return
     end if
-    if (quantity%kind == Q_CONTACT_DEBONDED) then
+    if (quantity%id == Q_CONTACT_DEBONDED) then
       value = debonded_share(model, state, quantity)
       return
     end if
     call side_resultant(model, state, quantity%contact, quantity%side, quantity%point, total)
-    select case (quantity%kind)
+    select case (quantity%id)
     case (Q_CONTACT_FORCE)
       value = total%force(quantity%component)
     case (Q_CONTACT_TORQUE)
@@ -220,7 +220,7 @@ contains
       k = quantity%side
       if (contact%side(k)%rigid) k = 3 - k
       call smooth_side(contact, k, points%side(k), field)
-      if (quantity%kind == Q_CONTACT_PRESSURE) then
+      if (quantity%id == Q_CONTACT_PRESSURE) then
         value = largest_pressure(contact, k, field, quantity%component)
       else
         value = largest_tangential(contact, k, field, quantity%component)

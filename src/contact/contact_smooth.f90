@@ -9,7 +9,7 @@
 !! the pressure wherever the surface is curved (5 % of Table 5's values, Corbett and Sauer 2015).
 module contact_smooth
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_points_t, surface_t, surface_kind_t
+  use contact_pair, only: contact_t, contact_points_t, surface_t, surface_basis_t
   use contact_surface, only: surface_functions_at, make_rational
   use contact_type, only: OPEN, STICK, SLIP, TOUCH
   implicit none
@@ -38,7 +38,7 @@ module contact_smooth
   !! border: fields of facets have their largest values at corners.
   integer, parameter :: NGRID = 10
 
-  !> Functions of one kind of elements at these points, without weights.
+  !> Functions of one basis of elements at these points, without weights.
   type :: table_t
     real(wp), allocatable :: shp(:, :)      !! (nsf, NGRID**2)
     real(wp), allocatable :: dshp(:, :, :)  !! (2, nsf, NGRID**2)
@@ -60,13 +60,13 @@ contains
       call number_nodes(own, field)
       allocate (total(NSUM, size(field%node)), source=0.0_wp)
       do e = 1, own%nelem
-        associate (kind => own%kind(own%ikind(e)), first => own%first(e), &
+        associate (basis => own%basis(own%ibasis(e)), first => own%first(e), &
                    last => own%first(e + 1) - 1)
-          squares = has_no_area(kind, points%area((e - 1)*contact%nq + 1:e*contact%nq))
+          squares = has_no_area(basis, points%area((e - 1)*contact%nq + 1:e*contact%nq))
           do q = 1, contact%nq
             i = (e - 1)*contact%nq + q
-            shp = kind%shp(:, q)
-            dshp = kind%dshp(:, :, q)
+            shp = basis%shp(:, q)
+            dshp = basis%dshp(:, :, q)
             if (allocated(own%w)) call make_rational(own%w(first:last), shp, dshp)
             if (squares) shp = shp**2
             call add_point(points, i, shp, field%at(first:last), total)
@@ -78,14 +78,14 @@ contains
   end subroutine smooth_side
 
   !> Functions of no area (corners of quadratic triangles): their squares are the weights then.
-  pure logical function has_no_area(kind, area)
-    type(surface_kind_t), intent(in) :: kind
+  pure logical function has_no_area(basis, area)
+    type(surface_basis_t), intent(in) :: basis
     real(wp), intent(in) :: area(:)      !! (nq) of the points [L^2]
-    real(wp) :: total(kind%nsf)
+    real(wp) :: total(basis%nsf)
     real(wp), parameter :: NONE = 1.0e-3_wp !! of the largest
 
-    total = matmul(kind%shp, area)
-    has_no_area = any(total <= NONE*maxval(total)) .and. any(kind%shp < 0.0_wp)
+    total = matmul(basis%shp, area)
+    has_no_area = any(total <= NONE*maxval(total)) .and. any(basis%shp < 0.0_wp)
   end function has_no_area
 
   !> Give each node of the side a place.
@@ -234,31 +234,31 @@ contains
     integer :: e, i
 
     largest = 0.0_wp
-    call tabulate(surface%kind, table)
+    call tabulate(surface%basis, table)
     do e = 1, surface%nelem
       associate (mine => at(surface%first(e):surface%first(e + 1) - 1))
         if (all(abs(value(:, mine)) <= 0.0_wp)) cycle
         do i = 1, NGRID**2
-          call take(surface, e, table(surface%ikind(e)), i, shp, dshp)
+          call take(surface, e, table(surface%ibasis(e)), i, shp, dshp)
           largest = max(largest, norm2(matmul(value(:, mine), shp)))
         end do
       end associate
     end do
   end function largest_of
 
-  !> Functions of all kinds on the grid.
-  subroutine tabulate(kind, table)
-    type(surface_kind_t), intent(in) :: kind(:)
+  !> Functions of all bases on the grid.
+  subroutine tabulate(basis, table)
+    type(surface_basis_t), intent(in) :: basis(:)
     type(table_t), allocatable, intent(out) :: table(:)
     integer :: i, j, k
 
-    allocate (table(size(kind)))
-    do k = 1, size(kind)
-      allocate (table(k)%shp(kind(k)%nsf, NGRID**2), table(k)%dshp(2, kind(k)%nsf, NGRID**2))
+    allocate (table(size(basis)))
+    do k = 1, size(basis)
+      allocate (table(k)%shp(basis(k)%nsf, NGRID**2), table(k)%dshp(2, basis(k)%nsf, NGRID**2))
       do j = 1, NGRID
         do i = 1, NGRID
           associate (n => (j - 1)*NGRID + i)
-            call surface_functions_at(kind(k), [place(i), place(j)], table(k)%shp(:, n), &
+            call surface_functions_at(basis(k), [place(i), place(j)], table(k)%shp(:, n), &
                                       table(k)%dshp(:, :, n))
           end associate
         end do

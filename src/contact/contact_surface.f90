@@ -4,8 +4,8 @@ module contact_surface
   use base_kinds, only: wp, i8
   use base_sort, only: sort_index
   use surface_topology, only: connect_elements
-  use surface_basis, only: find_kind, same_kind, is_mixed, surface_functions_at, make_rational
-  use contact_pair, only: contact_t, surface_t, surface_kind_t
+  use surface_basis, only: find_basis, same_basis, is_mixed, surface_functions_at, make_rational
+  use contact_pair, only: contact_t, surface_t, surface_basis_t
   use element_type, only: cell_t
   use mesh, only: mesh_t, block_cell
   use quadrature, only: gauss_quad
@@ -15,7 +15,7 @@ module contact_surface
 
   !> Element faces with the same functions.
   type :: class_t
-    integer :: kind = 0
+    integer :: basis = 0
     integer, allocatable :: local(:) !! (nsf) nodes of the element that they belong to
   end type class_t
 
@@ -82,16 +82,16 @@ contains
     type(surface_t), intent(inout) :: surface
     type(class_t), allocatable, intent(out) :: class(:)
     integer, allocatable, intent(out) :: iclass(:) !! (nelem)
-    type(surface_kind_t), allocatable :: kind(:)
-    type(surface_kind_t) :: new
+    type(surface_basis_t), allocatable :: basis(:)
+    type(surface_basis_t) :: new
     type(cell_t) :: cell
-    integer :: order(size(key)), i, f, n, nkind
+    integer :: order(size(key)), i, f, n, nbasis
     integer(i8) :: last
 
     call sort_index(key, order)
-    allocate (class(size(key)), iclass(size(key)), kind(size(key)))
+    allocate (class(size(key)), iclass(size(key)), basis(size(key)))
     n = 0
-    nkind = 0
+    nbasis = 0
     last = 0
     do i = 1, size(key)
       f = order(i)
@@ -104,23 +104,23 @@ contains
       iclass(f) = n
       associate (block => mesh%block(surface%block(f)))
         call block_cell(block, surface%elem(f), cell)
-        call find_kind(block%row, cell, block%nen, surface%face(f), new, class(n)%local)
+        call find_basis(block%row, cell, block%nen, surface%face(f), new, class(n)%local)
       end associate
-      class(n)%kind = position_of(new, kind(:nkind))
-      if (class(n)%kind <= nkind) cycle
-      nkind = nkind + 1
-      kind(nkind) = new
+      class(n)%basis = position_of(new, basis(:nbasis))
+      if (class(n)%basis <= nbasis) cycle
+      nbasis = nbasis + 1
+      basis(nbasis) = new
     end do
-    surface%kind = kind(:nkind)
-    surface%ikind = class(iclass)%kind
+    surface%basis = basis(:nbasis)
+    surface%ibasis = class(iclass)%basis
   end subroutine find_classes
 
-  !> Where a kind stands in the list, or the place behind it.
-  pure integer function position_of(new, kind) result(k)
-    type(surface_kind_t), intent(in) :: new, kind(:)
+  !> Where a basis stands in the list, or the place behind it.
+  pure integer function position_of(new, basis) result(k)
+    type(surface_basis_t), intent(in) :: new, basis(:)
 
-    do k = 1, size(kind)
-      if (same_kind(new, kind(k))) return
+    do k = 1, size(basis)
+      if (same_basis(new, basis(k))) return
     end do
   end function position_of
 
@@ -172,12 +172,12 @@ contains
     call gauss_quad(n1, n2, contact%xi(:, :n1*n2), contact%wgt(:n1*n2))
     if (contact%ncell > 1) call add_cells(contact)
     do s = 1, 2
-      do k = 1, size(contact%side(s)%kind)
-        associate (kind => contact%side(s)%kind(k))
-          if (allocated(kind%shp)) deallocate (kind%shp, kind%dshp)
-          allocate (kind%shp(kind%nsf, contact%nq), kind%dshp(2, kind%nsf, contact%nq))
+      do k = 1, size(contact%side(s)%basis)
+        associate (basis => contact%side(s)%basis(k))
+          if (allocated(basis%shp)) deallocate (basis%shp, basis%dshp)
+          allocate (basis%shp(basis%nsf, contact%nq), basis%dshp(2, basis%nsf, contact%nq))
           do q = 1, contact%nq
-            call surface_functions_at(kind, contact%xi(:, q), kind%shp(:, q), kind%dshp(:, :, q))
+            call surface_functions_at(basis, contact%xi(:, q), basis%shp(:, q), basis%dshp(:, :, q))
           end do
         end associate
       end do

@@ -42,8 +42,8 @@ contains
     type(work_t), intent(out) :: work
     integer :: mk, ml, m
 
-    mk = maxval(contact%side(k)%kind%nsf)
-    ml = maxval(contact%side(3 - k)%kind%nsf)
+    mk = maxval(contact%side(k)%basis%nsf)
+    ml = maxval(contact%side(3 - k)%basis%nsf)
     m = max(mk, ml)
     allocate (work%partner(3*contact%nq), work%r(3, mk), work%kk(3*mk, 3*mk))
     allocate (work%kl(3*mk, 3*ml, 3*contact%nq), work%shp(m), work%dshp(2, m), work%own(m))
@@ -70,7 +70,7 @@ contains
     real(wp), intent(in) :: xi(2)
     real(wp), intent(out) :: shp(:), dshp(:, :) !! (nsf), (2, nsf)
 
-    call surface_functions_at(surface%kind(surface%ikind(e)), xi, shp, dshp)
+    call surface_functions_at(surface%basis(surface%ibasis(e)), xi, shp, dshp)
     if (allocated(surface%w)) call make_rational(surface%w(surface%first(e): &
                                                            surface%first(e + 1) - 1), shp, dshp)
   end subroutine element_functions
@@ -84,7 +84,7 @@ contains
     real(wp), intent(out) :: at(3)
     integer :: n
 
-    n = surface%kind(surface%ikind(e))%nsf
+    n = surface%basis(surface%ibasis(e))%nsf
     call position_at(surface, e, xi, x, work%shp(:n), work%dshp(:, :n), at)
   end subroutine position_on
 
@@ -134,14 +134,14 @@ contains
     real(wp) :: a(3, 2), n(3)
     integer :: j
 
-    associate (kind => own%kind(own%ikind(e)), node => own%node(own%first(e):own%first(e + 1) - 1))
-      work%own(:kind%nsf) = kind%shp(:, q)
-      work%down(:, :kind%nsf) = kind%dshp(:, :, q)
+    associate (basis => own%basis(own%ibasis(e)), node => own%node(own%first(e):own%first(e + 1) - 1))
+      work%own(:basis%nsf) = basis%shp(:, q)
+      work%down(:, :basis%nsf) = basis%dshp(:, :, q)
       if (allocated(own%w)) call make_rational(own%w(own%first(e):own%first(e + 1) - 1), &
-                                               work%own(:kind%nsf), work%down(:, :kind%nsf))
+                                               work%own(:basis%nsf), work%down(:, :basis%nsf))
       xq = 0.0_wp
       a = 0.0_wp
-      do j = 1, kind%nsf
+      do j = 1, basis%nsf
         xq = xq + work%own(j)*x(:, node(j))
         a(:, 1) = a(:, 1) + work%down(1, j)*x(:, node(j))
         a(:, 2) = a(:, 2) + work%down(2, j)*x(:, node(j))
@@ -218,7 +218,7 @@ contains
       end if
     end if
     work%slot = slot
-    n = other%kind(other%ikind(e))%nsf
+    n = other%basis(other%ibasis(e))%nsf
     call element_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
     do b = 1, n
       work%q(:, :, b) = dtdx*work%shp(b) + dtda(:, :, 1)*work%dshp(1, b) &

@@ -12,7 +12,7 @@
 module edge_taper
   use base_kinds, only: wp
   use projection_type, only: foot_t
-  use contact_point, only: point_t, slope_t, foot_way, inverse, outer
+  use contact_point, only: point_t, traction_derivatives_t, foot_way, inverse, outer
   implicit none
   private
   public :: fade_border
@@ -25,8 +25,8 @@ contains
     logical, intent(in) :: outside(4)      !! edges of the foot's element that are outer borders
     type(foot_t), intent(in) :: foot
     type(point_t), intent(inout) :: point
-    type(slope_t), intent(inout) :: dt
-    type(slope_t) :: dv
+    type(traction_derivatives_t), intent(inout) :: dt
+    type(traction_derivatives_t) :: dv
     real(wp) :: share, slope(2), curve(2, 2), h(3, 2), c(2, 2), g(3), v(3), s(3), n(3)
     integer :: j
 
@@ -56,7 +56,7 @@ contains
     real(wp), intent(in) :: slope(2), curve(2, 2)      !! s_,a and s_,ab
     real(wp), intent(in) :: h(3, 2), c(2, 2), g(3)     !! as of foot_way
     real(wp), intent(out) :: v(3)                      !! [1/L]
-    type(slope_t), intent(out) :: dv
+    type(traction_derivatives_t), intent(out) :: dv
     real(wp) :: metric(2, 2), w(2), up(3, 2), with(3, 2), across(3, 3)
     integer :: i, j
 

@@ -10,7 +10,7 @@ module projection
   use projection_type, only: foot_t, shape_t
   use contact_pair, only: surface_t
   use projection_search, only: grid_t, nearest_start, is_near
-  use projection_iterate, only: spot_t, look_at, find_step, find_push, move_spot, shift_spot, &
+  use projection_iterate, only: iterate_t, look_at, find_step, find_push, move_spot, shift_spot, &
       is_rounding
   implicit none
   private
@@ -43,7 +43,7 @@ contains
     real(wp), intent(in) :: x(3)
     type(foot_t), intent(inout) :: foot
     real(wp), intent(in), optional :: reach !! [L]
-    type(spot_t) :: spot, better
+    type(iterate_t) :: spot, better
     integer :: elem, ending, again, changes, edge(2), other_edge(2)
     real(wp) :: xi(2), far
 
@@ -89,7 +89,7 @@ contains
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
-    type(spot_t), intent(inout) :: spot
+    type(iterate_t), intent(inout) :: spot
     integer, intent(out) :: ending
     integer, intent(out) :: edge(2)    !! edges that the spot rests on; 0: none
     integer, intent(out) :: changes    !! of the element
@@ -140,7 +140,7 @@ contains
   pure subroutine find_ending(surface, push, spot, edge, ending)
     type(surface_t), intent(in) :: surface
     real(wp), intent(in) :: push(2)
-    type(spot_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: spot
     integer, intent(inout) :: edge(2)
     integer, intent(out) :: ending
     integer :: i
@@ -166,7 +166,7 @@ contains
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
-    type(spot_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: spot
     integer, intent(in) :: ending, edge(2)
     type(foot_t), intent(inout) :: foot
 
@@ -183,7 +183,7 @@ contains
   end subroutine set_foot
 
   pure function normal(spot) result(n)
-    type(spot_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: spot
     real(wp) :: n(3)
 
     associate (a => spot%a)
@@ -198,10 +198,10 @@ contains
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
-    type(spot_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: spot
     integer, intent(in) :: ending, edge(2)
     real(wp) :: n(3), xi(2)
-    type(spot_t) :: other
+    type(iterate_t) :: other
     integer :: elem, vertex, r, behind
 
     n = normal(spot)

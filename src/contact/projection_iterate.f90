@@ -6,7 +6,7 @@ module projection_iterate
   use surface_geometry, only: surface_point
   implicit none
   private
-  public :: spot_t, look_at, find_step, find_push, move_spot, shift_spot, is_rounding
+  public :: iterate_t, look_at, find_step, find_push, move_spot, shift_spot, is_rounding
 
   !> Parameters that differ by less are the same.
   real(wp), parameter :: SAME_XI = 1.0e-13_wp
@@ -25,7 +25,7 @@ module projection_iterate
   real(wp), parameter :: NEARLY = 0.9_wp
 
   !> Without initial values: they would cost as much as an evaluation.
-  type :: spot_t
+  type :: iterate_t
     integer :: elem
     real(wp) :: xi(2)
     real(wp) :: x(3)              !! position [L]
@@ -37,7 +37,7 @@ module projection_iterate
     real(wp) :: m(2), m12         !! metric
     real(wp) :: noise             !! square of the rounding of positions [L^2]
     logical :: regular            !! the tangents span a plane
-  end type spot_t
+  end type iterate_t
 
 contains
 
@@ -47,7 +47,7 @@ contains
     type(shape_t), intent(in) :: shape
     integer, intent(in) :: elem
     real(wp), intent(in) :: xi(2), x(3)
-    type(spot_t), intent(inout) :: spot
+    type(iterate_t), intent(inout) :: spot
 
     spot%elem = elem
     spot%xi = xi
@@ -69,7 +69,7 @@ contains
 
   !> Is a step of parameter i no more than rounding?
   pure logical function is_rounding(spot, i, d)
-    type(spot_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: spot
     integer, intent(in) :: i
     real(wp), intent(in) :: d
 
@@ -79,7 +79,7 @@ contains
   !> Edges that the spot stands on and over which the distance falls; 0: none. Also how far, in
   !! parameters.
   pure subroutine find_push(spot, edge, push)
-    type(spot_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: spot
     integer, intent(out) :: edge(2)
     real(wp), intent(out) :: push(2)
     integer :: i
@@ -97,7 +97,7 @@ contains
   !> Newton's step for the parameters that are not held, Gauss and Newton's where the Hessian is not
   !! definite. It never leads out of the element from a border.
   pure subroutine find_step(spot, held, d, definite, squares)
-    type(spot_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: spot
     logical, intent(in) :: held(2)
     real(wp), intent(out) :: d(2)
     logical, intent(out) :: definite
@@ -156,7 +156,7 @@ contains
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3), d(2)
-    type(spot_t), intent(inout) :: spot
+    type(iterate_t), intent(inout) :: spot
     logical, intent(out) :: ok
     real(wp) :: share, f, xi(2), from(2), way(2)
     integer :: i, halving, meets
@@ -202,7 +202,7 @@ contains
   !> Take a step so short that a Taylor series is exact to rounding.
   pure subroutine shift_spot(x, d, spot)
     real(wp), intent(in) :: x(3), d(2)
-    type(spot_t), intent(inout) :: spot
+    type(iterate_t), intent(inout) :: spot
 
     spot%xi = spot%xi + d
     spot%x = spot%x + d(1)*(spot%a(:, 1) + 0.5_wp*d(1)*spot%b(:, 1) + d(2)*spot%b(:, 3)) &

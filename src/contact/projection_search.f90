@@ -67,7 +67,7 @@ contains
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
 
-    per_direction = min(maxval(surface%kind(surface%ikind(e))%degree) + 1, 3)
+    per_direction = min(maxval(surface%basis(surface%ibasis(e))%degree) + 1, 3)
   end function per_direction
 
   pure function sample_xi(n, i) result(xi)

@@ -7,7 +7,7 @@ module projection_type
 
   !> A surface where it is now.
   type :: shape_t
-    !> (3, nb, nelem) Bezier points [L], nb of the richest kind; rational surfaces: divided by their
+    !> (3, nb, nelem) Bezier points [L], nb of the richest basis; rational surfaces: divided by their
     !! weights
     real(wp), allocatable :: bez(:, :, :)
     real(wp), allocatable :: w(:, :)        !! (nb, nelem) weights of them; not allocated: all one

@@ -2,20 +2,20 @@
 !!
 !! They are found by interpolation of what the element's row gives, so any type is served. Weights
 !! stay outside (surface%w) where numerators are w N; where a rational enriched element meets a
-!! lateral face, nodes of both kinds share the denominator W of its surface: then the weights are
+!! lateral face, nodes of both bases share the denominator W of its surface: then the weights are
 !! inside C, W N_b for the Lagrange nodes, and surface%w is one there.
 module surface_basis
   use base_kinds, only: wp
   use bspline, only: bernstein
   use element_type, only: element_t, cell_t
   use face_rule, only: face_directions
-  use contact_pair, only: surface_kind_t
+  use contact_pair, only: surface_basis_t
   use hexa_shape, only: make_rational
   use lapack, only: dgesv
   use quadrature, only: gauss, gauss_quad
   implicit none
   private
-  public :: find_kind, same_kind, is_mixed, surface_functions_at, make_rational
+  public :: find_basis, same_basis, is_mixed, surface_functions_at, make_rational
 
   !> Coefficients that are closer than this to zero, or to a simple fraction, are rounded to it.
   real(wp), parameter :: ROUNDING = 1.0e-12_wp, FRACTION = 40320.0_wp
@@ -23,18 +23,18 @@ module surface_basis
 contains
 
   !> Functions on face `side`, and the local nodes they belong to.
-  subroutine find_kind(row, cell, nen, side, kind, local)
+  subroutine find_basis(row, cell, nen, side, basis, local)
     type(element_t), intent(in) :: row
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: nen, side
-    type(surface_kind_t), intent(out) :: kind
+    type(surface_basis_t), intent(out) :: basis
     integer, allocatable, intent(out) :: local(:)
     real(wp), allocatable :: v(:, :), c(:, :), m1(:, :), m2(:, :)
     integer :: n1, n2, i, j, a
 
-    kind%degree = face_degree(cell, nen, side)
-    n1 = kind%degree(1) + 1
-    n2 = kind%degree(2) + 1
+    basis%degree = face_degree(cell, nen, side)
+    n1 = basis%degree(1) + 1
+    n2 = basis%degree(2) + 1
     allocate (m1(n1, n1), m2(n2, n2), v(nen, n1*n2), c(nen, n1*n2))
     call invert_collocation(n1, m1)
     call invert_collocation(n2, m2)
@@ -49,9 +49,9 @@ contains
     end do
     call clean(v)
     local = pack([(a, a=1, nen)], [(any(abs(v(a, :)) > 0.0_wp), a=1, nen)])
-    kind%nsf = size(local)
-    kind%c = v(local, :)
-  end subroutine find_kind
+    basis%nsf = size(local)
+    basis%c = v(local, :)
+  end subroutine find_basis
 
   !> Is the face one on which only some of the nodes have weights?
   pure logical function is_mixed(cell, nen, side)
@@ -154,35 +154,35 @@ contains
     end do
   end subroutine clean
 
-  pure logical function same_kind(a, b)
-    type(surface_kind_t), intent(in) :: a, b
+  pure logical function same_basis(a, b)
+    type(surface_basis_t), intent(in) :: a, b
 
-    same_kind = all(a%degree == b%degree) .and. a%nsf == b%nsf
-    if (same_kind) same_kind = all(abs(a%c - b%c) < ROUNDING)
-  end function same_kind
+    same_basis = all(a%degree == b%degree) .and. a%nsf == b%nsf
+    if (same_basis) same_basis = all(abs(a%c - b%c) < ROUNDING)
+  end function same_basis
 
   !> N and its derivatives at any point of [-1,1]^2, without weights.
-  pure subroutine surface_functions_at(kind, xi, shp, dshp)
-    type(surface_kind_t), intent(in) :: kind
+  pure subroutine surface_functions_at(basis, xi, shp, dshp)
+    type(surface_basis_t), intent(in) :: basis
     real(wp), intent(in) :: xi(2)
     real(wp), intent(out) :: shp(:)     !! (nsf)
     real(wp), intent(out) :: dshp(:, :) !! (2, nsf)
-    real(wp) :: f1(kind%degree(1) + 1), d1(kind%degree(1) + 1)
-    real(wp) :: f2(kind%degree(2) + 1), d2(kind%degree(2) + 1)
+    real(wp) :: f1(basis%degree(1) + 1), d1(basis%degree(1) + 1)
+    real(wp) :: f2(basis%degree(2) + 1), d2(basis%degree(2) + 1)
     integer :: i, j, b, n
 
-    n = kind%nsf
-    call bernstein(kind%degree(1), xi(1), f1, d1)
-    call bernstein(kind%degree(2), xi(2), f2, d2)
+    n = basis%nsf
+    call bernstein(basis%degree(1), xi(1), f1, d1)
+    call bernstein(basis%degree(2), xi(2), f2, d2)
     shp(:n) = 0.0_wp
     dshp(:, :n) = 0.0_wp
     b = 0
     do j = 1, size(f2)
       do i = 1, size(f1)
         b = b + 1
-        shp(:n) = shp(:n) + kind%c(:, b)*(f1(i)*f2(j))
-        dshp(1, :n) = dshp(1, :n) + kind%c(:, b)*(d1(i)*f2(j))
-        dshp(2, :n) = dshp(2, :n) + kind%c(:, b)*(f1(i)*d2(j))
+        shp(:n) = shp(:n) + basis%c(:, b)*(f1(i)*f2(j))
+        dshp(1, :n) = dshp(1, :n) + basis%c(:, b)*(d1(i)*f2(j))
+        dshp(2, :n) = dshp(2, :n) + basis%c(:, b)*(f1(i)*d2(j))
       end do
     end do
   end subroutine surface_functions_at

@@ -19,13 +19,13 @@ contains
 
     if (.not. allocated(shape%bez)) call allocate_shape(surface, shape)
     do e = 1, surface%nelem
-      associate (kind => surface%kind(surface%ikind(e)), first => surface%first(e))
-        n = product(kind%degree + 1)
+      associate (basis => surface%basis(surface%ibasis(e)), first => surface%first(e))
+        n = product(basis%degree + 1)
         if (allocated(surface%w)) then
-          call find_rational(kind%c, surface%node(first:), surface%w(first:), x, &
+          call find_rational(basis%c, surface%node(first:), surface%w(first:), x, &
                              shape%bez(:, :n, e), shape%w(:n, e))
         else
-          call find_points(kind%c, surface%node(first:), x, shape%bez(:, :n, e))
+          call find_points(basis%c, surface%node(first:), x, shape%bez(:, :n, e))
         end if
         shape%low(:, e) = shape%bez(:, 1, e)
         shape%high(:, e) = shape%bez(:, 1, e)
@@ -43,8 +43,8 @@ contains
     integer :: k, nb
 
     nb = 0
-    do k = 1, size(surface%kind)
-      nb = max(nb, product(surface%kind(k)%degree + 1))
+    do k = 1, size(surface%basis)
+      nb = max(nb, product(surface%basis(k)%degree + 1))
     end do
     allocate (shape%bez(3, nb, surface%nelem), source=0.0_wp)
     allocate (shape%low(3, surface%nelem), shape%high(3, surface%nelem))
@@ -96,7 +96,7 @@ contains
     real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
     integer :: p(2)
 
-    p = surface%kind(surface%ikind(e))%degree
+    p = surface%basis(surface%ibasis(e))%degree
     if (allocated(shape%w)) then
       call rational_point(p(1) + 1, p(2) + 1, shape%bez(1, 1, e), shape%w(1, e), xi, x, a, b)
     else if (p(1) == 2 .and. p(2) == 2) then

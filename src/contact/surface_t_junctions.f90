@@ -36,7 +36,7 @@ contains
     xi = merge(-1.0_wp, 1.0_wp, mod(k, 2) == 1)
     xi(d) = t
     associate (first => surface%first(e), last => surface%first(e + 1) - 1)
-      call surface_functions_at(surface%kind(surface%ikind(e)), xi, shp, dshp)
+      call surface_functions_at(surface%basis(surface%ibasis(e)), xi, shp, dshp)
       if (allocated(surface%w)) call make_rational(surface%w(first:last), shp, dshp)
       x = 0.0_wp
       slope = 0.0_wp

@@ -89,14 +89,14 @@ contains
     logical :: on(surface%first(e + 1) - surface%first(e))
     integer :: n(2), i, from, to, step
 
-    associate (kind => surface%kind(surface%ikind(e)))
-      n = kind%degree + 1
+    associate (basis => surface%basis(surface%ibasis(e)))
+      n = basis%degree + 1
       step = merge(n(1), 1, k < 3)
       from = 1
       if (k == 2) from = n(1)
       if (k == 4) from = n(1)*(n(2) - 1) + 1
       to = from + step*(merge(n(2), n(1), k < 3) - 1)
-      on = [(any(abs(kind%c(i, from:to:step)) > 0.0_wp), i=1, kind%nsf)]
+      on = [(any(abs(basis%c(i, from:to:step)) > 0.0_wp), i=1, basis%nsf)]
     end associate
     list = unique(pack(surface%node(surface%first(e):surface%first(e + 1) - 1), on))
   end function trace_nodes

@@ -6,7 +6,7 @@ module surface_traversal
   use projection_type, only: shape_t
   use contact_pair, only: surface_t
   use surface_geometry, only: surface_point
-  use projection_iterate, only: spot_t, look_at, is_rounding
+  use projection_iterate, only: iterate_t, look_at, is_rounding
   implicit none
   private
   public :: walk, step_across, change_element, leave_point, corner_at, corner_xi
@@ -158,9 +158,9 @@ contains
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
     integer, intent(in) :: edge(2)
-    type(spot_t), intent(inout) :: spot
+    type(iterate_t), intent(inout) :: spot
     logical, intent(out) :: moved
-    type(spot_t) :: other
+    type(iterate_t) :: other
     integer :: i, elem, behind
     real(wp) :: xi(2)
 
@@ -186,7 +186,7 @@ contains
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
-    type(spot_t), intent(inout) :: spot
+    type(iterate_t), intent(inout) :: spot
     logical, intent(out) :: moved
     integer :: i
 
@@ -206,9 +206,9 @@ contains
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
     integer, intent(in) :: c
-    type(spot_t), intent(inout) :: spot
+    type(iterate_t), intent(inout) :: spot
     logical, intent(out) :: moved
-    type(spot_t) :: other
+    type(iterate_t) :: other
     integer :: vertex, r, elem
 
     moved = .false.
@@ -227,7 +227,7 @@ contains
 
   !> Does the distance fall from a border inwards, in direction i?
   pure logical function falls_inwards(spot, i)
-    type(spot_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: spot
     integer, intent(in) :: i
 
     falls_inwards = spot%regular .and. spot%g(i)*spot%xi(i) < 0.0_wp

@@ -238,15 +238,15 @@ contains
 
     total = 0.0_wp ! N and its derivatives
     sum_x = 0.0_wp
-    associate (kind => s%kind(s%ikind(e)))
-      do i = 1, kind%nsf
+    associate (basis => s%basis(s%ibasis(e)))
+      do i = 1, basis%nsf
         a = s%first(e) + i - 1
         w = 1.0_wp
         if (allocated(s%w)) w = s%w(a)
-        total = total + w*[kind%shp(i, q), kind%dshp(1, i, q), kind%dshp(2, i, q)]
-        sum_x(:, 1) = sum_x(:, 1) + w*kind%shp(i, q)*mesh%xr(:, s%node(a))
+        total = total + w*[basis%shp(i, q), basis%dshp(1, i, q), basis%dshp(2, i, q)]
+        sum_x(:, 1) = sum_x(:, 1) + w*basis%shp(i, q)*mesh%xr(:, s%node(a))
         do j = 1, 2
-          sum_x(:, j + 1) = sum_x(:, j + 1) + w*kind%dshp(j, i, q)*mesh%xr(:, s%node(a))
+          sum_x(:, j + 1) = sum_x(:, j + 1) + w*basis%dshp(j, i, q)*mesh%xr(:, s%node(a))
         end do
       end do
     end associate
@@ -348,7 +348,7 @@ contains
       return
     end if
     if (build%contact(c)%at(2)%kind == 0) return ! its own error is in the list
-    if (column%quantity%kind == Q_CONTACT_DEBONDED .and. .not. build%contact(c)%cohesive%given) then
+    if (column%quantity%id == Q_CONTACT_DEBONDED .and. .not. build%contact(c)%cohesive%given) then
       call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' has no COHEsive', &
                 column%contact_place, 'DEBOnded is a share of what COHEsive holds together')
     end if

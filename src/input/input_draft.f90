@@ -9,7 +9,7 @@ module input_draft
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: deck_t, get_real
   use model, only: model_t
-  use unread_constraints, only: aside_t
+  use unread_constraints, only: unread_constraints_t
   use input_lists, only: node_list_t, element_list_t, mention_list_t, place_list_t, MAX_NUMBER
   use boundary, only: motion_t, pressure_t
   use curve_type, only: quantity_t
@@ -129,7 +129,7 @@ module input_draft
     type(element_list_t) :: elements
     type(mention_list_t) :: mention
     type(place_list_t) :: places
-    type(aside_t) :: aside             !! tables beside the files of the mesh
+    type(unread_constraints_t) :: aside             !! tables beside the files of the mesh
     real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3]) !! TRAN
     real(wp) :: shift(3) = 0.0_wp
     integer :: last_node = 0, last_element = 0, last_material = 0 !! of the last BLOC

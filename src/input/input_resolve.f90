@@ -90,7 +90,7 @@ contains
     quantity = column%quantity
     if (allocated(column%body)) quantity%body = body_index(model%mesh, column%body)
     if (column%at%kind /= 0) call find_nodes(model%mesh, column%at, quantity%node, error)
-    if (quantity%kind == Q_STRESS) then
+    if (quantity%id == Q_STRESS) then
       call locate_point(model%mesh, quantity%body, quantity%point, quantity%block, quantity%elem, &
                         quantity%xi)
       if (quantity%block > 0) return
@@ -102,7 +102,7 @@ contains
         call fail(error, DECK_ERROR, 'the point lies outside the mesh', quantity%place, &
                   'it is a point of the reference configuration')
       end if
-    else if (quantity%kind == Q_MAX_DISP) then
+    else if (quantity%id == Q_MAX_DISP) then
       on = model%mesh%used
       if (quantity%body > 0) then
         on = .false.

@@ -51,7 +51,7 @@ contains
     integer, intent(in) :: i, j
 
     associate (c => build%curve(i)%column(j))
-      if (.not. allocated(c%body) .or. c%quantity%kind == Q_MAX_DISP) return
+      if (.not. allocated(c%body) .or. c%quantity%id == Q_MAX_DISP) return
       if (.not. is_rigid_patch(build, c%body)) return
       call complain(build, 'stress or energy of', c%body, c%body_place, &
                     'ask for the body that it touches')

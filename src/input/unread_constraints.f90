@@ -10,21 +10,21 @@ module unread_constraints
   use model, only: unread_t
   implicit none
   private
-  public :: aside_t, expect_table, note_table, find_unread
+  public :: unread_constraints_t, expect_table, note_table, find_unread
 
   character(*), parameter :: ENDING = '.con'
 
   !> Files that a table may stand beside, and the tables that were read.
-  type :: aside_t
+  type :: unread_constraints_t
     type(unread_t), allocatable :: near(:)
     integer(i8), allocatable :: known(:, :) !! (2, n) identities of files
-  end type aside_t
+  end type unread_constraints_t
 
 contains
 
   !> A file of a mesh or of a layer: there may be a table beside it.
   subroutine expect_table(aside, path, place)
-    type(aside_t), intent(inout) :: aside
+    type(unread_constraints_t), intent(inout) :: aside
     character(*), intent(in) :: path
     type(place_t), intent(in) :: place
     type(unread_t) :: one
@@ -50,7 +50,7 @@ contains
 
   !> A table that a record reads.
   subroutine note_table(aside, path)
-    type(aside_t), intent(inout) :: aside
+    type(unread_constraints_t), intent(inout) :: aside
     character(*), intent(in) :: path
     type(file_t) :: file
 
@@ -61,7 +61,7 @@ contains
 
   !> Tables that nobody read, each once, at the last file that it stands beside.
   subroutine find_unread(aside, unread)
-    type(aside_t), intent(in) :: aside
+    type(unread_constraints_t), intent(in) :: aside
     type(unread_t), allocatable, intent(out) :: unread(:)
     logical, allocatable :: keep(:)
     integer :: i, j, n

@@ -146,10 +146,10 @@ contains
     select case (line%key(1))
     case ('forc')
       call read_component(deck, line, 'FORCe WHERE direction', 'force_', column, error)
-      column%quantity%kind = Q_FORCE
+      column%quantity%id = Q_FORCE
     case ('disp')
       call read_component(deck, line, 'DISP WHERE direction', 'disp_', column, error)
-      column%quantity%kind = Q_DISP
+      column%quantity%id = Q_DISP
     case ('torq')
       call read_torque(deck, line, column, error)
     case ('stre')
@@ -157,7 +157,7 @@ contains
     case ('ener')
       call check_count(line, 1, 2, 'ENERgy [patch]', error)
       if (allocated(error)) return
-      column%quantity%kind = Q_ENERGY
+      column%quantity%id = Q_ENERGY
       column%quantity%column = 'energy'
       call read_body(line, 2, column)
     case ('maxi')
@@ -202,7 +202,7 @@ contains
     if (.not. allocated(error)) call read_axis(deck, line, i, 'TORQue WHERE px py pz  ax ay az', &
                                                column%quantity, error)
     if (allocated(error)) return
-    column%quantity%kind = Q_TORQUE
+    column%quantity%id = Q_TORQUE
     column%quantity%column = 'torque'
   end subroutine read_torque
 
@@ -229,7 +229,7 @@ contains
                 'components are 11 22 33 12 23 31')
       return
     end if
-    column%quantity%kind = Q_STRESS
+    column%quantity%id = Q_STRESS
     column%quantity%component = VOIGT(d)
     column%quantity%column = 'stress_'//COMPONENT(d)
     if (key_of(line%text(2)) /= 'all') call read_body(line, 2, column)
@@ -245,10 +245,10 @@ contains
     if (allocated(error)) return
     select case (line%key(2))
     case ('disp')
-      column%quantity%kind = Q_MAX_DISP
+      column%quantity%id = Q_MAX_DISP
       column%quantity%column = 'max_displacement'
     case ('mise')
-      column%quantity%kind = Q_MAX_MISES
+      column%quantity%id = Q_MAX_MISES
       column%quantity%column = 'max_mises'
     case default
       call fail(error, DECK_ERROR, 'unknown maximum '//quoted(line%text(2)), line%place(2), &
@@ -289,7 +289,7 @@ contains
                 'nearest known: '//nearest(line%text(2), word_book)//'; '//USAGE)
       return
     end if
-    quantity%kind = Q_BOOK
+    quantity%id = Q_BOOK
     quantity%component = i
     quantity%column = 'book_'//trim(lower(word_book(i)))
   end subroutine read_book
@@ -321,7 +321,7 @@ contains
                   line%place(4), 'nearest known: '//nearest(line%text(4), word_contact))
         return
       end if
-      q%kind = KIND(w)
+      q%id = KIND(w)
       q%column = 'contact_'//lower(column%contact)//'_'//to_text(q%side)//'_'//lower(trim(word_contact(w)))
       call read_rest(deck, line, q, trim(word_contact(w)), error)
       if (q%component > 0) q%column = q%column//'_'//to_text(q%component)
@@ -336,7 +336,7 @@ contains
     character(*), intent(in) :: name
     type(error_t), allocatable, intent(out) :: error
 
-    select case (quantity%kind)
+    select case (quantity%id)
     case (Q_CONTACT_FORCE)
       call read_direction(deck, line, 5, USAGE//name//' direction', quantity, error)
     case (Q_CONTACT_TORQUE)

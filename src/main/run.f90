@@ -3,7 +3,7 @@ module run
   use base_error, only: error_t, fail, NO_SOLUTION, STOPPED, error_list_t
   use command_check, only: check_tables
   use command_close, only: close_step
-  use command_files, only: close_files, drop_anchor, open_files
+  use command_files, only: close_files, set_restart_point, open_files
   use command_line, only: options_t
   use command_program, only: read_program, refresh
   use command_stop, only: stop_wanted, stop_run
@@ -50,7 +50,7 @@ contains
 
     if (job%restarted) call open_files(job, error) ! cuts back what a killed run has written
     if (allocated(error)) return
-    call drop_anchor(job)
+    call set_restart_point(job)
     do
       if (stop_wanted(job)) then
         call stop_run(job, error)

@@ -24,7 +24,7 @@ module curve_type
 
   !> One column.
   type :: quantity_t
-    integer :: kind = 0
+    integer :: id = 0
     character(:), allocatable :: column  !! its name in the table
     integer, allocatable :: node(:)      !! nodes summed or averaged over
     !> 1 to 3; stress: Voigt 1 to 6 (11 22 33 12 23 31); tractions of a contact: 0 the magnitude;

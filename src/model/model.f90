@@ -64,7 +64,7 @@ module model
     real(wp) :: time = 0.0_wp, dt = 0.0_wp
     real(wp), allocatable :: u(:, :)      !! (3, nnode) displacements [L]
     real(wp), allocatable :: u_step(:, :) !! at the start of the step
-    real(wp), allocatable :: way(:, :)    !! (3, nnode) of the last accepted step [L]
+    real(wp), allocatable :: last_increment(:, :) !! (3, nnode) of the last accepted step [L]
     real(wp), allocatable :: u_base(:, :) !! where history%iter belongs: the last iteration
     real(wp) :: scale = 0.0_wp            !! share of the Newton step in u - u_base
     real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; free

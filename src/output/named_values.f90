@@ -3,7 +3,7 @@ module named_values
   use base_kinds, only: wp
   implicit none
   private
-  public :: bag_t, put, get, item_t
+  public :: named_values_t, put, get, item_t
 
   integer, parameter, public :: ITEM_REAL = 1, ITEM_INTEGER = 2, ITEM_TEXT = 3
 
@@ -15,10 +15,10 @@ module named_values
     character(:), allocatable :: text
   end type item_t
 
-  type :: bag_t
+  type :: named_values_t
     integer :: n = 0
     type(item_t), allocatable :: item(:)
-  end type bag_t
+  end type named_values_t
 
   !> put(bag, name, value): a number, a list of numbers or text; an old value goes.
   interface put
@@ -34,7 +34,7 @@ contains
 
   !> Number of the item of that name and kind; 0: none.
   pure function find(bag, name, kind) result(k)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     character(*), intent(in) :: name
     integer, intent(in) :: kind
     integer :: k
@@ -46,7 +46,7 @@ contains
 
   !> Item of that name, made where it is new.
   subroutine claim(bag, name, kind, k)
-    type(bag_t), intent(inout) :: bag
+    type(named_values_t), intent(inout) :: bag
     character(*), intent(in) :: name
     integer, intent(in) :: kind
     integer, intent(out) :: k
@@ -67,7 +67,7 @@ contains
   end subroutine claim
 
   subroutine put_reals(bag, name, value)
-    type(bag_t), intent(inout) :: bag
+    type(named_values_t), intent(inout) :: bag
     character(*), intent(in) :: name
     real(wp), intent(in) :: value(:)
     integer :: k
@@ -77,7 +77,7 @@ contains
   end subroutine put_reals
 
   subroutine put_real(bag, name, value)
-    type(bag_t), intent(inout) :: bag
+    type(named_values_t), intent(inout) :: bag
     character(*), intent(in) :: name
     real(wp), intent(in) :: value
 
@@ -85,7 +85,7 @@ contains
   end subroutine put_real
 
   subroutine put_integers(bag, name, value)
-    type(bag_t), intent(inout) :: bag
+    type(named_values_t), intent(inout) :: bag
     character(*), intent(in) :: name
     integer, intent(in) :: value(:)
     integer :: k
@@ -95,7 +95,7 @@ contains
   end subroutine put_integers
 
   subroutine put_integer(bag, name, value)
-    type(bag_t), intent(inout) :: bag
+    type(named_values_t), intent(inout) :: bag
     character(*), intent(in) :: name
     integer, intent(in) :: value
 
@@ -103,7 +103,7 @@ contains
   end subroutine put_integer
 
   subroutine put_logical(bag, name, value)
-    type(bag_t), intent(inout) :: bag
+    type(named_values_t), intent(inout) :: bag
     character(*), intent(in) :: name
     logical, intent(in) :: value
 
@@ -111,7 +111,7 @@ contains
   end subroutine put_logical
 
   subroutine put_text(bag, name, value)
-    type(bag_t), intent(inout) :: bag
+    type(named_values_t), intent(inout) :: bag
     character(*), intent(in) :: name, value
     integer :: k
 
@@ -120,7 +120,7 @@ contains
   end subroutine put_text
 
   subroutine get_reals(bag, name, value, found)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     character(*), intent(in) :: name
     real(wp), allocatable, intent(inout) :: value(:)
     logical, intent(out) :: found
@@ -132,7 +132,7 @@ contains
   end subroutine get_reals
 
   subroutine get_real(bag, name, value, found)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     character(*), intent(in) :: name
     real(wp), intent(inout) :: value
     logical, intent(out) :: found
@@ -145,7 +145,7 @@ contains
   end subroutine get_real
 
   subroutine get_integers(bag, name, value, found)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     character(*), intent(in) :: name
     integer, allocatable, intent(inout) :: value(:)
     logical, intent(out) :: found
@@ -157,7 +157,7 @@ contains
   end subroutine get_integers
 
   subroutine get_integer(bag, name, value, found)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     character(*), intent(in) :: name
     integer, intent(inout) :: value
     logical, intent(out) :: found
@@ -170,7 +170,7 @@ contains
   end subroutine get_integer
 
   subroutine get_logical(bag, name, value, found)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     character(*), intent(in) :: name
     logical, intent(inout) :: value
     logical, intent(out) :: found
@@ -181,7 +181,7 @@ contains
   end subroutine get_logical
 
   subroutine get_text(bag, name, value, found)
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     character(*), intent(in) :: name
     character(:), allocatable, intent(inout) :: value
     logical, intent(out) :: found

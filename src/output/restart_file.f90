@@ -7,7 +7,7 @@ module restart_file
   use base_kinds, only: i8
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use model, only: model_t, state_t
-  use named_values, only: bag_t
+  use named_values, only: named_values_t
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, has_object, copy_object, &
                        put_attribute, get_attribute, flush_file
   use base_file, only: replace_file, remove_file, inspect, file_t
@@ -43,7 +43,7 @@ contains
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
     type(state_t), intent(in) :: state
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: second
     type(hdf5_t) :: file
@@ -67,7 +67,7 @@ contains
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
     type(state_t), intent(inout) :: state !! of the model at time 0: gives the sizes
-    type(bag_t), intent(out) :: bag
+    type(named_values_t), intent(out) :: bag
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: before
     logical, intent(in), optional :: any_deck !! .true.: another deck of the same mesh may have

@@ -8,7 +8,7 @@ module restart_state
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use model, only: state_t
   use load_curve, only: load_table_t
-  use named_values, only: bag_t, item_t, ITEM_REAL, ITEM_INTEGER, ITEM_TEXT, put
+  use named_values, only: named_values_t, item_t, ITEM_REAL, ITEM_INTEGER, ITEM_TEXT, put
   use hdf5_file, only: hdf5_t, make_group, put_attribute, get_attribute, AS_INT32, AS_UINT8
   use restart_arrays, only: write_reals, read_reals, write_integers, read_integers, write_matrix, &
       read_matrix, name
@@ -30,7 +30,7 @@ contains
     character(*), intent(in) :: group
     type(state_t), intent(in) :: state
     type(error_t), allocatable, intent(out) :: error
-    type(bag_t) :: tables
+    type(named_values_t) :: tables
     integer :: b
 
     call make_group(file, group, error)
@@ -40,7 +40,7 @@ contains
     end if
     if (.not. allocated(error)) call write_matrix(file, group//'/u', state%u, error)
     if (.not. allocated(error)) call write_matrix(file, group//'/u_step', state%u_step, error)
-    if (.not. allocated(error)) call write_matrix(file, group//'/way', state%way, error)
+    if (.not. allocated(error)) call write_matrix(file, group//'/way', state%last_increment, error)
     if (.not. allocated(error)) call write_matrix(file, group//'/u_base', state%u_base, error)
     if (.not. allocated(error)) call write_matrix(file, group//'/reaction', state%reaction, error)
     if (.not. allocated(error)) call write_reals(file, group//'/factor', state%factor, error)
@@ -63,7 +63,7 @@ contains
     character(*), intent(in) :: group
     type(state_t), intent(inout) :: state
     type(error_t), allocatable, intent(out) :: error
-    type(bag_t) :: tables
+    type(named_values_t) :: tables
     real(wp), allocatable :: time(:)
     integer :: b, step(1)
 
@@ -80,7 +80,7 @@ contains
     state%scale = time(3)
     call read_matrix(file, group//'/u', state%u, error)
     if (.not. allocated(error)) call read_matrix(file, group//'/u_step', state%u_step, error)
-    if (.not. allocated(error)) call read_matrix(file, group//'/way', state%way, error)
+    if (.not. allocated(error)) call read_matrix(file, group//'/way', state%last_increment, error)
     if (.not. allocated(error)) call read_matrix(file, group//'/u_base', state%u_base, error)
     if (.not. allocated(error)) call read_matrix(file, group//'/reaction', state%reaction, error)
     if (.not. allocated(error)) call read_reals(file, group//'/factor', state%factor, error)
@@ -99,7 +99,7 @@ contains
   subroutine write_bag(file, group, bag, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: group
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     type(error_t), allocatable, intent(out) :: error
     integer :: k
 
@@ -134,7 +134,7 @@ contains
   subroutine read_bag(file, group, bag, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: group
-    type(bag_t), intent(out) :: bag
+    type(named_values_t), intent(out) :: bag
     type(error_t), allocatable, intent(out) :: error
     integer :: k, n(1)
 
@@ -148,7 +148,7 @@ contains
   subroutine read_item(file, path, bag, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path
-    type(bag_t), intent(inout) :: bag
+    type(named_values_t), intent(inout) :: bag
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: label
     real(wp), allocatable :: reals(:)
@@ -181,7 +181,7 @@ contains
   !> Load tables as named lists.
   subroutine pack_tables(table, bag)
     type(load_table_t), intent(in) :: table(:)
-    type(bag_t), intent(out) :: bag
+    type(named_values_t), intent(out) :: bag
     integer :: i
 
     call put(bag, 'count', size(table))
@@ -195,7 +195,7 @@ contains
 
   subroutine unpack_tables(bag, table, error)
     use named_values, only: get
-    type(bag_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: bag
     type(load_table_t), allocatable, intent(inout) :: table(:)
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: kind(:)

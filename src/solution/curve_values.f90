@@ -25,7 +25,7 @@ contains
     integer :: i
 
     value = 0.0_wp
-    select case (quantity%kind)
+    select case (quantity%id)
     case (Q_FORCE)
       value = sum(state%reaction(quantity%component, quantity%node))
     case (Q_NODAL)

@@ -52,7 +52,7 @@ contains
     real(wp), intent(in) :: limit      !! time
 
     local = local_t(on=.true., piece=length, goal=length, from=state%time, limit=limit)
-    local%way = state%way/norm2(state%way)
+    local%way = state%last_increment/norm2(state%last_increment)
   end subroutine begin_arc
 
   !> The measure at the displacements of now, and its derivative.

@@ -24,7 +24,7 @@ contains
 
     n = model%mesh%nnode
     allocate (state%u(3, n), state%u_step(3, n), state%u_base(3, n), state%reaction(3, n))
-    allocate (state%way(3, n), source=0.0_wp)
+    allocate (state%last_increment(3, n), source=0.0_wp)
     allocate (state%table(0), state%factor(0), state%history(size(model%mesh%block)))
     state%u = 0.0_wp
     state%u_step = 0.0_wp
@@ -57,7 +57,7 @@ contains
 
     yes = size(model%contact) > 0
     do i = 1, size(model%curve)
-      yes = yes .or. any(model%curve(i)%quantity(:)%kind == Q_BOOK)
+      yes = yes .or. any(model%curve(i)%quantity(:)%id == Q_BOOK)
     end do
   end function keeps_books
 
@@ -119,7 +119,7 @@ contains
     type(state_t), intent(inout) :: state
     integer :: b
 
-    state%way = state%u - state%u_step
+    state%last_increment = state%u - state%u_step
     state%u_step = state%u
     do b = 1, size(state%history)
       state%history(b)%step = state%history(b)%iter(:size(state%history(b)%step, 1), :)
