@@ -30,20 +30,6 @@ OPT_debug    := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overfl
 OPT_sanitize := $(OPT_debug) -fsanitize=address,undefined -fno-omit-frame-pointer
 OPT_coverage := -O0 -g --coverage -Wno-uninitialized # which is wrong without optimisation
 OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
-# Files whose inner loops carry the run time.
-KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
-                solid_form solid_condense mate_neohooke mate_linear surface_geometry surface_basis \
-                projection projection_iterate surface_traversal contact_element contact_point \
-                contact_work contact_bond edge_taper
-# These once more for wider vector registers, under other names (@ becomes _v3, _v4): the program
-# takes what its processor has (solid_simd). Fused products are worth 15 % here.
-WIDE         := elements/solid_batch@ elements/solid_batch@_algebra elements/solid_batch@_condense \
-                materials/mate_neohooke@
-MARCH_v3     := -march=x86-64-v3 -ffp-contract=fast
-MARCH_v4     := -march=x86-64-v4 -mprefer-vector-width=512 -ffp-contract=fast
-wide          = $(and $(filter x86_64,$(shell uname -m)),$(MARCH$(findstring _v3,$1)$(findstring _v4,$1)))
-kernel        = $(if $(filter release,$(KIND)),$(if $(filter $(KERNELS) mate_neohooke_v% solid_batch_v%,$1),-O3) \
-                $(call wide,$1))
 
 # --- Libraries: asked from pkg-config, else looked for where the distributions have them ---------
 PREFIX     := $(wildcard /usr $(CONDA_PREFIX) $(MUMPS_DIR) $(HDF5_DIR) $(METIS_DIR))
@@ -58,16 +44,16 @@ LIBS       := $(or $(HDF5_PC),$(addprefix -L,$(wildcard /usr/lib/*/hdf5/serial))
               $(MUMPS_LIBS) -lmetis -lhdf5_fortran -lhdf5 -lopenblas $(LDFLAGS)
 
 # --- The program -------------------------------------------------------------------------------
+.PHONY: all help FORCE
+all: $(B)/bezel
+
 SOURCES := $(wildcard src/*/*.f90)
+include src/simd.mk
 ifdef MPI
 $(error MPI=1 is not available yet)
 endif
-COPIES  := $(foreach v,_v3 _v4,$(patsubst %,$(B)/wide/%.f90,$(subst @,$v,$(WIDE))))
 OBJECTS := $(patsubst %.f90,$(B)/%.o,$(notdir $(SOURCES) $(COPIES)))
 vpath %.f90 $(wildcard src/*) $(sort $(dir $(COPIES)))
-
-.PHONY: all help FORCE
-all: $(B)/bezel
 
 # A module file keeps its time while the interface is the same: what uses it is then not compiled again.
 $(B)/%.mod:
@@ -75,11 +61,6 @@ $(B)/%.mod:
 $(B)/%.o: %.f90 $(B)/flags | $(B)/libraries
 	@echo "  $<"
 	@$(FC) -std=f2008 $(WARN) $(OPT) $(call kernel,$*) $(INCLUDE) -J$(B) -c $< -o $@
-define copy
-$(B)/wide/$(subst @,$2,$1).f90: src/$(subst @,,$1).f90
-	@mkdir -p $$(@D); sed -E 's/\b(solid_batch|mate_neohooke)/\1$2/g' $$< > $$@
-endef
-$(foreach v,_v3 _v4,$(foreach w,$(WIDE),$(eval $(call copy,$w,$v))))
 $(B)/libbezel.a: $(OBJECTS)
 	@rm -f $@; ar rcs $@ $(filter-out %/main.o,$^)
 $(B)/bezel: $(B)/main.o $(B)/libbezel.a
@@ -104,53 +85,9 @@ ifneq ($(filter $(COMPILES),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif
 
-# --- Unit tests: T= chooses those whose path has a word of it and builds no more than they need ---
-RUNNER := verification/unit/runner
-PF     := $(wildcard verification/unit/*/test_*.pf)
-PF     := $(if $(T),$(sort $(foreach t,$(T),$(foreach f,$(PF),$(if $(findstring $t,$f),$f)))),\
-          $(filter-out $(RUNNER)/%,$(PF)))
-TESTS  := $(patsubst %.pf,$(U)/%.o,$(notdir $(PF)))
-TESTF  := -std=gnu -g -Wall -Wno-maybe-uninitialized -Wno-uninitialized -Wno-unused-function \
-          -ffree-line-length-none
-vpath %.pf $(wildcard verification/unit/*)
-
-.PHONY: unit runner
-.PRECIOUS: $(U)/test_%.f90
-unit: $(U)/run
-	@$(U)/run $(ARGS)
-runner:
-	@$(MAKE) PFUNIT= U=$(B)/runner T=$(RUNNER) $(B)/runner/run
-	@$(B)/runner/run -v | $(PY) $(RUNNER)/check.py
-$(U)/run: FORCE $(TESTS) $(U)/driver.o $(if $(T),,$(B)/libbezel.a)
-	@rm -f $(U)/lib.a; ar rcs $(U)/lib.a $$(ls $(B)/*.o 2>/dev/null | grep -v '/main\.o$$') $(U)/funit*.o
-	@$(FC) $(OPT) $(U)/driver.o $(TESTS) $(U)/lib.a $(PFUNIT_LIBRARIES) $(LIBS) -o $@
-$(U)/test_%.o: $(U)/test_%.f90 $(U)/funit.o
-	@$(FC) $(TESTF) $(OPT) $(INCLUDE) $(PFUNIT_EXTRA_FFLAGS) -I$(B) -J$(U) -c $< -o $@
-$(U)/driver.o: $(U)/driver.f90 $(TESTS) $(U)/funit.o
-	@$(FC) $(TESTF) $(OPT) $(PFUNIT_EXTRA_FFLAGS) -J$(U) -c $< -o $@
-ifndef PFUNIT
-$(U)/funit_value.o $(U)/funit.o: $(U)/%.o: $(RUNNER)/%.f90 $(B)/flags
-	@mkdir -p $(U); $(FC) $(TESTF) $(OPT) -J$(U) -c $< -o $@
-$(U)/funit.o: $(U)/funit_value.o
-$(U)/test_%.f90: test_%.pf $(RUNNER)/pf.py
-	@mkdir -p $(U); $(PY) $(RUNNER)/pf.py test $< $@
-$(U)/driver.f90: FORCE
-	@mkdir -p $(U); $(PY) $(RUNNER)/pf.py driver $@.new $(PF)
-	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
-else
-include $(wildcard $(PFUNIT)/PFUNIT-*/include/PFUNIT.mk)
-TESTF += -cpp -Wno-unused-label
-$(U)/test_%.f90: test_%.pf $(RUNNER)/pf.py
-	@mkdir -p $(U); $(PY) $(RUNNER)/pf.py join $< $(U)/$(<F)
-	@$(PFUNIT_BIN_DIR)/funitproc -quiet $(U)/$(<F) $@
-$(U)/driver.f90: FORCE
-	@printf '%s\n' $(patsubst %,'ADD_TEST_SUITE(%_suite)',$(basename $(notdir $(PF)))) > $(U)/suites.inc
-	@printf '%s\n' '#define _TEST_SUITES "$(abspath $(U))/suites.inc"' '#include "driver.F90"' > $@
-$(U)/funit.o:
-	@mkdir -p $(U); touch $(U)/none.f90; $(FC) -c $(U)/none.f90 -o $@
-endif
-
 # --- Tests -------------------------------------------------------------------------------------
+include verification/unit/unit.mk
+
 .PHONY: check tests deck_errors post_tests patch setup
 setup:
 	@tools/setup.sh

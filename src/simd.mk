@@ -1,0 +1,27 @@
+# Which sources are compiled for speed, and the copies of some of them for wider vector registers.
+#
+# The Makefile includes this file. It stands in src because its lists name sources: whoever renames
+# one finds it here.
+
+# Files whose inner loops carry the run time.
+KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
+                solid_form solid_condense mate_neohooke mate_linear surface_geometry surface_basis \
+                projection projection_iterate surface_traversal contact_element contact_point \
+                contact_work contact_bond edge_taper
+# These once more for wider vector registers, under other names (@ becomes _v3, _v4): the program
+# takes what its processor has (solid_simd). Fused products are worth 15 % here.
+WIDE         := elements/solid_batch@ elements/solid_batch@_algebra elements/solid_batch@_condense \
+                materials/mate_neohooke@
+MARCH_v3     := -march=x86-64-v3 -ffp-contract=fast
+MARCH_v4     := -march=x86-64-v4 -mprefer-vector-width=512 -ffp-contract=fast
+wide          = $(and $(filter x86_64,$(shell uname -m)),$(MARCH$(findstring _v3,$1)$(findstring _v4,$1)))
+kernel        = $(if $(filter release,$(KIND)),$(if $(filter $(KERNELS) mate_neohooke_v% solid_batch_v%,$1),-O3) \
+                $(call wide,$1))
+
+COPIES  := $(foreach v,_v3 _v4,$(patsubst %,$(B)/wide/%.f90,$(subst @,$v,$(WIDE))))
+
+define copy
+$(B)/wide/$(subst @,$2,$1).f90: src/$(subst @,,$1).f90
+	@mkdir -p $$(@D); sed -E 's/\b(solid_batch|mate_neohooke)/\1$2/g' $$< > $$@
+endef
+$(foreach v,_v3 _v4,$(foreach w,$(WIDE),$(eval $(call copy,$w,$v))))
