@@ -96,36 +96,36 @@ check: setup
 tests:
 	@for goal in $(B)/bezel runner unit deck_errors manual post_tests patch; do $(MAKE) $$goal || exit 1; done
 deck_errors: $(B)/bezel
-	@$(PYTHON) verification/deck_errors/run.py --bezel $<
+	@$(PYTHON) -m verification.deck_errors.run --bezel $<
 post_tests:
 	@$(PYTHON) -W error::DeprecationWarning:post -m unittest discover -q -s post/tests -t .
 PATCHES := $(patsubst verification/patch/%/expect.toml,%,$(wildcard verification/patch/*/expect.toml))
 patch: $(B)/bezel
-	@$(PYTHON) verification/verify.py --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
+	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
 	  > $(B)/patch.txt; code=$$?; grep -v '  ok$$' $(B)/patch.txt; exit $$code
 
 .PHONY: verify verify-all verify-long tradeoff bench demo demo-rocker
 verify: setup
 	@$(MAKE) $(B)/bezel
-	@$(PYTHON) verification/verify.py --bezel $(B)/bezel
+	@$(PYTHON) -m verification.verify --bezel $(B)/bezel
 verify-all: setup
 	@$(MAKE) $(B)/bezel
-	@$(PYTHON) verification/verify.py --bezel $(B)/bezel --all
-	@$(PYTHON) verification/restart/run.py $(B)/bezel
+	@$(PYTHON) -m verification.verify --bezel $(B)/bezel --all
+	@$(PYTHON) -m verification.restart.run $(B)/bezel
 	@tools/setup.sh mesh || echo "section 3: what needs Gmsh or TetGen is left out" >&2
-	@$(PYTHON) verification/section3.py check --bezel $(B)/bezel --work $(BUILD)/section3
-	@$(PYTHON) verification/section5_contact.py --bezel $(B)/bezel --mesh 1 2 --jobs $(J) $(ARGS)
-	@$(PYTHON) verification/section5_debonding.py --bezel $(B)/bezel --suite all --jobs $(J) $(ARGS)
+	@$(PYTHON) -m verification.section3 check --bezel $(B)/bezel --work $(BUILD)/section3
+	@$(PYTHON) -m verification.section5_contact --bezel $(B)/bezel --mesh 1 2 --jobs $(J) $(ARGS)
+	@$(PYTHON) -m verification.section5_debonding --bezel $(B)/bezel --suite all --jobs $(J) $(ARGS)
 # Hours; goes on where it was interrupted. ARGS=--write updates the committed tables.
 verify-long: setup
 	@$(MAKE) $(B)/bezel
-	@$(PYTHON) verification/section5_contact.py --bezel $(B)/bezel --mesh 3 $(ARGS)
-	@$(PYTHON) verification/section5_debonding.py --bezel $(B)/bezel --suite long $(ARGS)
+	@$(PYTHON) -m verification.section5_contact --bezel $(B)/bezel --mesh 3 $(ARGS)
+	@$(PYTHON) -m verification.section5_debonding --bezel $(B)/bezel --suite long $(ARGS)
 # An hour; goes on where it was interrupted. Errors beside CPU seconds, their page and figures.
 tradeoff: setup
 	@$(MAKE) $(B)/bezel
-	@$(PYTHON) verification/tradeoff.py --bezel $(B)/bezel --out $(BUILD)/tradeoff $(ARGS)
-	@$(PYTHON) verification/tradeoff_page.py
+	@$(PYTHON) -m verification.tradeoff --bezel $(B)/bezel --out $(BUILD)/tradeoff $(ARGS)
+	@$(PYTHON) -m verification.tradeoff.page
 	@$(PYTHON) -m post.figures.tradeoff
 demo: setup
 	@$(MAKE) $(B)/bezel
@@ -141,7 +141,7 @@ BENCH := $(patsubst verification/performance/%.f90,$(B)/%,$(wildcard verificatio
 bench:
 	@tools/setup.sh bench
 	@$(MAKE) $(B)/bezel $(BENCH)
-	@$(PYTHON) verification/performance/bench.py --bezel $(B)/bezel --out $(BUILD)/bench --parts $(BENCH) $(ARGS)
+	@$(PYTHON) -m verification.performance.bench --bezel $(B)/bezel --out $(BUILD)/bench --parts $(BENCH) $(ARGS)
 $(BENCH): $(B)/%: verification/performance/%.f90 $(B)/libbezel.a
 	@mkdir -p $(@D); $(FC) -std=f2008 $(WARN) $(OPT) -J$(@D) -I$(B) $^ $(LIBS) -o $@
 

@@ -1,19 +1,17 @@
 """A closed net of quads whose smooth surface is nearly a sphere of radius 1: a cube, blown up.
 
-    python3 input/sphere_net.py N FILE.obj [POLE]
+    python3 -m input.sphere_net N FILE.obj [POLE]
 
 N quads along an edge of the cube; towards the poles (0, 0, -1) and (0, 0, 1) the quads become smaller, down to
 POLE (0.6) of what they are without that. The points of the net are those whose surface is nearest to the sphere, in the mean over its elements,
 with the extraction that `python -m post mesh` uses.
 """
 
-import pathlib
 import sys
 
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from post.mesh import _net, _patches, _surface  # noqa: E402
+from post.mesh import _net, _patches, _surface
 
 POLE = 0.6
 ROUNDS = 3
@@ -123,6 +121,6 @@ if __name__ == "__main__":
     given = arguments(sys.argv[1:])
     if given is None:
         sys.exit(
-            "usage: python3 input/sphere_net.py N FILE.obj [POLE]   (N at least 2, POLE in 0 to 1)"
+            "usage: python3 -m input.sphere_net N FILE.obj [POLE]   (N at least 2, POLE in 0 to 1)"
         )
     main(*given)

@@ -11,14 +11,13 @@ import subprocess
 import time
 from dataclasses import dataclass, field
 
-from formula import evaluate
-
 from post import diff
 from post._error import Unreadable
 from post._expect import diff_arguments, tolerance_of
 from post._report import read_report
 from post._table import read_table
 from post._tolerance import Tolerance
+from verification.formula import evaluate
 
 TIME_LIMIT = 1200  # seconds of a run, where the check says nothing
 
@@ -157,7 +156,7 @@ def _rows_of(folder, check, quantity, place, stem):
     if "reference" in check:
         return _curve_rows(folder, check, quantity, place / f"{stem}_{check['curve']}.dat")
     if "field" in check:
-        from fields import field_row
+        from verification.fields import field_row
 
         return [field_row(folder.name, quantity, place / f"{stem}.vtkhdf", check)]
     if "curve" not in check and "report" not in check:

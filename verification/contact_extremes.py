@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """Contact under extreme numbers: runs benchmark/contact_extremes and prints a table.
 
-`python3 verification/contact_extremes.py [--bezel PROGRAM] [--only WORD] [--out DIR]`: a row for
+`python3 -m verification.contact_extremes [--bezel PROGRAM] [--only WORD] [--out DIR]`: a row for
 each run, outcome and reason, as doc/verification/contact.md shows it. Penalties are multiples of
 the automatic one.
 """
@@ -10,12 +9,12 @@ import argparse
 import json
 import pathlib
 import subprocess
-import sys
 import tempfile
 import time
 
-TOP = pathlib.Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(TOP))
+from post._table import read_table
+from verification import TOP
+
 DECKS = TOP / "verification/benchmark/contact_extremes"
 AUTO = 125  # NORMal PENAlty AUTO: 125 E/h of the block, E = 1, h = 1
 TIME_LIMIT = 100
@@ -63,7 +62,6 @@ def row(bezel, name, settings, place):
     start = time.monotonic()
     done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
     seconds = time.monotonic() - start
-    from post._table import read_table
 
     length, stress = settings.get("l", 1), settings.get("s", 1)
     cells = ["-"] * 5
@@ -89,7 +87,9 @@ def row(bezel, name, settings, place):
 
 
 def parser():
-    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p = argparse.ArgumentParser(
+        prog="python -m verification.contact_extremes", description=__doc__.splitlines()[0]
+    )
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
     p.add_argument("--only", default="", metavar="WORD", help="rows whose name contains this")
     p.add_argument("--out", metavar="DIR", help="where the runs go (default: temporary)")

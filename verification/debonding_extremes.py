@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """Bonds under extreme numbers: runs benchmark/debonding_extremes and prints a table.
 
-`python3 verification/debonding_extremes.py [--bezel PROGRAM] [--only WORD ...] [--jobs N] [--out DIR] [--write]`:
+`python3 -m verification.debonding_extremes [--bezel PROGRAM] [--only WORD ...] [--jobs N] [--out DIR] [--write]`:
 a row for each run, as doc/verification/section5_debonding.md shows it; `--write` puts the rows into
 benchmark/debonding_extremes/results.csv. Forces are in units of s l^2 of the decks.
 """
@@ -16,10 +15,9 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
-TOP = pathlib.Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TOP)]
-from post._error import Unreadable  # noqa: E402
-from post._table import read_table  # noqa: E402
+from post._error import Unreadable
+from post._table import read_table
+from verification import TOP
 
 DECKS = TOP / "verification/benchmark/debonding_extremes"
 TIME_LIMIT = 150
@@ -114,7 +112,11 @@ def run(bezel, name, deck, settings, place):
 
 
 def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    p = argparse.ArgumentParser(
+        prog="python -m verification.debonding_extremes",
+        description=__doc__,
+        formatter_class=argparse.RawTextHelpFormatter,
+    )
     p.add_argument("--bezel", default=TOP / "build/release/bezel", help="the program")
     p.add_argument(
         "--only", nargs="+", default=[""], help="rows whose first cell has one of these words"

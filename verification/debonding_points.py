@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """Points of the bonds' integrals against time: section 5.1, mesh 1, to a lift of 15.5.
 
-    .venv/bin/python verification/debonding_points.py [--bezel PROGRAM] [--write]
+    .venv/bin/python -m verification.debonding_points [--bezel PROGRAM] [--write]
 
 Runs q1e9_q1n2.inp and iga2.inp of benchmark/section5_debonding with few to many points a direction,
 one run at a time. Errors are those of the lifted edge's force beside the run with the most points:
@@ -19,12 +18,10 @@ import tempfile
 
 import numpy as np
 
-TOP = pathlib.Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TOP), str(TOP / "verification")]
-import section5_debonding  # noqa: E402
-import tradeoff_page  # noqa: E402
-
-from post._table import read_table  # noqa: E402
+from post._table import read_table
+from verification import TOP, section5_debonding
+from verification.page import put_table
+from verification.tradeoff.page import PAGE
 
 DECKS = TOP / "verification/benchmark/section5_debonding"
 POINTS = (3, 4, 5, 6, 8, 10, 16)
@@ -43,7 +40,9 @@ LIFT = np.linspace(0.5, 15, 400)
 
 
 def main(argv=None):
-    p = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    p = argparse.ArgumentParser(
+        prog="python -m verification.debonding_points", description=__doc__.split("\n")[0]
+    )
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
     p.add_argument("--write", action="store_true", help="update points.csv and the page")
     o = p.parse_args(argv)
@@ -54,8 +53,8 @@ def main(argv=None):
     if o.write:
         with (DECKS / "runs/points.csv").open("w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
-        page = tradeoff_page.PAGE.read_text()
-        tradeoff_page.PAGE.write_text(tradeoff_page.put(page, "bonds", table))
+        page = PAGE.read_text()
+        PAGE.write_text(put_table(page, "bonds", table))
     return 0
 
 

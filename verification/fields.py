@@ -3,11 +3,11 @@ reference position.
 """
 
 import numpy as np
-from checks import Row
 
 from post._error import Unreadable
 from post._expect import tolerance_of
 from post._fields import read_fields
+from verification.checks import Row
 
 
 def field_row(case, quantity, path, check):

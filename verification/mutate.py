@@ -1,6 +1,6 @@
 """Mutated decks: whatever a deck holds, the program ends in time, says why, and writes no NaN.
 
-    mutate.py [--bezel BEZEL] [-n 1000] [--seed 1] [--keep FOLDER] [DECK ...]
+    python -m verification.mutate [--bezel BEZEL] [-n 1000] [--seed 1] [--keep FOLDER] [DECK ...]
 
 Decks of input/ and verification/ are cut, shuffled and filled with junk, from fixed seeds: mutation k of a
 seed is the same wherever the same decks are quick. Each run must end within 20 s with code 0, 1, 2 or 3,
@@ -277,7 +277,9 @@ def copy_parts(root: Path) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m verification.mutate", description=__doc__.splitlines()[0]
+    )
     parser.add_argument(
         "deck", nargs="*", type=Path, help="decks to mutate (default: input/ and verification/)"
     )

@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """Sections 5.2 and 5.3: runs the hemisphere on every mesh, element type and coefficient of friction.
 
-    .venv/bin/python verification/section5_contact.py --mesh 1 2 3 [--only NAME] [--jobs N] [--write]
+    .venv/bin/python -m verification.section5_contact --mesh 1 2 3 [--only NAME] [--jobs N] [--write]
 
 A case that the same program has finished with the same decks is not run again; an interrupted study
 goes on where it was. Prints how each case went, then paper, ours and difference of Tables 4 and 5;
@@ -21,12 +20,9 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-TOP = pathlib.Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TOP), str(TOP / "verification")]
-import checks  # noqa: E402
-
-from post._error import Unreadable  # noqa: E402
-from post._table import read_table  # noqa: E402
+from post._error import Unreadable
+from post._table import read_table
+from verification import TOP, checks
 
 DECKS = TOP / "verification/benchmark/section5_contact"
 RUNS = DECKS / "runs"
@@ -211,7 +207,9 @@ def paper_table(name):
 
 
 def parser():
-    p = argparse.ArgumentParser(prog="section5_contact", description=__doc__.split("\n")[0])
+    p = argparse.ArgumentParser(
+        prog="python -m verification.section5_contact", description=__doc__.split("\n")[0]
+    )
     p.add_argument("--bezel", default=TOP / "build/release/bezel", metavar="PROGRAM")
     p.add_argument("--mesh", nargs="+", choices=list(MESHES), default=["1"])
     p.add_argument(

@@ -1,8 +1,7 @@
-#!/usr/bin/env python3
 """Section 5.1: peels the strip off the plate with every element type.
 
-    .venv/bin/python verification/section5_debonding.py --mesh 1 [--only NAME] [--write] [--force]
-    .venv/bin/python verification/section5_debonding.py --suite all|long [--write] [--force]
+    .venv/bin/python -m verification.section5_debonding --mesh 1 [--only NAME] [--write] [--force]
+    .venv/bin/python -m verification.section5_debonding --suite all|long [--write] [--force]
 
 The suite `all` is mesh 1, and mesh 2 of the bodies of Q1 and of IGA2; `long` is mesh 2 of the bodies
 of Q2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that ended well is not run again unless
@@ -26,10 +25,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-TOP = pathlib.Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TOP)]
-from post._error import Unreadable  # noqa: E402
-from post._table import read_table  # noqa: E402
+from post._error import Unreadable
+from post._table import read_table
+from verification import TOP
 
 DECKS = TOP / "verification/benchmark/section5_debonding"
 PEELING = TOP / "verification/benchmark/section5_peeling/peeling.csv"
@@ -257,7 +255,9 @@ def write_summary(rows):
 
 
 def parser():
-    p = argparse.ArgumentParser(prog="section5_debonding", description=__doc__.split("\n")[0])
+    p = argparse.ArgumentParser(
+        prog="python -m verification.section5_debonding", description=__doc__.split("\n")[0]
+    )
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
     p.add_argument("--mesh", nargs="+", choices=list(TABLE_2), default=["1"])
     p.add_argument("--suite", choices=list(SUITES), help="in place of --mesh")

@@ -2,10 +2,9 @@
 
 import csv
 
-import checks
-
 from post._error import Unreadable
 from post._report import read_report
+from verification import checks
 
 
 def plan_studies(folder, studies, everything):
@@ -95,7 +94,7 @@ def write_tables(plans):
         path = folder / "results.csv"
         with open(path, "w", encoding="utf-8", newline="") as file:
             file.write(
-                "# written by verification/verify.py --study; error = value / converged value - 1\n"
+                "# written by python -m verification.verify --study; error = value / converged value - 1\n"
             )
             writer = csv.DictWriter(file, list(table[0]), lineterminator="\n")
             writer.writeheader()

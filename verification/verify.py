@@ -1,5 +1,4 @@
-#!/usr/bin/env python3
-"""Run the verification cases and compare: `python3 verification/verify.py --bezel
+"""Run the verification cases and compare: `python3 -m verification.verify --bezel
 build/release/bezel`.
 
 A case is a folder of verification/patch or verification/benchmark with decks and an expect.toml
@@ -17,33 +16,16 @@ import pathlib
 import shutil
 import sys
 
-TOP = pathlib.Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(TOP))
-sys.path.insert(0, str(TOP / "verification"))
-ROOTS = (TOP / "verification/patch", TOP / "verification/benchmark")
-
-
-def need_numpy():
-    """Go on with the Python of .venv where this one has no numpy; say so where there is none."""
-    try:
-        import numpy  # noqa: F401
-    except ImportError:
-        python = TOP / ".venv/bin/python"
-        if python.exists() and pathlib.Path(sys.prefix).resolve() != (TOP / ".venv").resolve():
-            os.execv(python, [str(python), *sys.argv])
-        sys.exit(
-            "verify: error: the Python package numpy is missing\n"
-            "hint: python3 -m venv .venv && .venv/bin/pip install -r post/requirements.txt (or apt install python3-numpy)"
-        )
-
+from verification import TOP, need_numpy
 
 need_numpy()
-import checks  # noqa: E402
-import studies  # noqa: E402
 
 from post import _emit  # noqa: E402
 from post._error import Unreadable  # noqa: E402
 from post._expect import read_expect  # noqa: E402
+from verification import checks, studies  # noqa: E402
+
+ROOTS = (TOP / "verification/patch", TOP / "verification/benchmark")
 
 
 def main(argv=None):
@@ -133,7 +115,7 @@ def report(rows):
 
 def parser():
     p = argparse.ArgumentParser(
-        prog="verify.py",
+        prog="python -m verification.verify",
         description="Run the verification cases and compare with their references.",
     )
     p.add_argument(

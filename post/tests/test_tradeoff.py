@@ -1,19 +1,14 @@
 """Speed for accuracy: how errors are measured, and the tables and figures made from them."""
 
-import pathlib
-import sys
 import unittest
 
 import numpy as np
 
 from post.figures import tradeoff as figures
 from post.tests.samples import Scratch
-
-TOP = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(TOP / "verification"))
-
-import tradeoff  # noqa: E402
-import tradeoff_page as page  # noqa: E402
+from verification.page import put_table
+from verification.tradeoff import __main__ as tradeoff
+from verification.tradeoff import page
 
 HEAD = (
     "group,name,mesh,elements,code,cpu_s,e_force,e_torque,e_traction,d_force,d_torque,d_traction\n"
@@ -51,7 +46,7 @@ class Difference(unittest.TestCase):
 class Page(unittest.TestCase):
     def test_a_table_is_put_between_its_marks_only(self):
         text = "a\n<!-- table: x -->\nold\n<!-- end -->\nb <!-- table: y --><!-- end -->"
-        new = page.put(text, "x", "| 1 |")
+        new = put_table(text, "x", "| 1 |")
         self.assertEqual(new, text.replace("old", "| 1 |"))
 
     def test_a_run_that_failed_says_so(self):

@@ -1,17 +1,17 @@
-"""verification/verify.py with a stand-in for the program: every way a check can fail must be
+"""`verification.verify` with a stand-in for the program: every way a check can fail must be
 counted as failed.
 """
 
 import contextlib
 import importlib.util
 import io
-import pathlib
 import sys
 import unittest
+from unittest import mock
 
 from post.tests.samples import Scratch, write_fields
+from verification import verify
 
-TOP = pathlib.Path(__file__).resolve().parents[2]
 #: Writes the force -0.25 n (1 + error) and 135 dofs; `fail=1` ends with code 2; `nan=1` writes NaN.
 PROGRAM = """#!{python}
 import sys, pathlib, json
@@ -31,12 +31,11 @@ CHECK = '[[check]]\ndeck = "a.inp"\ncurve = "force"\n'
 class Verify(Scratch):
     def setUp(self):
         super().setUp()
-        spec = importlib.util.spec_from_file_location("verify", TOP / "verification/verify.py")
-        self.verify = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(self.verify)
         self.case = self.folder / "cases/cube"
         self.case.mkdir(parents=True)
-        self.verify.ROOTS = (self.folder / "cases",)
+        roots = mock.patch.object(verify, "ROOTS", (self.folder / "cases",))
+        roots.start()
+        self.addCleanup(roots.stop)
         self.program = self.folder / "bezel"
         self.program.write_text(PROGRAM.format(python=sys.executable))
         self.program.chmod(0o755)
@@ -46,7 +45,7 @@ class Verify(Scratch):
         (self.case / "expect.toml").write_text(expect)
         said = io.StringIO()
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            code = self.verify.main(
+            code = verify.main(
                 ["--bezel", str(self.program), "--out", str(self.folder / "out"), *words]
             )
         self.said = said.getvalue()

@@ -1,6 +1,6 @@
 """Bad decks and the exact message each must give.
 
-    run.py BEZEL        or        run.py --bezel BEZEL [--update NAME ...]
+    python -m verification.deck_errors.run --bezel BEZEL [--update NAME ...]
 
 Every <name>.inp beside this file is run as `bezel -o FOLDER <name>.inp`. It must end with code 1, print
 <name>.expected on stderr and write no file. A <name>.args holds further arguments. Decks that no file
@@ -50,7 +50,9 @@ def check(name: str, found: str, wanted: str) -> bool:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m verification.deck_errors.run", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("binary", nargs="?", type=Path)
     parser.add_argument("--bezel", type=Path)
     parser.add_argument("--update", nargs="*", metavar="NAME", help="write the messages found")

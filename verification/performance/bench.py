@@ -1,6 +1,5 @@
-#!/usr/bin/env python3
 """Time bezel beside FElupe and CalculiX: `make bench`, or
-`bench.py --bezel build/release/bezel [--n 16] [--rounds 2] [--large 32] [--parts PROGRAM ...]`.
+`python -m verification.performance.bench --bezel build/release/bezel [--n 16] [--rounds 2] [--large 32] [--parts PROGRAM ...]`.
 
 The cube of cube.inp, one thread. Every run stands between two of bezel's full Newton iteration
 (A B A), and only ratios within such a triple are compared with the targets: what else the machine
@@ -17,11 +16,9 @@ import re
 import statistics
 import sys
 
-import bench_contact
-import bench_page
-import bench_peel
-import bench_runs as runs
-import bench_table as table
+from verification.performance import bench_contact, bench_page, bench_peel
+from verification.performance import bench_runs as runs
+from verification.performance import bench_table as table
 
 HERE = pathlib.Path(__file__).resolve().parent
 RECORD = HERE / "record.json"
@@ -90,7 +87,9 @@ def add_part(name, bezel, folder, parts, keep):
 
 def parser():
     """The command line."""
-    p = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    p = argparse.ArgumentParser(
+        prog="python -m verification.performance.bench", description=__doc__.split("\n\n")[0]
+    )
     p.add_argument("--bezel", default="build/release/bezel")
     p.add_argument("--out", default="build/bench", help="folder of all files")
     p.add_argument("--n", type=int, default=16, help="elements along half an edge (8: quick)")

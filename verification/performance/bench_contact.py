@@ -11,9 +11,10 @@ import pathlib
 import shutil
 import statistics
 
-import bench_runs as runs
-import calculix_hemisphere as calculix
 import numpy as np
+
+from verification.performance import bench_runs as runs
+from verification.performance import calculix_hemisphere as calculix
 
 DECKS = pathlib.Path(__file__).resolve().parents[1] / "benchmark/section5_contact"
 MESH_2 = {"n": 7, "m": 2, "k": 4, "eps": 250}

@@ -4,9 +4,9 @@
 import json
 import pathlib
 
-import bench_contact as contact
-import bench_peel as peel
-import bench_table as table
+from verification.performance import bench_contact as contact
+from verification.performance import bench_peel as peel
+from verification.performance import bench_table as table
 
 HERE = pathlib.Path(__file__).resolve().parent
 PAGE = HERE.parents[1] / "doc/verification/performance.md"
@@ -24,7 +24,7 @@ INTRO = """# Performance
 
 ## Method
 
-- `verification/performance/bench_page.py` writes this page from `record.json`, the recorded run:
+- `python -m verification.performance.bench_page` writes this page from `record.json`, the recorded run:
 
 ```
 make bench ARGS="--n {n} --rounds {rounds} --record"

@@ -3,7 +3,7 @@
 import json
 import pathlib
 
-import bench_runs as runs
+from verification.performance import bench_runs as runs
 
 DECKS = pathlib.Path(__file__).resolve().parents[1] / "benchmark/section5_debonding"
 

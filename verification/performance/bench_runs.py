@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-import calculix_cube
+from verification.performance import calculix_cube
 
 HERE = pathlib.Path(__file__).resolve().parent
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "CCX_NPROC_STIFFNESS")

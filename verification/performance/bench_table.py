@@ -1,7 +1,6 @@
 """The tables of `make bench` in markdown: measured values, targets, and the change against the record."""
 
-import bench_contact
-import bench_peel
+from verification.performance import bench_contact, bench_peel
 
 TITLES = {
     "full": "bezel, full Newton",

@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """Stops and restarts of a run, compared bit for bit with the run that nothing stopped.
 
-usage: run.py BEZEL [--kills N] [--deck NAME]
+    .venv/bin/python -m verification.restart.run BEZEL [--kills N] [--deck NAME]
 
 1. SIGTERM while the run is under way: exit code 4, then --restart: curves and fields are equal.
 2. --time-limit: the same, restarted as often as it takes.
@@ -134,7 +133,9 @@ def go_on(bezel, deck, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m verification.restart.run", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("bezel")
     parser.add_argument("--kills", type=int, default=4)
     parser.add_argument("--deck", action="append", choices=DECKS, help="only this one")

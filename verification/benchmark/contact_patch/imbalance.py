@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """Imbalance of the two sides where a small block covers elements of a large one in part.
 
-`python3 imbalance.py [program]` runs partial_q1n2.inp with the small block at 12 places, for points
+`python3 -m verification.benchmark.contact_patch.imbalance [program]` runs partial_q1n2.inp with the small block at 12 places, for points
 q and elements n of the large block, and writes imbalance.csv: root mean square and largest value of
 1 - (force on the large block)/(force on the small one).
 """
@@ -13,8 +12,9 @@ import tempfile
 
 import numpy as np
 
-HERE = pathlib.Path(__file__).resolve().parent
-TOP = HERE.parents[2]
+from verification import TOP
+
+HERE = TOP / "verification/benchmark/contact_patch"
 
 
 def main():

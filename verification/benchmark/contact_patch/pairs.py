@@ -1,5 +1,7 @@
-#!/usr/bin/env python3
-"""Writes pairs.inp: one pair of blocks for each pair of surface types."""
+"""Writes pairs.inp: one pair of blocks for each pair of surface types.
+
+python -m verification.benchmark.contact_patch.pairs
+"""
 
 import pathlib
 

@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """Points everywhere beside cells where the border of the contact runs: error and cost.
 
-`python3 study.py [program]` twists the hemisphere of section 5.3 on mesh 1, with and without friction:
+`python3 -m verification.benchmark.contact_refine.study [program]` twists the hemisphere of section 5.3 on mesh 1, with and without friction:
 section5_contact/q1e9_q1n2.inp with q x q points, refined.inp with q x q points and cells. It prints and
 writes study.csv: root mean square over all steps of the difference to 20 x 20 points in every element,
 relative to the largest value of these; iterations; and seconds, all and those of contact, which are
@@ -17,11 +16,10 @@ import tempfile
 
 import numpy as np
 
-HERE = pathlib.Path(__file__).resolve().parent
-TOP = HERE.parents[2]
-sys.path.insert(0, str(TOP))
-from post._table import read_table  # noqa: E402
+from post._table import read_table
+from verification import TOP
 
+HERE = TOP / "verification/benchmark/contact_refine"
 PLAIN = HERE.parent / "section5_contact/q1e9_q1n2.inp"
 RUNS = [(20, 0), (10, 0), (5, 0), (3, 0), (3, 2), (3, 4), (5, 2), (5, 3)]  # points, cells
 FRICTION = (0.0, 0.5)

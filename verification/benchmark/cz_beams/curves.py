@@ -1,6 +1,6 @@
 """Writes curves.csv: forces over openings of the quick decks of cz_point, cz_beams and cz_peel, for the figure.
 
-usage: python verification/benchmark/cz_beams/curves.py [--bezel build/release/bezel]
+usage: python -m verification.benchmark.cz_beams.curves [--bezel build/release/bezel]
 """
 
 import argparse
@@ -11,8 +11,9 @@ import tempfile
 
 import numpy as np
 
-HERE = pathlib.Path(__file__).resolve().parent
-TOP = HERE.parents[2]
+from verification import TOP
+
+HERE = TOP / "verification/benchmark/cz_beams"
 PULL = {"a": 10, "t0": 60, "gc": 0.6, "u": 0.08, "first": 0.2}
 RUNS = [
     *((f"{law} {phi}", f"cz_point/{law}.inp", "bond", {"phi": phi})
@@ -29,7 +30,9 @@ RUNS = [
 
 def main():
     """One row for each step of each run."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m verification.benchmark.cz_beams.curves", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     bezel = parser.parse_args().bezel.resolve()
     with open(HERE / "curves.csv", "w", newline="") as file:

@@ -1,6 +1,6 @@
 """Writes results.csv: the double cantilever beam and the peeled strip on coarse and fine meshes.
 
-usage: python verification/benchmark/cz_beams/study.py [--bezel build/release/bezel]
+usage: python -m verification.benchmark.cz_beams.study [--bezel build/release/bezel]
 
 For each strength of the bond and each size of the elements: mean and scatter of the force over the one of the theory while
 the crack runs, iterations, cut-backs and the share that is released in the end; runs that stop early say so.
@@ -15,8 +15,9 @@ import tempfile
 
 import numpy as np
 
-HERE = pathlib.Path(__file__).resolve().parent
-TOP = HERE.parents[2]
+from verification import TOP
+
+HERE = TOP / "verification/benchmark/cz_beams"
 FIELDS = "case t0 n q zone per_element status mean scatter iterations cutbacks released".split()
 RUNS = [("dcb", t0, n, 5) for t0 in (5, 10, 20) for n in ("1/3", "2/3", "1", "2")]
 RUNS += [("dcb", 20, "2/3", 10), ("dcb", 20, "1", 10)]
@@ -25,7 +26,9 @@ RUNS += [("peel", t0, n, 5) for t0 in (0.1, 0.2, 0.4) for n in ("10/3", "5", "10
 
 def main():
     """Run what is not in results.csv yet, one after the other."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m verification.benchmark.cz_beams.study", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     bezel = parser.parse_args().bezel.resolve()
     rows = []

@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """What doc/verification/section4.md says beyond the forces of results.csv:
 
-    python3 verification/benchmark/section4/study.py symmetry field locking hourglass
+    python3 -m verification.benchmark.section4.study symmetry field locking hourglass
 
 Each word runs decks of this folder and writes <word>.csv beside them. `field` needs pyvista (.venv).
 """
@@ -14,14 +13,12 @@ import pathlib
 import re
 import sys
 
-HERE = pathlib.Path(__file__).resolve().parent
-TOP = HERE.parents[2]
-sys.path[:0] = [str(TOP), str(TOP / "verification"), str(HERE)]
+import numpy as np
 
-import checks  # noqa: E402
-import numpy as np  # noqa: E402
+from post._table import read_table
+from verification import TOP, checks
 
-from post._table import read_table  # noqa: E402
+HERE = TOP / "verification/benchmark/section4"
 
 TESTS = {"compression": -0.25, "extension": 1.0}
 ELEMENTS = {
@@ -121,7 +118,7 @@ def hourglass(runner):
 
 def field(runner):
     """Errors of displacement and von Mises stress against IGA2, n = 16."""
-    import field_error
+    from verification.benchmark.section4 import field_error
 
     for test, u in TESTS.items():
         best = field_error.Solution(runner.run(_field_deck(runner, "iga2"), n=16, u=u), exact=True)
@@ -137,7 +134,7 @@ def field(runner):
 
 def _field_deck(runner, name):
     """A deck of this folder that also writes its last state, and stresses at points."""
-    from field_error import POINTS
+    from verification.benchmark.section4.field_error import POINTS
 
     text = (HERE / f"{name}.inp").read_text()
     records = [
@@ -164,7 +161,9 @@ STUDIES = {f.__name__: f for f in (symmetry, field, locking, hourglass)}
 
 
 def main():
-    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p = argparse.ArgumentParser(
+        prog="python -m verification.benchmark.section4.study", description=__doc__.splitlines()[0]
+    )
     p.add_argument("study", nargs="+", choices=list(STUDIES))
     p.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     p.add_argument("--out", type=pathlib.Path, default=TOP / "build/verify/section4_study")
@@ -173,7 +172,7 @@ def main():
     for study in o.study:
         rows = list(STUDIES[study](runner))
         with open(HERE / f"{study}.csv", "w", encoding="utf-8", newline="") as file:
-            file.write(f"# written by verification/benchmark/section4/study.py {study}\n")
+            file.write(f"# written by python -m verification.benchmark.section4.study {study}\n")
             writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)

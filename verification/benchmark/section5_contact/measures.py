@@ -1,26 +1,22 @@
-#!/usr/bin/env python3
 """The tables of doc/verification/section5_contact.md, from runs/*.dat and runs/summary.csv.
 
-    .venv/bin/python verification/benchmark/section5_contact/measures.py [--write]
+    .venv/bin/python -m verification.benchmark.section5_contact.measures [--write]
 
 Prints them; `--write` puts them into the page, between its `<!-- table: name -->` and
 `<!-- end -->`.
 """
 
 import csv
-import pathlib
 import sys
 
-HERE = pathlib.Path(__file__).resolve().parent
-TOP = HERE.parents[2]
-sys.path[:0] = [str(TOP), str(TOP / "verification")]
+import numpy as np
 
-import numpy as np  # noqa: E402
-from tradeoff_page import put  # noqa: E402
+from post._table import read_table
+from post.figures.section5_contact import DOFS, SLIDING, Runs, read_runs, reference_force
+from verification import TOP
+from verification.page import put_table
 
-from post._table import read_table  # noqa: E402
-from post.figures.section5_contact import DOFS, SLIDING, Runs, read_runs, reference_force  # noqa: E402
-
+HERE = TOP / "verification/benchmark/section5_contact"
 PAGE = TOP / "doc/verification/section5_contact.md"
 MESHES = ("1", "2", "3")
 STICK = 0.03  # share of sticking points below which the side counts as sliding: the pole never does
@@ -40,7 +36,7 @@ def main():
     text = PAGE.read_text() if PAGE.exists() else ""
     for name, lines in tables.items():
         print(f"{name}\n" + "\n".join(lines) + "\n")
-        text = put(text, name, "\n".join(lines))
+        text = put_table(text, name, "\n".join(lines))
     if "--write" in sys.argv[1:]:
         PAGE.write_text(text)
 

@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """Tables of doc/verification/solids.md: elements of mesh files in bending.
 
-    python3 verification/benchmark/solids/study.py [--bezel build/release/bezel] [--out build/solids] [--write]
+    python3 -m verification.benchmark.solids.study [--bezel build/release/bezel] [--out build/solids] [--write]
 
 Cook's panel and a slender cantilever, of n cells over the height, each cell filled with hexahedra, wedges, tetrahedra or
 pyramids. `--write` puts the tables into the page, `--small` the meshes and decks of expect.toml into this folder.
@@ -11,18 +10,15 @@ import argparse
 import pathlib
 import sys
 
-HERE = pathlib.Path(__file__).resolve().parent
-TOP = HERE.parents[2]
+import numpy as np
+
+from post._table import read_table
+from verification import TOP, checks
+from verification.page import put_table
+from verification.patch.mesh_files import make
+
+HERE = TOP / "verification/benchmark/solids"
 PAGE = TOP / "doc/verification/solids.md"
-sys.path[:0] = [str(TOP), str(TOP / "verification"), str(TOP / "verification/patch/mesh_files")]
-
-import checks  # noqa: E402
-import make  # noqa: E402
-import numpy as np  # noqa: E402
-from tradeoff_page import put  # noqa: E402
-
-from post._table import read_table  # noqa: E402
-
 #: element: what fills a cell, in make.py's words
 FILL = {
     "TET4": "tetrahedra", "WEDGE6": "wedges", "PYRAMID5 and TET4": "pyramids", "Q1": "hexahedra",
@@ -234,7 +230,9 @@ def table(meshes, value):
 
 
 def main():
-    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p = argparse.ArgumentParser(
+        prog="python -m verification.benchmark.solids.study", description=__doc__.splitlines()[0]
+    )
     p.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     p.add_argument("--out", type=pathlib.Path, default=TOP / "build/solids")
     p.add_argument("--write", action="store_true", help="put the tables into the page")
@@ -250,7 +248,7 @@ def main():
     text = PAGE.read_text()
     for name, lines in tables(o).items():
         print(f"\n{name}", *lines, sep="\n")
-        text = put(text, name, "\n".join(lines))
+        text = put_table(text, name, "\n".join(lines))
     if o.write:
         PAGE.write_text(text)
 

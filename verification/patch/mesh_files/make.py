@@ -1,12 +1,14 @@
 """Meshes of this folder: a column of mixed elements, and a coarse block that meets a fine one.
 
-usage: make.py, in this folder
+python -m verification.patch.mesh_files.make
 """
 
 import itertools
+import pathlib
 
 import numpy as np
 
+HERE = pathlib.Path(__file__).resolve().parent
 A = np.array([[0.1, 0.15, -0.05], [0.05, -0.05, 0.1], [-0.1, 0.05, 0.2]])  # displacement gradient
 FACES = {
     4: [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
@@ -71,7 +73,7 @@ def write(name, x, elements, label, hanging=(), inner=()):
     lines += ["$EndNodes", "$Elements", str(len(rows))]
     for e, (kind, tag, c) in enumerate(rows, 1):
         lines.append(f"{e} {kind} 2 {tag} {tag} " + " ".join(str(label[a]) for a in c))
-    save(name + ".msh", [*lines, "$EndElements"])
+    save(HERE / f"{name}.msh", [*lines, "$EndElements"])
     place = {
         a: i for i, a in enumerate(np.argsort(label), 1)
     }  # nodes of the deck follow the labels
@@ -80,13 +82,13 @@ def write(name, x, elements, label, hanging=(), inner=()):
     lines += [
         f"  {place[a]} 0  {u[0]!r} {u[1]!r} {u[2]!r}" for a in held for u in [(A @ x[a]).tolist()]
     ]
-    save(name + ".inc", [*lines, ""])
+    save(HERE / f"{name}.inc", [*lines, ""])
     if hanging:
         lines = ["# slave, number of masters, masters and coefficients"]
         for slave, masters in hanging:
             pairs = " ".join(f"{label[m]} {c!r}" for m, c in masters)
             lines.append(f"{label[slave]} {len(masters)} {pairs}")
-        save(name + ".txt", lines)
+        save(HERE / f"{name}.txt", lines)
 
 
 def save(path, lines):
@@ -163,7 +165,7 @@ def tetrahedra(name, quadratic):
     lines += ["$EndNodes", "$Elements", str(len(rows))]
     for e, (kind, tag, c) in enumerate(rows, 1):
         lines.append(f"{e} {kind} 2 {tag} {tag} " + " ".join(str(a + 1) for a in c))
-    save(name + ".msh", [*lines, "$EndElements"])
+    save(HERE / f"{name}.msh", [*lines, "$EndElements"])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Write the files of this case: an L of three blocks with a layer under a smooth surface.
 
-    python make.py
+    python -m verification.patch.spline.make
 
 The surface is that of the boundary of 24 hexahedra: a closed net of 56 quadrilaterals whose corners
 have 3, 4 or 5 edges. Its Bezier points are combinations of the net's: face points with weights

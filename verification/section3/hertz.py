@@ -1,4 +1,4 @@
-"""Hertz contact of a sphere that came from a net: `verification/section3.py hertz`.
+"""Hertz contact of a sphere that came from a net: `python -m verification.section3 hertz`.
 
 Bodies below input/sphere_net.py's nets between two rigid planes (verification/section3/hertz.inp), beside
 Hertz' formulas. The approach of a whole sphere is smaller: d = a^2/R less Boussinesq's displacement by the load
@@ -13,6 +13,7 @@ import numpy as np
 
 from post._table import read_table
 from post.mesh import _report, _write, body_of
+from verification import TOP
 
 NU = 0.3
 POLE = 0.16  # of the net: quads at the poles over those of an even one
@@ -21,7 +22,7 @@ FINE_RADIUS = 0.15  # tetrahedra this near to a pole are as long as the quads th
 NEAR = "sphere:0,0,1,0.3+sphere:0,0,-1,0.3"  # keeps its spline
 
 
-def hertz(top, bezel, out, work, largest):
+def hertz(bezel, out, work, largest):
     """Rows of hertz.csv, for nets of up to `largest` quads along an edge of the cube."""
     rows = ["n,a,dofs,quads_over_a,force,pressure,radius,poles_differ,iterations,solve_cpu_seconds"]
     for n, a in CASES:
@@ -29,24 +30,24 @@ def hertz(top, bezel, out, work, largest):
             continue
         folder = work / f"hertz_{n}"
         if not (folder / "ball.msh").exists():
-            make(top, folder, n)
+            make(folder, n)
         rows.append(case(bezel, folder, n, a))
         print(rows[-1], flush=True)
     (out / "hertz.csv").write_text("\n".join(rows) + "\n")
 
 
-def make(top, folder, n):
+def make(folder, n):
     """The body's files and the deck."""
     folder.mkdir(parents=True, exist_ok=True)
     net = folder / "ball.obj"
-    script = top / "input/sphere_net.py"
-    subprocess.run([sys.executable, script, str(n), net, str(POLE)], check=True)
+    command = [sys.executable, "-m", "input.sphere_net", str(n), net.resolve(), str(POLE)]
+    subprocess.run(command, cwd=TOP, check=True)
     fine = [f"{0.32 / n:.4g}=sphere:0,0,{z},{FINE_RADIUS}" for z in (1, -1)]
     groups = ["top=sphere:0,0,1,0.25", "bottom=sphere:0,0,-1,0.25"]
     body = body_of(str(net), groups=groups, enrich=NEAR, fine=fine)
     _write.write(body, folder / "ball")
     _report.write(_report.describe(body), folder / "ball.mesh.json")
-    (folder / "hertz.inp").write_text((top / "verification/section3/hertz.inp").read_text())
+    (folder / "hertz.inp").write_text((TOP / "verification/section3/hertz.inp").read_text())
 
 
 def case(bezel, folder, n, a):

@@ -1,4 +1,4 @@
-"""From a file of hexahedra to its solved bending: `verification/section3.py bend`.
+"""From a file of hexahedra to its solved bending: `python -m verification.section3 bend`.
 
 The same surface and layer stand on tetrahedra and on the file's own hexahedra, and the forces at the tip are
 compared: of the rocker arm made by others, and of a curved bar of our own, which `check` runs too.

@@ -1,4 +1,4 @@
-"""What `make verify-all` runs of section 3: `verification/section3.py check`.
+"""What `make verify-all` runs of section 3: `python -m verification.section3 check`.
 
 Broken files get one sentence and no output; bodies below the arm's net keep what the committed table says;
 the coarse sphere's contact keeps its distance from Hertz; the same body on tetrahedra and on hexahedra gives
@@ -11,10 +11,10 @@ import json
 import subprocess
 import sys
 
-from section3_bend import curved_bar_rows
-from section3_hertz import case, make
-
 from post.mesh import _report, _tets, body_of
+from verification import TOP
+from verification.section3.bend import curved_bar_rows
+from verification.section3.hertz import case, make
 
 EXACT = 1e-12  # sums of volumes against the surface's integral
 TOLERANCE = 0.01  # of Hertz' ratios: another Gmsh makes other tetrahedra
@@ -22,9 +22,9 @@ SKIPPED = object()  # in place of a trouble
 APART = 0.015  # forces of the bar: linear tetrahedra are 1.0 % stiffer than hexahedra
 
 
-def broken(top):
+def broken():
     """{what is wrong: (file, its text, words of the message)} from the net of a patch test."""
-    folder = top / "verification/patch/unstructured"
+    folder = TOP / "verification/patch/unstructured"
     good = (folder / "net.off").read_text()
     lines = good.splitlines()
     head = lines.index("26 24 0")
@@ -81,14 +81,14 @@ def without_element(text):
     return json.dumps(data)
 
 
-def check_broken(top, work):
+def check_broken(work):
     """(what, trouble or None) of each broken file."""
     folder = work / "broken"
     folder.mkdir(parents=True, exist_ok=True)
-    for what, (name, text, words) in broken(top).items():
+    for what, (name, text, words) in broken().items():
         (folder / name).write_text(text)
         command = [sys.executable, "-m", "post", "mesh", folder / name, "-o", folder / "out/body"]
-        done = subprocess.run(command, cwd=top, capture_output=True, text=True)
+        done = subprocess.run(command, cwd=TOP, capture_output=True, text=True)
         said = done.stderr.strip().splitlines()
         trouble = None
         if done.returncode != 2:
@@ -126,14 +126,14 @@ def check_bodies(net, variants, table):
         yield f"body of the arm, {name}: least angle {least:.2f}", "; ".join(wrong) or None
 
 
-def check_hertz(top, bezel, work, table):
+def check_hertz(bezel, work, table):
     """The coarsest sphere's contact against the committed ratios."""
     if not _tets.available("gmsh"):
         yield "sphere against Hertz: gmsh is not installed", SKIPPED
         return
     want = next(csv.DictReader(table.open()))
     folder = work / "hertz_12"
-    make(top, folder, 12)
+    make(folder, 12)
     got = dict(zip(want, case(bezel, folder, 12, 0.1).split(",")))
     for name in ("force", "pressure", "radius"):
         away = abs(float(got[name]) / float(want[name]) - 1)
@@ -162,14 +162,14 @@ def check_interiors(bezel, work, table):
     yield f"the bar's forces differ by {apart:.2%}", "too much" if abs(apart) > APART else None
 
 
-def check(top, bezel, work, net, variants):
+def check(bezel, work, net, variants):
     """Print a line for each check; returns the exit code."""
-    tables = top / "verification/section3"
+    tables = TOP / "verification/section3"
     marks = []
     for part in (
-        check_broken(top, work),
+        check_broken(work),
         check_bodies(net, variants, tables / "mesh_arm.csv"),
-        check_hertz(top, bezel, work, tables / "hertz.csv"),
+        check_hertz(bezel, work, tables / "hertz.csv"),
         check_interiors(bezel, work, tables / "bend.csv"),
     ):
         for what, trouble in part:

@@ -1,16 +1,16 @@
 """Writes the tables of doc/verification/tradeoff.md from results.csv.
 
 The text between the marks `<!-- table: name -->` and `<!-- end -->` is replaced; all other text is
-edited in the page itself. The table `bonds` is written by debonding_points.py.
+edited in the page itself. The table `bonds` is written by debonding_points.
 
-    python3 verification/tradeoff_page.py
+    python3 -m verification.tradeoff.page
 """
 
 import csv
-import pathlib
-import re
 
-TOP = pathlib.Path(__file__).resolve().parent.parent
+from verification import TOP
+from verification.page import put_table
+
 RESULTS = TOP / "verification/benchmark/tradeoff/results.csv"
 PAGE = TOP / "doc/verification/tradeoff.md"
 
@@ -45,7 +45,7 @@ def main():
     text = PAGE.read_text()
     for group, columns in TABLES.items():
         lines = [row_of(row, columns) for row in rows if row["group"] == group]
-        text = put(text, group, "\n".join([*heads(columns), *lines]))
+        text = put_table(text, group, "\n".join([*heads(columns), *lines]))
     PAGE.write_text(text)
 
 
@@ -75,18 +75,6 @@ def cell(name, value):
     if name == "contact_share":
         return f"{share:.0f} %"
     return "0" if share == 0 else f"{share:.2g} %" if share < 9.95 else f"{share:.0f} %"
-
-
-def put(text, name, table):
-    """The text with a new table between the marks of that name.
-
-    >>> put("<!-- table: a -->old<!-- end -->", "a", "new")
-    '<!-- table: a -->\\nnew\\n<!-- end -->'
-    """
-    mark = f"<!-- table: {name} -->"
-    return re.sub(
-        f"{mark}.*?<!-- end -->", lambda _: f"{mark}\n{table}\n<!-- end -->", text, flags=re.S
-    )
 
 
 if __name__ == "__main__":

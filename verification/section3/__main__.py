@@ -1,10 +1,10 @@
 """Tables of doc/verification/section3.md: meshes below surfaces, and runs on them.
 
-    .venv/bin/python verification/section3.py mesh [--net FILE --name NAME]
-    .venv/bin/python verification/section3.py bend [--net FILE]
-    .venv/bin/python verification/section3.py slide
-    .venv/bin/python verification/section3.py hertz [--largest N]
-    .venv/bin/python verification/section3.py check
+    .venv/bin/python -m verification.section3 mesh [--net FILE --name NAME]
+    .venv/bin/python -m verification.section3 bend [--net FILE]
+    .venv/bin/python -m verification.section3 slide
+    .venv/bin/python -m verification.section3 hertz [--largest N]
+    .venv/bin/python -m verification.section3 check
 
 `mesh` makes the bodies of VARIANTS from input/rocker_arm.py's net, or from another, and writes
 verification/section3/mesh_NAME.csv. `bend` goes from the file of hexahedra of a rocker arm, or of a
@@ -22,18 +22,16 @@ import re
 import subprocess
 import sys
 
-TOP = pathlib.Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(TOP))
+import numpy as np
 
-import numpy as np  # noqa: E402
-from section3_bend import bend, cpu_seconds  # noqa: E402
-from section3_check import check  # noqa: E402
-from section3_hertz import hertz  # noqa: E402
-
-from post import _style  # noqa: E402
-from post._table import read_table  # noqa: E402
-from post.figures import rocker  # noqa: E402
-from post.mesh import _report, _tets, _write, body_of  # noqa: E402
+from post import _style
+from post._table import read_table
+from post.figures import rocker
+from post.mesh import _report, _tets, _write, body_of
+from verification import TOP
+from verification.section3.bend import bend, cpu_seconds
+from verification.section3.check import check
+from verification.section3.hertz import hertz
 
 HERE = TOP / "verification/section3"
 VARIANTS = {
@@ -142,7 +140,9 @@ def _draw_slide(curves, path):
 
 def main():
     p = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="python -m verification.section3",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     p.add_argument("part", choices=("mesh", "bend", "slide", "hertz", "check"))
     p.add_argument("--net", help="another net; of a rocker arm of hexahedra for bend")
@@ -153,7 +153,7 @@ def main():
     o = p.parse_args()
     o.work.mkdir(parents=True, exist_ok=True)
     if o.part == "hertz":
-        return hertz(TOP, o.bezel, HERE, o.work, o.largest)
+        return hertz(o.bezel, HERE, o.work, o.largest)
     if o.part == "bend":
         return bend(o.bezel, HERE, o.work, o.net)
     net = o.net
@@ -161,7 +161,7 @@ def main():
         net = str(o.work / "rocker_arm.obj")
         subprocess.run([sys.executable, str(TOP / "input/rocker_arm.py"), net], check=True)
     if o.part == "check":
-        return check(TOP, o.bezel, o.work, net, VARIANTS)
+        return check(o.bezel, o.work, net, VARIANTS)
     if o.part == "mesh":
         mesh(net, o.name, HERE)
     else:

@@ -1,8 +1,7 @@
-#!/usr/bin/env python3
 """Speed for accuracy: runs the hemisphere on the block with what a user may choose, and keeps errors
 and CPU seconds in benchmark/tradeoff/results.csv.
 
-    make tradeoff        or        tradeoff.py --bezel PROGRAM [--only WORD] [--mesh 1 2] [--again]
+    make tradeoff        or        python3 -m verification.tradeoff --bezel PROGRAM [--only WORD] [--mesh 1 2] [--again]
 
 A run that is in --out already is not run again, so an interrupted grid goes on where it was.
 CPU seconds are user and system time of the process; best of two on mesh 1. Errors are root mean
@@ -26,16 +25,14 @@ import shutil
 import subprocess
 import sys
 
-TOP = pathlib.Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TOP), str(TOP / "verification")]
-import verify  # noqa: E402, F401, I001  (the Python with numpy)
+from verification import TOP, need_numpy
 
+need_numpy()
 import numpy as np  # noqa: E402
-
-import tradeoff_grid as grid  # noqa: E402
 
 from post._error import Unreadable  # noqa: E402
 from post._table import read_table  # noqa: E402
+from verification.tradeoff import grid  # noqa: E402
 
 DECKS = TOP / "verification/benchmark/tradeoff"
 RESULTS, REFERENCE = DECKS / "results.csv", DECKS / "reference.csv"
@@ -127,7 +124,9 @@ def main(argv=None):
 
 
 def parser():
-    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p = argparse.ArgumentParser(
+        prog="python -m verification.tradeoff", description=__doc__.splitlines()[0]
+    )
     p.add_argument("--bezel", default=TOP / "build/release/bezel")
     p.add_argument("--out", default=TOP / "build/tradeoff", help="folder of the runs")
     p.add_argument("--only", nargs="*", default=[""], metavar="WORD", help="group or deck")

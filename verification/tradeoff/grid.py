@@ -1,4 +1,4 @@
-"""The runs of tradeoff.py: what is varied, one thing at a time, round the settings of the paper."""
+"""The runs of `python -m verification.tradeoff`: what is varied, one thing at a time, round the settings of the paper."""
 
 import re
 from dataclasses import dataclass, field

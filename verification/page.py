@@ -1,0 +1,15 @@
+"""Tables in pages of doc/verification that programs here write."""
+
+import re
+
+
+def put_table(text, name, table):
+    """The text with a new table between the marks of that name.
+
+    >>> put_table("<!-- table: a -->old<!-- end -->", "a", "new")
+    '<!-- table: a -->\\nnew\\n<!-- end -->'
+    """
+    mark = f"<!-- table: {name} -->"
+    return re.sub(
+        f"{mark}.*?<!-- end -->", lambda _: f"{mark}\n{table}\n<!-- end -->", text, flags=re.S
+    )
