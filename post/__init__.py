@@ -1,6 +1,6 @@
 """Figures and comparisons from the files that bezel writes.
 
-Six commands, each a module with the same name that can be used as a library:
+There are six commands. Each is a module of the same name that can also be used as a library:
 
 =============  ==============================================================  ======================
 command        what it does                                                    needs
@@ -9,12 +9,11 @@ curve          draws columns of curve files over one another                   n
 convergence    draws relative errors over degrees of freedom, prints slopes    numpy, matplotlib
 field          renders a step of a result file without a screen                h5py, matplotlib, vtk
 contact-map    draws contact surfaces from above, side by side                 h5py, matplotlib, vtk
-diff           compares two runs, or a run and a reference                     numpy (h5py for
-fields)
-mesh           an enriched body below a net of quads or a spline surface       numpy; Gmsh or TetGen
+diff           compares two runs, or a run and a reference                     numpy; h5py for fields
+mesh           meshes an enriched body below a net or a spline surface         numpy; Gmsh or TetGen
 =============  ==============================================================  ======================
 
-The package reads result files only, never a deck. Nothing heavy is imported until it is used:
+The package reads result files only, never a deck. Large packages are imported when they are needed:
 
 >>> import post
 >>> post.diff.compare.__name__
@@ -31,7 +30,7 @@ __all__ = [*MODULES, "Unreadable"]
 
 
 def __getattr__(name):
-    """Import a command's module when it is first asked for."""
+    """Import the module of a command when it is first used."""
     if name in MODULES:
         return importlib.import_module(f"post.{name}")
     raise AttributeError(f"module 'post' has no attribute {name!r}")

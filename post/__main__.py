@@ -1,4 +1,4 @@
-"""`python -m post COMMAND ...`: hands over to the module of that name."""
+"""`python -m post COMMAND ...` calls the module of that name."""
 
 import difflib
 import importlib
@@ -20,7 +20,7 @@ USAGE = """usage: python -m post COMMAND ...
 
 
 def main(argv=None):
-    """Run one command; returns its exit code (2: a file or an option that cannot be used)."""
+    """Run one command; return its exit code (2: a file or an option cannot be used)."""
     argv = sys.argv[1:] if argv is None else argv
     if not argv or argv[0] in ("-h", "--help"):
         print(USAGE)
@@ -42,7 +42,7 @@ def main(argv=None):
             file=sys.stderr,
         )
         return 2
-    except BrokenPipeError:  # the reader of our output has gone, as in `| head`
+    except BrokenPipeError:  # the reader of the output has ended, as in `| head`
         sys.stderr.close()
         return 2
 

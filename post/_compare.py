@@ -1,4 +1,4 @@
-"""Two tables, column by column: what differs, by how much, and where most."""
+"""Compare two tables column by column: what differs, by how much, and where most."""
 
 from dataclasses import dataclass, field
 
@@ -11,7 +11,7 @@ from post._tolerance import Tolerance, matches
 
 @dataclass
 class ColumnResult:
-    """One column: how many rows were compared, how many failed, and the worst of them."""
+    """One column: the number of rows compared and failed, and the worst row."""
 
     name: str
     rows: int
@@ -21,8 +21,8 @@ class ColumnResult:
     got: object = None
     want: object = None
     difference: float = 0.0  # |got - want| there
-    note: str = ""  # what a number cannot say: NaN, words
-    changes: dict = field(default_factory=dict)  # {row of b: new value} of all that failed
+    note: str = ""  # what a difference cannot express: NaN, words
+    changes: dict = field(default_factory=dict)  # {row of b: new value} of all rows that failed
 
     @property
     def ok(self):
@@ -31,12 +31,12 @@ class ColumnResult:
 
 @dataclass
 class TableResult:
-    """One pair of tables: results of its columns, and what is missing on one side."""
+    """One pair of tables: the results of its columns, and what one side lacks."""
 
     name: str
     columns: list = field(default_factory=list)
     problems: list = field(default_factory=list)  # differences
-    notes: list = field(default_factory=list)  # said, but no difference
+    notes: list = field(default_factory=list)  # remarks that do not count as differences
     a: object = None
     b: object = None
 
@@ -46,23 +46,22 @@ class TableResult:
 
 
 def compare_tables(a, b, tolerances, interpolate=None, key=None, only=None, ignore=None):
-    """Compare table `a` (got) with table `b` (wanted); returns a TableResult.
+    """Compare table `a` (got) with table `b` (wanted); return a TableResult.
 
-    Columns match by name. Rows match by position, or by the columns in `key`, or `a` is
-    interpolated
-    linearly to the rows of `b` over the column `interpolate`. A column that only `b` has is a
-    difference;
-    one that only `a` has is too, unless `b` is a .csv file, which may select.
+    Columns match by name. Rows match by position or by the columns in `key`, or `a` is
+    interpolated linearly to the rows of `b` over the column `interpolate`. A column that only `b`
+    has is a difference. So is a column that only `a` has, unless `b` is a .csv file, which may hold
+    a selection of columns.
     """
     result = TableResult(b.name, a=a, b=b)
     special = set(key or ()) | ({interpolate} if interpolate else set())
     names = _common(result, special, only, ignore, interpolate)
     if not names:
-        result.problems.append("no column to compare is common to both")
+        result.problems.append("the two tables have no column in common that can be compared")
         return result
     rows = pair_rows(result, interpolate, key, names)
     if rows.count == 0:
-        result.problems.append("no row to compare is common to both")
+        result.problems.append("the two tables have no row in common that can be compared")
         return result
     for name in names:
         got, want = rows.got(name), rows.want(name)
@@ -73,7 +72,7 @@ def compare_tables(a, b, tolerances, interpolate=None, key=None, only=None, igno
 
 
 def _common(result, special, only, ignore, interpolate):
-    """Names to compare, in the order of b; what is missing goes into the result."""
+    """Names to compare in the order of b; missing columns are recorded in the result."""
     a, b = result.a, result.b
     chosen = lambda n: not only or any(matches(p, b.name, n) for p in only)
     dropped = lambda n: any(matches(p, b.name, n) for p in ignore or ())
@@ -84,12 +83,12 @@ def _common(result, special, only, ignore, interpolate):
         if dropped(name):
             result.notes.append(f"'{name}' is ignored")
         elif interpolate and name in ("step", "iterations", "cutbacks", "converged"):
-            result.notes.append(f"'{name}' is not compared: it means nothing between steps")
+            result.notes.append(f"'{name}' is not compared: it has no meaning between steps")
         elif name not in a.columns:
             result.problems.append(f"column '{name}' is missing in {a.path or a.name}")
         elif (a.columns[name].dtype.kind == "U") != (b.columns[name].dtype.kind == "U"):
             raise Unreadable(
-                f"column '{name}' holds numbers in one of '{a.path or a.name}' and '{b.path or b.name}', words in the other"
+                f"column '{name}' holds numbers in one of the files '{a.path or a.name}' and '{b.path or b.name}', and words in the other"
             )
         else:
             names.append(name)
@@ -125,7 +124,7 @@ def _numbers(name, got, want, tolerance, b, of_b):
         )
         failed = ~(finite & (difference <= allowed))
         excess = np.where(allowed > 0, difference / np.where(allowed > 0, allowed, 1.0), difference)
-    # worst: first row that is no number, else the largest share of what is allowed
+    # worst row: the first one without a number, else the one with the largest share of its tolerance
     i = int(np.flatnonzero(~finite)[0]) if not finite.all() else int(np.argmax(excess))
     result = ColumnResult(name, len(want), int(failed.sum()), tolerance, b.row_name(of_b[i]))
     result.got, result.want, result.difference = float(got[i]), float(want[i]), float(difference[i])

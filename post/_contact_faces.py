@@ -1,4 +1,4 @@
-"""Contact surfaces of a result: element faces with fields of contact on all their points."""
+"""Contact surfaces of a result: element faces all of whose points carry contact fields."""
 
 from dataclasses import dataclass
 
@@ -6,16 +6,16 @@ import numpy as np
 
 from post._error import Unreadable
 
-#: Zero away from contact surfaces, and not zero on them.
+#: This field is zero away from contact surfaces and not zero on them.
 MARK = "contact_gap"
 
 
 @dataclass
 class Surface:
-    """Faces of one body, each as a grid of n x n places.
+    """Faces of one body, each as a grid of n x n points.
 
-    x: (nface, n, n, 3) current positions; value: (nface, n, n); outward: (nface, n, n, 3) normals,
-    their length is an area.
+    x: (nface, n, n, 3) current positions; value: (nface, n, n); outward: (nface, n, n, 3) normals
+    whose length is an area.
     """
 
     body: int
@@ -25,15 +25,15 @@ class Surface:
 
 
 def surfaces(grid, path, values, n=None):
-    """Contact surfaces of a grid at its current positions, a list of Surface, one a body.
+    """Contact surfaces of a grid at its current positions: a list with one Surface per body.
 
-    n: default as fine as a picture needs; values: (npoint) coefficients of the field to be shown;
-    the faces' own (rational) functions are used, so that surfaces and fields are those of the
-    analysis.
+    n: points per direction, by default as many as a picture needs; values: (npoint) coefficients of
+    the field to be shown. Both are evaluated with the (rational) functions of the faces, so that
+    surfaces and fields are those of the analysis.
     """
     if MARK not in grid.point_data:
         raise Unreadable(
-            f"'{path}' has no fields of contact (OUTPut,,every n displacement contact)"
+            f"'{path}' has no contact fields; write them with OUTPut,,every n displacement contact"
         )
     marked = np.asarray(grid.point_data[MARK]) != 0
     body = np.asarray(
@@ -49,13 +49,13 @@ def surfaces(grid, path, values, n=None):
         found.setdefault(int(body[c]), []).append((points, value, _outward(points, middle)))
     if not found:
         raise Unreadable(
-            f"'{path}' has no contact surface: no point of it was near the other one yet"
+            f"'{path}' has no contact surface: no point has come near the opposite surface yet"
         )
     return [Surface(b, *(np.array(a) for a in zip(*found[b]))) for b in sorted(found)]
 
 
 def _faces(grid, marked):
-    """(cell, face) of the faces with all points marked."""
+    """(cell, face) of the faces all of whose points are marked."""
     for c in range(grid.n_cells):
         cell = grid.GetCell(c)
         ids = [cell.GetPointId(i) for i in range(cell.GetNumberOfPoints())]
@@ -84,7 +84,7 @@ def _evaluate(face, x, values, n):
 
 
 def _outward(points, inside):
-    """(n, n, 3) normals of a face, away from a point inside its element."""
+    """(n, n, 3) normals of a face that point away from a point inside its element."""
     n = np.cross(np.gradient(points, axis=0), np.gradient(points, axis=1))
     middle = points.shape[0] // 2
     return n if (points[middle, middle] - inside) @ n[middle, middle] > 0 else -n

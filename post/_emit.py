@@ -9,7 +9,7 @@ from post._error import Unreadable
 
 
 def text(comparison, quiet=False):
-    """The table a person reads; its last line is the verdict."""
+    """The comparison as a table to read; its last line is the verdict."""
     lines = []
     for t in comparison.tables:
         if quiet and t.ok:
@@ -68,7 +68,7 @@ def _count(things, noun):
 
 
 def write_files(options, comparison, reason=None):
-    """Write what --json and --junit ask for; `reason` where the comparison could not be made."""
+    """Write the files of --json and --junit; `reason` says why a comparison could not be made."""
     for path, make in ((options.json, as_json), (options.junit, as_junit)):
         if path:
             try:
@@ -78,9 +78,7 @@ def write_files(options, comparison, reason=None):
 
 
 def as_json(comparison, reason=None):
-    """The result as JSON: result (same, differs, unreadable), reason, tables with columns and worst
-    rows.
-    """
+    """The result as JSON: result (same, differs, unreadable), reason, tables with worst rows."""
     if comparison is None:
         return json.dumps({"result": "unreadable", "reason": reason, "tables": []}, indent=1) + "\n"
     tables = [
@@ -109,12 +107,12 @@ def as_json(comparison, reason=None):
 
 
 def _plain(value):
-    """A number that JSON knows: NaN and infinity become words."""
+    """A value that JSON can hold: NaN and infinity become words."""
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def as_junit(comparison, reason=None):
-    """The result as JUnit XML: a test suite a table, a test case a column."""
+    """The result as JUnit XML: a test suite per table, a test case per column."""
     root = ElementTree.Element("testsuites", name="post diff")
     if comparison is None:
         suite = ElementTree.SubElement(

@@ -2,7 +2,7 @@
 
 
 class Unreadable(Exception):
-    """A file or an option that cannot be used; its text is one sentence for the user.
+    """A file or an option cannot be used; the text is one sentence for the user.
 
     >>> raise Unreadable("'a.dat' does not exist")
     Traceback (most recent call last):

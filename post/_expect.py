@@ -1,7 +1,7 @@
-"""`expect.toml`: what a verification case must give, and how `diff` compares it.
+"""`expect.toml` says which results a verification case must give and how `diff` compares them.
 
 title  = "Cook's membrane, neo-Hooke"        # one line
-source = "Simo & Armero 1992, table 1"       # of every check that names none
+source = "Simo & Armero 1992, table 1"       # of every check without a source of its own
 
 [[check]]                                    # one number of one run
 name   = "tip deflection, n = 8"             # default: the quantity
@@ -11,36 +11,36 @@ curve  = "tip"                               # the file <deck>_tip.dat ...
 column = "disp"                              # ... its column (beginning of the name; default: first quantity)
 row    = "last"                              # last, first, a step's number, or { time = 0.5 }
 factor = 1.0                                 # got = factor * value
-formula = "last(force_3)/last(force_3_2)"    # instead of column, row and factor: a number made of columns, verification/formula.py
+formula = "last(force_3)/last(force_3_2)"    # instead of column, row and factor: a number computed from columns, verification/formula.py
 want   = 6.937
 rel    = 1e-3                                # or abs; at least one
-slow   = true                                # with --all only
+slow   = true                                # only with --all
 
 report = "dofs"                              # instead of curve: an entry of the report (final.tip.disp, elements.Q1)
 
-field  = "stress"                            # instead of curve: every point of a field at a step
+field  = "stress"                            # instead of curve: all points of a field at a step
 want   = [0.1, 0, 0, 0, 0, 0]                # the same at all points, or
-affine = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]   # the linear function of the reference position, 3 or 4 columns
+affine = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]   # a linear function of the reference position, 3 or 4 columns
 
-reference = "force.csv"                      # instead of want: a whole curve; keys of [diff] below apply
+reference = "force.csv"                      # instead of want: a whole curve; the keys of [diff] below apply
 
-each = "reference.csv"                       # one check for each row; "{column}" stands for the row's value
+each = "reference.csv"                       # one check for each row; "{column}" is replaced by the row's value
 vary = { n = [1, 2] }                        # or for each combination of these values
-where = { test = "extension" }               # of these rows only
-[check.map.elements]                         # more values by that of a column
+where = { test = "extension" }               # only these rows
+[check.map.elements]                         # further keys, chosen by the value of a column
 "Q1" = { deck = "q1.inp", rel = 1e-6 }
 
-[[study]]                                    # a refinement study; `verify.py --study` writes results.csv
+[[study]]                                    # a refinement study; `verify --study` writes results.csv
 vary  = { elements = ["Q1", "Q2"], n = [1, 2, 4] }   # and `each`, `where`, `map` as above
-slow  = [8]                                  # more values of the last one, with --all
-value = "force"                              # name of the value in results.csv; deck set curve column factor as above
+slow  = [8]                                  # further values of the last name, with --all
+value = "force"                              # its name in results.csv; deck, set, curve, column and factor as above
 want  = -0.314892                            # the converged value
-limit = 1e-2                                 # relative error on the finest mesh at most this
-shrink = 0.8                                 # and on each mesh at most this times the one before (optional)
+limit = 1e-2                                 # the largest relative error allowed on the finest mesh
+shrink = 0.8                                 # optional: the largest ratio of the error on a mesh to that on the mesh before
 
 [diff]                                       # for `post diff --expect`
-rel = 1e-6                                   # general tolerance: rel abs scaled
-column.torque = { abs = 1e-3 }               # of a column
+rel = 1e-6                                   # general tolerance: rel, abs, scaled
+column.torque = { abs = 1e-3 }               # tolerance of a column
 interpolate = "time";  key = ["n"];  only = [];  ignore = ["iterations"]
 """
 
@@ -64,7 +64,7 @@ STUDY_KEYS = {
 
 
 def read_expect(path):
-    """The file as {title, source, checks, studies}; checks with `each` are multiplied out."""
+    """The file as {title, source, checks, studies}; a check with `each` becomes one per row."""
     path = pathlib.Path(path)
     content = _load(path)
     unknown = set(content) - {"title", "source", "check", "study", "diff"}
@@ -85,9 +85,9 @@ def read_expect(path):
 
 
 def _study(path, study):
-    """A study as a list of (row, entries, slow), the last varied name being the mesh."""
+    """A study as a list of (row, entries, slow); the last varied name is the mesh."""
     if "vary" not in study or not {"value", "want", "limit"} <= set(study):
-        raise Unreadable(f"'{path}': a study needs vary, value, want and limit")
+        raise Unreadable(f"'{path}': a study needs the keys vary, value, want and limit")
     mesh = list(study["vary"])[-1]
     more = {
         **study,
@@ -129,7 +129,7 @@ def diff_arguments(content):
 
 
 def tolerance_of(content):
-    """The Tolerance that the keys rel, abs, scaled give, or None where there is none."""
+    """The Tolerance given by the keys rel, abs and scaled, or None without any of them."""
     given = {kind: float(content[kind]) for kind in KINDS if kind in content}
     return Tolerance(**given) if given else None
 
@@ -138,7 +138,7 @@ def _load(path):
     try:
         return tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:
-        raise Unreadable(f"'{path}' is not TOML: {error}") from None
+        raise Unreadable(f"'{path}' is not valid TOML: {error}") from None
 
 
 def _known(path, what, content, keys):
@@ -156,7 +156,7 @@ def _multiplied(path, check):
 
 
 def _rows(path, content):
-    """Rows (dictionaries) that `each`, `vary` and `where` choose; words in braces stand for their values."""
+    """Rows (dictionaries) that `each`, `vary` and `where` choose."""
     rows = [{}]
     if "each" in content:
         table = read_table(path.parent / content["each"])
@@ -166,12 +166,12 @@ def _rows(path, content):
         rows = [{**row, name: value} for row in rows for value in values]
     rows = [r for r in rows if all(r.get(n) == v for n, v in content.get("where", {}).items())]
     if not rows:
-        raise Unreadable(f"'{path}': no row is chosen")
+        raise Unreadable(f"'{path}': `each`, `vary` and `where` choose no row")
     return rows
 
 
 def fill(content, row, maps, path):
-    """`content` with {name} replaced by the row's values, and with what `maps` adds for them.
+    """`content` with each {name} replaced by the row's value, and with the keys that `maps` adds.
 
     >>> fill({"name": "{t} n={n}", "want": "{f}"}, {"t": "Q1", "n": 2.0, "f": 0.5}, {"t": {"Q1": {"rel": 0.1}}}, "")
     {'name': 'Q1 n=2', 'want': 0.5, 'rel': 0.1}
@@ -193,7 +193,7 @@ def _filled(value, row):
     if not isinstance(value, str):
         return value
     if value.startswith("{") and value.endswith("}") and value[1:-1] in row:
-        return row[value[1:-1]]  # the value itself, a number as a number
+        return row[value[1:-1]]  # the value itself, so that a number stays a number
     for name, cell in row.items():
         value = value.replace("{" + name + "}", cell if isinstance(cell, str) else f"{cell:g}")
     return value

@@ -1,4 +1,4 @@
-"""Arrays of a `.vtkhdf` result file as tables, without VTK: for numbers, not for pictures."""
+"""Arrays of a `.vtkhdf` result file as tables, read without VTK."""
 
 import pathlib
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 from post._error import Unreadable
 from post._table import Table
 
-#: Names of the components of an array, by their number.
+#: Names of the components of an array, by the number of components.
 COMPONENTS = {3: ("1", "2", "3"), 6: ("11", "22", "33", "12", "23", "31")}
 GROUPS = {"PointData": "point", "CellData": "cell"}
 
@@ -17,9 +17,8 @@ GROUPS = {"PointData": "point", "CellData": "cell"}
 class Fields:
     """What a result file holds.
 
-    times: (nstep); numbers: (nstep) number of each step in the analysis, counted from 1 where the
-    file does not say; points: (npoint, 3) reference positions, control points where a cell is a
-    spline;
+    times: (nstep); numbers: (nstep) number of each step in the analysis, counted from 1 if the file
+    does not give it; points: (npoint, 3) reference positions, or control points of spline cells;
     arrays: {name: (location, [nstep arrays of (n, ncomponent)])}, location 'point' or 'cell'.
     """
 
@@ -32,7 +31,7 @@ class Fields:
 
 
 def read_fields(path):
-    """Read a .vtkhdf file (UnstructuredGrid, one partition, a fixed mesh) into Fields.
+    """Read the Fields of a .vtkhdf file (UnstructuredGrid, one partition, a fixed mesh).
 
     >>> import post._fields
     >>> post._fields.read_fields("cube.vtkhdf").arrays["displacement"][1][-1].shape  # doctest: +SKIP
@@ -62,12 +61,12 @@ def _read(path, file):
     group = file["VTKHDF"]
     steps = group.get("Steps")
     nstep = int(np.ravel(steps.attrs["NSteps"])[0]) if steps is not None else 1
-    times = steps["Values"][:nstep] if steps is not None else np.zeros(1)  # may have room for more
+    times = steps["Values"][:nstep] if steps is not None else np.zeros(1)  # may be longer
     numbers = np.arange(1, nstep + 1)
     if steps is not None and "StepNumber" in steps:
         numbers = steps["StepNumber"][:nstep]
     if nstep == 0:
-        raise Unreadable(f"'{path}' holds no step")
+        raise Unreadable(f"'{path}' holds no steps")
     count = {"point": int(group["NumberOfPoints"][0]), "cell": int(group["NumberOfCells"][0])}
     arrays = {}
     for kind, location in GROUPS.items():
@@ -81,15 +80,15 @@ def _read(path, file):
 
 
 def _slices(data, starts, n, name):
-    """One (n, ncomponent) array a step; steps that share an offset share the array."""
+    """One (n, ncomponent) array per step; steps with the same offset share an array."""
     if len(data) < max(starts) + n:
-        raise ValueError(f"array '{name}' ends early")
+        raise ValueError(f"array '{name}' has fewer values than the steps need")
     read = {int(s): data[int(s) : int(s) + n].reshape(n, -1) for s in set(starts.tolist())}
     return [read[int(s)] for s in starts]
 
 
 def field_tables(path):
-    """Tables of a result file for `diff`: steps, mesh, and one of each array, all steps stacked."""
+    """Tables of a result file for `diff`: steps, mesh, and one per array with all steps stacked."""
     fields = read_fields(path)
     mesh = lambda name, columns, label: Table(name, columns, fields.path, label=label)
     tables = [

@@ -1,25 +1,23 @@
-"""Result files (.vtkhdf, .pvd, .vtu) as VTK grids, one step at a time, with their Bezier cells
-intact.
-"""
+"""Result files (.vtkhdf, .pvd, .vtu) as VTK grids, one step at a time, as Bezier cells."""
 
 import pathlib
 from xml.etree import ElementTree
 
 from post._error import Unreadable
 
-#: Attributes that make VTK read a cell as a rational one of its own degrees in each direction.
+#: Attributes that tell VTK the weights of a rational cell and its degree in each direction.
 BEZIER = ("RationalWeights", "HigherOrderDegrees")
 
 
 def steps_of(path):
-    """Steps in a result file: list of (number in the analysis, time)."""
+    """Steps of a result file: a list of (number in the analysis, time)."""
     return [(number, time) for number, time, _ in _steps(pathlib.Path(path))]
 
 
 def load(path, step="last"):
     """The grid at a step as (pyvista.UnstructuredGrid, time, number of the step).
 
-    step: 'last', 'first', its number in the analysis (where the file does not say: counted from 1),
+    step: 'last', 'first', the number in the analysis (counted from 1 if the file does not give it),
     or ('time', t) for the step nearest to t.
     """
     path = pathlib.Path(path)
@@ -32,7 +30,7 @@ def load(path, step="last"):
 
 
 def step_of(text):
-    """A step as `load` takes it, from a word of the command line.
+    """The step, in the form that `load` takes, from a word of the command line.
 
     >>> step_of("last"), step_of("7")
     ('last', 7)
@@ -42,7 +40,9 @@ def step_of(text):
     try:
         return int(text)
     except ValueError:
-        raise Unreadable(f"'{text}' is no step: a step's number, 'first' or 'last'") from None
+        raise Unreadable(
+            f"'{text}' is not a step; give the number of a step, 'first' or 'last'"
+        ) from None
 
 
 def _choose(path, step, steps):
@@ -65,10 +65,10 @@ def _steps(path):
         )
     readers = {".vtkhdf": _vtkhdf, ".pvd": _pvd, ".vtu": _vtu}
     if path.suffix not in readers:
-        raise Unreadable(f"'{path}' is none of {' '.join(readers)}")
+        raise Unreadable(f"'{path}' has an unknown ending; known endings: {' '.join(readers)}")
     steps = readers[path.suffix](path)
     if not steps:
-        raise Unreadable(f"'{path}' holds no step")
+        raise Unreadable(f"'{path}' holds no steps")
     return steps
 
 
@@ -101,7 +101,7 @@ def _vtkhdf(path):
 
     fields = read_fields(
         path
-    )  # says in one sentence what is wrong with a broken file; VTK does not
+    )  # names in one sentence what is wrong with a broken file; VTK does not
     reader = vtkHDFReader()
     reader.SetFileName(str(path))
 
@@ -123,7 +123,7 @@ def _vtkhdf(path):
 
 
 def _activate(grid):
-    """Point VTK's attributes at the arrays of those names: readers before 9.7 leave that out."""
+    """Set VTK's attributes to the arrays of these names: readers before 9.7 do not do it."""
     from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes as attributes
 
     kinds = (attributes.RATIONALWEIGHTS, attributes.HIGHERORDERDEGREES)

@@ -1,4 +1,4 @@
-"""Which row of one table belongs to which row of another."""
+"""Pair the rows of two tables."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from post._error import Unreadable
 
-SLACK = 1e-9  # of the key's range: an end reached to round-off is reached
+SLACK = 1e-9  # relative to the range of the key: an end reached up to round-off counts as reached
 
 
 @dataclass
@@ -15,7 +15,7 @@ class Rows:
 
     a: object
     b: object
-    of_a: np.ndarray | None  # (count) rows of a, or None where a is interpolated
+    of_a: np.ndarray | None  # (count) rows of a, or None if a is interpolated
     of_b: np.ndarray  # (count)
     over: str | None = None  # key column of the interpolation
 
@@ -36,14 +36,14 @@ class Rows:
 
 
 def pair_rows(result, interpolate, key, names):
-    """Rows to compare; rows that have no partner are named in `result.problems`."""
+    """Rows to compare; rows without a partner are reported in `result.problems`."""
     if interpolate:
         return _interpolated(result, interpolate)
     if key:
         return _keyed(result, key)
     a, b = result.a, result.b
     if len(a) != len(b):
-        result.problems.append(f"{len(a)} rows against {len(b)}")
+        result.problems.append(f"expected {len(b)} rows, found {len(a)}")
     both = np.arange(min(len(a), len(b)))
     return Rows(a, b, both, both)
 
@@ -53,25 +53,27 @@ def _interpolated(result, over):
     x, y = _key_column(a, over), _key_column(b, over)
     for table, values in ((a, x), (b, y)):
         if values.dtype.kind == "U" or not np.isfinite(values).all():
-            raise Unreadable(f"column '{over}' of '{table.path or table.name}' is not all numbers")
+            raise Unreadable(
+                f"column '{over}' of '{table.path or table.name}' holds entries that are not finite numbers"
+            )
     back = np.flatnonzero(np.diff(x) <= 0)
     if len(back):
         raise Unreadable(
-            f"column '{over}' of '{a.path or a.name}' does not increase at row {back[0] + 2}: nothing can be interpolated over it"
+            f"column '{over}' of '{a.path or a.name}' does not increase at row {back[0] + 2}, so that nothing can be interpolated over it"
         )
     slack = SLACK * (x[-1] - x[0])
     early, late = y < x[0] - slack, y > x[-1] + slack
     if early.any():
-        line = f"{early.sum()} rows lie before the first {over} of the other, {x[0]:.6g}"
+        line = f"{early.sum()} rows lie before the first {over} of the other table, {x[0]:.6g}"
         within_first_step = len(x) > 1 and x[0] - y.min() <= (x[1] - x[0]) * (1 + SLACK)
         (result.notes if within_first_step else result.problems).append(line)
     if late.any():
         result.problems.append(
-            f"{over} ends at {x[-1]:.9g}, wanted up to {y.max():.9g}: {late.sum()} rows have no partner"
+            f"{over} ends at {x[-1]:.9g}, expected {y.max():.9g}: {late.sum()} rows have no partner"
         )
     if x[-1] > y.max() + slack:
         result.problems.append(
-            f"{over} goes on to {x[-1]:.9g}, the reference ends at {y.max():.9g}"
+            f"{over} continues to {x[-1]:.9g}, but the reference ends at {y.max():.9g}"
         )
     return Rows(a, b, None, np.flatnonzero(~early & ~late), over)
 
@@ -103,7 +105,7 @@ def _index(table, key):
         values = tuple(str(v) if isinstance(v, str) else float(v) for v in values)
         if values in rows:
             raise Unreadable(
-                f"rows {rows[values] + 1} and {i + 1} of '{table.path or table.name}' have the same {', '.join(key)}"
+                f"rows {rows[values] + 1} and {i + 1} of '{table.path or table.name}' have the same values of {', '.join(key)}"
             )
         rows[values] = i
     return rows

@@ -1,4 +1,4 @@
-"""From surfaces to a figure: VTK draws each body, matplotlib puts the pictures on a page."""
+"""Figures of surfaces: VTK draws each body, matplotlib arranges the pictures on a page."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from post import _style, _surface
 
 @dataclass
 class Scene:
-    """One body ready to be drawn, and the words below it."""
+    """One body ready to be drawn, and the caption below it."""
 
     surface: object  # deformed, with the array 'shown'
     edges: object
@@ -26,7 +26,7 @@ class Scene:
 
 
 def render(scenes, limits, cmap, camera, size):
-    """One image a scene, (height, width, 3), all cut to the same frame."""
+    """One image (height, width, 3) per scene, all cropped to the same frame."""
     import pyvista
 
     bounds = np.array(
@@ -49,8 +49,8 @@ def render(scenes, limits, cmap, camera, size):
             (scene.outline, "#777777", 1.6),
         ):
             if lines is not None and lines.n_points:
-                # Towards the camera, so that the surface does not cover them; the projection is
-                # parallel: they stay where they are in the picture.
+                # Lines move towards the camera so that the surface does not cover them. The
+                # projection is parallel, so they keep their place in the picture.
                 moved = lines.translate(shift, inplace=False)
                 plot.add_mesh(moved, color=colour, line_width=width, lighting=False)
         plot.enable_parallel_projection()
@@ -71,7 +71,7 @@ def unit(direction):
 
 
 def cropped(images):
-    """The images cut to the smallest frame that holds all of them, with a margin."""
+    """The images cropped to the smallest frame that holds all of them, with a margin."""
     ink = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
     if not ink.any():
         return images
@@ -81,7 +81,7 @@ def cropped(images):
 
 
 def compose(images, scenes, limits, cmap, label, output):
-    """Panels, captions and one colour bar on a page."""
+    """Draw panels, captions and one colour bar on a page."""
     with _style.styled() as plt:
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize

@@ -8,7 +8,7 @@ import numpy as np
 from post._error import Unreadable
 from post._table import Table, read_text
 
-#: Entries that say where and when a run was made, not what came out.
+#: Entries about where and when a run was made, which are not results.
 NOT_RESULTS = ("version", "deck", "seconds", "peak_memory_mb")
 
 
@@ -24,7 +24,7 @@ def read_report(path, everything=False):
         if everything or name.split(".")[0] not in NOT_RESULTS:
             columns[name] = np.array([_cell(value)])
     if not columns:
-        raise Unreadable(f"'{path}' holds no results")
+        raise Unreadable(f"'{path}' contains no results")
     return Table(path.name, columns, path, label=lambda row: "the report")
 
 
@@ -37,7 +37,7 @@ def load(path):
             f"'{path}' is not JSON at line {error.lineno} ({error.msg}): truncated?"
         ) from None
     if not isinstance(content, dict):
-        raise Unreadable(f"'{path}' is not a report: its top level is no JSON object")
+        raise Unreadable(f"'{path}' is not a report: its top level is not a JSON object")
     return content
 
 

@@ -1,5 +1,5 @@
-"""Runs on disk: a folder, a stem (`out/cube` for out/cube.report.json ...) or a single file, in
-parts.
+"""The parts of a run on disk: a folder, a stem (`out/cube` for out/cube.report.json and others), or
+a single file.
 """
 
 import pathlib
@@ -17,12 +17,12 @@ SUFFIXES = (".dat", ".csv", ".json", FIELDS)
 def parts(path):
     """{part: file} of a run: 'report', 'fields', and each curve by its name.
 
-    Files of a folder with several runs are called 'stem/part'. A single file is its own only part.
+    In a folder with several runs the parts are called 'stem/part'. A single file has one part, itself.
     """
     path = pathlib.Path(path)
     if path.is_file():
         if path.suffix not in SUFFIXES:
-            raise Unreadable(f"'{path}' is none of {' '.join(SUFFIXES)}")
+            raise Unreadable(f"'{path}' has an unknown ending; known endings: {' '.join(SUFFIXES)}")
         return {_kind(path.name) or path.stem: path}
     folder = path if path.is_dir() else path.parent
     if not folder.is_dir():
@@ -66,7 +66,7 @@ def _of_folder(folder):
 
 
 def _kind(name):
-    """'report' or 'fields' by the file's name, None for a curve.
+    """'report' or 'fields' from the name of the file, None for a curve.
 
     >>> _kind("cube.report.json"), _kind("ref.json"), _kind("a.vtkhdf"), _kind("a_force.dat")
     ('report', 'report', 'fields', None)
@@ -78,7 +78,7 @@ def _kind(name):
 def matched(a, b):
     """Parts of two runs side by side: [(part, file of a or None, file of b or None)].
 
-    Where `b` is a single file, the part of `a` is chosen by kind and name.
+    If `b` is a single file, the part of `a` is chosen by the type and the name of that file.
     """
     in_a, in_b = parts(a), parts(b)
     if len(in_b) == 1 and pathlib.Path(b).is_file() and list(in_a) != list(in_b):
@@ -102,12 +102,12 @@ def _partner(a, in_a, reference):
     if len(found) != 1:
         what = {"report": "report", "fields": "field file"}.get(kind, "curve")
         have = f"which of {' '.join(pool)}" if pool else f"it has no {what}"
-        raise Unreadable(f"no {what} of '{a}' belongs to '{reference}': {have}")
+        raise Unreadable(f"no {what} of '{a}' matches '{reference}': {have}")
     return found[0]
 
 
 def tables(file):
-    """Tables of a file, by kind."""
+    """Tables of a file of either type."""
     kind = _kind(file.name)
     if kind == "report":
         return [read_report(file)]

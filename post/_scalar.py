@@ -1,4 +1,4 @@
-"""Which number of a field is shown, and with which colours."""
+"""The scalar of a field that is shown, and its colours."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def values(grid, path, name, component=None):
 def _component(array, path, name, component):
     if array.ndim == 1:
         if component is not None:
-            raise Unreadable(f"'{name}' of '{path}' is a scalar, it has no component '{component}'")
+            raise Unreadable(f"'{name}' of '{path}' is a scalar and has no component '{component}'")
         return array
     n = array.shape[1]
     names = COMPONENTS.get(n, tuple(str(i) for i in range(1, n + 1)))
@@ -39,7 +39,7 @@ def _component(array, path, name, component):
 
 
 def colours(shown, limits=None, cmap=None):
-    """Limits over all arrays, and a colour map: diverging and symmetric where the sign changes.
+    """Limits over all arrays, and a colour map: diverging and symmetric if the sign changes.
 
     >>> colours([np.array([0.0, 2.0]), np.array([1.0, 3.0])])
     ((0.0, 3.0), 'viridis')
@@ -54,7 +54,7 @@ def colours(shown, limits=None, cmap=None):
     both_signs = low < -0.02 * size and high > 0.02 * size
     if limits is None:
         limits = (-size, size) if both_signs else (low, high)
-        if limits[1] - limits[0] <= 1e-9 * size or size == 0:  # one value everywhere
+        if limits[1] - limits[0] <= 1e-9 * size or size == 0:  # the same value everywhere
             limits = (low - (0.5 * size or 1.0), high + (0.5 * size or 1.0))
     return tuple(limits), cmap or (
         "RdBu_r" if limits[0] < 0 < limits[1] and both_signs else "viridis"
@@ -62,7 +62,7 @@ def colours(shown, limits=None, cmap=None):
 
 
 def label(name, component=None):
-    """Words beside the colour bar.
+    """The label of the colour bar.
 
     >>> label("displacement"), label("stress", "33"), label("mises")
     ('displacement, magnitude', 'stress 33', 'von Mises stress')

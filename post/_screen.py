@@ -1,4 +1,4 @@
-"""Rendering without a screen: which OpenGL library is there, and what to install where none is."""
+"""Rendering without a screen: find an OpenGL library, or say what to install."""
 
 import ctypes
 import functools
@@ -22,9 +22,9 @@ window.Render()
 
 
 def reason_not_ready():
-    """Why nothing can be rendered here, as one sentence, or None where it can.
+    """The reason why nothing can be rendered, as one sentence, or None if rendering works.
 
-    Libraries are looked for first, because VTK ends the process where it can open no window.
+    The libraries are searched first because VTK ends the process if it cannot open a window.
     """
     try:
         import vtkmodules  # noqa: F401
@@ -37,22 +37,20 @@ def reason_not_ready():
     if not sys.platform.startswith("linux") or _osmesa():  # VTK falls back on OSMesa
         return None
     if not (_loads("libEGL.so.1") or os.environ.get("DISPLAY")):
-        return f"pictures need EGL or OSMesa, and neither is on this machine; {INSTALL}"
+        return f"pictures need EGL or OSMesa, and neither is installed; {INSTALL}"
     if not _renders():
-        return (
-            f"EGL is on this machine but cannot draw (no driver), and OSMesa is missing; {INSTALL}"
-        )
+        return f"EGL is installed but cannot draw (no driver), and OSMesa is missing; {INSTALL}"
     return None
 
 
 @functools.cache
 def _renders():
-    """Whether a first picture can be drawn, tried in a process of its own."""
+    """Whether a picture can be drawn, tried in a separate process."""
     return subprocess.run([sys.executable, "-c", PROBE], capture_output=True).returncode == 0
 
 
 def prepare():
-    """Make VTK render without a display and without chatter; raises Unreadable where it cannot."""
+    """Make VTK render without a display and without messages; raise Unreadable if it cannot."""
     reason = reason_not_ready()
     if reason:
         raise Unreadable(reason)

@@ -1,8 +1,7 @@
-"""The one place for colours, markers, sizes and fonts of every figure.
+"""Colours, markers, sizes and fonts of all figures.
 
-Colours are Okabe and Ito's, which people with any kind of colour blindness tell apart; every series
-also has a
-marker and a line of its own, so that a print in grey stays readable.
+The colours are those of Okabe and Ito, which people with colour blindness can tell apart. Every
+series also has its own marker and line style, so that a print in grey stays readable.
 """
 
 import contextlib
@@ -14,8 +13,8 @@ LINES = ("-", "--", "-.", ":")
 #: Widths of a figure in one and in two columns of a journal page [inch].
 COLUMN, PAGE = 3.5, 7.2
 
-#: Element types: the colour says the bulk, the marker the number of enriched faces, the line the
-#: enhancement.
+#: Element types: the colour shows the bulk element, the marker the number of enriched faces, and
+#: the line style the enhancement.
 _BULK = {"Q1": COLOURS[0], "Q1E9": COLOURS[1], "Q2": COLOURS[2], "IGA2": COLOURS[6]}
 
 RC = {
@@ -31,7 +30,7 @@ RC = {
 
 @contextlib.contextmanager
 def styled():
-    """matplotlib.pyplot with this style, off-screen; everything is put back afterwards.
+    """matplotlib.pyplot with this style, off-screen; all settings are restored afterwards.
 
     >>> with styled() as plt:
     ...     plt.rcParams["legend.frameon"]
@@ -64,8 +63,7 @@ def series(i):
 
 
 def element(name):
-    """Line properties of an element type as verification names it, such as 'Q1E9+Q1N2 on 1+ and
-    2+'.
+    """Line properties of an element type by its name in verification: 'Q1E9+Q1N2 on 1+ and 2+'.
 
     >>> element("Q1")["marker"], element("Q1N2 on 1+")["marker"], element("Q1N2 on 1+ and 2+")["marker"]
     ('o', 's', '^')
@@ -105,7 +103,7 @@ def element_label(name):
 
 
 def save(figure, path):
-    """Write a figure; the same data give the same file (no dates inside)."""
+    """Write a figure; the same data give the same file, which holds no date."""
     import pathlib
 
     from post._error import Unreadable

@@ -1,18 +1,17 @@
-"""From a grid of Bezier and Lagrange cells to smooth surfaces and curved element edges."""
+"""Smooth surfaces and curved element edges of a grid of Bezier and Lagrange cells."""
 
 import numpy as np
 
-#: Arrays that say how a cell is to be read, not what came out.
+#: Arrays that describe a cell and are not results.
 GEOMETRY = ("RationalWeights", "HigherOrderDegrees")
 
 
 def surface(grid, level=None):
-    """The outer surface as triangles (pyvista.PolyData), each curved face divided 2^level times in
-    each direction.
+    """The outer surface as triangles (pyvista.PolyData); each curved face is divided into 2^level
+    parts per direction.
 
-    Positions and point data are evaluated with the cell's own (rational) functions, so that a
-    sphere is a sphere.
-    Default level: as fine as some 200,000 triangles allow, at most 4.
+    Positions and point data are evaluated with the (rational) functions of the cell, so that a
+    sphere stays a sphere. The default level gives about 200,000 triangles and is at most 4.
     """
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
@@ -26,7 +25,7 @@ def surface(grid, level=None):
 
 
 def default_level(grid):
-    """Subdivision level by the number of faces that can be seen.
+    """Subdivision level for the number of visible faces.
 
     >>> import types
     >>> default_level(types.SimpleNamespace(n_cells=8)), default_level(types.SimpleNamespace(n_cells=100000))
@@ -37,7 +36,7 @@ def default_level(grid):
 
 
 def edges(grid, level=None):
-    """Edges of the elements on the outer surface as curves (pyvista.PolyData of lines)."""
+    """Element edges on the outer surface as curves (pyvista.PolyData of lines)."""
     import pyvista
 
     level = default_level(grid) if level is None else level
@@ -51,9 +50,7 @@ def edges(grid, level=None):
 
 
 def outline(grid, angle=25.0):
-    """Sharp edges of the outer surface (pyvista.PolyData of lines): the undeformed body in a
-    picture.
-    """
+    """Sharp edges of the outer surface (pyvista.PolyData of lines), which show the undeformed body."""
     return (
         surface(grid)
         .clean()
@@ -64,8 +61,8 @@ def outline(grid, angle=25.0):
 
 
 def mirrored(part, axis):
-    """A surface or lines and their mirror image across the plane where a coordinate (0 1 2) is
-    zero; what lies in the plane is left out.
+    """A surface or lines with their mirror image across the plane where a coordinate (0 1 2) is
+    zero; parts that lie in the plane are omitted.
     """
     import pyvista
 
@@ -87,7 +84,7 @@ def mirrored(part, axis):
 
 
 def _outer_edges(grid):
-    """(cell, edge of the cell) of each edge of a face that only one cell has."""
+    """(cell, edge of the cell) of each edge of the faces that belong to one cell only."""
     faces = {}
     for c in range(grid.n_cells):
         cell = grid.GetCell(c)
@@ -111,7 +108,7 @@ def _outer_edges(grid):
 
 
 def _corners(part):
-    """Point numbers at the corners of a face or an edge; VTK lists the corners first."""
+    """Numbers of the corner points of a face or an edge, which VTK lists first."""
     n = 2 if part.GetCellDimension() == 1 else part.GetNumberOfEdges()
     ids = part.GetPointIds()
     return [ids.GetId(i) for i in range(n)]

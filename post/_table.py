@@ -1,4 +1,4 @@
-"""Tables: curve files (`#` line of names, then numbers) and comma-separated files, read by name."""
+"""Tables with named columns: curve files (a `#` line of names, then numbers) and .csv files."""
 
 import csv
 import difflib
@@ -10,7 +10,7 @@ import numpy as np
 
 from post._error import Unreadable
 
-#: What the program writes before the quantities of a curve file.
+#: The columns that the program writes before the quantities of a curve file.
 LEADING = re.compile(r"step|time|factor(_\d+)?|iterations|cutbacks|converged")
 #: A Fortran exponent without its letter (three digits) or with a D.
 FORTRAN = re.compile(r"^([+-]?\d*\.?\d+)(?:[dD]|(?=[+-]\d{3}$))([+-]?\d+)$")
@@ -20,8 +20,8 @@ FORTRAN = re.compile(r"^([+-]?\d*\.?\d+)(?:[dD]|(?=[+-]\d{3}$))([+-]?\d+)$")
 class Table:
     """Named columns of equal length.
 
-    name: what to call it in messages; path: where it came from, or None;
-    columns: {name: (nrow) array of float, or of str where a column holds words};
+    name: the name used in messages; path: the file it came from, or None;
+    columns: {name: (nrow) array of float, or of str if the column holds words};
     comments: the `#` lines of a csv file, kept when it is rewritten.
     """
 
@@ -29,13 +29,13 @@ class Table:
     columns: dict
     path: pathlib.Path | None = None
     comments: list = field(default_factory=list)
-    label: object = None  # function: row -> what to call it, default its number
+    label: object = None  # function: row -> its name in messages, by default its number
 
     def __len__(self):
         return len(next(iter(self.columns.values()), ()))
 
     def row_name(self, row):
-        """How a message calls a row: 'row 3 (time 0.3)'.
+        """The name of a row in messages: 'row 3 (time 0.3)'.
 
         >>> Table("t", {"time": np.array([0.1, 0.2]), "f": np.array([1.0, 2.0])}).row_name(1)
         'row 2 (time 0.2)'
@@ -46,7 +46,7 @@ class Table:
         return f"row {row + 1}" + (f" (time {time[row]:.6g})" if time is not None else "")
 
     def find(self, word):
-        """The one column that `word` names: exactly, or as the beginning of one name (any case).
+        """The column that `word` names in full or by the beginning of its name, in any case.
 
         >>> Table("t", {"time": np.zeros(1), "force_top_3": np.zeros(1)}).find("force")
         'force_top_3'
@@ -57,7 +57,7 @@ class Table:
         if len(found) == 1:
             return found[0]
         if found:
-            raise Unreadable(f"'{word}' names several columns of {self.name}: {' '.join(found)}")
+            raise Unreadable(f"'{word}' matches several columns of {self.name}: {' '.join(found)}")
         near = difflib.get_close_matches(word, names, 1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
         raise Unreadable(f"{self.name} has no column '{word}'{hint} (columns: {' '.join(names)})")
@@ -72,7 +72,7 @@ class Table:
 
 
 def number(text):
-    """A number as C or Fortran prints it; raises ValueError for anything else.
+    """The value of a number printed by C or Fortran; raise ValueError for anything else.
 
     >>> number("1.5D-3"), number("2.0-105")
     (0.0015, 2e-105)
@@ -107,16 +107,16 @@ def read_text(path):
 
 
 def read_table(path):
-    """A table from a curve file (.dat), or from a .csv file with a line of names.
+    """A table from a curve file (.dat) or from a .csv file with a line of names.
 
-    In a .csv file a column of which any cell is not a number holds words; a curve file holds
+    A column of a .csv file holds words if any of its cells is not a number; a curve file holds
     numbers only.
     """
     path = pathlib.Path(path)
     text = read_text(path)
     table = _read_csv(path, text) if path.suffix.lower() == ".csv" else _read_curve(path, text)
     if len(table) == 0:
-        raise Unreadable(f"'{path}' has names but no rows")
+        raise Unreadable(f"'{path}' has column names but no rows")
     return table
 
 
@@ -124,7 +124,7 @@ def _read_curve(path, text):
     lines = text.splitlines()
     first = next((i for i, line in enumerate(lines) if line.strip()), 0)
     if not lines[first].lstrip().startswith("#"):
-        raise Unreadable(f"'{path}' does not begin with a '#' line of column names")
+        raise Unreadable(f"'{path}' does not begin with a line of column names after '#'")
     names = lines[first].lstrip().lstrip("#").split()
     _check_names(path, names)
     rows = []
@@ -135,11 +135,11 @@ def _read_curve(path, text):
         if len(fields) != len(names):
             cut = ": the file is truncated" if i == len(lines) and len(fields) < len(names) else ""
             raise Unreadable(
-                f"line {i} of '{path}' has {len(fields)} numbers where {len(names)} columns are named{cut}"
+                f"line {i} of '{path}': expected {len(names)} numbers, found {len(fields)}{cut}"
             )
         rows.append([_cell(path, i, text) for text in fields])
     if rows and not text.endswith("\n"):
-        raise Unreadable(f"line {len(lines)} of '{path}' does not end: the file is truncated")
+        raise Unreadable(f"line {len(lines)} of '{path}' is incomplete: the file is truncated")
     values = np.array(rows, dtype=float).reshape(len(rows), len(names))
     return Table(path.name, {n: values[:, j] for j, n in enumerate(names)}, path)
 
@@ -160,7 +160,7 @@ def _read_csv(path, text):
     for (i, _), row in zip(numbered[1:], rows[1:]):
         if len(row) != len(names):
             raise Unreadable(
-                f"line {i} of '{path}' has {len(row)} fields where {len(names)} columns are named"
+                f"line {i} of '{path}': expected {len(names)} fields, found {len(row)}"
             )
     cells = {n: [row[j].strip() for row in rows[1:]] for j, n in enumerate(names)}
     return Table(path.name, {n: _numbers_or_words(c) for n, c in cells.items()}, path, comments)
@@ -171,7 +171,7 @@ def _check_names(path, names):
         raise Unreadable(f"'{path}' has a column without a name")
     twice = next((n for n in names if names.count(n) > 1), None)
     if twice:
-        raise Unreadable(f"'{path}' names the column '{twice}' twice")
+        raise Unreadable(f"'{path}' has a duplicate column '{twice}'")
 
 
 def _cell(path, line, text):

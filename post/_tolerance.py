@@ -1,4 +1,4 @@
-"""Tolerances: what difference a column may have, for all columns and for named ones."""
+"""Tolerances: the difference that is allowed, for all columns and for named ones."""
 
 import fnmatch
 import math
@@ -32,7 +32,7 @@ class Tolerance:
                 raise Unreadable(f"the tolerance {kind} = {value} is negative or not finite")
 
     def allowed(self, want, largest):
-        """Largest difference that passes; `want` may be an array."""
+        """The largest difference that passes; `want` may be an array."""
         import numpy as np
 
         bound = np.maximum(self.rel * np.abs(want), max(self.abs, self.scaled * largest))
@@ -43,16 +43,16 @@ class Tolerance:
         return " or ".join(given) or "exact"
 
 
-#: Round-off of another compiler or thread count, and nothing else.
+#: Allows for the round-off of another compiler or number of threads only.
 DEFAULT = Tolerance(rel=1e-9, scaled=1e-12)
 
 
 @dataclass
 class Tolerances:
-    """The general tolerance, and those of columns that a pattern names.
+    """The general tolerance, and those of the columns that match a pattern.
 
-    A pattern is the beginning of a name, or holds `*`; it is tried on `column` and `table/column`
-    in any case. A pattern that matches replaces the general tolerance; the longest one wins.
+    A pattern is the beginning of a name or contains `*`; it is compared with `column` and with
+    `table/column`, in any case. The longest pattern that matches replaces the general tolerance.
 
     >>> t = Tolerances(Tolerance(rel=1e-6), {"torque": Tolerance(abs=1e-3)})
     >>> str(t.of("force", "top")), str(t.of("force", "torque_3"))
@@ -64,14 +64,14 @@ class Tolerances:
     used: set = field(default_factory=set)
 
     def of(self, table, column):
-        """The tolerance of a column; remembers which patterns were of use."""
+        """The tolerance of a column; the patterns that were used are recorded."""
         found = [p for p in self.named if matches(p, table, column)]
         self.used.update(found)
         return self.named[max(found, key=len)] if found else self.general
 
 
 def matches(pattern, table, column):
-    """Whether a pattern names this column: exact, as a beginning, or with wildcards.
+    """Whether a pattern matches this column: exactly, as a beginning, or with wildcards.
 
     >>> matches("fo*_3", "top", "force_3"), matches("top/", "top", "force"), matches("x", "top", "u")
     (True, True, False)

@@ -1,4 +1,4 @@
-"""`diff --update`: show old and new of each value that changed, then rewrite the reference."""
+"""`diff --update`: show the old and the new value of each change, then rewrite the reference."""
 
 import csv
 import io
@@ -13,15 +13,14 @@ from post._error import Unreadable
 from post._report import load
 from post._table import read_text
 
-SHOWN = 40  # changes printed of one table
+SHOWN = 40  # number of changes printed per table
 
 
 def update(comparison, b, settings):
-    """Print the changes and rewrite the files of the reference `b`; returns the exit code.
+    """Print the changes and rewrite the files of the reference `b`; return the exit code.
 
-    Values within tolerance keep their old digits. Nothing is written where the new side holds a
-    NaN,
-    lacks a column that the reference has, or lacks a whole file.
+    Values within tolerance keep their old digits. Nothing is written if the new side holds a NaN,
+    lacks a column of the reference, or lacks a whole file.
     """
     for table in comparison.tables:
         _refuse(table)
@@ -50,7 +49,7 @@ def _refuse(table):
     for column in table.columns:
         if any(isinstance(v, float) and not math.isfinite(v) for v in column.changes.values()):
             raise Unreadable(
-                f"'{column.name}' of {table.a.path} holds NaN or infinity: a reference never does; nothing was written"
+                f"'{column.name}' of {table.a.path} holds NaN or infinity, which a reference must not; nothing was written"
             )
     if table.a is None or table.b is None:
         raise Unreadable(f"{table.problems[0]}; nothing was written")
@@ -81,7 +80,7 @@ def _show(table):
 
 
 def _text(value):
-    """Shortest text that reads back as the same number.
+    """The shortest text that is read back as the same number.
 
     >>> _text(0.1), _text(3.0), _text("Q1")
     ('0.1', '3', 'Q1')
@@ -93,16 +92,12 @@ def _text(value):
 
 
 def _report(table):
-    """The new report, whole: it is written by the program, so nothing of the old one is worth
-    keeping.
-    """
+    """The whole new report: the program wrote all of it, so nothing of the old one is kept."""
     return json.dumps(load(table.a.path), indent=2) + "\n"
 
 
 def _rewritten(table, settings):
-    """Text of the reference with changed cells replaced, or with the rows of `a` where rows were
-    gained or lost.
-    """
+    """The reference with changed cells replaced, or with the rows of `a` if rows were added or lost."""
     a, b = table.a, table.b
     same_rows = settings.get("key") or len(a) == len(b)
     if not same_rows or any("is missing in" in p for p in table.problems):
@@ -111,7 +106,7 @@ def _rewritten(table, settings):
 
 
 def _cells(b, changes):
-    """The file's own text, with the cells of {column: {row: new}} replaced."""
+    """The text of the file with the cells of {column: {row: new}} replaced."""
     comma = b.path.suffix.lower() == ".csv"
     names, row, lines = list(b.columns), -1, []
     for line in read_text(b.path).splitlines():
@@ -147,7 +142,7 @@ def _whole(a, b):
 
 
 def _replace(file, write):
-    """Write beside the file, then rename, so that no half-written reference is ever seen."""
+    """Write beside the file, then rename, so that a reference is never half-written."""
     new = file.with_name(file.name + ".new")
     try:
         write(new)

@@ -1,9 +1,9 @@
 """Draw contact surfaces from above, side by side: `python -m post contact-map RUN.vtkhdf`.
 
-Both surfaces on their deformed shape, moved apart, coloured by a field of contact, with the edges of
-their elements: Figure 21 of Corbett and Sauer 2015. The lower side is seen as it lies there, the
-upper one through its body, so that places that touch have the same coordinates in both. As a
-library:
+Both surfaces are drawn in their deformed shape, moved apart and coloured by a contact field, with
+the edges of their elements, as in Figure 21 of Corbett and Sauer 2015. The lower surface is seen
+from above and the upper one through its body, so that points in contact have the same coordinates
+in both. As a library:
 
 >>> import post
 >>> post.contact_map.draw(["a.vtkhdf", "b.vtkhdf"], "fig.png", labels=["a", "b"])  # doctest: +SKIP
@@ -17,23 +17,22 @@ from post import _grid, _scalar, _style
 from post._contact_faces import surfaces
 from post._error import Unreadable
 
-#: Coordinates to the right and up for each direction that is looked along.
+#: Coordinates to the right and up for each viewing direction.
 PLANE = {"z": (0, 1), "x": (1, 2), "y": (2, 0)}
-APART = 0.12  # between the two surfaces, of their width
-RIM = 0.2  # cosine of the angle to the eye below which no edges are drawn: they would be dashed
+APART = 0.12  # between the two surfaces, relative to their width
+RIM = 0.2  # no edges below this cosine of the angle to the eye: they would be dashed
 
 
 def draw(paths, output, scalar="contact_friction", component=None, step="last", limits=None,
          cmap=None, labels=None, axis="z", columns=2, edges=True, say_step=True):  # fmt: skip
-    """Draw the contact surfaces of result files, one panel a file with one colour scale.
+    """Draw the contact surfaces of result files: one panel per file, one colour scale.
 
-    component: of a vector; default 1 of friction and traction (their x component); step: as in
-    post._grid.load, or a list of such, one for each file; axis: direction that is looked along,
-    from its end.
-    Returns the limits of the colours.
+    component: of a vector, by default 1 of friction and traction (their x component); step: as in
+    post._grid.load, or a list with one for each file; axis: the viewing direction, seen from its
+    positive end. Returns the limits of the colours.
     """
     if axis not in PLANE:
-        raise Unreadable(f"no axis '{axis}'; known: x y z")
+        raise Unreadable(f"unknown axis '{axis}'; known axes: x y z")
     if component is None and scalar in ("contact_friction", "contact_traction"):
         component = "1"
     steps = step if isinstance(step, (list, tuple)) else [step] * len(paths)
@@ -56,23 +55,25 @@ class _panel:
         if not on_points:
             raise Unreadable(f"'{scalar}' of '{path}' belongs to cells, not to the surface")
         if "displacement" not in grid.point_data:
-            raise Unreadable(f"'{path}' has no displacement: shapes cannot be drawn deformed")
+            raise Unreadable(
+                f"'{path}' has no displacement, so that deformed shapes cannot be drawn"
+            )
         grid.points = np.asarray(grid.points, dtype=float) + grid.point_data["displacement"]
         self.right, self.up = PLANE[axis]
         self.out = "xyz".index(axis)
-        # the upper body, whose surface looks down, stands on the left
+        # the upper body, whose surface faces down, is drawn on the left
         self.sides = sorted(surfaces(grid, path, values), key=self.facing)
         self.caption = f"step {number}, time {time:.4g}"
 
     def facing(self, surface):
-        """Above zero where a surface looks to the eye."""
+        """Positive where a surface faces the eye."""
         return np.sign(surface.outward[..., self.out].sum())
 
     def values(self):
         return [s.value for s in self.sides]
 
     def draw(self, ax, norm, cmap, edges):
-        """All sides on one pair of axes."""
+        """Draw all sides on one pair of axes."""
         from matplotlib.collections import LineCollection, PolyCollection
 
         start = 0.0
@@ -97,7 +98,7 @@ class _panel:
                 )
                 ax.add_collection(lines)
         ax.autoscale_view()
-        ax.set_aspect("equal", adjustable="datalim")  # captions of a row stand at one height
+        ax.set_aspect("equal", adjustable="datalim")  # captions of a row are at the same height
         ax.set_axis_off()
         ax.set_title(self.caption, y=-0.02, va="top")
 
@@ -108,7 +109,7 @@ def _corners(a):
 
 
 def _quads(flat, height, seen):
-    """Quadrilaterals that look to the eye, far ones first; their order, and which ones they are."""
+    """Quadrilaterals that face the eye, far ones first: their order, and a mask of them."""
     shown = _corners(seen).any(axis=-1).ravel()
     quads = np.stack([_corners(flat[..., i]) for i in (0, 1)], axis=-1).reshape(-1, 4, 2)[shown]
     order = np.argsort(_corners(height).mean(axis=-1).ravel()[shown], kind="stable")
@@ -116,7 +117,7 @@ def _quads(flat, height, seen):
 
 
 def _borders(flat, seen):
-    """Borders of the faces, in pieces, where they look to the eye."""
+    """Edges of the faces, in segments, where they face the eye."""
     pieces = []
     for f, s in zip(flat, seen):
         for line, visible in (
@@ -165,7 +166,7 @@ def _compose(plt, panels, limits, cmap, words, columns, edges, output):
 
 
 def main(argv):
-    """The command; returns its exit code."""
+    """Run the command; return its exit code."""
     p = argparse.ArgumentParser(
         prog="post contact-map", description="Draw contact surfaces from above, side by side."
     )
@@ -178,18 +179,24 @@ def main(argv):
         help="contact_friction (default), contact_traction, contact_pressure, contact_state, ...",
     )
     p.add_argument("--component", help="1 2 3 or magnitude (default 1, the x component)")
-    p.add_argument("--axis", default="z", help="direction that is looked along (default z)")
-    p.add_argument("--range", type=float, nargs=2, metavar=("LOW", "HIGH"), help="of the colours")
+    p.add_argument("--axis", default="z", help="viewing direction (default z)")
+    p.add_argument(
+        "--range", type=float, nargs=2, metavar=("LOW", "HIGH"), help="limits of the colours"
+    )
     p.add_argument("--cmap", help="a colour map of matplotlib")
-    p.add_argument("--label", action="append", dest="labels", help="words below a panel, one each")
-    p.add_argument("--columns", type=int, default=2, help="panels beside each other (default 2)")
-    p.add_argument("--no-edges", action="store_true", help="leave out the elements' edges")
+    p.add_argument(
+        "--label", action="append", dest="labels", help="caption below a panel, one for each file"
+    )
+    p.add_argument(
+        "--columns", type=int, default=2, help="number of panels side by side (default 2)"
+    )
+    p.add_argument("--no-edges", action="store_true", help="omit the edges of the elements")
     p.add_argument("-o", "--output", "--out", default="contact.png", metavar="FIG")
     o = p.parse_args(argv)
     if o.labels and len(o.labels) != len(o.runs):
-        raise Unreadable(f"{len(o.labels)} labels for {len(o.runs)} files")
+        raise Unreadable(f"expected {len(o.runs)} labels, one for each file, found {len(o.labels)}")
     if o.columns < 1:
-        raise Unreadable("--columns is at least 1")
+        raise Unreadable("--columns must be at least 1")
     step = _grid.step_of(o.step)
     draw(o.runs, o.output, o.scalar, o.component, step, o.range, o.cmap, o.labels, o.axis,
          o.columns, not o.no_edges)  # fmt: skip

@@ -1,9 +1,8 @@
-"""Relative errors over degrees of freedom: `python -m post convergence TABLE.csv --where
-test=compression`.
+"""Draw relative errors over degrees of freedom: `python -m post convergence TABLE.csv`.
 
 The table has a row for each mesh: a column of words that names the series (the element type),
-`dofs`, and either
-`error` or a value and `--reference`. As a library:
+`dofs`, and either `error` or a value to compare with `--reference`. `--where test=compression`
+selects rows. As a library:
 
 >>> import post, numpy as np
 >>> s = post.convergence.Series("Q1", np.array([10.0, 80.0]), np.array([0.1, 0.025]))
@@ -23,9 +22,7 @@ from post._table import read_table
 
 @dataclass
 class Series:
-    """One element type: x (n) degrees of freedom, increasing; error (n) relative errors, not
-    negative.
-    """
+    """One element type: x (n) increasing degrees of freedom, error (n) non-negative relative errors."""
 
     name: str
     x: np.ndarray
@@ -45,8 +42,7 @@ def read_series(path, x="dofs", y=None, reference=None, by=None, where=None):
 
     y: column of values (default `error`, or with a reference the last column of numbers);
     reference: the converged value, error = |y / reference - 1|; by: column of words that names the
-    series
-    (default the only one left after `where`); where: {column: value} that rows must have.
+    series (default the only one left after `where`); where: {column: value} that rows must have.
     """
     table = read_table(path)
     keep = _rows(table, where or {})
@@ -65,7 +61,7 @@ def read_series(path, x="dofs", y=None, reference=None, by=None, where=None):
         or not np.isfinite(error).all()
     ):
         raise Unreadable(
-            f"columns '{over}' and '{column}' of '{path}' must hold finite numbers, the first above zero"
+            f"columns '{over}' and '{column}' of '{path}' must hold finite numbers, and the first column positive ones"
         )
     series = []
     for name in dict.fromkeys(names):
@@ -94,7 +90,7 @@ def _value_column(table, reference, over):
         n for n, v in table.columns.items() if v.dtype.kind != "U" and n not in (over, "error")
     ]
     if not numbers:
-        raise Unreadable(f"{table.name} has no column of values; name it with -y")
+        raise Unreadable(f"{table.name} has no column of values; name one with -y")
     return numbers[-1]
 
 
@@ -111,11 +107,9 @@ def _names(table, by, where, keep):
 
 
 def plot(ax, series, guides=(), style=_style.element, label=_style.element_label):
-    """Draw series on log-log axes; guides: slopes of grey lines that start at the upper left
-    series.
-    """
+    """Draw series on log-log axes; guides: slopes of grey lines from the start of the top series."""
     for s in series:
-        seen = s.error > 0  # a logarithm has no zero
+        seen = s.error > 0  # zero has no logarithm
         ax.loglog(s.x[seen], s.error[seen], label=label(s.name), **style(s.name))
     x = np.array([min(s.x.min() for s in series), max(s.x.max() for s in series)])
     top = max(s.error.max() for s in series)
@@ -131,7 +125,7 @@ def plot(ax, series, guides=(), style=_style.element, label=_style.element_label
 
 
 def table_text(series):
-    """Lines with the errors and the slope from the mesh before."""
+    """Lines with the errors and the slopes from the previous mesh."""
     lines = [f"{'series':<28}{'dofs':>9}{'error':>12}{'slope':>8}"]
     for s in series:
         slopes = [np.nan, *s.slopes()]
@@ -144,28 +138,28 @@ def table_text(series):
 
 
 def draw(series, output, title=None, guides=(-2 / 3,)):
-    """Draw series into the file `output`; element types keep their colours, other names take the
-    next ones.
-    """
+    """Draw series into the file `output`; element types have fixed colours, other names get others."""
     order = {s.name: _style.series(i) for i, s in enumerate(series)}
     known = all(_style.is_element(s.name) for s in series)
     with _style.styled() as plt:
         many = len(series) > 6
         figure, ax = plt.subplots(figsize=(6.4 if many else 4.6, 3.6))
         plot(ax, series, guides, _style.element if known else order.get, _style.element_label)
-        if many:  # beside the lines, not over them
+        if many:  # beside the lines instead of over them
             ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         ax.set_title(title or "")
         _style.save(figure, output)
 
 
 def main(argv):
-    """The command; returns its exit code."""
+    """Run the command; return its exit code."""
     p = argparse.ArgumentParser(
         prog="post convergence", description="Draw relative errors over degrees of freedom."
     )
     p.add_argument("table", help="a .csv file with a row for each mesh")
-    p.add_argument("-x", default="dofs", metavar="COLUMN", help="column across (default dofs)")
+    p.add_argument(
+        "-x", default="dofs", metavar="COLUMN", help="column of the horizontal axis (default dofs)"
+    )
     p.add_argument(
         "-y",
         metavar="COLUMN",
@@ -179,14 +173,18 @@ def main(argv):
     )
     p.add_argument("--by", metavar="COLUMN", help="column that names the series")
     p.add_argument(
-        "--where", action="append", default=[], metavar="COLUMN=VALUE", help="use these rows only"
+        "--where",
+        action="append",
+        default=[],
+        metavar="COLUMN=VALUE",
+        help="use only the rows with this value",
     )
     p.add_argument(
         "--guide",
         action="append",
         type=float,
         metavar="SLOPE",
-        help="a grey line of this slope (default -2/3)",
+        help="draw a grey line of this slope (default -2/3)",
     )
     p.add_argument("--title")
     p.add_argument(

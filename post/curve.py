@@ -1,7 +1,6 @@
-"""Draw columns of curve files over one another: `python -m post curve FILE.dat ... -x disp -y
-force`.
+"""Draw columns of curve files: `python -m post curve FILE.dat ... -x disp -y force`.
 
-As a library, on axes of your own:
+As a library:
 
 >>> import post
 >>> post.curve.draw(["out/cube_force.dat"], "fig.png", x="time", y=["force"])  # doctest: +SKIP
@@ -31,10 +30,9 @@ def draw(
 ):
     """Draw columns `y` over column `x` of each file into the file `output`.
 
-    x: beginning of a column's name, default time, else the first column; y: list of such, default
-    the first quantity;
-    log: 'x', 'y' or 'xy'; markers: whether points are marked, default where there are fewer than
-    60.
+    x: beginning of the name of a column, by default time, else the first column; y: a list of such
+    names, by default the first quantity; log: 'x', 'y' or 'xy'; markers: whether points are marked,
+    by default if there are fewer than 60.
     """
     tables = [read_table(f) for f in files]
     with _style.styled() as plt:
@@ -49,8 +47,8 @@ def draw(
 
 
 def plot(ax, tables, x=None, y=None, labels=None, markers=None):
-    """Draw tables (post._table.Table) on matplotlib axes; returns the names of the x column and of
-    each line's y column.
+    """Draw tables (post._table.Table) on matplotlib axes; return the names of the x column and of
+    the y column of each line.
     """
     names, i = [], 0
     labels = labels or [t.name for t in tables]
@@ -101,10 +99,12 @@ def _numbers(table, name):
 
 
 def _labels(files, labels):
-    """Given labels, or the shortest names that tell the files apart."""
+    """The given labels, or the shortest names that distinguish the files."""
     if labels:
         if len(labels) != len(files):
-            raise Unreadable(f"{len(labels)} labels for {len(files)} files")
+            raise Unreadable(
+                f"expected {len(files)} labels, one for each file, found {len(labels)}"
+            )
         return labels
     paths = [pathlib.Path(f) for f in files]
     stems = [p.stem for p in paths]
@@ -125,10 +125,8 @@ def print_list(files):
 
 
 def main(argv):
-    """The command; returns its exit code."""
-    p = argparse.ArgumentParser(
-        prog="post curve", description="Draw columns of curve files over one another."
-    )
+    """Run the command; return its exit code."""
+    p = argparse.ArgumentParser(prog="post curve", description="Draw columns of curve files.")
     p.add_argument(
         "files",
         nargs="+",
@@ -136,13 +134,13 @@ def main(argv):
         help="<deck>_<curve>.dat, or a .csv file with a line of names",
     )
     p.add_argument(
-        "-x", metavar="COLUMN", help="beginning of the name of the column across (default time)"
+        "-x", metavar="COLUMN", help="beginning of the name of the horizontal column (default time)"
     )
     p.add_argument(
         "-y",
         metavar="COLUMN",
         action="append",
-        help="the column up; may be repeated (default the first quantity)",
+        help="the vertical column; may be repeated (default the first quantity)",
     )
     p.add_argument(
         "-o",
@@ -151,7 +149,7 @@ def main(argv):
         metavar="FIG",
         help=".png, .pdf or .svg (default curve.png)",
     )
-    p.add_argument("--label", action="append", help="name of a file in the legend, one for each")
+    p.add_argument("--label", action="append", help="name in the legend, one for each file")
     p.add_argument("--title")
     p.add_argument("--xlabel")
     p.add_argument("--ylabel")

@@ -1,7 +1,6 @@
 """Compare two runs, or a run and a reference: `python -m post diff A B`.
 
-A is what was got, B what is wanted; each is a folder, a stem or a file. Exit code: 0 same, 1
-differs,
+A is the result, B the reference; each is a folder, a stem or a file. Exit code: 0 same, 1 differs,
 2 unreadable. As a library:
 
 >>> import post
@@ -27,7 +26,7 @@ SAME, DIFFERS, UNREADABLE = 0, 1, 2
 
 @dataclass
 class Comparison:
-    """The result of `compare`: one TableResult a table, and what was left out."""
+    """The result of `compare`: one TableResult per table, and notes on what was not compared."""
 
     tables: list = field(default_factory=list)
     notes: list = field(default_factory=list)
@@ -38,13 +37,13 @@ class Comparison:
 
 
 def compare(a, b, tolerances=None, interpolate=None, key=None, only=None, ignore=None):
-    """Compare what is at path `a` with the reference at path `b`.
+    """Compare the result at path `a` with the reference at path `b`.
 
-    tolerances: Tolerances, default relative 1e-9 or 1e-12 of the column's largest magnitude;
+    tolerances: Tolerances, by default relative 1e-9 or 1e-12 of the largest magnitude in a column;
     interpolate: name of the column over which `a` is interpolated to the rows of `b`;
-    key: names of the columns that say which rows belong together; only, ignore: column patterns.
-    Raises Unreadable where a side is missing, truncated, empty or not numbers, or a pattern names
-    nothing.
+    key: names of the columns by which rows are matched; only, ignore: column patterns.
+    Raises Unreadable if a side is missing, truncated, empty or not made of numbers, or if a pattern
+    matches no column.
     """
     tolerances = tolerances or Tolerances()
     comparison = Comparison()
@@ -56,14 +55,14 @@ def compare(a, b, tolerances=None, interpolate=None, key=None, only=None, ignore
             )
         elif interpolate and part.split("/")[-1] in ("report", "fields"):
             comparison.notes.append(
-                f"'{part}' is not compared: nothing to interpolate over {interpolate}"
+                f"'{part}' is not compared: it has no {interpolate} to interpolate over"
             )
         else:
             comparison.tables += _compare_files(
                 part, file_a, file_b, tolerances, interpolate, key, only, ignore
             )
     if not comparison.tables:
-        raise Unreadable(f"nothing in '{a}' and '{b}' can be compared")
+        raise Unreadable(f"'{a}' and '{b}' have nothing in common that can be compared")
     _all_used(comparison, tolerances, only, ignore)
     return comparison
 
@@ -75,7 +74,7 @@ def _compare_files(part, file_a, file_b, tolerances, interpolate, key, only, ign
     for name in list(right) + [n for n in left if n not in right]:
         if name in left and name in right:
             if only and not _any_chosen(right[name], only):
-                continue  # a table of which no column was asked for
+                continue  # a table of which no column was requested
             results.append(
                 compare_tables(left[name], right[name], tolerances, interpolate, key, only, ignore)
             )
@@ -86,9 +85,7 @@ def _compare_files(part, file_a, file_b, tolerances, interpolate, key, only, ign
 
 
 def _named(part, tables):
-    """Tables called after their part, so that the two sides match though their files differ in
-    name.
-    """
+    """Tables named after their part, so that the two sides match even if their file names differ."""
     for table in tables:
         table.name = part if len(tables) == 1 else f"{part}/{table.name}"
     return tables
@@ -101,7 +98,7 @@ def _any_chosen(table, only):
 
 
 def _all_used(comparison, tolerances, only, ignore):
-    """A pattern that names no column is a slip, and would make a comparison pass too easily."""
+    """Reject a pattern that matches no column: it is an error and would hide a difference."""
     from post._tolerance import matches
 
     names = [
@@ -114,7 +111,7 @@ def _all_used(comparison, tolerances, only, ignore):
 
 
 def main(argv):
-    """The command; returns its exit code."""
+    """Run the command; return its exit code."""
     options = _parser().parse_args(argv)
     try:
         settings = _settings(options)
@@ -131,7 +128,7 @@ def main(argv):
 
 
 def _settings(options):
-    """Arguments of `compare` from the command line, on top of those in --expect."""
+    """Arguments of `compare` from the command line, which override those of --expect."""
     given = {kind: getattr(options, kind) for kind in ("rel", "abs", "scaled")}
     if options.exact:
         given = {"rel": ["0"]}
@@ -155,19 +152,19 @@ def _parser():
     p = argparse.ArgumentParser(
         prog="post diff",
         description="Compare two runs, or a run and a reference, column by column.",
-        epilog="exit code: 0 same, 1 differs, 2 unreadable (missing, truncated, not numbers)",
+        epilog="exit code: 0 same, 1 differs, 2 unreadable (missing, truncated, or not made of numbers)",
     )
     p.add_argument(
-        "a", help="what was got: a folder, a stem (out/cube), or a .dat .csv .json .vtkhdf file"
+        "a", help="the result: a folder, a stem (out/cube), or a .dat .csv .json .vtkhdf file"
     )
-    p.add_argument("b", help="what is wanted, the same")
+    p.add_argument("b", help="the reference, in the same form")
     for kind, what in (
-        ("rel", "of the wanted value"), ("abs", "in the column's own unit"), ("scaled", "of the column's largest magnitude"),
+        ("rel", "relative to the reference value"), ("abs", "in the unit of the column"), ("scaled", "relative to the largest magnitude in the column"),
     ):  # fmt: skip
         p.add_argument(
             f"--{kind}", action="append", metavar="[COLUMN=]TOL", help=f"allowed difference {what}"
         )
-    p.add_argument("--exact", action="store_true", help="no difference at all is allowed")
+    p.add_argument("--exact", action="store_true", help="allow no difference at all")
     p.add_argument(
         "--expect",
         metavar="FILE",
@@ -183,15 +180,19 @@ def _parser():
         "--only",
         action="append",
         metavar="COLUMN",
-        help="compare these columns only (beginning, or with *)",
+        help="compare only these columns (beginning of a name, or a pattern with *)",
     )
-    p.add_argument("--ignore", action="append", metavar="COLUMN", help="leave these columns out")
+    p.add_argument(
+        "--ignore", action="append", metavar="COLUMN", help="do not compare these columns"
+    )
     p.add_argument("--json", metavar="FILE", help="write the result as JSON")
     p.add_argument("--junit", metavar="FILE", help="write the result as JUnit XML")
     p.add_argument(
         "--update",
         action="store_true",
-        help="show old and new of each changed value, then rewrite B",
+        help="show the old and the new value of each change, then rewrite B",
     )
-    p.add_argument("--quiet", action="store_true", help="print what differs, and the verdict")
+    p.add_argument(
+        "--quiet", action="store_true", help="print only the differences and the verdict"
+    )
     return p

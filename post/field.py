@@ -1,7 +1,7 @@
 """Render a field of a result file without a screen: `python -m post field RUN.vtkhdf --scalar mises`.
 
-Bezier cells are drawn as the smooth surfaces that they are, deformed by the displacement, with the elements'
-edges and the outline of the undeformed body. As a library:
+Bezier cells are drawn as smooth surfaces, deformed by the displacement, with the edges of the
+elements and the outline of the undeformed body. As a library:
 
 >>> import post
 >>> post.field.draw(["a.vtkhdf", "b.vtkhdf"], "fig.png", scalar="stress", component="33")  # doctest: +SKIP
@@ -15,7 +15,7 @@ from post import _grid, _picture, _scalar, _surface
 from post._error import Unreadable
 from post._screen import prepare
 
-#: Directions from the body to the camera, and what is up.
+#: Directions from the body to the camera, and the upward direction.
 VIEWS = {
     "iso": ((1.0, -1.5, 0.8), (0, 0, 1)), "back": ((-1.0, 1.5, 0.8), (0, 0, 1)), "below": ((1.0, -1.5, -0.8), (0, 0, 1)),
     "+x": ((1, 0, 0), (0, 0, 1)), "-x": ((-1, 0, 0), (0, 0, 1)), "+y": ((0, 1, 0), (0, 0, 1)),
@@ -28,11 +28,11 @@ def draw(paths, output, scalar="displacement", component=None, step="last", warp
          mirror="", say_step=True):  # fmt: skip
     """Draw one result file, or several side by side with one colour scale, into the file `output`.
 
-    step: as post._grid.load, or one for each path; component: 1 2 3, 11 22 33 12 23 31, magnitude or
-    trace; view: a key of VIEWS or 'azimuth,elevation' in degrees; limits: (low, high) of the colours; size: pixels of one panel; mirror: letters of 'xyz', the model
-    is part of a body that is symmetric to these coordinates' zero planes (scalars only); say_step:
-    below a panel with a label too.
-    Returns the limits that were used.
+    step: as in post._grid.load, or one for each path; component: 1 2 3, 11 22 33 12 23 31,
+    magnitude or trace; view: a key of VIEWS or 'azimuth,elevation' in degrees; limits: (low, high)
+    of the colours; size: pixels of one panel; mirror: letters of 'xyz' if the model is part of a
+    body that is symmetric about the planes where these coordinates are zero (scalars only);
+    say_step: give the step also below a panel with a label. Returns the limits that were used.
     """
     prepare()
     steps = step if isinstance(step, list) else [step] * len(paths)
@@ -58,7 +58,9 @@ def _scene(path, scalar, component, step, warp, edges, outline, level):
     undeformed = _surface.outline(grid) if outline else None
     if warp:
         if "displacement" not in grid.point_data:
-            raise Unreadable(f"'{path}' has no displacement to deform the body with; use --warp 0")
+            raise Unreadable(
+                f"'{path}' has no displacement that could deform the body; use --warp 0"
+            )
         grid.points = np.asarray(grid.points, dtype=float) + warp * grid.point_data["displacement"]
     caption = f"step {number}, time {time:.4g}" + (
         f", displacements x {warp:g}" if warp not in (0, 1) else ""
@@ -68,14 +70,14 @@ def _scene(path, scalar, component, step, warp, edges, outline, level):
 
 
 def _camera(view):
-    """(direction towards the camera, up)"""
+    """(direction towards the camera, upward direction)"""
     if view in VIEWS:
         return VIEWS[view]
     try:
         azimuth, elevation = (np.radians(float(v)) for v in view.split(","))
     except ValueError:
         raise Unreadable(
-            f"no view '{view}'; known: {' '.join(VIEWS)}, or azimuth,elevation in degrees"
+            f"unknown view '{view}'; known views: {' '.join(VIEWS)}, or azimuth,elevation in degrees"
         ) from None
     direction = (
         np.cos(elevation) * np.cos(azimuth),
@@ -86,11 +88,11 @@ def _camera(view):
 
 
 def main(argv):
-    """The command; returns its exit code."""
+    """Run the command; return its exit code."""
     o = _parser().parse_args(argv)
     paths = [o.run] + (o.beside or [])
     if o.labels and len(o.labels) != len(paths):
-        raise Unreadable(f"{len(o.labels)} labels for {len(paths)} files")
+        raise Unreadable(f"expected {len(paths)} labels, one for each file, found {len(o.labels)}")
     step = ("time", o.time) if o.time is not None else _grid.step_of(o.step)
     if o.list:
         _scalar.print_list(o.run, step)
@@ -112,10 +114,10 @@ def _parser():
         "--beside",
         action="append",
         metavar="RUN2",
-        help="another result file beside it, on the same colour scale",
+        help="draw another result file beside it, on the same colour scale",
     )
     p.add_argument("--step", default="last", help="last (default), first, or a step's number")
-    p.add_argument("--time", type=float, help="the step nearest to this time")
+    p.add_argument("--time", type=float, help="draw the step nearest to this time")
     p.add_argument(
         "--scalar",
         default="displacement",
@@ -124,13 +126,13 @@ def _parser():
     )
     p.add_argument(
         "--component",
-        help="1 2 3 of a vector, 11 22 33 12 23 31 or trace of a tensor; default the magnitude of a vector",
+        help="1 2 3 of a vector, 11 22 33 12 23 31 or trace of a tensor (default the magnitude of a vector)",
     )
     p.add_argument(
         "--warp",
         type=float,
         default=1.0,
-        help="displacements are drawn this many times as large (default 1)",
+        help="factor by which displacements are magnified (default 1)",
     )
     p.add_argument(
         "--view",
@@ -141,27 +143,27 @@ def _parser():
         "--range", type=float, nargs=2, metavar=("LOW", "HIGH"), help="limits of the colours"
     )
     p.add_argument(
-        "--cmap", help="a colour map of matplotlib (default viridis; RdBu_r where the sign changes)"
+        "--cmap", help="a colour map of matplotlib (default viridis, or RdBu_r if the sign changes)"
     )
     p.add_argument(
-        "--label", action="append", dest="labels", help="words below a panel, one for each file"
+        "--label", action="append", dest="labels", help="caption below a panel, one for each file"
     )
     p.add_argument(
         "--mirror",
         default="",
         choices=[a + b + c for a in ("", "x") for b in ("", "y") for c in ("", "z")],
         metavar="xyz",
-        help="letters of coordinates: the model is part of a body that is symmetric to their zero planes",
+        help="coordinates, such as xz: add mirror images across the planes where they are zero",
     )
-    p.add_argument("--no-edges", action="store_true", help="leave out the elements' edges")
+    p.add_argument("--no-edges", action="store_true", help="omit the edges of the elements")
     p.add_argument(
-        "--no-outline", action="store_true", help="leave out the outline of the undeformed body"
+        "--no-outline", action="store_true", help="omit the outline of the undeformed body"
     )
     p.add_argument(
         "--level",
         type=int,
         choices=range(7),
-        help="curved faces are divided 2^LEVEL times (default by size, at most 4)",
+        help="divide curved faces into 2^LEVEL parts per direction (default by size, at most 4)",
     )
     p.add_argument(
         "--size",
@@ -169,7 +171,7 @@ def _parser():
         nargs=2,
         default=(1400, 1200),
         metavar=("W", "H"),
-        help="pixels of a panel",
+        help="size of a panel in pixels",
     )
     p.add_argument("--list", action="store_true", help="print steps and arrays, draw nothing")
     p.add_argument(

@@ -1,3 +1,1 @@
-"""The paper's figures, each drawn from committed results by one module: `python -m
-post.figures.section4`.
-"""
+"""The figures of the paper, drawn from committed results: `python -m post.figures.section4`."""

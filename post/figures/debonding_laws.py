@@ -1,6 +1,6 @@
-"""Figure of the page doc/verification/debonding_laws.md: the laws at a point, and split beams, pulled and peeled strips.
+"""Figures of doc/verification/debonding_laws.md: laws at a point, beams, pulled and peeled strips.
 
-Drawn from curves.csv and results.csv of verification/benchmark/cz_beams, which curves.py and study.py there write:
+They are drawn from curves.csv and results.csv, which curves.py and study.py of cz_beams write:
 
     python -m post.figures.debonding_laws [--cases verification/benchmark] [--to doc/verification/figures]
 """
@@ -36,7 +36,7 @@ def curve(rows, name):
 
 
 def point(ax, rows, folder, law, title):
-    """Normal and shear: the published formula as a line, every second step of the run as a mark."""
+    """Normal and shear loading: the published formula as a line, every second step as a mark."""
     for phi, column, color in ((0, "force_3", BLUE), (90, "force_1", RED)):
         way, force = curve(rows, f"{law} {phi}")
         reference = read(folder / f"cz_point/reference/{law}_{phi}.csv")
@@ -52,7 +52,7 @@ def point(ax, rows, folder, law, title):
 
 
 def dcb(ax, rows):
-    """Double cantilever beam and the theory."""
+    """The double cantilever beam and beam theory."""
     way, force = curve(rows, "dcb")
     opening = np.linspace(0.45, 1.0, 50)
     theory = np.sqrt(0.3**1.5 * 33750**0.5 / 3 / opening)
@@ -68,7 +68,7 @@ def dcb(ax, rows):
 
 
 def pulled(ax, rows):
-    """Strip pulled along a plate; closed form with the exponential law."""
+    """A strip pulled along a plate, and the closed form for the exponential law."""
     stiffness, a, gc, g0 = 180000.0, 10.0, 0.6, 0.01 / np.e
     slip = np.linspace(0, 12 * g0, 200)
     force = np.sqrt(2 * stiffness * gc * (1 - (1 + slip / g0) * np.exp(-slip / g0)))
@@ -83,7 +83,7 @@ def pulled(ax, rows):
 
 
 def peeled(ax, rows):
-    """Peeled strip: force over energy times width."""
+    """The peeled strip: force divided by energy and width."""
     way, force = curve(rows, "peel")
     ax.plot(way, force / 0.02, color=BLUE, label="strip")
     ax.axhline(1.0, color="black", linewidth=0.9, label="Rivlin")
@@ -95,7 +95,7 @@ def peeled(ax, rows):
 
 
 def figure(folder, plt):
-    """Six panels."""
+    """Draw six panels."""
     rows = read(folder / "cz_beams/curves.csv")
     drawing, axes = plt.subplots(2, 3, figsize=(_style.PAGE, 4.6))
     point(axes[0, 0], rows, folder, "irreversible", "a) exponential, irreversible")
@@ -108,7 +108,7 @@ def figure(folder, plt):
 
 
 def meshes(folder, plt):
-    """Error and scatter of the force over elements a zone."""
+    """Draw the error and the scatter of the force over the number of elements in the cohesive zone."""
     results = read(folder / "cz_beams/results.csv")
     drawing, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 2.9), sharex=True)
     for case, mark, color in (("dcb", "o", BLUE), ("peel", "s", RED)):
@@ -138,7 +138,7 @@ def draw(cases=CASES, to=FIGURES):
 
 def main(argv=None):
     p = argparse.ArgumentParser(prog="debonding_laws", description=(__doc__ or "").splitlines()[0])
-    p.add_argument("--cases", default=CASES, metavar="DIR", help="folder of the cases")
+    p.add_argument("--cases", default=CASES, metavar="DIR", help="folder that holds the cases")
     p.add_argument(
         "--to", default=FIGURES, metavar="DIR", help="(default doc/verification/figures)"
     )

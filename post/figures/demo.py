@@ -1,5 +1,5 @@
-"""`make demo`, from run to picture: a stretched cube with enriched faces beside tri-linear elements,
-and a hemisphere that is twisted on a block with friction.
+"""`make demo` runs two problems and draws them: a stretched cube with enriched faces beside
+tri-linear elements, and a hemisphere that is twisted on a block with friction.
 
 python -m post.figures.demo --bezel build/release/bezel --out build/demo
 """
@@ -20,7 +20,7 @@ STEPS = {
     25: "turned by 15 degrees: most of it sticks",
     80: "turned by 180 degrees: all of it slides",
 }
-CONVERGED = 0.172838925  # force on a quarter, head of verification/benchmark/section4/reference.csv
+CONVERGED = 0.172838925  # force on a quarter, from the head of verification/benchmark/section4/reference.csv
 
 
 def run(bezel, out, deck):
@@ -32,7 +32,7 @@ def run(bezel, out, deck):
 
 
 def draw_cubes(bezel, out):
-    """Stress in both cubes, and their forces."""
+    """Draw the stress in both cubes, with their forces."""
     for stem in RUNS:
         run(bezel, out, TOP / "input" / f"{stem}.inp")
     forces = [out / f"{s}_force.dat" for s in RUNS]
@@ -45,7 +45,7 @@ def draw_cubes(bezel, out):
 
 
 def draw_twist(bezel, out):
-    """Tractions on both surfaces while they stick and slide, and the torque."""
+    """Draw the tractions on both surfaces while they stick and slide, and the torque."""
     run(bezel, out, TOP / "input" / f"{TWIST}.inp")
     files = [out / f"{TWIST}.vtkhdf"] * len(STEPS)
     contact_map.draw(files, out / "twist.png", step=list(STEPS), labels=list(STEPS.values()),
@@ -64,7 +64,7 @@ def draw_twist(bezel, out):
 
 
 def main(argv=None):
-    p = argparse.ArgumentParser(prog="demo", description="Run decks and draw what they give.")
+    p = argparse.ArgumentParser(prog="demo", description="Run decks and draw their results.")
     p.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     p.add_argument("--out", type=pathlib.Path, default=TOP / "build/demo", metavar="DIR")
     o = p.parse_args(argv)

@@ -1,8 +1,8 @@
-"""`make demo-rocker`: from a net of quads to a solved contact, and the paper's Figures 5 to 7 for it.
+"""`make demo-rocker` goes from a net of quads to a solved contact and draws Figures 5 to 7 for it.
 
 python -m post.figures.rocker --bezel build/release/bezel --out build/rocker
 
-Meshes the body of input/rocker_arm.py, presses a rigid pin on its arm and slides it with friction.
+It meshes the body of input/rocker_arm.py, presses a rigid pin on its arm and slides it with friction.
 """
 
 import argparse
@@ -23,8 +23,8 @@ from post.mesh import _draw, _draw_junction, _report, _tets, _write, body_of
 from post.mesh._surface import Surface
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
-RADIUS, HALF = 0.8, 0.6  # of the pin: its radius, and half of its length
-ARM = "box:-9,-9,-9,-1.2,9,9"  # the part that the pin may touch keeps its spline
+RADIUS, HALF = 0.8, 0.6  # radius and half length of the pin
+ARM = "box:-9,-9,-9,-1.2,9,9"  # the part that the pin may touch stays a spline
 NEAR = (2.1, 0.0, 0.3)  # the T-junction of the picture
 
 
@@ -45,7 +45,9 @@ def make_body(out, mesher, refine):
     subprocess.run([sys.executable, str(TOP / "input/rocker_arm.py"), str(net)], check=True)
     body = body_of(str(net), refine=refine, enrich=ARM, mesher=mesher)
     _write.write(body, out / "rocker")
-    shutil.copy(TOP / "input/rocker.inp", out / "rocker.inp")  # not the empty deck of the mesher
+    shutil.copy(
+        TOP / "input/rocker.inp", out / "rocker.inp"
+    )  # in place of the deck that the mesher writes
     (out / "pin.bext.json").write_text(_write.bext_text(pin()))
     report = _report.describe(body)
     _report.write(report, out / "rocker.mesh.json")
@@ -53,7 +55,7 @@ def make_body(out, mesher, refine):
 
 
 def draw_mesh(out, mesher):
-    """Figures 5 to 7: surface, four panels of the cut body, a T-junction."""
+    """Draw Figures 5 to 7: the surface, four panels of the cut body, and a T-junction."""
     body = body_of(str(out / "rocker_arm.obj"), mesher=mesher)
     _draw.draw(body, out / "figure")
     split = body_of(str(out / "rocker_arm.obj"), mesher=mesher, split="box:1.2,-1,0,3.0,1,1",
@@ -62,18 +64,18 @@ def draw_mesh(out, mesher):
 
 
 def solve(bezel, out):
-    """Run the deck in its folder; returns the seconds that it took."""
+    """Run the deck in its folder; return the seconds that it took."""
     start = time.perf_counter()
     run(bezel, out, out / "rocker.inp")
     return time.perf_counter() - start
 
 
 def draw_run(out):
-    """Stress in the arm at the end, tractions on its surface, and the forces over the way."""
+    """Draw the stress in the arm at the end, the tractions on its surface, and the forces."""
     result = out / "rocker.vtkhdf"
     field.draw([result], out / "rocker_stress.png", scalar="mises", view="60,25", labels=["the pin at its end"],
                say_step=False)  # fmt: skip
-    steps = {1.05: "just sliding", 1.5: "half of the way", 2.0: "at the end"}
+    steps = {1.05: "just sliding", 1.5: "halfway", 2.0: "at the end"}
     for name in ("pressure", "friction"):
         contact_map.draw([result] * len(steps), out / f"rocker_{name}.png", scalar=f"contact_{name}", axis="y",
                          step=[("time", t) for t in steps], labels=list(steps.values()), say_step=False, columns=3)  # fmt: skip

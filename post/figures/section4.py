@@ -1,8 +1,9 @@
 """Figures 9, 10 and 12 of Corbett and Sauer 2015, section 4, and one on the enriched element with
 enhanced strains.
 
-Drawn from verification/benchmark/section4/results.csv, which `verify.py --study --case section4`
-writes, and from field.csv beside it, which study.py there writes:
+They are drawn from verification/benchmark/section4/results.csv, which
+`python -m verification.verify --study --all --case section4` writes, and from field.csv beside it,
+which study.py there writes:
 
     python -m post.figures.section4 [--results FILE] [--to doc/verification/figures]
 """
@@ -21,7 +22,7 @@ from post.convergence import Series, plot
 TOP = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = TOP / "verification/benchmark/section4/results.csv"
 FIGURES = TOP / "doc/verification/figures"
-QUARTERS = 4  # the runs are a quarter of the cube, the paper's force is of the whole
+QUARTERS = 4  # the runs model a quarter of the cube, the paper gives the force on the whole
 
 ONE, TWO = " on 1+", " on 1+ and 2+"
 Q1 = ("Q1", "Q1N2" + ONE, "Q1N2" + TWO, "IGA2")
@@ -37,8 +38,7 @@ class Results:
         self.path = path
 
     def column(self, elements, name):
-        """(nmesh) values of a column for an element type, from coarse to fine; empty where it was
-        not run.
+        """(nmesh) values of a column for an element type, from coarse to fine; empty if not run.
 
         name: force (of the whole cube), error (not negative), or another column of the table.
         """
@@ -50,7 +50,7 @@ class Results:
         return np.abs(c["error"][rows]) if name == "error" else c[name][rows]
 
     def series(self, types, name="error"):
-        """Errors over degrees of freedom (post.convergence.Series) of those types that were run."""
+        """Errors over degrees of freedom (post.convergence.Series) of the types that were run."""
         found = [Series(t, self.column(t, "dofs"), self.column(t, name)) for t in types]
         found = [s for s in found if len(s.x)]
         if not found:
@@ -72,8 +72,8 @@ def improvement(results, enriched, plain="Q1"):
 
 
 def errors(ax, results, types, title, share=None):
-    """Errors over degrees of freedom; on the axes of `share` where there are some."""
-    if share is not None:  # before drawing, so that the limits hold the lines of both
+    """Draw errors over degrees of freedom, with the axes of `share` if given."""
+    if share is not None:  # set before drawing, so that the limits include the lines of both
         ax.sharex(share)
         ax.sharey(share)
     plot(ax, results.series(types), guides=())
@@ -81,7 +81,7 @@ def errors(ax, results, types, title, share=None):
 
 
 def forces(ax, results, types, title):
-    """Force over degrees of freedom, and the converged value as a line."""
+    """Draw the force over degrees of freedom, and the converged value as a line."""
     for s in results.series(types):
         ax.semilogx(
             s.x,
@@ -131,9 +131,9 @@ def figure_12(results, plt):
 
 
 def figure_enhanced(compression, extension, fields, plt):
-    """What the paper leaves to future research: enhanced strains in the enriched layer too.
+    """Draw enhanced strains in the enriched layer, which the paper leaves to future research.
 
-    fields: (Results, Results) of errors of fields, or None.
+    fields: (Results, Results) with the errors of fields, or None.
     """
     from matplotlib.ticker import LogLocator, NullFormatter
 

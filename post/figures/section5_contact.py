@@ -1,13 +1,13 @@
 """Figures 18, 19 and 20 of Corbett and Sauer 2015, sections 5.2 and 5.3: sliding contact.
 
-Drawn from curve tables of runs, one a mesh, element type and coefficient of friction:
+They are drawn from curve tables, one for each mesh, element type and coefficient of friction:
 
     <folder>/<mesh>_<elements>_<mu>.dat          such as 2_Q1E9+Q1N2_0.dat, 2_IGA2_0.5.dat
-    <folder>/<mesh>_<elements>_<mu>/*_sole.dat   a folder of the program's own files
+    <folder>/<mesh>_<elements>_<mu>/*_sole.dat   a folder written by the program
 
-with the columns of `CURVe,sole`: factor_2 (share of the half turn), FORCe 3 and TORQue of both sides.
-A reference for the force, IGA2 on a fine mesh, is `reference_IGA2_0.dat`; without one the finest IGA2
-mesh there is serves, and the figure says so.
+with the columns of `CURVe,sole`: factor_2 (fraction of the half turn), FORCe 3 and TORQue of both
+sides. The reference for the force, IGA2 on a fine mesh, is `reference_IGA2_0.dat`; without it the
+finest IGA2 mesh is used, and the figure says so.
 
     python -m post.figures.section5_contact [--results FOLDER] [--to doc/verification/figures]
 """
@@ -36,17 +36,17 @@ DOFS = {
     "Q1E9+Q1N2.1": (402, 1752, 5940),
     "IGA2": (417, 1620, 5535),
 }
-SLIDING = 120.0  # degrees from which all points slide, in the paper
+SLIDING = 120.0  # from this angle in degrees on all points slide, in the paper
 
 
 class Run:
-    """One curve table: degrees, and force and torque of both sides."""
+    """One curve table: the angle in degrees, and force and torque of both sides."""
 
     def __init__(self, path, mesh, elements, mu):
         table = read_table(path)
         turn = table.columns[table.find("factor_2")]
         turning = turn >= 0.0
-        if "factor_1" in table.columns:  # the half turn begins where the way down has ended
+        if "factor_1" in table.columns:  # the half turn begins when the downward motion has ended
             down = table.columns["factor_1"]
             turning = down >= down.max() * (1 - 1e-9)
         self.mesh, self.elements, self.mu = mesh, elements, mu
@@ -65,11 +65,11 @@ class Run:
         return max(np.abs(t).max() for t in self.torque)
 
     def forces(self):
-        """Mean over the rotation, on each side."""
+        """The mean force over the rotation on each side."""
         return [_mean(self.degrees, np.abs(f)) for f in self.force]
 
     def mean_force(self):
-        """... and of both sides."""
+        """The mean force over the rotation of both sides."""
         return np.mean(self.forces())
 
     def roughness(self):
@@ -86,12 +86,14 @@ def _column(table, side, end):
     pattern = re.compile(rf"contact_.*_{side}_{end}$")
     found = [name for name in table.columns if pattern.match(name)]
     if len(found) != 1:
-        raise Unreadable(f"{table.path} has {len(found)} columns contact_..._{side}_{end}, not one")
+        raise Unreadable(
+            f"{table.path}: expected one column contact_..._{side}_{end}, found {len(found)}"
+        )
     return found[0]
 
 
 def _mean(x, y):
-    """Mean over x, by trapezoids: steps may be cut.
+    """The mean over x by the trapezoidal rule, since steps may have been cut back.
 
     >>> float(_mean(np.array([0.0, 1.0, 3.0]), np.array([0.0, 1.0, 3.0])))
     1.5
@@ -103,7 +105,7 @@ def read_runs(folder):
     """All runs of a folder (list of Run)."""
     folder, runs = pathlib.Path(folder), []
     if not folder.is_dir():
-        raise Unreadable(f"'{folder}' is no folder")
+        raise Unreadable(f"'{folder}' is not a folder")
     for path in sorted(folder.iterdir()):
         stem = path.name if path.is_dir() else path.stem
         match = NAME.fullmatch(stem)
@@ -112,7 +114,7 @@ def read_runs(folder):
         if path.is_dir():
             tables = sorted(path.glob("*_sole.dat"))
             if len(tables) != 1:
-                raise Unreadable(f"'{path}' holds {len(tables)} tables *_sole.dat, not one")
+                raise Unreadable(f"'{path}': expected one table *_sole.dat, found {len(tables)}")
             path = tables[0]
         runs.append(Run(path, match["mesh"], match["elements"], float(match["mu"])))
     if not runs:
@@ -128,7 +130,7 @@ class Runs:
         self.reference = next((r for r in runs if r.mesh == "reference" and r.mu == 0), None)
 
     def on(self, mesh, smooth=False):
-        """Runs on a mesh; smooth: not those with a faceted surface."""
+        """Runs on a mesh; smooth: without those that have a faceted surface."""
         types = [e for e in DOFS if not (smooth and e == "Q1E9")]
         return [r for e in types for r in self.all if r.elements == e and r.mesh == str(mesh)]
 
@@ -141,13 +143,13 @@ class Runs:
 
 
 def _line(elements):
-    """The surface tells the types apart here."""
+    """The label of an element type, which names its surface."""
     return _style.series(list(DOFS).index(elements))
 
 
 def torques(ax, runs):
-    """Torque about the axis over the angle: on the hemisphere solid, on the block dashed, both as
-    what turns the block.
+    """Torque about the axis over the angle: hemisphere solid, block dashed, both in the sense that
+    turns the block.
     """
     for run in runs:
         style = _line(run.elements) | {"marker": ""}
@@ -157,7 +159,7 @@ def torques(ax, runs):
 
 
 def legend(figure, ax, more=()):
-    """One legend for all panels, below them; sides as (line, words)."""
+    """One legend for all panels, below them; sides are given as (line, label)."""
     from matplotlib.lines import Line2D
 
     handles, words = ax.get_legend_handles_labels()
@@ -180,7 +182,7 @@ def convergence(ax, runs, value, words):
 
 
 def _degrees_of_freedom(ax):
-    """Few words at the ticks: the axis is not two decades long."""
+    """Few labels at the ticks, because the axis spans less than two decades."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     ax.set_xlabel("degrees of freedom")
@@ -190,7 +192,7 @@ def _degrees_of_freedom(ax):
 
 
 def figure_18(runs, plt):
-    """The four smooth surfaces have a panel each: their curves cross too often for one."""
+    """Draw a panel for each of the four smooth surfaces: in one panel their curves would overlap."""
     figure = plt.figure(figsize=(_style.PAGE, 3.7))
     grid = figure.add_gridspec(2, 3, width_ratios=(1, 1, 1.75))
     first = None
@@ -211,7 +213,7 @@ def figure_18(runs, plt):
 
 
 def reference_force(runs):
-    """(mean force, what it is of)"""
+    """(mean force, name of the run that gives it)"""
     if runs.reference:
         return runs.reference.mean_force(), "IGA2, fine mesh"
     iga = dict(runs.by_elements()).get("IGA2")
@@ -260,7 +262,7 @@ def figure_20(runs, plt):
 
 
 def draw(results=RESULTS, to=FIGURES):
-    """Draw the figures for which there are runs; returns their names."""
+    """Draw the figures for which there are runs; return their names."""
     runs, names = read_runs(results), []
     plain, rough = Runs(runs, False), Runs(runs, True)
     with _style.styled() as plt:

@@ -1,8 +1,9 @@
-"""Figures 13 to 16 of Corbett and Sauer 2015, section 5.1: the strip, the peeling force, the front,
-the energies.
+"""Figures 13 to 16 of Corbett and Sauer 2015, section 5.1: the strip, the peeling force, the
+debonding front and the energies.
 
-Curves are those of verification/section5_debonding.py --write, one a mesh and element type; Figures 13
-and 14 are drawn where its --pictures has left result files.
+The curves, one for each mesh and element type, are written by
+`python -m verification.section5_debonding --write`. Figures 13 and 14 are drawn if its option
+`--pictures` has written result files.
 
     python -m post.figures.section5_debonding [--results FOLDER] [--fields build/section5_debonding]
         [--to doc/verification/figures]
@@ -29,11 +30,11 @@ GROUPS = (
     ("q2", "q2_q2n2", "q2_q2n2.1", "iga2"),
 )
 FINER = "iga2"
-OFF = 0.999  # share of the bond from which the strip swings free: not drawn
+OFF = 0.999  # released fraction of the bond from which the strip moves freely, which is not drawn
 
 
 def bonded(path):
-    """Columns of a curve up to the moment at which the bond is off."""
+    """Columns of a curve up to the moment at which the bond is released."""
     columns = read_table(path).columns
     off = columns["contact_glue_1_debonded"] >= OFF
     n = int(off.argmax()) + 1 if off.any() else len(off)
@@ -41,13 +42,13 @@ def bonded(path):
 
 
 def in_equilibrium(columns):
-    """The rows before inertia acts."""
+    """The rows before inertia is active."""
     moves = abs(columns["book_inertia"]) > 0
     return {k: v[: int(moves.argmax())] for k, v in columns.items()} if moves.any() else columns
 
 
 def forces(results, mesh, group, plt):
-    """Peeling forces of a group of element types, as far as there are runs."""
+    """Draw the peeling forces of those element types of a group that were run."""
     figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
     for name in group:
         if (results / f"{mesh}_{name}.dat").exists():
@@ -66,7 +67,7 @@ def forces(results, mesh, group, plt):
 
 
 def line(name):
-    """How the curves of an element type are drawn, the same in all figures."""
+    """The line properties of an element type, the same in all figures."""
     order = [n for group in GROUPS for n in group if n != "iga2"]
     black = "#000000"
     colours = [c for c in _style.COLOURS if c != black] + ["#8c564b"]  # black is IGA2's
@@ -75,7 +76,7 @@ def line(name):
 
 
 def front(results, mesh, plt):
-    """Share of the bond that is released, over the lift."""
+    """Draw the released fraction of the bond over the lift."""
     figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
     for name in LABELS:
         if (results / f"{mesh}_{name}.dat").exists():
@@ -90,10 +91,10 @@ def front(results, mesh, plt):
 
 
 def strips(fields, to):
-    """Figures 13 and 14: the first invariant of the stress on the deformed bodies of mesh 1."""
+    """Draw Figures 13 and 14: the first stress invariant on the deformed bodies of mesh 1."""
     files = {n: str(fields / f"pictures_{n}/pictures_{n}.vtkhdf") for n in ("q1e9", "q1e9_q1n2")}
     if not all(pathlib.Path(f).exists() for f in files.values()):
-        print(f"no result files in {fields}: Figures 13 and 14 are left as they are")
+        print(f"no result files in {fields}: Figures 13 and 14 are not drawn")
         return
     look = {"scalar": "stress", "component": "trace", "outline": False, "say_step": False}
     field.draw([files["q1e9_q1n2"]] * 2, str(to / "section5_figure13.png"), step=[("time", 0.5), ("time", 1.0)],
@@ -103,7 +104,7 @@ def strips(fields, to):
 
 
 def energies(results, mesh, name, plt):
-    """Where the work goes, over the released share: over the lift it would fold in a snap-back."""
+    """Draw the energies over the released fraction, since the lift decreases in a snap-back."""
     c = bonded(results / f"{mesh}_{name}.dat")
     figure, ax = plt.subplots(figsize=(0.6 * _style.PAGE, 3.2))
     parts = ("cohesive", "bonds"), ("stored", "strain energy"), ("kinetic", "kinetic energy")
@@ -143,7 +144,7 @@ def main(argv=None):
     o = p.parse_args(argv)
     if not list(o.results.glob("1_*.dat")):
         raise Unreadable(
-            f"no curves in {o.results}: verification/section5_debonding.py --write makes them"
+            f"no curves in {o.results}: python -m verification.section5_debonding --write makes them"
         )
     there = lambda mesh, names: any((o.results / f"{mesh}_{n}.dat").exists() for n in names)
     with _style.styled() as plt:

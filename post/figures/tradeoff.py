@@ -1,5 +1,5 @@
-"""Speed for accuracy: errors against CPU seconds, from verification/benchmark/tradeoff/results.csv,
-which `make tradeoff` writes.
+"""Accuracy and cost of contact: errors over CPU seconds, from results.csv of
+verification/benchmark/tradeoff, which `make tradeoff` writes.
 
     python -m post.figures.tradeoff [--results FILE] [--to doc/verification/figures]
 """
@@ -24,7 +24,7 @@ QUANTITIES = {
 }
 PERCENT = 100.0
 
-#: Colour and marker of an element type; open markers are enriched.
+#: Colour and marker of an element type; open markers stand for enriched elements.
 TYPES = {
     "Q1": (0, "o", True), "Q1+Q1N2.1": (0, "s", False),
     "Q1E9": (1, "o", True), "Q1E9+Q1N2": (1, "s", False), "Q1E9+Q1N3": (1, "^", False),
@@ -35,7 +35,7 @@ TYPES = {
 }  # fmt: skip
 #: Settings: group, title, the column name's number, the usual setting.
 SETTINGS = {
-    "points": ("points a direction", "q ", 5),
+    "points": ("points per direction", "q ", 5),
     "penalty": ("penalty, times the paper's", "x ", 1),
     "steps": ("degrees of a step", "", 3),
 }
@@ -48,13 +48,13 @@ class Results:
         self.path, self.column = path, read_table(path).columns
 
     def rows(self, group, elements, mesh=None):
-        """Rows of runs that ended well."""
+        """Rows of runs that succeeded."""
         c = self.column
         pick = (c["group"] == group) & (c["elements"] == elements) & (c["code"] == 0)
         return np.flatnonzero(pick & (c["mesh"] == mesh) if mesh else pick)
 
     def number(self, name, rows):
-        """(n) numbers of a column; nan where it is empty."""
+        """(n) numbers of a column, NaN for an empty cell."""
         value = self.column[name][rows]
         return np.array([float(v) if str(v).strip() else np.nan for v in value])
 
@@ -67,7 +67,7 @@ def look(elements):
 
 
 def figure_elements(results, plt):
-    """Element types: both meshes of a type are joined."""
+    """Draw element types; a line joins both meshes of a type."""
     figure, axes = plt.subplots(1, 3, figsize=(_style.PAGE, 3.9), sharex=True)
     for ax, (name, title) in zip(axes, QUANTITIES.items()):
         for elements in TYPES:
@@ -92,8 +92,8 @@ def figure_elements(results, plt):
 
 
 def figure_settings(results, plt):
-    """Quadrature, penalty and steps: differences to the finest setting on the same mesh, and CPU
-    seconds relative to the usual one."""
+    """Draw quadrature, penalty and steps: differences from the finest setting on the same mesh, and
+    CPU seconds relative to the usual setting."""
     shape = {"figsize": (_style.PAGE, 7.2), "sharex": "col", "sharey": "row"}
     figure, axes = plt.subplots(4, 3, **shape)
     series = [(e, m) for e in ("Q1E9+Q1N2.1", "IGA2") for m in (1, 2)]

@@ -1,9 +1,9 @@
-"""From a net of quads or a spline surface to an enriched body: `python -m post mesh NET -o body`.
+"""Mesh an enriched body below a net of quads or a spline surface: `python -m post mesh NET -o body`.
 
 NET is a closed net of quads (VTK, OFF, OBJ, Gmsh; a file of hexahedra gives its boundary) or an
-extracted spline surface (BEXT 2.0, .iga). Below the surface come a layer of enriched elements,
-pyramids and tetrahedra, or the file's own hexahedra. Written are the files that a deck names, the
-deck itself and a report. As a library:
+extracted spline surface (BEXT 2.0, .iga). Below the surface lie a layer of enriched elements, then
+pyramids and tetrahedra, or the hexahedra of the file. The command writes the mesh files, a deck
+that reads them and a report. As a library:
 
 >>> from post.mesh import body_of
 >>> body_of("net.off").cells["tets"].shape  # doctest: +SKIP
@@ -18,13 +18,15 @@ from post.mesh import _body, _choose, _net, _patches, _read, _read_spline, _repo
 
 
 def surface_of(path, closed=True, orient=False, refine=0, smooth=False, split=None):
-    """(Surface, Net or None) of a file; arguments as the command's options."""
+    """(Surface, Net or None) of a file; the arguments are those of the command."""
     net = None
     if refine < 0:
-        raise Unreadable(f"--refine {refine}: a number of steps is not negative")
+        raise Unreadable(f"--refine {refine}: expected a number of steps that is not negative")
     if _read_spline.is_spline(path):
         if refine:
-            raise Unreadable("--refine is for nets; a spline surface has its elements already")
+            raise Unreadable(
+                "--refine applies to nets only; a spline surface already has its elements"
+            )
         surface = _read_spline.read_spline(path, closed)
     else:
         net = _net.checked(_read.read_net(path), path, closed, orient)
@@ -36,7 +38,7 @@ def surface_of(path, closed=True, orient=False, refine=0, smooth=False, split=No
 
         chosen = _choose.elements(surface, split)
         if not chosen.any():
-            raise Unreadable(f"--split '{split}' names no element of the surface")
+            raise Unreadable(f"--split '{split}' selects no element of the surface")
         surface = _split.split(surface, chosen)
     if smooth:
         surface = _smooth.smooth(surface, everywhere=smooth == "everywhere")
@@ -45,7 +47,7 @@ def surface_of(path, closed=True, orient=False, refine=0, smooth=False, split=No
 
 def body_of(path, closed=True, orient=False, refine=0, smooth=False, split=None, groups=(),
             enrich=None, **options):  # fmt: skip
-    """The Body of a file; further options as those of _body.build."""
+    """The Body of a file; the further options are those of _body.build."""
     surface, net = surface_of(path, closed, orient, refine, smooth, split)
     _choose.named(surface, groups)
     if not closed:
@@ -55,11 +57,13 @@ def body_of(path, closed=True, orient=False, refine=0, smooth=False, split=None,
 
 
 def main(argv):
-    """The command; returns its exit code: 1 where the body is not fit for a run."""
+    """Run the command; return its exit code: 1 if the body is not fit for a run."""
     o = _parser().parse_args(argv)
     output = pathlib.Path(o.output)
     if not output.name.isidentifier():
-        raise Unreadable(f"'{output.name}' is no name for a deck: letters, digits and _ only")
+        raise Unreadable(
+            f"'{output.name}' is not a valid name for a deck; use letters, digits and _ only"
+        )
     heights = {"factor": o.layer, "constant": o.thickness}
     heights = {key: value for key, value in heights.items() if value is not None}
     body = body_of(
@@ -84,33 +88,51 @@ def main(argv):
 
 def _parser():
     p = argparse.ArgumentParser(
-        prog="post mesh", description="An enriched body below a net of quads or a spline surface.",
+        prog="post mesh", description="Mesh an enriched body below a net of quads or a spline surface.",
         epilog="A choice of elements is box:x1,y1,z1,x2,y2,z2, cylinder:px,py,pz,ax,ay,az,r, "
         "sphere:x,y,z,r, normal:nx,ny,nz,degrees, distance:x,y,z,d, set:name or all; "
-        "a&b are those of both, a+b those of either.",
+        "a&b selects the elements of both, a+b those of either.",
     )  # fmt: skip
     p.add_argument("file", help=".vtk .off .obj .msh nets, .bext.json .bext .iga splines")
-    p.add_argument("-o", "--output", required=True, metavar="DIR/NAME", help="the files' stem")
+    p.add_argument(
+        "-o", "--output", required=True, metavar="DIR/NAME", help="the stem of the files"
+    )
     p.add_argument("--interior", choices=("tets", "hexes", "none"), default="tets",
-                   help="tetrahedra (default), the file's hexahedra, or the layer alone")  # fmt: skip
+                   help="fill the inside with tetrahedra (default) or the hexahedra of the file, or make the layer alone")  # fmt: skip
     p.add_argument("--mesher", choices=("gmsh", "tetgen"), default="gmsh")
-    p.add_argument("--size", type=float, help="largest edge of tetrahedra inside [L]")
+    p.add_argument("--size", type=float, help="largest edge of the tetrahedra inside [L]")
     p.add_argument("--fine", action="append", default=[], metavar="D=PLACE",
-                   help="edges of tetrahedra in a sphere or a box (Gmsh); may be repeated")  # fmt: skip
-    p.add_argument("--open", action="store_true", help="the surface is open: the layer alone")
-    p.add_argument("--orient", action="store_true", help="turn quads so that they agree")
-    p.add_argument("--refine", type=int, default=0, metavar="N", help="Catmull-Clark steps first")
+                   help="edge length of tetrahedra in a sphere or a box (Gmsh only); may be repeated")  # fmt: skip
+    p.add_argument(
+        "--open", action="store_true", help="accept an open surface and make the layer alone"
+    )
+    p.add_argument(
+        "--orient", action="store_true", help="turn quads so that their orientations agree"
+    )
+    p.add_argument(
+        "--refine",
+        type=int,
+        default=0,
+        metavar="N",
+        help="refine the net first by this number of Catmull-Clark steps",
+    )
     p.add_argument("--smooth", nargs="?", const="local", choices=("local", "everywhere"),
-                   help="D-patches: continuous normals at extraordinary points, too")  # fmt: skip
-    p.add_argument("--split", metavar="CHOICE", help="these elements in four each (T-junctions)")
+                   help="use D-patches, whose normals are continuous at extraordinary points")  # fmt: skip
+    p.add_argument(
+        "--split", metavar="CHOICE", help="split each of these elements into four (T-junctions)"
+    )
     p.add_argument("--t-junction", choices=("constraint", "peak"), default="constraint",
-                   help="pyramids below T-junctions: one a quad, or with a common peak")  # fmt: skip
+                   help="pyramids below T-junctions: one per quad, or with a common peak")  # fmt: skip
     p.add_argument("--layer", type=float, metavar="F",
-                   help="largest height of the layer over the length of edges (default 0.8; 0.3 "
+                   help="largest height of the layer relative to the edge length (default 0.8; 0.3 "
                    "above hexahedra)")  # fmt: skip
-    p.add_argument("--thickness", type=float, metavar="H", help="one height everywhere [L]")
-    p.add_argument("--enrich", metavar="CHOICE", help="the spline stays here, plain elsewhere")
+    p.add_argument(
+        "--thickness", type=float, metavar="H", help="use the same height everywhere [L]"
+    )
+    p.add_argument(
+        "--enrich", metavar="CHOICE", help="keep the spline here and use plain faces elsewhere"
+    )
     p.add_argument("--group", action="append", default=[], metavar="NAME=CHOICE",
-                   help="name elements for FIX and MOVE; may be repeated")  # fmt: skip
+                   help="name a group of elements for FIX and MOVE; may be repeated")  # fmt: skip
     p.add_argument("--pictures", action="store_true", help="NAME_surface.png, NAME_cut.png")
     return p

@@ -1,4 +1,4 @@
-"""The body: an enriched layer below a surface, cells inside, what hangs and what is named."""
+"""The body: an enriched layer below a surface, cells inside, constraints and groups."""
 
 from dataclasses import dataclass, field
 
@@ -23,19 +23,19 @@ EMPTY = {"tets": 4, "pyramids": 5, "hexes": 8}
 
 @dataclass
 class Body:
-    """What the files hold. Numbers of points count from 0 here."""
+    """The contents of the files. Points are numbered from 0 here."""
 
-    surface: object  # the enriched part, a Surface; below its corner k is the bulk's point k
+    surface: object  # the enriched part, a Surface; point k of the bulk lies below its corner k
     points: np.ndarray  # (n, 3) of the bulk: inner corners of the layer first
     cells: dict  # tets (k,4), pyramids (k,5), hexes (k,8)
     #: (slave, masters, coefficients) of the bulk; a master -1 - k is control point k.
     hanging: list = field(default_factory=list)
-    ties: list = field(default_factory=list)  # (bulk point, control point) that are one
-    whole: object = None  # the Surface before parts of it became plain
+    ties: list = field(default_factory=list)  # (bulk point, control point) that coincide
+    whole: object = None  # the Surface before parts of it were made plain
     form: object = None  # the Layer of the whole surface
     plain: np.ndarray | None = None  # (k, 4) outer points of the plain part's faces
     plain_sets: dict = field(default_factory=dict)  # name to (k) numbers of plain faces
-    #: Worst shapes of the tetrahedra as the mesher made them, and how many points moved then.
+    #: Worst shapes of the tetrahedra as the mesher made them, and the number of points moved later.
     mesher: dict = field(default_factory=dict)
 
 
@@ -44,8 +44,8 @@ def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=N
     """The Body below a surface.
 
     interior: tets, hexes (those of the net) or none; enrich: (m) whether an element keeps its
-    spline, None: all of them; heights: options of _layer.build; junction: constraint or peak; fine:
-    places with smaller tetrahedra, texts as _tets.places has them.
+    spline, None for all of them; heights: options of _layer.build; junction: constraint or peak;
+    fine: regions with smaller tetrahedra, in the form of _tets.places.
     """
     given = {
         "--size": size,
@@ -53,8 +53,8 @@ def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=N
     }
     for name, value in given.items():
         if value is not None and not 0 < value < np.inf:
-            raise Unreadable(f"{name} {value:g}: a length or a share of one is positive")
-    if interior == "hexes":  # they have no room for a layer as thick as tetrahedra leave
+            raise Unreadable(f"{name} {value:g}: expected a positive length or ratio")
+    if interior == "hexes":  # hexahedra leave less room for a layer than tetrahedra
         heights = {"factor": 0.3, "thickness_share": 0.15} | (heights or {})
     form = _layer.build(surface, **(heights or {}))
     points, cells, made = fill(surface, form, net, interior, mesher, size, junction, fine)
@@ -75,7 +75,9 @@ def fill(surface, form, net, interior, mesher, size, junction, fine=()):
         return form.inner, cells, {}
     if interior == "hexes":
         if net is None or not len(net.hexes):
-            raise Unreadable("the file has no hexahedra inside to use again; take --interior tets")
+            raise Unreadable(
+                "the file has no hexahedra that could fill the inside; use --interior tets"
+            )
         points, cells["hexes"] = _hexes.reuse(net, surface, form)
         return points, cells, {}
     room = form.thickness[surface.corners].min(axis=1)
@@ -94,7 +96,7 @@ def fill(surface, form, net, interior, mesher, size, junction, fine=()):
 
 
 def _compact(made, mesher, size, fine):
-    """Mesh the room between the pyramids; points that stand in no triangle are kept out of it."""
+    """Mesh the space between the pyramids; points that belong to no triangle are omitted."""
     used = np.unique(made.triangles)
     place = np.full(len(made.points), -1)
     place[used] = np.arange(len(used))
@@ -116,7 +118,7 @@ def volumes(body):
 
 
 def enclosed(body):
-    """What the surface encloses by its integral: the enriched part and the plain faces [L^3]."""
+    """Volume enclosed by the surface, from its surface integral over spline and plain faces [L^3]."""
     centre = body.whole.points.mean(axis=0)
     total = 0.0
     if len(body.surface.nodes):

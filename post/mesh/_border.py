@@ -1,9 +1,9 @@
-"""T-junctions where the enriched part meets the plain one: which edges become straight, which follow.
+"""T-junctions where the enriched part meets the plain one: which edges become straight.
 
-A line is the edge of a large element with the corners that hang on it. Where a plain face has a part
-of it, or a corner that hangs on it, the whole line is straight and its corners are plain: a function
-of their own each, or, if they hang, what their masters make of them. Where only an end of a line is
-plain, the small elements' edges are taken anew from the large one's.
+A line is the edge of a large element with the corners that hang on it. If a part of it, or a corner
+that hangs on it, belongs to a plain face, the whole line is straight and its corners are plain: each
+has a function of its own or, if it hangs, follows its masters. If only an end of a line is plain,
+the edges of the small elements are computed again from the edge of the large one.
 """
 
 from dataclasses import dataclass, field
@@ -15,22 +15,22 @@ from post._error import Unreadable
 
 @dataclass(eq=False)
 class Line:
-    """An edge of a large element and the corners on it; as a member of sets it is itself."""
+    """An edge of a large element and the corners on it; lines compare by identity."""
 
     ends: tuple  # (corner, corner)
-    at: dict = field(default_factory=dict)  # corner that hangs to its parameter from 0 to 1
+    at: dict = field(default_factory=dict)  # hanging corner: its parameter from 0 to 1
 
     def corners(self):
-        """All corners, the ends too."""
+        """All corners, with the ends."""
         return {*self.ends, *self.at}
 
     def parameter(self, v):
-        """Where corner v is."""
+        """The parameter of corner v."""
         return float(self.ends.index(v)) if v in self.ends else self.at[v]
 
 
 def lines(hanging):
-    """[Line] of {corner: (a, b, tau)}, corners that hang on parts of an edge too.
+    """[Line] of {corner: (a, b, tau)}, where corners may also hang on parts of an edge.
 
     >>> lines({5: (1, 2, 0.5), 6: (5, 2, 0.5)})
     [Line(ends=(1, 2), at={5: 0.5, 6: 0.75})]
@@ -49,7 +49,7 @@ def lines(hanging):
 
 
 def in_order(hanging):
-    """[(corner, (a, b, tau))], masters that hang themselves before those that hang on them.
+    """[(corner, (a, b, tau))] in an order in which masters come before the corners that hang on them.
 
     >>> in_order({6: (5, 2, 0.5), 5: (1, 2, 0.5)})
     [(5, (1, 2, 0.5)), (6, (5, 2, 0.5))]
@@ -88,7 +88,7 @@ def users(corners, elements):
 
 
 def protected(corners, keep, all_lines):
-    """(k) corners whose elements must all be splines so that those in `keep` stay what they are."""
+    """(k) corners whose elements must all be splines so that those in `keep` do not change."""
     near = set(corners[keep].ravel().tolist())
     near = near.union(*(x.ends for x in all_lines if len(near & x.corners()) > 1))
     of = by_corner(all_lines)
@@ -102,7 +102,7 @@ def protected(corners, keep, all_lines):
 
 
 def flattened(corners, plain, border, all_lines):
-    """(corners that are plain, lines that are straight), both as plain faces demand."""
+    """(plain corners, straight lines), as the plain faces require."""
     touched = set(corners[plain].ravel().tolist())
     plain_edges = edges(corners[plain])
     flat, straight = set(border), set()
@@ -118,7 +118,7 @@ def flattened(corners, plain, border, all_lines):
 
 
 def combination(v, own, hanging):
-    """{own's value: factor} of a corner: its own, or what its masters make of it.
+    """{value of `own`: factor} of a corner: its own value, or a combination of its masters' values.
 
     >>> combination(5, {1: "a", 2: "b"}, {5: (1, 2, 0.25)})
     {'a': 0.75, 'b': 0.25}
@@ -127,7 +127,7 @@ def combination(v, own, hanging):
 
 
 def from_masters(v, own, hanging):
-    """The same of a corner that hangs, were it its own or not."""
+    """The same for a hanging corner, whether it has a value of its own or not."""
     a, b, tau = hanging[v]
     return combined([(1 - tau, combination(a, own, hanging)), (tau, combination(b, own, hanging))])
 
@@ -162,7 +162,7 @@ def restricted(rows, start, end):
 
 
 def bent(flat, straight, all_lines):
-    """Lines that are not straight and one of whose ends has changed, in an order to take them anew."""
+    """Lines that are not straight and have a changed end, in the order in which to recompute them."""
     changed, left = set(flat), set()
     while True:
         more = {x for x in all_lines if changed & set(x.ends)} - straight - left
@@ -176,7 +176,7 @@ def bent(flat, straight, all_lines):
         ready = {x for x in left if not waits & set(x.ends)}
         if not ready:
             raise Unreadable(
-                "T-junctions in a circle lie at the border of the enriched part; choose a larger or "
+                "T-junctions form a circle at the boundary of the enriched part; choose a larger or "
                 "smaller part"
             )
         ordered += ready

@@ -1,4 +1,4 @@
-"""Parts of a surface by name: boxes, cylinders, spheres, directions, distances, sets of the file."""
+"""Choose parts of a surface: boxes, cylinders, spheres, directions, distances, sets of the file."""
 
 import numpy as np
 
@@ -15,10 +15,10 @@ KINDS = {
 
 
 def elements(surface, text):
-    """(m, bool) the elements that a choice names; several joined by + all count, by & together.
+    """(m, bool) the elements of a choice: + joins alternatives, & joins conditions.
 
-    An element belongs to a box, cylinder (inside its radius), sphere or distance if its middle does,
-    and to a normal if the outward normal in its middle is within the angle.
+    An element belongs to a box, cylinder (inside its radius), sphere or distance if its centre does,
+    and to a normal if the outward normal at its centre is within the angle.
     """
     result = np.zeros(len(surface.nodes), dtype=bool)
     for part in text.split("+"):
@@ -36,18 +36,20 @@ def _one(surface, text):
     if kind == "set":
         if rest not in surface.sets:
             known = " ".join(sorted(surface.sets)) or "none"
-            raise Unreadable(f"no set '{rest}' in the file; known: {known}")
+            raise Unreadable(f"the file has no set '{rest}'; known sets: {known}")
         return np.isin(np.arange(len(surface.nodes)), surface.sets[rest])
     if kind not in KINDS:
         known = ", ".join(form for _, form in KINDS.values())
-        raise Unreadable(f"'{text}' names no part of the surface; known: all, set:name, {known}")
+        raise Unreadable(
+            f"'{text}' is not a choice of elements; known forms: all, set:name, {known}"
+        )
     count, form = KINDS[kind]
     try:
         v = np.array([float(w) for w in rest.split(",")])
     except ValueError:
         v = np.empty(0)
     if len(v) != count or not np.isfinite(v).all():
-        raise Unreadable(f"'{text}' has not {count} numbers: {form}")
+        raise Unreadable(f"'{text}': expected {count} numbers: {form}")
     zero = np.zeros(1)
     x, a, b = (y[:, 0] for y in _surface.evaluate(surface.bezier(), surface.degree, zero, zero))
     if kind == "box":
@@ -66,10 +68,12 @@ def named(surface, texts):
     for text in texts:
         name, equals, choice = text.partition("=")
         if not equals or not name.isidentifier():
-            raise Unreadable(f"'{text}' is no name=choice, as in hole=box:0,0,0,1,1,1")
+            raise Unreadable(f"'{text}' is not of the form name=choice, as in hole=box:0,0,0,1,1,1")
         if name == "plain":
-            raise Unreadable("the name 'plain' is taken: all faces that --enrich leaves plain")
+            raise Unreadable(
+                "the name 'plain' is reserved for the faces that --enrich leaves plain"
+            )
         chosen = elements(surface, choice)
         if not chosen.any():
-            raise Unreadable(f"'{text}' names no element of the surface")
+            raise Unreadable(f"'{text}' selects no element of the surface")
         surface.sets[name] = np.flatnonzero(chosen)

@@ -1,4 +1,4 @@
-"""Pictures of a body: its surface, its layer, the mesh inside and all of it, cut open."""
+"""Pictures of a body: its surface, its layer, the mesh inside and the whole body, cut open."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from post import _style
 from post._picture import cropped, unit
 from post.mesh import _layer, _surface
 
-FINE = 5  # points along an edge of a drawn element
+FINE = 5  # number of points along an edge of a drawn element
 COLOURS = {"outer": "#c9d7e8", "side": "#e3b778", "inner": "#9aa7b5", "pyramids": "#8fb58a",
            "tets": "#d9d2c5", "hexes": "#d9d2c5"}  # fmt: skip
 FACES = {
@@ -17,10 +17,10 @@ FACES = {
 
 
 def draw(body, stem, direction=None, cut=None):
-    """Write STEM_surface.png and STEM_cut.png (four panels as Figure 6 of the paper); their paths.
+    """Write STEM_surface.png and STEM_cut.png (four panels as Figure 6 of the paper); return both.
 
-    direction: from the body to the camera; cut: normal of the plane through the middle, None: along
-    the shortest side of the body's box. What lies beyond it, as seen along the normal, is left out.
+    direction: from the body to the camera; cut: normal of the cutting plane through the centre, None
+    for the shortest side of the bounding box. The part on the side of the normal is omitted.
     """
     from post._screen import prepare
 
@@ -50,7 +50,7 @@ def panels(body, cut):
 
 
 def surface_part(surface, chosen=None):
-    """(polygons, edges, colour) of the surface's elements."""
+    """(polygons, edges, colour) of the elements of the surface."""
     chosen = slice(None) if chosen is None else chosen
     bezier = surface.bezier()[chosen]
     t = np.linspace(-1, 1, FINE)
@@ -60,7 +60,7 @@ def surface_part(surface, chosen=None):
 
 
 def layer_parts(body, chosen):
-    """Outer, inner and side faces of the layer's elements."""
+    """Outer, inner and side faces of the elements of the layer."""
     s = body.surface
     t = np.linspace(-1, 1, FINE)
     a, b = (v.ravel() for v in np.meshgrid(t, t))
@@ -80,7 +80,7 @@ def layer_parts(body, chosen):
 
 
 def cell_part(body, kind, keep):
-    """(polygons, edges, colour) of the cells of one kind on the side that stays; None: no cell."""
+    """(polygons, edges, colour) of the cells of one type on the remaining side; None without cells."""
     import pyvista
 
     cells = body.cells[kind]
@@ -115,7 +115,7 @@ def patches(x):
 def compose(scenes, direction, path, columns=1, up=(0, 1, 0), size=(1500, 1100), box=None):
     """Render scenes [(parts, caption)] with one camera and put them on a page.
 
-    A part is (polygons, edges, colour) and, where they are not black, the colour of the edges.
+    A part is (polygons, edges, colour) and, if it is not black, the colour of the edges.
     """
     import pyvista
 

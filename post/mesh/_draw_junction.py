@@ -7,8 +7,8 @@ from post.mesh import _draw, _surface
 
 
 def draw(body, path, near=None):
-    """Three panels around the T-junction nearest to a point (None: the first one with a common peak):
-    surface and bases, the pyramids with their common peak, and tetrahedra beside them."""
+    """Draw three panels around the T-junction nearest to a point (None: the first with a common peak):
+    surface and bases, the pyramids with their common peak, and the adjacent tetrahedra."""
     s, cells = body.whole, body.cells["pyramids"]
     quads = _quads(body, near)
     ring = np.flatnonzero(np.isin(s.corners, np.unique(s.corners[quads])).any(axis=1))
@@ -31,7 +31,7 @@ def draw(body, path, near=None):
     x = body.points[np.unique(s.corners[quads])]
     along = body.points[s.corners[quads[0], 1]] - body.points[s.corners[quads[0], 0]]
     outward = normal[np.unique(s.corners[quads])].mean(axis=0)
-    # From inside, a little aslant: the pyramids stand up.
+    # Seen from inside at a slight angle, so that the pyramids point up.
     view = -outward + 0.9 * along / np.linalg.norm(along)
     size = 1.6 * np.ptp(x, axis=0).max()
     box = np.ravel(np.column_stack([x.mean(axis=0) - 0.5 * size, x.mean(axis=0) + 0.5 * size]))
@@ -45,7 +45,7 @@ def _quads(body, near):
     shared = shared[count == 3]
     if not len(shared):
         raise Unreadable(
-            "no T-junction with a common peak: mesh with --split and --t-junction peak"
+            "the body has no T-junction with a common peak; mesh it with --split and --t-junction peak"
         )
     k = 0
     if near is not None:
@@ -54,7 +54,7 @@ def _quads(body, near):
 
 
 def _flat(body, corners, colour):
-    """Faces of the layer's inner side."""
+    """Faces of the inner side of the layer."""
     import pyvista
 
     mesh = pyvista.PolyData(
@@ -64,7 +64,7 @@ def _flat(body, corners, colour):
 
 
 def _lines(s, chosen):
-    """Edges of the surface's elements, red, without their faces."""
+    """Edges of the elements of the surface in red, without faces."""
     import pyvista
 
     _, edges, _ = _draw.surface_part(s, chosen)

@@ -1,9 +1,9 @@
-"""Only a part of the surface enriched: one ring of elements leads over to plain faces.
+"""Enrich a part of the surface only: one ring of elements forms the transition to plain faces.
 
-In that ring an element's corner that a plain face has too becomes a function of its own, whose
-control point lies at the corner; the edge between two such corners is made straight. The spline and
-the bilinear faces then have the same points and displacements along their common edges, also where
-corners hang there (_border).
+In that ring a corner that also belongs to a plain face gets a function of its own, whose control
+point lies at the corner; the edge between two such corners is made straight. The spline and the
+bilinear faces then have the same points and displacements along their common edges, also with
+hanging corners (_border).
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from post.mesh._surface import Surface
 
 
 def make_partial(body, keep):
-    """Change the body in place: elements that are not in `keep` (m), nor beside it, become plain."""
+    """Change the body in place: elements neither in `keep` (m) nor next to it become plain."""
     s = body.whole
     lines = _border.lines(s.hanging)
     ring = keep
@@ -38,7 +38,7 @@ def make_partial(body, keep):
 
 
 def _part(s, ring, rows, own, x):
-    """(Surface of the ring and what it surrounds, {corner: its own control point} as far as used)."""
+    """(Surface of the ring and the part it surrounds, {corner: its own control point, if used})."""
     nodes, coefficients = tables(list(rows.values()))
     points = np.concatenate([s.points, x[list(own)]])
     weights = np.concatenate([s.weights, np.ones(len(own))])
@@ -58,7 +58,7 @@ def _rows(s, e):
 
 
 def _straighten(s, rows, value, plain, straight):
-    """Corners in `value` ({corner: row}) are plain, and so are edges between them where one is."""
+    """Make the corners in `value` ({corner: row}) plain, and the edges between two of them straight."""
     edges = _border.edges(s.corners[plain])
     of = _border.by_corner(straight)
     for e, part in rows.items():
@@ -73,7 +73,7 @@ def _straighten(s, rows, value, plain, straight):
 
 
 def _follow(s, rows, line, around):
-    """Edges of small elements become parts of the large one's; around: {corner: elements}."""
+    """Make edges of small elements parts of the large element's edge; around: {corner: elements}."""
     beside = {e for v in line.corners() for e in around.get(v, ())}
     sides = [(e, *side) for e in sorted(beside) for side in _sides(s, e)]
     e, v, _, points = next(x for x in sides if set(x[1:3]) == set(line.ends))
@@ -88,13 +88,13 @@ def _follow(s, rows, line, around):
 
 
 def _sides(s, e):
-    """(corner, next corner, Bezier points of the edge between) of element e, four times."""
+    """(corner, next corner, Bezier points of the edge between them) for the four edges of element e."""
     corners = s.corners[e].tolist()
     return zip(corners, corners[1:] + corners[:1], _lines(*s.degree))
 
 
 def _lines(p, q):
-    """Bezier points along the four edges, each from its corner to the next.
+    """Numbers of the Bezier points along the four edges, each from its corner to the next.
 
     >>> _lines(1, 1)
     [[0, 1], [1, 3], [3, 2], [2, 0]]
@@ -106,7 +106,7 @@ def _lines(p, q):
 def _add_plain(body, s, plain, x, own):
     """Hexahedra of the plain part, whose outer corners are new points of the bulk.
 
-    A corner that hangs follows points of the bulk and control points k, the latter as -1 - k.
+    A hanging corner depends on points of the bulk and on control points k, written as -1 - k.
     """
     corners = np.unique(s.corners[plain])
     number = np.full(len(x), -1)

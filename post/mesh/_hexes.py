@@ -1,4 +1,4 @@
-"""Hexahedra that came with the net, used again: their boundary moves to the layer's inner corners."""
+"""Reuse the hexahedra of the net's file: their boundary moves to the inner corners of the layer."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from post._error import Unreadable
 from post.mesh import _quality
 
 ROUNDS = 20
-#: From a point to the corners of a cube and the middles of its faces.
+#: Directions from a point to the corners of a cube and the centres of its faces.
 DIRECTIONS = np.array(
     [
         (a, b, c)
@@ -20,17 +20,15 @@ DIRECTIONS = np.array(
 
 
 def reuse(net, surface, form):
-    """(points, hexes): the layer's inner corners first, then the inner points, moved along.
+    """(points, hexes): the inner corners of the layer first, then the inner points, moved along.
 
-    The displacement of the boundary is continued harmonically over the edges, short ones being the
-    stiffer; then points of bad cells are moved where that makes the worst of them better.
+    The displacement of the boundary is extended harmonically over the edges, of which short ones are
+    stiffer. Then points of bad cells are moved if that improves the worst cell.
     """
     border = np.unique(net.quads)
     inside = np.setdiff1d(np.unique(net.hexes), border)
     if len(border) != len(form.inner):
-        raise Unreadable(
-            "the hexahedra of the file do not belong to this net; take --interior tets"
-        )
+        raise Unreadable("the hexahedra of the file do not belong to this net; use --interior tets")
     number = np.full(len(net.points), -1)
     number[border], number[inside] = np.arange(len(border)), len(border) + np.arange(len(inside))
     cells = _positive(net.points, net.hexes)
@@ -48,19 +46,19 @@ def reuse(net, surface, form):
         k = np.flatnonzero(worst <= 0)
         raise Unreadable(
             f"{len(k)} of the {len(cells)} hexahedra of the file are inverted below the layer; "
-            "take --interior tets, or a thinner --layer"
+            "use --interior tets, or a thinner --layer"
         )
     return points, cells
 
 
 def _positive(points, cells):
-    """Cells that count their corners the other way round, turned."""
+    """The cells, with those turned whose corners are numbered in the opposite sense."""
     volume = _quality.hex_volumes(points, cells)
     return np.where((volume < 0)[:, None], cells[:, [4, 5, 6, 7, 0, 1, 2, 3]], cells)
 
 
 def cell_edges(cells):
-    """(k, 2) the edges of hexahedra, each once.
+    """(k, 2) the edges of hexahedra, each of them once.
 
     >>> len(cell_edges(np.arange(8)[None]))
     12
@@ -83,9 +81,9 @@ def cell_edges(cells):
 
 
 def harmonic(edges, values, fixed, length, steps=2000):
-    """(n, 3) values with those after the first `fixed` ones in balance; conjugate gradients.
+    """(n, 3) values in equilibrium after the first `fixed` ones, by conjugate gradients.
 
-    Edges pull with one over `length`.
+    The stiffness of an edge is the reciprocal of its `length`.
     """
     weight = (1 / length)[:, None]
 
@@ -119,7 +117,7 @@ def corner_quality(points, cells):
 
 
 def _improve(points, cells, fixed, target=0.15):
-    """Move inner points of bad cells, one after the other, where the worst cell there gets better."""
+    """Move inner points of bad cells one after the other if that improves the worst cell around."""
     users = {}
     for k, row in enumerate(cells.tolist()):
         for v in row:
@@ -133,7 +131,7 @@ def _improve(points, cells, fixed, target=0.15):
 
 
 def _move(points, around, v):
-    """Put point v to the best of some places near it, if one is better; whether it moved."""
+    """Move point v to the best of some positions near it; return whether it moved."""
     x = points[around]
     others = x[around != v].reshape(-1, 3)
     reach = np.linalg.norm(others - points[v], axis=1).min()

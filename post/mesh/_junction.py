@@ -1,18 +1,18 @@
 """T-junctions below the layer: the pyramids around one share their peak (paper, Figure 7).
 
-The mesher then sees triangles between common points only. The point that hangs stays constrained.
+The mesher then sees only triangles between common points. The hanging point stays constrained.
 """
 
 import numpy as np
 
 from post.mesh import _pyramids, _quality, _surface, _triangles
 
-MOST = 6  # quads below one peak; larger groups get a pyramid each, with the long side split
-GOOD = 0.2  # scaled Jacobian of pyramids that may have one peak
+MOST = 6  # quads with one peak; quads of larger groups get a pyramid each, with the long side split
+GOOD = 0.2  # least scaled Jacobian of pyramids that may share a peak
 
 
 def common_peaks(surface, form, room):
-    """Pyramids as _pyramids.build makes them, with common peaks where T-junctions join quads."""
+    """The Pyramids of _pyramids.build, with common peaks for quads joined by T-junctions."""
     faces, points = surface.corners, form.inner
     splits = {(a, b): s for s, (a, b, _) in surface.hanging.items()}
     single = _pyramids.build(faces, points, room, splits)
@@ -31,7 +31,7 @@ def common_peaks(surface, form, room):
         if not bad:
             break
         factors[bad] *= _pyramids.SHRINK
-    else:  # those that do not fit keep a peak each
+    else:  # quads of unsuitable groups keep a peak each
         joined = [m for k, m in enumerate(joined) if k not in bad]
         made, _ = _joined(single, faces, len(points), joined, np.ones(len(joined)), height, splits)
     return made
@@ -42,12 +42,12 @@ def _normals(x):
 
 
 def _upright(made, members):
-    """Whether the pyramids of a group have a good shape at all corners of their bases."""
+    """Whether the pyramids of a group are well shaped at all corners of their bases."""
     return bool((_quality.pyramids(made.points, made.cells[members])[1] > GOOD).all())
 
 
 def _groups(surface):
-    """(m) numbers of groups of quads that T-junctions join."""
+    """(m) numbers of the groups of quads that are joined by T-junctions."""
     users = {}
     for e, row in enumerate(surface.corners.tolist()):
         for a, b in zip(row, row[1:] + row[:1]):
@@ -62,7 +62,7 @@ def _groups(surface):
 
 
 def _joined(single, faces, n, joined, factors, height, splits):
-    """(Pyramids, owners of their triangles) with one peak a group of `joined`."""
+    """(Pyramids, owners of their triangles) with one peak per group of `joined`."""
     points, cells = single.points.copy(), single.cells.copy()
     of_group = np.full(len(faces), -1)
     for k, members in enumerate(joined):
@@ -74,7 +74,7 @@ def _joined(single, faces, n, joined, factors, height, splits):
         cells[members, 4] = n + members[0]
         of_group[members] = k
     triangles, owner = _pyramids.sides(cells, splits)
-    # Sides of one group that face one another are inside.
+    # Sides of one group that face each other are inside.
     key = np.sort(triangles, axis=1)
     _, inverse, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
     keep = count[inverse.ravel()] == 1

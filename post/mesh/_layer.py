@@ -1,7 +1,8 @@
-"""The layer of enriched elements: inner corners on normals, at a distance that fits the place.
+"""The layer of enriched elements: inner corners on normals, at a suitable local distance.
 
-An upper bound comes from the edges, from half the body's thickness and from where normals meet; a
-lower one from the inner face, which is flat: in a hollow it must stay below the surface's sag.
+An upper bound follows from the edge lengths, from half the thickness of the body and from where
+normals intersect; a lower one from the inner face, which is flat: under a concave surface it must
+stay below the sag of the surface.
 """
 
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ ROUNDS = 12
 
 @dataclass
 class Layer:
-    """Inner corners and what they were made from."""
+    """Inner corners, and the quantities from which they were computed."""
 
     inner: np.ndarray  # (corners, 3)
     height: np.ndarray  # (corners) [L]
@@ -28,8 +29,8 @@ class Layer:
 def build(surface, factor=0.8, thickness_share=0.2, curvature_share=0.6, constant=None):
     """The Layer of a surface.
 
-    factor: of the local edge length; thickness_share: of the body's thickness; curvature_share: of
-    the smallest radius; constant: one height [L] everywhere instead, raised nowhere.
+    factor: relative to the local edge length; thickness_share: to the thickness of the body;
+    curvature_share: to the smallest radius; constant: use this height [L] everywhere instead.
     """
     x = surface.corner_points()
     normal, jump = _surface.corner_normals(surface)
@@ -59,14 +60,14 @@ def build(surface, factor=0.8, thickness_share=0.2, curvature_share=0.6, constan
 
 
 def _chord(surface, inner):
-    """Inner points of hanging corners put on the chord between their masters."""
+    """Move the inner points of hanging corners onto the chords between their masters."""
     for s, (a, b, tau) in _border.in_order(surface.hanging):
         inner[s] = (1 - tau) * inner[a] + tau * inner[b]
     return inner
 
 
 def _edge_length(surface, x):
-    """(corners) mean length of the edges there [L]."""
+    """(corners) mean length of the edges at the corner [L]."""
     a, b = surface.corners.ravel(), np.roll(surface.corners, -1, axis=1).ravel()
     length = np.linalg.norm(x[b] - x[a], axis=1)
     total, count = np.zeros(len(x)), np.zeros(len(x))
@@ -77,7 +78,7 @@ def _edge_length(surface, x):
 
 
 def thickness(surface, x, normal):
-    """(corners) distance to the other side of the body along the inward normal; inf: none [L]."""
+    """(corners) distance to the other side of the body along the inward normal, or inf [L]."""
     c = surface.corners
     triangles = np.concatenate([c[:, [2, 1, 0]], c[:, [3, 2, 0]]])
     start = 0.05 * _edge_length(surface, x)
@@ -94,7 +95,7 @@ def _bulge(surface, n):
 
 
 def _sag(surface, x, normal):
-    """(corners) how far the elements around lie inside the bilinear face of their corners [L]."""
+    """(corners) largest depth of the elements around below the bilinear face of their corners [L]."""
     t = np.linspace(-1, 1, 7)
     xi, eta = (v.ravel() for v in np.meshgrid(t, t))
     y = _surface.evaluate(surface.bezier(), surface.degree, xi, eta, order=0)[0]
@@ -107,7 +108,7 @@ def _sag(surface, x, normal):
 
 
 def bilinear(corners, xi, eta, derivatives=False):
-    """(m, k, 3) points of faces (m, 4, 3), with `derivatives` also those along xi and eta."""
+    """(m, k, 3) points of faces (m, 4, 3), with `derivatives` also the derivatives along xi and eta."""
     sx, sy = np.array([-1, 1, 1, -1]), np.array([-1, -1, 1, 1])
     shape = lambda a, b: np.einsum("kn,mnc->mkc", a * b / 4, corners)  # noqa: E731
     one = 1 + np.outer(xi, sx), 1 + np.outer(eta, sy)
@@ -131,7 +132,7 @@ def _smoothed(surface, height, passes):
 
 
 def jacobians(surface, inner, xi, eta, zeta):
-    """(m, k, 3, 3) columns x_xi x_eta x_zeta of the layer's elements; the surface is zeta = -1."""
+    """(m, k, 3, 3) columns x_xi x_eta x_zeta of the elements; the surface is at zeta = -1."""
     top = _surface.evaluate(surface.bezier(), surface.degree, xi, eta)
     low = bilinear(inner[surface.corners], xi, eta, derivatives=True)
     a, b = ((1 - zeta) / 2)[:, None], ((1 + zeta) / 2)[:, None]
@@ -152,7 +153,7 @@ def determinants(surface, inner):
 
 
 def worst(surface, inner):
-    """(m) the least det J, but for corners where the surface is degenerate: there it is zero."""
+    """(m) the least det J, without the corners where the surface is degenerate and det J is zero."""
     det = determinants(surface, inner)
     _, a, b = _surface.evaluate(
         surface.bezier(), surface.degree, np.array([-1.0, 1, 1, -1]), np.array([-1.0, -1, 1, 1])
@@ -164,7 +165,7 @@ def worst(surface, inner):
 
 
 def volumes(surface, inner):
-    """(m) volumes of the elements, exact but for rational surfaces [L^3]."""
+    """(m) volumes of the elements, exact except for rational surfaces [L^3]."""
     n = _surface.exact_rule(surface)
     xi, eta, w = _surface.gauss(n)
     z = np.array([-1.0, 1.0]) / np.sqrt(3)

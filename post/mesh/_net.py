@@ -1,4 +1,4 @@
-"""A net of quads: its edges, fans and orientation, checked before anything is built on it."""
+"""A net of quads: its edges, fans and orientation, which are checked before it is used."""
 
 from dataclasses import dataclass, field
 
@@ -9,19 +9,19 @@ from post._error import Unreadable
 
 @dataclass
 class Net:
-    """A control net, and the hexahedra inside where the file has them."""
+    """A control net, and the hexahedra inside if the file has them."""
 
     points: np.ndarray  # (n, 3)
     quads: np.ndarray  # (m, 4) seen from outside counter-clockwise once `checked`
     hexes: np.ndarray = field(default_factory=lambda: np.empty((0, 8), dtype=np.int64))
     sets: dict = field(default_factory=dict)  # name to (k) numbers of quads
-    border: np.ndarray | None = None  # (n) whether a point is on the border of an open net
+    border: np.ndarray | None = None  # (n) whether a point is on the boundary of an open net
 
 
 def checked(net, path, closed=True, orient=False):
-    """The net after all checks; with `orient` turned so that normals point outward.
+    """The net after all checks; with `orient` its quads are turned so that normals point outward.
 
-    Raises Unreadable with one sentence for the first thing that is wrong.
+    Raises Unreadable with one sentence about the first error.
     """
 
     def fail(text):
@@ -46,7 +46,9 @@ def checked(net, path, closed=True, orient=False):
             net.quads = net.quads[:, ::-1].copy()
             twin = twins(net.quads, fail)
         elif volume < 0:
-            fail("the quads are seen from inside (the volume is negative); --orient turns them")
+            fail(
+                "the normals of the quads point inward (the volume is negative); --orient turns the quads"
+            )
     _check_fans(net, twin, fail)
     net.border = np.zeros(len(net.points), dtype=bool)
     for q, c in np.argwhere(twin < 0):
@@ -55,7 +57,7 @@ def checked(net, path, closed=True, orient=False):
 
 
 def _apart(net, twin):
-    """What to say where points of open edges stand at one place."""
+    """The remark for points of open edges that coincide."""
     q, c = np.argwhere(twin < 0).T
     ends = np.unique(np.r_[net.quads[q, c], net.quads[q, (c + 1) % 4]])
     _, first, count = np.unique(net.points[ends], axis=0, return_inverse=True, return_counts=True)
@@ -63,7 +65,7 @@ def _apart(net, twin):
     if not len(double):
         return ""
     twins = double[(net.points[double] == net.points[double[0]]).all(axis=1)]
-    return f" (points {twins[0] + 1} and {twins[1] + 1} stand at one place: make them one)"
+    return f" (points {twins[0] + 1} and {twins[1] + 1} coincide; merge them)"
 
 
 def _place(x):
@@ -73,7 +75,7 @@ def _place(x):
 def _check_quads(net, fail):
     repeated = np.array([len(set(q)) < 4 for q in net.quads.tolist()])
     if repeated.any():
-        fail(f"quad {np.flatnonzero(repeated)[0] + 1} is degenerate: a point stands in it twice")
+        fail(f"quad {np.flatnonzero(repeated)[0] + 1} is degenerate: it has a duplicate point")
     x = net.points[net.quads]
     size = np.linalg.norm(x.max(axis=1) - x.min(axis=1), axis=1)
     area = np.linalg.norm(np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]), axis=1)
@@ -84,11 +86,11 @@ def _check_quads(net, fail):
     key = np.sort(net.quads, axis=1)
     _, first, count = np.unique(key, axis=0, return_index=True, return_counts=True)
     if (count > 1).any():
-        fail(f"quad {first[count > 1][0] + 1} stands there twice")
+        fail(f"duplicate quad {first[count > 1][0] + 1}")
 
 
 def twins(quads, fail=None):
-    """(m, 4) number 4 q + c of the same edge in the neighbour, -1 at a border.
+    """(m, 4) number 4 q + c of the same edge in the neighbour, -1 at a boundary.
 
     Edge c of quad q runs from corner c to corner c + 1.
 
@@ -115,7 +117,7 @@ def twins(quads, fail=None):
 
 
 def oriented(quads, fail):
-    """The quads turned so that neighbours agree with the first of their part."""
+    """The quads, turned so that neighbours have the orientation of the first quad of their part."""
     users = {}
     for q, row in enumerate(quads.tolist()):
         for c in range(4):
@@ -138,20 +140,20 @@ def oriented(quads, fail):
                         turned[r] = sign
                         stack.append(r)
                     elif r != q and turned[r] != sign:
-                        fail("the surface has one side only (a Moebius strip): it bounds no body")
+                        fail("the surface has one side only (a Moebius strip) and encloses no body")
     return np.where((turned < 0)[:, None], quads[:, ::-1], quads)
 
 
 def quad_volume(points, quads):
-    """What the quads enclose, each as two triangles, positive where normals point outward [L^3]."""
+    """The enclosed volume, with two triangles per quad, positive if normals point outward [L^3]."""
     a, b, c, d = (points[quads[:, k]] for k in range(4))
     return (np.einsum("ij,ij", a, np.cross(b, c)) + np.einsum("ij,ij", a, np.cross(c, d))) / 6
 
 
 def fans(quads, twin):
-    """For each point the corners around it, [(q, c), ...] in order, starting at a border's edge.
+    """The corners around each point, [(q, c), ...] in order, starting at a boundary edge if any.
 
-    The corner after (q, c) is that of the quad across the edge that ends at (q, c).
+    The corner after (q, c) belongs to the quad across the edge that ends at (q, c).
     Returns (fans by point, points with more than one fan).
     """
     seen = np.zeros(quads.shape, dtype=bool)
@@ -179,13 +181,15 @@ def _check_fans(net, twin, fail):
     around, pinched = fans(net.quads, twin)
     if pinched:
         v = min(pinched)
-        fail(f"the surface meets itself at point {v + 1}, {_place(net.points[v])}, only there")
+        fail(f"the surface touches itself at the single point {v + 1}, {_place(net.points[v])}")
     for v, fan in around.items():
         if len(fan) < 3 and all(twin[q, c] >= 0 and twin[q, c - 1] >= 0 for q, c in fan):
-            fail(f"point {v + 1} has {len(fan)} quads around it; an inner point needs three")
+            fail(
+                f"point {v + 1} has {len(fan)} quads around it; an interior point needs at least three"
+            )
     parts = components(net.quads)
     if parts > 1:
-        fail(f"the surface has {parts} parts that do not touch; mesh one body at a time")
+        fail(f"the surface has {parts} separate parts; mesh one body at a time")
 
 
 def components(quads):
@@ -206,7 +210,7 @@ def components(quads):
 
 
 def refined(net):
-    """One Catmull-Clark step: four quads from each; open borders become cubic B-splines."""
+    """One Catmull-Clark step: four quads from each; open boundaries become cubic B-splines."""
     quads, x = net.quads, net.points
     twin = twins(quads)
     n, m = len(x), len(quads)
@@ -237,7 +241,7 @@ def refined(net):
 
 
 def _moved(net, twin, middle, ends, number, x):
-    """Old points after the step: (F + 2 R + (n - 3) P) / n inside, (a + 6 P + b) / 8 at a border."""
+    """Old points after the step: (F + 2 R + (n - 3) P)/n inside, (a + 6 P + b)/8 at a boundary."""
     result = x.copy()
     for v, fan in fans(net.quads, twin)[0].items():
         n = len(fan)

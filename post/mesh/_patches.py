@@ -2,7 +2,7 @@
 
 Face points are (n P + 2 (its two neighbours) + 1 opposite) / (n + 5) of their quad, edge points the
 mean of two face points, corners the mean of the face points around (Loop and Schaefer 2008). At a
-border edge points are (2 P + 1 neighbour) / 3. The rows sum to one and are not negative; where all
+boundary edge points are (2 P + 1 neighbour) / 3. The rows sum to one and are not negative; where all
 four corners of a quad have valence 4 they are the uniform cubic B-spline.
 """
 
@@ -19,7 +19,7 @@ BEHIND = (4, 2, 11, 13)  # on the edge that ends at the corner, near it
 
 
 def extract(net):
-    """The Surface of a net that was `checked`; x_xi x x_eta points into the body."""
+    """The Surface of a net after `checked`; x_xi x x_eta points into the body."""
     quads = net.quads[:, ::-1].copy()  # the enriched face is zeta = -1 of a hexahedron
     used, inverse = np.unique(quads, return_inverse=True)
     quads = inverse.reshape(quads.shape)

@@ -1,27 +1,27 @@
-"""Peaks of pyramids and points of the mesher, moved where the worst cells there get better.
+"""Move peaks of pyramids and points of the mesher to improve the worst cells.
 
-A mesher keeps the triangles of the pyramids as they are, and below long quads those are bad. Peaks are
-our own points, so they may move with the others; the surface and the layer's inner corners stay.
+A mesher does not change the triangles of the pyramids, which are poor below long quads. The peaks
+may move like the mesher's own points; the surface and the inner corners of the layer stay.
 """
 
 import numpy as np
 
 from post.mesh import _quality
 
-TARGET = 0.12  # scaled Jacobian of cells whose points are moved
+TARGET = 0.12  # points of cells with a scaled Jacobian below this are moved
 ROUNDS = 20
-STEPS = (0.5, 0.2, 0.07, 0.02)  # of the distance to the nearest point but one
-LEAST = 1e-4  # a gain that is worth a step
-#: Towards corners, edges and faces of a cube.
+STEPS = (0.5, 0.2, 0.07, 0.02)  # largest move relative to the distance to the second nearest point
+LEAST = 1e-4  # least improvement for which a point is moved
+#: Directions to corners, edges and faces of a cube.
 DIRECTIONS = np.array([d for d in np.ndindex(3, 3, 3) if d != (1, 1, 1)], dtype=float) - 1
 DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1)[:, None]
 
 
 def improve(points, tets, pyramids, fixed):
-    """Move points after the first `fixed` ones, in place, one after the other; how many moved.
+    """Move points after the first `fixed` ones, in place, one after the other; return their number.
 
-    A point goes to the best of some places near it, judged by the least scaled Jacobian of its
-    tetrahedra and pyramids; the worst of a body never gets worse.
+    A point moves to the best of some positions near it, by the least scaled Jacobian of its
+    tetrahedra and pyramids; the worst value of the body never decreases.
     """
     kinds = (tets, _quality.tet_shapes), (pyramids, _quality.pyramid_shapes)
     around = [_users(cells) for cells, _ in kinds]
@@ -58,14 +58,14 @@ def _users(cells):
 
 
 def _moved(x, at, places):
-    """(places, cells, corners, 3): the corners x (cells, corners, 3) with those `at` there."""
+    """(positions, cells, corners, 3): x (cells, corners, 3) with the corners `at` moved to them."""
     trial = np.repeat(x[None], len(places), axis=0)
     trial[:, at] = places[:, None]
     return trial
 
 
 def _move(points, v, tets, worst):
-    """Put point v to a better place, if there is one near; whether it moved."""
+    """Move point v to a better position near it, if there is one; return whether it moved."""
     others = np.unique(tets[tets != v])
     reach = np.partition(np.linalg.norm(points[others] - points[v], axis=1), 1)[1]
     for step in STEPS:

@@ -1,4 +1,4 @@
-"""A pyramid on every inner face of the layer, so that triangles are left for the tetrahedra."""
+"""A pyramid on every inner face of the layer, so that tetrahedra can start from triangles."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ SHRINK = 0.75
 
 @dataclass
 class Pyramids:
-    """Cells and the closed surface of triangles that they leave for the mesher."""
+    """The cells, and the closed surface of triangles that the mesher starts from."""
 
     points: np.ndarray  # (inner corners, then peaks, 3)
     cells: np.ndarray  # (m, 5) base, seen from the peak counter-clockwise, and peak
@@ -23,8 +23,8 @@ class Pyramids:
 def build(faces, points, thickness, splits=None, height_share=0.35, thickness_share=0.25):
     """Pyramids on faces (m, 4) of `points`, whose normals point into the body.
 
-    thickness: (m) room behind the faces [L]; splits: {(a, b): s} the point that hangs between two
-    corners, so that the triangle there becomes two.
+    thickness: (m) free depth behind the faces [L]; splits: {(a, b): s} the hanging point between
+    two corners, at which the triangle there is split into two.
     """
     x = points[faces]
     normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
@@ -49,13 +49,13 @@ def build(faces, points, thickness, splits=None, height_share=0.35, thickness_sh
         height[bad] = np.maximum(SHRINK * height[bad], lower[bad])
     place = "(" + ", ".join(f"{v:.4g}" for v in middle[bad[0]]) + ")"
     raise Unreadable(
-        f"{len(bad)} pyramids below the layer cut one another, the first at {place}; refine the net "
-        "there (--refine) or take a thinner --layer"
+        f"{len(bad)} pyramids below the layer intersect, the first at {place}; refine the net "
+        "there (--refine) or use a thinner --layer"
     )
 
 
 def _raised(x, middle, normal, height, limit, least=0.12):
-    """Heights, larger where the corners of a long or skew face would be too flat."""
+    """Heights, which are larger where the corners of a long or skew face would be too flat."""
     for _ in range(6):
         peak = middle + height[:, None] * normal
         cells = np.arange(5 * len(x)).reshape(-1, 5)
@@ -66,7 +66,7 @@ def _raised(x, middle, normal, height, limit, least=0.12):
 
 
 def sides(cells, splits):
-    """Side triangles, their normals out of the room that is left, and the pyramid of each."""
+    """Side triangles, with normals out of the remaining space, and the pyramid of each."""
     triangles, owner = [], []
     for k, (a, b, c, d, peak) in enumerate(cells.tolist()):
         for u, v in ((a, b), (b, c), (c, d), (d, a)):
@@ -91,7 +91,7 @@ def edge_chain(u, v, splits):
 
 
 def folded(points, triangles, least=8.0):
-    """Triangles with a neighbour so close that no good tetrahedron fits between."""
+    """Triangles with a neighbour so close that no good tetrahedron fits between them."""
     a, b = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     n = len(points)
     key, twin = a * n + b, b * n + a
@@ -105,5 +105,5 @@ def folded(points, triangles, least=8.0):
     opposite = x.sum(axis=1)[u] - points[a[found]] - points[b[found]] - points[a[found]]
     inside = np.einsum("ij,ij->i", normal[t], opposite) < 0
     cosine = -np.einsum("ij,ij->i", normal[t], normal[u])
-    angle = np.arccos(np.clip(cosine, -1, 1))  # between the faces, on the tetrahedra's side
+    angle = np.arccos(np.clip(cosine, -1, 1))  # between the faces, on the side of the tetrahedra
     return np.unique(t[inside & (angle < np.radians(least))])

@@ -1,4 +1,4 @@
-"""Shapes of cells: volumes, scaled Jacobians (det J over the product of its columns), angles."""
+"""Shapes of cells: volumes, angles, and scaled Jacobians (det J over the product of its columns)."""
 
 import numpy as np
 
@@ -14,8 +14,8 @@ TET_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 def layer(surface, inner):
     """{det_gauss, det_corner, scaled_gauss, scaled_corner}: the least of each; empty without layer.
 
-    Where a surface is degenerate at a corner, as at a smooth extraordinary point, det J is zero
-    there and is left out of the corners' values.
+    If a surface is degenerate at a corner, as at a smooth extraordinary point, det J is zero there
+    and is omitted from the values at corners.
     """
     if not len(surface.nodes):
         return {}
@@ -58,7 +58,7 @@ def hex_volumes(points, cells):
 
 
 def tet_shapes(x):
-    """(...) scaled Jacobians of tetrahedra (..., 4, 3): the least corner's, 1 where regular."""
+    """(...) scaled Jacobians of tetrahedra (..., 4, 3): the least of the corners, 1 if regular."""
     length = np.linalg.norm(x[..., :, None, :] - x[..., None, :, :], axis=-1)
     length[..., np.arange(4), np.arange(4)] = 1
     det = np.linalg.det(x[..., 1:, :] - x[..., :1, :])
@@ -90,7 +90,7 @@ def pyramids(points, cells):
 
 
 def tets(points, cells):
-    """(volumes (m), dihedral angles (m, 6) [degrees], scaled Jacobians (m), 1 where regular)."""
+    """(volumes (m), dihedral angles (m, 6) [degrees], scaled Jacobians (m), 1 if regular)."""
     x = points[cells]
     volume = np.einsum(
         "ij,ij->i", np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), x[:, 3] - x[:, 0]

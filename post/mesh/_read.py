@@ -1,4 +1,4 @@
-"""Nets of quads from VTK (legacy), OFF and OBJ files; a file of hexahedra gives its boundary."""
+"""Read nets of quads from legacy VTK, OFF and OBJ files; a file of hexahedra gives its boundary."""
 
 import pathlib
 
@@ -15,12 +15,12 @@ FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [
 
 
 def read_net(path):
-    """The net in a file, by the file's ending."""
+    """The net in a file, whose ending gives the format."""
     readers = {".vtk": read_vtk, ".off": read_off, ".obj": read_obj, ".msh": _read_gmsh.read_gmsh}
     ending = pathlib.Path(path).suffix.lower()
     if ending not in readers:
         known = " ".join([*readers, ".json (BEXT)", ".iga"])
-        raise Unreadable(f"'{path}': unknown ending '{ending}'; known: {known}")
+        raise Unreadable(f"'{path}' has an unknown ending '{ending}'; known endings: {known}")
     points, quads, hexes, sets = readers[ending](path)
     for cells in (quads, hexes):
         if len(cells) and not (0 <= cells.min() and cells.max() < len(points)):
@@ -32,12 +32,12 @@ def read_net(path):
         quads = boundary(hexes)
         sets = {}
     if not len(quads):
-        raise Unreadable(f"'{path}': no quads and no hexahedra in it")
+        raise Unreadable(f"'{path}' has no quads and no hexahedra")
     return Net(points, quads, hexes, sets)
 
 
 def boundary(hexes):
-    """(m, 4) the faces that belong to one hexahedron only, seen from outside.
+    """(m, 4) the faces that belong to one hexahedron only, counter-clockwise seen from outside.
 
     >>> boundary(np.arange(8)[None]).shape
     (6, 4)
@@ -52,21 +52,21 @@ def read_vtk(path):
     """(points, quads, hexes, sets) of a legacy VTK file."""
     t = Tokens(path)
     if not t.lines or "vtk" not in t.lines[0].lower():
-        t.fail("its first line is not that of a VTK file")
+        t.fail("the first line is not that of a VTK file")
     if "ASCII" not in t.words:
-        t.fail("not an ASCII file; save it as legacy ASCII")
+        t.fail("the file is not ASCII; save it as legacy ASCII")
     t.seek("DATASET")
-    kind = t.word("the kind of data set").upper()
+    kind = t.word("the type of the data set").upper()
     if kind not in ("UNSTRUCTURED_GRID", "POLYDATA"):
-        t.fail(f"a data set {kind} is no net; known: UNSTRUCTURED_GRID POLYDATA")
+        t.fail(f"a data set {kind} is not a net; known data sets: UNSTRUCTURED_GRID POLYDATA")
     if not t.seek("POINTS"):
-        t.fail("no POINTS in it")
+        t.fail("the file has no POINTS")
     n = t.count("the number of points")
     t.word("the type of the points")
     points = t.numbers(3 * n, "POINTS").reshape(-1, 3)
     word = t.seek("CELLS", "POLYGONS")
     if not word:
-        t.fail("no CELLS and no POLYGONS in it")
+        t.fail("the file has no CELLS and no POLYGONS")
     n, size = t.count(f"the number of {word}"), t.count(f"the size of {word}")
     cells = _vtk_cells(t, n, size, word)
     if word == "POLYGONS":
@@ -75,7 +75,7 @@ def read_vtk(path):
         return points, _table(cells, 4), _table([], 8), {}
     t.seek("CELL_TYPES")
     if t.count("the number of CELL_TYPES") != n:
-        t.fail(f"CELL_TYPES are not as many as CELLS ({n})")
+        t.fail(f"the number of CELL_TYPES differs from that of CELLS, {n}")
     types = t.numbers(n, "CELL_TYPES", int)
     return points, *_by_type(t, cells, types), {}
 
@@ -92,11 +92,11 @@ def _vtk_cells(t, n, size, word):
     cells, at = [], 0
     for _ in range(n):
         if at >= size or not 0 < values[at] < size - at + 1:
-            t.fail(f"the size of {word}, {size}, does not fit its {n} cells")
+            t.fail(f"the size of {word}, {size}, does not match its {n} cells")
         cells.append(values[at + 1 : at + 1 + values[at]])
         at += 1 + int(values[at])
     if at != size:
-        t.fail(f"the size of {word}, {size}, does not fit its {n} cells")
+        t.fail(f"the size of {word}, {size}, does not match its {n} cells")
     return cells
 
 
@@ -104,9 +104,9 @@ def _by_type(t, cells, types):
     kinds = {QUAD: 4, HEX: 8}
     for k, (cell, kind) in enumerate(zip(cells, types)):
         if kind not in kinds and len(cell) > 2:
-            t.fail(f"cell {k + 1} is of VTK's type {kind}; quads (9) and hexahedra (12) make a net")
+            t.fail(f"cell {k + 1} has the VTK type {kind}; expected quads (9) or hexahedra (12)")
         if kind in kinds and len(cell) != kinds[kind]:
-            t.fail(f"cell {k + 1} has {len(cell)} points, its type {kind} has {kinds[kind]}")
+            t.fail(f"cell {k + 1} of type {kind}: expected {kinds[kind]} points, found {len(cell)}")
     return [_table([c for c, k in zip(cells, types) if k == kind], w) for kind, w in kinds.items()]
 
 
@@ -118,17 +118,17 @@ def read_off(path):
     """(points, quads, hexes, sets) of an OFF file."""
     t = Tokens(path, comment="#")
     if t.word("OFF").upper() != "OFF":
-        t.fail("its first word is not OFF")
+        t.fail("the first word is not OFF")
     n, m, _ = (t.count("the counts") for _ in range(3))
     points = t.numbers(3 * n, "points").reshape(-1, 3)
     quads = []
     for k in range(m):
         width = t.count(f"the size of face {k + 1}")
         if width != 4:
-            t.fail(f"face {k + 1} has {width} corners; a net has quads only")
+            t.fail(f"face {k + 1} has {width} corners; a net consists of quads only")
         quads.append(t.numbers(4, f"face {k + 1}", int))
     if t.more():
-        t.fail(f"the file goes on behind the {m} faces that it announces")
+        t.fail(f"the file continues after the {m} faces that it announces")
     return points, _table(quads, 4), _table([], 8), {}
 
 
@@ -146,7 +146,9 @@ def read_obj(path):
         elif words[0] == "f":
             corners = _obj_numbers(t, [w.split("/")[0] for w in words[1:]], None, place, int)
             if len(corners) != 4:
-                t.fail(f"{place}: a face of {len(corners)} corners; a net has quads only")
+                t.fail(
+                    f"{place}: the face has {len(corners)} corners; a net consists of quads only"
+                )
             if group:
                 sets.setdefault(group, []).append(len(quads))
             quads.append([c - 1 if c > 0 else len(points) + c for c in corners])
@@ -160,7 +162,7 @@ def _obj_numbers(t, words, n, place, kind):
     try:
         values = np.array([kind(w) for w in words], dtype=kind).tolist()
     except (ValueError, OverflowError):
-        t.fail(f"{place}: not numbers")
+        t.fail(f"{place}: expected numbers")
     if n and len(values) != n or not np.isfinite(values).all():
-        t.fail(f"{place}: not {n} finite numbers")
+        t.fail(f"{place}: expected {n} finite numbers")
     return values

@@ -1,11 +1,11 @@
-"""Gmsh's ASCII files of versions 2.2 and 4.1: points, quads, hexahedra, physical groups."""
+"""Read Gmsh's ASCII files, versions 2.2 and 4.1: points, quads, hexahedra, physical groups."""
 
 import numpy as np
 
 from post.mesh._tokens import Tokens
 
 QUAD, HEX = 3, 5
-#: Nodes of Gmsh's element types that may stand in a file.
+#: Number of nodes of the Gmsh element types that a file may contain.
 NODES = {1: 2, 2: 3, 3: 4, 4: 4, 5: 8, 6: 6, 7: 5, 8: 3, 9: 6, 10: 9, 11: 10, 12: 27, 15: 1}
 
 
@@ -35,12 +35,12 @@ def read_all(path):
     """(points (n,3), tags (n), [(type, physical group, nodes)], {(dim, group): name})."""
     t = Tokens(path)
     if not t.seek("$MESHFORMAT"):
-        t.fail("no $MeshFormat in it")
+        t.fail("the file has no $MeshFormat")
     version = t.word("the version")
-    if t.word("the kind of file") != "0":
-        t.fail("a binary Gmsh file; save it as ASCII")
+    if t.word("the type of file") != "0":
+        t.fail("the file is a binary Gmsh file; save it as ASCII")
     if version not in ("2.2", "4.1"):
-        t.fail(f"version {version} of Gmsh's format; known: 2.2 4.1")
+        t.fail(f"unknown version {version} of Gmsh's format; known versions: 2.2 4.1")
     names, groups, points, tags, cells = {}, {}, None, None, None
     seen = set()
     while True:
@@ -52,7 +52,7 @@ def read_all(path):
         if section == "$PARTITIONEDENTITIES":
             t.fail("the mesh is partitioned; save it in one part")
         if section in seen:
-            t.fail(f"${section[1:].capitalize()} stands there twice")
+            t.fail(f"duplicate section ${section[1:].capitalize()}")
         seen.add(section)
         if section == "$PHYSICALNAMES":
             names = _names(t)
@@ -65,10 +65,10 @@ def read_all(path):
         if t.seek("$END" + section[1:]) is None:
             t.fail(f"the file ends before $End{section[1:].capitalize()}")
     if points is None or cells is None:
-        t.fail("no $Nodes or no $Elements in it")
+        t.fail("the file has no $Nodes or no $Elements")
     unique, count = np.unique(tags, return_counts=True)
     if (count > 1).any():
-        t.fail(f"node {unique[count > 1][0]} is defined twice")
+        t.fail(f"duplicate node {unique[count > 1][0]}")
     return points, tags, cells, names
 
 
@@ -88,7 +88,7 @@ def _nodes2(t):
     values = t.numbers(4 * n, "$Nodes").reshape(-1, 4)
     tags = values[:, 0]
     if (tags != np.rint(tags)).any():
-        t.fail(f"a node has the number {tags[tags != np.rint(tags)][0]:g}")
+        t.fail(f"the number of a node, {tags[tags != np.rint(tags)][0]:g}, is not an integer")
     return values[:, 1:], tags.astype(np.int64)
 
 
@@ -97,7 +97,7 @@ def _elements2(t):
     for _ in range(t.count("the number of elements")):
         number, kind, ntag = (t.integer("an element") for _ in range(3))
         if kind not in NODES:
-            t.fail(f"element {number} is of Gmsh's type {kind}, which is not known here")
+            t.fail(f"element {number} has the unknown Gmsh type {kind}")
         tags = t.numbers(ntag, f"element {number}", int)
         cells.append((kind, int(tags[0]) if ntag else 0, t.numbers(NODES[kind], "$Elements", int)))
     return cells
@@ -125,10 +125,10 @@ def _nodes4(t):
         dim, _, parametric = t.numbers(3, "a block of $Nodes", int)
         count = t.count("the nodes of a block")
         tags.append(t.numbers(count, "$Nodes", int))
-        width = 3 + (min(max(dim, 0), 3) if parametric else 0)  # behind x y z: parameters
+        width = 3 + (min(max(dim, 0), 3) if parametric else 0)  # parameters follow x y z
         points.append(t.numbers(width * count, "$Nodes").reshape(-1, width)[:, :3])
     if sum(map(len, tags)) != n:
-        t.fail(f"$Nodes says {n} nodes and has {sum(map(len, tags))}")
+        t.fail(f"$Nodes announces {n} nodes and has {sum(map(len, tags))}")
     return np.concatenate([np.empty((0, 3)), *points]), np.concatenate([np.empty(0, int), *tags])
 
 
@@ -138,10 +138,10 @@ def _elements4(t, groups):
     for _ in range(blocks):
         dim, tag, kind = (t.integer("a block of $Elements") for _ in range(3))
         if kind not in NODES:
-            t.fail(f"a block is of Gmsh's type {kind}, which is not known here")
+            t.fail(f"a block of elements has the unknown Gmsh type {kind}")
         for _ in range(t.count("the elements of a block")):
             nodes = t.numbers(1 + NODES[kind], "$Elements", int)[1:]
             cells.append((kind, groups.get((dim, tag), 0), nodes))
     if len(cells) != n:
-        t.fail(f"$Elements says {n} elements and has {len(cells)}")
+        t.fail(f"$Elements announces {n} elements and has {len(cells)}")
     return cells

@@ -1,4 +1,4 @@
-"""Extracted spline surfaces: BEXT 2.0 as JSON and as text, `.iga` files of Rhino's T-splines."""
+"""Read extracted spline surfaces: BEXT 2.0 as JSON and as text, `.iga` files of T-splines."""
 
 import json
 import pathlib
@@ -14,7 +14,7 @@ HEAD = ["B", "E", "X", "T", "2.0"]
 
 
 def is_spline(path):
-    """Whether the file's ending is that of a spline surface rather than of a net.
+    """Whether the ending of a file is that of a spline surface instead of a net.
 
     >>> is_spline("a.bext.json"), is_spline("a.vtk")
     (True, False)
@@ -30,7 +30,7 @@ def read_spline(path, closed=True):
     _check(path, degree, points, weights, nodes, coefficients)
     for name, ids in sets.items():
         if len(ids) and not (0 <= ids.min() and ids.max() < len(nodes)):
-            raise Unreadable(f"'{path}': set '{name}' names an element that is not there")
+            raise Unreadable(f"'{path}': set '{name}' names an element that does not exist")
     s = Surface(degree, points, weights, nodes, coefficients, None, sets)
     s.corners = _split.find_corners(nodes, coefficients, s.corner_index)
     s.hanging = _split.find_hanging(s)
@@ -41,7 +41,7 @@ def read_spline(path, closed=True):
 
 
 def turned(s):
-    """The surface with its two parameters exchanged: its normals point to the other side."""
+    """The surface with its two parameters exchanged, so that its normals change sides."""
     p, q = s.degree
     order = np.arange((p + 1) * (q + 1)).reshape(q + 1, p + 1).T.ravel()
     rows = [c[:, order] for c in s.coefficients]
@@ -54,12 +54,14 @@ def _check(path, degree, points, weights, nodes, coefficients):
         raise Unreadable(f"'{path}' has no elements")
     width = (degree[0] + 1) * (degree[1] + 1)
     if not (weights > 0).all() or not np.isfinite(weights).all() or not np.isfinite(points).all():
-        raise Unreadable(f"'{path}' has a weight that is not positive, or no finite coordinate")
+        raise Unreadable(
+            f"'{path}' has a weight that is not positive, or a coordinate that is not finite"
+        )
     for e, (ids, c) in enumerate(zip(nodes, coefficients), 1):
         if len(ids) and not (0 <= ids.min() and ids.max() < len(points)):
-            raise Unreadable(f"'{path}': element {e} names a control point that is not there")
+            raise Unreadable(f"'{path}': element {e} names a control point that does not exist")
         if c.shape != (len(ids), width):
-            raise Unreadable(f"'{path}': element {e} has not {width} coefficients a function")
+            raise Unreadable(f"'{path}': element {e}: expected {width} coefficients per function")
         if not abs(c.sum(axis=0) - 1).max() <= 1e-6:
             raise Unreadable(f"'{path}': the functions of element {e} do not sum to one")
 
@@ -68,39 +70,43 @@ def _json(path):
     try:
         data = json.loads(text_of(path))
     except json.JSONDecodeError as error:
-        raise Unreadable(f"'{path}' is no JSON, or cut off: {error}") from None
+        raise Unreadable(f"'{path}' is not JSON, or truncated: {error}") from None
     except RecursionError:
-        raise Unreadable(f"'{path}' is no BEXT 2.0 in JSON: lists in lists without end") from None
+        raise Unreadable(
+            f"'{path}' is not BEXT 2.0 in JSON: its lists are nested too deeply"
+        ) from None
     try:
         _json_counts(path, data)
         degrees = {(b["deg_s"], b["deg_t"]) for b in data["elements"]["element_block_info"]}
         if len(degrees) != 1 or min(min(degrees)) < 1:
-            raise Unreadable(f"'{path}' has no surface of one degree; degrees {sorted(degrees)}")
+            raise Unreadable(
+                f"'{path}': expected elements of one degree, found the degrees {sorted(degrees)}"
+            )
         full = np.array(data["nodes"], dtype=float).reshape(-1, 4)
         vectors = _json_vectors(data["coefficients"], degrees)
         nodes = [_whole(b["node_ids"]) for b in data["elements"]["element_blocks"]]
         rows = [vectors[b["coeff_vector_ids"]] for b in data["elements"]["element_blocks"]]
         sets = {name: _whole(ids) for name, ids in data.get("sets", {}).items()}
         if data.get("dim", 2) != 2:
-            raise Unreadable(f"'{path}' has splines of {data['dim']} directions; a surface has 2")
+            raise Unreadable(f"'{path}': expected splines of 2 parameters, found {data['dim']}")
     except (AttributeError, KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
-        raise Unreadable(f"'{path}' is no BEXT 2.0 in JSON ({error!r})") from None
+        raise Unreadable(f"'{path}' is not BEXT 2.0 in JSON ({error!r})") from None
     return degrees.pop(), full[:, :3], full[:, 3], nodes, rows, sets
 
 
 def _whole(numbers):
-    """An array of integers; ValueError where one is none.
+    """An array of integers; raise ValueError if a value is not an integer.
 
     >>> _whole([0, 2]).tolist()
     [0, 2]
     """
     if not all(isinstance(n, int) for n in numbers):
-        raise ValueError("a number that counts is no integer")
+        raise ValueError("a count or an index is not an integer")
     return np.array(numbers, dtype=np.int64)
 
 
 def _json_counts(path, data):
-    """What the file announces must be what it holds."""
+    """Check that the file holds as many items as it announces."""
     blocks, cells = (data["elements"][key] for key in ("element_block_info", "element_blocks"))
     for what, announced, held in (
         ("control points", data["num_nodes"], data["nodes"]),
@@ -124,20 +130,20 @@ def _json_vectors(data, degrees):
 def _text(path):
     t = Tokens(path, comment="$")
     if t.words[:5] != HEAD:
-        t.fail("its first words are not B E X T 2.0")
+        t.fail("the first words are not B E X T 2.0")
     t.at = 5
     t.integer("the patch")
     n, m, nv = (t.count(w) for w in ("the control points", "the elements", "the vectors"))
     t.integer("the flag of weights")
     full = t.numbers(4 * n, "the control points").reshape(-1, 4)
     blocks, degrees = [], set()
-    # The count of a block's numbers says whether it is a curve's (5), a surface's (6), a solid's (7).
+    # The count of numbers of a block tells a curve (5) from a surface (6) and a solid (7).
     for _ in range(t.count("the blocks of elements")):
         _, ne, nn, nc, p, q = t.numbers(6, "a block of elements", int)
         degrees.add((int(p), int(q)))
         blocks.append((ne, nn, nc))
     if len(degrees) != 1:
-        t.fail("its elements are not of one degree")
+        t.fail("the elements are not of one degree")
     ids = []
     for ne, nn, nc in blocks:
         if nn != nc:
@@ -147,7 +153,7 @@ def _text(path):
     degree = degrees.pop()
     vectors = _text_vectors(t, nv, (degree[0] + 1) * (degree[1] + 1))
     if len(ids) != m or any(v[1].min() < 0 or v[1].max() >= nv for v in ids):
-        t.fail("counts of elements or numbers of vectors that do not fit")
+        t.fail("counts of elements or numbers of vectors do not match")
     nodes, rows = [v[0] for v in ids], [vectors[v[1]] for v in ids]
     return degree, full[:, :3], full[:, 3], nodes, rows, {}
 
@@ -160,7 +166,7 @@ def _text_vectors(t, count, width):
     for k, (n, length) in enumerate(heads):
         for _ in range(n):
             if at >= count or length > width:
-                t.fail("more or longer vectors than it says")
+                t.fail("the file has more or longer vectors than it announces")
             if k < dense:
                 vectors[at, :length] = t.numbers(int(length), "a vector")
             else:
@@ -168,7 +174,7 @@ def _text_vectors(t, count, width):
                 vectors[at, place] = t.numbers(int(length), "a sparse vector")
             at += 1
     if at != count:
-        t.fail(f"{at} vectors, but it says {count}")
+        t.fail(f"the file has {at} vectors and announces {count}")
     return vectors
 
 
@@ -178,24 +184,24 @@ def _iga(path):
     while len(counts) < 2:
         word = t.word("nodeN and elemN")
         if word == "type" and t.word("the type") not in ("surface", "plane"):
-            t.fail(f"it is of the type {t.words[t.at - 1]}; a surface is of type surface or plane")
+            t.fail(f"expected the type surface or plane, found {t.words[t.at - 1]}")
         if word in ("nodeN", "elemN"):
             counts[word] = t.count(word)
     full = np.empty((counts["nodeN"], 4))
     for k in range(len(full)):
         if t.word("node") != "node":
-            t.fail(f"{len(full)} nodes are said, and {k} are there")
+            t.fail(f"the file announces {len(full)} nodes and has {k}")
         full[k] = t.numbers(4, "a node")
     nodes, rows, degrees = [], [], set()
     for k in range(counts["elemN"]):
         if t.word("belem") != "belem":
-            t.fail(f"{counts['elemN']} elements are said, and {k} are there")
+            t.fail(f"the file announces {counts['elemN']} elements and has {k}")
         n, p, q = (t.count("the sizes of an element") for _ in range(3))
         degrees.add((p, q))
         nodes.append(t.numbers(n, "an element", int))
         rows.append(t.numbers(n * (p + 1) * (q + 1), "an element").reshape(n, -1))
     if len(degrees) != 1:
-        t.fail("its elements are not of one degree")
+        t.fail("the elements are not of one degree")
     return degrees.pop(), full[:, :3], full[:, 3], nodes, rows, _iga_sets(t)
 
 
@@ -205,6 +211,6 @@ def _iga_sets(t):
         words = line.split()
         if words[:1] == ["set"] and len(words) > 3 and words[2] == "elem":
             if not all(w.isdigit() for w in words[4:]):
-                t.fail(f"set '{words[3]}' has a number of an element that is none")
+                t.fail(f"set '{words[3]}' has an element number that is not an integer")
             sets[words[3]] = np.array(words[4:], dtype=np.int64)
     return sets

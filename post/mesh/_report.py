@@ -1,4 +1,4 @@
-"""What a body is like: counts, volumes, shapes, what cuts itself, where normals jump."""
+"""Report on a body: counts, volumes, shapes, self-intersections, jumps of normals."""
 
 import json
 
@@ -8,7 +8,7 @@ from post.mesh import _body, _pyramids, _quality, _smooth, _surface, _triangles
 
 
 def describe(body):
-    """{entry: value} of numbers and dicts, ready for JSON."""
+    """{entry: value} with numbers and dictionaries, ready for JSON."""
     whole, form = body.whole, body.form
     part = _body.volumes(body)
     total, wanted = sum(part.values()), _body.enclosed(body)
@@ -61,17 +61,17 @@ def _cells(body):
 
 
 def inner_cuts(body):
-    """Pairs of triangles of the layer's inner side that cut one another."""
+    """Number of pairs of triangles of the inner side of the layer that intersect."""
     splits = {(a, b): s for s, (a, b, _) in body.whole.hanging.items()}
     middle = body.points[body.whole.corners].mean(axis=1)
     n = len(body.points)
     cells = np.column_stack([body.whole.corners, n + np.arange(len(middle))])
-    triangles, _ = _pyramids.sides(cells, splits)  # fans about the middles of the faces
+    triangles, _ = _pyramids.sides(cells, splits)  # fans about the centres of the faces
     return len(_triangles.intersections(np.concatenate([body.points, middle]), triangles))
 
 
 def normal_jumps(s):
-    """Largest angle of normals across common edges and at corners [degrees]."""
+    """Largest angles between normals across common edges and at corners [degrees]."""
     from post.mesh._net import twins
 
     t = np.linspace(-0.98, 0.98, 9)
@@ -93,7 +93,7 @@ def normal_jumps(s):
 
 
 def text(report):
-    """The report as lines for people."""
+    """The report as lines to read."""
     lines = []
     for key, value in report.items():
         if isinstance(value, dict):
@@ -108,7 +108,7 @@ def _number(v):
 
 
 def bad(report):
-    """Sentences on what makes the body unfit for a run; empty where nothing does."""
+    """Sentences on what makes the body unfit for a run; empty if it is fit."""
     found = []
     if report["layer"] and min(report["layer"]["det_gauss"], report["layer"]["det_corner"]) <= 0:
         found.append("an element of the layer is inverted")
@@ -117,13 +117,13 @@ def bad(report):
             found.append(f"one of the {kind} is inverted")
     if report["self_intersections"]:
         found.append(
-            f"the inner side of the layer cuts itself {report['self_intersections']} times"
+            f"the inner side of the layer intersects itself {report['self_intersections']} times"
         )
     if report["volume"].get("relative_difference", 0) > 1e-10:
-        found.append("the volumes do not add up to what the surface encloses")
+        found.append("the volumes do not add up to the volume inside the surface")
     return found
 
 
 def write(report, path):
-    """The report as JSON."""
+    """Write the report as JSON."""
     path.write_text(json.dumps(report, indent=2) + "\n")

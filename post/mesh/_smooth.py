@@ -1,10 +1,10 @@
-"""D-patches: a surface of continuous normals also at its extraordinary points.
+"""D-patches: a surface whose normals are continuous also at its extraordinary points.
 
-The elements around such a point are split in four. In the parts that touch it the four Bezier
-points at the corner fall together, the next ones are put into one plane (the regular part of their
-ring's discrete Fourier transform), and those on common edges are means, so that neighbours join with
-a common derivative (Reif 1997; split, then smoothen: Toshniwal, Speleers and Hughes 2017). The
-parametrisation is degenerate at the point itself: det J is zero there, and nowhere else.
+The elements around such a point are split into four. In the parts that touch it, the four Bezier
+points at the corner coincide, the next ones lie in one plane (the regular part of the discrete
+Fourier transform of their ring), and those on common edges are means, so that neighbours join with
+a common derivative (Reif 1997; first splitting, then smoothing: Toshniwal, Speleers and Hughes
+2017). The parametrisation is degenerate at the point itself: det J is zero there and nowhere else.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from post.mesh._patches import tables
 def smooth(surface, everywhere=False):
     """The Surface with D-patches at its extraordinary points.
 
-    everywhere: all elements are split, so that no corner hangs; else those around such points only.
+    everywhere: split all elements, so that no corner hangs, instead of those around such points.
     """
     if surface.degree != (3, 3):
         raise Unreadable("--smooth needs bicubic elements")
@@ -48,9 +48,10 @@ def smooth(surface, everywhere=False):
 
 
 def extraordinary(surface):
-    """The corners inside the surface where other than four elements meet, as a set.
+    """The set of corners inside the surface where the number of elements is not four.
 
-    Not where normals jump: with three elements they agree at the corner, but not along the edges.
+    This is not the set of corners where normals jump: with three elements the normals agree at the
+    corner, but not along the edges.
     """
     count = np.bincount(surface.corners.ravel())
     edges = {}
@@ -86,7 +87,7 @@ def _fans(surface, special, chosen, first):
             here = start.get((v, int(surface.corners[e, c - 1])))
             if here is None or here == start[v, a]:
                 break
-        if here is not None:  # a corner at a border stays as it is
+        if here is not None:  # a corner at the boundary does not change
             fans[v] = fan
     return fans
 
@@ -111,10 +112,12 @@ def combined(pairs):
 
 
 def _flatten(rows, fan):
-    """Points at the corner together, the ring around them in one plane."""
+    """Let the points at the corner coincide, and put the ring around them into one plane."""
     n = len(fan)
     sector = 2 * np.pi / n
-    beside = sector * np.arctan(0.5) / (0.5 * np.pi)  # where the ring's points are if n = 4
+    beside = (
+        sector * np.arctan(0.5) / (0.5 * np.pi)
+    )  # positions of the points of the ring for n = 4
     angle = np.array(
         [a for k in range(n) for a in (k * sector + beside, (k + 1) * sector - beside)]
     )
@@ -135,7 +138,7 @@ def _flatten(rows, fan):
 
 
 def _join(rows, fan):
-    """Points between a part at the corner and those beside it in the same parent: means."""
+    """Set the points between a part at the corner and its neighbours in the same parent to means."""
     for e, c, parent in fan:
         ahead, behind = parent + (c + 1) % 4, parent + (c - 1) % 4
         for j in (0, 1):

@@ -1,4 +1,4 @@
-"""Elements split in four, corners that hang then, and corners found again in files without them."""
+"""Split elements into four, and find hanging corners, also in files that do not list corners."""
 
 import numpy as np
 
@@ -6,11 +6,11 @@ from post._error import Unreadable
 from post.mesh import _border, _surface
 from post.mesh._surface import Surface
 
-TOLERANCE = 1e-9  # of values of functions, which are between 0 and 1
+TOLERANCE = 1e-9  # tolerance for values of functions, which are between 0 and 1
 
 
 def halves(p):
-    """Two (p+1, p+1) matrices: Bezier points of the lower and the upper half from those of the whole.
+    """Two (p+1, p+1) matrices that give the Bezier points of the lower and the upper half.
 
     >>> halves(1)[0].tolist()
     [[1.0, 0.0], [0.5, 0.5]]
@@ -24,10 +24,10 @@ def halves(p):
 
 
 def split(surface, chosen):
-    """The surface with the chosen elements (m, bool) in four each, and its hanging corners.
+    """The surface with the chosen elements (m, bool) split into four, and its hanging corners.
 
-    Sub-element 4 k + c of the k-th chosen one lies at its corner c; they stand at the end in the
-    order of `chosen`. The functions stay what they were.
+    Sub-element 4 k + c of the k-th chosen element lies at its corner c. Sub-elements come last, in
+    the order of `chosen`. The functions do not change.
     """
     p, q = surface.degree
     (lp, up), (lq, uq) = halves(p), halves(q)
@@ -53,14 +53,14 @@ def split(surface, chosen):
 
 
 def _places(chosen):
-    """For each old element the numbers of those that it became."""
+    """For each old element the numbers of the elements that replace it."""
     kept = np.cumsum(~chosen) - 1
     late = np.count_nonzero(~chosen) + 4 * (np.cumsum(chosen) - 1)
     return [np.arange(late[e], late[e] + 4) if chosen[e] else [kept[e]] for e in range(len(chosen))]
 
 
 def _still(hanging, edges):
-    """Those corners that do hang: on an edge of an element, or on part of such an edge.
+    """The corners that do hang on an edge of an element or on a part of such an edge.
 
     >>> _still({5: (1, 2, 0.5), 6: (1, 5, 0.5), 7: (3, 4, 0.5)}, {frozenset((1, 2))})
     {5: (1, 2, 0.5), 6: (1, 5, 0.5)}
@@ -77,7 +77,7 @@ def _still(hanging, edges):
 
 
 def _new_corners(surface, chosen):
-    """((4 k, 4) corners of the parts, {(a, b) sorted: middle of that edge})."""
+    """((4 k, 4) corners of the parts, {sorted (a, b): midpoint of that edge})."""
     n = int(surface.corners.max()) + 1
     middles, result = {}, []
     known = {tuple(sorted(m[:2])): s for s, m in surface.hanging.items() if m[2] == 0.5}
@@ -90,7 +90,7 @@ def _new_corners(surface, chosen):
                 n += key not in known
             mids.append(middles[key])
         for c in range(4):
-            # At corner c: in the element's own order, so that its directions stay.
+            # At corner c in the order of the element, so that its directions do not change.
             around = [row[c], mids[c], n, mids[c - 1]]
             result.append([around[(k - c) % 4] for k in range(4)])
         n += 1
@@ -98,7 +98,7 @@ def _new_corners(surface, chosen):
 
 
 def find_corners(nodes, coefficients, index):
-    """(m, 4) corners of elements from a file: two are one where {function: value} agree."""
+    """(m, 4) corners of elements from a file; two corners are the same if {function: value} agree."""
     known, corners = {}, np.empty((len(nodes), 4), dtype=np.int64)
     for e, (ids, c) in enumerate(zip(nodes, coefficients)):
         for k, b in enumerate(index):
@@ -110,8 +110,8 @@ def find_corners(nodes, coefficients, index):
 def find_hanging(surface):
     """{corner: (a, b, tau)} corners inside an edge of a larger element: T-junctions.
 
-    An edge a-b without a neighbour and edges a-s, s-b without one, where the point of the edge with
-    the values of s has the parameter tau. Of several corners on an edge the next hangs on s-b.
+    Such a corner s connects an edge a-b without a neighbour to edges a-s and s-b without one; tau is
+    the parameter of a-b with the function values of s. The next corner on the same edge hangs on s-b.
     """
     count = {}
     for e, row in enumerate(surface.corners.tolist()):
@@ -133,7 +133,7 @@ def find_hanging(surface):
 
 
 def _chain(surface, e, c, ends, beside, single):
-    """[(corner, parameter)] on edge c of element e, from end to end; empty where they are none."""
+    """[(corner, parameter)] on edge c of element e, from end to end; empty without such corners."""
     found, v, t = [], ends[0], 0.0
     while not found or ends[1] not in beside[v]:
         places = ((s, _parameter(surface, e, c, s, single)) for s in sorted(beside[v] - {*ends}))
@@ -145,7 +145,7 @@ def _chain(surface, e, c, ends, beside, single):
 
 
 def _parameter(surface, e, c, s, single):
-    """Where along edge c of element e the functions have the values that they have at corner s."""
+    """The parameter of edge c of element e where the functions have their values at corner s."""
     other, d = next(
         (f, surface.corners[f].tolist().index(s)) for key, (f, _) in single.items() if s in key
     )
@@ -153,7 +153,7 @@ def _parameter(surface, e, c, s, single):
     want = dict(zip(surface.nodes[other].tolist(), surface.coefficients[other][:, index[d]]))
     target = np.array([want.get(i, 0.0) for i in surface.nodes[e].tolist()])
     if abs(target.sum() - 1) > 1e-6:
-        return None  # the corner has functions that the element has not
+        return None  # the corner has functions that the element does not have
     start, end = (np.array([(-1.0, -1), (1, -1), (1, 1), (-1, 1)])[k] for k in (c, (c + 1) % 4))
 
     def miss(tau):
@@ -175,7 +175,7 @@ def _parameter(surface, e, c, s, single):
 
 
 def check_corners(surface, path, closed):
-    """Edges that nothing closes: the surface is open, or its elements do not match."""
+    """Report edges without a neighbour: the surface is open, or its elements do not match."""
     count = {}
     for row in surface.corners.tolist():
         for a, b in zip(row, row[1:] + row[:1]):

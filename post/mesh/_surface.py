@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass
 class Surface:
-    """Functions of the whole surface, and for each element those that it has and their rows."""
+    """Functions of the whole surface, and for each element its functions and their coefficients."""
 
     degree: tuple  # (p, q)
     points: np.ndarray  # (n, 3) control points, not weighted
@@ -97,20 +97,20 @@ def measures(surface, rule=None, centre=None):
     xi, eta, w = gauss(rule)
     x, a, b = evaluate(surface.bezier(), surface.degree, xi, eta)
     normal = -np.cross(a, b)
-    # About a point of the body: far from the origin digits would cancel.
+    # Relative to a point of the body, since far from the origin digits would cancel.
     x = x - (surface.points.mean(axis=0) if centre is None else centre)
     area = np.linalg.norm(normal, axis=2) @ w
     return area.sum(), (np.einsum("mkc,mkc->mk", x, normal) @ w).sum() / 3
 
 
 def exact_rule(surface):
-    """Gauss points a direction that integrate volumes: exactly, or to rounding if rational."""
+    """Gauss points per direction for volumes: exact, or to round-off if rational."""
     rational = np.ptp(surface.weights) > 0
     return 14 if rational else (3 * max(surface.degree) + 1) // 2
 
 
 def unit(v):
-    """Vectors along the last axis made of length one; zero stays zero."""
+    """Vectors along the last axis, normalised to length one; zero stays zero."""
     length = np.linalg.norm(v, axis=-1, keepdims=True)
     return np.divide(v, length, out=np.zeros_like(v), where=length > 0)
 
@@ -118,7 +118,7 @@ def unit(v):
 def corner_normals(surface):
     """(corners, 3) outward normals, and (corners) the largest angle between elements there [rad].
 
-    Where an element is degenerate at its corner the normal is taken a little inside.
+    If an element is degenerate at its corner, the normal is evaluated slightly inside.
     """
     normals = element_corner_normals(surface)
     n = int(surface.corners.max()) + 1

@@ -1,7 +1,7 @@
-"""Tetrahedra inside a closed surface of triangles, by Gmsh or TetGen as a program of its own.
+"""Tetrahedra inside a closed surface of triangles, made by Gmsh or TetGen as separate programs.
 
-Both are optional and have licences of their own (GPL, AGPL): they are started as processes that read
-and write files, and nothing of them is imported here. The points of the surface stay as they are.
+Both are optional and have licences of their own (GPL, AGPL). They are started as processes that read
+and write files, and nothing of them is imported here. The points of the surface do not change.
 """
 
 import importlib.util
@@ -16,7 +16,7 @@ import numpy as np
 from post._error import Unreadable
 from post.mesh import _read_gmsh
 
-INSTALL = "tools/setup.sh mesh installs both; apt install gmsh tetgen gives programs that serve too"
+INSTALL = "tools/setup.sh mesh installs both; so does apt install gmsh tetgen"
 GEO = """Merge "surface.msh";
 Surface Loop(1) = {1};
 Volume(1) = {1};
@@ -26,7 +26,7 @@ Mesh.MeshSizeMax = %s;
 Mesh.OptimizeThreshold = 0.35;
 General.NumThreads = 1;
 """
-#: Sizes from a ball or a box on: half of the distance larger outside.
+#: Outside a ball or a box the size grows by half of the distance.
 FIELD = """Field[{k}] = {kind};
 Field[{k}].VIn = {size!r};
 Field[{k}].VOut = {far!r};
@@ -46,25 +46,25 @@ numpy.save('out_tets.npy', made[1])
 
 
 def mesh(points, triangles, mesher="gmsh", size=None, fine=()):
-    """(points, tets) inside: the first len(points) points are bit by bit those that were given.
+    """(points, tets) inside: the first len(points) points are exactly the given ones.
 
     points: (n, 3), all of them in the triangles (k, 3), whose normals point outward; mesher: gmsh,
-    tetgen; size: largest edge of a tetrahedron inside [L], None: as on the surface; fine: places
-    where they are smaller, see `places`.
+    tetgen; size: largest edge of a tetrahedron inside [L], None for that of the surface; fine:
+    regions with smaller tetrahedra, see `places`.
     """
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         if mesher == "gmsh":
             x, tets = _gmsh(folder, points, triangles, size, places(fine, points))
         elif fine:
-            raise Unreadable("--fine is for Gmsh; TetGen has one --size for all of the inside")
+            raise Unreadable("--fine needs Gmsh; TetGen has one --size for the whole inside")
         else:
             x, tets = _tetgen(folder, points, triangles, size)
     return _numbered(points, x, tets, mesher)
 
 
 def places(texts, points):
-    """Gmsh's words for texts D=sphere:x,y,z,r and D=box:x1,y1,z1,x2,y2,z2.
+    """Gmsh input for regions given as D=sphere:x,y,z,r or D=box:x1,y1,z1,x2,y2,z2.
 
     >>> places(["0.5=sphere:0,0,1,2"], np.eye(3)).splitlines()[4]
     'Field[1].XCenter = 0.0;'
@@ -78,7 +78,9 @@ def places(texts, points):
         except ValueError:
             numbers = []
         if kind not in PLACES or len(numbers) != len(PLACES[kind][1]) or not size > 0:
-            raise Unreadable(f"'{text}' is no D=sphere:x,y,z,r or D=box:x1,y1,z1,x2,y2,z2")
+            raise Unreadable(
+                f"'{text}' is not of the form D=sphere:x,y,z,r or D=box:x1,y1,z1,x2,y2,z2"
+            )
         if kind == "box":
             numbers = [*map(min, numbers[:3], numbers[3:]), *map(max, numbers[:3], numbers[3:])]
         word, names = PLACES[kind]
@@ -93,19 +95,19 @@ def places(texts, points):
 
 
 def available(mesher):
-    """Whether a mesher is on this machine."""
+    """Whether a mesher is installed."""
     return bool(_program(mesher) or mesher == "tetgen" and importlib.util.find_spec("tetgen"))
 
 
 def _numbered(points, x, tets, mesher):
-    """The mesher's points in the order: those of the surface, then its own; tets turned positive."""
+    """Points of the surface, then those of the mesher; tetrahedra turned to a positive volume."""
     n = len(points)
     scale = np.ptp(points, axis=0).max()
     used = np.zeros(len(x), dtype=bool)
     used[tets.ravel()] = True
-    # The mesher writes 16 digits: that is how far its copy of a point may be from ours.
+    # The mesher writes 16 digits, so that its copy of a point may differ by round-off.
     if len(x) < n or not used[:n].all() or abs(x[:n] - points).max() > 1e-14 * scale:
-        raise Unreadable(f"{mesher} changed points of the surface that it was given")
+        raise Unreadable(f"{mesher} changed points of the given surface")
     number = np.full(len(x), -1)
     number[:n] = np.arange(n)
     new = n + np.flatnonzero(used[n:])
@@ -122,13 +124,13 @@ def _run(command, folder, name):
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode:
         lines = (done.stdout + done.stderr).strip().splitlines()
-        said = next((w for w in lines if "rror" in w), lines[-1] if lines else "it said nothing")
+        said = next((w for w in lines if "rror" in w), lines[-1] if lines else "without output")
         raise Unreadable(f"{name} ended with code {done.returncode}: {said.strip()}")
     return done.stdout
 
 
 def _program(name):
-    """The command that starts a program beside this Python or on the path; None: there is none."""
+    """The command that starts a program beside this Python or on the path, or None."""
     beside = pathlib.Path(sys.executable).parent / name
     if beside.exists():
         python = beside.read_bytes()[:2] == b"#!"
@@ -140,7 +142,7 @@ def _program(name):
 def _gmsh(folder, points, triangles, size, sizes=""):
     command = _program("gmsh")
     if not command:
-        raise Unreadable(f"Gmsh is not on this machine; {INSTALL}")
+        raise Unreadable(f"Gmsh is not installed; {INSTALL}")
     with open(folder / "surface.msh", "w") as f:
         f.write(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(points)}\n")
         f.writelines(f"{i} {a!r} {b!r} {c!r}\n" for i, (a, b, c) in enumerate(points.tolist(), 1))
@@ -150,7 +152,7 @@ def _gmsh(folder, points, triangles, size, sizes=""):
         )
         f.write("$EndElements\n")
     limit = "1e22" if size is None else repr(float(size))
-    # HXT first; where it fails the older Delaunay mesher, which takes longer.
+    # First HXT; if it fails, the older and slower Delaunay mesher.
     for algorithm in (10, 1):
         (folder / "volume.geo").write_text(GEO % (algorithm, limit) + sizes)
         out = folder / "out.msh"
@@ -163,9 +165,11 @@ def _gmsh(folder, points, triangles, size, sizes=""):
             continue
         tets = np.array([nodes for kind, _, nodes in cells if kind == 4], dtype=np.int64)
         if len(tets):
-            order = np.argsort(tags)  # its own points come after ours
+            order = np.argsort(tags)  # points of the mesher come after the given ones
             return x[order], np.searchsorted(tags[order], tets)
-        failed = Unreadable("Gmsh made no tetrahedra; does the surface below the layer cut itself?")
+        failed = Unreadable(
+            "Gmsh made no tetrahedra; check whether the surface below the layer intersects itself"
+        )
     raise failed
 
 
@@ -178,7 +182,7 @@ def _tetgen(folder, points, triangles, size):
         return np.load(folder / "out_points.npy"), np.load(folder / "out_tets.npy").astype(np.int64)
     command = _program("tetgen")
     if not command:
-        raise Unreadable(f"TetGen is not on this machine; {INSTALL}")
+        raise Unreadable(f"TetGen is not installed; {INSTALL}")
     with open(folder / "s.poly", "w") as f:
         f.write(f"{len(points)} 3 0 0\n")
         f.writelines(f"{i} {a!r} {b!r} {c!r}\n" for i, (a, b, c) in enumerate(points.tolist()))

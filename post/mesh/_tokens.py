@@ -1,4 +1,4 @@
-"""Words of a text file, with errors that say what was expected and where the file ended."""
+"""Words of a text file, with errors that name what was expected."""
 
 import pathlib
 
@@ -8,7 +8,7 @@ from post._error import Unreadable
 
 
 class Tokens:
-    """The words of a file, read from left to right; `what` in the calls is for the message."""
+    """The words of a file in order; `what` in the calls names the expected item in messages."""
 
     def __init__(self, path, comment=None):
         self.path = str(path)
@@ -20,22 +20,22 @@ class Tokens:
         self.at = 0
 
     def more(self):
-        """Whether words are left."""
+        """Whether there are more words."""
         return self.at < len(self.words)
 
     def fail(self, text):
-        """Raise the package's exception with the file's name in front."""
+        """Raise Unreadable with the name of the file in front of the message."""
         raise Unreadable(f"'{self.path}': {text}")
 
     def word(self, what):
         """The next word."""
         if not self.more():
-            self.fail(f"the file ends where {what} should stand")
+            self.fail(f"expected {what}, found the end of the file")
         self.at += 1
         return self.words[self.at - 1]
 
     def seek(self, *names):
-        """Read on to one of these words (upper case) and return it; None where there is none."""
+        """Skip to one of these words (upper case) and return it, or None at the end of the file."""
         while self.more():
             word = self.word("a keyword").upper()
             if word in names:
@@ -47,40 +47,42 @@ class Tokens:
         return int(self.numbers(1, what, int)[0])
 
     def count(self, what):
-        """The next word as a number of things: not negative, and no more than the file has words."""
+        """The next word as a count: not negative, and not larger than the number of words."""
         n = self.integer(what)
         if not 0 <= n <= len(self.words):
-            self.fail(f"{n} as {what}")
+            self.fail(f"{n} is not a valid value of {what}")
         return n
 
     def numbers(self, n, what, kind=float):
         """(n) the next words as numbers, all of them finite."""
         words = self.words[self.at : self.at + n]
+        one = what if n == 1 else f"a number of {what}"
         if len(words) < n:
-            self.fail(f"the file ends after {len(words)} of {n} numbers of {what}")
+            after = "" if n == 1 else f" after {len(words)} of {n}"
+            self.fail(f"expected {one}, found the end of the file{after}")
         try:
             values = np.array(words, dtype=float)
         except ValueError:
             bad = next(w for w in words if not _is_number(w))
-            self.fail(f"'{bad}' stands where a number of {what} should")
+            self.fail(f"expected {one}, found '{bad}'")
         if not np.isfinite(values).all():
-            self.fail(f"a number of {what} is not finite")
+            self.fail(f"{one} is not finite")
         if kind is int:
             if (values != np.rint(values)).any() or (abs(values) > 2**52).any():
-                self.fail(f"a number of {what} is not an integer")
+                self.fail(f"{one} is not an integer")
             values = values.astype(np.int64)
         self.at += n
         return values
 
 
 def text_of(path):
-    """The text of a file; Unreadable where it is none."""
+    """The text of a file; raise Unreadable if it cannot be read or is binary."""
     try:
         data = pathlib.Path(path).read_bytes()
     except OSError as error:
-        raise Unreadable(f"'{path}' cannot be read ({error.strerror})") from None
+        raise Unreadable(f"'{path}' cannot be read: {error.strerror}") from None
     try:
-        return data.decode("utf-8-sig")  # editors of Windows put a mark in front
+        return data.decode("utf-8-sig")  # some editors put a byte-order mark in front
     except UnicodeDecodeError:
         raise Unreadable(f"'{path}' is binary; save it as ASCII") from None
 

@@ -1,15 +1,15 @@
-"""Triangles: rays through them, and pairs that cut one another."""
+"""Triangles: rays through them, and pairs that intersect."""
 
 import numpy as np
 
-CHUNK = 2_000_000  # pairs at a time, so that memory stays small
+CHUNK = 2_000_000  # pairs per batch, which limits the memory
 
 
 def first_hit(origins, directions, points, triangles, start):
-    """(k) distance along each unit direction to where it leaves a body; inf: nowhere.
+    """(k) distance along each unit direction to the point where it leaves a body, or inf.
 
-    Normals of the triangles point outward; those nearer than `start` (k) do not count, nor those
-    that the ray enters by.
+    Normals of the triangles point outward. Triangles nearer than `start` (k) and triangles through
+    which the ray enters the body are ignored.
     """
     x = points[triangles] - points.mean(axis=0)
     origins = origins - points.mean(axis=0)
@@ -29,7 +29,7 @@ def first_hit(origins, directions, points, triangles, start):
 
 
 def _meet(o, d, x):
-    """(k) distance along the line o + t d to the triangle x (k, 3, 3); NaN where it passes by."""
+    """(k) distance along the line o + t d to the triangle x (k, 3, 3); NaN if it misses it."""
     e1, e2, r = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0], o - x[:, 0]
     h, q = np.cross(d, e2), np.cross(r, e1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -47,21 +47,23 @@ def _meet(o, d, x):
 
 
 def intersections(points, triangles):
-    """(k, 2) pairs of triangles that cut one another; touching at common points is no cut."""
+    """(k, 2) pairs of triangles that intersect; triangles with common points may touch there."""
     pairs = _near(points[triangles])
     cut = []
     for at in range(0, len(pairs), CHUNK // 8):
         part = pairs[at : at + CHUNK // 8]
         a, b = triangles[part[:, 0]], triangles[part[:, 1]]
         shared = (a[:, :, None] == b[:, None, :]).any(axis=2).sum(axis=1)
-        part, a, b = (v[shared < 2] for v in (part, a, b))  # dihedral angles tell of the others
+        part, a, b = (
+            v[shared < 2] for v in (part, a, b)
+        )  # other pairs show in the dihedral angles
         bad = _edges_cut(points, a, b) | _edges_cut(points, b, a)
         cut.append(part[bad])
     return np.concatenate(cut) if cut else np.empty((0, 2), dtype=np.int64)
 
 
 def _edges_cut(points, a, b):
-    """Whether an edge of a triangle of a, without a point of b, passes through that of b."""
+    """Whether an edge of a triangle of a that has no point of b passes through the triangle of b."""
     p0, e1, e2 = (
         points[b[:, 0]],
         points[b[:, 1]] - points[b[:, 0]],
@@ -109,7 +111,7 @@ def _in_one_cell(key, owner, low, high):
     owner, key = owner[order], key[order]
     found = []
     shift = 1
-    while True:  # neighbours in the sorted list, one farther each time
+    while True:  # neighbours in the sorted list, at a distance that grows by one
         same = np.flatnonzero(key[shift:] == key[:-shift])
         if not len(same):
             break

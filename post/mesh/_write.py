@@ -1,4 +1,4 @@
-"""The files of a body: bulk (Gmsh 2.2), skin (BEXT 2.0 in JSON), layer, constraints, deck."""
+"""Write the files of a body: bulk (Gmsh 2.2), skin (BEXT 2.0 in JSON), layer, constraints, deck."""
 
 import json
 import pathlib
@@ -8,7 +8,7 @@ import numpy as np
 from post.mesh._surface import Surface
 
 GMSH = {"tets": 4, "pyramids": 7, "hexes": 5}
-VECTOR_DIGITS = 13  # two coefficient vectors are one where they agree to these
+VECTOR_DIGITS = 13  # coefficient vectors that agree to these digits are the same
 
 DECK = """FEAP ** {name}
 ! made by: python -m post mesh {arguments}
@@ -48,7 +48,7 @@ SKIN = """SPLIne,{name} FILE {name}.bext.json
 
 
 def write(body, stem, arguments=""):
-    """Write all files beside `stem` (folder/name); returns their paths."""
+    """Write all files with the stem `stem` (folder/name); return their paths."""
     stem = pathlib.Path(stem)
     stem.parent.mkdir(parents=True, exist_ok=True)
     body.surface = grouped(body.surface)
@@ -67,7 +67,7 @@ def write(body, stem, arguments=""):
 
 
 def grouped(s):
-    """The surface with its elements in the order of their numbers of functions, as BEXT wants."""
+    """The surface with elements sorted by their number of functions, as BEXT requires."""
     order = np.argsort([len(ids) for ids in s.nodes], kind="stable")
     place = np.empty(len(order), dtype=int)
     place[order] = np.arange(len(order))
@@ -77,7 +77,7 @@ def grouped(s):
 
 
 def gmsh_text(body):
-    """Gmsh 2.2 ASCII: a physical group of all cells, and one of each set's plain faces."""
+    """Gmsh 2.2 ASCII: a physical group of all cells, and one for the plain faces of each set."""
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat"]
     sets = plain_sets(body)
     names = ['3 1 "bulk"'] + [f'2 {tag} "{name}"' for tag, name in enumerate(sets, 2)]
@@ -95,7 +95,7 @@ def gmsh_text(body):
 
 
 def plain_sets(body):
-    """{name: numbers of plain faces}: all of them are `plain`; without a plain part, none."""
+    """{name: numbers of plain faces}, with all of them as `plain`; empty without a plain part."""
     if body.plain is None:
         return {}
     named = {name: ids for name, ids in sorted(body.plain_sets.items()) if len(ids)}
@@ -123,7 +123,7 @@ def bext_text(s):
     ]  # fmt: skip
     elements = [{"node_ids": n.tolist(), "coeff_vector_ids": v} for n, v in zip(s.nodes, ids)]
     dense = {"num_coeff_vectors": len(vectors), "num_components": s.coefficients[0].shape[1]}
-    # One list entry a line: the file is read by people too.
+    # One list entry per line, so that the file is easy to read.
     parts = [
         f'{{"patch_id": 0, "dim": 2, "num_nodes": {len(full)}, "num_elems": {len(s.nodes)}, '
         f'"num_coeff_vecs": {len(vectors)}, "is_rational": {json.dumps(rational)},',
@@ -144,7 +144,7 @@ def _rows(items):
 
 
 def layer_text(s):
-    """A line for each element of the surface: its number, and the bulk's points below its corners."""
+    """A line for each element of the surface: its number and the bulk points below its corners."""
     lines = ["# element of the surface, its inner nodes at (-,-) (+,-) (+,+) (-,+)"]
     lines += [f"{e} {a} {b} {c} {d}" for e, (a, b, c, d) in enumerate((s.corners + 1).tolist(), 1)]
     return "\n".join(lines) + "\n"
@@ -162,7 +162,7 @@ def constraint_text(body):
 
 
 def deck_text(body, name, arguments):
-    """A deck that reads the files; supports and loads are left to its user."""
+    """A deck that reads the files; the user adds supports and loads."""
     constraint = f"  CONStraint {name}.con\n" if body.hanging or body.ties else ""
     enriched = len(body.surface.nodes) > 0
     skin = SKIN.format(name=name, constraint=constraint) if enriched else ""

@@ -100,7 +100,7 @@ class ContactMap(Scratch):
         for words, options in (
             ("no field 'contact_heat'", {"scalar": "contact_heat"}),
             ("belongs to cells", {"scalar": "body"}),
-            ("no axis", {"axis": "w"}),
+            ("unknown axis", {"axis": "w"}),
             ("no step 4", {"step": 4}),
         ):
             with self.assertRaisesRegex(Unreadable, words):
@@ -112,7 +112,7 @@ class ContactMap(Scratch):
             contact_map.draw([self.run_file], self.folder / "fig.png")
         del grid.point_data["contact_gap"]
         grid.save(self.run_file)
-        with self.assertRaisesRegex(Unreadable, "no fields of contact"):
+        with self.assertRaisesRegex(Unreadable, "has no contact fields"):
             contact_map.draw([self.run_file], self.folder / "fig.png")
 
 

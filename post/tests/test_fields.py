@@ -122,7 +122,7 @@ class Pictures(Scratch):
             ("no field 'temperature'", {"scalar": "temperature"}),
             ("choose a component", {"scalar": "stress"}),
             ("no step 4", {"step": 4}),
-            ("no view", {"view": "top"}),
+            ("unknown view", {"view": "top"}),
         ):
             with self.assertRaisesRegex(Unreadable, words):
                 field.draw([self.run_file], self.folder / "fig.png", **options)

@@ -114,7 +114,7 @@ class Errors(Folder):
     def test_a_surface_seen_from_inside(self):
         points, quads = self.quads()
         text = vtk(points, quads[:, ::-1], 9)
-        self.assertIn("seen from inside", self.message(text))
+        self.assertIn("point inward", self.message(text))
         body = body_of(self.file("b.vtk", text), interior="none", orient=True)
         self.assertGreater(_surface.measures(body.surface)[1], 0)
 
@@ -130,7 +130,7 @@ class Errors(Folder):
         twice = quads.copy()
         twice[2, 1] = twice[2, 0]
         self.assertIn(
-            "quad 3 is degenerate: a point stands in it twice", self.message(vtk(points, twice, 9))
+            "quad 3 is degenerate: it has a duplicate point", self.message(vtk(points, twice, 9))
         )
         points = points.copy()
         points[quads[0, 1]] = points[quads[0, 0]]
@@ -147,13 +147,15 @@ class Errors(Folder):
         points, quads = self.quads()
         text = vtk(points, quads, 9)
         self.assertIn(
-            "does not fit its 24 cells", self.message(text.replace("CELLS 24 120", "CELLS 24 119"))
+            "does not match its 24 cells",
+            self.message(text.replace("CELLS 24 120", "CELLS 24 119")),
         )
-        self.assertIn("the file ends after", self.message(text[: len(text) // 2]))
+        self.assertIn("found the end of the file after", self.message(text[: len(text) // 2]))
         self.assertIn(
-            "as the number of points", self.message(text.replace("POINTS 27", "POINTS -27"))
+            "is not a valid value of the number of points",
+            self.message(text.replace("POINTS 27", "POINTS -27")),
         )
-        self.assertIn("'x' stands where a number", self.message(text.replace("0.0", "x", 1)))
+        self.assertIn("found 'x'", self.message(text.replace("0.0", "x", 1)))
 
     def test_other_cells_and_files(self):
         points, _ = self.quads()
@@ -162,8 +164,8 @@ class Errors(Folder):
             "has 3 corners", self.message("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2", "a.off")
         )
         self.assertIn("unknown ending '.stl'", self.message("solid", "a.stl"))
-        self.assertIn("is no BEXT 2.0", self.message("{}", "a.bext.json"))
-        self.assertIn("the file ends", self.message("type surface\nnodeN 3\n", "a.iga"))
+        self.assertIn("is not BEXT 2.0", self.message("{}", "a.bext.json"))
+        self.assertIn("found the end of the file", self.message("type surface\nnodeN 3\n", "a.iga"))
 
     def test_a_spline_file_whose_functions_do_not_sum_to_one(self):
         text = _write.bext_text(_write.grouped(self.body().surface))
@@ -181,9 +183,9 @@ class Errors(Folder):
             "1=cylinder:1,1",
         ):
             said = self.message(text, interior="tets", fine=[fine])
-            self.assertIn(f"'{fine}' is no D=sphere", said)
+            self.assertIn(f"'{fine}' is not of the form D=sphere", said)
         said = self.message(text, interior="tets", mesher="tetgen", fine=["1=sphere:0,0,0,1"])
-        self.assertIn("--fine is for Gmsh", said)
+        self.assertIn("--fine needs Gmsh", said)
 
     def gmsh(self, version="2.2"):
         """A closed net as a Gmsh file of either version."""
@@ -206,18 +208,18 @@ class Errors(Folder):
         good = self.gmsh()
         body_of(self.file("good.msh", good), interior="none")
         for old, new, said in (
-            ("\n5 ", "\n4 ", "node 4 is defined twice"),
-            ("\n5 ", "\n5.5 ", "a node has the number 5.5"),
-            ("$Elements", "$Nodes\n0\n$EndNodes\n$Elements", "$Nodes stands there twice"),
+            ("\n5 ", "\n4 ", "duplicate node 4"),
+            ("\n5 ", "\n5.5 ", "the number of a node, 5.5, is not an integer"),
+            ("$Elements", "$Nodes\n0\n$EndNodes\n$Elements", "duplicate section $Nodes"),
             ("$Nodes", "$PartitionedEntities\n$Nodes", "the mesh is partitioned"),
-            ("2.2 0 8", "2.2 1 8", "a binary Gmsh file"),
+            ("2.2 0 8", "2.2 1 8", "is a binary Gmsh file"),
             ("$EndElements", "", "ends before $EndElements"),
         ):
             self.assertIn(said, self.message(good.replace(old, new, 1), "a.msh"))
 
     def test_nodes_of_gmsh_4_with_parameters(self):
         text = self.gmsh("4.1").replace("2 1 0 27", "2 1 1 27")
-        self.assertIn("stands where a number of $Nodes", self.message(text, "a.msh"))
+        self.assertIn("expected a number of $Nodes, found", self.message(text, "a.msh"))
         start = text.index("0.0 0.0 0.0")
         end = text.index("$EndNodes")
         given = "".join(line + " 0.25 0.75\n" for line in text[start:end].splitlines())
@@ -236,23 +238,23 @@ class Errors(Folder):
         points, quads = self.quads()
         points = np.vstack([points, points[quads[0, 0]]])
         quads[0, 0] = 27
-        self.assertIn("(points 1 and 28 stand at one place", self.message(vtk(points, quads, 9)))
+        self.assertIn("(points 1 and 28 coincide", self.message(vtk(points, quads, 9)))
 
     def test_spline_files_with_something_else_in_them(self):
         data = json.loads(_write.bext_text(_write.grouped(self.body().surface)))
         for change, said in (
-            ({"sets": {"a": [99]}}, "set 'a' names an element that is not there"),
-            ({"sets": {"a": [1.5]}}, "is no integer"),
-            ({"sets": [1]}, "is no BEXT 2.0"),
-            ({"dim": 3}, "splines of 3 directions"),
+            ({"sets": {"a": [99]}}, "set 'a' names an element that does not exist"),
+            ({"sets": {"a": [1.5]}}, "is not an integer"),
+            ({"sets": [1]}, "is not BEXT 2.0"),
+            ({"dim": 3}, "expected splines of 2 parameters, found 3"),
             ({"num_elems": 3}, "announces 3 elements"),
         ):
             self.assertIn(said, self.message(json.dumps(data | change), "a.bext.json"))
-        self.assertIn("lists in lists", self.message("[" * 100_000, "a.bext.json"))
+        self.assertIn("nested too deeply", self.message("[" * 100_000, "a.bext.json"))
         data["coefficients"]["dense_coefficient_vectors"][0]["components"][0] = float("nan")
         self.assertIn("do not sum to one", self.message(json.dumps(data), "a.bext.json"))
-        self.assertIn("of the type volume", self.message("type volume\nnodeN 0\n", "a.iga"))
-        self.assertIn("line 1: not numbers", self.message("f 1 2 3 " + 20 * "9", "a.obj"))
+        self.assertIn("found volume", self.message("type volume\nnodeN 0\n", "a.iga"))
+        self.assertIn("line 1: expected numbers", self.message("f 1 2 3 " + 20 * "9", "a.obj"))
 
     def test_options_that_make_no_sense(self):
         text = vtk(*grid())
@@ -261,15 +263,15 @@ class Errors(Folder):
             ({"heights": {"factor": float("nan")}}, "--layer nan"),
             ({"heights": {"constant": 0.0}}, "--thickness 0"),
             ({"refine": -1}, "--refine -1"),
-            ({"split": "box:9,9,9,9,9,9"}, "--split 'box:9,9,9,9,9,9' names no element"),
-            ({"groups": ["plain=all"]}, "the name 'plain' is taken"),
+            ({"split": "box:9,9,9,9,9,9"}, "--split 'box:9,9,9,9,9,9' selects no element"),
+            ({"groups": ["plain=all"]}, "the name 'plain' is reserved"),
         ):
             self.assertIn(said, self.message(text, **options))
 
     def test_a_choice_that_names_nothing(self):
         text = vtk(*grid())
-        self.assertIn("has not 6 numbers", self.message(text, groups=["top=box:1,2"]))
-        self.assertIn("names no element", self.message(text, groups=["top=box:9,9,9,10,10,10"]))
+        self.assertIn("expected 6 numbers", self.message(text, groups=["top=box:1,2"]))
+        self.assertIn("selects no element", self.message(text, groups=["top=box:9,9,9,10,10,10"]))
         self.assertIn("no set 'top'", self.message(text, enrich="set:top"))
 
 

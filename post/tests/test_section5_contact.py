@@ -69,5 +69,5 @@ class Section5(Scratch):
         with self.assertRaisesRegex(Unreadable, "no run reference_IGA2_0"):
             section5_contact.reference_force(runs)
         (self.folder / "2_IGA2_0").mkdir()
-        with self.assertRaisesRegex(Unreadable, "holds 0 tables"):
+        with self.assertRaisesRegex(Unreadable, "found 0"):
             section5_contact.read_runs(self.folder)

@@ -39,10 +39,10 @@ class CurveFile(Scratch):
 
     def test_what_cannot_be_read_is_said(self):
         self.refused("", "is empty")
-        self.refused("1 2\n", "'#' line of column names")
+        self.refused("1 2\n", "line of column names after '#'")
         self.refused("# step f\n", "no rows")
-        self.refused("# step f\n1 2\n2\n", "line 3 .*has 1 numbers where 2 .*truncated")
-        self.refused("# step f\n1 2\n2 3.", "does not end: the file is truncated")
+        self.refused("# step f\n1 2\n2\n", "line 3 .*expected 2 numbers, found 1.*truncated")
+        self.refused("# step f\n1 2\n2 3.", "is incomplete: the file is truncated")
         self.refused("# step f\n1 *****\n", r"'\*\*\*\*\*' is not a number")
         self.refused("# step f f\n1 2 3\n", "'f' twice")
 
@@ -68,7 +68,7 @@ class CsvFile(Scratch):
     def test_a_short_line_is_named(self):
         path = self.folder / "a.csv"
         path.write_text("# origin\na,b\n1,2\n3\n")
-        with self.assertRaisesRegex(Unreadable, "line 4 .* 1 fields"):
+        with self.assertRaisesRegex(Unreadable, "line 4 .* expected 2 fields, found 1"):
             read_table(path)
 
 

@@ -48,7 +48,7 @@ def broken():
         "a surface turned inside out": (
             "a.off",
             net([turned(q) for q in quads]),
-            "seen from inside",
+            "point inward",
         ),
         "one quad turned": ("a.off", net([turned(quads[0]), *quads[1:]]), "opposite orientation"),
         "a quad with a point twice": (
@@ -58,19 +58,23 @@ def broken():
         ),
         "a quad without area": ("a.off", good.replace("-1 -1 0", "-1 -1 -1"), "degenerate"),
         "a point that is missing": ("a.off", net(other(5, 1, "99")), "outside the 26 points"),
-        "more quads announced than there are": ("a.off", net(quads, 25), "the file ends"),
+        "more quads announced than there are": (
+            "a.off",
+            net(quads, 25),
+            "found the end of the file",
+        ),
         "fewer quads announced than there are": (
             "a.off",
             net(quads, 23),
-            "goes on behind the 23 faces",
+            "continues after the 23 faces",
         ),
-        "a net that is cut off": ("a.off", good[: len(good) // 2], "the file ends"),
+        "a net that is cut off": ("a.off", good[: len(good) // 2], "found the end of the file"),
         "a coordinate that is no number": (
             "a.off",
             good.replace("-1 -1 0", "-1 nan 0"),
             "is not finite",
         ),
-        "a spline that is cut off": ("a.bext.json", spline[: len(spline) // 2], "cut off"),
+        "a spline that is cut off": ("a.bext.json", spline[: len(spline) // 2], "truncated"),
         "a spline without its last element": ("a.bext.json", without_element(spline), "announces"),
     }
 
