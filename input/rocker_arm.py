@@ -1,10 +1,10 @@
-"""A rocker arm as a closed net of quads: a link with two bosses, and an arm that something presses on.
+"""A rocker arm as a closed net of quads: a link with two bosses, and an arm that carries a load.
 
     python3 input/rocker_arm.py rocker_arm.obj
 
-The net is a plan of quads with a top, a bottom and sides; it is meant as the control net of a smooth
-surface (`python -m post mesh`). Groups of the file: bore_left, bore_right, pad (the arm's upper side).
-Lengths are those of a drawing: the bosses are 4 apart, the plate is 0.8 thick.
+The net is a plane arrangement of quads with a top, a bottom and sides. It is meant as the control net
+of a smooth surface (`python -m post mesh`). Its groups are bore_left, bore_right and pad (the upper
+side of the arm). The bosses are at a distance of 4, and the plate has the thickness 0.8.
 """
 
 import sys
@@ -12,7 +12,7 @@ import sys
 import numpy as np
 
 AROUND = 16  # quads around a boss
-ACROSS = 4  # quads across link and arm, as many as they take from a boss
+ACROSS = 4  # quads across link and arm, which share as many quads with a boss
 LINK, ARM = 6, 8  # quads along
 LEVELS = 3  # quads from bottom to top
 LEFT = {"centre": (0.0, 0.0), "radii": (0.5, 0.75, 1.0), "half": (0.52, 0.5, 0.42)}
@@ -30,14 +30,14 @@ class Plan:
         return len(self.points) - 1
 
     def strip(self, rows):
-        """Quads between consecutive rows of points; left of the way along a row is the next one."""
+        """Quads between consecutive rows of points; the next row lies to the left of a row."""
         for low, high in zip(rows[:-1], rows[1:]):
             for k in range(len(low) - 1):
                 self.quads.append((low[k], low[k + 1], high[k + 1], high[k]))
 
 
 def boss(plan, centre, radii, half):
-    """Rings of points about a centre, from the bore outward; returns the outer one."""
+    """Rings of points about a centre, from the bore outward; return the outer one."""
     angle = 2 * np.pi * np.arange(AROUND) / AROUND
     rings = [
         [plan.add(centre[0] + r * np.cos(a), centre[1] + r * np.sin(a), h) for a in angle]
@@ -64,7 +64,7 @@ def bar(plan, start, end, along, waist):
 
 
 def make_plan():
-    """(Plan, points of the arm's upper side)"""
+    """(Plan, points of the upper side of the arm)"""
     plan = Plan()
     left, right = boss(plan, **LEFT), boss(plan, **RIGHT)
     half = ACROSS // 2
@@ -79,7 +79,7 @@ def make_plan():
 
 
 def border(quads):
-    """Edges (a, b) of the plan that one quad has, as it runs along them."""
+    """Edges (a, b) of the plan that belong to one quad, in the direction of that quad."""
     edges = {(q[k], q[(k + 1) % 4]) for q in quads for k in range(4)}
     return [e for e in sorted(edges) if (e[1], e[0]) not in edges]
 

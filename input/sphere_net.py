@@ -1,10 +1,10 @@
-"""A closed net of quads whose smooth surface is nearly a sphere of radius 1: a cube, blown up.
+"""A closed net of quads whose smooth surface is nearly a sphere of radius 1: an inflated cube.
 
     python3 -m input.sphere_net N FILE.obj [POLE]
 
-N quads along an edge of the cube; towards the poles (0, 0, -1) and (0, 0, 1) the quads become smaller, down to
-POLE (0.6) of what they are without that. The points of the net are those whose surface is nearest to the sphere, in the mean over its elements,
-with the extraction that `python -m post mesh` uses.
+The cube has N quads along an edge. Towards the poles (0, 0, -1) and (0, 0, 1) the quads become
+smaller, down to POLE times (default 0.6) their size in a uniform net. The points of the net minimise
+the mean distance of its surface from the sphere, with the extraction that `python -m post mesh` uses.
 """
 
 import sys
@@ -42,10 +42,10 @@ def cube(n):
 
 
 def blown_up(x, pole):
-    """Points of the cube moved to the unit sphere at equal angles, then drawn to the poles.
+    """Points of the cube moved to the unit sphere at equal angles, then towards the poles.
 
-    An angle t from a pole becomes the integral of `slope` over its mean: smooth everywhere, and flat
-    at the poles, so that many quads there have the same size.
+    An angle t from a pole becomes the integral of `slope` divided by the mean of `slope`. It is
+    smooth everywhere and flat at the poles, so that many quads there have the same size.
     """
     x = np.tan(np.pi / 4 * x)
     x /= np.linalg.norm(x, axis=1, keepdims=True)
@@ -58,7 +58,7 @@ def blown_up(x, pole):
 
 
 def slope(t, k):
-    """Size of the quads at the angle t from a pole over that at the pole."""
+    """Size of the quads at the angle t from a pole relative to that at the pole."""
     return np.exp(k * np.sin(t) ** 4)
 
 
@@ -78,7 +78,7 @@ def strength(pole):
 def fitted(surface, points):
     """(n, 3) control points of the surface nearest to the sphere, by least squares of its radii.
 
-    A control point moves along its own direction from the centre.
+    A control point moves along its direction from the centre.
     """
     t = np.linspace(-0.9, 0.9, 4)
     u, v = (k.ravel() for k in np.meshgrid(t, t))
@@ -107,7 +107,7 @@ def main(n, path, pole=POLE):
 
 
 def arguments(words):
-    """(N, FILE, POLE) of the command line; None where they cannot be used."""
+    """(N, FILE, POLE) of the command line; None if they cannot be used."""
     if len(words) not in (2, 3) or not words[0].isdigit() or int(words[0]) < 2:
         return None
     try:

@@ -1,10 +1,11 @@
-"""Every word of the deck has a page in doc/manual and an example that runs.
+"""Check that every word of the deck has a page in doc/manual and an example that runs.
 
-usage: manual.py [--bezel build/release/bezel] [--out build/manual]
+    python tools/manual.py [--bezel build/release/bezel] [--out build/manual]
 
 The words are those of `bezel --list commands` and of src/input/word_table.f90. A page is doc/manual/<KEY>.md, KEY the
-first four letters; its lines `Example: [...](../../input/manual/<name>.inp)` name examples, which must use the word
-and end with code 0. Words that are not available yet say so on their page and need no example. Exit code 1 if anything is wrong.
+first four letters; its lines `Example: [...](../../input/manual/<name>.inp)` name examples, which must
+use the word and end with code 0. A word whose page says that it is not available yet needs no example.
+The exit code is 1 if anything is wrong.
 """
 
 import argparse
@@ -16,13 +17,13 @@ import sys
 
 TOP = pathlib.Path(__file__).resolve().parent.parent
 PAGES = TOP / "doc" / "manual"
-OF_THE_STREAM = ["LOOP", "NEXT", "INCLude", "END"]  # read below the table of mesh words
+OF_THE_STREAM = ["LOOP", "NEXT", "INCLude", "END"]  # not in the table of mesh words
 NOT_YET = "Not available yet"
 LONGEST = 5.0  # CPU seconds of an example, by default
 
 
 def main(argv=None):
-    """Check pages and examples; returns the exit code."""
+    """Check pages and examples; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     parser.add_argument("--out", type=pathlib.Path, default=TOP / "build/manual")
@@ -36,15 +37,19 @@ def main(argv=None):
     for key in keys:
         complaints += check_page(key, examples)
     complaints += [
-        f"{p.name}: no word of the deck has this page"
+        f"{p.name}: the deck has no word for this page"
         for p in PAGES.glob("[A-Z]*.md")
         if p.stem not in keys
     ]
     o.out.mkdir(parents=True, exist_ok=True)
-    for deck in sorted(set(examples.values()), key=lambda d: (d.stem == "rest", d)):  # after save
+    for deck in sorted(
+        set(examples.values()), key=lambda d: (d.stem == "rest", d)
+    ):  # after save, which it needs
         complaints += run_example(o.bezel.resolve(), deck, o.out, o.longest)
     unused = set((TOP / "input/manual").glob("*.inp")) - set(examples.values())
-    complaints += [f"input/manual/{deck.name}: no page names it" for deck in sorted(unused)]
+    complaints += [
+        f"input/manual/{deck.name}: no page links to this example" for deck in sorted(unused)
+    ]
     print(
         "\n".join(
             [
@@ -57,12 +62,12 @@ def main(argv=None):
 
 
 def mesh_words():
-    """Words of the table of mesh words."""
+    """The words in the table of mesh words."""
     return re.findall(r"call add\(table, '(\w+)'", (TOP / "src/input/word_table.f90").read_text())
 
 
 def command_words(bezel):
-    """Words of the table of commands, as the program lists them."""
+    """The words in the table of commands, as the program lists them."""
     listing = subprocess.run(
         [bezel, "--list", "commands"], capture_output=True, text=True, check=True
     ).stdout
@@ -72,14 +77,14 @@ def command_words(bezel):
 def check_index(keys):
     """Complaints about the list of words."""
     linked = re.findall(r"\((\w+)\.md\)", (PAGES / "index.md").read_text())
-    return [f"index.md: no link to {key}.md" for key in keys if key not in linked]
+    return [f"index.md: missing link to {key}.md" for key in keys if key not in linked]
 
 
 def check_page(key, examples):
     """Complaints about a page; its example goes into `examples`."""
     page = PAGES / f"{key}.md"
     if not page.exists():
-        return [f"{key}: no page doc/manual/{key}.md"]
+        return [f"{key}: missing page doc/manual/{key}.md"]
     text = page.read_text()
     complaints = [
         f"{page.name}: link to {link}, which does not exist"
@@ -88,7 +93,7 @@ def check_page(key, examples):
     ]
     names = re.findall(r"^Example: .*\(../../(input/manual/\w+\.inp)\)", text, re.M)
     if not names and NOT_YET not in text:
-        complaints.append(f"{page.name}: no example")
+        complaints.append(f"{page.name}: missing example")
     for name in names:
         deck = TOP / name
         if not deck.exists():
@@ -107,11 +112,15 @@ def run_example(bezel, deck, out, longest):
     name = deck.relative_to(TOP)
     if run.returncode != 0:
         return [f"{name}: ended with code {run.returncode}\n{run.stderr.strip()}"]
-    return [f"{name}: took {seconds:.1f} s"] if seconds > longest else []
+    return (
+        [f"{name}: expected at most {longest:g} CPU seconds, took {seconds:.1f}"]
+        if seconds > longest
+        else []
+    )
 
 
 def cpu_of_children():
-    """CPU seconds of all programs run so far: other work on the machine does not count."""
+    """CPU seconds of all programs run so far, which do not depend on other work of the machine."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

@@ -1,6 +1,4 @@
-"""What verify.py does with one check: which run it needs, and whether that run gives what is
-wanted.
-"""
+"""One check of `verify`: the run that it needs, and the comparison of its results."""
 
 import json
 import math
@@ -19,7 +17,7 @@ from post._table import read_table
 from post._tolerance import Tolerance
 from verification.formula import evaluate
 
-TIME_LIMIT = 1200  # seconds of a run, where the check says nothing
+TIME_LIMIT = 1200  # seconds of a run if the check gives no limit
 
 
 @dataclass(frozen=True)
@@ -37,7 +35,7 @@ class Run:
 class Outcome:
     code: int | None  # None: it could not be started or took too long
     seconds: float = 0.0
-    reason: str = ""  # its first words on stderr
+    reason: str = ""  # first line on stderr
 
 
 @dataclass
@@ -94,7 +92,7 @@ def new_run(folder, entry):
 
 
 def execute(bezel, out, run):
-    """Run the program in a folder of its own; its words go to stdout.txt and stderr.txt there."""
+    """Run the program in a folder of its own, with its output in stdout.txt and stderr.txt there."""
     place = out / run.name
     place.mkdir(parents=True, exist_ok=True)
     command = [str(bezel), "--quiet", "-o", str(place), *run.options]
@@ -147,7 +145,7 @@ def exit_code(run, outcome, wanted):
         how = (
             outcome.reason
             if outcome.code is None
-            else f"ended with code {outcome.code}, wanted {wanted}: {outcome.reason}"
+            else f"ended with code {outcome.code}, expected {wanted}: {outcome.reason}"
         )
         raise Unreadable(f"{run.name} {how}")
 
@@ -172,7 +170,7 @@ def _rows_of(folder, check, quantity, place, stem):
             )
         ]
     if "want" not in check:
-        raise Unreadable("the check has no `want` and no `reference`")
+        raise Unreadable("the check has neither `want` nor `reference`")
     return [
         compared(
             folder.name, quantity, value_of(place, stem, check), check["want"], tolerance_of(check)
@@ -207,13 +205,13 @@ def _row_index(table, row):
 
 
 def compared(case, quantity, got, want, tolerance):
-    """A row for one value; words must be equal, numbers need a tolerance."""
+    """A row for one value: words must be equal, numbers agree within the tolerance."""
     if isinstance(want, str) or isinstance(got, str):
         return Row(case, quantity, got, want, None, "exact", got == want)
     want = float(want)
     difference = abs(got - want)
     if tolerance is None:
-        tolerance = Tolerance()  # counts: exact
+        tolerance = Tolerance()  # counts must agree exactly
     ok = (
         math.isfinite(got)
         and math.isfinite(want)

@@ -1,8 +1,9 @@
-"""Contact under extreme numbers: runs benchmark/contact_extremes and prints a table.
+"""Contact with extreme parameters: run benchmark/contact_extremes and print a table.
 
-`python3 -m verification.contact_extremes [--bezel PROGRAM] [--only WORD] [--out DIR]`: a row for
-each run, outcome and reason, as doc/verification/contact.md shows it. Penalties are multiples of
-the automatic one.
+    python -m verification.contact_extremes [--bezel PROGRAM] [--only WORD] [--out DIR]
+
+The table has a row for each run with outcome and reason, as in doc/verification/contact.md. Penalties
+are multiples of the automatic one.
 """
 
 import argparse
@@ -19,7 +20,7 @@ DECKS = TOP / "verification/benchmark/contact_extremes"
 AUTO = 125  # NORMal PENAlty AUTO: 125 E/h of the block, E = 1, h = 1
 TIME_LIMIT = 100
 
-#: what is changed: settings, and the deck where it is another
+#: what is changed: the settings, and the deck if it is another one
 RUNS = {
     "nothing (penalty 125, the automatic one; mu 0.5)": {},
     **{f"penalty {f:g} times the automatic one": {"eps": f * AUTO} for f in
@@ -53,7 +54,7 @@ def main():
 
 
 def row(bezel, name, settings, place):
-    """One run as a line of the table; force, torque and penetration of side 1, in the deck's units."""
+    """Run one case; return its line of the table, with side 1 in the units of the deck."""
     deck = settings.pop("deck", "hemisphere")
     command = [bezel, "--quiet", "-o", str(place), "--time-limit", str(TIME_LIMIT)]
     for key, value in settings.items():
@@ -91,8 +92,10 @@ def parser():
         prog="python -m verification.contact_extremes", description=__doc__.splitlines()[0]
     )
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
-    p.add_argument("--only", default="", metavar="WORD", help="rows whose name contains this")
-    p.add_argument("--out", metavar="DIR", help="where the runs go (default: temporary)")
+    p.add_argument(
+        "--only", default="", metavar="WORD", help="run only the rows whose name contains this"
+    )
+    p.add_argument("--out", metavar="DIR", help="folder of the runs (default: temporary)")
     return p
 
 

@@ -1,8 +1,9 @@
-"""Bonds under extreme numbers: runs benchmark/debonding_extremes and prints a table.
+"""Debonding with extreme parameters: run benchmark/debonding_extremes and print a table.
 
-`python3 -m verification.debonding_extremes [--bezel PROGRAM] [--only WORD ...] [--jobs N] [--out DIR] [--write]`:
-a row for each run, as doc/verification/section5_debonding.md shows it; `--write` puts the rows into
-benchmark/debonding_extremes/results.csv. Forces are in units of s l^2 of the decks.
+    python -m verification.debonding_extremes [--only WORD ...] [--jobs N] [--out DIR] [--write]
+
+The table has a row for each run, as in doc/verification/section5_debonding.md; `--write` puts the rows
+into benchmark/debonding_extremes/results.csv. Forces are in units of s l^2 of the decks.
 """
 
 import argparse
@@ -22,7 +23,7 @@ from verification import TOP
 DECKS = TOP / "verification/benchmark/debonding_extremes"
 TIME_LIMIT = 150
 
-#: what is changed: deck and settings
+#: what is changed: the deck and its settings
 RUNS = {
     "nothing": ("peel", {}),
     **{f"g0 = {g:g} L0": ("peel", {"g0": g}) for g in (0.01, 0.03, 0.3, 1)},
@@ -53,7 +54,9 @@ def main(argv=None):
     o = parser().parse_args(argv)
     bezel = pathlib.Path(o.bezel).resolve()
     if not os.access(bezel, os.X_OK):
-        sys.exit(f"debonding_extremes: error: '{bezel}' is no program; build it with `make`")
+        sys.exit(
+            f"debonding_extremes: error: '{bezel}' is not an executable program; build it with `make`"
+        )
     rows = []
     print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|", flush=True)
     chosen = [name for name in RUNS if any(word in name for word in o.only)]
@@ -67,7 +70,7 @@ def main(argv=None):
 
 
 def write(rows):
-    """results.csv with these rows in it."""
+    """Write results.csv, with these rows replaced."""
     file, known = DECKS / "results.csv", {}
     if file.exists():
         with file.open(newline="") as text:
@@ -79,13 +82,13 @@ def write(rows):
 
 
 def row(bezel, out, name, deck, settings):
-    """One run as a line of the table."""
+    """Run one case; return its line of the table."""
     with tempfile.TemporaryDirectory(dir=out) as place:
         return run(bezel, name, deck, settings, pathlib.Path(place))
 
 
 def run(bezel, name, deck, settings, place):
-    """The run and its numbers."""
+    """Run a deck; return its numbers."""
     command = [bezel, "--quiet", "-o", place, "--time-limit", str(TIME_LIMIT)]
     command += [f for key, x in settings.items() for f in ("--set", f"{key}={x:.16g}")]
     done = subprocess.run([*command, DECKS / f"{deck}.inp"], capture_output=True, text=True)
@@ -119,10 +122,13 @@ def parser():
     )
     p.add_argument("--bezel", default=TOP / "build/release/bezel", help="the program")
     p.add_argument(
-        "--only", nargs="+", default=[""], help="rows whose first cell has one of these words"
+        "--only",
+        nargs="+",
+        default=[""],
+        help="run only the rows whose first cell contains one of these words",
     )
-    p.add_argument("--out", default=None, help="folder for the runs while they last")
-    p.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at once")
+    p.add_argument("--out", default=None, help="folder for the temporary files of the runs")
+    p.add_argument("--jobs", type=int, default=1, metavar="N", help="number of simultaneous runs")
     p.add_argument("--write", action="store_true", help="write results.csv")
     return p
 

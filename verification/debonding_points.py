@@ -1,11 +1,11 @@
-"""Points of the bonds' integrals against time: section 5.1, mesh 1, to a lift of 15.5.
+"""Accuracy and cost of the integration points of bonds: section 5.1, mesh 1, to a lift of 15.5.
 
     .venv/bin/python -m verification.debonding_points [--bezel PROGRAM] [--write]
 
-Runs q1e9_q1n2.inp and iga2.inp of benchmark/section5_debonding with few to many points a direction,
-one run at a time. Errors are those of the lifted edge's force beside the run with the most points:
-root mean square over the lift from 0.5 to 15, and of the largest force. `--write` puts the rows into
-runs/points.csv and into doc/verification/tradeoff.md.
+It runs q1e9_q1n2.inp and iga2.inp of benchmark/section5_debonding with several numbers of points per
+direction, one run at a time. Errors are those of the force on the lifted edge relative to the run with
+the most points: root mean square over the lift from 0.5 to 15, and error of the largest force.
+`--write` puts the rows into runs/points.csv and into doc/verification/tradeoff.md.
 """
 
 import argparse
@@ -59,7 +59,7 @@ def main(argv=None):
 
 
 def sweep(bezel, name):
-    """A row for each number of points of a deck."""
+    """Run a deck with each number of points; return the rows."""
     runs = [run(bezel, name, q) for q in POINTS]
     best, most = runs[-1][1:3]
     for q, (numbers, force, largest, imbalance) in zip(POINTS, runs):

@@ -1,6 +1,4 @@
-"""A field of a result file against an exact one: the same value everywhere, or linear in the
-reference position.
-"""
+"""Compare a field of a result file with an exact one, constant or linear in the reference position."""
 
 import numpy as np
 
@@ -11,11 +9,10 @@ from verification.checks import Row
 
 
 def field_row(case, quantity, path, check):
-    """The worst point of a field; `want` (one value a component) or `affine` (rows of A or [A b],
-    field = A x + b).
+    """The worst point of a field compared with `want` (one value per component) or with `affine`
+    (rows of A or [A b], field = A x + b).
 
-    A linear function of the position holds for control points as it does for nodes, with any
-    weights.
+    A linear function of the position holds at control points as it does at nodes, with any weights.
     A scaled tolerance refers to the largest magnitude of the exact field.
     """
     fields = read_fields(path)
@@ -28,11 +25,11 @@ def field_row(case, quantity, path, check):
     want = _exact(check, fields.points, len(got), location)
     if want.shape != got.shape:
         raise Unreadable(
-            f"'{check['field']}' has {got.shape[1]} components, the check gives {want.shape[1]}"
+            f"'{check['field']}': expected {want.shape[1]} components, found {got.shape[1]}"
         )
     tolerance = tolerance_of(check)
     if tolerance is None:
-        raise Unreadable("a check of a field needs abs, scaled or rel")
+        raise Unreadable("a check of a field needs the key abs, scaled or rel")
     difference = np.where(np.isfinite(got), np.abs(got - want), np.inf)
     allowed = tolerance.allowed(want, np.abs(want).max())
     i, j = np.unravel_index(np.argmax(difference), got.shape)
@@ -51,12 +48,12 @@ def field_row(case, quantity, path, check):
 def _exact(check, points, n, location):
     if "affine" in check:
         if location != "point":
-            raise Unreadable("`affine` is for fields on points")
+            raise Unreadable("`affine` applies to fields on points only")
         matrix = np.array(check["affine"], dtype=float)
         offset = matrix[:, 3] if matrix.shape[1] == 4 else 0.0
         return points @ matrix[:, :3].T + offset
     if "want" not in check:
-        raise Unreadable("a check of a field needs `want` or `affine`")
+        raise Unreadable("a check of a field needs the key `want` or `affine`")
     return np.tile(np.atleast_1d(np.array(check["want"], dtype=float)), (n, 1))
 
 

@@ -1,4 +1,4 @@
-"""A number made of several columns of a curve file: `formula` in a check of expect.toml."""
+"""A number computed from columns of a curve file: `formula` in a check of expect.toml."""
 
 import ast
 import re
@@ -14,14 +14,14 @@ def last(x):
 
 
 def span(x):
-    """Largest less smallest value."""
+    """The largest minus the smallest value."""
     return np.ptp(x)
 
 
-def work(force, way):
-    """Work of a force over a way from the first row on, by the trapezoidal rule."""
-    force, way = np.asarray(force), np.asarray(way)
-    return np.append(0.0, np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(way)))
+def work(force, u):
+    """Work of a force over a displacement from the first row on, by the trapezoidal rule."""
+    force, u = np.asarray(force), np.asarray(u)
+    return np.append(0.0, np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(u)))
 
 
 FUNCTIONS = {
@@ -32,10 +32,10 @@ FUNCTIONS = {
 
 
 def evaluate(text, table, values):
-    """The number that `text` gives; names are columns (or their beginnings), functions as above.
+    """The value of the formula `text`; names are columns (or their beginnings) and FUNCTIONS.
 
-    `values` are the parameters that the check sets. A column is an array over the rows, so the
-    formula says which row, or which measure of all, it means.
+    `values` are the parameters that the check sets. A column is an array over the rows, so that the
+    formula must choose a row or reduce all of them to one number.
 
     >>> from post._table import Table
     >>> evaluate("last(f)/n", Table("t", {"f_1": np.array([1.0, 3.0])}), {"n": 2})
@@ -45,14 +45,14 @@ def evaluate(text, table, values):
     try:
         tree = ast.parse(text, mode="eval")
     except SyntaxError:
-        raise Unreadable(f"'{text}' is no formula") from None
+        raise Unreadable(f"'{text}' is not a valid formula") from None
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) or (isinstance(node, ast.Name) and "__" in node.id):
-            raise Unreadable(f"'{text}' is no formula")
+            raise Unreadable(f"'{text}' is not a valid formula")
         if isinstance(node, ast.Name) and node.id not in names:
             known = node.id in values
             names[node.id] = values[node.id] if known else table.columns[table.find(node.id)]
     result = np.asarray(eval(compile(tree, "formula", "eval"), {"__builtins__": {}}, names))
     if result.size != 1:
-        raise Unreadable(f"'{re.sub(chr(10), ' ', text)}' gives {result.size} values, not one")
+        raise Unreadable(f"'{re.sub(chr(10), ' ', text)}': expected one value, found {result.size}")
     return float(result.reshape(()))

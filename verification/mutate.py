@@ -1,11 +1,11 @@
-"""Mutated decks: whatever a deck holds, the program ends in time, says why, and writes no NaN.
+"""Run mutated decks: the program must always end in time, give a reason and write no NaN.
 
     python -m verification.mutate [--bezel BEZEL] [-n 1000] [--seed 1] [--keep FOLDER] [DECK ...]
 
-Decks of input/ and verification/ are cut, shuffled and filled with junk, from fixed seeds: mutation k of a
-seed is the same wherever the same decks are quick. Each run must end within 20 s with code 0, 1, 2 or 3,
-print a message unless the code is 0, write nothing with code 1, and leave no NaN in any file. Failures are
-kept.
+Decks of input/ and verification/ are truncated, shuffled and filled with junk, from fixed seeds:
+mutation k of a seed is reproducible if the same decks are quick enough. Each run must end within 20 s
+with code 0, 1, 2 or 3, print a message unless the code is 0, write nothing with code 1, and leave no
+NaN in any file. Decks that fail are kept.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from pathlib import Path
 try:
     import h5py
     import numpy
-except ImportError:  # the fields are then not looked at
+except ImportError:  # the fields are then not checked
     h5py = None
 
 HERE = Path(__file__).resolve().parent
-SECONDS = 20.0  # of a processor, for a mutated deck
-QUICK = 3.0  # of the processor: a deck worth mutating
-BUSY = 4  # seconds of the clock for one of the processor, at most
+SECONDS = 20.0  # CPU seconds for a mutated deck
+QUICK = 3.0  # CPU seconds of a deck that is mutated
+BUSY = 4  # largest ratio of wall to CPU seconds
 NUMBER = re.compile(r"(?<![\w.+-])-?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?(?![\w.])")
 CONTACT = re.compile(r"^\s*CONTact,", re.MULTILINE | re.IGNORECASE)
-CONTACTS = 3  # every third mutant is of a deck with contact
+CONTACTS = 3  # every third mutant comes from a deck with contact
 NOT_NUMBER = re.compile(rb"\bNaN\b|\bInfinity\b")
 JUNK = (
     "0 -1 1 2 3 0.5 -0.5 1e-300 1e300 1e999 -1e999 99999999999 2147483648 nan inf 1/0 (1 1) 1+ --1 1..2 3e x "
@@ -49,13 +49,13 @@ JUNK = (
 
 # --- one change to a deck, given and returned as a list of lines ---------------------------------
 def cut_tail(lines, chance):
-    """The file ends early, perhaps inside a line."""
+    """End the file early, perhaps inside a line."""
     text = "\n".join(lines)
     return text[: chance.randrange(len(text) + 1)].split("\n")
 
 
 def drop_lines(lines, chance):
-    """Some lines are gone."""
+    """Delete some lines."""
     for _ in range(chance.randint(1, 3)):
         if lines:
             del lines[chance.randrange(len(lines))]
@@ -63,7 +63,7 @@ def drop_lines(lines, chance):
 
 
 def repeat_lines(lines, chance):
-    """Some lines stand twice."""
+    """Duplicate some lines."""
     for _ in range(chance.randint(1, 2)):
         if lines:
             at = chance.randrange(len(lines))
@@ -72,7 +72,7 @@ def repeat_lines(lines, chance):
 
 
 def swap_lines(lines, chance):
-    """Some lines have changed places."""
+    """Exchange some lines."""
     for _ in range(chance.randint(1, 4)):
         if lines:
             a, b = chance.randrange(len(lines)), chance.randrange(len(lines))
@@ -81,7 +81,7 @@ def swap_lines(lines, chance):
 
 
 def shuffle_part(lines, chance):
-    """A part is in any order."""
+    """Shuffle a part."""
     a = chance.randrange(len(lines) + 1)
     b = min(len(lines), a + chance.randint(2, 12))
     part = lines[a:b]
@@ -90,7 +90,7 @@ def shuffle_part(lines, chance):
 
 
 def change_fields(lines, chance):
-    """Fields are replaced by junk, dropped or moved."""
+    """Replace fields by junk, delete them or insert junk."""
     for _ in range(chance.randint(1, 4)):
         at = chance.randrange(len(lines)) if lines else 0
         fields = lines[at].split() if lines else []
@@ -109,7 +109,7 @@ def change_fields(lines, chance):
 
 
 def change_numbers(lines, chance):
-    """Numbers are others that a user might have meant; counts of loops stay."""
+    """Replace numbers by others that a user might have meant; counts of loops stay."""
     for _ in range(chance.randint(1, 3)):
         at = chance.randrange(len(lines)) if lines else 0
         found = (
@@ -130,7 +130,7 @@ def change_numbers(lines, chance):
 
 
 def change_bytes(lines, chance):
-    """Single characters are changed, dropped or put in."""
+    """Change, delete or insert single characters."""
     text = list("\n".join(lines))
     for _ in range(chance.randint(1, 8)):
         if text:
@@ -142,7 +142,7 @@ def change_bytes(lines, chance):
 
 
 def insert_junk(lines, chance):
-    """Lines of junk."""
+    """Insert lines of junk."""
     for _ in range(chance.randint(1, 3)):
         junk = " ".join(chance.choice(JUNK) for _ in range(chance.randint(1, 8)))
         lines.insert(chance.randrange(len(lines) + 1), junk)
@@ -167,7 +167,7 @@ CHANGES = (
 
 
 def mutate(text: str, chance: random.Random) -> str:
-    """One to three changes."""
+    """Make one to three changes."""
     lines = text.split("\n")
     for _ in range(chance.choice((1, 1, 2, 3))):
         lines = chance.choice(CHANGES)(lines, chance)
@@ -176,7 +176,7 @@ def mutate(text: str, chance: random.Random) -> str:
 
 # --- runs ----------------------------------------------------------------------------------------
 def run(bezel: Path, deck: Path, out: Path, seconds: float) -> tuple[int | None, bytes, float]:
-    """Exit code (None: more than so many seconds of a processor), stderr, seconds of the clock."""
+    """Exit code (None if it takes more CPU seconds than given), stderr, wall seconds."""
     start = time.monotonic()
     most = math.ceil(seconds)
     limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (most, most + 1))
@@ -191,7 +191,7 @@ def run(bezel: Path, deck: Path, out: Path, seconds: float) -> tuple[int | None,
 
 
 def has_nan(path: Path) -> bool:
-    """A NaN or infinity in a file that was written."""
+    """Whether a file contains a NaN or infinity."""
     if path.suffix in (".vtkhdf", ".h5"):
         found = []
         if h5py:
@@ -200,7 +200,7 @@ def has_nan(path: Path) -> bool:
         return bool(found)
     content = path.read_bytes()
     text, mark, raw = content.partition(b'<AppendedData encoding="raw">')
-    if mark:  # reals are bytes behind the text: their letters mean nothing
+    if mark:  # reals are bytes after the text, whose characters have no meaning
         raw = raw[raw.index(b"_") + 1 :]
         for start in re.findall(rb'type="Float64"[^>]*offset="(\d+)"', text):
             length = int.from_bytes(raw[int(start) : int(start) + 8], "little")
@@ -211,7 +211,7 @@ def has_nan(path: Path) -> bool:
 
 
 def bad_data(item) -> bool:
-    """A dataset of reals that holds something else."""
+    """Whether a dataset of reals holds values that are not finite."""
     return (
         isinstance(item, h5py.Dataset)
         and item.dtype.kind == "f"
@@ -240,7 +240,7 @@ def judge(code: int | None, stderr: bytes, out: Path) -> str:
 
 
 def processor_seconds() -> float:
-    """Of all runs so far: what else the machine does does not count."""
+    """CPU seconds of all runs so far, which do not depend on other work of the machine."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -263,7 +263,7 @@ def find_decks(bezel: Path, folder: Path) -> list[Path]:
 
 
 def copy_parts(root: Path) -> None:
-    """The files that decks include, in folders of the same names: mutants find them there."""
+    """Copy the files that decks include into folders of the same names, where mutants find them."""
     for part in ("input", "verification"):
         for file in (HERE.parent / part).rglob("*"):
             if (

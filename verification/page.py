@@ -1,4 +1,4 @@
-"""Tables in pages of doc/verification that programs here write."""
+"""Write tables into pages of doc/verification."""
 
 import re
 

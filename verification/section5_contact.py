@@ -1,11 +1,11 @@
-"""Sections 5.2 and 5.3: runs the hemisphere on every mesh, element type and coefficient of friction.
+"""Sections 5.2 and 5.3: run the hemisphere for every mesh, element type and friction coefficient.
 
     .venv/bin/python -m verification.section5_contact --mesh 1 2 3 [--only NAME] [--jobs N] [--write]
 
-A case that the same program has finished with the same decks is not run again; an interrupted study
-goes on where it was. Prints how each case went, then paper, ours and difference of Tables 4 and 5;
-the exit code is 1 where a case ends early or a number is out of its bound. `--write` puts the curve
-tables and summary.csv into benchmark/section5_contact/runs, from where the figures are drawn.
+A case that the same program has finished with the same decks is not run again, so that an interrupted
+study continues. It prints the result of each case, then compares Tables 4 and 5 with the paper. The
+exit code is 1 if a case ends early or a number is out of its bound. `--write` puts the curve tables
+and summary.csv into benchmark/section5_contact/runs, from which the figures are drawn.
 Mesh `reference` is IGA2 without friction on a finer mesh, to 45 degrees (half a period).
 """
 
@@ -27,7 +27,7 @@ from verification import TOP, checks
 DECKS = TOP / "verification/benchmark/section5_contact"
 RUNS = DECKS / "runs"
 ELEMENTS = ("Q1E9", "Q1E9+Q1N2", "Q1E9+Q1N3", "Q1E9+Q1N2.1", "IGA2")
-#: In the order in which they are run: those that the figures miss most come first.
+#: In the order in which they are run: those that matter most for the figures come first.
 CASES = (
     ("Q1E9+Q1N2.1", 0.5), ("IGA2", 0.5), ("IGA2", 0), ("Q1E9+Q1N2", 0), ("Q1E9+Q1N2", 0.5),
     ("Q1E9+Q1N3", 0), ("Q1E9+Q1N3", 0.5), ("Q1E9+Q1N2.1", 0), ("Q1E9", 0), ("Q1E9", 0.5),
@@ -49,7 +49,7 @@ KEPT = [f"contact_sole_{s}_{q}" for q in ("force_3", "torque", "tangential_1", "
 
 @dataclass
 class Case:
-    """One run of the matrix and what came of it."""
+    """One run of the matrix and its results."""
 
     mesh: str
     elements: str
@@ -69,7 +69,7 @@ class Case:
         return checks.Run(self.name, run.deck, run.settings, run.options, run.time_limit)
 
     def summary(self, place):
-        """The row of summary.csv, from the run's report and curve; None where there is none."""
+        """The row of summary.csv, from report and curve of the run, or None without them."""
         try:
             report = json.loads((place / f"{self.name}.report.json").read_text())
             curve = read_table(place / f"{self.name}_sole.dat").columns
@@ -95,7 +95,9 @@ def main(argv=None):
     o = parser().parse_args(argv)
     bezel, out = pathlib.Path(o.bezel).resolve(), pathlib.Path(o.out).resolve()
     if not os.access(bezel, os.X_OK):
-        sys.exit(f"section5_contact: error: '{bezel}' is no program; build it with `make`")
+        sys.exit(
+            f"section5_contact: error: '{bezel}' is not an executable program; build it with `make`"
+        )
     cases = [c for c in all_cases(o.mesh) if any(fnmatchcase(c.name, w) for w in o.only)]
     if not cases:
         sys.exit("section5_contact: error: no case is chosen")
@@ -119,7 +121,7 @@ def all_cases(meshes):
 
 
 def fingerprint(bezel):
-    """Of the program and the decks: a run is kept while both are the same."""
+    """Hash of the program and the decks: a run is kept while both are the same."""
     text = hashlib.sha256(bezel.read_bytes())
     for deck in sorted(DECKS.glob("*.in[cp]")):
         text.update(deck.read_bytes())
@@ -127,7 +129,7 @@ def fingerprint(bezel):
 
 
 def finish(bezel, out, case, stamp, o):
-    """(row of the summary or None, how it went), from the run that is there or from a new one."""
+    """(row of the summary or None, remark), from the existing run or from a new one."""
     place, run = out / case.name, case.run(o.time_limit)
     made_by = place / "made_by.txt"
     kept = made_by.exists() and made_by.read_text() == stamp
@@ -148,7 +150,7 @@ def finish(bezel, out, case, stamp, o):
 
 
 def write(case, row, place):
-    """The curve in few digits, and the case's line of summary.csv."""
+    """Write the curve with few digits, and the line of the case in summary.csv."""
     RUNS.mkdir(exist_ok=True)
     curve = read_table(place / f"{case.name}_sole.dat").columns
     names = [*MORE, *KEPT]
@@ -168,7 +170,7 @@ def write(case, row, place):
 
 
 def report(cases, rows):
-    """Print Tables 4 and 5 beside the paper's; 1 where a case ended early or a number is out."""
+    """Compare Tables 4 and 5 with the paper; return 1 if a case ended early or a number is out."""
     lines, bad = [], 0
     for case in cases:
         row = rows[case.name]
@@ -188,7 +190,7 @@ def report(cases, rows):
 
 
 def compared(case, row):
-    """(what, paper, ours, bound) of the entries of Tables 4 and 5 that this case is of."""
+    """(quantity, paper, ours, bound) for the entries of Tables 4 and 5 of this case."""
     same = lambda r: (r["mesh"], r["elements"]) == (case.mesh, case.elements)
     for r in filter(same, paper_table("table4.csv")):
         yield f"{case.name:<22} {'dofs':<22}", int(r["dofs"]), int(row["dofs"]), 0.0
@@ -215,8 +217,12 @@ def parser():
     p.add_argument(
         "--only", nargs="+", default=["*"], metavar="NAME", help="such as 3_IGA2_0, 3_*_0.5"
     )
-    p.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time (default 1)")
-    p.add_argument("--time-limit", type=int, default=7200, metavar="S", help="of a run")
+    p.add_argument(
+        "--jobs", type=int, default=1, metavar="N", help="number of simultaneous runs (default 1)"
+    )
+    p.add_argument(
+        "--time-limit", type=int, default=7200, metavar="S", help="time limit of a run in seconds"
+    )
     p.add_argument("--out", default=TOP / "build/section5_contact", metavar="DIR")
     p.add_argument("--write", action="store_true", help="update the committed tables")
     return p

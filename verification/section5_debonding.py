@@ -1,17 +1,17 @@
-"""Section 5.1: peels the strip off the plate with every element type.
+"""Section 5.1: peel the strip off the plate with every element type.
 
     .venv/bin/python -m verification.section5_debonding --mesh 1 [--only NAME] [--write] [--force]
     .venv/bin/python -m verification.section5_debonding --suite all|long [--write] [--force]
 
 The suite `all` is mesh 1, and mesh 2 of the bodies of Q1 and of IGA2; `long` is mesh 2 of the bodies
-of Q2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that ended well is not run again unless
---force is given. Prints dofs beside Table 2, how far each case came, and the independent numbers of
-section5_peeling/peeling.csv beside ours; the exit code is 1 where a case ends early or a number of
-dofs differs. `--write` puts summary.csv and the curves (few digits) into
-benchmark/section5_debonding/runs, from where the figures are drawn. `--pictures` runs the decks of
-Figures 13 and 14 too, `--readings` those that read the scene in other ways (readings.csv).
-`--steps` ends runs earlier, in folders of their own. `--apart` runs nothing: it says how far
-committed curves lie apart (apart.csv).
+of Q2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that is complete is not run again
+unless --force is given. It prints the dofs of Table 2, the end of each case, and a comparison with the
+independent numbers of section5_peeling/peeling.csv. The exit code is 1 if a case ends early or a number
+of dofs differs. `--write` puts summary.csv and the curves (with few digits) into
+benchmark/section5_debonding/runs, from which the figures are drawn. `--pictures` also runs the decks of
+Figures 13 and 14, `--readings` those with other interpretations of the scene (readings.csv). `--steps`
+ends runs earlier, in separate folders. `--apart` runs nothing and compares committed curves with each
+other (apart.csv).
 """
 
 import argparse
@@ -41,13 +41,16 @@ REFINEMENT = {"1": 1, "2": 2, "3": 4}
 LIFT = 15.5  # at time 1
 READ_AT = (2, 5, 10, 15.5)
 COMPARED = {"IGA2": "iga2", "Q1E9+Q1N2": "q1e9_q1n2"}  # with the independent numbers
-HALF_STEPS = 120  # of the runs in two half passes: as far as the independent numbers go
+HALF_STEPS = 120  # of the two-half-pass runs: up to the last of the independent numbers
 STEPS = {"1": 180, "2": 180, "3": 100}  # of a lift of 0.155
 SUITES = {
     "all": [*(("1", t) for t in TYPES), *(("2", t) for t in (*TYPES[:4], "iga2"))],
     "long": [*(("2", t) for t in TYPES[4:7]), ("3", "q1e9_q1n2"), ("3", "iga2")],
 }
-LOST, RELEASED = 0.98, 0.999  # shares of the bond: where energies are compared, and when it is off
+LOST, RELEASED = (
+    0.98,
+    0.999,
+)  # fractions of the bond: where energies are compared, and when it counts as released
 PAIRS = (  # curves that the paper compares: (mesh, elements) twice
     (("1", "q2_q2n2"), ("1", "iga2")),
     (("2", "q2_q2n2"), ("2", "iga2")),
@@ -94,18 +97,18 @@ def main(argv=None):
 
 
 def cases(o):
-    """(mesh, elements) of all that is asked for."""
+    """(mesh, elements) of all requested cases."""
     chosen = SUITES[o.suite] if o.suite else [(m, t) for m in o.mesh for t in TYPES]
     return [(m, t) for m, t in chosen if t in o.only or not o.only]
 
 
 def place_of(o, mesh, name):
-    """The folder of a case; one that ends early does not stand for the whole."""
+    """The folder of a case; a run with fewer steps has a folder of its own."""
     return o.out / (f"{mesh}_{name}" + (f"_{o.steps}_steps" if o.steps else ""))
 
 
 def finish(o, mesh, name, place, steps=None):
-    """Run a case that has no good end yet."""
+    """Run a case that is not complete yet."""
     report = place / f"{name}.report.json"
     if not o.force and report.exists() and json.loads(report.read_text())["status"] == "done":
         return
@@ -116,15 +119,15 @@ def finish(o, mesh, name, place, steps=None):
 
 
 def summary(mesh, name, place):
-    """What came of a case; None where there is nothing."""
+    """The results of a case, or None without any."""
     try:
         report = json.loads((place / f"{name}.report.json").read_text())
         c = read_table(place / f"{name}_peel.dat").columns
     except (OSError, ValueError, Unreadable):
         return None
     lift, force, lost = c["disp_3"], c["force_3"], c["contact_glue_1_debonded"]
-    bonded = np.maximum.accumulate(lost) < RELEASED  # until the strip is off
-    taken = "-"  # of the work when LOST are released, where it comes so far
+    bonded = np.maximum.accumulate(lost) < RELEASED  # until the strip is released
+    taken = "-"  # fraction of the work when LOST is released, if the run reaches it
     if lost.max() >= LOST:
         share = reached(LOST, lost, c["book_inertia"]) / reached(LOST, lost, c["book_work"])
         taken = f"{share:.4f}"
@@ -154,7 +157,7 @@ def summary(mesh, name, place):
 
 
 def readings(o):
-    """The scene read in other ways than the decks' (mesh 1, Q1E9+Q1N2): forces, and where it is off."""
+    """Other interpretations of the scene (mesh 1, Q1E9+Q1N2): forces, and the lift at release."""
     rows = [("reading", "largest_force", *(f"force_at_{u:g}" for u in READ_AT), "off_at")]
     for name in ("q1e9_q1n2", *sorted(p.stem for p in DECKS.glob("reading_*.inp"))):
         place = o.out / ("1_" + name)
@@ -169,7 +172,7 @@ def readings(o):
 
 
 def reached(at, x, y):
-    """y where x reaches `at` for the first time: x may go back, in a snap-back it does."""
+    """y where x reaches `at` for the first time; x may decrease, as it does in a snap-back."""
     ahead = np.append(True, x[1:] > np.maximum.accumulate(x)[:-1])
     return np.interp(at, x[ahead], y[ahead])
 
@@ -185,7 +188,7 @@ def roughness(lift, force):
 
 
 def apart(write):
-    """Differences of committed curves up to a lift of 15.5, over the largest force of the second."""
+    """Compare committed curves up to a lift of 15.5, relative to the largest force of the second."""
     rows = [("mesh", "elements", "of_mesh", "of_elements", "rms", "largest", "of_the_peaks")]
     x = np.linspace(0, LIFT, 500)
     for pair in PAIRS:
@@ -210,8 +213,8 @@ def write_rows(name, rows):
 
 
 def beside(o):
-    """Forces of mesh 1, every point loading both surfaces and in two half passes, beside the
-    independent ones, which are those of two half passes."""
+    """Compare forces of mesh 1, with points that load both surfaces and with two half passes, with
+    the independent ones, which are those of two half passes."""
     with PEELING.open(newline="") as text:
         theirs = list(csv.DictReader(line for line in text if not line.startswith("#")))
     rows = [
@@ -232,7 +235,7 @@ def beside(o):
 
 
 def write(mesh, name, place):
-    """The curve in few digits."""
+    """Write the curve with few digits."""
     runs = DECKS / "runs"
     runs.mkdir(exist_ok=True)
     c = read_table(place / f"{name}_peel.dat").columns
@@ -242,7 +245,7 @@ def write(mesh, name, place):
 
 
 def write_summary(rows):
-    """summary.csv with these rows in it."""
+    """Write summary.csv, with these rows replaced."""
     file, known = DECKS / "runs/summary.csv", {}
     if file.exists():
         with file.open(newline="") as text:
@@ -260,18 +263,26 @@ def parser():
     )
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
     p.add_argument("--mesh", nargs="+", choices=list(TABLE_2), default=["1"])
-    p.add_argument("--suite", choices=list(SUITES), help="in place of --mesh")
-    p.add_argument("--pictures", action="store_true", help="the decks of Figures 13 and 14 too")
-    p.add_argument("--readings", action="store_true", help="other readings of the scene too")
-    p.add_argument("--apart", action="store_true", help="only differences of committed curves")
+    p.add_argument("--suite", choices=list(SUITES), help="run a suite of cases instead of --mesh")
+    p.add_argument(
+        "--pictures", action="store_true", help="also run the decks of Figures 13 and 14"
+    )
+    p.add_argument(
+        "--readings", action="store_true", help="also run other interpretations of the scene"
+    )
+    p.add_argument("--apart", action="store_true", help="only compare committed curves")
     p.add_argument("--only", nargs="+", default=[], choices=TYPES, metavar="NAME")
-    p.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at once")
-    p.add_argument("--steps", type=int, metavar="N", help="of a lift of 0.155, not to the end")
-    p.add_argument("--time-limit", type=int, default=7200, metavar="S", help="of a run")
+    p.add_argument("--jobs", type=int, default=1, metavar="N", help="number of simultaneous runs")
+    p.add_argument(
+        "--steps", type=int, metavar="N", help="stop after N steps, each a lift of 0.155"
+    )
+    p.add_argument(
+        "--time-limit", type=int, default=7200, metavar="S", help="time limit of a run in seconds"
+    )
     p.add_argument(
         "--out", type=pathlib.Path, default=TOP / "build/section5_debonding", metavar="DIR"
     )
-    p.add_argument("--force", action="store_true", help="run cases that ended well again")
+    p.add_argument("--force", action="store_true", help="run complete cases again")
     p.add_argument("--write", action="store_true", help="update the committed tables")
     return p
 

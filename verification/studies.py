@@ -1,4 +1,4 @@
-"""Refinement studies of verify.py: errors against a converged value, mesh by mesh."""
+"""Refinement studies of `verify`: errors relative to a converged value, mesh by mesh."""
 
 import csv
 
@@ -8,8 +8,8 @@ from verification import checks
 
 
 def plan_studies(folder, studies, everything):
-    """Each series of each [[study]]: one plan, one row of the table, a row of results.csv for each
-    mesh.
+    """Plans of the studies: one plan and one row of the table for each series of a [[study]], and a
+    row of results.csv for each mesh.
     """
     plans = []
     for study in studies:
@@ -58,7 +58,7 @@ def _plan_series(folder, mesh, names, meshes):
 
 
 def _study_row(case, quantity, errors, entry, value):
-    """The finest mesh against the converged value; and does the error shrink with every mesh?"""
+    """Compare the finest mesh with the converged value, and check that the error decreases."""
     limit, shrink = float(entry["limit"]), entry.get("shrink")
     ok, reason = abs(errors[-1]) <= limit, ""
     if shrink is not None:
@@ -68,7 +68,7 @@ def _study_row(case, quantity, errors, entry, value):
         if grown:
             ok, reason = (
                 False,
-                f"the error does not shrink by {shrink:g} everywhere: "
+                f"the error does not decrease by the factor {shrink:g} on every mesh: "
                 + " ".join(f"{e:.2e}" for e in errors),
             )
     return checks.Row(
@@ -85,11 +85,11 @@ def _study_row(case, quantity, errors, entry, value):
 
 
 def write_tables(plans):
-    """Tables of the refinement studies that ran completely, for post/figures."""
+    """Write the tables of the refinement studies that are complete, for post/figures."""
     for folder in {p.folder for p in plans if p.table}:
         table = [row for p in plans if p.folder == folder for row in p.table]
         if any(p.folder == folder and p.lost for p in plans):
-            print(f"{folder.name}: a run of the study failed: results.csv is left as it was")
+            print(f"{folder.name}: a run of the study failed, so results.csv is not changed")
             continue
         path = folder / "results.csv"
         with open(path, "w", encoding="utf-8", newline="") as file:

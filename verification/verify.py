@@ -1,12 +1,11 @@
-"""Run the verification cases and compare: `python3 -m verification.verify --bezel
-build/release/bezel`.
+"""Run the verification cases and compare their results with references.
 
-A case is a folder of verification/patch or verification/benchmark with decks and an expect.toml
-(its keys are in
-post/_expect.py). Runs go into build/verify/<case>/. Prints one table; stops on nothing; the last
-line counts.
-Exit code 0 only where at least one check ran and none failed. Needs numpy (h5py where a check reads
-fields).
+    python3 -m verification.verify [--bezel build/release/bezel] [--case NAME] [--all] [--study]
+
+A case is a folder of verification/patch or verification/benchmark with decks and an expect.toml, whose
+keys are described in post/_expect.py. Runs go into build/verify/<case>/. All checks are made even if
+some fail; the result is one table with a count in its last line. The exit code is 0 only if at least
+one check ran and none failed. It needs numpy, and h5py for checks of fields.
 """
 
 import argparse
@@ -29,7 +28,7 @@ ROOTS = (TOP / "verification/patch", TOP / "verification/benchmark")
 
 
 def main(argv=None):
-    """Read the cases, run what they need in parallel, print the table; returns the exit code."""
+    """Read the cases, make their runs in parallel, print the table; return the exit code."""
     o = parser().parse_args(argv)
     bezel = pathlib.Path(o.bezel).resolve()
     cases, rows = read_cases(o.case)
@@ -41,7 +40,7 @@ def main(argv=None):
     runs = {run.name: run for plan in plans for run in plan.runs}
     if runs and not os.access(bezel, os.X_OK):
         print(
-            f"verify: error: '{bezel}' is no program; build it with `make`, or name it with --bezel",
+            f"verify: error: '{bezel}' is not an executable program; build it with `make`, or name it with --bezel",
             file=sys.stderr,
         )
         print(f"0 passed, {len(plans)} failed")
@@ -72,7 +71,7 @@ def read_cases(names):
     for name in names or []:
         if name not in [f.name for f in known]:
             have = " ".join(f.name for f in known)
-            rows.append(checks.failed(name, "case", f"no such case (cases: {have})"))
+            rows.append(checks.failed(name, "case", f"unknown case (cases: {have})"))
     for folder in known:
         if not names or folder.name in names:
             try:
@@ -83,7 +82,7 @@ def read_cases(names):
 
 
 def run_all(bezel, out, runs, jobs):
-    """{run's name: Outcome}; a line of progress on a terminal."""
+    """{name of the run: Outcome}; a terminal shows the progress."""
     outcomes = {}
     with concurrent.futures.ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
         waiting = {pool.submit(checks.execute, bezel, out, run): run for run in runs}
@@ -97,7 +96,7 @@ def run_all(bezel, out, runs, jobs):
 
 
 def report(rows):
-    """Print the table and the count; 0 where something passed and nothing failed."""
+    """Print the table and the count; return 0 if a check passed and none failed."""
     heading = ("case", "quantity", "got", "wanted", "difference", "tolerance", "ok")
     lines = [heading] + [
         (r.case, r.quantity, *r.numbers(), "ok" if r.ok else "FAILED") for r in rows
@@ -124,9 +123,9 @@ def parser():
         metavar="PROGRAM",
         help="(default build/release/bezel)",
     )
-    p.add_argument("--all", action="store_true", help="slow checks too")
+    p.add_argument("--all", action="store_true", help="also run slow checks")
     p.add_argument(
-        "--case", action="append", metavar="NAME", help="this folder only; may be repeated"
+        "--case", action="append", metavar="NAME", help="run only this case; may be repeated"
     )
     p.add_argument(
         "--study",
@@ -138,13 +137,13 @@ def parser():
         type=int,
         default=min(2, os.cpu_count() or 1),
         metavar="N",
-        help="runs at a time (default 2)",
+        help="number of simultaneous runs (default 2)",
     )
     p.add_argument(
         "--out",
         default=str(TOP / "build/verify"),
         metavar="DIR",
-        help="where the runs go (default build/verify)",
+        help="folder of the runs (default build/verify)",
     )
     p.add_argument("--json", metavar="FILE", help="write the table as JSON")
     return p

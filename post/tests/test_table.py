@@ -44,7 +44,7 @@ class CurveFile(Scratch):
         self.refused("# step f\n1 2\n2\n", "line 3 .*expected 2 numbers, found 1.*truncated")
         self.refused("# step f\n1 2\n2 3.", "is incomplete: the file is truncated")
         self.refused("# step f\n1 *****\n", r"'\*\*\*\*\*' is not a number")
-        self.refused("# step f f\n1 2 3\n", "'f' twice")
+        self.refused("# step f f\n1 2 3\n", "duplicate column 'f'")
 
     def test_what_is_no_text_file_is_said(self):
         with self.assertRaisesRegex(Unreadable, "does not exist"):

@@ -1,10 +1,10 @@
-"""Bad decks and the exact message each must give.
+"""Run bad decks and compare the message of each with the expected one.
 
     python -m verification.deck_errors.run --bezel BEZEL [--update NAME ...]
 
 Every <name>.inp beside this file is run as `bezel -o FOLDER <name>.inp`. It must end with code 1, print
-<name>.expected on stderr and write no file. A <name>.args holds further arguments. Decks that no file
-of a repository can be (a folder, a pipe, a file nobody may read) are made here.
+<name>.expected on stderr and write no file. A <name>.args holds further arguments. Decks that cannot be
+files of a repository (a folder, a pipe, a file without permission to read) are made here.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 SECONDS = 20  # one bad deck
 
-# Decks made here: what makes them, and the message; {deck} is the path given to bezel.
+# Decks made here: the function that makes them, and the message; {deck} is the path given to bezel.
 MADE = {
     "missing": (lambda path: None, "error: '{deck}' cannot be read: no such file or directory\n"),
     "folder": (lambda path: path.mkdir(), "error: '{deck}' is a folder\n"),
@@ -29,7 +29,7 @@ MADE = {
 
 
 def run(bezel: Path, deck: str, arguments: list[str], folder: Path) -> str:
-    """Empty if the deck fails as it must; else what is wrong. `folder` must stay absent."""
+    """What the deck printed, or the error if it did not fail as expected; `folder` must stay absent."""
     result = subprocess.run(
         [str(bezel), "-o", str(folder), *arguments, deck],
         cwd=HERE, capture_output=True, timeout=SECONDS, check=False)  # fmt: skip
@@ -42,7 +42,7 @@ def run(bezel: Path, deck: str, arguments: list[str], folder: Path) -> str:
 
 
 def check(name: str, found: str, wanted: str) -> bool:
-    """Compare a message; show both where they differ."""
+    """Compare a message with the expected one; print both if they differ."""
     if found == wanted:
         return True
     print(f"FAILED {name}\n--- wanted\n{wanted}--- found\n{found}", end="")

@@ -1,11 +1,13 @@
-"""Time bezel beside FElupe and CalculiX: `make bench`, or
-`python -m verification.performance.bench --bezel build/release/bezel [--n 16] [--rounds 2] [--large 32] [--parts PROGRAM ...]`.
+"""Compare the speed of bezel with FElupe and CalculiX; `make bench` runs it.
 
-The cube of cube.inp, one thread. Every run stands between two of bezel's full Newton iteration
-(A B A), and only ratios within such a triple are compared with the targets: what else the machine
-does then matters little. Medians over the rounds. Writes build/bench/bench.json and bench.md and
-prints the change against record.json; `--record` makes this run the record. Slow is never wrong:
-the exit code is 0 as long as bezel runs and its force is FElupe's.
+    python -m verification.performance.bench [--n 16] [--rounds 2] [--large 32] [--parts PROGRAM ...]
+
+All programs solve the cube of cube.inp with one thread. Every run is made between two runs of bezel
+with full Newton iteration (A B A), and only ratios within such a triple are compared with the targets,
+so that other work of the machine matters little. The results are medians over the rounds. They are
+written to build/bench/bench.json and bench.md and compared with record.json; `--record` makes this run
+the record. A slow run is not an error: the exit code is 0 if bezel runs and its force agrees with
+that of FElupe.
 """
 
 import argparse
@@ -39,7 +41,7 @@ SAME_FORCE = 1e-6  # relative, between bezel and FElupe
 
 
 def main():
-    """Run, print, compare."""
+    """Run, print and compare."""
     o = parser().parse_args()
     folder = pathlib.Path(o.out).resolve()
     folder.mkdir(parents=True, exist_ok=True)
@@ -48,7 +50,9 @@ def main():
     for program in map(pathlib.Path, o.parts):
         print(f"bench: {program.name}", flush=True)
         arguments = [str(o.n)] if "solver" in program.name else []
-        for _ in range(1 if arguments else 3):  # the kernels take seconds, and jump
+        for _ in range(
+            1 if arguments else 3
+        ):  # the kernels take seconds only, and their times vary
             found = runs.run_program(program.resolve(), folder, arguments)
             parts[program.name] = parts.get(program.name, "") + found
     if o.only:
@@ -74,7 +78,7 @@ def main():
 
 
 def add_part(name, bezel, folder, parts, keep):
-    """Contact, or debonding, and parts of now, all else of the record."""
+    """Time contact or debonding and the parts again; the rest is taken from the record."""
     result = json.loads(RECORD.read_text())
     result["missing"] = []
     if name == "peel":
@@ -92,22 +96,24 @@ def parser():
     )
     p.add_argument("--bezel", default="build/release/bezel")
     p.add_argument("--out", default="build/bench", help="folder of all files")
-    p.add_argument("--n", type=int, default=16, help="elements along half an edge (8: quick)")
+    p.add_argument("--n", type=int, default=16, help="elements along half an edge (8 is quick)")
     p.add_argument("--rounds", type=int, default=2)
-    p.add_argument("--large", type=int, default=32, help="n of the one large step; 0: none")
-    p.add_argument("--short", type=float, default=2000, help="MB in which the large step fails")
+    p.add_argument("--large", type=int, default=32, help="n of the large step (0 for none)")
+    p.add_argument(
+        "--short", type=float, default=2000, help="memory in MB in which the large step fails"
+    )
     p.add_argument("--parts", nargs="*", default=[], help="programs that time a part")
     p.add_argument(
         "--only",
         choices=["contact", "peel"],
-        help="time this and the parts; the rest is the record's",
+        help="time this and the parts; take the rest from the record",
     )
     p.add_argument("--record", action="store_true", help="keep this run as record.json")
     return p
 
 
 def time_cube(bezel, folder, n, rounds, missing):
-    """{name: {"wall", "cpu", ..., "ratio_cpu", "ratio_wall"}}; ratios to the full runs around."""
+    """{name: {"wall", "cpu", ..., "ratio_cpu", "ratio_wall"}}; ratios to the adjacent full runs."""
     samples, pairs = {}, {}
     names = [*OURS, *OTHERS]
 
@@ -135,7 +141,7 @@ def time_cube(bezel, folder, n, rounds, missing):
 
 
 def run_one(bezel, folder, name, n):
-    """One run that is not full Newton."""
+    """Make one run other than full Newton."""
     if name in OURS:
         element, factor = OURS[name]
         return runs.run_bezel(bezel, folder, name.replace(", ", "_"), n, element, factor)
@@ -152,7 +158,7 @@ def run_one(bezel, folder, name, n):
 
 
 def note(samples, name, found):
-    """Keep a sample; a run of bezel that fails ends the bench."""
+    """Record a sample; stop if a run of bezel failed."""
     if found.get("code"):
         sys.exit(f"bench: error: bezel ended with {found['code']}: {found['message']}")
     samples.setdefault(name, []).append(found)
@@ -160,7 +166,7 @@ def note(samples, name, found):
 
 
 def summary(samples):
-    """Medians, and what does not vary."""
+    """Medians, and the values that do not vary."""
     row = dict(samples[-1])
     for key in ("wall", "cpu", "share", "memory"):
         if key in row:
@@ -170,7 +176,7 @@ def summary(samples):
 
 
 def ratios(triples, clock):
-    """(other run / full run, seconds an iteration of the other / of the full run), medians."""
+    """Medians of (other run / full run) and of the same ratio per iteration."""
     whole, each = [], []
     for before, other, after in triples:
         full_run = (before[clock] + after[clock]) / 2
@@ -180,7 +186,7 @@ def ratios(triples, clock):
 
 
 def read_kernels(parts):
-    """{"dgemm": GFLOP/s, element and law: us} from what bench_kernel prints; best of its runs."""
+    """{"dgemm": GFLOP/s, element and law: us} from the output of bench_kernel; best of its runs."""
     found = {}
 
     def note_value(key, value):
@@ -198,7 +204,7 @@ def read_kernels(parts):
 
 
 def finish(result, folder, parts, keep):
-    """Write, print, compare; the exit code."""
+    """Write, print and compare the result; return the exit code."""
     record = json.loads(RECORD.read_text()) if RECORD.exists() else None
     text = table.render(result, record, SAME_FORCE)
     (folder / "bench.json").write_text(json.dumps(result, indent=1) + "\n")

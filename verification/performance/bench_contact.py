@@ -1,8 +1,8 @@
-"""Contact in `make bench`: the hemisphere of section 5 twisted on its block, beside CalculiX.
+"""Contact in `make bench`: the hemisphere of section 5 twisted on its block, also with CalculiX.
 
-Mesh 2 without and with friction, one thread. Every run of another program or element stands between
-two of bezel with Q1E9+Q1N2 (A B A); ratios are taken within such a triple. Then the share of contact
-in bezel's iterations on mesh 3.
+It runs mesh 2 without and with friction and one thread. Every run of another program or element is
+made between two runs of bezel with Q1E9+Q1N2 (A B A), and ratios are taken within such a triple. Then
+the fraction of contact in an iteration of bezel is measured on mesh 3.
 """
 
 import json
@@ -27,7 +27,7 @@ TITLES = {
     SWAPPED: "CalculiX, C3D8, block as slave",
 }
 FRICTION = (0.0, 0.5)
-ENOUGH = 180.0 - 1e-3  # degrees of a run that came to its end
+ENOUGH = 180.0 - 1e-3  # degrees of a complete run
 
 
 def time_contact(bezel, folder, missing):
@@ -60,7 +60,7 @@ def time_contact(bezel, folder, missing):
 
 
 def run_one(bezel, folder, name, mu):
-    """A run that is not the reference of the ratios."""
+    """Make a run other than the reference of the ratios."""
     if name == Q1E9:
         return run_bezel(bezel, folder, name, mu, MESH_2)
     place = folder / name.replace(", ", "_").replace(" ", "_")
@@ -74,7 +74,7 @@ def each(row):
 
 
 def run_bezel(bezel, folder, stem, mu, mesh):
-    """A whole process; seconds, and force and torque of the supports while all points slide."""
+    """Time a whole process; return also force and torque of the supports while all points slide."""
     settings = [f"--set={name}={value}" for name, value in (mesh | {"mu": mu}).items()]
     command = [bezel, "--quiet", "--threads", "1", "-o", str(folder), *settings]
     wall, cpu, _, code, _, errors = runs.measure([*command, str(DECKS / f"{stem}.inp")], folder)
@@ -96,7 +96,7 @@ def run_bezel(bezel, folder, stem, mu, mesh):
 
 
 def sliding_means(path):
-    """Means of the supports' force and torque over the part of the turn in which all points slide."""
+    """Mean force and torque of the supports over the part of the turn in which all points slide."""
     names = path.read_text().splitlines()[0].strip("# ").split()
     data = dict(zip(names, np.loadtxt(path, unpack=True)))
     late = calculix.DEGREES * data["factor_2"] >= calculix.SLIDING - 1e-6
@@ -109,15 +109,15 @@ def sliding_means(path):
 
 
 def run_calculix(place, mu, swapped):
-    """The same by CalculiX."""
+    """The same with CalculiX."""
     program = shutil.which("ccx")
     if not program:
-        raise runs.Unavailable("CalculiX is not here (apt install calculix-ccx)")
+        raise runs.Unavailable("CalculiX is not installed (apt install calculix-ccx)")
     mesh = calculix.write_input(place / "hemisphere.inp", MESH_2, mu, swapped)
     wall, cpu, _, _, output, _ = runs.measure([program, "hemisphere"], place)
     found = calculix.read_output(place, output, mesh)
     if not found["iterations"]:
-        raise runs.Unavailable("CalculiX does not run the hemisphere here")
+        raise runs.Unavailable("CalculiX does not run the hemisphere")
     return {"wall": wall, "cpu": cpu} | found
 
 

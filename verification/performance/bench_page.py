@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write doc/verification/performance.md from record.json; `bench.py --record` does it too."""
+"""Write doc/verification/performance.md from record.json; `bench --record` does it too."""
 
 import json
 import pathlib
@@ -10,7 +10,7 @@ from verification.performance import bench_table as table
 
 HERE = pathlib.Path(__file__).resolve().parent
 PAGE = HERE.parents[1] / "doc/verification/performance.md"
-SAME_FORCE = 1e-6  # as in bench.py
+SAME_FORCE = 1e-6  # as in bench
 
 INTRO = """# Performance
 

@@ -9,7 +9,7 @@ DECKS = pathlib.Path(__file__).resolve().parents[1] / "benchmark/section5_debond
 
 
 def time_peel(bezel, folder):
-    """A whole process: seconds, steps, iterations, share of contact."""
+    """Time a whole process: seconds, steps, iterations, fraction of contact."""
     print("bench: debonding, mesh 2, IGA2", flush=True)
     folder = folder / "peel"
     folder.mkdir(exist_ok=True)

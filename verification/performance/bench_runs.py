@@ -1,4 +1,4 @@
-"""Runs of `make bench`: one process each, one thread, seconds of wall and processor."""
+"""Runs of `make bench`: one process and one thread each, with wall and CPU seconds."""
 
 import json
 import os
@@ -14,15 +14,15 @@ from verification.performance import calculix_cube
 
 HERE = pathlib.Path(__file__).resolve().parent
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "CCX_NPROC_STIFFNESS")
-LIMIT = 3600  # seconds after which a run is given up
+LIMIT = 3600  # seconds after which a run is stopped
 
 
 class Unavailable(Exception):
-    """A program that is not there or does not work; the text is one sentence."""
+    """A program is missing or does not work; the text is one sentence."""
 
 
 def measure(command, folder, limit_mb=None):
-    """Run; returns (seconds of wall, of processor, peak MB, exit code, output, errors)."""
+    """Run a command; return (wall seconds, CPU seconds, peak MB, exit code, output, errors)."""
 
     def limit_memory():
         if limit_mb:
@@ -44,7 +44,7 @@ def measure(command, folder, limit_mb=None):
 
 
 def deck(folder, name, element, factor):
-    """cube.inp with another element, or another way to solve."""
+    """The text of cube.inp with another element or another FACTor."""
     text = (HERE / "cube.inp").read_text().replace("TYPE Q1\n", f"TYPE {element}\n")
     if factor:
         text = text.replace("BATCh\n", f"BATCh\n  FACTor {factor}\n")
@@ -54,7 +54,7 @@ def deck(folder, name, element, factor):
 
 
 def run_bezel(bezel, folder, name, n, element="Q1", factor="", steps=5, limit_mb=None):
-    """One run; {"wall", "cpu", "iterations", "force", "share", "memory", ...}."""
+    """Make one run; return {"wall", "cpu", "iterations", "force", "share", "memory", ...}."""
     path = deck(folder, name, element, factor)
     command = [bezel, "--quiet", "--threads", "1", "--set", f"n={n}", "--set", f"steps={steps}"]
     wall, cpu, memory, code, _, errors = measure([*command, str(path)], folder, limit_mb)
@@ -75,30 +75,30 @@ def run_bezel(bezel, folder, name, n, element="Q1", factor="", steps=5, limit_mb
 
 
 def run_felupe(folder, n, solver):
-    """The same by FElupe; seconds of the iterations alone."""
+    """The same with FElupe; the seconds are those of the iterations alone."""
     command = [sys.executable, str(HERE / "felupe_cube.py"), str(n), solver]
     _, _, memory, code, output, errors = measure(command, folder)
     if code:
         last = (errors.strip().splitlines() or ["no message"])[-1]
-        raise Unavailable(f"FElupe with {solver} does not run here ({last})")
+        raise Unavailable(f"FElupe with {solver} does not run ({last})")
     return json.loads(output.strip().splitlines()[-1]) | {"memory": memory}
 
 
 def run_calculix(folder, n):
-    """The same by CalculiX; seconds of the whole process."""
+    """The same with CalculiX; the seconds are those of the whole process."""
     program = shutil.which("ccx")
     if not program:
-        raise Unavailable("CalculiX is not here (apt install calculix-ccx)")
+        raise Unavailable("CalculiX is not installed (apt install calculix-ccx)")
     calculix_cube.write_input(folder / "cube.inp", n)
     wall, cpu, memory, code, output, _ = measure([program, "cube"], folder)
     if code or "convergence" not in output:
-        raise Unavailable(f"CalculiX does not run here (exit code {code})")
+        raise Unavailable(f"CalculiX does not run (exit code {code})")
     found = calculix_cube.read_output(folder, output)
     return {"wall": wall, "cpu": cpu, "memory": memory} | found
 
 
 def run_program(path, folder, arguments):
-    """Output of a program that times a part."""
+    """Run a program that times a part; return its output."""
     *_, code, output, errors = measure([str(path), *arguments], folder)
     return output if code == 0 else f"exit code {code}\n{errors}"
 
@@ -125,7 +125,7 @@ def machine(bezel_programs):
 
 
 def library_version(stem):
-    """Version in the file name of an installed library; empty where none is found."""
+    """The version in the file name of an installed library, or an empty text."""
     for path in sorted(pathlib.Path("/usr/lib").glob(f"**/{stem}*.so*")):
         found = re.search(r"(\d+\.\d+\.\d+)", path.resolve().name)
         if found:

@@ -26,7 +26,7 @@ def difference(rows, name):
 
 
 def render(result, record, tolerance):
-    """All of it."""
+    """The whole text."""
     parts = [head(result), cube(result, tolerance), targets(result), kernels(result)]
     if "contact" in result:
         parts.append(bench_contact.table(result["contact"]))
@@ -131,7 +131,7 @@ def kernels(result):
 
 
 def large(r):
-    """The one large step."""
+    """The large step."""
     if "message" in r:
         return f"n = {r['n']}: {r['message']}\n"
     return (

@@ -1,4 +1,4 @@
-"""The cube of cube.inp for CalculiX: writes the input, reads what came out.
+"""The cube of cube.inp with CalculiX: write the input and read the results.
 
 CalculiX's neo-Hooke has W = C10 (I1 J^(-2/3) - 3) + (J - 1)^2/D1. C10 = mu/2 and D1 = 2/K make it
 the same material at small strains; at 25 % compression the force differs by some per cent.
@@ -13,7 +13,7 @@ LIFT = -0.25
 
 
 def write_input(path, n):
-    """Mesh, material, supports and one step of five increments."""
+    """Write mesh, material, supports and one step of five increments."""
     row, layer = n + 1, (n + 1) ** 2
 
     def node(i, j, k):

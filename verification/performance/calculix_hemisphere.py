@@ -1,9 +1,10 @@
-"""The hemisphere that is pressed on a block and twisted, section 5 of Corbett and Sauer 2015, for CalculiX:
-writes the input, reads what came out.
+"""The hemisphere that is pressed on a block and twisted, section 5 of Corbett and Sauer 2015, with
+CalculiX: write the input and read the results.
 
-Same nodes as bezel's Q1 mesh, C3D8 with eight points, surface to surface contact with the hemisphere as
-slave, linear pressure and stick slope eps, increments of 1/20 of the way down and of 3 degrees. The rim
-turns by amplitudes, two a node. Neo-Hooke as in calculix_cube.py: (J - 1)^2 where ours has (ln J)^2.
+The nodes are those of bezel's Q1 mesh. Elements are C3D8 with eight points, and contact is surface to
+surface with the hemisphere as slave, linear pressure and the stick slope eps. Increments are 1/20 of
+the downward motion and 3 degrees. The rim turns by amplitudes, two per node. The neo-Hooke law is that
+of calculix_cube.py, with (J - 1)^2 instead of the (ln J)^2 of bezel.
 """
 
 import math
@@ -18,7 +19,7 @@ INNER = 2 / 3  # radius of the inner surface
 
 
 def outer_point(u, v):
-    """Point of the unit sphere below its centre (0, 0, 1): elliptical map to the disc, then to the sphere."""
+    """Point of the unit sphere below (0, 0, 1), by an elliptical map to the disc and then the sphere."""
     x, y = 2 * u - 1, 2 * v - 1
     a, b = x * math.sqrt(1 - y * y / 2), y * math.sqrt(1 - x * x / 2)
     r = math.hypot(a, b)
@@ -62,7 +63,7 @@ def meshes(n, m, k):
         radius = INNER + (1 - INNER) * layer / m
         x, y, z = outer_point(
             i / n, 1 - j / n
-        )  # mirrored: outwards is up, the elements stay right-handed
+        )  # mirrored: outward is up and the elements stay right-handed
         return radius * x, radius * y, 1 + radius * z
 
     def box(i, j, layer):
@@ -96,7 +97,7 @@ def contact(eps, mu, swapped):
 
 
 def write_input(path, mesh, mu, swapped=False):
-    """Mesh {n, m, k, eps}, materials, contact; one step down, one that turns. swapped: the block is slave."""
+    """Write the mesh {n, m, k, eps}, a step down and a step that turns; swapped: the block is slave."""
     n, m, k = (mesh[name] for name in "nmk")
     hemi, block = meshes(n, m, k)
     text = []
@@ -154,7 +155,7 @@ def step(increments, records):
 
 
 def read_output(folder, output, mesh):
-    """Iterations, degrees reached; forces and torques of rim and base, means while all slides."""
+    """Iterations, final angle, and mean forces and torques of rim and base while all points slide."""
     tables = read_tables(folder / "hemisphere.dat")
     rows = [line.split() for line in (folder / "hemisphere.sta").read_text().splitlines()[2:]]
     rows = [row for row in rows if len(row) > 6]

@@ -1,8 +1,8 @@
-"""The cube of cube.inp by FElupe: `felupe_cube.py n pardiso|symmetric|superlu`; prints JSON.
+"""Solve the cube of cube.inp with FElupe and print JSON: `felupe_cube.py n SOLVER`.
 
-pardiso: what FElupe's documentation recommends. symmetric: Pardiso is told that the matrix is
-symmetric and gets its upper triangle. superlu: what FElupe takes by default (scipy). Seconds are
-those of the Newton iterations; imports and mesh do not count.
+SOLVER is pardiso, which the documentation of FElupe recommends; symmetric, which is Pardiso for a
+symmetric matrix given by its upper triangle; or superlu, the default of FElupe (scipy). The seconds are
+those of the Newton iterations, without imports and mesh.
 """
 
 import json
@@ -32,7 +32,7 @@ def linear_solver(name):
 
 
 def main(n, name):
-    """Solve, print."""
+    """Solve and print."""
     mesh = fem.Cube(a=(0, 0, 0), b=(0.5, 0.5, 1), n=(n + 1, n + 1, 2 * n + 1))
     field = fem.FieldContainer([fem.Field(fem.RegionHexahedron(mesh), dim=3)])
     law = fem.NeoHookeCompressible(mu=E / 2 / (1 + NU), lmbda=E * NU / (1 + NU) / (1 - 2 * NU))

@@ -1,16 +1,16 @@
-"""Stops and restarts of a run, compared bit for bit with the run that nothing stopped.
+"""Stop and restart a run, and compare it bit for bit with the uninterrupted run.
 
     .venv/bin/python -m verification.restart.run BEZEL [--kills N] [--deck NAME]
 
-1. SIGTERM while the run is under way: exit code 4, then --restart: curves and fields are equal.
-2. --time-limit: the same, restarted as often as it takes.
-3. kill -9 at random moments: every row and field written before stays readable, the last checkpoint
+1. SIGTERM during the run gives exit code 4; after --restart, curves and fields are equal.
+2. --time-limit does the same, with as many restarts as needed.
+3. After kill -9 at random moments every row and field written before is readable, the last checkpoint
    can be restarted, and the restarted run ends like the uninterrupted one.
-4. A checkpoint that is older than the results, and a restart from it that is stopped before it makes
-   a step: the results are cut back to the checkpoint, and going on ends like the uninterrupted run.
-5. Files that may not grow beyond a size, as on a full disk: exit code 3.
+4. A restart from a checkpoint that is older than the results, stopped before it makes a step, truncates
+   the results to the checkpoint; continuing it ends like the uninterrupted run.
+5. Files that cannot grow beyond a size, as on a full disk, give exit code 3.
 
-Prints a line a check and `N passed, N failed`. Needs h5py for the fields (the project's .venv has it).
+It prints a line per check and `N passed, N failed`. It needs h5py (the .venv of the project has it).
 """
 
 import argparse
@@ -41,8 +41,8 @@ DECKS = [
 
 
 def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM, room=None):
-    """Run a deck; with `wait`, send a signal after so many seconds; `room`: most bytes of a file.
-    Returns the exit code."""
+    """Run a deck; with `wait`, send a signal after so many seconds; `room` limits the bytes of a file.
+    Return the exit code."""
     limit = room and (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)))
     process = subprocess.Popen(
         [bezel, "--quiet", "-o", str(out), *options, str(HERE / deck)],
@@ -69,7 +69,7 @@ def fields(path):
 
 
 def same(a, b, stem):
-    """Equal curves and fields of two folders; the reason where they are not."""
+    """The reason why curves or fields of two folders differ, or None."""
     if (a / f"{stem}_force.dat").read_bytes() != (b / f"{stem}_force.dat").read_bytes():
         return "the curves differ"
     for path in [a / f"{stem}.pvd", *sorted(a.glob(f"{stem}_*.vtu"))]:
@@ -89,7 +89,7 @@ def same(a, b, stem):
 
 
 def whole(folder, stem):
-    """After a kill: rows and fields written so far can be read."""
+    """After a kill, check that the rows and fields written so far are readable."""
     curve, result = folder / f"{stem}_force.dat", folder / f"{stem}.vtkhdf"
     if curve.exists() and len(curve.read_text().splitlines()) > 1:
         lines = [
@@ -107,7 +107,7 @@ def whole(folder, stem):
 
 
 def stop_behind(bezel, deck, folder):
-    """In the folder of a finished run: restart from its last checkpoint but one, and stop at once."""
+    """Restart a finished run from its second last checkpoint and stop it immediately."""
     stem = pathlib.Path(deck).stem
     checkpoint = folder / f"{stem}.restart.h5"
     with h5py.File(checkpoint, "r+") as file:
@@ -125,7 +125,7 @@ def stop_behind(bezel, deck, folder):
 
 
 def go_on(bezel, deck, folder):
-    """Restart from the checkpoint; from the deck where there is none yet."""
+    """Restart from the checkpoint, or from the deck if there is no checkpoint yet."""
     checkpoint = folder / f"{pathlib.Path(deck).stem}.restart.h5"
     return run(
         bezel, deck, folder, *(["--restart", str(checkpoint)] if checkpoint.exists() else [])
@@ -175,7 +175,7 @@ def main():
             limit = 0.4 * seconds
             codes = [run(args.bezel, deck, part, "--time-limit", f"{limit:.3f}")]
             while codes[-1] == 4 and len(codes) < 20:
-                limit *= 1.2  # the machine may have become busy
+                limit *= 1.2  # the machine may be busy now
                 codes.append(
                     run(
                         args.bezel,
@@ -215,7 +215,7 @@ def main():
                 code = go_on(args.bezel, deck, part)
                 trouble = same(whole_run, part, stem) if code == 0 else f"exit code {code}"
             report(f"{stem}: from a checkpoint older than the results", trouble)
-            code = go_on(args.bezel, deck, part)  # with no step left to make
+            code = go_on(args.bezel, deck, part)  # with no step left
             ends = [
                 json.loads((at / f"{stem}.report.json").read_text()) for at in (whole_run, part)
             ]

@@ -1,4 +1,4 @@
-"""Tables of doc/verification/section3.md: meshes below surfaces, and runs on them.
+"""Make the tables of doc/verification/section3.md: meshes below surfaces, and runs on them.
 
     .venv/bin/python -m verification.section3 mesh [--net FILE --name NAME]
     .venv/bin/python -m verification.section3 bend [--net FILE]
@@ -6,13 +6,14 @@
     .venv/bin/python -m verification.section3 hertz [--largest N]
     .venv/bin/python -m verification.section3 check
 
-`mesh` makes the bodies of VARIANTS from input/rocker_arm.py's net, or from another, and writes
-verification/section3/mesh_NAME.csv. `bend` goes from the file of hexahedra of a rocker arm, or of a
-curved bar, to its solved bending, with tetrahedra and with the file's own hexahedra, and writes verification/section3/bend.csv.
-`slide` runs the deck of `make demo-rocker` with the spline on the arm and with plain faces of the same net,
-and writes verification/section3/slide.csv and a figure; runs that are in the work folder are used again.
-`hertz` presses spheres of input/sphere_net.py between planes and writes verification/section3/hertz.csv.
-`check`, which is part of `make verify-all`, repeats the quick ones of these and tries broken files.
+`mesh` meshes the bodies of VARIANTS below the net of input/rocker_arm.py, or another net, and writes
+verification/section3/mesh_NAME.csv. `bend` meshes the hexahedra of a rocker arm's file, or of a curved
+bar, solves its bending with tetrahedra and with those hexahedra, and writes
+verification/section3/bend.csv. `slide` runs the deck of `make demo-rocker` with the spline on the arm
+and with plain faces of the same net, and writes verification/section3/slide.csv and a figure; it reuses
+runs in the work folder. `hertz` presses spheres of input/sphere_net.py between planes and writes
+verification/section3/hertz.csv. `check`, a part of `make verify-all`, repeats the quick ones of these
+and tries broken files.
 """
 
 import argparse
@@ -51,7 +52,7 @@ COLUMNS = (
 
 
 def entry(report, path):
-    """A number of a report by 'part.entry', '' where it has none."""
+    """A number of a report by 'part.entry', or '' if the report has none."""
     value = report
     for key in path.split("."):
         value = value.get(key, "") if isinstance(value, dict) else ""
@@ -59,13 +60,13 @@ def entry(report, path):
 
 
 def mesh(net, name, out):
-    """One row for each variant that the net and the machine allow."""
+    """Write a row for each variant that the net and the installed meshers allow."""
     rows = [",".join(["variant", *COLUMNS, "seconds"])]
     for variant, options in VARIANTS.items():
         if options.get("interior") == "hexes" and pathlib.Path(net).suffix != ".vtk":
             continue
         if "mesher" in options and not _tets.available(options["mesher"]):
-            print(f"left out: {variant} ({options['mesher']} is not here)")
+            print(f"left out: {variant} ({options['mesher']} is not installed)")
             continue
         start = cpu_seconds()
         body = body_of(net, **options)
@@ -81,7 +82,7 @@ def mesh(net, name, out):
 
 
 def slide(bezel, out, work):
-    """Normal force, friction and largest pressure while the pin slides: spline beside plain faces."""
+    """Compare force, friction and largest pressure on the spline and on plain faces as the pin slides."""
     table = ["surface,dofs,force_down,pressure_down,force_rms,friction_rms,pressure_rms,iterations"]
     curves = {}
     for surface in ("spline", "plain"):
@@ -114,7 +115,7 @@ def slide(bezel, out, work):
 
 
 def _rms(time, values):
-    """Relative deviation from a smooth curve (a polynomial of degree 4), root mean square."""
+    """Root mean square of the relative deviation from a smooth curve (a polynomial of degree 4)."""
     smooth = np.polyval(np.polyfit(time, values, 4), time)
     return np.sqrt(np.mean((values / smooth - 1) ** 2))
 
@@ -145,9 +146,14 @@ def main():
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     p.add_argument("part", choices=("mesh", "bend", "slide", "hertz", "check"))
-    p.add_argument("--net", help="another net; of a rocker arm of hexahedra for bend")
-    p.add_argument("--name", default="arm", help="of the table")
-    p.add_argument("--largest", type=int, default=24, help="hertz: quads along the cube's edge")
+    p.add_argument("--net", help="use another net; bend: the hexahedra of a rocker arm")
+    p.add_argument("--name", default="arm", help="name of the table")
+    p.add_argument(
+        "--largest",
+        type=int,
+        default=24,
+        help="hertz: largest number of quads along an edge of the cube",
+    )
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"))
     p.add_argument("--work", type=pathlib.Path, default=TOP / "build/section3")
     o = p.parse_args()

@@ -1,7 +1,7 @@
-"""From a file of hexahedra to its solved bending: `python -m verification.section3 bend`.
+"""Bending of bodies from a file of hexahedra: `python -m verification.section3 bend`.
 
-The same surface and layer stand on tetrahedra and on the file's own hexahedra, and the forces at the tip are
-compared: of the rocker arm made by others, and of a curved bar of our own, which `check` runs too.
+The same surface and layer are placed on tetrahedra and on the hexahedra of the file, and the forces at
+the tip are compared, for a rocker arm made by others and for a curved bar, which `check` also runs.
 """
 
 import subprocess
@@ -28,7 +28,7 @@ BAR_ELEMENTS = (8, 30, 8)  # through the thickness, around, across
 
 
 def bend(bezel, out, work, net=None):
-    """New rows of bend.csv, of the arm in the file `net` or else of the bar; the other's stay."""
+    """Write new rows of bend.csv, for the arm in the file `net` or for the bar; keep the others."""
     table = out / "bend.csv"
     rows = table.read_text().splitlines()
     if net is None:
@@ -41,7 +41,7 @@ def bend(bezel, out, work, net=None):
 
 
 def curved_bar_rows(bezel, work):
-    """A row for each interior."""
+    """A row for each type of interior."""
     net = curved_bar(work / "bar.vtk")
     for interior in INTERIORS:
         yield row("bar", net, BAR, interior, bezel, work)
@@ -63,7 +63,7 @@ def row(name, net, groups, interior, bezel, work):
 
 
 def solved(bezel, place):
-    """Columns of the curve of a written body, its foot held and its tip moved."""
+    """Columns of the curve of a body whose foot is fixed and whose tip is moved."""
     deck = place.with_suffix(".inp")
     lines = [line for line in deck.read_text().splitlines() if not line.startswith("! FIX")]
     supports = BENDING.format(name=place.name)
@@ -84,6 +84,6 @@ def curved_bar(path):
 
 
 def cpu_seconds():
-    """Seconds of the processor, of this process and of the programs that it started."""
+    """CPU seconds of this process and of the programs that it started."""
     children = getrusage(RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime

@@ -1,9 +1,9 @@
-"""What `make verify-all` runs of section 3: `python -m verification.section3 check`.
+"""The checks of section 3 in `make verify-all`: `python -m verification.section3 check`.
 
-Broken files get one sentence and no output; bodies below the arm's net keep what the committed table says;
-the coarse sphere's contact keeps its distance from Hertz; the same body on tetrahedra and on hexahedra gives
-nearly the same force. What needs Gmsh or TetGen is skipped where they
-are not installed, and said to be.
+Broken files must give one sentence and no output. Bodies below the net of the arm must agree with the
+committed table, the contact of the coarse sphere with its ratios to Hertz' solution, and the forces on
+the same body with tetrahedra and with hexahedra with each other. Checks that need Gmsh or TetGen are
+reported as skipped if these are not installed.
 """
 
 import csv
@@ -16,9 +16,9 @@ from verification import TOP
 from verification.section3.bend import curved_bar_rows
 from verification.section3.hertz import case, make
 
-EXACT = 1e-12  # sums of volumes against the surface's integral
-TOLERANCE = 0.01  # of Hertz' ratios: another Gmsh makes other tetrahedra
-SKIPPED = object()  # in place of a trouble
+EXACT = 1e-12  # sums of volumes relative to the integral over the surface
+TOLERANCE = 0.01  # of ratios to Hertz' solution: another version of Gmsh makes other tetrahedra
+SKIPPED = object()  # marks a skipped check
 APART = 0.015  # forces of the bar: linear tetrahedra are 1.0 % stiffer than hexahedra
 
 
@@ -105,7 +105,7 @@ def check_broken(work):
 
 
 def check_bodies(net, variants, table):
-    """The arm's bodies against the committed table: counts that no mesher decides, sums, shapes."""
+    """Compare bodies of the arm with the committed table: counts without the mesher's, sums, shapes."""
     rows = {row["variant"]: row for row in csv.DictReader(table.open())}
     for name, options in variants.items():
         if name not in rows:
@@ -118,9 +118,9 @@ def check_bodies(net, variants, table):
         for key in ("counts.elements", "counts.pyramids", "counts.hanging"):
             part, entry = key.split(".")
             if report[part][entry] != int(rows[name][key]):
-                wrong.append(f"{key} is {report[part][entry]}, not {rows[name][key]}")
+                wrong.append(f"expected {rows[name][key]} for {key}, found {report[part][entry]}")
         if report["volume"]["relative_difference"] > EXACT:
-            wrong.append("volumes do not add up to rounding")
+            wrong.append("the volumes do not add up to round-off")
         least = report["tets"]["dihedral_least"]
         if options["mesher"] == "gmsh" and least < 4:
             wrong.append(f"least dihedral angle {least:.2f}")
@@ -131,7 +131,7 @@ def check_bodies(net, variants, table):
 
 
 def check_hertz(bezel, work, table):
-    """The coarsest sphere's contact against the committed ratios."""
+    """Compare the contact of the coarsest sphere with the committed ratios."""
     if not _tets.available("gmsh"):
         yield "sphere against Hertz: gmsh is not installed", SKIPPED
         return
@@ -146,7 +146,7 @@ def check_hertz(bezel, work, table):
 
 
 def check_interiors(bezel, work, table):
-    """The curved bar bent on tetrahedra and on hexahedra: near each other, and as they were."""
+    """Compare the bent bar on tetrahedra and on hexahedra with each other and with the table."""
     if not _tets.available("gmsh"):
         yield "bar on tetrahedra and hexahedra: gmsh is not installed", SKIPPED
         return

@@ -1,8 +1,9 @@
-"""Hertz contact of a sphere that came from a net: `python -m verification.section3 hertz`.
+"""Hertz contact of a sphere below a net: `python -m verification.section3 hertz`.
 
-Bodies below input/sphere_net.py's nets between two rigid planes (verification/section3/hertz.inp), beside
-Hertz' formulas. The approach of a whole sphere is smaller: d = a^2/R less Boussinesq's displacement by the load
-of the other pole, at depth 2 R and radius a, (F/(pi E)) (2 (1+nu) R^2/q^3 + (1-nu^2)/q) with q^2 = a^2 + 4 R^2.
+Bodies below nets of input/sphere_net.py are pressed between two rigid planes
+(verification/section3/hertz.inp) and compared with Hertz' formulas. The approach of a whole sphere is
+smaller, namely d = a^2/R minus Boussinesq's displacement by the load of the other pole, at depth 2 R
+and radius a, (F/(pi E)) (2 (1+nu) R^2/q^3 + (1-nu^2)/q) with q^2 = a^2 + 4 R^2.
 """
 
 import json
@@ -16,14 +17,14 @@ from post.mesh import _report, _write, body_of
 from verification import TOP
 
 NU = 0.3
-POLE = 0.16  # of the net: quads at the poles over those of an even one
+POLE = 0.16  # of the net: size of the quads at the poles relative to a uniform net
 CASES = ((12, 0.1), (16, 0.1), (16, 0.05), (16, 0.2), (24, 0.1))  # quads along an edge, a/R
-FINE_RADIUS = 0.15  # tetrahedra this near to a pole are as long as the quads there
-NEAR = "sphere:0,0,1,0.3+sphere:0,0,-1,0.3"  # keeps its spline
+FINE_RADIUS = 0.15  # tetrahedra within this distance of a pole are as long as the quads there
+NEAR = "sphere:0,0,1,0.3+sphere:0,0,-1,0.3"  # the part that stays a spline
 
 
 def hertz(bezel, out, work, largest):
-    """Rows of hertz.csv, for nets of up to `largest` quads along an edge of the cube."""
+    """Write hertz.csv for nets of up to `largest` quads along an edge of the cube."""
     rows = ["n,a,dofs,quads_over_a,force,pressure,radius,poles_differ,iterations,solve_cpu_seconds"]
     for n, a in CASES:
         if n > largest:
@@ -37,7 +38,7 @@ def hertz(bezel, out, work, largest):
 
 
 def make(folder, n):
-    """The body's files and the deck."""
+    """Write the files of the body and the deck."""
     folder.mkdir(parents=True, exist_ok=True)
     net = folder / "ball.obj"
     command = [sys.executable, "-m", "input.sphere_net", str(n), net.resolve(), str(POLE)]
@@ -51,7 +52,7 @@ def make(folder, n):
 
 
 def case(bezel, folder, n, a):
-    """A row: force over that of the approach, pressure and radius over those of the force."""
+    """A row: force relative to Hertz' force, pressure and radius relative to those of the force."""
     name = f"hertz_{a:g}".replace(".", "_")
     command = [bezel, "--quiet", "-o", folder, "--name", name, "--set", f"a={a}"]
     subprocess.run([*command, folder / "hertz.inp"], check=True)
@@ -85,7 +86,7 @@ def radius_of(force):
 
 
 def approach_of(force):
-    """How far a plane comes towards the middle of the sphere: Hertz less the other pole."""
+    """Approach of a plane to the centre of the sphere: Hertz minus the effect of the other pole."""
     a = radius_of(force)
     q = a * a + 4
     return a * a - (2 * (1 + NU) / q**1.5 + (1 - NU**2) / q**0.5) * force / np.pi

@@ -1,19 +1,19 @@
-"""Speed for accuracy: runs the hemisphere on the block with what a user may choose, and keeps errors
-and CPU seconds in benchmark/tradeoff/results.csv.
+"""Accuracy and cost: run the hemisphere on the block with the options of contact, and write errors and
+CPU seconds to benchmark/tradeoff/results.csv. `make tradeoff` runs it.
 
-    make tradeoff        or        python3 -m verification.tradeoff --bezel PROGRAM [--only WORD] [--mesh 1 2] [--again]
+    python3 -m verification.tradeoff --bezel PROGRAM [--only WORD] [--mesh 1 2] [--again]
 
-A run that is in --out already is not run again, so an interrupted grid goes on where it was.
-CPU seconds are user and system time of the process; best of two on mesh 1. Errors are root mean
-squares over the turn, of both sides of the contact, relative to the reference's mean:
+A run that exists in --out is not made again, so that an interrupted study continues. CPU seconds are
+user and system time of the process, the best of two on mesh 1. Errors are root mean squares over the
+turn for both sides of the contact, relative to the mean of the reference:
 
     force      z force, 0 to 180 degrees
     torque     120 to 180 degrees, where all points slide
     traction   largest smoothed t_x of each side, 120 to 180 degrees
 
-against benchmark/tradeoff/reference.csv (`--reference` runs it anew: half an hour), and against the
-run `beside`, which differs in one setting, side by side. Ratios of CPU seconds are taken to a plain
-run just after.
+They are errors relative to benchmark/tradeoff/reference.csv (`--reference` computes it again in half
+an hour), and relative to the run `beside`, which differs in one setting. Ratios of CPU seconds are
+taken to a plain run made immediately afterwards.
 """
 
 import argparse
@@ -36,7 +36,7 @@ from verification.tradeoff import grid  # noqa: E402
 
 DECKS = TOP / "verification/benchmark/tradeoff"
 RESULTS, REFERENCE = DECKS / "results.csv", DECKS / "reference.csv"
-#: The spline's control points are too far apart for peaks of its smoothed traction.
+#: The control points of the spline are too far apart for the peaks of its smoothed traction.
 PEAKS = TOP / "verification/benchmark/section5_contact/runs/3_Q1E9+Q1N2.1_0.5.dat"
 SIDES = {"force": "force_3", "torque": "torque", "traction": "tangential_1"}
 SIGNS = {"force": (1, -1), "torque": (1, -1), "traction": (1, 1)}
@@ -49,7 +49,7 @@ COLUMNS = (
 
 
 class Curve:
-    """What a run's table says while the hemisphere turns.
+    """The curve of a run while the hemisphere turns.
 
     degree (n); force, torque, traction (2, n) of both sides, of one sign; penetration (n).
     """
@@ -65,14 +65,14 @@ class Curve:
         self.penetration = np.max(deep, axis=0)
 
     def mean(self, name):
-        """Of both sides over the degrees that count."""
+        """The mean of both sides over the degrees that count."""
         return getattr(self, name)[:, self.degree >= FROM[name] - 1e-6].mean()
 
 
 def difference(curve, other, name, pooled=True):
-    """Root mean square of curve - other at degrees that both have, relative to other's mean.
+    """Root mean square of curve - other at common degrees, relative to the mean of other.
 
-    pooled: other's two sides count by their mean."""
+    pooled: the two sides of other are replaced by their mean."""
     mine, its = np.rint(1e3 * curve.degree), np.rint(1e3 * other.degree)
     both = [d for d in np.intersect1d(mine, its) if d >= 1e3 * FROM[name] - 1]
     if not both:
@@ -86,7 +86,7 @@ def difference(curve, other, name, pooled=True):
 
 
 class Reference(Curve):
-    """The same of reference.csv, whose values are means of both sides."""
+    """The curve of reference.csv, whose values are means of both sides."""
 
     def __init__(self, path):
         with open(path, newline="") as file:
@@ -98,11 +98,11 @@ class Reference(Curve):
 
 
 def main(argv=None):
-    """Run what is missing, then write every row that there are files or old rows for."""
+    """Make the missing runs, then write all rows for which there are files or old rows."""
     o = parser().parse_args(argv)
     bezel, out = pathlib.Path(o.bezel).resolve(), pathlib.Path(o.out).resolve()
     if not os.access(bezel, os.X_OK):
-        sys.exit(f"tradeoff: error: '{bezel}' is no program; build it with `make`")
+        sys.exit(f"tradeoff: error: '{bezel}' is not an executable program; build it with `make`")
     if o.reference:
         time_run(bezel, out, grid.REFERENCE, o.again)
         write_reference(out)
@@ -129,15 +129,21 @@ def parser():
     )
     p.add_argument("--bezel", default=TOP / "build/release/bezel")
     p.add_argument("--out", default=TOP / "build/tradeoff", help="folder of the runs")
-    p.add_argument("--only", nargs="*", default=[""], metavar="WORD", help="group or deck")
+    p.add_argument(
+        "--only",
+        nargs="*",
+        default=[""],
+        metavar="WORD",
+        help="run only groups or decks whose name contains this",
+    )
     p.add_argument("--mesh", nargs="*", type=int, default=[1, 2])
-    p.add_argument("--again", action="store_true", help="also what was run already")
-    p.add_argument("--reference", action="store_true", help="run the reference too")
+    p.add_argument("--again", action="store_true", help="repeat runs that exist")
+    p.add_argument("--reference", action="store_true", help="also run the reference")
     return p
 
 
 def call(bezel, place, run):
-    """One run: (exit code, CPU seconds)."""
+    """Make one run; return (exit code, CPU seconds)."""
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
     one = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -155,7 +161,7 @@ def call(bezel, place, run):
 
 
 def time_run(bezel, out, run, again):
-    """Run it, best of two on mesh 1; time.json says what it took."""
+    """Time a run, the best of two on mesh 1, and write time.json."""
     place = out / run.key
     if (place / "time.json").exists() and not again:
         return
@@ -165,7 +171,7 @@ def time_run(bezel, out, run, again):
 
 
 def time_round(bezel, out, run, again):
-    """CPU seconds of the run over those of the plain one, both made one after the other."""
+    """Measure the CPU seconds relative to those of the plain run, made one after the other."""
     place = out / run.key
     known = place / "time.json"
     told = json.loads(known.read_text()) if known.exists() else {"cpu": float("inf")}
@@ -178,7 +184,7 @@ def time_round(bezel, out, run, again):
 
 
 def write_reference(out):
-    """reference.csv: means of both sides, the traction from another run than force and torque."""
+    """Write reference.csv: means of both sides; the traction is from another run than the rest."""
     curve, peaks = Curve(out / grid.REFERENCE.key / "run_sole.dat"), Curve(PEAKS)
     with open(REFERENCE, "w", newline="") as file:
         file.write(f"# force, torque: {grid.REFERENCE.command}\n")
@@ -195,7 +201,7 @@ def write_reference(out):
 
 
 def write_rows(out):
-    """results.csv: a row a run of the grid; what was not run keeps the row it had."""
+    """Write results.csv: a row per run of the grid; a case without a new run keeps its row."""
     old = {}
     if RESULTS.exists():
         with open(RESULTS, newline="") as file:
@@ -211,7 +217,7 @@ def write_rows(out):
 
 
 def make_row(out, run, reference):
-    """The row of a run that is there, else None."""
+    """The row of an existing run, or None."""
     place = out / run.key
     try:
         told = json.loads((place / "time.json").read_text())

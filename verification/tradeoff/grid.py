@@ -1,4 +1,4 @@
-"""The runs of `python -m verification.tradeoff`: what is varied, one thing at a time, round the settings of the paper."""
+"""The runs of `python -m verification.tradeoff`: one option varies at a time, from the paper's."""
 
 import re
 from dataclasses import dataclass, field
@@ -17,10 +17,10 @@ ELEMENTS = (
     "Q1E9+Q1N3.1", "Q1E9+Q1E9N2.1", "Q2", "Q2+Q2N2.1", "IGA2", "IGA3",
 )  # fmt: skip
 
-#: Decks' first word, and what their contact has.
+#: The first word of the deck, and its option of contact.
 SCHEMES = {"balanced": "BALAnced", "refined": "REFIne 3"}
 
-#: Those worth a mesh 2.
+#: Element types that are also run on mesh 2.
 BEST = (
     "Q1", "Q1E9", "Q1E9+Q1N2", "Q1E9+Q1N3", "Q1E9+Q1N2.1", "Q1E9+Q1E9N2.1", "Q2+Q2N2.1", "IGA2", "IGA3",
 )  # fmt: skip
@@ -28,7 +28,7 @@ BEST = (
 
 @dataclass
 class Run:
-    """One run: a deck, a mesh and settings; what it is compared with."""
+    """One run: a deck, a mesh and settings, and the run that it is compared with."""
 
     group: str
     name: str
@@ -49,7 +49,7 @@ class Run:
 
     @property
     def key(self):
-        """A name for its folder."""
+        """The name of its folder."""
         said = {"mesh": self.mesh, **{k: v for k, v in self.settings.items() if k not in "nmk"}}
         words = [self.deck.removesuffix(".inp"), *(f"{k}{v:g}" for k, v in said.items())]
         return re.sub(r"[^\w.+-]", "_", "_".join(words))
@@ -92,13 +92,13 @@ def elements():
 
 
 def fine():
-    """Mesh 3, only where asked for: many minutes each."""
+    """Mesh 3, only on request: each run takes many minutes."""
     for name in ("Q1E9", "Q1E9+Q1N2", ENRICHED, SPLINE):
         yield new_run("elements", name, 3, name)
 
 
 def points():
-    """Contact quadrature, beside ten points a direction on the same mesh."""
+    """Contact quadrature, compared with ten points per direction on the same mesh."""
     for mesh, counts in ((1, (2, 3, 4, 5, 7, 10)), (2, (3, 5, 10))):
         for name in (ENRICHED, SPLINE):
             beside = new_run("points", "q 10", mesh, name, q=10)
@@ -107,7 +107,7 @@ def points():
 
 
 def penalties():
-    """Penalty, multiples of the paper's, beside the largest that runs on the same mesh."""
+    """Multiples of the paper's penalty, compared with the largest that runs on the same mesh."""
     for mesh, types, factors in (
         (1, (ENRICHED, SPLINE), (0.1, 0.3, 1, 3, 10)),
         (2, (ENRICHED,), (0.1, 1, 3)),
@@ -121,7 +121,7 @@ def penalties():
 
 
 def schemes():
-    """Two half passes, BALAnced (also with larger penalties), cells at the border of the contact."""
+    """Two half passes, BALAnced (also with larger penalties), subcells at the contact boundary."""
     for mesh, types in (
         (1, ("Q1E9", "Q1E9+Q1N2", ENRICHED, SPLINE, "Q2")),
         (2, ("Q1E9", ENRICHED, SPLINE)),
@@ -141,7 +141,7 @@ def schemes():
 
 
 def steps():
-    """Degrees of a step, beside one degree."""
+    """Degrees per step, compared with one degree."""
     for mesh in (1, 2):
         beside = new_run("steps", "1 deg", mesh, ENRICHED, degrees=1)
         for degrees in (1, 3, 6, 9):
@@ -149,7 +149,7 @@ def steps():
 
 
 def solvers():
-    """FACTor, beside a factorisation an iteration."""
+    """FACTor, compared with a factorisation in every iteration."""
     plain = new_run("solver", "full", 2, ENRICHED)
     yield plain
     for word in ("reuse", "single"):
@@ -157,7 +157,7 @@ def solvers():
 
 
 def tangents():
-    """Symmetric part of the tangent without friction, beside all of it."""
+    """The symmetric part of the tangent without friction, compared with the full tangent."""
     for name, deck in ((ENRICHED, "symmetric.inp"), (SPLINE, "symmetric_iga2.inp")):
         plain = new_run("tangent", "UTAN", 1, name, mu=0)
         yield plain
@@ -165,7 +165,7 @@ def tangents():
 
 
 def places():
-    """Finer where contact happens, beside even elements."""
+    """Meshes that are finer at the contact, compared with uniform ones."""
     plain = new_run("place", "even, 7 7 2 and 4 4 4", 2, ENRICHED)
     yield plain
     for name, deck in (
@@ -176,7 +176,7 @@ def places():
 
 
 def augmented():
-    """AUGMent, beside the penalty alone and beside larger penalties."""
+    """AUGMent, compared with the penalty alone and with larger penalties."""
     for mesh, tries in ((1, ((1, 2), (1, 4), (0.1, 4))), (2, ((1, 3),))):
         plain = new_run("augment", "penalty", mesh, ENRICHED)
         yield plain

@@ -1,4 +1,4 @@
-"""Writes pairs.inp: one pair of blocks for each pair of surface types.
+"""Write pairs.inp: one pair of blocks for each pair of surface types.
 
 python -m verification.benchmark.contact_patch.pairs
 """
@@ -61,7 +61,7 @@ STOP
 
 
 def block(name, z, knots, lines, face):
-    """A unit block; its knots differ from those of the block that it touches."""
+    """A unit block whose knots differ from those of the block that it touches."""
     rows = [
         f"PATCh,{name}",
         f"  BOX 0 0 {z}  1 1 1",

@@ -1,10 +1,12 @@
-"""Points everywhere beside cells where the border of the contact runs: error and cost.
+"""Error and cost of more integration points everywhere and of subcells at the contact boundary.
 
-`python3 -m verification.benchmark.contact_refine.study [program]` twists the hemisphere of section 5.3 on mesh 1, with and without friction:
-section5_contact/q1e9_q1n2.inp with q x q points, refined.inp with q x q points and cells. It prints and
-writes study.csv: root mean square over all steps of the difference to 20 x 20 points in every element,
-relative to the largest value of these; iterations; and seconds, all and those of contact, which are
-those of this machine while it ran.
+    python -m verification.benchmark.contact_refine.study [PROGRAM]
+
+It twists the hemisphere of section 5.3 on mesh 1, with and without friction: q1e9_q1n2.inp of
+section5_contact with q x q points, and refined.inp with q x q points and subcells. It prints and
+writes study.csv: the root mean square over all steps of the difference from a run with 20 x 20 points
+in every element, relative to the largest value of that run; the iterations; and the seconds in total
+and in contact, which depend on the machine.
 """
 
 import csv
@@ -46,7 +48,7 @@ def main():
 
 
 def run(bezel, q, cells, mu):
-    """Columns of the curve of a run, and its report."""
+    """The columns of the curve of a run, and its report."""
     deck = HERE / "refined.inp" if cells else PLAIN
     settings = [f"q={q}", f"mu={mu}"] + ([f"cells={cells}"] if cells else [])
     with tempfile.TemporaryDirectory() as place:
@@ -58,7 +60,7 @@ def run(bezel, q, cells, mu):
 
 
 def difference(curve, fine, name, mu):
-    """Root mean square over the steps of the fine run; without friction only the force is there."""
+    """Root mean square over the steps of the fine run; without friction there is only the force."""
     if mu == 0 and name != "force":
         return "-"
     key = "contact_sole_1_" + MEASURES[name]

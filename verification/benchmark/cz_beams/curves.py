@@ -1,6 +1,6 @@
-"""Writes curves.csv: forces over openings of the quick decks of cz_point, cz_beams and cz_peel, for the figure.
+"""Write curves.csv: forces over openings of the quick decks of cz_point, cz_beams and cz_peel.
 
-usage: python -m verification.benchmark.cz_beams.curves [--bezel build/release/bezel]
+python -m verification.benchmark.cz_beams.curves [--bezel build/release/bezel]
 """
 
 import argparse

@@ -1,9 +1,10 @@
-"""Writes results.csv: the double cantilever beam and the peeled strip on coarse and fine meshes.
+"""Write results.csv: the double cantilever beam and the peeled strip on coarse and fine meshes.
 
-usage: python -m verification.benchmark.cz_beams.study [--bezel build/release/bezel]
+    python -m verification.benchmark.cz_beams.study [--bezel build/release/bezel]
 
-For each strength of the bond and each size of the elements: mean and scatter of the force over the one of the theory while
-the crack runs, iterations, cut-backs and the share that is released in the end; runs that stop early say so.
+A row gives, for a bond strength and an element size, mean and scatter of the force relative to theory
+while the crack grows, the iterations, the cut-backs, the fraction of the bond released at the end, and
+whether the run stopped early.
 """
 
 import argparse
@@ -25,7 +26,7 @@ RUNS += [("peel", t0, n, 5) for t0 in (0.1, 0.2, 0.4) for n in ("10/3", "5", "10
 
 
 def main():
-    """Run what is not in results.csv yet, one after the other."""
+    """Run all cases one after the other and write results.csv."""
     parser = argparse.ArgumentParser(
         prog="python -m verification.benchmark.cz_beams.study", description=__doc__.splitlines()[0]
     )
@@ -42,7 +43,7 @@ def main():
 
 
 def run(bezel, case, t0, n, q):
-    """One row."""
+    """Run one case; return its row."""
     sets = {"t0": t0, "n": n, "q": q}
     if case == "peel":
         sets |= {"l": 5, "u": 3.6, "dt": 0.02}
@@ -64,7 +65,7 @@ def run(bezel, case, t0, n, q):
         bending, gc = 33750.0, 0.3
     zone = (
         bending * gc / t0**2
-    ) ** 0.25  # E I/b (gc/t0)/t0: slender bodies, a length of the fourth root
+    ) ** 0.25  # E I/b (gc/t0)/t0: the length scale of slender bodies is its fourth root
     numerator, _, denominator = n.partition("/")
     per_element = zone * float(numerator) / float(denominator or 1)
     return {

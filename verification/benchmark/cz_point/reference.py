@@ -1,8 +1,11 @@
-"""Writes reference/<law>_<phi>.csv: forces of cz_point from the laws' published formulas, step by step.
+"""Write reference/<law>_<phi>.csv: forces of cz_point from the published formulas, step by step.
 
-The way of the opening is that of batch.inc. Laws as in their papers: Corbett and Sauer 2015, eq. (31); van den Bosch et
-al. 2006 with worst openings in place of the present ones; Park, Paulino and Roesler 2009, tractions as the derivatives of the
-potential (here by complex steps, so nothing is derived by hand).
+    python -m verification.benchmark.cz_point.reference
+
+The path of the opening is that of batch.inc. The laws are those of Corbett and Sauer 2015, eq. (31); of
+van den Bosch et al. 2006 with the largest openings in place of the current ones; and of Park, Paulino
+and Roesler 2009, whose tractions are derivatives of a potential (computed here by complex steps, so
+that nothing is derived by hand).
 """
 
 import csv
@@ -18,19 +21,19 @@ PHI = [0, 45, 90]
 
 
 def exponential(gn, gt, worst):
-    """Eq. (31): traction of the opening of now."""
+    """Eq. (31): the traction of the current opening."""
     r = math.hypot(gn, gt)
     return T0 / G0 * math.exp(1 - r / G0) * np.array([gn, gt])
 
 
 def irreversible(gn, gt, worst):
-    """Eq. (31) at the worst opening, straight to the origin from there."""
+    """Eq. (31) at the largest opening, with linear unloading to the origin."""
     worst[0] = max(worst[0], math.hypot(gn, gt))
     return T0 / G0 * math.exp(1 - worst[0] / G0) * np.array([gn, gt])
 
 
 def mixed(gn, gt, worst):
-    """Van den Bosch et al.: phi_n, phi_t, delta_n, delta_t; the damage of the worst openings."""
+    """Van den Bosch et al.: phi_n, phi_t, delta_n, delta_t; damage by the largest openings."""
     dn, dt = G0, math.sqrt(2) * 0.8 * G0
     phi_n, phi_t = math.e * T0 * G0, math.sqrt(math.e) * 1.5 * T0 * 0.8 * G0
     worst[:] = np.maximum(worst, [gn, gt])
@@ -44,7 +47,7 @@ def mixed(gn, gt, worst):
 
 
 def ppr(gn, gt, worst):
-    """The derivatives of the potential at the worst openings, straight to the origin from there."""
+    """Derivatives of the potential at the largest openings, with linear unloading to the origin."""
     worst[:] = np.maximum(worst, [gn, gt])
     tiny = 1e-30
     traction = np.zeros(2)
@@ -58,8 +61,8 @@ def ppr(gn, gt, worst):
 
 
 def potential(gn, gt, normal):
-    """Park, Paulino, Roesler 2009; constant where a mode is past its last opening. For the normal traction it ends also
-    where that changes its sign."""
+    """Park, Paulino and Roesler 2009; constant beyond the final opening of a mode. For the normal
+    traction the potential also ends where that traction changes sign."""
     phi = 2 * T0 * G0, 3 * T0 * G0
     strength = T0, 0.8 * T0
     shape = 3.0, 2.5
@@ -78,13 +81,13 @@ def potential(gn, gt, normal):
         factor.append(inside + rest)
     if (
         normal and factor[1].real > 0
-    ):  # beyond the shear opening at which the normal traction has gone
+    ):  # beyond the shear opening at which the normal traction vanishes
         factor[1] = 0
     return min(phi) + factor[0] * factor[1]
 
 
 def main():
-    """A file for each law and direction."""
+    """Write a file for each law and direction."""
     time = np.arange(1, 101) * 0.05
     way = np.interp(time, *zip(*WAY, strict=True)) * G0
     for law in (exponential, irreversible, mixed, ppr):

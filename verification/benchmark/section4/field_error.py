@@ -1,7 +1,7 @@
 """Errors of one solution of the cube against another, over its volume and over the face x = 0.5.
 
-Displacements are those of the result file, evaluated with the cells' own functions; stresses come
-from the program's curve of points (POINTS), so that enhanced strains count.
+Displacements come from the result file and are evaluated with the functions of the cells. Stresses
+come from a curve of the program at POINTS, so that enhanced strains are included.
 """
 
 import numpy as np
@@ -32,8 +32,8 @@ def _product(x, y, z):
     )
 
 
-#: Where stresses are compared; no point lies on a border of elements of any mesh. The face without
-#: the quarters of its height near the clamped ends, where stresses are singular.
+#: Points where stresses are compared, none of which lies on an element boundary of any mesh. The face
+#: excludes the quarters of its height near the clamped ends, where stresses are singular.
 POINTS = {
     "volume": _product([gauss(4, 0, 0.5)], [gauss(6, 0, 0.5)], [gauss(4, 0, 0.5), gauss(4, 0.5, 1)]),
     "face": _product([(np.array([FACE]), np.ones(1))], [gauss(6, 0, 0.5)], [gauss(8, 0.25, 0.75)]),
@@ -41,10 +41,10 @@ POINTS = {
 
 
 class Solution:
-    """The last state of a run of the cube."""
+    """The final state of a run of the cube."""
 
     def __init__(self, stem, exact=False):
-        """stem: of its files; exact: prepare for `at`, which wants boxes of one size."""
+        """stem: of its files; exact: prepare for `at`, which needs boxes of equal size."""
         self.stem = stem
         self.grid = _grid.load(f"{stem}.vtkhdf")[0]
         self.u = np.asarray(self.grid.point_data["displacement"], float)
@@ -67,7 +67,7 @@ class Solution:
         return {"volume": mises[:n], "face": mises[n:]}
 
     def errors(self, best):
-        """{column: relative error in L2}; of the face: the displacement along its normal."""
+        """{column: relative error in L2}; for the face, the displacement along its normal is used."""
         x, u, w = self.samples(on_face=False)
         found = {"displacement_volume": _norm(u - best.at(x), w) / _norm(best.at(x), w)}
         x, u, w = self.samples(on_face=True)
@@ -80,7 +80,7 @@ class Solution:
         return found
 
     def samples(self, on_face):
-        """Positions (n,3), displacements (n,3) and weights (n) of Gauss points of all cells or of
+        """Positions (n,3), displacements (n,3) and weights (n) at the Gauss points of all cells, or of
         their sides on the face.
         """
         x, u, w = [], [], []
@@ -156,7 +156,7 @@ def _rule(cell, side):
         point[free] = t[list(index)]
         points.append(point)
         weights.append(np.prod(w[list(index)]))
-    step = 1e-4  # the functions are cubic at most: central differences are good to 1e-8
+    step = 1e-4  # the functions are at most cubic: central differences are accurate to 1e-8
     slopes = [
         (_values(cell, points + step * np.eye(3)[d]) - _values(cell, points - step * np.eye(3)[d])) / (2 * step)
         for d in free

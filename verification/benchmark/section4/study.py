@@ -1,8 +1,8 @@
-"""What doc/verification/section4.md says beyond the forces of results.csv:
+"""Studies of doc/verification/section4.md other than the forces of results.csv:
 
     python3 -m verification.benchmark.section4.study symmetry field locking hourglass
 
-Each word runs decks of this folder and writes <word>.csv beside them. `field` needs pyvista (.venv).
+Each study runs decks of this folder and writes <study>.csv beside them. `field` needs pyvista (.venv).
 """
 
 import argparse
@@ -31,13 +31,13 @@ ELEMENTS = {
 
 
 class Runner:
-    """Runs decks of this folder, each in a folder of its own."""
+    """Run decks of this folder, each in a folder of its own."""
 
     def __init__(self, bezel, out):
         self.bezel, self.out = bezel, out
 
     def run(self, deck, *wanted, **settings):
-        """Stem of the results; an end with another code than those wanted (0) is an error."""
+        """The stem of the results; an unexpected exit code is an error."""
         run = checks.new_run(HERE, {"deck": str(deck), "set": settings, "time_limit": 3600})
         print(run.name, flush=True)
         outcome = checks.execute(self.bezel, self.out, run)
@@ -47,7 +47,7 @@ class Runner:
 
 
 def force(stem):
-    """The last force of a run's curve."""
+    """The last force of the curve of a run."""
     return float(read_table(f"{stem}_force.dat").columns["force_3"][-1])
 
 
@@ -56,7 +56,7 @@ def report(stem):
 
 
 def symmetry(runner):
-    """Section 4.1: a quarter without C1 continuity across the symmetry planes, the whole with it."""
+    """Section 4.1: a quarter without C1 continuity across symmetry planes, the whole cube with it."""
     for (test, u), n in itertools.product(TESTS.items(), (1, 2, 4, 8)):
         quarter = 4 * force(runner.run("iga2.inp", n=n, u=u))
         whole = force(runner.run("iga2_full.inp", n=n, u=u))
@@ -67,8 +67,8 @@ def symmetry(runner):
 
 
 def locking(runner):
-    """Compression by two per cent of a nearly incompressible cube; cubic splines have the last
-    word. (By a quarter few types get through: the clamped edges are too singular.)
+    """Compression of a nearly incompressible cube by two per cent, with cubic splines as reference.
+    (Few element types reach a compression of a quarter: the clamped edges are too singular.)
     """
     meshes = [(e, n, 2) for e in ELEMENTS for n in (1, 2, 4, 8)] + [
         ("IGA3", n, 3) for n in (2, 4, 8)
@@ -86,16 +86,16 @@ def locking(runner):
 
 
 def _automatic(runner, name):
-    """A deck of this folder with automatic steps, down to a hundredth of its own."""
+    """A deck of this folder with automatic steps, down to a hundredth of its step size."""
     text = (HERE / f"{name}.inp").read_text()
-    text = re.sub(r"  FACTor.*\n", "", text)  # pivots of every iteration are wanted
+    text = re.sub(r"  FACTor.*\n", "", text)  # the pivots of every iteration are needed
     text = text.replace("  LOOP,time", "  AUTO,,0.01/steps,1/steps\n  LOOP,time")
     return _deck(runner, f"{name}_auto", text)
 
 
 def hourglass(runner):
-    """Compression, per cent by per cent, until no step of a hundredth of that converges; the first
-    unstable state.
+    """Compression in steps of one per cent, until a step of a hundredth of that does not converge,
+    and the first unstable state.
     """
     types = ["Q1", "Q1N2 on 1+", "Q1E9", "Q1E9+Q1E9N2 on 1+", "Q1E9+Q1E9N2 on 1+ and 2+",
              "Q1E9+Q1E9N2 tapered on 1+ and 2+", "IGA2"]  # fmt: skip
@@ -149,7 +149,7 @@ def _field_deck(runner, name):
 
 
 def _deck(runner, name, text):
-    """The path of a deck of these records; what they include is put in."""
+    """The path of a deck with these records, in which included files are expanded."""
     place = runner.out / "decks"
     place.mkdir(parents=True, exist_ok=True)
     text = text.replace("INCLude cube.inc\n", (HERE / "cube.inc").read_text())

@@ -2,8 +2,7 @@
 
     .venv/bin/python -m verification.benchmark.section5_contact.measures [--write]
 
-Prints them; `--write` puts them into the page, between its `<!-- table: name -->` and
-`<!-- end -->`.
+It prints them; `--write` puts them into the page, between `<!-- table: name -->` and `<!-- end -->`.
 """
 
 import csv
@@ -19,7 +18,9 @@ from verification.page import put_table
 HERE = TOP / "verification/benchmark/section5_contact"
 PAGE = TOP / "doc/verification/section5_contact.md"
 MESHES = ("1", "2", "3")
-STICK = 0.03  # share of sticking points below which the side counts as sliding: the pole never does
+STICK = (
+    0.03  # fraction of sticking points below which a side counts as sliding: the pole never slides
+)
 
 
 def main():
@@ -49,7 +50,7 @@ def table(heading, rows):
 
 
 def over_meshes(value, have, key):
-    """`value` of each mesh with a run, a dash where there is none."""
+    """`value` for each mesh, or a dash for a mesh without a run."""
     return [value(have[key(m)]) if key(m) in have else "-" for m in MESHES]
 
 
@@ -97,7 +98,7 @@ def tractions(rows):
 
 
 def slopes(have, key, value):
-    """Slopes over dofs between neighbouring meshes, on logarithmic scales."""
+    """Slopes over the number of dofs between successive meshes, on logarithmic scales."""
     got = [have.get(key(m)) for m in MESHES]
     return [
         f"{-np.log(value(b) / value(a)) / np.log(b.dofs / a.dofs):.2f}" if a and b else "-"
@@ -106,7 +107,7 @@ def slopes(have, key, value):
 
 
 def torque(runs):
-    """Without friction: largest torque, order, and how far from periodic and antisymmetric."""
+    """Without friction: largest torque, order, and deviation from periodicity and antisymmetry."""
     shown = []
     for e in DOFS:
         key = lambda m, e=e: (m, e, 0.0)
@@ -117,7 +118,7 @@ def torque(runs):
         shown.append([e, *(", ".join(x) for x in (largest, facets, order, *symmetry))])
     fine = Runs(list(runs.values()), False).reference
     if fine:
-        half = max(abs(t[-1]) for t in fine.torque)  # antisymmetry wants zero there
+        half = max(abs(t[-1]) for t in fine.torque)  # zero by antisymmetry
         words = f"{half:.0e} at {fine.degrees[-1]:.0f} degrees"
         shown.append(["IGA2, reference", f"{fine.amplitude():.2e}", "-", "-", "-", words])
     head = ("elements", "largest torque", "Q1E9 over this type", "slope over dofs", "error of period", "error of antisymmetry")  # fmt: skip
@@ -153,7 +154,7 @@ def force(runs):
 
 
 def friction(runs):
-    """With friction: torque from 120 degrees on, its deviation, where sliding is full."""
+    """With friction: torque from 120 degrees on, its deviation, and the angle of full sliding."""
     shown = []
     for e in DOFS:
         key = lambda m, e=e: (m, e, 0.5)
@@ -173,7 +174,7 @@ def late(run):
 
 
 def plateau(run):
-    """Mean torque from 120 degrees on, hemisphere and block, both as what turns the block."""
+    """Mean torque from 120 degrees on, hemisphere and block, both in the sense that turns the block."""
     x = run.degrees[late(run)]
     return [abs(np.trapezoid(t[late(run)], x)) / (x[-1] - x[0]) for t in run.torque]
 
@@ -187,7 +188,7 @@ def at_plateau(run):
 
 
 def sliding_from(run):
-    """The angle from which hardly a point of the side sticks any more."""
+    """The angle from which almost no point of the side sticks any more."""
     columns = read_table(HERE / f"runs/{run.mesh}_{run.elements}_{run.mu:g}.dat").columns
     turned = columns["factor_2"] * 180
     angles = []

@@ -2,8 +2,9 @@
 
     python3 -m verification.benchmark.solids.study [--bezel build/release/bezel] [--out build/solids] [--write]
 
-Cook's panel and a slender cantilever, of n cells over the height, each cell filled with hexahedra, wedges, tetrahedra or
-pyramids. `--write` puts the tables into the page, `--small` the meshes and decks of expect.toml into this folder.
+Cook's panel and a slender cantilever have n cells over the height; each cell is filled with hexahedra,
+wedges, tetrahedra or pyramids. `--write` puts the tables into the page; `--small` writes the meshes and
+decks of expect.toml into this folder.
 """
 
 import argparse
@@ -19,14 +20,14 @@ from verification.patch.mesh_files import make
 
 HERE = TOP / "verification/benchmark/solids"
 PAGE = TOP / "doc/verification/solids.md"
-#: element: what fills a cell, in make.py's words
+#: element: what fills a cell, as make.py names it
 FILL = {
     "TET4": "tetrahedra", "WEDGE6": "wedges", "PYRAMID5 and TET4": "pyramids", "Q1": "hexahedra",
     "Q1E9": "hexahedra", "TET10": "tetrahedra",
 }  # fmt: skip
 EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3)]  # of TET10, Gmsh's order
 TET10 = 11
-LENGTH = 10  # of the beam over its height
+LENGTH = 10  # length of the beam relative to its height
 SMALL = [
     ("cook", 4, ("TET4", "WEDGE6", "PYRAMID5 and TET4", "TET10")),
     ("beam", 2, ("TET4", "Q1E9", "TET10")),
@@ -125,7 +126,7 @@ def nodes_and_cells(problem, n):
 
 
 def build(problem, element, n):
-    """Nodes, elements (type of Gmsh, nodes) and the share of the end's force that each node has."""
+    """Nodes, elements (Gmsh type, nodes), and the fraction of the end force at each node."""
     x, number, count = nodes_and_cells(problem, n)
     elements = make.cells(count, x, number, [FILL[element]] * count[2])
     end = max(p[0] for p in x)
@@ -143,7 +144,9 @@ def build(problem, element, n):
 
     if element == "TET10":
         elements = [(TET10, c + [middle(c[a], c[b]) for a, b in EDGES]) for _, c in elements]
-    for f in faces:  # equal shares of its nodes; of a quadratic triangle those of its middles
+    for (
+        f
+    ) in faces:  # equal fractions for its nodes, or for the midside nodes of a quadratic triangle
         own = [middle(f[i], f[i - 1]) for i in range(3)] if element == "TET10" else f
         for a in own:
             share[a] = share.get(a, 0.0) + area(x, f) / total / len(own)
@@ -151,13 +154,13 @@ def build(problem, element, n):
 
 
 def area(x, face):
-    """Of a plane triangle or parallelogram."""
+    """The area of a plane triangle or parallelogram."""
     a, b, c = (x[face[i]] for i in (0, 1, 2))
     return np.linalg.norm(np.cross(b - a, c - a)) * (1 if len(face) == 4 else 0.5)
 
 
 def write(folder, problem, element, n):
-    """Mesh and deck; returns the deck and the number of nodes."""
+    """Write mesh and deck; return the deck and the number of nodes."""
     x, elements, share = build(problem, element, n)
     stem = f"{problem}_{element.split()[0].lower()}" + ("" if folder == HERE else f"_{n}")
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(x))]
@@ -188,7 +191,7 @@ def solve(o, problem, element, n, column, **settings):
 
 
 def timoshenko(nu, e=1000, force=1, length=LENGTH):
-    """Tip of a cantilever of section 1 x 1.
+    """Tip displacement of a cantilever of section 1 x 1.
 
     >>> round(timoshenko(0.3), 5)
     4.03059
@@ -221,7 +224,7 @@ def beam(o, nu, element, n):
 
 
 def table(meshes, value):
-    """A row an element, a column a mesh."""
+    """A row per element, a column per mesh."""
     lines = [
         "| element | " + " | ".join(f"n = {n}" for n in meshes) + " |",
         "|---" * (len(meshes) + 1) + "|",

@@ -1,4 +1,4 @@
-"""Meshes of this folder: a column of mixed elements, and a coarse block that meets a fine one.
+"""Write the meshes of this folder: a column of mixed elements, and a coarse block on a fine one.
 
 python -m verification.patch.mesh_files.make
 """
@@ -20,7 +20,7 @@ SIDES = [[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [
 
 
 def grid(n, low, size, amount, rng):
-    """Nodes of a box of n cells, those inside moved at random; the number of node (i, j, k)."""
+    """Nodes of a box of n cells, moved at random inside; the number of node (i, j, k)."""
     x = []
     for k, j, i in itertools.product(*(range(m + 1) for m in n[::-1])):
         at = np.array([i, j, k])
@@ -30,12 +30,12 @@ def grid(n, low, size, amount, rng):
 
 
 def fill(kind, x, c, rng=None):
-    """Elements (type of Gmsh, nodes) of the cell with the corners c; the middle node of pyramids is moved at random."""
+    """Elements (Gmsh type, nodes) of the cell with the corners c; the apex of pyramids is random."""
     if kind == "hexahedra":
         return [(5, c)]
     if kind == "wedges":
         return [(6, [c[a] for a in ids]) for ids in ([0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7])]
-    if kind == "tetrahedra":  # six round the diagonal
+    if kind == "tetrahedra":  # six around the diagonal
         paths = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
         return [(4, [c[a] for a in ids]) for ids in paths]
     middle = len(x)  # pyramids; the lowest one is two tetrahedra
@@ -64,7 +64,7 @@ def boundary(elements):
 
 
 def write(name, x, elements, label, hanging=(), inner=()):
-    """Gmsh 2.2 with the groups body and skin; and the affine displacement of the skin."""
+    """Write Gmsh 2.2 with the groups body and skin, and the affine displacement of the skin."""
     skin = [face for face in boundary(elements) if not set(face) & set(inner)]
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2", '3 1 "body"']
     lines += ['2 2 "skin"', "$EndPhysicalNames", "$Nodes", str(len(x))]
@@ -105,7 +105,7 @@ def mixed():
 
 
 def hanging():
-    """The fine block's nodes on the common face hang on the coarse one's, some in a chain."""
+    """Nodes of the fine block on the common face hang on nodes of the coarse one, some in a chain."""
     rng = np.random.default_rng(5)
     coarse, fine = np.array([1, 2, 2]), np.array([2, 4, 4])
     x, number = grid(coarse, np.zeros(3), np.ones(3), 0.0, rng)
@@ -154,7 +154,7 @@ def tetrahedra(name, quadratic):
             x.append((x[a] + x[b]) / 2)
         return middles[min(a, b), max(a, b)]
 
-    if quadratic:  # Gmsh's order of the edges
+    if quadratic:  # edges in the order of Gmsh
         edges = {2: [(0, 1), (1, 2), (2, 0)]}
         edges[4] = [*edges[2], (0, 3), (2, 3), (1, 3)]
         new = {2: 9, 4: 11}

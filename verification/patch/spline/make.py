@@ -38,7 +38,7 @@ CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1,
 
 
 def shape(x):
-    """A smooth map that leaves nothing straight."""
+    """A smooth map under which no line stays straight."""
     a, b, c = (0.5 * v for v in x)
     return (
         a + 0.05 * math.sin(2 * b + c),
@@ -140,7 +140,7 @@ def layer(inner):
 
 
 class Hanging:
-    """Nodes in the middle of edges and faces, by their masters."""
+    """Nodes at the centres of edges and faces, by their masters."""
 
     def __init__(self, last, chosen):
         self.last = last
@@ -156,7 +156,7 @@ def middle(points):
 
 
 def split(element, inner, hanging):
-    """Four elements with the same functions, or the one where it stays."""
+    """Four elements with the same functions, or the element itself if it is not split."""
     ids, rows = element
     if inner not in hanging.chosen:
         return [(element, inner)]
@@ -177,7 +177,7 @@ def half(row, i, j):
 
 
 def line(p, side):
-    """de Casteljau's scheme at the middle: coefficients of one half."""
+    """Coefficients of one half by de Casteljau's algorithm."""
     left, right = [], []
     while p:
         left.append(p[0])
