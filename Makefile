@@ -28,10 +28,10 @@ OPT_release  := -O2 -g -ffp-contract=off
 OPT_debug    := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow \
                 -finit-real=snan -finit-derived -fbacktrace
 OPT_sanitize := $(OPT_debug) -fsanitize=address,undefined -fno-omit-frame-pointer
-OPT_coverage := -O0 -g --coverage -Wno-uninitialized # which is wrong without optimisation
+OPT_coverage := -O0 -g --coverage -Wno-uninitialized # gives false warnings without optimisation
 OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
 
-# --- Libraries: asked from pkg-config, else looked for where the distributions have them ---------
+# --- Libraries: from pkg-config, else from the folders of the distributions -----------------------
 PREFIX     := $(wildcard /usr $(CONDA_PREFIX) $(MUMPS_DIR) $(HDF5_DIR) $(METIS_DIR))
 HDF5_PC    := $(shell pkg-config --libs-only-L hdf5-serial 2>/dev/null)
 HDF5_MOD   := $(firstword $(wildcard $(addsuffix /hdf5.mod,/usr/include/hdf5/serial \
@@ -55,7 +55,7 @@ endif
 OBJECTS := $(patsubst %.f90,$(B)/%.o,$(notdir $(SOURCES) $(COPIES)))
 vpath %.f90 $(wildcard src/*) $(sort $(dir $(COPIES)))
 
-# A module file keeps its time while the interface is the same: what uses it is then not compiled again.
+# A module file keeps its time while its interface does not change, so that its users are not recompiled.
 $(B)/%.mod:
 	@test -f $@ || { rm -f $<; echo "make: $@ is missing, run make again" >&2; exit 1; }
 $(B)/%.o: %.f90 $(B)/flags | $(B)/libraries
@@ -67,7 +67,7 @@ $(B)/bezel: $(B)/main.o $(B)/libbezel.a
 	@$(FC) $(OPT) $^ $(LIBS) -o $@
 	@echo "  $@"
 
-# Once a build folder: one sentence where something is missing.
+# Made once per build folder; one sentence names what is missing.
 $(B)/libraries:
 	@tools/setup.sh libraries && mkdir -p $(B) && touch $@
 .PHONY: settings
@@ -112,16 +112,16 @@ verify-all: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $(B)/bezel --all
 	@$(PYTHON) -m verification.restart.run $(B)/bezel
-	@tools/setup.sh mesh || echo "section 3: what needs Gmsh or TetGen is left out" >&2
+	@tools/setup.sh mesh || echo "section 3: checks that need Gmsh or TetGen are skipped" >&2
 	@$(PYTHON) -m verification.section3 check --bezel $(B)/bezel --work $(BUILD)/section3
 	@$(PYTHON) -m verification.section5_contact --bezel $(B)/bezel --mesh 1 2 --jobs $(J) $(ARGS)
 	@$(PYTHON) -m verification.section5_debonding --bezel $(B)/bezel --suite all --jobs $(J) $(ARGS)
-# Hours; goes on where it was interrupted. ARGS=--write updates the committed tables.
+# Takes hours and continues after an interruption. ARGS=--write updates the committed tables.
 verify-long: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m verification.section5_contact --bezel $(B)/bezel --mesh 3 $(ARGS)
 	@$(PYTHON) -m verification.section5_debonding --bezel $(B)/bezel --suite long $(ARGS)
-# An hour; goes on where it was interrupted. Errors beside CPU seconds, their page and figures.
+# Takes an hour and continues after an interruption. Errors and CPU seconds, their page and figures.
 tradeoff: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m verification.tradeoff --bezel $(B)/bezel --out $(BUILD)/tradeoff $(ARGS)
@@ -130,13 +130,13 @@ tradeoff: setup
 demo: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m post.figures.demo --bezel $(B)/bezel --out $(BUILD)/demo
-# From a net of quads to a solved contact (paper, section 3); ARGS='--refine 1' is finer.
+# From a net of quads to a solved contact (section 3 of the paper); ARGS='--refine 1' gives a finer mesh.
 demo-rocker: setup
 	@tools/setup.sh mesh
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m post.figures.rocker --bezel $(B)/bezel --out $(BUILD)/rocker $(ARGS)
 
-# Programs that time a part, verification/performance/<part>/bench_<part>.f90, then the decks.
+# First the programs that time a part, verification/performance/<part>/bench_<part>.f90, then the decks.
 BENCH := $(patsubst verification/performance/%.f90,$(B)/%,$(wildcard verification/performance/*/bench_*.f90))
 bench:
 	@tools/setup.sh bench
@@ -145,7 +145,7 @@ bench:
 $(BENCH): $(B)/%: verification/performance/%.f90 $(B)/libbezel.a
 	@mkdir -p $(@D); $(FC) -std=f2008 $(WARN) $(OPT) -J$(@D) -I$(B) $^ $(LIBS) -o $@
 
-# The same tests with a build that looks for mistakes; coverage prints the lines that ran.
+# The same tests with a build that finds errors; coverage prints the lines that were executed.
 .PHONY: debug sanitize coverage
 debug sanitize: setup
 	@$(MAKE) KIND=$@ tests
@@ -168,12 +168,12 @@ lint:
 format:
 	@tools/setup.sh dev
 	@$(FORMAT) && .venv/bin/ruff format $(PYTHONS)
-# The pages are written for a repository's viewer: # Title, $$..$$ in a line, links to .md files.
-FORD_WAY := '1s/^\# (.*)/---\ntitle: \1\n---/; s/(^|[^$$])\$$([^$$]+)\$$/\1\\(\2\\)/g; s/\]\(([A-Za-z0-9_/]+)\.md/](\1.html/g'
+# The pages are written for the viewer of a repository (# Title, $$..$$ in a line, links to .md): FORD's form.
+FORD_FORM := '1s/^\# (.*)/---\ntitle: \1\n---/; s/(^|[^$$])\$$([^$$]+)\$$/\1\\(\2\\)/g; s/\]\(([A-Za-z0-9_/]+)\.md/](\1.html/g'
 doc:
 	@tools/setup.sh dev
 	@rm -rf $(BUILD)/doc_source && mkdir -p $(BUILD) && cp -r doc $(BUILD)/doc_source
-	@find $(BUILD)/doc_source -name '*.md' -exec sed -i -E $(FORD_WAY) {} +
+	@find $(BUILD)/doc_source -name '*.md' -exec sed -i -E $(FORD_FORM) {} +
 	@.venv/bin/ford --quiet --src_dir $(abspath src) --output_dir $(abspath $(BUILD))/doc $(BUILD)/doc_source/ford.md
 	@echo "  $(BUILD)/doc/index.html"
 manual: $(B)/bezel

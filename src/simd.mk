@@ -1,15 +1,15 @@
-# Which sources are compiled for speed, and the copies of some of them for wider vector registers.
+# Sources that are compiled for speed, and copies of some of them for wider vector registers.
 #
-# The Makefile includes this file. It stands in src because its lists name sources: whoever renames
-# one finds it here.
+# The Makefile includes this file. It is in src because its lists name sources, so that they are found
+# when a source is renamed.
 
-# Files whose inner loops carry the run time.
+# Files whose inner loops take most of the run time.
 KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
                 solid_form solid_condense mate_neohooke mate_linear surface_geometry surface_basis \
                 projection projection_iterate surface_traversal contact_element contact_point \
                 contact_work contact_bond edge_taper
-# These once more for wider vector registers, under other names (@ becomes _v3, _v4): the program
-# takes what its processor has (solid_simd). Fused products are worth 15 % here.
+# These are also compiled for wider vector registers under other names (@ becomes _v3, _v4); the
+# program chooses what its processor supports (solid_simd). Fused products save 15 % here.
 WIDE         := elements/solid_batch@ elements/solid_batch@_algebra elements/solid_batch@_condense \
                 materials/mate_neohooke@
 MARCH_v3     := -march=x86-64-v3 -ffp-contract=fast

@@ -1,12 +1,12 @@
 #!/bin/sh
-# Bring a machine to where `make check` and `make demo` run; quick and silent when nothing is missing.
+# Install what `make check` and `make demo` need; quick and silent if nothing is missing.
 # usage: tools/setup.sh            compiler, libraries, Python packages of `post` in .venv
 #        tools/setup.sh dev        and the tools of `make lint`, `make coverage`, `make doc`
 #        tools/setup.sh bench      and FElupe and CalculiX, which `make bench` compares with
 #        tools/setup.sh mesh       and Gmsh and TetGen, which `python -m post mesh` starts
-#        tools/setup.sh libraries  only look, install nothing; says what is missing
-# With apt and the right to use it (root, or sudo) missing packages are installed; otherwise one
-# sentence names them, and this ends with 1.
+#        tools/setup.sh libraries  install nothing, only report what is missing
+# With apt and the permission to use it (root or sudo) missing packages are installed; otherwise one
+# sentence names them, and the exit code is 1.
 set -eu
 cd "$(dirname "$0")/.."
 unset MAKEFLAGS MFLAGS MAKELEVEL 2>/dev/null || true
@@ -20,7 +20,7 @@ APT='gfortran make pkg-config libmumps-seq-dev libmetis-dev libhdf5-dev libopenb
 
 has() { command -v "$1" >/dev/null 2>&1; }
 
-# A program that includes $2 links with $1 and the folders that the Makefile found.
+# Whether a program that contains $2 links with $1 and the folders that the Makefile found.
 links() {
   printf '%s\nend\n' "$2" > "$work/try.f90"
   # shellcheck disable=SC2086
@@ -39,7 +39,7 @@ include 'smumps_struc.h'" && return
   links -lopenblas '' || echo openblas
 }
 
-# A Python that can make a virtual environment; Debian has venv in a package of its own.
+# Find a Python that can make a virtual environment; Debian has venv in a separate package.
 find_python() {
   for name in python3 python3.14 python3.13 python3.12 python3.11 /usr/bin/python3; do
     if has "$name" && "$name" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
@@ -65,7 +65,7 @@ missing_python() {
   fi
 }
 
-# The names of a thing in the package collections.
+# The names of a package in the package collections.
 names() {
   case $1 in
     make)     echo 'make|make|make|make|make' ;;
@@ -79,7 +79,7 @@ names() {
   esac
 }
 
-complain() {
+report_missing() {
   what='' apt='' dnf='' conda='' spack=''
   for item; do
     row=$(names "$item")
@@ -98,7 +98,7 @@ TEXT
   exit 1
 }
 
-# --- Getting it --------------------------------------------------------------------------------
+# --- Installation --------------------------------------------------------------------------------
 
 apt_install() {
   has apt-get || return 0
@@ -106,21 +106,21 @@ apt_install() {
   if [ "$(id -u)" != 0 ]; then
     if has sudo && { sudo -n true 2>/dev/null || [ -t 0 ]; }; then sudo=sudo; else return 0; fi
   fi
-  echo "installing packages with apt: this is done once"
+  echo "installing packages with apt (only once)"
   # shellcheck disable=SC2086
   { $sudo env DEBIAN_FRONTEND=noninteractive apt-get -q update &&
     $sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $APT; } \
     > "$work/apt.log" 2>&1 < /dev/null || { tail -n 5 "$work/apt.log" >&2; echo 'apt could not install them' >&2; }
 }
 
-# Packages that $1 pins, into .venv; a copy of the list there says that they are in.
+# Install the packages listed in $1 into .venv; a copy of the list there marks them as installed.
 pip_install() {
   copy=.venv/$(basename "$1")
   cmp -s "$1" "$copy" && return
-  echo "installing Python packages of $1 into .venv: this is done once"
+  echo "installing Python packages of $1 into .venv (only once)"
   if ! .venv/bin/python -m pip install --quiet --disable-pip-version-check --requirement "$1" \
     --constraint post/requirements.txt < /dev/null; then
-    echo "missing: the Python packages of $1; pip could not install them into .venv (is there a network?)" >&2
+    echo "missing: the Python packages of $1; pip could not install them into .venv; check the network" >&2
     return 1
   fi
   cp "$1" "$copy"
@@ -130,7 +130,7 @@ case ${1:-} in
   libraries)
     lack=$(missing_program)
     # shellcheck disable=SC2086
-    [ -z "$lack" ] || complain $lack ;;
+    [ -z "$lack" ] || report_missing $lack ;;
   '' | dev | bench | mesh)
     lack=$(missing_program; missing_python)
     if [ -n "$lack" ]; then
@@ -138,7 +138,7 @@ case ${1:-} in
       lack=$(missing_program; missing_python)
     fi
     # shellcheck disable=SC2086
-    [ -z "$lack" ] || complain $lack
+    [ -z "$lack" ] || report_missing $lack
     if ! .venv/bin/python -c '' 2>/dev/null; then
       rm -rf .venv
       "$(find_python)" -m venv .venv
@@ -146,13 +146,13 @@ case ${1:-} in
     pip_install post/requirements.txt
     case ${1:-} in
       dev) pip_install tools/requirements-dev.txt ;;
-      mesh) # the wheel of Gmsh wants libraries of a desktop
+      mesh) # the wheel of Gmsh needs desktop libraries
         if ! .venv/bin/python .venv/bin/gmsh -version >/dev/null 2>&1; then
           pip_install tools/requirements-mesh.txt
           .venv/bin/python .venv/bin/gmsh -version >/dev/null 2>&1 ||
             { APT='libglu1-mesa libxcursor1 libxft2 libxinerama1 libxext6'; apt_install; }
         fi ;;
-      bench) # what cannot be had is left out of the comparison
+      bench) # missing programs are omitted from the comparison
         has ccx || { APT=calculix-ccx; apt_install; }
         pip_install tools/requirements-bench.txt || true ;;
     esac ;;

@@ -1,14 +1,21 @@
-"""Programs that run decks and compare what they compute; start them from the top of the tree.
+"""Programs that run decks and compare the results; run them from the top of the tree.
 
-verify              checks of `expect.toml`, what `make verify` runs
+    .venv/bin/python -m verification.verify --case section4
+
+verify              the checks of all `expect.toml` (`make verify`)
 section3            meshes below surfaces, and runs on them
 section5_contact    sections 5.2 and 5.3: the hemisphere on the block
 section5_debonding  section 5.1: the strip peeled off the plate
-tradeoff            errors and CPU seconds of what a user may choose in contact
-contact_extremes, debonding_extremes, debonding_points, mutate, and the programs of the folders
-deck_errors, restart, performance, patch and benchmark: their docstrings say what they do.
+tradeoff            accuracy and cost of the options of contact (`make tradeoff`)
+contact_extremes    contact with extreme parameters
+debonding_extremes  debonding with extreme parameters
+debonding_points    accuracy and cost of the integration points of bonds
+mutate              mutated decks
+deck_errors.run     bad decks and their messages
+restart.run         stopped and restarted runs
+performance.bench   comparison of speed with other programs (`make bench`)
 
-    .venv/bin/python -m verification.verify --case section4
+Programs in `benchmark` and `patch` write the references, decks and tables of their folder.
 """
 
 import importlib.util
@@ -16,11 +23,11 @@ import os
 import pathlib
 import sys
 
-TOP = pathlib.Path(__file__).resolve().parent.parent  # of the tree
+TOP = pathlib.Path(__file__).resolve().parent.parent  # top of the tree
 
 
 def need_numpy():
-    """Continue with the Python of .venv if this one has no numpy; stop if that has none either."""
+    """Continue with the Python of .venv if this one has no numpy; stop if neither has it."""
     if importlib.util.find_spec("numpy"):
         return
     python = TOP / ".venv/bin/python"

@@ -1,8 +1,8 @@
-# `make unit` builds and runs the unit tests; T= chooses those whose path contains one of its words
-# and builds no more than they need.
+# `make unit` builds and runs the unit tests; T= selects those whose path contains one of its words
+# and builds only what they need.
 #
-# The Makefile includes this file. It stands beside the tests and beside `runner`, the small runner
-# that they use where PFUNIT= does not name an installation of pFUnit.
+# The Makefile includes this file. It is beside the tests and `runner`, the small runner that is used
+# if PFUNIT= does not name an installation of pFUnit.
 
 RUNNER := verification/unit/runner
 PF     := $(wildcard verification/unit/*/test_*.pf)
