@@ -31,8 +31,9 @@ def need_numpy():
     if importlib.util.find_spec("numpy"):
         return
     python = TOP / ".venv/bin/python"
-    if python.exists() and pathlib.Path(sys.prefix).resolve() != (TOP / ".venv").resolve():
-        os.execv(python, [str(python), *sys.orig_argv[1:]])
+    other = pathlib.Path(sys.prefix).resolve() != (TOP / ".venv").resolve()
+    if python.exists() and other and "-m" in sys.orig_argv:
+        os.execv(python, [str(python), *sys.orig_argv[sys.orig_argv.index("-m") :]])
     sys.exit(
         "verify: error: the Python package numpy is missing\n"
         "hint: python3 -m venv .venv && .venv/bin/pip install -r post/requirements.txt (or apt install python3-numpy)"
