@@ -3,7 +3,7 @@ module element_table
   use element_type, only: element_t
   implicit none
   private
-  public :: load_elements
+  public :: load_elements, find_element
 
 contains
 
@@ -25,5 +25,19 @@ contains
     block; use elmt_wedge6, only: describe; table = [table, describe()]; end block
     block; use elmt_tet10, only: describe; table = [table, describe()]; end block
   end subroutine load_elements
+
+  !> The row of a name; its name is empty where there is none.
+  function find_element(name) result(row)
+    character(*), intent(in) :: name
+    type(element_t) :: row
+
+    type(element_t), allocatable :: table(:)
+    integer :: i
+
+    call load_elements(table)
+    do i = 1, size(table)
+      if (table(i)%name == name) row = table(i)
+    end do
+  end function find_element
 
 end module element_table

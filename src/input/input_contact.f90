@@ -22,7 +22,6 @@ module input_contact
   use input_where, only: find_faces, where_t, body_index
   use input_rigid, only: is_rigid_patch
   use input_thickness, only: body_thickness
-  use material_type, only: E_MOD
   use mesh, only: mesh_t
   use curve_type, only: Q_CONTACT_DEBONDED
   use word_contact, only: contact_named
@@ -283,7 +282,7 @@ contains
     end do
   end subroutine auto_penalty
 
-  !> The smallest modulus behind a surface [F/L^2].
+  !> The smallest Young's modulus of the elements behind a surface [F/L^2].
   pure real(wp) function softest(model, s)
     type(model_t), intent(in) :: model
     type(surface_t), intent(in) :: s
@@ -291,7 +290,9 @@ contains
 
     softest = huge(softest)
     do e = 1, s%nelem
-      softest = min(softest, model%material(model%mesh%block(s%block(e))%material)%prop(E_MOD))
+      associate (material => model%material(model%mesh%block(s%block(e))%material))
+        softest = min(softest, material%row%stiffness(material%prop))
+      end associate
     end do
   end function softest
 

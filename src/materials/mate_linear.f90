@@ -4,11 +4,12 @@
 !!
 !! Deck:    SOLId / ELAStic ISOTropic E nu / SMALl
 !! History: none
-!! Source:  Hooke's law; Lame parameters as eq. (33) of Corbett and Sauer 2015
+!! Source:  Hooke's law
 !! Limits:  small strains and rotations
 module mate_linear
   use base_kinds, only: wp
-  use material_type, only: material_t, E_MOD, NU, MU, LAMBDA, NB
+  use elastic_constants, only: set_constants, young_modulus, MU, LAMBDA
+  use material_type, only: material_t, NB
   use tensor, only: isotropic
   implicit none
   private
@@ -21,28 +22,19 @@ contains
     type(material_t) :: row
 
     row%name = 'ISOTropic'
-    row%usage = 'ELAStic ISOTropic E nu / SMALl'
+    row%numbers = 'E nu'
+    row%nvalue = 2
     row%source = 'linear isotropic, small strain: sigma = Lam tr(eps) 1 + 2 mu eps'
     row%finite = .false.
     row%nprop = LAMBDA
-    row%set => set
+    row%example(:2) = [2.0_wp, 0.3_wp]
+    row%set => set_constants
+    row%stiffness => young_modulus
     row%stress => stress
     row%moduli => moduli
     row%moduli_batch => moduli_batch
     row%energy => energy
   end function describe
-
-  !> E, nu to prop(:).
-  pure subroutine set(value, prop)
-    real(wp), intent(in) :: value(:) !! E, nu
-    real(wp), intent(out) :: prop(:)
-
-    prop = 0.0_wp
-    prop(E_MOD) = value(1)
-    prop(NU) = value(2)
-    prop(MU) = prop(E_MOD)/(2.0_wp*(1.0_wp + prop(NU)))
-    prop(LAMBDA) = 2.0_wp*prop(MU)*prop(NU)/(1.0_wp - 2.0_wp*prop(NU))
-  end subroutine set
 
   !> Stress and constant tangent.
   pure subroutine stress(prop, dg, tau, c, ok)

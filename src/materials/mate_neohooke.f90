@@ -13,7 +13,9 @@
 !! Limits:  det F > 0
 module mate_neohooke
   use base_kinds, only: wp
-  use material_type, only: material_t, E_MOD, NU, VOLUME, MU, LAMBDA, NB
+  use base_text, only: to_text
+  use elastic_constants, only: set_constants, young_modulus, VOLUME, MU, LAMBDA
+  use material_type, only: material_t, constant_error_t, NB
   use tensor, only: det3, isotropic
   implicit none
   private
@@ -26,11 +28,15 @@ contains
     type(material_t) :: row
 
     row%name = 'NEOHook'
-    row%usage = 'ELAStic NEOHook E nu / FINIte [VOLUme k]'
+    row%numbers = 'E nu'
+    row%nvalue = 2
+    row%volumetric = .true.
     row%source = 'compressible neo-Hooke, VOLUme 3: Corbett and Sauer 2015, eq. (32)'
     row%finite = .true.
     row%nprop = LAMBDA
+    row%example(:2) = [2.0_wp, 0.3_wp]
     row%set => set
+    row%stiffness => young_modulus
     row%stress => stress
     row%moduli => moduli
     row%moduli_batch => moduli_batch
@@ -38,17 +44,19 @@ contains
   end function describe
 
   !> E, nu and, if given, the volumetric function to prop(:).
-  pure subroutine set(value, prop)
+  pure subroutine set(value, prop, error)
     real(wp), intent(in) :: value(:) !! E, nu [, k]
     real(wp), intent(out) :: prop(:)
+    type(constant_error_t), intent(out) :: error
 
-    prop = 0.0_wp
-    prop(E_MOD) = value(1)
-    prop(NU) = value(2)
+    call set_constants(value, prop, error)
     prop(VOLUME) = 3.0_wp
-    if (size(value) > 2) prop(VOLUME) = value(3)
-    prop(MU) = prop(E_MOD)/(2.0_wp*(1.0_wp + prop(NU)))
-    prop(LAMBDA) = 2.0_wp*prop(MU)*prop(NU)/(1.0_wp - 2.0_wp*prop(NU))
+    if (size(value) < 3) return
+    prop(VOLUME) = value(3)
+    if (error%value == 0 .and. all(nint(value(3)) /= [1, 2, 3])) then
+      error = constant_error_t(3, 'volumetric function '//to_text(value(3)), &
+                               'VOLUme is 1, 2 or 3; 3 is Lam/2 (ln J)^2')
+    end if
   end subroutine set
 
   !> Kirchhoff stress and spatial tangent.
@@ -141,7 +149,7 @@ contains
     end do
   end subroutine moduli_batch
 
-  !> Determinants; where one is not positive and finite ok is .false., and it is harmless.
+  !> Determinants. One that is not positive and finite becomes 1, and its ok is .false.
   pure subroutine find_volumes(dg, jac, ok)
     real(wp), intent(in) :: dg(NB, 3, 3)
     real(wp), intent(out) :: jac(NB)

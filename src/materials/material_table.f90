@@ -1,10 +1,10 @@
 !> The one list of constitutive laws: a new law is a new file and a line here.
 module material_table
-  use material_simd, only: widen
+  use base_cpu, only: vector_level
   use material_type, only: material_t
   implicit none
   private
-  public :: load_materials
+  public :: load_materials, find_material
 
 contains
 
@@ -15,7 +15,40 @@ contains
     allocate (table(0))
     block; use mate_linear, only: describe; table = [table, describe()]; end block
     block; use mate_neohooke, only: describe; table = [table, describe()]; end block
-    call widen(table)
+    ! The batch of neo-Hooke is compiled three times: for any processor, AVX2 and AVX-512.
+    select case (vector_level())
+    case (4)
+      block; use mate_neohooke_v4, only: describe; call take_batch(table, describe()); end block
+    case (3)
+      block; use mate_neohooke_v3, only: describe; call take_batch(table, describe()); end block
+    case default
+      continue ! the table holds what runs on any processor
+    end select
   end subroutine load_materials
+
+  subroutine take_batch(table, wide)
+    type(material_t), intent(inout) :: table(:)
+    type(material_t), intent(in) :: wide
+
+    integer :: i
+
+    do i = 1, size(table)
+      if (table(i)%name == wide%name) table(i)%moduli_batch => wide%moduli_batch
+    end do
+  end subroutine take_batch
+
+  !> The row of a name; its name is empty where there is none.
+  function find_material(name) result(law)
+    character(*), intent(in) :: name
+    type(material_t) :: law
+
+    type(material_t), allocatable :: table(:)
+    integer :: i
+
+    call load_materials(table)
+    do i = 1, size(table)
+      if (table(i)%name == name) law = table(i)
+    end do
+  end function find_material
 
 end module material_table

@@ -1,47 +1,60 @@
-!> What a constitutive law shows to the rest of the program: one row of the table of laws.
+!> Interface of a constitutive law: one row of the table of laws.
 module material_type
   use base_kinds, only: wp
   implicit none
   private
-  public :: material_t, material_stress_i, material_moduli_i, material_energy_i
-  public :: material_set_i, material_batch_i
+  public :: material_t, constant_error_t, material_usage
 
   integer, parameter, public :: MAX_PROP = 16 !! length of a row of properties
   integer, parameter, public :: NB = 8 !! points or elements side by side in the vector registers
 
-  !> Columns of prop(:). The deck gives the first three, `set` derives the others.
-  integer, parameter, public :: E_MOD = 1  !! Young's modulus [F/L^2]
-  integer, parameter, public :: NU = 2     !! Poisson's ratio [-]
-  integer, parameter, public :: VOLUME = 3 !! volumetric function of FINIte VOLUme k: 1, 2 or 3 [-]
-  integer, parameter, public :: MU = 4     !! shear modulus [F/L^2]
-  integer, parameter, public :: LAMBDA = 5 !! first Lame parameter [F/L^2]
+  !> Why a law rejects its constants.
+  type :: constant_error_t
+    integer :: value = 0          !! index of the rejected number in `value`; 0: none is rejected
+    character(64) :: message = '' !! what was found
+    character(64) :: hint = ''    !! what is allowed
+  end type constant_error_t
 
   !> A law. Stresses are Kirchhoff stresses tau = J sigma where `finite`, else the stress of the
   !! small strain sym(F - I). Voigt order 11 22 33 12 23 31; shear moduli belong to 2 eps_12.
   type :: material_t
     character(16) :: name = ''    !! deck word
-    character(64) :: usage = ''   !! the deck's records, for hints and --list
+    character(48) :: numbers = '' !! names of the numbers in the record ELAStic, for hints
+    integer :: nvalue = 0         !! how many numbers these are
     character(80) :: source = ''  !! formula and reference, for the log
     logical :: finite = .true.    !! .false.: small strain
-    logical :: symmetric = .true. !! the tangent is
-    integer :: nprop = 0
+    logical :: volumetric = .false. !! there is a choice of functions: VOLUme k of FINIte
+    logical :: symmetric = .true. !! the tangent is symmetric
+    integer :: nprop = 0          !! columns of prop(:) in use
+    real(wp) :: example(MAX_PROP) = 0.0_wp !! (nvalue) constants of a valid material, for the tests
     procedure(material_set_i), pointer, nopass :: set => null()
+    procedure(material_stiffness_i), pointer, nopass :: stiffness => null()
     procedure(material_stress_i), pointer, nopass :: stress => null()
-    !> Optional fast way of laws whose spatial tangent is lam 1 x 1 + 2 mus I: both are scalars.
+    !> Optional, faster: for laws whose spatial tangent is lam 1 x 1 + 2 mus I, lam and mus scalars.
     procedure(material_moduli_i), pointer, nopass :: moduli => null()
-    !> The same for NB points; goes with `moduli`.
+    !> Optional, for laws with `moduli`: NB points at a time.
     procedure(material_batch_i), pointer, nopass :: moduli_batch => null()
     procedure(material_energy_i), pointer, nopass :: energy => null()
   end type material_t
 
   abstract interface
-    !> Properties from the deck's numbers, derived columns too.
-    pure subroutine material_set_i(value, prop)
+    !> Properties from the numbers of the deck; `error` rejects one of them.
+    pure subroutine material_set_i(value, prop, error)
+      import :: wp, constant_error_t
+      implicit none
+      !> The nvalue numbers behind the name; then, if the deck gives it, k of VOLUme k.
+      real(wp), intent(in) :: value(:)
+      real(wp), intent(out) :: prop(:)  !! (nprop or more) zero where unused
+      type(constant_error_t), intent(out) :: error
+    end subroutine material_set_i
+
+    !> Young's modulus at small strains [F/L^2], for penalties that scale with the stiffness.
+    pure function material_stiffness_i(prop) result(young)
       import :: wp
       implicit none
-      real(wp), intent(in) :: value(:)  !! numbers of the law's records, in the order of `usage`
-      real(wp), intent(out) :: prop(:)  !! (nprop or more) columns above, zero where unused
-    end subroutine material_set_i
+      real(wp), intent(in) :: prop(:)   !! (nprop)
+      real(wp) :: young
+    end function material_stiffness_i
 
     !> Stress and tangent at a point.
     pure subroutine material_stress_i(prop, dg, tau, c, ok)
@@ -76,7 +89,7 @@ module material_type
       logical, intent(out) :: ok(NB)
     end subroutine material_batch_i
 
-    !> Stored energy per reference volume [F/L^2].
+    !> Stored energy per reference volume [F/L^2]; huge where the law has none (det <= 0).
     pure function material_energy_i(prop, dg) result(w)
       import :: wp
       implicit none
@@ -85,5 +98,22 @@ module material_type
       real(wp) :: w
     end function material_energy_i
   end interface
+
+contains
+
+  !> Records of the deck that choose the law, for hints.
+  pure function material_usage(law) result(text)
+    type(material_t), intent(in) :: law
+    character(:), allocatable :: text
+
+    text = 'ELAStic '//trim(law%name)//' '//trim(law%numbers)//' / '
+    if (.not. law%finite) then
+      text = text//'SMALl'
+    else if (law%volumetric) then
+      text = text//'FINIte [VOLUme k]'
+    else
+      text = text//'FINIte'
+    end if
+  end function material_usage
 
 end module material_type

@@ -10,7 +10,7 @@ program bench_kernel
   use element_type, only: element_t, cell_t, rule_t, topology_t, form_report_t, NB
   use lapack, only: dgemm
   use material_table, only: load_materials
-  use material_type, only: material_t, MAX_PROP
+  use material_type, only: material_t, MAX_PROP, constant_error_t
   use solid_form, only: history_length
   implicit none
 
@@ -76,6 +76,7 @@ contains
     type(material_t), intent(in) :: law
     type(basis_t), intent(in) :: basis
     real(wp), intent(in) :: xr(:, :), u(:, :)
+    type(constant_error_t) :: wrong
     real(wp) :: t
     real(wp) :: prop(MAX_PROP), r(3, basis%nen), k(3*basis%nen, 3*basis%nen)
     real(wp), allocatable :: h_old(:), h_new(:)
@@ -88,7 +89,7 @@ contains
     allocate (h_old(history_length(basis%nen, row%nmode)))
     allocate (h_new, mold=h_old)
     h_old = 0.0_wp
-    call law%set([1.0_wp, 0.2_wp, 3.0_wp], prop)
+    call law%set(law%example(:law%nvalue), prop, wrong)
     t = huge(t)
     do sample = 1, SAMPLES
       n = 0
@@ -108,6 +109,7 @@ contains
     type(material_t), intent(in) :: law
     type(basis_t), intent(in) :: basis
     real(wp), intent(in) :: xr(:, :), u(:, :)
+    type(constant_error_t) :: wrong
     character(12) :: text
     real(wp) :: prop(MAX_PROP), x8(NB, 3, basis%nen), u8(NB, 3, basis%nen), r(NB, 3, basis%nen)
     real(wp), allocatable :: k(:, :, :, :, :), h_old(:, :), h_new(:, :)
@@ -117,13 +119,13 @@ contains
     real(wp) :: du(NB, 3, basis%nen), t
 
     text = '           -'
-    if (.not. associated(row%form_batch)) return
+    if (.not. (associated(row%form_batch) .and. associated(law%moduli))) return
     du = 0.0_wp
     allocate (k(NB, 3, 3, basis%nen, basis%nen))
     allocate (h_old(history_length(basis%nen, row%nmode), NB))
     allocate (h_new, mold=h_old)
     h_old = 0.0_wp
-    call law%set([1.0_wp, 0.2_wp, 3.0_wp], prop)
+    call law%set(law%example(:law%nvalue), prop, wrong)
     do e = 1, NB
       x8(e, :, :) = xr
       u8(e, :, :) = u*(0.1_wp*e)
