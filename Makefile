@@ -177,6 +177,7 @@ doc:
 	@.venv/bin/ford --quiet --src_dir $(abspath src) --output_dir $(abspath $(BUILD))/doc $(BUILD)/doc_source/ford.md
 	@echo "  $(BUILD)/doc/index.html"
 manual: $(B)/bezel
+	@$(PYTHON) tools/rows.py --bezel $<
 	@$(PYTHON) tools/manual.py --bezel $< --out $(B)/manual $(if $(filter release,$(KIND)),,--longest 60)
 clean:
 	@rm -rf $(BUILD)

@@ -158,7 +158,7 @@ contains
       end select
       if (allocated(error)) return
     end do
-    call set_law(laws, draft, set, error)
+    call set_law(draft, set, error)
   end subroutine read_properties
 
   !> BODY [FORCe] b1 b2 b3. FEAP ignores the field after BODY.
@@ -276,29 +276,21 @@ contains
   end subroutine read_strain
 
   !> The law with its properties; ELAStic, SMALl, FINIte and VOLUme must agree.
-  subroutine set_law(laws, draft, set, error)
-    type(material_t), intent(in) :: laws(:)
+  subroutine set_law(draft, set, error)
     type(draft_t), intent(inout) :: draft
     type(material_set_t), intent(inout) :: set
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: others
-    integer :: i
 
     if (draft%law%name == '') then
       call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' has no law', set%place, &
-                'add '//material_usage(laws(size(laws))))
+                'add ELAStic, the name of a law and its numbers')
       return
     end if
     set%row = draft%law
     if (draft%strain /= 0 .and. (draft%strain == FINITE .neqv. set%row%finite)) then
-      others = ''
-      do i = 1, size(laws)
-        if (laws(i)%finite .neqv. set%row%finite) others = others//' '//trim(laws(i)%name)
-      end do
       call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of ' &
-                //trim(merge('finite', 'small ', set%row%finite))//' strains', &
-                draft%strain_place, 'laws for '//trim(merge('SMALl ', 'FINIte', set%row%finite)) &
-                //' strains:'//others)
+                //trim(merge('finite', 'small ', set%row%finite))//' strains', draft%strain_place, &
+                'write '//trim(merge('FINIte', 'SMALl ', set%row%finite))//', or choose another law')
       return
     end if
     if (draft%volume_given) then

@@ -1,0 +1,68 @@
+"""Every element and every law has a page of theory, an entry in the manual, and a test.
+
+usage: rows.py [--bezel build/release/bezel]
+
+The rows are those of `bezel --list elements`, `materials` and `contacts`. A page of doc/theory and a test of
+verification/unit or verification/patch name the row or its source file; a page of doc/manual names the row.
+Exit code 1 if anything is missing.
+"""
+
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+TABLES = {"elements": "element", "materials": "material law", "contacts": "contact law"}
+
+
+def main(argv=None):
+    """Check all tables; returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
+    o = parser.parse_args(argv)
+    theory = read(TOP.glob("doc/theory/*.md"))
+    manual = read(TOP.glob("doc/manual/*.md"))
+    tests = read(p for d in ("unit", "patch") for p in (TOP / "verification" / d).rglob("*.*"))
+    sources = {p.stem: p.read_text() for p in TOP.glob("src/*/*.f90")}
+    complaints, n = [], 0
+    for table, what in TABLES.items():
+        for row in rows(o.bezel, table):
+            n += 1
+            files = [
+                stem for stem, text in sources.items() if re.search(rf"name *= *'{row}'", text)
+            ]
+            word = word_of(row, is_law=table != "elements")
+            either = "|".join([word, *(rf"\b{stem}\b" for stem in files)])
+            for text, place, pattern in (
+                (theory, "page of doc/theory", either),
+                (manual, "page of doc/manual", word),
+                (tests, "test of verification/unit or verification/patch", either),
+            ):
+                if not re.search(pattern, text, re.I):
+                    complaints.append(f"{what} {row}: no {place} names it")
+    print("\n".join([*complaints, f"{n} elements and laws, {len(complaints)} complaints"]))
+    return 1 if complaints else 0
+
+
+def rows(bezel, table):
+    """Names of the rows of a table, as the program lists them."""
+    run = subprocess.run([bezel, "--list", table], capture_output=True, text=True, check=True)
+    return sorted(set(re.findall(r"^  (\w+)", run.stdout, re.M)))
+
+
+def word_of(row, is_law):
+    """Pattern of a row's name: laws are deck words of four letters, splines of any degree end in a number."""
+    if is_law:
+        return rf"\b{row[:4]}\w*"
+    return rf"\b{row}(?![A-Za-z])" if row[-1] != "N" else rf"\b{row}(?:[p0-9]|\b)"
+
+
+def read(paths):
+    """Text of many files; what is no text is passed over."""
+    return "\n".join(p.read_text(errors="ignore") for p in paths if p.is_file())
+
+
+if __name__ == "__main__":
+    sys.exit(main())
