@@ -61,8 +61,8 @@ contains
     if (next_character(p) == ')') then
       p%at = p%at + 1
     else if (p%at > len(p%text)) then
-      call complain(p, "this '(' is not closed", first, 1, &
-                    'a blank ends an expression, except behind PARAmeter')
+      call complain(p, "unclosed '('", first, 1, &
+                    'a blank ends an expression, except in PARAmeters')
     else
       call complain(p, 'unexpected '//quoted(character_at(p)), p%at, 1)
     end if
@@ -83,8 +83,8 @@ contains
     integer, intent(in) :: at
 
     p%depth = p%depth + 1
-    if (p%depth > DEEPEST) call complain(p, 'nested deeper than 100', at, 1, &
-                                         'split the expression by PARAmeter')
+    if (p%depth > DEEPEST) call complain(p, 'parentheses and powers are nested more than 100 deep', at, 1, &
+                                         'split the expression with PARAmeters')
   end subroutine descend
 
   subroutine check_size(p, value, at, width)

@@ -48,7 +48,7 @@ contains
       trouble = "'"//trim(NAMES(f))//"' takes "//to_text(least)//merge(' or more', '        ', &
                                                                        most == MANY)
       trouble = trim(trouble)//' argument'//trim(merge('s', ' ', least > 1 .or. most == MANY)) &
-                //', not '//to_text(size(x))
+                //', found '//to_text(size(x))
       return
     end if
     call check_domain(f, x, trouble)

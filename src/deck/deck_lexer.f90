@@ -15,7 +15,7 @@ module deck_lexer
 
   integer, parameter :: OTHER = 0, BLANK = 1, COMMA = 2, COMMENT = 3, QUOTE = 4, OPENING = 5, &
                         CLOSING = 6
-  character(*), parameter :: QUOTES = 'quotes stand round a whole field: "..."'
+  character(*), parameter :: QUOTES = 'quotes enclose a whole field: "..."'
 
   !> State while the lines of a record are cut. Characters are counted in the text of the whole
   !! file.
@@ -59,7 +59,7 @@ contains
       if (line <= source%nline) then
         if (verify(source%text(source%first(line):source%last(line)), ' '//achar(9)) > 0) cycle
       end if
-      call complain(cutter, cutter%at, 'a record that ends with & has no next line', 'remove the &')
+      call complain(cutter, cutter%at, 'no line follows a record that ends with &', 'remove the &')
       exit
     end do
     record%file = source%path
@@ -126,7 +126,7 @@ contains
       case (CLOSING)
         depth = depth - 1
       case (QUOTE)
-        call complain(cutter, at, 'a quote inside a word', QUOTES)
+        call complain(cutter, at, 'quote inside a word', QUOTES)
         return
       case default
         if (ends_line(text(at:cutter%last))) exit
@@ -146,7 +146,7 @@ contains
     first = cutter%at
     n = index(text(first + 1:cutter%last), '"')
     if (n == 0) then
-      call complain(cutter, first, 'a quote is not closed', QUOTES)
+      call complain(cutter, first, 'unclosed quote', QUOTES)
       return
     end if
     call add_field(record, first + 1, first + n - 1)
@@ -156,8 +156,8 @@ contains
     case (BLANK, COMMA, COMMENT)
     case default
       if (.not. ends_line(text(cutter%at:cutter%last))) then
-        call complain(cutter, cutter%at, 'a separator is missing behind the quote', &
-                      'put a blank or a comma')
+        call complain(cutter, cutter%at, 'no separator after the quote', &
+                      'add a blank or a comma')
       end if
     end select
   end subroutine cut_quoted

@@ -118,15 +118,15 @@ contains
       call scan_number(p%text(p%at:), n, value, trouble)
       first = p%at
       p%at = p%at + n
-      if (n == 0) call complain(p, 'a point without digits', first, 1)
+      if (n == 0) call complain(p, 'decimal point without digits', first, 1)
       if (allocated(trouble)) call complain(p, trouble, first, n)
     case ('a':'z', 'A':'Z')
       call parse_name(p, params, value)
     case default
       if (p%at > len(p%text)) then
-        call complain(p, 'a number is missing at the end of the expression', max(p%at - 1, 1), 1)
+        call complain(p, 'expected a number at the end of the expression', max(p%at - 1, 1), 1)
       else
-        call complain(p, 'a number is missing before '//quoted(character_at(p)), p%at, 1)
+        call complain(p, 'expected a number before '//quoted(character_at(p)), p%at, 1)
       end if
     end select
   end subroutine parse_primary
@@ -219,7 +219,7 @@ contains
     if (.not. abs(base) > 0.0_wp .and. exponent < 0.0_wp) then
       call complain(p, 'division by zero: 0 to a negative power', operator, 1)
     else if (base < 0.0_wp .and. .not. whole) then
-      call complain(p, 'a broken power of a negative number', operator, 1)
+      call complain(p, 'fractional power of a negative number', operator, 1)
     else if (whole .and. abs(exponent) <= 64.0_wp) then
       base = base**nint(exponent)
     else if (base < 0.0_wp) then
@@ -239,7 +239,7 @@ contains
 
     name = p%text(first:first + n - 1)
     if (function_index(lower(name)) > 0) then
-      call complain(p, quoted(name)//' is a function: its argument is missing', first, n, &
+      call complain(p, 'function '//quoted(name)//' has no argument', first, n, &
                     'write '//name//'(...)')
       return
     end if
@@ -247,7 +247,7 @@ contains
     if (len(hint) > 0) then
       hint = 'nearest known: '//hint
     else
-      hint = 'parameters are set by PARAmeter before they are used'
+      hint = 'set it in PARAmeters before it is used'
     end if
     call complain(p, 'unknown parameter '//quoted(name), first, n, hint)
   end subroutine complain_of_name

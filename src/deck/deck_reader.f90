@@ -153,7 +153,7 @@ contains
     call check_count(record, 2, 2, 'INCLude file', error)
     if (allocated(error)) return
     if (record%is_empty(2)) then
-      call fail(error, DECK_ERROR, 'the name of a file is missing', record%place(2), 'INCLude file')
+      call fail(error, DECK_ERROR, 'expected the name of a file', record%place(2), 'INCLude file')
       return
     end if
     path = resolve_path(record, 2)
@@ -167,7 +167,7 @@ contains
       return
     end do
     if (reader%nframe == MOST_FILES) then
-      call fail(error, DECK_ERROR, 'files include one another deeper than '//to_text(MOST_FILES), &
+      call fail(error, DECK_ERROR, 'INCLude is nested more than '//to_text(MOST_FILES)//' deep', &
                 record%place(2))
       return
     end if
@@ -205,7 +205,7 @@ contains
     real(wp) :: n
 
     if (reader%nloop == MOST_LOOPS) then
-      call fail(error, DECK_ERROR, 'loops are nested deeper than '//to_text(MOST_LOOPS), &
+      call fail(error, DECK_ERROR, 'LOOP is nested more than '//to_text(MOST_LOOPS)//' deep', &
                 record%place(1))
       return
     end if
@@ -219,9 +219,8 @@ contains
     call evaluate(params, record%text(2), n, record%place(2), error)
     if (allocated(error)) return
     if (n < 1.0_wp .or. n > MOST_PASSES .or. abs(n - anint(n)) > 0.0_wp) then
-      call fail(error, DECK_ERROR, 'a loop runs a whole number of times, from 1 to ' &
-                //to_text(MOST_PASSES) &
-                //', not '//to_text(n), record%place(2), 'LOOP,n ... NEXT')
+      call fail(error, DECK_ERROR, 'expected a whole number of passes from 1 to ' &
+                //to_text(MOST_PASSES)//', found '//to_text(n), record%place(2), 'LOOP,n ... NEXT')
       return
     end if
     reader%loop(reader%nloop)%left = nint(n) - 1
@@ -244,7 +243,7 @@ contains
     call check_count(record, 1, 2, 'NEXT', error)
     associate (loop => reader%loop(reader%nloop))
       if (loop%nrecord <= 1 .and. .not. allocated(error)) then
-        call fail(error, DECK_ERROR, 'this loop does nothing', loop%place, &
+        call fail(error, DECK_ERROR, 'empty loop', loop%place, &
                   'put records between LOOP and NEXT, or remove both')
       end if
       if (loop%left > 0 .and. .not. allocated(error)) then
@@ -268,7 +267,7 @@ contains
     end associate
     reader%repeated = reader%repeated + 1
     if (reader%repeated <= MOST_REPEATED) return
-    call fail(error, DECK_ERROR, 'loops make more than '//to_text(MOST_REPEATED)//' records', &
+    call fail(error, DECK_ERROR, 'loops repeat more than '//to_text(MOST_REPEATED)//' records', &
               reader%loop(1)%place, 'use fewer passes')
     reader%nloop = 0
     reader%nframe = 1

@@ -139,23 +139,19 @@ contains
     integer, intent(in) :: nmin, nmax
     character(*), intent(in) :: usage
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: wanted
+    character(:), allocatable :: expected
 
     if (record%n >= nmin .and. record%n <= nmax) return
-    wanted = to_text(nmin)
+    expected = to_text(nmin)
     if (nmax == huge(nmax)) then
-      wanted = 'at least '//wanted
+      expected = 'at least '//expected
     else if (nmax > nmin) then
-      wanted = wanted//' to '//to_text(nmax)
+      expected = expected//' to '//to_text(nmax)
     end if
-    wanted = to_text(record%n)//' fields where '//wanted//' belong'
-    if (record%n == 1) wanted = '1 field'//wanted(9:)
-    if (nmin == nmax .and. nmin == 1) wanted = wanted//'s'
-    if (record%n > nmax) then
-      call fail(error, DECK_ERROR, wanted, record%place(nmax + 1), usage)
-    else
-      call fail(error, DECK_ERROR, wanted, record%place(record%n + 1), usage)
-    end if
+    expected = expected//' field'
+    if (nmax > 1) expected = expected//'s'
+    call fail(error, DECK_ERROR, 'expected '//expected//', found '//to_text(record%n), &
+              record%place(min(record%n, nmax) + 1), usage)
   end subroutine check_count
 
   !> Field i, which must not be empty, as written.
@@ -166,7 +162,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     word = record%text(i)
-    if (record%is_empty(i)) call fail(error, DECK_ERROR, 'a word is missing in field ' &
+    if (record%is_empty(i)) call fail(error, DECK_ERROR, 'expected a word in field ' &
                                       //to_text(i), record%place(i))
   end subroutine get_word
 

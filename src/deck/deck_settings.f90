@@ -48,7 +48,7 @@ contains
       call fail(error, DECK_ERROR, quoted('--set '//text)//' does not set a parameter', &
                 hint='write --set name=value')
     else if (position(list(:i - 1), name) > 0) then
-      call fail(error, DECK_ERROR, 'parameter '//quoted(name)//' is set twice', &
+      call fail(error, DECK_ERROR, 'duplicate --set of parameter '//quoted(name), &
                 hint='give one --set '//name//'=value')
     end if
     if (allocated(error)) return

@@ -182,7 +182,7 @@ contains
     else if (present(default)) then
       x = default
     else if (i > record%n) then
-      call fail(error, DECK_ERROR, 'a number is missing in field '//to_text(i), record%place(i))
+      call fail(error, DECK_ERROR, 'expected a number in field '//to_text(i), record%place(i))
     end if
   end subroutine get_real
 
@@ -208,7 +208,7 @@ contains
                 record%place(i))
     else if (abs(x - anint(x)) > 4*epsilon(x)*abs(x)) then
       call fail(error, DECK_ERROR, quoted(record%text(i))//' is not a whole number: ' &
-                //to_text(x, 10), record%place(i), 'int(...) cuts what is behind the point')
+                //to_text(x, 10), record%place(i), 'int(...) truncates a number')
     else
       n = nint(x)
     end if
@@ -228,7 +228,7 @@ contains
     value = 0.0_wp
     name = lower(record%text(1))
     if (.not. is_name(name)) then
-      call fail(error, DECK_ERROR, quoted(record%text(1))//' is not a name', record%place(1), &
+      call fail(error, DECK_ERROR, quoted(record%text(1))//' is not a valid name', record%place(1), &
                 'a name begins with a letter, then letters, digits and underscores')
       return
     end if
