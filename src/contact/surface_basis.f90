@@ -1,15 +1,16 @@
-!> Functions of an element on one of its faces, as Bernstein polynomials: N = C B.
+!> Shape functions of an element on one of its faces in Bernstein form: N = C B.
 !!
-!! They are found by interpolation of what the element's row gives, so any type is served. Weights
-!! stay outside (surface%w) where numerators are w N; where a rational enriched element meets a
-!! lateral face, nodes of both bases share the denominator W of its surface: then the weights are
-!! inside C, W N_b for the Lagrange nodes, and surface%w is one there.
+!! The extraction C is found by collocation of the functions that the row of the element gives, so
+!! every element type is served. Weights are usually kept apart (surface%w), so that C gives the
+!! functions without weights. The exception are lateral faces of rational enriched elements, where
+!! the nodes of both bases share the denominator W of the surface: there C contains the weights,
+!! W N_b for the Lagrange nodes, and surface%w is one.
 module surface_basis
   use base_kinds, only: wp
   use bspline, only: bernstein
+  use contact_pair, only: surface_basis_t
   use element_type, only: element_t, cell_t
   use face_rule, only: face_directions
-  use contact_pair, only: surface_basis_t
   use hexa_shape, only: make_rational
   use lapack, only: dgesv
   use quadrature, only: gauss, gauss_quad
@@ -17,28 +18,46 @@ module surface_basis
   private
   public :: find_basis, same_basis, is_mixed, surface_functions_at, make_rational
 
-  !> Coefficients that are closer than this to zero, or to a simple fraction, are rounded to it.
+  !> Coefficients that differ by less than ROUNDING from a multiple of 1/FRACTION are rounded to it.
   real(wp), parameter :: ROUNDING = 1.0e-12_wp, FRACTION = 40320.0_wp
 
 contains
 
-  !> Functions on face `side`, and the local nodes they belong to.
+  !> Shape functions on face `side`, and the local nodes they belong to.
   subroutine find_basis(row, cell, nen, side, basis, local)
     type(element_t), intent(in) :: row
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: nen, side
     type(surface_basis_t), intent(out) :: basis
     integer, allocatable, intent(out) :: local(:)
-    real(wp), allocatable :: v(:, :), c(:, :), m1(:, :), m2(:, :)
-    integer :: n1, n2, i, j, a
+    real(wp), allocatable :: x(:, :), w(:), v(:, :), c(:, :), dshp(:, :), below(:), m1(:, :), &
+                             m2(:, :)
+    type(cell_t) :: plain
+    real(wp) :: xi(3)
+    integer :: d(2), n1, n2, i, j, a, q
 
     basis%degree = face_degree(cell, nen, side)
     n1 = basis%degree(1) + 1
     n2 = basis%degree(2) + 1
-    allocate (m1(n1, n1), m2(n2, n2), v(nen, n1*n2), c(nen, n1*n2))
+    allocate (x(2, n1*n2), w(n1*n2), v(nen, n1*n2), c(nen, n1*n2), dshp(3, nen), below(nen))
+    allocate (m1(n1, n1), m2(n2, n2))
+    plain = cell ! without weights: the functions are the numerators of the rational ones
+    if (allocated(plain%w)) deallocate (plain%w)
+    d = directions(side)
+    call gauss_quad(n1, n2, x, w)
+    do q = 1, n1*n2
+      xi((side + 1)/2) = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
+      xi(d) = x(:, q)
+      if (is_mixed(cell, nen, side)) then
+        call row%functions(cell, xi, v(:, q), dshp)
+        call row%functions(plain, [xi(1), xi(2), -1.0_wp], below, dshp)
+        v(:, q) = v(:, q)*dot_product(cell%w, below(:size(cell%w)))
+      else
+        call row%functions(plain, xi, v(:, q), dshp)
+      end if
+    end do
     call invert_collocation(n1, m1)
     call invert_collocation(n2, m2)
-    call sample(row, cell, side, [n1, n2], v)
     do j = 1, n2 ! second direction first
       do i = 1, n1
         c(:, i + n1*(j - 1)) = matmul(v(:, i:i + n1*(n2 - 1):n1), m2(j, :))
@@ -47,7 +66,8 @@ contains
     do j = 1, n2
       v(:, n1*(j - 1) + 1:n1*j) = matmul(c(:, n1*(j - 1) + 1:n1*j), transpose(m1))
     end do
-    call clean(v)
+    c = anint(v*FRACTION)/FRACTION ! uniform knots give fractions
+    where (abs(v - c) < ROUNDING) v = c
     local = pack([(a, a=1, nen)], [(any(abs(v(a, :)) > 0.0_wp), a=1, nen)])
     basis%nsf = size(local)
     basis%c = v(local, :)
@@ -62,16 +82,15 @@ contains
     if (allocated(cell%w)) is_mixed = size(cell%w) < nen .and. side < 5
   end function is_mixed
 
-  !> Degrees in the face's own directions. Enriched elements have more functions on their surface
+  !> Degrees in the directions of the face. The surface of an enriched element has more functions
   !! than the tensor product of the degrees of the bulk.
   pure function face_degree(cell, nen, side) result(p)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: nen, side
-    integer :: p(2), full(3), d(2)
+    integer :: p(2), full(3)
     logical :: enriched
 
     full = cell%degree
-    d = directions(side)
     enriched = nen /= product(cell%degree + 1)
     if (allocated(cell%c)) enriched = cell%degree(3) > 0
     if (is_mixed(cell, nen, side)) then
@@ -81,10 +100,10 @@ contains
     else if (enriched .and. side < 5) then
       full(:2) = max(full(:2), full(3))
     end if
-    p = full(d)
+    p = full(directions(side))
   end function face_degree
 
-  !> The element's directions a and b: a_1 x a_2 points out of the body.
+  !> Directions a and b of the element on a face, such that a_1 x a_2 points out of the body.
   pure function directions(side) result(d)
     integer, intent(in) :: side
     integer :: d(2), normal
@@ -93,37 +112,8 @@ contains
     if (mod(side, 2) == 1) d = d([2, 1])
   end function directions
 
-  !> The element's functions at n(1) x n(2) points of the face, numerators where they are rational.
-  subroutine sample(row, cell, side, n, v)
-    type(element_t), intent(in) :: row
-    type(cell_t), intent(in) :: cell
-    integer, intent(in) :: side, n(2)
-    real(wp), intent(out) :: v(:, :) !! (nen, n(1)*n(2))
-    type(cell_t) :: plain
-    real(wp) :: x(2, n(1)*n(2)), w(n(1)*n(2)), xi(3)
-    real(wp) :: dshp(3, size(v, 1)), below(size(v, 1))
-    integer :: d(2), q
-    logical :: mixed
-
-    plain = cell
-    mixed = is_mixed(cell, size(v, 1), side)
-    if (allocated(plain%w)) deallocate (plain%w)
-    d = directions(side)
-    call gauss_quad(n(1), n(2), x, w)
-    do q = 1, size(w)
-      xi((side + 1)/2) = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
-      xi(d) = x(:, q)
-      if (mixed) then
-        call row%functions(cell, xi, v(:, q), dshp)
-        call row%functions(plain, [xi(1), xi(2), -1.0_wp], below, dshp)
-        v(:, q) = v(:, q)*dot_product(cell%w, below(:size(cell%w)))
-      else
-        call row%functions(plain, xi, v(:, q), dshp)
-      end if
-    end do
-  end subroutine sample
-
-  !> m(b, q): coefficient b of the polynomial that is one at point q and zero at the others.
+  !> m(b, q): Bernstein coefficient b of the polynomial that is one at Gauss point q of n and zero
+  !! at the others.
   subroutine invert_collocation(n, m)
     integer, intent(in) :: n
     real(wp), intent(out) :: m(n, n)
@@ -140,20 +130,7 @@ contains
     call dgesv(n, n, a, n, pivot, m, n, info)
   end subroutine invert_collocation
 
-  !> Take rounding off: what is zero, or a fraction of uniform knots, is that again.
-  pure subroutine clean(c)
-    real(wp), intent(inout) :: c(:, :)
-    real(wp) :: simple
-    integer :: i, j
-
-    do j = 1, size(c, 2)
-      do i = 1, size(c, 1)
-        simple = anint(c(i, j)*FRACTION)/FRACTION
-        if (abs(c(i, j) - simple) < ROUNDING) c(i, j) = simple
-      end do
-    end do
-  end subroutine clean
-
+  !> Are two bases the same functions?
   pure logical function same_basis(a, b)
     type(surface_basis_t), intent(in) :: a, b
 
@@ -161,7 +138,7 @@ contains
     if (same_basis) same_basis = all(abs(a%c - b%c) < ROUNDING)
   end function same_basis
 
-  !> N and its derivatives at any point of [-1,1]^2, without weights.
+  !> N and its derivatives at any point of [-1,1]^2, without the weights of the surface.
   pure subroutine surface_functions_at(basis, xi, shp, dshp)
     type(surface_basis_t), intent(in) :: basis
     real(wp), intent(in) :: xi(2)

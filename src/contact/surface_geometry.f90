@@ -1,32 +1,51 @@
-!> Where a surface is now: its Bezier points, and points with tangents and curvatures on it.
+!> Current geometry of a surface: its Bezier points; position, tangents and second derivatives at any
+!! point of it.
 module surface_geometry
   use base_kinds, only: wp
-  use projection_type, only: shape_t
   use contact_pair, only: surface_t
   use hexa_shape, only: MAX_DEGREE
+  use projection_type, only: shape_t
   implicit none
   private
   public :: update_shape, surface_point
 
 contains
 
-  !> Bezier points of all elements from the nodes' positions, and boxes round them.
+  !> Bezier points of all elements at the current positions of the nodes, and the boxes round them.
   subroutine update_shape(surface, x, shape)
     type(surface_t), intent(in) :: surface
     real(wp), intent(in) :: x(:, :)       !! (3, nnode) current positions [L]
     type(shape_t), intent(inout) :: shape
-    integer :: e, b, n
+    real(wp) :: c, w, p(3)
+    integer :: e, a, b, k, n
+    logical :: rational
 
-    if (.not. allocated(shape%bez)) call allocate_shape(surface, shape)
+    rational = allocated(surface%w)
+    if (.not. allocated(shape%bez)) then
+      n = maxval([(product(surface%basis(k)%degree + 1), k=1, size(surface%basis))])
+      allocate (shape%bez(3, n, surface%nelem), source=0.0_wp)
+      allocate (shape%low(3, surface%nelem), shape%high(3, surface%nelem))
+      if (rational) allocate (shape%w(n, surface%nelem), source=1.0_wp)
+    end if
     do e = 1, surface%nelem
       associate (basis => surface%basis(surface%ibasis(e)), first => surface%first(e))
         n = product(basis%degree + 1)
-        if (allocated(surface%w)) then
-          call find_rational(basis%c, surface%node(first:), surface%w(first:), x, &
-                             shape%bez(:, :n, e), shape%w(:n, e))
-        else
-          call find_points(basis%c, surface%node(first:), x, shape%bez(:, :n, e))
-        end if
+        do b = 1, n ! C^T x, or C^T (w x) over C^T w
+          p = 0.0_wp
+          w = 0.0_wp
+          do a = 1, basis%nsf
+            c = basis%c(a, b)
+            if (.not. abs(c) > 0.0_wp) cycle
+            if (rational) c = c*surface%w(first + a - 1)
+            w = w + c
+            p = p + c*x(:, surface%node(first + a - 1))
+          end do
+          if (rational) then
+            p = p/w
+            shape%w(b, e) = w
+          end if
+          shape%bez(:, b, e) = p
+        end do
         shape%low(:, e) = shape%bez(:, 1, e)
         shape%high(:, e) = shape%bez(:, 1, e)
         do b = 2, n
@@ -36,56 +55,6 @@ contains
       end associate
     end do
   end subroutine update_shape
-
-  subroutine allocate_shape(surface, shape)
-    type(surface_t), intent(in) :: surface
-    type(shape_t), intent(inout) :: shape
-    integer :: k, nb
-
-    nb = 0
-    do k = 1, size(surface%basis)
-      nb = max(nb, product(surface%basis(k)%degree + 1))
-    end do
-    allocate (shape%bez(3, nb, surface%nelem), source=0.0_wp)
-    allocate (shape%low(3, surface%nelem), shape%high(3, surface%nelem))
-    if (allocated(surface%w)) allocate (shape%w(nb, surface%nelem), source=1.0_wp)
-  end subroutine allocate_shape
-
-  !> C^T x.
-  pure subroutine find_points(c, node, x, bez)
-    real(wp), intent(in) :: c(:, :)       !! (nsf, nb)
-    integer, intent(in) :: node(:)        !! (nsf or more)
-    real(wp), intent(in) :: x(:, :)
-    real(wp), intent(out) :: bez(:, :)    !! (3, nb)
-    integer :: a, b
-
-    do b = 1, size(c, 2)
-      bez(:, b) = 0.0_wp
-      do a = 1, size(c, 1)
-        if (abs(c(a, b)) > 0.0_wp) bez(:, b) = bez(:, b) + c(a, b)*x(:, node(a))
-      end do
-    end do
-  end subroutine find_points
-
-  !> C^T (w x) over C^T w.
-  pure subroutine find_rational(c, node, w, x, bez, wb)
-    real(wp), intent(in) :: c(:, :)
-    integer, intent(in) :: node(:)
-    real(wp), intent(in) :: w(:)
-    real(wp), intent(in) :: x(:, :)
-    real(wp), intent(out) :: bez(:, :), wb(:)
-    integer :: a, b
-
-    do b = 1, size(c, 2)
-      bez(:, b) = 0.0_wp
-      wb(b) = 0.0_wp
-      do a = 1, size(c, 1)
-        bez(:, b) = bez(:, b) + c(a, b)*w(a)*x(:, node(a))
-        wb(b) = wb(b) + c(a, b)*w(a)
-      end do
-      bez(:, b) = bez(:, b)/wb(b)
-    end do
-  end subroutine find_rational
 
   !> Position, tangents and second derivatives 11, 22, 12 at a point of an element.
   pure subroutine surface_point(surface, shape, e, xi, x, a, b)
@@ -103,13 +72,14 @@ contains
       call biquadratic(shape%bez(1, 1, e), xi, x, a, b)
     else if (p(1) == 1 .and. p(2) == 1) then
       call bilinear(shape%bez(1, 1, e), xi, x, a, b)
-    else if (p(1) == 3 .and. p(2) == 3) then
-      call tensor_point(4, 4, shape%bez(1, 1, e), xi, x, a, b) ! the compiler makes a copy for it
+    else if (p(1) == 3 .and. p(2) == 3) then ! the compiler specialises for constant sizes
+      call tensor_point(4, 4, shape%bez(1, 1, e), xi, x, a, b)
     else
       call tensor_point(p(1) + 1, p(2) + 1, shape%bez(1, 1, e), xi, x, a, b)
     end if
   end subroutine surface_point
 
+  !> Degrees 1 x 1.
   pure subroutine bilinear(p, xi, x, a, b)
     real(wp), intent(in) :: p(3, 2, 2), xi(2)
     real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
@@ -125,7 +95,7 @@ contains
     b(:, 3) = 0.25_wp*((p(:, 2, 2) - p(:, 1, 2)) - (p(:, 2, 1) - p(:, 1, 1)))
   end subroutine bilinear
 
-  !> Rows in direction 1 first, then across them.
+  !> Degrees 2 x 2: along the rows of direction 1 first, then across them.
   pure subroutine biquadratic(p, xi, x, a, b)
     real(wp), intent(in) :: p(3, 3, 3), xi(2)
     real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
@@ -155,16 +125,20 @@ contains
     b(:, 3) = d(1, 2)*slope(:, 1) + d(2, 2)*slope(:, 2) + d(3, 2)*slope(:, 3)
   end subroutine biquadratic
 
-  !> Bernstein polynomials on [-1,1] with two derivatives; no work arrays from the heap.
+  !> Bernstein polynomials on [-1,1] and their first two derivatives, without allocation.
   pure subroutine fill_basis(n, xi, f)
     integer, intent(in) :: n             !! degree + 1
     real(wp), intent(in) :: xi
     real(wp), intent(inout) :: f(0:MAX_DEGREE, 0:2)
-    real(wp) :: low(-2:MAX_DEGREE)
+    real(wp) :: low(-2:MAX_DEGREE), s, t
     integer :: p, q, i
 
     if (n == 4) then
-      call fill_cubic(0.5_wp*(1.0_wp - xi), 0.5_wp*(1.0_wp + xi), f)
+      s = 0.5_wp*(1.0_wp - xi)
+      t = 0.5_wp*(1.0_wp + xi)
+      f(:3, 0) = [s**3, 3.0_wp*s*s*t, 3.0_wp*s*t*t, t**3]
+      f(:3, 1) = 1.5_wp*[-s*s, s*(s - 2.0_wp*t), t*(2.0_wp*s - t), t*t]
+      f(:3, 2) = 1.5_wp*[s, t - 2.0_wp*s, s - 2.0_wp*t, t]
       return
     end if
     p = n - 1
@@ -189,16 +163,7 @@ contains
     f(:p, 0) = low(0:p)
   end subroutine fill_basis
 
-  pure subroutine fill_cubic(s, t, f)
-    real(wp), intent(in) :: s, t         !! (1-xi)/2 and (1+xi)/2
-    real(wp), intent(inout) :: f(0:MAX_DEGREE, 0:2)
-
-    f(:3, 0) = [s**3, 3.0_wp*s*s*t, 3.0_wp*s*t*t, t**3]
-    f(:3, 1) = 1.5_wp*[-s*s, s*(s - 2.0_wp*t), t*(2.0_wp*s - t), t*t]
-    f(:3, 2) = 1.5_wp*[s, t - 2.0_wp*s, s - 2.0_wp*t, t]
-  end subroutine fill_cubic
-
-  !> Any degrees.
+  !> Polynomial surfaces of any degrees.
   pure subroutine tensor_point(n1, n2, p, xi, x, a, b)
     integer, intent(in) :: n1, n2
     real(wp), intent(in) :: p(3, n1, n2), xi(2)
@@ -229,7 +194,7 @@ contains
     end do
   end subroutine tensor_point
 
-  !> The same for w x and w, then the quotient.
+  !> Rational surfaces of any degrees: w x and w as polynomials, then the quotient.
   pure subroutine rational_point(n1, n2, bez, w, xi, x, a, b)
     integer, intent(in) :: n1, n2
     real(wp), intent(in) :: bez(3, n1*n2), w(n1*n2), xi(2)

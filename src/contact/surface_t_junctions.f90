@@ -1,27 +1,20 @@
-!> T-junctions of surfaces: edges that are parts of others.
+!> T-junctions of surfaces: edges that are a part of the edge of another element.
 module surface_t_junctions
-  use base_kinds, only: wp
+  use base_kinds, only: wp, i8
   use base_sort, only: sort_index
-  use surface_basis, only: surface_functions_at, make_rational
   use contact_pair, only: surface_t, edge_part_t
+  use surface_basis, only: surface_functions_at, make_rational
   implicit none
   private
-  public :: part_list_t, edge_point, try_part, set_parts
+  public :: edge_point, match_t_junctions
 
   integer, parameter :: NSAMPLE = 33, MOST_STEPS = 30
-  real(wp), parameter :: SAME = 1.0e-9_wp        !! parameters that differ by less are one
-  real(wp), parameter :: FRACTION = 40320.0_wp   !! parameters near such fractions are these
-
-  !> Edge fine(i) lies in edge coarse(i) from its parameter at(1, i) to at(2, i).
-  type :: part_list_t
-    integer :: n = 0
-    integer, allocatable :: fine(:), coarse(:)   !! edge k of element e at 4(e-1)+k
-    real(wp), allocatable :: at(:, :)
-  end type part_list_t
+  real(wp), parameter :: SAME = 1.0e-9_wp      !! parameters that differ by less are equal
+  real(wp), parameter :: FRACTION = 40320.0_wp !! parameters near multiples of 1/FRACTION are rounded
 
 contains
 
-  !> Reference position and slope at parameter t of an edge.
+  !> Position and derivative in the reference configuration at parameter t of an edge.
   subroutine edge_point(xr, surface, e, k, t, x, slope)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface
@@ -47,34 +40,77 @@ contains
     end associate
   end subroutine edge_point
 
-  !> Note edge a where it is a part of edge b.
-  subroutine try_part(xr, surface, a, b, near, list)
+  !> Find the T-junctions among edges without a neighbour and set surface%part, neighbour and edge
+  !! there. An edge that its parts do not cover stays on the outer boundary. Edges are numbered
+  !! 4(e-1)+k.
+  subroutine match_t_junctions(xr, edge, key, near, surface)
+    real(wp), intent(in) :: xr(:, :)
+    integer, intent(in) :: edge(:)       !! edges without a neighbour
+    integer(i8), intent(in) :: key(:)    !! (size(edge)) equal for edges with the same nodes
+    real(wp), intent(in) :: near(:)      !! (nelem) distance below which points are equal [L]
+    type(surface_t), intent(inout) :: surface
+    !> Edge fine(i) lies in edge coarse(i) from its parameter at(1, i) to at(2, i).
+    integer, allocatable :: fine(:), coarse(:)
+    real(wp), allocatable :: at(:, :)
+    integer :: order(size(edge)), count(4*surface%nelem)
+    integer :: i, j, a, b, from
+    real(wp) :: t(2)
+
+    allocate (fine(0), coarse(0), at(2, 0))
+    call sort_index(key, order)
+    from = 1
+    do i = 1, size(edge)
+      if (key(order(i)) /= key(order(from))) from = i
+      do j = from, size(edge)
+        if (key(order(j)) /= key(order(from))) exit
+        a = edge(order(i))
+        b = edge(order(j))
+        if (a == b) cycle
+        if (.not. is_part(xr, surface, a, b, min(near((a + 3)/4), near((b + 3)/4)), t)) cycle
+        fine = [fine, a]
+        coarse = [coarse, b]
+        at = reshape([at, t], [2, size(fine)])
+      end do
+    end do
+    if (size(fine) == 0) return
+    count = 0
+    count(fine) = 1
+    do i = 1, size(coarse)
+      b = coarse(i)
+      if (sum(abs(at(2, :) - at(1, :)), coarse == b) < 2.0_wp - SAME) cycle
+      count(b) = count(b) + 1
+    end do
+    allocate (surface%part_first(4*surface%nelem + 1), surface%part(sum(count)))
+    surface%part_first(1) = 1
+    do i = 1, size(count)
+      surface%part_first(i + 1) = surface%part_first(i) + count(i)
+      if (count(i) > 0) call set_parts(fine, coarse, at, i, surface)
+    end do
+  end subroutine match_t_junctions
+
+  !> Does edge a lie in edge b, with the same parametrisation, and shorter? If so, from t(1) to t(2).
+  logical function is_part(xr, surface, a, b, near, t)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: a, b          !! edge k of element e at 4(e-1)+k
-    real(wp), intent(in) :: near         !! points as close as this are one [L]
-    type(part_list_t), intent(inout) :: list
-    real(wp) :: t(3), x(3), y(3), slope(3)
+    real(wp), intent(in) :: near         !! distance below which points are equal [L]
+    real(wp), intent(out) :: t(2)
+    real(wp) :: at(3), x(3), y(3), slope(3)
     integer :: i
-    logical :: on
 
     do i = 1, 3
       call edge_point(xr, surface, (a + 3)/4, a - 4*((a - 1)/4), real(2*i - 4, wp)*0.5_wp, x, slope)
-      call locate(xr, surface, (b + 3)/4, b - 4*((b - 1)/4), x, t(i), y)
-      on = norm2(x - y) <= near
-      if (.not. on) return
+      call project_on_edge(xr, surface, (b + 3)/4, b - 4*((b - 1)/4), x, at(i), y)
+      is_part = norm2(x - y) <= near
+      if (.not. is_part) return
     end do
-    if (abs(t(3) - t(1)) > 2.0_wp - SAME .or. abs(t(3) - t(1)) < SAME) return
-    if (abs(t(1) + t(3) - 2*t(2)) > 1.0e3_wp*SAME) return ! another parametrization
-    if (.not. allocated(list%fine)) allocate (list%fine(0), list%coarse(0), list%at(2, 0))
-    list%n = list%n + 1
-    list%fine = [list%fine, a]
-    list%coarse = [list%coarse, b]
-    list%at = reshape([list%at, t(1), t(3)], [2, list%n])
-  end subroutine try_part
+    t = at([1, 3])
+    is_part = abs(at(3) - at(1)) <= 2.0_wp - SAME .and. abs(at(3) - at(1)) >= SAME &
+              .and. abs(at(1) + at(3) - 2*at(2)) <= 1.0e3_wp*SAME
+  end function is_part
 
-  !> Nearest point of an edge: Gauss-Newton from the best of some samples.
-  subroutine locate(xr, surface, e, k, x, t, y)
+  !> Closest point of an edge: Gauss-Newton iteration from the best of some samples.
+  subroutine project_on_edge(xr, surface, e, k, x, t, y)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e, k
@@ -101,38 +137,12 @@ contains
     s = anint(t*FRACTION)/FRACTION
     if (abs(t - s) <= SAME) t = s
     call edge_point(xr, surface, e, k, t, y, slope)
-  end subroutine locate
+  end subroutine project_on_edge
 
-  !> Both sides of each part. An edge that its parts do not cover stays a border.
-  subroutine set_parts(list, surface)
-    type(part_list_t), intent(in) :: list
-    type(surface_t), intent(inout) :: surface
-    integer, allocatable :: count(:)
-    integer :: i, b
-
-    if (list%n == 0) return
-    allocate (count(4*surface%nelem), source=0)
-    do i = 1, list%n
-      count(list%fine(i)) = 1
-    end do
-    do i = 1, list%n
-      b = list%coarse(i)
-      if (sum(abs(list%at(2, :) - list%at(1, :)), list%coarse == b) < 2.0_wp - SAME) cycle
-      count(b) = count(b) + 1
-    end do
-    allocate (surface%part_first(4*surface%nelem + 1), surface%part(sum(count)))
-    surface%part_first(1) = 1
-    do i = 1, size(count)
-      surface%part_first(i + 1) = surface%part_first(i) + count(i)
-    end do
-    do i = 1, 4*surface%nelem
-      if (count(i) > 0) call fill_edge(list, i, surface)
-    end do
-  end subroutine set_parts
-
-  !> The parts of one edge, rising; a part of another edge has itself for its only one.
-  subroutine fill_edge(list, edge, surface)
-    type(part_list_t), intent(in) :: list
+  !> Parts of one edge in the order of its parameter; an edge that is itself a part has one.
+  subroutine set_parts(fine, coarse, at, edge, surface)
+    integer, intent(in) :: fine(:), coarse(:)
+    real(wp), intent(in) :: at(:, :)
     integer, intent(in) :: edge
     type(surface_t), intent(inout) :: surface
     type(edge_part_t) :: p
@@ -140,23 +150,23 @@ contains
     integer :: i, j, n
 
     n = surface%part_first(edge) - 1
-    own = pack([(i, i=1, list%n)], list%fine == edge)
+    own = pack([(i, i=1, size(fine))], fine == edge)
     if (size(own) > 0) then
       p%own = [-1.0_wp, 1.0_wp]
-      p%other = list%at(:, own(1))
-      p%elem = (list%coarse(own(1)) + 3)/4
-      p%edge = list%coarse(own(1)) - 4*(p%elem - 1)
+      p%other = at(:, own(1))
+      p%elem = (coarse(own(1)) + 3)/4
+      p%edge = coarse(own(1)) - 4*(p%elem - 1)
       surface%part(n + 1) = p
     else
-      own = pack([(i, i=1, list%n)], list%coarse == edge)
+      own = pack([(i, i=1, size(fine))], coarse == edge)
       allocate (order(size(own)))
-      call sort_index(minval(list%at(:, own), 1), order)
+      call sort_index(minval(at(:, own), 1), order)
       do i = 1, size(own)
         j = own(order(i))
-        p%own = [minval(list%at(:, j)), maxval(list%at(:, j))]
-        p%other = merge([-1.0_wp, 1.0_wp], [1.0_wp, -1.0_wp], list%at(1, j) < list%at(2, j))
-        p%elem = (list%fine(j) + 3)/4
-        p%edge = list%fine(j) - 4*(p%elem - 1)
+        p%own = [minval(at(:, j)), maxval(at(:, j))]
+        p%other = merge([-1.0_wp, 1.0_wp], [1.0_wp, -1.0_wp], at(1, j) < at(2, j))
+        p%elem = (fine(j) + 3)/4
+        p%edge = fine(j) - 4*(p%elem - 1)
         surface%part(n + i) = p
       end do
     end if
@@ -164,6 +174,6 @@ contains
     j = edge - 4*(i - 1)
     surface%neighbour(j, i) = surface%part(n + 1)%elem
     surface%edge(j, i) = surface%part(n + 1)%edge
-  end subroutine fill_edge
+  end subroutine set_parts
 
 end module surface_t_junctions
