@@ -103,8 +103,8 @@ contains
     do i = 1, size(feet)
       if (feet(i)%elem > 0) then
         points%aside(i) = points%aside(i) .and. feet(i)%gap < -depth
-      else if (feet(i)%border > 0) then
-        points%aside(i) = feet(i)%border_gap < depth
+      else if (feet(i)%outer > 0) then
+        points%aside(i) = feet(i)%outer_gap < depth
       end if
     end do
   end subroutine look_aside
@@ -166,8 +166,8 @@ contains
         points%slide(i) = points%foot(i)
         points%slide_xi(:, i) = points%foot_xi(:, i)
         if (points%foot(i) == 0) then ! it will come in over the border
-          points%slide(i) = feet(i)%border
-          points%slide_xi(:, i) = feet(i)%border_xi
+          points%slide(i) = feet(i)%outer
+          points%slide_xi(:, i) = feet(i)%outer_xi
         end if
         if (points%state(i) == SLIP .and. points%foot(i) > 0) then
           call follow(other, shape, xp(:, q), feet(i), points%elastic(:, i), points%slide(i), &

@@ -1,17 +1,22 @@
-!> Closest point of a surface: Newton from element to element, started from the last foot.
+!> Closest-point projection onto a surface: Newton's method from element to element.
 !!
-!! In an element the distance falls under bounds -1 <= xi <= 1. At a border where it falls further
-!! outwards the search goes on behind the border if it falls there too; if not, the border is an
-!! edge between facets and the foot stays on it. A vertex asks all elements round it.
+!! Within an element the distance is minimised under the bounds -1 <= xi <= 1. Where it would fall
+!! further beyond an edge, the search continues in the neighbour if the distance falls there too;
+!! if it does not, the surface has a ridge there and the projection is a point of the edge. At a
+!! vertex all elements round it are tried. Projections onto the outer boundary are rejected.
+!!
+!! Read on: projection_type (what a projection tells the laws), projection_iterate (one Newton step),
+!! projection_search (where to start), then contact_point (gap, traction and tangent at a projection).
 module projection
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
-  use surface_traversal, only: change_element, leave_point, corner_at, corner_xi, step_across
-  use projection_type, only: foot_t, shape_t
   use contact_pair, only: surface_t
+  use projection_iterate, only: iterate_t, evaluate, find_step, find_active, take_step, &
+      take_last_step, is_rounding
   use projection_search, only: grid_t, nearest_start, is_near
-  use projection_iterate, only: iterate_t, look_at, find_step, find_push, move_spot, shift_spot, &
-      is_rounding
+  use projection_type, only: foot_t, shape_t
+  use surface_traversal, only: step_across, corner_at, corner_xi
+  use tensor, only: cross
   implicit none
   private
   public :: project
@@ -21,21 +26,23 @@ module projection
   integer, parameter :: MOST_CHANGES = 12
   !> Changes of the element with steps after which a better start is looked for.
   integer, parameter :: FAR_AWAY = 3
-  !> A push over a border that is less than this does not tell an edge from a smooth border.
+  !> A push beyond an edge that is less than this does not tell a ridge from a smooth edge.
   real(wp), parameter :: NO_PUSH = 1.0e-10_wp
-  !> Steps below this that no longer fall are rounding.
+  !> Steps shorter than this that no longer get shorter are rounding.
   real(wp), parameter :: STALLED = 1.0e-8_wp
-  !> The last step, which squares an error of this size, needs no evaluation.
+  !> A step this short, which squares the error, is the last one and needs no evaluation.
   real(wp), parameter :: LAST_STEP = 3.0e-8_wp
-  !> Ends of a descent.
-  integer, parameter :: LOST = 0, OFF = 1, SMOOTH = 2, ON_EDGE = 3, ON_VERTEX = 4
+  !> So close to a collapsed edge the other elements round it are tried.
+  real(wp), parameter :: BESIDE = 1.0e-3_wp
+  !> How an iteration ends.
+  integer, parameter :: LOST = 0, OUTER = 1, SMOOTH = 2, ON_EDGE = 3, ON_VERTEX = 4
 
 contains
 
-  !> Foot of the point x on a surface whose grid is up to date. The search starts at foot%elem and
-  !! foot%xi, or from the grid where that is no element or where what it leads to is farther away
-  !! than `reach`. No foot, element 0: x lies beyond the outer boundary, farther than `reach` from
-  !! the box round the surface, or where tangents are parallel.
+  !> Project the point x onto a surface whose grid is up to date. The iteration starts at foot%elem
+  !! and foot%xi, or from the grid if that is no element or if it ends farther away than `reach`.
+  !! There is no projection (element 0) if x lies beyond the outer boundary, farther than `reach`
+  !! from the box round the surface, or where the tangents are parallel.
   pure subroutine project(surface, shape, grid, x, foot, reach)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -43,13 +50,13 @@ contains
     real(wp), intent(in) :: x(3)
     type(foot_t), intent(inout) :: foot
     real(wp), intent(in), optional :: reach !! [L]
-    type(iterate_t) :: spot, better
-    integer :: elem, ending, again, changes, edge(2), other_edge(2)
+    type(iterate_t) :: first, second
+    integer :: elem, ending, ending_2, changes, edge(2), edge_2(2)
     real(wp) :: xi(2), far
 
     elem = foot%elem
     foot%elem = 0
-    foot%border = 0
+    foot%outer = 0
     foot%gap = huge(1.0_wp)
     if (.not. all(ieee_is_finite(x)) .or. any(grid%n == 0)) return
     far = 0.5_wp*sqrt(huge(1.0_wp))
@@ -59,42 +66,42 @@ contains
       far = min(far, reach)
     end if
     ending = LOST
-    spot%f = huge(1.0_wp)
+    first%f = huge(1.0_wp)
     if (elem >= 1 .and. elem <= surface%nelem) then
       xi = max(-1.0_wp, min(1.0_wp, foot%xi))
-      call look_at(surface, shape, elem, xi, x, spot)
-      call descend(surface, shape, x, spot, ending, edge, changes)
-      if (ending >= SMOOTH .and. changes < FAR_AWAY .and. spot%f <= far**2) then
-        call set_foot(surface, shape, x, spot, ending, edge, foot)
+      call evaluate(surface, shape, elem, xi, x, first)
+      call minimise(surface, shape, x, first, ending, edge, changes)
+      if (ending >= SMOOTH .and. changes < FAR_AWAY .and. first%f <= far**2) then
+        call set_foot(surface, shape, x, first, ending, edge, foot)
         return
       end if
     end if
     call nearest_start(grid, x, elem, xi)
     if (elem == 0) return
-    call look_at(surface, shape, elem, xi, x, better)
-    call descend(surface, shape, x, better, again, other_edge, changes)
-    if (again >= SMOOTH .and. (ending < SMOOTH .or. better%f < spot%f)) then
-      call set_foot(surface, shape, x, better, again, other_edge, foot)
+    call evaluate(surface, shape, elem, xi, x, second)
+    call minimise(surface, shape, x, second, ending_2, edge_2, changes)
+    if (ending_2 >= SMOOTH .and. (ending < SMOOTH .or. second%f < first%f)) then
+      call set_foot(surface, shape, x, second, ending_2, edge_2, foot)
     else if (ending >= SMOOTH) then
-      call set_foot(surface, shape, x, spot, ending, edge, foot)
-    else if (again == OFF .and. better%f <= far**2) then
-      foot%border = better%elem
-      foot%border_xi = better%xi
-      foot%border_gap = dot_product(better%r, normal(better))
+      call set_foot(surface, shape, x, first, ending, edge, foot)
+    else if (ending_2 == OUTER .and. second%f <= far**2) then
+      foot%outer = second%elem
+      foot%outer_xi = second%xi
+      foot%outer_gap = dot_product(second%r, normal(second))
     end if
   end subroutine project
 
-  !> From a spot to the closest point.
-  pure subroutine descend(surface, shape, x, spot, ending, edge, changes)
+  !> Minimise the distance, beginning from an iterate.
+  pure subroutine minimise(surface, shape, x, iterate, ending, edge, changes)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
-    type(iterate_t), intent(inout) :: spot
+    type(iterate_t), intent(inout) :: iterate
     integer, intent(out) :: ending
-    integer, intent(out) :: edge(2)    !! edges that the spot rests on; 0: none
+    integer, intent(out) :: edge(2)    !! active bounds; 0: none
     integer, intent(out) :: changes    !! of the element
     real(wp) :: d(2), push(2), size, last
-    integer :: step, idle
+    integer :: i, step, idle
     logical :: moved, definite, squares
 
     ending = LOST
@@ -102,121 +109,185 @@ contains
     changes = 0
     last = huge(1.0_wp)
     do step = 1, MOST_STEPS
-      if (.not. spot%regular) return
-      call find_push(spot, edge, push)
+      if (.not. iterate%regular) return
+      call find_active(iterate, edge, push)
       if (idle < MOST_CHANGES) then
-        moved = .false.
-        if (any(edge > 0)) call change_element(surface, shape, x, edge, spot, moved)
-        if (.not. moved) call leave_point(surface, shape, x, spot, moved)
+        call change_element(surface, shape, x, edge, iterate, moved)
         if (moved) then
           if (idle == 0) changes = changes + 1
           idle = idle + 1
           cycle
         end if
       end if
-      call find_step(spot, edge > 0, d, definite, squares)
+      call find_step(iterate, edge > 0, d, definite, squares)
       size = max(abs(d(1)), abs(d(2)))
       if (squares .and. size < LAST_STEP) then
-        if (all(abs(spot%xi + d) < 1.0_wp)) then
-          call shift_spot(x, d, spot)
+        if (all(abs(iterate%xi + d) < 1.0_wp)) then
+          call take_last_step(x, d, iterate)
           ending = SMOOTH
           return
         end if
       end if
-      if ((is_rounding(spot, 1, d(1)) .and. is_rounding(spot, 2, d(2))) .or. &
+      if ((is_rounding(iterate, 1, d(1)) .and. is_rounding(iterate, 2, d(2))) .or. &
           (size < STALLED .and. size > 0.25_wp*last)) then
-        if (definite) call find_ending(surface, push, spot, edge, ending)
+        if (.not. definite) return
+        do i = 1, 2
+          if (push(i) < NO_PUSH .or. is_rounding(iterate, i, 0.1_wp*push(i))) edge(i) = 0
+        end do
+        ending = ending_at(surface, iterate, edge)
         return
       end if
-      call move_spot(surface, shape, x, d, spot, moved)
+      call take_step(surface, shape, x, d, iterate, moved)
       if (.not. moved) return
       last = size
-      if (any(edge == 0 .and. abs(spot%xi) >= 1.0_wp)) last = huge(1.0_wp) ! cut short
+      if (any(edge == 0 .and. abs(iterate%xi) >= 1.0_wp)) last = huge(1.0_wp) ! cut short
       idle = 0
     end do
-  end subroutine descend
+  end subroutine minimise
 
-  !> What a spot is where nothing moves any more.
-  pure subroutine find_ending(surface, push, spot, edge, ending)
+  !> Change to an element across an active edge, round a vertex or round a collapsed edge if the
+  !! distance falls there.
+  pure subroutine change_element(surface, shape, x, edge, iterate, moved)
     type(surface_t), intent(in) :: surface
-    real(wp), intent(in) :: push(2)
-    type(iterate_t), intent(in) :: spot
-    integer, intent(inout) :: edge(2)
-    integer, intent(out) :: ending
+    type(shape_t), intent(in) :: shape
+    real(wp), intent(in) :: x(3)
+    integer, intent(in) :: edge(2)
+    type(iterate_t), intent(inout) :: iterate
+    logical, intent(out) :: moved
+    type(iterate_t) :: other
+    integer :: i, elem, behind
+    real(wp) :: xi(2)
+
+    moved = .false.
+    do i = 1, 2
+      if (edge(i) == 0) cycle
+      elem = iterate%elem
+      xi = iterate%xi
+      if (surface%neighbour(edge(i), elem) == 0) cycle
+      call step_across(surface, edge(i), elem, xi, behind)
+      call evaluate(surface, shape, elem, xi, x, other)
+      moved = falls_inwards(other, (behind + 1)/2)
+      if (moved) then
+        iterate = other
+        return
+      end if
+    end do
+    if (all(edge > 0)) call try_ring(surface, shape, x, iterate, moved)
+    if (moved .or. .not. allocated(surface%point)) return
+    do i = 1, 2
+      if (1.0_wp - abs(iterate%xi(i)) > BESIDE) cycle
+      if (.not. surface%point(merge(2*i - 1, 2*i, iterate%xi(i) < 0.0_wp), iterate%elem)) cycle
+      call try_ring(surface, shape, x, iterate, moved)
+      return
+    end do
+  end subroutine change_element
+
+  !> Change to an element round the nearest vertex if the distance falls there.
+  pure subroutine try_ring(surface, shape, x, iterate, moved)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    real(wp), intent(in) :: x(3)
+    type(iterate_t), intent(inout) :: iterate
+    logical, intent(out) :: moved
+    type(iterate_t) :: other
+    integer :: vertex, r, elem
+
+    moved = .false.
+    vertex = surface%vertex(corner_at(iterate%xi), iterate%elem)
+    do r = surface%ring_first(vertex), surface%ring_first(vertex + 1) - 1
+      elem = surface%ring_elem(r)
+      if (elem == iterate%elem) cycle
+      call evaluate(surface, shape, elem, corner_xi(surface%ring_corner(r)), x, other)
+      moved = falls_inwards(other, 1) .or. falls_inwards(other, 2)
+      if (moved) then
+        iterate = other
+        return
+      end if
+    end do
+  end subroutine try_ring
+
+  !> Does the distance fall from an edge inwards, in direction i?
+  pure logical function falls_inwards(iterate, i)
+    type(iterate_t), intent(in) :: iterate
+    integer, intent(in) :: i
+
+    falls_inwards = iterate%regular .and. iterate%g(i)*iterate%xi(i) < 0.0_wp
+    if (falls_inwards) falls_inwards = .not. is_rounding(iterate, i, iterate%g(i)/iterate%m(i))
+  end function falls_inwards
+
+  !> What a stationary point with these active bounds is.
+  pure integer function ending_at(surface, iterate, edge) result(ending)
+    type(surface_t), intent(in) :: surface
+    type(iterate_t), intent(in) :: iterate
+    integer, intent(in) :: edge(2)
     integer :: i
 
-    do i = 1, 2
-      if (push(i) < NO_PUSH .or. is_rounding(spot, i, 0.1_wp*push(i))) edge(i) = 0
-    end do
     ending = SMOOTH
     if (all(edge == 0)) return
     ending = ON_EDGE
     if (all(edge > 0)) then
       ending = ON_VERTEX
-      if (surface%outer(surface%vertex(corner_at(spot%xi), spot%elem))) ending = OFF
+      if (surface%outer(surface%vertex(corner_at(iterate%xi), iterate%elem))) ending = OUTER
     end if
     do i = 1, 2
       if (edge(i) == 0) cycle
-      if (surface%neighbour(edge(i), spot%elem) == 0) ending = OFF
+      if (surface%neighbour(edge(i), iterate%elem) == 0) ending = OUTER
     end do
-  end subroutine find_ending
+  end function ending_at
 
-  !> Hand the spot over.
-  pure subroutine set_foot(surface, shape, x, spot, ending, edge, foot)
+  !> From the last iterate to the projection.
+  pure subroutine set_foot(surface, shape, x, iterate, ending, edge, foot)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
-    type(iterate_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: iterate
     integer, intent(in) :: ending, edge(2)
     type(foot_t), intent(inout) :: foot
 
-    foot%elem = spot%elem
-    foot%xi = spot%xi
-    foot%x = spot%x
-    foot%a = spot%a
-    foot%b = spot%b
+    foot%elem = iterate%elem
+    foot%xi = iterate%xi
+    foot%x = iterate%x
+    foot%a = iterate%a
+    foot%b = iterate%b
     foot%free = edge == 0
-    foot%n = normal(spot)
-    if (ending /= SMOOTH) foot%n = mean_normal(surface, shape, x, spot, ending, edge)
-    foot%gap = dot_product(spot%r, foot%n)
-    if (ending /= SMOOTH) foot%gap = sign(sqrt(spot%f), foot%gap)
+    foot%n = normal(iterate)
+    if (ending /= SMOOTH) foot%n = mean_normal(surface, shape, x, iterate, ending, edge)
+    foot%gap = dot_product(iterate%r, foot%n)
+    if (ending /= SMOOTH) foot%gap = sign(sqrt(iterate%f), foot%gap)
   end subroutine set_foot
 
-  pure function normal(spot) result(n)
-    type(iterate_t), intent(in) :: spot
+  pure function normal(iterate) result(n)
+    type(iterate_t), intent(in) :: iterate
     real(wp) :: n(3)
 
-    associate (a => spot%a)
-      n = [a(2, 1)*a(3, 2) - a(3, 1)*a(2, 2), a(3, 1)*a(1, 2) - a(1, 1)*a(3, 2), &
-           a(1, 1)*a(2, 2) - a(2, 1)*a(1, 2)]
-    end associate
+    n = cross(iterate%a(:, 1), iterate%a(:, 2))
     n = n/sqrt(n(1)**2 + n(2)**2 + n(3)**2)
   end function normal
 
   !> Mean of the normals of the elements at an edge or round a vertex.
-  pure function mean_normal(surface, shape, x, spot, ending, edge) result(n)
+  pure function mean_normal(surface, shape, x, iterate, ending, edge) result(n)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
-    type(iterate_t), intent(in) :: spot
+    type(iterate_t), intent(in) :: iterate
     integer, intent(in) :: ending, edge(2)
     real(wp) :: n(3), xi(2)
     type(iterate_t) :: other
     integer :: elem, vertex, r, behind
 
-    n = normal(spot)
+    n = normal(iterate)
     if (ending == ON_EDGE) then
-      elem = spot%elem
-      xi = spot%xi
+      elem = iterate%elem
+      xi = iterate%xi
       call step_across(surface, maxval(edge), elem, xi, behind)
-      call look_at(surface, shape, elem, xi, x, other)
+      call evaluate(surface, shape, elem, xi, x, other)
       if (other%regular) n = n + normal(other)
     else
-      vertex = surface%vertex(corner_at(spot%xi), spot%elem)
+      vertex = surface%vertex(corner_at(iterate%xi), iterate%elem)
       do r = surface%ring_first(vertex), surface%ring_first(vertex + 1) - 1
-        if (surface%ring_elem(r) == spot%elem) cycle
-        call look_at(surface, shape, surface%ring_elem(r), corner_xi(surface%ring_corner(r)), x, &
-                     other)
+        if (surface%ring_elem(r) == iterate%elem) cycle
+        call evaluate(surface, shape, surface%ring_elem(r), corner_xi(surface%ring_corner(r)), x, &
+                      other)
         if (other%regular) n = n + normal(other)
       end do
     end if

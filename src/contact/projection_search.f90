@@ -2,41 +2,42 @@
 module projection_search
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
-  use projection_type, only: shape_t
   use contact_pair, only: surface_t
+  use projection_type, only: shape_t
   use surface_geometry, only: surface_point
   implicit none
   private
   public :: grid_t, update_grid, nearest_start, is_near
 
-  integer, parameter :: MOST_CELLS = 4 !! cells a sample, at most
-  real(wp), parameter :: FAR = sqrt(huge(1.0_wp)) !! squares beyond overflow
-  real(wp), parameter :: PER_SPACING = 2.0_wp !! width of a cell over the distance of samples
+  integer, parameter :: MOST_CELLS = 4            !! cells per sample, at most
+  real(wp), parameter :: FAR = sqrt(huge(1.0_wp)) !! the squares of larger numbers overflow
+  real(wp), parameter :: PER_SPACING = 2.0_wp     !! width of a cell over the spacing of the samples
 
   !> Samples of a surface, sorted by the cell that they lie in.
   type :: grid_t
     real(wp) :: low(3) = 0.0_wp, high(3) = 0.0_wp !! box round the surface [L]
     real(wp) :: width = 1.0_wp                    !! of a cell [L]
-    integer :: n(3) = 0                           !! cells; 0: nothing is there
-    integer, allocatable :: first(:)              !! where a cell's samples begin
+    integer :: n(3) = 0                           !! cells; 0: the surface is empty or not finite
+    integer, allocatable :: first(:)              !! where the samples of a cell begin
     integer, allocatable :: elem(:)               !! (ns) element of a sample
-    real(wp), allocatable :: xi(:, :)             !! (2, ns) where on it
-    real(wp), allocatable :: x(:, :)              !! (3, ns) position [L]
-    !> Work of the sorting.
+    real(wp), allocatable :: xi(:, :)             !! (2, ns) its parameters
+    real(wp), allocatable :: x(:, :)              !! (3, ns) its position [L]
+    !> Work arrays of the sorting.
     integer, allocatable :: cell(:)               !! (ns)
     real(wp), allocatable :: sample(:, :)         !! (3, ns)
   end type grid_t
 
 contains
 
-  !> Sort the samples of a surface that has moved.
+  !> Sample a surface that has moved, with cells about as wide as the spacing of the samples.
   subroutine update_grid(surface, shape, grid)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     type(grid_t), intent(inout) :: grid
-    integer :: d, ns
+    real(wp) :: a(3, 2), b(3, 3), total
+    integer :: d, e, i, n, s, ns
 
-    ns = sum([(count_samples(surface, d), d=1, surface%nelem)])
+    ns = sum([(per_direction(surface, e)**2, e=1, surface%nelem)])
     if (.not. allocated(grid%first)) then
       allocate (grid%first(MOST_CELLS*ns + 2), grid%elem(ns), grid%cell(ns))
       allocate (grid%xi(2, ns), grid%x(3, ns), grid%sample(3, ns))
@@ -49,20 +50,28 @@ contains
       grid%high(d) = maxval(shape%high(d, :))
     end do
     if (.not. all(max(abs(grid%low), abs(grid%high)) < FAR)) return
-    call take_samples(surface, shape, grid)
+    s = 0
+    total = 0.0_wp
+    do e = 1, surface%nelem
+      n = per_direction(surface, e)
+      total = total + maxval(shape%high(:, e) - shape%low(:, e))/n
+      do i = 1, n*n
+        s = s + 1
+        call surface_point(surface, shape, e, sample_xi(n, i), grid%sample(:, s), a, b)
+      end do
+    end do
     if (.not. all(ieee_is_finite(grid%sample))) return
-    call choose_width(surface, shape, ns, grid)
+    grid%width = max(PER_SPACING*total/surface%nelem, maxval(grid%high - grid%low)/(2*ns), &
+                     tiny(1.0_wp)*1.0e3_wp)
+    do
+      grid%n = max(1, ceiling((grid%high - grid%low)/grid%width))
+      if (product(real(grid%n, wp)) <= real(MOST_CELLS, wp)*ns) exit
+      grid%width = 1.3_wp*grid%width
+    end do
     call sort_samples(surface, ns, grid)
   end subroutine update_grid
 
-  !> Samples of an element: a square of them, more where it is curved.
-  pure integer function count_samples(surface, e)
-    type(surface_t), intent(in) :: surface
-    integer, intent(in) :: e
-
-    count_samples = per_direction(surface, e)**2
-  end function count_samples
-
+  !> An element has a square of so many samples by its degree.
   pure integer function per_direction(surface, e)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -70,51 +79,13 @@ contains
     per_direction = min(maxval(surface%basis(surface%ibasis(e))%degree) + 1, 3)
   end function per_direction
 
+  !> Parameters of sample i of n*n.
   pure function sample_xi(n, i) result(xi)
     integer, intent(in) :: n, i
     real(wp) :: xi(2)
 
     xi = [2*mod(i - 1, n) + 1, 2*((i - 1)/n) + 1]/real(n, wp) - 1.0_wp
   end function sample_xi
-
-  subroutine take_samples(surface, shape, grid)
-    type(surface_t), intent(in) :: surface
-    type(shape_t), intent(in) :: shape
-    type(grid_t), intent(inout) :: grid
-    real(wp) :: a(3, 2), b(3, 3)
-    integer :: e, i, s, n
-
-    s = 0
-    do e = 1, surface%nelem
-      n = per_direction(surface, e)
-      do i = 1, n*n
-        s = s + 1
-        call surface_point(surface, shape, e, sample_xi(n, i), grid%sample(:, s), a, b)
-      end do
-    end do
-  end subroutine take_samples
-
-  !> Cells about as wide as samples lie apart, but not too many.
-  subroutine choose_width(surface, shape, ns, grid)
-    type(surface_t), intent(in) :: surface
-    type(shape_t), intent(in) :: shape
-    integer, intent(in) :: ns
-    type(grid_t), intent(inout) :: grid
-    real(wp) :: size, total
-    integer :: e
-
-    total = 0.0_wp
-    do e = 1, surface%nelem
-      total = total + maxval(shape%high(:, e) - shape%low(:, e))/per_direction(surface, e)
-    end do
-    size = maxval(grid%high - grid%low)
-    grid%width = max(PER_SPACING*total/surface%nelem, size/(2*ns), tiny(1.0_wp)*1.0e3_wp)
-    do
-      grid%n = max(1, ceiling((grid%high - grid%low)/grid%width))
-      if (product(real(grid%n, wp)) <= real(MOST_CELLS, wp)*ns) exit
-      grid%width = 1.3_wp*grid%width
-    end do
-  end subroutine choose_width
 
   !> Counting sort.
   subroutine sort_samples(surface, ns, grid)
@@ -147,7 +118,7 @@ contains
     end do
   end subroutine sort_samples
 
-  !> The cell of a point; outside, the nearest one.
+  !> The cell of a point, or the nearest one to a point outside the grid.
   pure function cell_of(grid, x) result(at)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)
@@ -173,7 +144,7 @@ contains
     is_near = all(x >= grid%low - reach .and. x <= grid%high + reach)
   end function is_near
 
-  !> The sample that is nearest; element 0: the surface is empty or not finite.
+  !> The nearest sample; element 0 if the surface is empty or not finite.
   pure subroutine nearest_start(grid, x, elem, xi)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)       !! finite
@@ -191,18 +162,18 @@ contains
     from_low = x - grid%low - (at - 1)*grid%width
     wall = max(0.0_wp, minval(min(from_low, grid%width - from_low)))
     do ring = 0, maxval(grid%n)
-      if (ring > 0 .and. s > 0) then ! nothing in these cells is nearer than this
+      if (ring > 0 .and. s > 0) then ! no sample of the ring is nearer than this
         if (((ring - 1)*grid%width + wall)**2 > best) exit
       end if
-      call look_in_ring(grid, x, at, ring, best, s)
+      call search_ring(grid, x, at, ring, best, s)
     end do
     if (s == 0) return
     elem = grid%elem(s)
     xi = grid%xi(:, s)
   end subroutine nearest_start
 
-  !> Cells on the surface of a cube round a cell.
-  pure subroutine look_in_ring(grid, x, at, ring, best, nearest)
+  !> The nearest sample in the cells on the surface of a cube round a cell.
+  pure subroutine search_ring(grid, x, at, ring, best, nearest)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)
     integer, intent(in) :: at(3), ring
@@ -216,18 +187,18 @@ contains
       do j = low(2), high(2)
         c = cell_number(grid, [0, j, k])
         if (abs(k - at(3)) == ring .or. abs(j - at(2)) == ring) then
-          call look_in_row(grid, x, c + low(1), c + high(1), best, nearest)
+          call search_row(grid, x, c + low(1), c + high(1), best, nearest)
         else
-          if (at(1) - ring >= 1) call look_in_row(grid, x, c + low(1), c + low(1), best, nearest)
+          if (at(1) - ring >= 1) call search_row(grid, x, c + low(1), c + low(1), best, nearest)
           if (at(1) + ring > grid%n(1)) cycle
-          call look_in_row(grid, x, c + high(1), c + high(1), best, nearest)
+          call search_row(grid, x, c + high(1), c + high(1), best, nearest)
         end if
       end do
     end do
-  end subroutine look_in_ring
+  end subroutine search_ring
 
-  !> Cells one behind the other: their samples stand so too.
-  pure subroutine look_in_row(grid, x, from, to, best, nearest)
+  !> Consecutive cells, whose samples are consecutive too.
+  pure subroutine search_row(grid, x, from, to, best, nearest)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)
     integer, intent(in) :: from, to
@@ -243,6 +214,6 @@ contains
         nearest = s
       end if
     end do
-  end subroutine look_in_row
+  end subroutine search_row
 
 end module projection_search
