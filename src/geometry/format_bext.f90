@@ -8,7 +8,7 @@ module format_bext
   use base_kinds, only: wp
   use base_error, only: error_t
   use base_text, only: to_text
-  use format_text, only: text_t, complain, next_integer, next_count, next_real, next_reals, &
+  use format_text, only: text_t, fail_in_file, next_integer, next_count, next_real, next_reals, &
       words_left, next_line
   use spline_surface, only: spline_surface_t, start_surface, add_point, check_sizes, &
       finish_surface, MOST_COEFFICIENTS, add_element
@@ -88,7 +88,7 @@ contains
       call next_reals(text, 'a coordinate or weight', x, error)
       if (allocated(error)) return
       if (rational == 0 .and. abs(x(4) - 1.0_wp) > 0.0_wp) then
-        call complain(text, 'control point '//to_text(i)//' has the weight '//to_text(x(4)) &
+        call fail_in_file(text, 'control point '//to_text(i)//' has the weight '//to_text(x(4)) &
                       //', but the file says that it has none', error, &
                       'the fifth number of the file is 1 where weights count')
       else
@@ -112,7 +112,7 @@ contains
     do g = 1, n
       call next_line(text)
       if (words_left(text) /= 6) then
-        call complain(text, 'a group of elements with '//to_text(words_left(text)) &
+        call fail_in_file(text, 'a group of elements with '//to_text(words_left(text)) &
                       //' numbers', error, &
                       'a surface has six: etype ne nn ncv and two degrees; seven are a solid''s')
         return
@@ -129,14 +129,14 @@ contains
                                                    group(g)%degree, group(g)%nf, error)
       if (allocated(error)) return
       if (nvector /= group(g)%nf) then
-        call complain(text, 'elements with '//to_text(group(g)%nf)//' control points and ' &
+        call fail_in_file(text, 'elements with '//to_text(group(g)%nf)//' control points and ' &
                       //to_text(nvector)//' coefficient vectors', error, &
                       'each control point has one vector')
         return
       end if
     end do
     if (sum(group%nelem) == nelem) return
-    call complain(text, 'the groups have '//to_text(sum(group%nelem))//' elements, the file says ' &
+    call fail_in_file(text, 'the groups have '//to_text(sum(group%nelem))//' elements, the file says ' &
                   //to_text(nelem), error)
   end subroutine read_groups
 
@@ -181,7 +181,7 @@ contains
                                                 n(2), error)
     if (allocated(error)) return
     if (sum(real(n, wp)) > len(text%all)) then
-      call complain(text, to_text(n(1))//' and '//to_text(n(2))//' blocks of vectors', error)
+      call fail_in_file(text, to_text(n(1))//' and '//to_text(n(2))//' blocks of vectors', error)
       return
     end if
     allocate (number(sum(n)), length(sum(n)))
@@ -201,7 +201,7 @@ contains
         if (allocated(error)) return
       end do
     end do
-    if (vectors%n /= nvector) call complain(text, 'the file has '//to_text(vectors%n) &
+    if (vectors%n /= nvector) call fail_in_file(text, 'the file has '//to_text(vectors%n) &
                                             //' coefficient vectors, but says '//to_text(nvector), &
                                             error)
   end subroutine read_vectors
@@ -232,7 +232,7 @@ contains
       call next_integer(text, 'the position of a coefficient', at(i), error)
       if (allocated(error)) return
       if (at(i) >= 1 .and. at(i) <= MOST_COEFFICIENTS) cycle
-      call complain(text, 'a coefficient at position '//to_text(at(i)), error, &
+      call fail_in_file(text, 'a coefficient at position '//to_text(at(i)), error, &
                     'positions are counted from 1')
       return
     end do
@@ -333,14 +333,14 @@ contains
     allocate (c(size(id), nb))
     do a = 1, size(id)
       if (id(a) < 1 .or. id(a) > vectors%n) then
-        call complain(text, 'element '//to_text(e)//' refers to coefficient vector ' &
+        call fail_in_file(text, 'element '//to_text(e)//' refers to coefficient vector ' &
                       //to_text(id(a))//' of '//to_text(vectors%n), error, &
                       'coefficient vectors are counted from 1 here, the dense ones first')
         return
       end if
       length = vectors%first(id(a) + 1) - vectors%first(id(a))
       if (length > nb .or. (length < nb .and. id(a) <= vectors%ndense)) then
-        call complain(text, 'element '//to_text(e)//' refers to coefficient vector ' &
+        call fail_in_file(text, 'element '//to_text(e)//' refers to coefficient vector ' &
                       //to_text(id(a))//', which has '//to_text(length)//' numbers', error, &
                       'of its degrees it needs '//to_text(nb))
         return

@@ -7,7 +7,7 @@ module format_bext_json
   use base_text, only: to_text, quoted
   use format_json, only: json_t, parse_json, member, first_of, JSON_LIST, JSON_OBJECT, JSON_TRUE, &
       get, get_integer, to_integer, get_reals, compare
-  use format_text, only: text_t, complain
+  use format_text, only: text_t, fail_in_file
   use spline_set, only: read_sets
   use spline_surface, only: spline_surface_t, start_surface, add_point, check_sizes, &
       finish_surface, MOST_COEFFICIENTS
@@ -30,7 +30,7 @@ contains
     call parse_json(text, json, error)
     if (.not. allocated(error)) call get_integer(text, json, 1, 'dim', dim, error)
     if (.not. allocated(error) .and. dim /= 2) then
-      call complain(text, 'the splines have '//to_text(dim)//' directions', error, &
+      call fail_in_file(text, 'the splines have '//to_text(dim)//' directions', error, &
                     'those of a surface have two: "dim": 2')
     end if
     if (.not. allocated(error)) call read_points(text, json, surface, error)
@@ -65,10 +65,10 @@ contains
       if (allocated(error)) return
       text%at = json%at(j)
       if (size(x) /= 4) then
-        call complain(text, 'control point '//to_text(i - 1)//' has '//to_text(size(x)) &
+        call fail_in_file(text, 'control point '//to_text(i - 1)//' has '//to_text(size(x)) &
                       //' numbers', error, 'they are x, y, z and the weight')
       else if (abs(x(4) - 1.0_wp) > 0.0_wp .and. json%kind(max(flag, 1)) /= JSON_TRUE) then
-        call complain(text, 'control point '//to_text(i - 1)//' has the weight '//to_text(x(4)) &
+        call fail_in_file(text, 'control point '//to_text(i - 1)//' has the weight '//to_text(x(4)) &
                       //', but the file says that it has none', error, &
                       '"is_rational": true where weights count')
       else
@@ -116,7 +116,7 @@ contains
       if (allocated(error)) return
       do k = 1, n
         if (e == 0) then
-          call complain(text, 'the block has '//to_text(n)//' elements, but the list of elements ' &
+          call fail_in_file(text, 'the block has '//to_text(n)//' elements, but the list of elements ' &
                         //'ends after '//to_text(elements%n), error)
           return
         end if
@@ -131,7 +131,7 @@ contains
       end do
       b = json%next(b)
     end do
-    if (e > 0) call complain(text, 'there are more elements than the blocks say', error)
+    if (e > 0) call fail_in_file(text, 'there are more elements than the blocks say', error)
   end subroutine read_elements
 
   !> Numbers of an element, from 0 in the file and from 1 here.
@@ -148,7 +148,7 @@ contains
     call get(text, json, e, name, JSON_LIST, list, error)
     if (allocated(error)) return
     if (json%length(list) /= size(id)) then
-      call complain(text, quoted(name)//' has '//to_text(json%length(list))//' numbers', error, &
+      call fail_in_file(text, quoted(name)//' has '//to_text(json%length(list))//' numbers', error, &
                     'elements of this block have '//to_text(size(id)))
       return
     end if
@@ -207,7 +207,7 @@ contains
     if (.not. allocated(error)) call get_reals(text, json, values, 'components', x, error)
     if (allocated(error)) return
     if (json%length(places) /= size(x)) then
-      call complain(text, to_text(json%length(places))//' indices and '//to_text(size(x)) &
+      call fail_in_file(text, to_text(json%length(places))//' indices and '//to_text(size(x)) &
                     //' components', error)
       return
     end if
@@ -217,7 +217,7 @@ contains
       call to_integer(text, json, j, 'indices', at(i), error)
       if (allocated(error)) return
       if (at(i) < 0 .or. at(i) >= MOST_COEFFICIENTS) then
-        call complain(text, 'a coefficient at position '//to_text(at(i)), error, &
+        call fail_in_file(text, 'a coefficient at position '//to_text(at(i)), error, &
                       'positions are counted from 0')
         return
       end if

@@ -9,7 +9,7 @@ module format_feap
   use base_text, only: to_text, quoted, lower
   use elmt_q2, only: FEAP27
   use mesh_file, only: mesh_file_t, SHAPE, add_element, add_member, sort_nodes
-  use format_text, only: text_t, complain, next_word, next_integer, next_reals
+  use format_text, only: text_t, fail_in_file, next_word, next_integer, next_reals
   implicit none
   private
   public :: read_feap
@@ -33,15 +33,15 @@ contains
       case ('elem')
         call read_elements(text, file, error)
       case default
-        call complain(text, quoted(word)//' where COORdinates or ELEMents should stand', error, &
+        call fail_in_file(text, quoted(word)//' where COORdinates or ELEMents should stand', error, &
                       'a blank line ends their records; other records belong into the deck')
       end select
       if (allocated(error)) return
     end do
     if (file%nnode == 0) then
-      call complain(text, 'the file has no COORdinates', error)
+      call fail_in_file(text, 'the file has no COORdinates', error)
     else if (file%nelem == 0) then
-      call complain(text, 'the file has no ELEMents', error)
+      call fail_in_file(text, 'the file has no ELEMents', error)
     else
       call sort_nodes(file, text, error)
     end if
@@ -125,19 +125,19 @@ contains
 
     number = 0
     if (n < least .or. n > most) then
-      call complain(text, 'a record of '//to_text(n)//' numbers', error, 'records are '//usage)
+      call fail_in_file(text, 'a record of '//to_text(n)//' numbers', error, 'records are '//usage)
       return
     end if
     call next_integer(text, 'a number', number, error)
     if (allocated(error)) return
     if (number < 1) then
-      call complain(text, 'number '//to_text(number), error, 'numbers are positive')
+      call fail_in_file(text, 'number '//to_text(number), error, 'numbers are positive')
       return
     end if
     call next_integer(text, 'the increment of generation', increment, error)
     if (allocated(error)) return
     if (increment /= 0) then
-      call complain(text, 'generation by '//to_text(increment), error, &
+      call fail_in_file(text, 'generation by '//to_text(increment), error, &
                     'a mesh file lists all its nodes and elements; INCLude it to generate some')
     end if
   end subroutine read_head
@@ -158,7 +158,7 @@ contains
         if (SHAPE(kind)%nen == n - 3 .and. SHAPE(kind)%dim == 3) exit
       end do
       if (kind == 0) then
-        call complain(text, 'an element of '//to_text(n - 3)//' nodes', error, &
+        call fail_in_file(text, 'an element of '//to_text(n - 3)//' nodes', error, &
                       'elements have 4, 5, 6, 8, 10 or 27 nodes')
         return
       end if

@@ -5,7 +5,7 @@ module format_gismo
   use base_text, only: to_text, quoted
   use bspline, only: spline_t, nfunction
   use nurbs, only: nurbs_t, new_nurbs
-  use format_text, only: text_t, complain, next_word, next_reals
+  use format_text, only: text_t, fail_in_file, next_word, next_reals
   implicit none
   private
   public :: read_gismo
@@ -67,19 +67,19 @@ contains
     last = len(text%all)
     text%at = 0
     if (n == 0 .and. len(others) > 0) then
-      call complain(text, 'the file has no '//what//', only'//others, error, hint)
+      call fail_in_file(text, 'the file has no '//what//', only'//others, error, hint)
     else if (n == 0) then
-      call complain(text, 'the file has no geometry', error, hint)
+      call fail_in_file(text, 'the file has no geometry', error, hint)
     else if (first == 0) then
-      call complain(text, 'the file has no '//what//' '//quoted(trim(name)), error, &
+      call fail_in_file(text, 'the file has no '//what//' '//quoted(trim(name)), error, &
                     'it has'//found)
     else if (n > 1 .and. len_trim(name) == 0) then
-      call complain(text, 'the file has '//to_text(n)//plural, error, &
+      call fail_in_file(text, 'the file has '//to_text(n)//plural, error, &
                     'name one by its id:'//found)
     else
       length = index(text%all(first:), '</Geometry>')
       text%at = first
-      if (length == 0) call complain(text, 'the geometry has no end', error, &
+      if (length == 0) call fail_in_file(text, 'the geometry has no end', error, &
                                      'the file seems to be cut off')
       last = first + length - 2
     end if
@@ -167,7 +167,7 @@ contains
     call next_reals(part, what, x, error)
     if (allocated(error)) return
     call next_word(part, word)
-    if (len(word) > 0) call complain(part, quoted(word)//' after the last of '//to_text(size(x)) &
+    if (len(word) > 0) call fail_in_file(part, quoted(word)//' after the last of '//to_text(size(x)) &
                                      //' numbers', error)
   end subroutine read_all
 
@@ -188,7 +188,7 @@ contains
       call read_knots(text, d, dir(d), error)
       if (allocated(error)) return
       if (nfunction(dir(d)) <= dir(d)%degree .or. nfunction(dir(d)) > len(text%all)/n) then
-        call complain(text, to_text(size(dir(d)%knots))//' knots of degree ' &
+        call fail_in_file(text, to_text(size(dir(d)%knots))//' knots of degree ' &
                       //to_text(dir(d)%degree)//' in direction '//to_text(d), error)
         return
       end if
@@ -202,9 +202,9 @@ contains
     text%at = first
     call enter(text, 'coefs', tag, part)
     if (tag == 0) then
-      call complain(text, 'the geometry has no coefs', error)
+      call fail_in_file(text, 'the geometry has no coefs', error)
     else if (attribute(text, tag, 'geoDim') /= '3') then
-      call complain(text, 'geoDim '//quoted(attribute(text, tag, 'geoDim')), error, 'a body has 3')
+      call fail_in_file(text, 'geoDim '//quoted(attribute(text, tag, 'geoDim')), error, 'a body has 3')
     else
       call read_all(part, 'a coordinate', x, error)
     end if
@@ -222,7 +222,7 @@ contains
 
     call enter(text, 'KnotVector', tag, part)
     if (tag == 0) then
-      call complain(text, 'no KnotVector of direction '//to_text(d), error)
+      call fail_in_file(text, 'no KnotVector of direction '//to_text(d), error)
       return
     end if
     degree = attribute(text, tag, 'degree')
@@ -231,7 +231,7 @@ contains
       read (degree, *, iostat=status) s%degree
     end if
     if (status /= 0) then
-      call complain(text, 'KnotVector of degree '//quoted(degree), error)
+      call fail_in_file(text, 'KnotVector of degree '//quoted(degree), error)
       return
     end if
     first = part%at

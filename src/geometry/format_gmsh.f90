@@ -12,7 +12,7 @@ module format_gmsh
   use base_error, only: error_t
   use base_text, only: to_text, quoted
   use mesh_file, only: mesh_file_t, SHAPE, find_shape, add_element, add_member, sort_nodes
-  use format_text, only: text_t, complain, next_word, next_integer, next_integers, next_count, &
+  use format_text, only: text_t, fail_in_file, next_word, next_integer, next_integers, next_count, &
       next_reals
   use base_kinds, only: wp
   implicit none
@@ -80,7 +80,7 @@ contains
     is_new = .false.
     call next_word(text, version)
     if (all(version /= ['2.2', '4.1'])) then
-      call complain(text, 'version '//quoted(version)//' of a Gmsh file', error, &
+      call fail_in_file(text, 'version '//quoted(version)//' of a Gmsh file', error, &
                     'versions 2.2 and 4.1 are read: gmsh -save -format msh41 ...')
       return
     end if
@@ -88,7 +88,7 @@ contains
     call next_integer(text, 'the type of the file', binary, error)
     if (allocated(error)) return
     if (binary /= 0) then
-      call complain(text, 'the file is binary', error, 'write it in ASCII: Mesh.Binary = 0')
+      call fail_in_file(text, 'the file is binary', error, 'write it in ASCII: Mesh.Binary = 0')
       return
     end if
     call next_integer(text, 'the size of reals', size_of, error)
@@ -113,7 +113,7 @@ contains
       last = 0
       if (first > text%at) last = index(text%all(first:), '"') + first - 2
       if (last < first) then
-        call complain(text, 'the name of a physical group should stand here, in quotes', error)
+        call fail_in_file(text, 'the name of a physical group should stand here, in quotes', error)
         return
       end if
       names%group(i)%name = trim(adjustl(text%all(first:last)))
@@ -157,7 +157,7 @@ contains
     end do
     if (allocated(error)) return
     if (file%nelem - before /= total) then
-      call complain(text, 'the blocks have '//to_text(file%nelem - before)//' elements, ' &
+      call fail_in_file(text, 'the blocks have '//to_text(file%nelem - before)//' elements, ' &
                     //to_text(total)//' are announced', error)
     end if
   end subroutine read_elements
@@ -192,7 +192,7 @@ contains
 
     kind = find_shape(gmsh)
     if (kind > 0) return
-    call complain(text, 'elements of type '//to_text(gmsh)//' of Gmsh are not known', error, &
+    call fail_in_file(text, 'elements of type '//to_text(gmsh)//' of Gmsh are not known', error, &
                   'tetrahedra, pyramids, wedges and hexahedra of order 1, tetrahedra and ' &
                   //'hexahedra (27 nodes) of order 2')
   end subroutine look_up
@@ -231,9 +231,9 @@ contains
     call next_word(text, word)
     if (word == '$End'//name(2:)) return
     if (len(word) == 0) then
-      call complain(text, 'the file ends where $End'//name(2:)//' should stand', error)
+      call fail_in_file(text, 'the file ends where $End'//name(2:)//' should stand', error)
     else
-      call complain(text, quoted(word)//' where $End'//name(2:)//' should stand', error, &
+      call fail_in_file(text, quoted(word)//' where $End'//name(2:)//' should stand', error, &
                     'the counts of the section and what stands in it disagree')
     end if
   end subroutine close_section
@@ -246,14 +246,14 @@ contains
     integer :: i
 
     if (name(1:1) /= '$') then
-      call complain(text, quoted(name)//' stands between sections', error, &
+      call fail_in_file(text, quoted(name)//' stands between sections', error, &
                     'sections of a Gmsh file begin with $')
     else if (name == '$PartitionedEntities') then
-      call complain(text, 'the mesh is partitioned', error, 'write it in one part')
+      call fail_in_file(text, 'the mesh is partitioned', error, 'write it in one part')
     else
       i = index(text%all(text%at:), '$End'//name(2:))
       if (i == 0) then
-        call complain(text, 'section '//name//' has no end', error)
+        call fail_in_file(text, 'section '//name//' has no end', error)
       else
         text%at = text%at + i - 1 + len('$End'//name(2:))
       end if
@@ -266,9 +266,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (.not. allocated(file%number)) then
-      call complain(text, 'the file has no section $Nodes', error)
+      call fail_in_file(text, 'the file has no section $Nodes', error)
     else if (.not. allocated(file%shape)) then
-      call complain(text, 'the file has no elements', error)
+      call fail_in_file(text, 'the file has no elements', error)
     end if
   end subroutine check_complete
 
@@ -371,7 +371,7 @@ contains
     if (allocated(error)) return
     call next_count(text, 'the number of nodes', n, error)
     if (allocated(error)) return
-    if (allocated(file%number)) call complain(text, 'the file has two sections of nodes', error)
+    if (allocated(file%number)) call fail_in_file(text, 'the file has two sections of nodes', error)
     if (allocated(error)) return
     file%nnode = n
     allocate (file%number(n), file%x(3, n), file%node_spot(n))
@@ -382,7 +382,7 @@ contains
       if (allocated(error)) return
     end do
     if (done /= file%nnode) then
-      call complain(text, 'the blocks have '//to_text(done)//' of the '//to_text(file%nnode) &
+      call fail_in_file(text, 'the blocks have '//to_text(done)//' of the '//to_text(file%nnode) &
                     //' nodes announced', error)
     end if
   end subroutine read_nodes
@@ -405,7 +405,7 @@ contains
       if (.not. allocated(error)) call next_count(text, 'the number of its nodes', n, error)
       if (allocated(error)) return
       if (n > file%nnode - done) then
-        call complain(text, 'the blocks have more nodes than the '//to_text(file%nnode) &
+        call fail_in_file(text, 'the blocks have more nodes than the '//to_text(file%nnode) &
                       //' announced', error)
         return
       end if
@@ -436,7 +436,7 @@ contains
     if (allocated(error)) return
     file%node_spot(i) = text%at
     if (file%number(i) < 1) then
-      call complain(text, 'node number '//to_text(file%number(i)), error, &
+      call fail_in_file(text, 'node number '//to_text(file%number(i)), error, &
                     'node numbers are positive')
     end if
   end subroutine read_number

@@ -3,7 +3,7 @@ module format_iga
   use base_kinds, only: wp
   use base_error, only: error_t
   use base_text, only: to_text, quoted
-  use format_text, only: text_t, complain, next_word, next_integer, next_count, next_reals, &
+  use format_text, only: text_t, fail_in_file, next_word, next_integer, next_count, next_reals, &
       words_left
   use spline_surface, only: spline_surface_t, start_surface, add_point, check_sizes, add_element, &
       finish_surface
@@ -52,7 +52,7 @@ contains
     if (allocated(error)) return
     call next_word(text, word)
     if (word /= 'surface' .and. word /= 'plane') then
-      call complain(text, 'the file is of type '//quoted(word), error, &
+      call fail_in_file(text, 'the file is of type '//quoted(word), error, &
                     'a surface is of type surface or plane')
       return
     end if
@@ -71,10 +71,10 @@ contains
     call next_word(text, word)
     if (word == key) return
     if (len(word) == 0) then
-      call complain(text, 'the file ends where '//quoted(key)//' should stand', error, &
+      call fail_in_file(text, 'the file ends where '//quoted(key)//' should stand', error, &
                     'its counts may be wrong, or it is cut off')
     else
-      call complain(text, quoted(word)//' where '//quoted(key)//' should stand', error, &
+      call fail_in_file(text, quoted(word)//' where '//quoted(key)//' should stand', error, &
                     'counts of control points, elements or functions may be wrong')
     end if
   end subroutine next_keyword
@@ -92,7 +92,7 @@ contains
     if (allocated(error)) return
     at = text%at
     if (words_left(text) /= 3) then
-      call complain(text, 'belem with '//to_text(words_left(text))//' numbers', error, &
+      call fail_in_file(text, 'belem with '//to_text(words_left(text))//' numbers', error, &
                     'an element of a surface has its number of functions and two degrees')
       return
     end if
@@ -124,7 +124,7 @@ contains
 
     call next_word(text, word)
     if (len(word) == 0 .or. word == 'set') return
-    call complain(text, quoted(word)//' behind the last element', error, &
+    call fail_in_file(text, quoted(word)//' behind the last element', error, &
                   'elemN may be too small')
   end subroutine read_sets
 

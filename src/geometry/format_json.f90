@@ -9,7 +9,7 @@ module format_json
   use base_error, only: error_t
   use base_text, only: to_text, quoted
   use deck_number, only: whole_number
-  use format_text, only: text_t, complain
+  use format_text, only: text_t, fail_in_file
   implicit none
   private
   public :: json_t, parse_json, member, first_of, get, get_integer, to_integer, get_reals, compare
@@ -41,7 +41,7 @@ contains
     call read_value(text, json, 0, i, error)
     if (allocated(error)) return
     call skip_blanks(text)
-    if (text%at <= len(text%all)) call complain(text, 'text behind the end of the JSON value', &
+    if (text%at <= len(text%all)) call fail_in_file(text, 'text behind the end of the JSON value', &
                                                 error)
   end subroutine parse_json
 
@@ -135,7 +135,7 @@ contains
     i = 0
     call look(text, c)
     if (depth > DEEPEST .or. json%n >= MOST) then
-      call complain(text, 'too much in a JSON value', error, 'values stand at most ' &
+      call fail_in_file(text, 'too much in a JSON value', error, 'values stand at most ' &
                     //to_text(DEEPEST)//' deep, and there are at most '//to_text(MOST))
       return
     end if
@@ -241,7 +241,7 @@ contains
       end if
       i = i + merge(2, 1, text%all(i:i) == '\')
     end do
-    call complain(text, 'a text in quotes has no end', error)
+    call fail_in_file(text, 'a text in quotes has no end', error)
   end subroutine read_string
 
   subroutine read_number(text, x, error)
@@ -257,7 +257,7 @@ contains
     if (ok) then
       text%at = text%at + length
     else
-      call complain(text, quoted(text%all(text%at:text%at + length - 1))//' is no number', error)
+      call fail_in_file(text, quoted(text%all(text%at:text%at + length - 1))//' is no number', error)
     end if
   end subroutine read_number
 
@@ -285,10 +285,10 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (text%at > len(text%all)) then
-      call complain(text, 'the file ends where '//what//' should stand', error, &
+      call fail_in_file(text, 'the file ends where '//what//' should stand', error, &
                     'the file seems to be cut off')
     else
-      call complain(text, quoted(text%all(text%at:text%at))//' where '//what//' should stand', &
+      call fail_in_file(text, quoted(text%all(text%at:text%at))//' where '//what//' should stand', &
                     error)
     end if
   end subroutine unexpected
@@ -305,12 +305,12 @@ contains
     found = member(text, json, i, name)
     text%at = json%at(i)
     if (found == 0) then
-      call complain(text, 'there is no '//quoted(name), error, &
+      call fail_in_file(text, 'there is no '//quoted(name), error, &
                     'the format asks for it')
       return
     end if
     text%at = json%at(found)
-    if (json%kind(found) /= kind) call complain(text, quoted(name)//' is not what it should be', &
+    if (json%kind(found) /= kind) call fail_in_file(text, quoted(name)//' is not what it should be', &
                                                 error, 'it is '//kind_name(kind))
   end subroutine get
 
@@ -352,7 +352,7 @@ contains
         .and. .not. abs(json%number(i) - anint(json%number(i))) > 0.0_wp) then
       n = nint(json%number(i))
     else
-      call complain(text, 'a whole number should stand in '//quoted(name), error)
+      call fail_in_file(text, 'a whole number should stand in '//quoted(name), error)
     end if
   end subroutine to_integer
 
@@ -371,7 +371,7 @@ contains
     do i = 1, size(x)
       if (json%kind(j) /= JSON_NUMBER) then
         text%at = json%at(j)
-        call complain(text, 'a number should stand in '//quoted(name), error)
+        call fail_in_file(text, 'a number should stand in '//quoted(name), error)
         return
       end if
       x(i) = json%number(j)
@@ -391,7 +391,7 @@ contains
     if (member(text, json, i, name) == 0) return
     call get_integer(text, json, i, name, said, error)
     if (allocated(error) .or. said == n) return
-    call complain(text, quoted(name)//' is '//to_text(said)//', but there are '//to_text(n), error)
+    call fail_in_file(text, quoted(name)//' is '//to_text(said)//', but there are '//to_text(n), error)
   end subroutine compare
 
 end module format_json

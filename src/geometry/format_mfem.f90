@@ -14,7 +14,7 @@ module format_mfem
   use base_text, only: to_text, quoted
   use bspline, only: spline_t, nfunction
   use nurbs, only: nurbs_t, new_nurbs
-  use format_text, only: text_t, complain, next_word, next_integer, next_count, next_reals
+  use format_text, only: text_t, fail_in_file, next_word, next_integer, next_count, next_reals
   use base_kinds, only: wp, i8
   implicit none
   private
@@ -80,10 +80,10 @@ contains
     if (status == 0 .and. e >= 1 .and. e <= n) return
     text%at = 0
     if (len_trim(name) == 0) then
-      call complain(text, 'the file has '//to_text(n)//' patches', error, &
+      call fail_in_file(text, 'the file has '//to_text(n)//' patches', error, &
                     'name one by its number: FILE path 1')
     else
-      call complain(text, 'the file has no patch '//quoted(trim(name)), error, &
+      call fail_in_file(text, 'the file has no patch '//quoted(trim(name)), error, &
                     'it has patches 1 to '//to_text(n))
     end if
   end subroutine choose
@@ -102,7 +102,7 @@ contains
       case ('dimension')
         call next_integer(text, 'the dimension', n, error)
         if (.not. allocated(error) .and. n /= 3) then
-          call complain(text, 'the mesh has dimension '//to_text(n), error, 'a body needs 3')
+          call fail_in_file(text, 'the mesh has dimension '//to_text(n), error, 'a body needs 3')
         end if
       case ('elements')
         call read_elements(text, mfem%vertex, error)
@@ -117,9 +117,9 @@ contains
         if (.not. allocated(error)) call check_topology(text, mfem, error)
         return
       case ('')
-        call complain(text, 'the file ends before its knotvectors', error)
+        call fail_in_file(text, 'the file ends before its knotvectors', error)
       case default
-        call complain(text, 'section '//quoted(word)//' is not supported', error, 'known ' &
+        call fail_in_file(text, 'section '//quoted(word)//' is not supported', error, 'known ' &
                       //'sections: dimension elements boundary edges vertices knotvectors weights')
       end select
       if (allocated(error)) return
@@ -141,7 +141,7 @@ contains
       call next_integer(text, 'an element type', kind, error)
       if (allocated(error)) return
       if (kind /= 5) then
-        call complain(text, 'element type '//to_text(kind)//' is not a cube (5)', error)
+        call fail_in_file(text, 'element type '//to_text(kind)//' is not a cube (5)', error)
         return
       end if
       do i = 1, 8
@@ -198,7 +198,7 @@ contains
       call next_count(text, 'a number of control points', ncp, error)
       if (allocated(error)) return
       if (ncp <= dir(i)%degree) then
-        call complain(text, to_text(ncp)//' control points for degree '//to_text(dir(i)%degree), &
+        call fail_in_file(text, to_text(ncp)//' control points for degree '//to_text(dir(i)%degree), &
                       error)
         return
       end if
@@ -216,15 +216,15 @@ contains
     integer :: e
 
     if (.not. (allocated(mfem%vertex) .and. allocated(mfem%edge))) then
-      call complain(text, 'no elements or no edges before the knotvectors', error)
+      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
     else if (size(mfem%vertex) == 0 .or. size(mfem%edge) == 0) then
-      call complain(text, 'no elements or no edges before the knotvectors', error)
+      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
     else if (max(maxval(mfem%vertex), maxval(mfem%edge(2:3, :))) >= mfem%nvertex) then
-      call complain(text, 'a vertex is not among the '//to_text(mfem%nvertex)//' there are', error)
+      call fail_in_file(text, 'a vertex is not among the '//to_text(mfem%nvertex)//' there are', error)
     else if (any([(repeats(mfem%vertex(:, e)), e=1, size(mfem%vertex, 2))])) then
-      call complain(text, 'an element has a vertex twice', error)
+      call fail_in_file(text, 'an element has a vertex twice', error)
     else if (maxval(mfem%edge(1, :)) >= size(mfem%dir)) then
-      call complain(text, 'an edge has a knot vector that is not among the ' &
+      call fail_in_file(text, 'an edge has a knot vector that is not among the ' &
                     //to_text(size(mfem%dir))//' of the file', error)
     end if
   end subroutine check_topology
@@ -250,7 +250,7 @@ contains
     dimension = 0
     call next_word(text, word)
     if (word /= 'weights') then
-      call complain(text, quoted(word)//' where weights should stand', error)
+      call fail_in_file(text, quoted(word)//' where weights should stand', error)
       return
     end if
     call next_reals(text, 'a weight', mfem%w, error)
@@ -265,12 +265,12 @@ contains
       case ('Ordering:')
         call next_count(text, 'the ordering', ordering, error)
       case default
-        call complain(text, quoted(word)//' where the FiniteElementSpace should stand', error)
+        call fail_in_file(text, quoted(word)//' where the FiniteElementSpace should stand', error)
       end select
       if (allocated(error)) return
     end do
     if (dimension /= 3 .or. ordering > 1) then
-      call complain(text, 'VDim '//to_text(dimension)//', Ordering '//to_text(ordering), error, &
+      call fail_in_file(text, 'VDim '//to_text(dimension)//', Ordering '//to_text(ordering), error, &
                     'VDim is 3, Ordering 0 or 1')
       return
     end if
@@ -361,7 +361,7 @@ contains
       total = total + product(int(n - 2, i8))
     end do
     mfem%first_elem(size(mfem%vertex, 2) + 1) = int(min(total, int(huge(1), i8)))
-    if (total > len(text%all)) call complain(text, to_text(total) &
+    if (total > len(text%all)) call fail_in_file(text, to_text(total) &
                                              //' control points cannot stand in this file', error)
   end subroutine number_points
 
@@ -378,7 +378,7 @@ contains
     do d = 1, 3
       i = find_edge(mfem, mfem%vertex(1, e), mfem%vertex(FAR(d) + 1, e))
       if (i == 0) then
-        call complain(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
+        call fail_in_file(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
                       error)
         return
       end if
@@ -469,10 +469,10 @@ contains
 
     i = find_edge(mfem, mfem%vertex(local(1) + 1, e), mfem%vertex(local(2) + 1, e))
     if (i == 0) then
-      call complain(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
+      call fail_in_file(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
                     error)
     else if (nfunction(mfem%dir(mfem%edge(1, i) + 1)) /= n(axis(local(1), local(2)))) then
-      call complain(text, 'opposite edges of element '//to_text(e) &
+      call fail_in_file(text, 'opposite edges of element '//to_text(e) &
                     //' have different numbers of control points', error)
     end if
   end subroutine edge_of

@@ -7,7 +7,7 @@ module format_text
   use deck_number, only: whole_number
   implicit none
   private
-  public :: text_t, load_text, complain, next_word, next_integer, next_real, next_count, &
+  public :: text_t, load_text, fail_in_file, next_word, next_integer, next_real, next_count, &
             next_reals, next_integers, words_left, next_line
 
   integer(i8), parameter :: MAX_SIZE = 1000000000_i8 !! bytes
@@ -58,7 +58,7 @@ contains
   end subroutine load_text
 
   !> An error at the present position.
-  subroutine complain(text, message, error, hint)
+  subroutine fail_in_file(text, message, error, hint)
     type(text_t), intent(in) :: text
     character(*), intent(in) :: message
     type(error_t), allocatable, intent(out) :: error
@@ -75,7 +75,7 @@ contains
     end do
     call fail(error, DECK_ERROR, quoted(text%path)//', line '//to_text(line)//': '//message, &
               text%place, hint)
-  end subroutine complain
+  end subroutine fail_in_file
 
   !> Next word; empty at the end of the file.
   subroutine next_word(text, word)
@@ -162,7 +162,7 @@ contains
 
     call next_integer(text, what, n, error)
     if (allocated(error)) return
-    if (n < 0 .or. n > len(text%all)) call complain(text, to_text(n)//' cannot be '//what, error)
+    if (n < 0 .or. n > len(text%all)) call fail_in_file(text, to_text(n)//' cannot be '//what, error)
   end subroutine next_count
 
   !> Next word as a real number.
@@ -214,9 +214,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (len(word) == 0) then
-      call complain(text, 'the file ends where '//what//' should stand', error)
+      call fail_in_file(text, 'the file ends where '//what//' should stand', error)
     else
-      call complain(text, quoted(word)//' where '//what//' should stand', error)
+      call fail_in_file(text, quoted(word)//' where '//what//' should stand', error)
     end if
   end subroutine wrong
 

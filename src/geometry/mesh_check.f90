@@ -6,7 +6,7 @@ module mesh_check
   use base_text, only: to_text, quoted
   use element_type, only: element_t, cell_t, rule_t
   use mesh_file, only: mesh_file_t, SHAPE
-  use format_text, only: text_t, complain
+  use format_text, only: text_t, fail_in_file
   use tensor, only: det3
   implicit none
   private
@@ -28,7 +28,7 @@ contains
     do e = 1, file%nelem
       if (.not. file%solid(e) .or. rows(file%shape(e))%name /= '') cycle
       text%at = file%spot(e)
-      call complain(text, 'element '//to_text(file%label(e))//' is a ' &
+      call fail_in_file(text, 'element '//to_text(file%label(e))//' is a ' &
                     //trim(SHAPE(file%shape(e))%name)//' of ' &
                     //to_text(SHAPE(file%shape(e))%nen)//' nodes', error, &
                     'there are tetrahedra of 4 and 10 nodes, pyramids of 5, wedges of 6 and ' &
@@ -37,7 +37,7 @@ contains
     end do
     if (any(file%solid)) return
     text%at = 0
-    call complain(text, 'the file has no elements of a volume', error, &
+    call fail_in_file(text, 'the file has no elements of a volume', error, &
                   'in Gmsh: mesh in 3 dimensions, and give the volume a physical group if ' &
                   //'anything has one')
   end subroutine check_shapes
@@ -85,7 +85,7 @@ contains
       associate (node => file%node(file%first(e):file%first(e + 1) - 1))
         text%at = file%spot(e)
         if (size(unique(node)) < size(node)) then
-          call complain(text, 'element '//to_text(file%label(e))//' has a node twice', error, &
+          call fail_in_file(text, 'element '//to_text(file%label(e))//' has a node twice', error, &
                         'collapsed hexahedra are wedges, pyramids or tetrahedra: write them so')
           return
         end if
@@ -151,10 +151,10 @@ contains
 
     name = trim(SHAPE(file%shape(e))%name)//' '//to_text(file%label(e))
     if (least > -FLAT*size_of**3) then
-      call complain(text, name//' has no volume', error, &
+      call fail_in_file(text, name//' has no volume', error, &
                     'its nodes lie in one plane: remove it, or mesh again')
     else
-      call complain(text, name//' is inverted', error, &
+      call fail_in_file(text, name//' is inverted', error, &
                     'its nodes go round the other way, or it is folded: in Gmsh ' &
                     //'ReorientMesh Volume, or Mesh.ElementOrder = 1 where a curved one is folded')
     end if

@@ -6,7 +6,7 @@ module mesh_faces
   use base_text, only: to_text
   use element_type, only: element_t, cell_t, topology_t
   use mesh_file, only: mesh_file_t, SHAPE
-  use format_text, only: text_t, complain
+  use format_text, only: text_t, fail_in_file
   implicit none
   private
   public :: faces_t, find_boundary, face_of
@@ -58,7 +58,7 @@ contains
       end do
       if (same < 2) cycle
       text%at = file%spot(newest)
-      call complain(text, 'element '//to_text(file%label(newest)) &
+      call fail_in_file(text, 'element '//to_text(file%label(newest)) &
                     //' is the third one at a face', error, &
                     'two elements meet at a face: elements stand twice, or overlap')
       return

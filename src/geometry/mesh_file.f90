@@ -4,7 +4,7 @@ module mesh_file
   use base_error, only: error_t
   use base_sort, only: sort, sort_index, find
   use base_text, only: to_text
-  use format_text, only: text_t, complain
+  use format_text, only: text_t, fail_in_file
   implicit none
   private
   public :: mesh_file_t, shape_t, SHAPE, find_shape, reserve, add_element, add_member, sort_nodes, &
@@ -155,7 +155,7 @@ contains
     do n = 2, file%nnode
       if (file%number(n) > file%number(n - 1)) cycle
       text%at = maxval(file%node_spot(n - 1:n))
-      call complain(text, 'node '//to_text(file%number(n))//' is defined twice', error, &
+      call fail_in_file(text, 'node '//to_text(file%number(n))//' is defined twice', error, &
                     'every node has a number of its own')
       return
     end do
@@ -164,7 +164,7 @@ contains
         n = node_at(file, file%node(i))
         if (n == 0) then
           text%at = file%spot(e)
-          call complain(text, 'element '//to_text(file%label(e))//' refers to node ' &
+          call fail_in_file(text, 'element '//to_text(file%label(e))//' refers to node ' &
                         //to_text(file%node(i))//', which the file does not define', error)
           return
         end if

@@ -35,13 +35,13 @@ contains
     call check_count(spec, error)
   end subroutine check_patch
 
-  subroutine complain(spec, what, hint, error)
+  subroutine fail_patch(spec, what, hint, error)
     type(patch_spec_t), intent(in) :: spec
     character(*), intent(in) :: what, hint
     type(error_t), allocatable, intent(out) :: error
 
     call fail(error, DECK_ERROR, "patch '"//spec%name//"' "//what, spec%place, hint)
-  end subroutine complain
+  end subroutine fail_patch
 
   subroutine check_geometry(spec, error)
     type(patch_spec_t), intent(in) :: spec
@@ -52,19 +52,19 @@ contains
     case (GEO_BOX)
       d = minloc(spec%length, 1)
       if (.not. spec%length(d) > 0.0_wp) then
-        call complain(spec, 'has a box of length '//to_text(spec%length(d))//' in direction ' &
+        call fail_patch(spec, 'has a box of length '//to_text(spec%length(d))//' in direction ' &
                       //to_text(d), 'lengths are positive', error)
       end if
     case (GEO_HEMISPHERE)
       if (.not. (spec%thickness > 0.0_wp .and. spec%radius > spec%thickness)) then
-        call complain(spec, 'has a hemisphere of radius '//to_text(spec%radius) &
+        call fail_patch(spec, 'has a hemisphere of radius '//to_text(spec%radius) &
                       //' and thickness '//to_text(spec%thickness), &
                       'the thickness lies between 0 and the radius', error)
       end if
     case (GEO_NURBS)
       call check_nurbs(spec%nurbs, 3, "patch '"//spec%name//"'", spec%place, error)
     case default
-      call complain(spec, 'has no geometry', 'give BOX, HEMIsphere, NPATch or FILE', error)
+      call fail_patch(spec, 'has no geometry', 'give BOX, HEMIsphere, NPATch or FILE', error)
     end select
   end subroutine check_geometry
 
@@ -75,7 +75,7 @@ contains
 
     d = minloc(spec%nelem, 1)
     if (spec%nelem(d) < 1) then
-      call complain(spec, 'has '//to_text(spec%nelem(d))//' elements in direction '//to_text(d), &
+      call fail_patch(spec, 'has '//to_text(spec%nelem(d))//' elements in direction '//to_text(d), &
                     'give ELEMents n1 n2 n3', error)
       return
     end if
@@ -83,10 +83,10 @@ contains
     case ('Q1', 'Q1E9', 'Q2', 'RIGID')
     case ('IGA')
       if (spec%degree >= 1 .and. spec%degree <= MAX_DEGREE) return
-      call complain(spec, 'asks for IGA of degree '//to_text(spec%degree), 'degrees are 1 to ' &
+      call fail_patch(spec, 'asks for IGA of degree '//to_text(spec%degree), 'degrees are 1 to ' &
                     //to_text(MAX_DEGREE), error)
     case default
-      call complain(spec, "asks for elements of type '"//trim(spec%type)//"'", &
+      call fail_patch(spec, "asks for elements of type '"//trim(spec%type)//"'", &
                     'known types of solids: Q1 Q1E9 Q2 IGA', error)
     end select
   end subroutine check_type
@@ -103,7 +103,7 @@ contains
     do d = 1, 3
       n = n*(along*spec%nelem(d) + MAX_DEGREE)
       if (n <= MAX_NODE) cycle
-      call complain(spec, 'asks for '//to_text(spec%nelem(1))//' x '//to_text(spec%nelem(2)) &
+      call fail_patch(spec, 'asks for '//to_text(spec%nelem(1))//' x '//to_text(spec%nelem(2)) &
                     //' x '//to_text(spec%nelem(3))//' elements, more than this program numbers', &
                     'a body has at most '//to_text(int(MAX_NODE))//' nodes', error)
       return

@@ -6,7 +6,7 @@
 module spline_file
   use base_error, only: error_t, place_t
   use base_text, only: quoted
-  use format_text, only: text_t, load_text, complain
+  use format_text, only: text_t, load_text, fail_in_file
   use format_bext, only: read_bext, BEXT_HEAD
   use format_iga, only: read_iga
   use format_bext_json, only: read_bext_json
@@ -39,7 +39,7 @@ contains
     first = max(1, verify(text%all, ' '//achar(9)//achar(10)//achar(13)))
     if (len_trim(name) > 0 .and. index(text%all, '<xml>') == 0) then
       text%at = 0
-      call complain(text, 'the file has no named surfaces', error, 'leave '//quoted(name)//' out')
+      call fail_in_file(text, 'the file has no named surfaces', error, 'leave '//quoted(name)//' out')
     else if (index(text%all, '<xml>') > 0) then
       call read_nurbs(text, name, surface, error)
     else if (index(text%all, BEXT_HEAD) == 1) then
@@ -49,7 +49,7 @@ contains
     else if (is_iga(text)) then
       call read_iga(text, surface, error)
     else
-      call complain(text, 'the format is not known', error, 'known formats: BEXT 2.0, as text ' &
+      call fail_in_file(text, 'the format is not known', error, 'known formats: BEXT 2.0, as text ' &
                     //'that begins with '//BEXT_HEAD//' or as JSON, .iga, and G+Smo XML')
     end if
   end subroutine read_spline_file
@@ -140,7 +140,7 @@ contains
     else if (index(text%all, '<xml>') > 0) then
       call read_gismo(text, name, 3, patch, error)
     else
-      call complain(text, 'the format is not known', error, &
+      call fail_in_file(text, 'the format is not known', error, &
                     "known formats: 'MFEM NURBS mesh v1.0', and G+Smo XML")
     end if
     if (allocated(error)) return

@@ -4,7 +4,7 @@ module spline_layer
   use base_kinds, only: wp
   use base_text, only: to_text
   use constraint, only: constraint_t, add_constraint
-  use format_text, only: text_t, load_text, complain, next_integer, next_real, next_line, &
+  use format_text, only: text_t, load_text, fail_in_file, next_integer, next_real, next_line, &
       words_left
   implicit none
   private
@@ -34,7 +34,7 @@ contains
       call read_record(text, nelem, e, node, error)
       if (allocated(error)) return
       if (inner(1, e) /= 0) then
-        call complain(text, 'element '//to_text(e)//' stands twice', error, &
+        call fail_in_file(text, 'element '//to_text(e)//' stands twice', error, &
                       'each element of the surface has one record')
         return
       end if
@@ -43,7 +43,7 @@ contains
     text%at = 0
     do i = 1, nelem
       if (inner(1, i) /= 0) cycle
-      call complain(text, 'element '//to_text(i)//' has no record', error, &
+      call fail_in_file(text, 'element '//to_text(i)//' has no record', error, &
                     'the surface has '//to_text(nelem)//' elements')
       return
     end do
@@ -59,7 +59,7 @@ contains
     e = 0
     node = 0
     if (words_left(text) /= 5) then
-      call complain(text, 'a record with '//to_text(words_left(text))//' numbers', error, &
+      call fail_in_file(text, 'a record with '//to_text(words_left(text))//' numbers', error, &
                     'a record is an element of the surface and its four inner nodes')
       return
     end if
@@ -69,10 +69,10 @@ contains
     end do
     if (allocated(error)) return
     if (e < 1 .or. e > nelem) then
-      call complain(text, 'element '//to_text(e)//' is not in the surface', error, &
+      call fail_in_file(text, 'element '//to_text(e)//' is not in the surface', error, &
                     'its elements are 1 to '//to_text(nelem)//', in the order of its file')
     else if (any(node < 1)) then
-      call complain(text, 'node '//to_text(minval(node)), error, 'node numbers are positive')
+      call fail_in_file(text, 'node '//to_text(minval(node)), error, 'node numbers are positive')
     end if
   end subroutine read_record
 
@@ -99,7 +99,7 @@ contains
       if (.not. allocated(error)) call next_integer(text, 'a number of masters', n, error)
       if (allocated(error)) return
       if (n < 1 .or. n > MOST_MASTERS .or. i /= 2 + 2*n) then
-        call complain(text, 'a record of '//to_text(n)//' masters with '//to_text(i)//' numbers', &
+        call fail_in_file(text, 'a record of '//to_text(n)//' masters with '//to_text(i)//' numbers', &
                       error, 'a record is slave n, then n pairs of a master and its coefficient')
         return
       end if
@@ -111,7 +111,7 @@ contains
         if (allocated(error)) return
       end do
       if (slave < 1 .or. any(master == 0)) then
-        call complain(text, 'node '//to_text(min(slave, 0)), error, &
+        call fail_in_file(text, 'node '//to_text(min(slave, 0)), error, &
                       'node numbers are positive; a master -k is control point k of the surface')
         return
       end if

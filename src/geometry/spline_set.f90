@@ -5,7 +5,7 @@ module spline_set
   use base_text, only: to_text, quoted, lower, nearest
   use format_json, only: json_t, member, first_of, JSON_LIST, JSON_OBJECT, to_integer
   use mesh, only: mesh_t
-  use format_text, only: text_t, complain
+  use format_text, only: text_t, fail_in_file
   use spline_surface, only: spline_surface_t, spline_set_t
   implicit none
   private
@@ -26,7 +26,7 @@ contains
     if (i == 0) return
     text%at = json%at(i)
     if (json%kind(i) /= JSON_OBJECT) then
-      call complain(text, '"sets" is not what it should be', error, 'it is an object of lists')
+      call fail_in_file(text, '"sets" is not what it should be', error, 'it is an object of lists')
       return
     end if
     allocate (set(json%length(i)))
@@ -53,7 +53,7 @@ contains
 
     text%at = json%at(list)
     if (json%kind(list) /= JSON_LIST) then
-      call complain(text, 'set '//quoted(set%name)//' is not what it should be', error, &
+      call fail_in_file(text, 'set '//quoted(set%name)//' is not what it should be', error, &
                     'it is a list of elements')
       return
     end if
@@ -65,7 +65,7 @@ contains
       set%elem(i) = set%elem(i) + 1
       if (set%elem(i) < 1 .or. set%elem(i) > nelem) then
         text%at = json%at(j)
-        call complain(text, 'set '//quoted(set%name)//' has element ' &
+        call fail_in_file(text, 'set '//quoted(set%name)//' has element ' &
                       //to_text(set%elem(i) - 1)//' of '//to_text(nelem), error, &
                       'elements are counted from 0')
         return

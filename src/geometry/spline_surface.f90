@@ -5,7 +5,7 @@ module spline_surface
   use base_text, only: to_text
   use mesh, only: operator_t
   use patch_nurbs, only: MAX_DEGREE
-  use format_text, only: text_t, complain
+  use format_text, only: text_t, fail_in_file
   implicit none
   private
   public :: spline_surface_t, spline_set_t, start_surface, add_point, check_sizes, add_element, &
@@ -60,7 +60,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (.not. x(4) > 0.0_wp) then
-      call complain(text, 'control point '//to_text(s%nnode + 1)//' has the weight ' &
+      call fail_in_file(text, 'control point '//to_text(s%nnode + 1)//' has the weight ' &
                     //to_text(x(4)), error, 'weights are positive')
       return
     end if
@@ -104,10 +104,10 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (any(degree < 1 .or. degree > MAX_DEGREE)) then
-      call complain(text, 'element '//to_text(e)//' has the degrees '//to_text(degree(1))//' and ' &
+      call fail_in_file(text, 'element '//to_text(e)//' has the degrees '//to_text(degree(1))//' and ' &
                     //to_text(degree(2)), error, 'degrees are 1 to '//to_text(MAX_DEGREE))
     else if (nf < 1 .or. nf > MOST_FUNCTIONS) then
-      call complain(text, 'element '//to_text(e)//' has '//to_text(nf)//' functions', error, &
+      call fail_in_file(text, 'element '//to_text(e)//' has '//to_text(nf)//' functions', error, &
                     'an element has 1 to '//to_text(MOST_FUNCTIONS))
     end if
   end subroutine check_sizes
@@ -123,14 +123,14 @@ contains
 
     do a = 1, size(node)
       if (node(a) >= 1 .and. node(a) <= s%nnode) cycle
-      call complain(text, 'element '//to_text(s%nelem + 1)//' refers to control point ' &
+      call fail_in_file(text, 'element '//to_text(s%nelem + 1)//' refers to control point ' &
                     //to_text(node(a))//' of '//to_text(s%nnode), error, &
                     'control points are counted from 1 here')
       return
     end do
     do b = 1, size(c, 2)
       if (abs(sum(c(:, b)) - 1.0_wp) <= UNITY) cycle
-      call complain(text, 'the functions of element '//to_text(s%nelem + 1)//' sum to ' &
+      call fail_in_file(text, 'the functions of element '//to_text(s%nelem + 1)//' sum to ' &
                     //to_text(sum(c(:, b)))//' at its Bernstein polynomial '//to_text(b), error, &
                     'coefficients of the functions of an element sum to 1 for each polynomial: ' &
                     //'one may be missing, or have too few digits')
@@ -197,7 +197,7 @@ contains
     real(wp), parameter :: ALIKE = 10*epsilon(1.0_wp)
 
     if (s%nelem == 0) then
-      call complain(text, 'the surface has no elements', error)
+      call fail_in_file(text, 'the surface has no elements', error)
       return
     end if
     s%rational = maxval(s%w) - minval(s%w) > ALIKE*maxval(s%w)

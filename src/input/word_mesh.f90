@@ -9,7 +9,7 @@ module word_mesh
   use format_gmsh, only: read_gmsh
   use mesh_body, only: mesh_spec_t, mesh_material_t
   use patch_spec, only: patch_spec_t, placement_t, GEO_MESH
-  use format_text, only: load_text, complain
+  use format_text, only: load_text, fail_in_file
   use unread_constraints, only: expect_table, note_table
   use input_draft, only: build_t, patch_entry_t, next_line
   use word_patch, only: check_patch_name, append_patch, read_placement
@@ -92,7 +92,7 @@ contains
         if (text%all(first:min(first, len(text%all))) == '!') then
           call read_feap(text, mesh%file, error)
         else
-          call complain(text, 'the format is not known', error, &
+          call fail_in_file(text, 'the format is not known', error, &
                         'known formats: Gmsh 2.2 and 4.1 in ASCII, and FEAP records ' &
                         //'(COORdinates, ELEMents)')
         end if
