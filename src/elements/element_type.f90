@@ -39,6 +39,12 @@ module element_type
     integer, allocatable :: node(:)   !! local nodes of the faces, one after the other
     integer :: vtk = 0                !! VTK cell type (12 Q1, 79 Bezier, 10 tetrahedron)
     integer, allocatable :: vtk_node(:) !! local node of each VTK point; spline cells: none
+    !> What readers of mesh files need to know of an element with deck_nodes > 0; others leave it.
+    character(12) :: shape = ''         !! tetrahedron, pyramid, wedge or hexahedron
+    integer, allocatable :: corner(:)   !! local nodes at the corners
+    real(wp), allocatable :: xr(:, :)   !! (3, nen) nodes of the reference element [-]
+    integer :: gmsh = 0                 !! element type of Gmsh; 0: it has none
+    integer, allocatable :: gmsh_node(:) !! local node of each Gmsh node; not allocated: same order
   end type topology_t
 
   !> What happened in an element.

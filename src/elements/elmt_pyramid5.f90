@@ -55,6 +55,10 @@ contains
     call join_faces(on, topology)
     topology%vtk = VTK_PYRAMID
     topology%vtk_node = [1, 2, 3, 4, 5]
+    topology%shape = 'pyramid'
+    topology%corner = topology%vtk_node
+    topology%xr = transpose(merge(1.0_wp, 0.0_wp, CORNER_MARKS(:5, [2, 4, 6])))
+    topology%gmsh = 7
   end subroutine set_topology
 
 end module elmt_pyramid5

@@ -55,6 +55,10 @@ contains
     call join_faces(CORNER_MARKS, topology)
     topology%vtk = VTK_HEXAHEDRON
     topology%vtk_node = [1, 2, 3, 4, 5, 6, 7, 8]
+    topology%shape = 'hexahedron'
+    topology%corner = topology%vtk_node
+    topology%xr = transpose(merge(1.0_wp, 0.0_wp, CORNER_MARKS(:, [2, 4, 6])))
+    topology%gmsh = 5
   end subroutine set_topology
 
 end module elmt_q1

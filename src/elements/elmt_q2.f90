@@ -61,6 +61,7 @@ contains
     type(topology_t), intent(out) :: topology
 
     type(cell_t) :: tensor
+    integer :: i, j, k
 
     associate (unused => cell); end associate
     tensor%degree = 2
@@ -68,6 +69,12 @@ contains
     topology%vtk = VTK_BEZIER_HEXAHEDRON
     topology%vtk_node = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, 10, 12, 18, 16, &
                          13, 15, 11, 17, 5, 23, 14]
+    topology%shape = 'hexahedron'
+    topology%corner = FEAP27(:8)
+    topology%xr = 0.5_wp*reshape([((([i, j, k], i=0, 2), j=0, 2), k=0, 2)], [3, 27])
+    topology%gmsh = 12
+    topology%gmsh_node = [1, 3, 9, 7, 19, 21, 27, 25, 2, 4, 10, 6, 12, 8, 18, 16, 20, 22, 24, 26, &
+                          5, 11, 13, 15, 17, 23, 14]
   end subroutine set_topology
 
 end module elmt_q2

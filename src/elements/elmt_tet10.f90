@@ -8,7 +8,7 @@ module elmt_tet10
   use base_kinds, only: wp
   use collapsed_shape, only: fold_tetrahedron, unfold_rule, collapsed_rule
   use element_type, only: element_t, cell_t, rule_t, topology_t
-  use elmt_tet4, only: tetrahedron_faces
+  use elmt_tet4, only: tetrahedron_faces, TETRAHEDRON
   use hexa_shape, only: join_faces
   use solid_form, only: form
   implicit none
@@ -87,6 +87,13 @@ contains
     call join_faces(on, topology)
     topology%vtk = VTK_QUADRATIC_TETRA
     topology%vtk_node = [(i, i=1, 10)]
+    topology%shape = 'tetrahedron'
+    topology%corner = [1, 2, 3, 4]
+    allocate (topology%xr(3, 10))
+    topology%xr(:, :4) = TETRAHEDRON
+    topology%xr(:, 5:) = 0.5_wp*(TETRAHEDRON(:, EDGE(1, :)) + TETRAHEDRON(:, EDGE(2, :)))
+    topology%gmsh = 11
+    topology%gmsh_node = [1, 2, 3, 4, 5, 6, 7, 8, 10, 9]
   end subroutine set_topology
 
 end module elmt_tet10

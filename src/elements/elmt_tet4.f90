@@ -13,9 +13,12 @@ module elmt_tet4
   use solid_form, only: form
   implicit none
   private
-  public :: describe, tetrahedron_faces
+  public :: describe, tetrahedron_faces, TETRAHEDRON
 
   integer, parameter :: VTK_TETRA = 10
+  !> Corners of the reference tetrahedron.
+  real(wp), parameter :: TETRAHEDRON(3, 4) = &
+                         reshape([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 4])*1.0_wp
 
 contains
 
@@ -61,6 +64,10 @@ contains
     call join_faces(tetrahedron_faces(), topology)
     topology%vtk = VTK_TETRA
     topology%vtk_node = [(i, i=1, 4)]
+    topology%shape = 'tetrahedron'
+    topology%corner = topology%vtk_node
+    topology%xr = TETRAHEDRON
+    topology%gmsh = 4
   end subroutine set_topology
 
   !> Corners on the sides of the cube: four triangles, an edge and a point.

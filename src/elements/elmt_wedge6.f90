@@ -64,6 +64,10 @@ contains
     call join_faces(on, topology)
     topology%vtk = VTK_WEDGE
     topology%vtk_node = [1, 3, 2, 4, 6, 5]
+    topology%shape = 'wedge'
+    topology%corner = [1, 2, 3, 4, 5, 6]
+    topology%xr = reshape([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1], [3, 6])*1.0_wp
+    topology%gmsh = 6
   end subroutine set_topology
 
 end module elmt_wedge6

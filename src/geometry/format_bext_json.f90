@@ -1,23 +1,25 @@
-!> BEXT 2.0 as JSON: nodes, elements in blocks, coefficient vectors. Everything is counted from 0.
+!> BEXT 2.0 as JSON: nodes, elements in blocks, coefficient vectors, sets. All counts start at 0.
 !!
-!! A sparse vector has its positions, from 0, in `indices` beside the values in `components`.
+!! A sparse vector has its positions in `indices` beside the values in `components`.
+!! Source: files of the package CoreformIGA.jl
 module format_bext_json
   use base_kinds, only: wp
   use base_error, only: error_t
   use base_text, only: to_text, quoted
-  use format_json, only: json_t, parse_json, member, first_of, JSON_LIST, JSON_OBJECT, JSON_TRUE, &
-      get, get_integer, to_integer, get_reals, compare
+  use format_bext, only: vectors_t, elements_t, new_vector, new_element, add_elements
+  use format_json, only: json_t, parse_json, member, first_of, get, get_integer, to_integer, &
+                         get_reals, check_number, JSON_LIST, JSON_OBJECT, JSON_TRUE
   use format_text, only: text_t, fail_in_file
   use spline_set, only: read_sets
   use spline_surface, only: spline_surface_t, start_surface, add_point, check_sizes, &
-      finish_surface, MOST_COEFFICIENTS
-  use format_bext, only: vectors_t, elements_t, new_vector, new_element, add_elements
+                            finish_surface, MOST_COEFFICIENTS
   implicit none
   private
   public :: read_bext_json
 
 contains
 
+  !> The whole file.
   subroutine read_bext_json(text, surface, error)
     type(text_t), intent(inout) :: text
     type(spline_surface_t), intent(out) :: surface
@@ -25,62 +27,52 @@ contains
     type(json_t) :: json
     type(elements_t) :: elements
     type(vectors_t) :: vectors
-    integer :: dim
+    integer :: blocks, dim, flag, i, list, node
+    real(wp), allocatable :: x(:)
 
     call parse_json(text, json, error)
     if (.not. allocated(error)) call get_integer(text, json, 1, 'dim', dim, error)
     if (.not. allocated(error) .and. dim /= 2) then
-      call fail_in_file(text, 'the splines have '//to_text(dim)//' directions', error, &
-                    'those of a surface have two: "dim": 2')
+      call fail_in_file(text, 'the splines have '//to_text(dim)//' directions, expected 2', error, &
+                        'a surface has "dim": 2')
     end if
-    if (.not. allocated(error)) call read_points(text, json, surface, error)
-    if (.not. allocated(error)) call read_elements(text, json, elements, error)
+    if (.not. allocated(error)) call get(text, json, 1, 'nodes', JSON_LIST, list, error)
+    if (.not. allocated(error)) call check_number(text, json, 1, 'num_nodes', json%length(list), &
+                                                  error)
+    if (.not. allocated(error)) call get_list(text, json, 'elements', 'element_blocks', blocks, &
+                                              error)
+    if (.not. allocated(error)) call check_number(text, json, 1, 'num_elems', &
+                                                  json%length(blocks), error)
+    if (allocated(error)) return
+    flag = member(text, json, 1, 'is_rational')
+    call start_surface(json%length(list), json%length(blocks), surface)
+    node = first_of(json, list)
+    do i = 1, json%length(list)
+      call get_reals(text, json, node, 'nodes', x, error)
+      if (allocated(error)) return
+      text%at = json%at(node)
+      if (size(x) /= 4) then
+        call fail_in_file(text, 'control point '//to_text(i - 1)//' has '//to_text(size(x)) &
+                          //' numbers, expected 4', error, 'give x, y, z and the weight')
+      else if (abs(x(4) - 1.0_wp) > 0.0_wp .and. json%type(max(flag, 1)) /= JSON_TRUE) then
+        call fail_in_file(text, 'control point '//to_text(i - 1)//' has the weight ' &
+                          //to_text(x(4))//', but the surface is not rational', error, &
+                          'write "is_rational": true where control points have weights')
+      else
+        call add_point(text, x, surface, error)
+      end if
+      if (allocated(error)) return
+      node = json%next(node)
+    end do
+    call read_elements(text, json, elements, error)
     if (.not. allocated(error)) call read_vectors(text, json, vectors, error)
     if (.not. allocated(error)) call add_elements(text, elements, vectors, surface, error)
     if (.not. allocated(error)) call read_sets(text, json, surface, error)
     if (.not. allocated(error)) call finish_surface(text, surface, error)
   end subroutine read_bext_json
 
-  !> Control points. Counts that the file also says must agree.
-  subroutine read_points(text, json, surface, error)
-    type(text_t), intent(inout) :: text
-    type(json_t), intent(in) :: json
-    type(spline_surface_t), intent(out) :: surface
-    type(error_t), allocatable, intent(out) :: error
-    integer :: list, i, j, blocks, flag
-    real(wp), allocatable :: x(:)
-
-    call get(text, json, 1, 'nodes', JSON_LIST, list, error)
-    if (.not. allocated(error)) call compare(text, json, 1, 'num_nodes', json%length(list), error)
-    if (.not. allocated(error)) call get_blocks(text, json, 'elements', 'element_blocks', blocks, &
-                                                error)
-    if (.not. allocated(error)) call compare(text, json, 1, 'num_elems', json%length(blocks), &
-                                             error)
-    if (allocated(error)) return
-    flag = member(text, json, 1, 'is_rational')
-    call start_surface(json%length(list), json%length(blocks), surface)
-    j = first_of(json, list)
-    do i = 1, json%length(list)
-      call get_reals(text, json, j, 'nodes', x, error)
-      if (allocated(error)) return
-      text%at = json%at(j)
-      if (size(x) /= 4) then
-        call fail_in_file(text, 'control point '//to_text(i - 1)//' has '//to_text(size(x)) &
-                      //' numbers', error, 'they are x, y, z and the weight')
-      else if (abs(x(4) - 1.0_wp) > 0.0_wp .and. json%kind(max(flag, 1)) /= JSON_TRUE) then
-        call fail_in_file(text, 'control point '//to_text(i - 1)//' has the weight '//to_text(x(4)) &
-                      //', but the file says that it has none', error, &
-                      '"is_rational": true where weights count')
-      else
-        call add_point(text, x, surface, error)
-      end if
-      if (allocated(error)) return
-      j = json%next(j)
-    end do
-  end subroutine read_points
-
-  !> A list in a member of the whole.
-  subroutine get_blocks(text, json, part, name, list, error)
+  !> A list in a member of the top-level object.
+  subroutine get_list(text, json, part, name, list, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
     character(*), intent(in) :: part, name
@@ -91,9 +83,9 @@ contains
     list = 0
     call get(text, json, 1, part, JSON_OBJECT, i, error)
     if (.not. allocated(error)) call get(text, json, i, name, JSON_LIST, list, error)
-  end subroutine get_blocks
+  end subroutine get_list
 
-  !> Elements of all blocks: the blocks' sizes stand in a list of their own.
+  !> Elements of all blocks; the sizes of the blocks are in a list of their own.
   subroutine read_elements(text, json, elements, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -101,8 +93,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: info, list, b, e, k, n, nf, degree(2)
 
-    call get_blocks(text, json, 'elements', 'element_block_info', info, error)
-    if (.not. allocated(error)) call get_blocks(text, json, 'elements', 'element_blocks', list, &
+    call get_list(text, json, 'elements', 'element_block_info', info, error)
+    if (.not. allocated(error)) call get_list(text, json, 'elements', 'element_blocks', list, &
                                                 error)
     if (allocated(error)) return
     e = first_of(json, list)
@@ -116,8 +108,8 @@ contains
       if (allocated(error)) return
       do k = 1, n
         if (e == 0) then
-          call fail_in_file(text, 'the block has '//to_text(n)//' elements, but the list of elements ' &
-                        //'ends after '//to_text(elements%n), error)
+          call fail_in_file(text, 'the block has '//to_text(n)//' elements, but the list of ' &
+                            //'elements ends after '//to_text(elements%n), error)
           return
         end if
         call new_element(elements, degree, nf, json%at(e))
@@ -131,7 +123,7 @@ contains
       end do
       b = json%next(b)
     end do
-    if (e > 0) call fail_in_file(text, 'there are more elements than the blocks say', error)
+    if (e > 0) call fail_in_file(text, 'the list of elements is longer than its blocks', error)
   end subroutine read_elements
 
   !> Numbers of an element, from 0 in the file and from 1 here.
@@ -148,8 +140,8 @@ contains
     call get(text, json, e, name, JSON_LIST, list, error)
     if (allocated(error)) return
     if (json%length(list) /= size(id)) then
-      call fail_in_file(text, quoted(name)//' has '//to_text(json%length(list))//' numbers', error, &
-                    'elements of this block have '//to_text(size(id)))
+      call fail_in_file(text, 'expected '//to_text(size(id))//' numbers in '//quoted(name) &
+                        //', found '//to_text(json%length(list)), error)
       return
     end if
     j = first_of(json, list)
@@ -167,10 +159,11 @@ contains
     type(json_t), intent(in) :: json
     type(vectors_t), intent(inout) :: vectors
     type(error_t), allocatable, intent(out) :: error
-    integer :: part, list, v, values
+    integer :: i, j, list, part, places, v, values
+    integer, allocatable :: at(:)
     real(wp), allocatable :: x(:)
 
-    call get_blocks(text, json, 'coefficients', 'dense_coefficient_vectors', list, error)
+    call get_list(text, json, 'coefficients', 'dense_coefficient_vectors', list, error)
     if (allocated(error)) return
     v = first_of(json, list)
     do while (v > 0)
@@ -185,46 +178,32 @@ contains
     part = member(text, json, 1, 'coefficients')
     v = first_of(json, member(text, json, part, 'sparse_coefficient_vectors'))
     do while (v > 0)
-      call read_sparse(text, json, v, vectors, error)
+      call get(text, json, v, 'indices', JSON_LIST, places, error)
+      if (.not. allocated(error)) call get(text, json, v, 'components', JSON_LIST, values, error)
+      if (.not. allocated(error)) call get_reals(text, json, values, 'components', x, error)
       if (allocated(error)) return
-      v = json%next(v)
-    end do
-    call compare(text, json, 1, 'num_coeff_vecs', vectors%n, error)
-  end subroutine read_vectors
-
-  subroutine read_sparse(text, json, v, vectors, error)
-    type(text_t), intent(inout) :: text
-    type(json_t), intent(in) :: json
-    integer, intent(in) :: v
-    type(vectors_t), intent(inout) :: vectors
-    type(error_t), allocatable, intent(out) :: error
-    integer :: places, values, i, j
-    integer, allocatable :: at(:)
-    real(wp), allocatable :: x(:)
-
-    call get(text, json, v, 'indices', JSON_LIST, places, error)
-    if (.not. allocated(error)) call get(text, json, v, 'components', JSON_LIST, values, error)
-    if (.not. allocated(error)) call get_reals(text, json, values, 'components', x, error)
-    if (allocated(error)) return
-    if (json%length(places) /= size(x)) then
-      call fail_in_file(text, to_text(json%length(places))//' indices and '//to_text(size(x)) &
-                    //' components', error)
-      return
-    end if
-    allocate (at(size(x)))
-    j = first_of(json, places)
-    do i = 1, size(x)
-      call to_integer(text, json, j, 'indices', at(i), error)
-      if (allocated(error)) return
-      if (at(i) < 0 .or. at(i) >= MOST_COEFFICIENTS) then
-        call fail_in_file(text, 'a coefficient at position '//to_text(at(i)), error, &
-                      'positions are counted from 0')
+      if (json%length(places) /= size(x)) then
+        call fail_in_file(text, 'found '//to_text(json%length(places))//' indices for ' &
+                          //to_text(size(x))//' components', error)
         return
       end if
-      j = json%next(j)
+      at = [(0, i=1, size(x))]
+      j = first_of(json, places)
+      do i = 1, size(x)
+        call to_integer(text, json, j, 'indices', at(i), error)
+        if (allocated(error)) return
+        if (at(i) < 0 .or. at(i) >= MOST_COEFFICIENTS) then
+          call fail_in_file(text, 'a coefficient has the position '//to_text(at(i)), error, &
+                            'positions are 0 to '//to_text(MOST_COEFFICIENTS - 1))
+          return
+        end if
+        j = json%next(j)
+      end do
+      call new_vector(vectors, maxval([0, at + 1]))
+      vectors%value(vectors%first(vectors%n) + at) = x
+      v = json%next(v)
     end do
-    call new_vector(vectors, maxval([0, at + 1]))
-    vectors%value(vectors%first(vectors%n) + at) = x
-  end subroutine read_sparse
+    call check_number(text, json, 1, 'num_coeff_vecs', vectors%n, error)
+  end subroutine read_vectors
 
 end module format_bext_json

@@ -1,100 +1,84 @@
-!> G+Smo XML files: geometries TensorNurbs3 and TensorBSpline3, or TensorNurbs2 and TensorBSpline2.
+!> G+Smo XML files: one geometry TensorNurbs3 or TensorBSpline3, or a surface of the same with 2.
+!!
+!! Read are the knot vectors with their degrees, the weights and the coefficients, of which the
+!! first direction runs fastest. Other geometries of the file and other tags are skipped.
+!! Source: the files of G+Smo (gismo/filedata)
 module format_gismo
   use base_kinds, only: wp
   use base_error, only: error_t
   use base_text, only: to_text, quoted
   use bspline, only: spline_t, nfunction
-  use nurbs, only: nurbs_t, new_nurbs
   use format_text, only: text_t, fail_in_file, next_word, next_reals
+  use nurbs, only: nurbs_t, new_nurbs
   implicit none
   private
   public :: read_gismo
 
 contains
 
-  !> The geometry of so many directions with id `name`, or the only one.
+  !> The geometry with `ndir` directions and the id `name`, or the only one.
   subroutine read_gismo(text, name, ndir, patch, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
     integer, intent(in) :: ndir           !! 3: a body, 2: a surface
     type(nurbs_t), intent(out) :: patch
     type(error_t), allocatable, intent(out) :: error
-    integer :: first, last
+    type(text_t) :: part
+    type(spline_t) :: dir(ndir)
+    real(wp), allocatable :: x(:), w(:)
+    integer :: d, first, i, last, n, tag
 
-    call blank_comments(text)
-    call choose(text, name, ndir, first, last, error)
-    if (allocated(error)) return
-    text%all = text%all(:last) ! line numbers stay, and nothing is read from the next geometry
-    text%at = first
-    call read_geometry(text, ndir, patch, error)
-  end subroutine read_gismo
-
-  !> Comments become blanks; their lines stay.
-  subroutine blank_comments(text)
-    type(text_t), intent(inout) :: text
-    integer :: i, first, length
-
-    first = index(text%all, '<!--')
+    first = index(text%all, '<!--') ! comments become blanks, so that the lines keep their numbers
     do while (first > 0)
-      length = index(text%all(first:), '-->') + 2
-      if (length < 3) length = len(text%all) - first + 1
-      do i = first, first + length - 1
+      last = first + index(text%all(first:), '-->') + 1
+      if (last == first + 1) last = len(text%all)
+      do i = first, last
         if (text%all(i:i) /= achar(10)) text%all(i:i) = ' '
       end do
       first = index(text%all, '<!--')
     end do
-  end subroutine blank_comments
+    call find_geometry(text, name, ndir, first, last, error)
+    if (allocated(error)) return
+    text%all = text%all(:last) ! nothing is read from the next geometry
+    text%at = first
+    n = 1
+    do d = 1, ndir
+      call read_knots(text, d, dir(d), error)
+      if (allocated(error)) return
+      if (nfunction(dir(d)) <= dir(d)%degree .or. nfunction(dir(d)) > len(text%all)/n) then
+        call fail_in_file(text, 'found '//to_text(size(dir(d)%knots))//' knots for degree ' &
+                          //to_text(dir(d)%degree)//' in direction '//to_text(d), error)
+        return
+      end if
+      n = n*nfunction(dir(d))
+    end do
+    allocate (x(3*n), w(n), source=1.0_wp)
+    text%at = first
+    call enter(text, 'weights', tag, part)
+    if (tag > 0) call read_all(part, 'a weight', w, error)
+    if (allocated(error)) return
+    text%at = first
+    call enter(text, 'coefs', tag, part)
+    if (tag == 0) then
+      call fail_in_file(text, 'the geometry has no coefs', error)
+    else if (attribute(text, tag, 'geoDim') /= '3') then
+      call fail_in_file(text, "expected geoDim '3', found " &
+                        //quoted(attribute(text, tag, 'geoDim')), error)
+    else
+      call read_all(part, 'a coordinate', x, error)
+    end if
+    if (.not. allocated(error)) call new_nurbs(patch, dir, reshape(x, [3, n]), w)
+  end subroutine read_gismo
 
-  !> The stretch of the file that holds the geometry asked for.
-  subroutine choose(text, name, ndir, first, last, error)
+  !> The part of the file that holds the geometry.
+  subroutine find_geometry(text, name, ndir, first, last, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
     integer, intent(in) :: ndir
     integer, intent(out) :: first, last
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: found, others, what, plural, hint
-    integer :: n, length
-
-    what = 'body'
-    plural = ' bodies'
-    if (ndir == 2) then
-      what = 'surface'
-      plural = ' surfaces'
-    end if
-    hint = 'a '//what//' is a geometry TensorNurbs'//to_text(ndir)//' or TensorBSpline' &
-           //to_text(ndir)
-    call list_geometries(text, name, ndir, n, first, found, others)
-    last = len(text%all)
-    text%at = 0
-    if (n == 0 .and. len(others) > 0) then
-      call fail_in_file(text, 'the file has no '//what//', only'//others, error, hint)
-    else if (n == 0) then
-      call fail_in_file(text, 'the file has no geometry', error, hint)
-    else if (first == 0) then
-      call fail_in_file(text, 'the file has no '//what//' '//quoted(trim(name)), error, &
-                    'it has'//found)
-    else if (n > 1 .and. len_trim(name) == 0) then
-      call fail_in_file(text, 'the file has '//to_text(n)//plural, error, &
-                    'name one by its id:'//found)
-    else
-      length = index(text%all(first:), '</Geometry>')
-      text%at = first
-      if (length == 0) call fail_in_file(text, 'the geometry has no end', error, &
-                                     'the file seems to be cut off')
-      last = first + length - 2
-    end if
-  end subroutine choose
-
-  !> Ids of the geometries that fit, and kinds of the others.
-  subroutine list_geometries(text, name, ndir, n, first, found, others)
-    type(text_t), intent(in) :: text
-    character(*), intent(in) :: name
-    integer, intent(in) :: ndir
-    integer, intent(out) :: n     !! how many fit
-    integer, intent(out) :: first !! where the one of the name begins, or the last; 0: there is none
-    character(:), allocatable, intent(out) :: found, others
-    character(:), allocatable :: kind, id
-    integer :: tag, length
+    character(:), allocatable :: type, id, found, others, what, plural, hint
+    integer :: n, length, tag
 
     found = ''
     others = ''
@@ -105,18 +89,45 @@ contains
       length = index(text%all(tag:), '<Geometry')
       if (length == 0) exit
       tag = tag + length - 1
-      kind = attribute(text, tag, 'type')
+      type = attribute(text, tag, 'type')
       id = attribute(text, tag, 'id')
-      if (kind == 'TensorNurbs'//to_text(ndir) .or. kind == 'TensorBSpline'//to_text(ndir)) then
+      if (type == 'TensorNurbs'//to_text(ndir) .or. type == 'TensorBSpline'//to_text(ndir)) then
         n = n + 1
         found = found//' '//id
         if (id == name .or. len_trim(name) == 0) first = tag
       else
-        others = others//' '//kind
+        others = others//' '//type
       end if
       tag = tag + 1
     end do
-  end subroutine list_geometries
+    what = 'body'
+    plural = ' bodies'
+    if (ndir == 2) then
+      what = 'surface'
+      plural = ' surfaces'
+    end if
+    hint = 'a '//what//' is a geometry TensorNurbs'//to_text(ndir)//' or TensorBSpline' &
+           //to_text(ndir)
+    last = len(text%all)
+    text%at = 0
+    if (n == 0 .and. len(others) > 0) then
+      call fail_in_file(text, 'the file has no '//what//', only'//others, error, hint)
+    else if (n == 0) then
+      call fail_in_file(text, 'the file has no geometry', error, hint)
+    else if (first == 0) then
+      call fail_in_file(text, 'the file has no '//what//' '//quoted(trim(name)), error, &
+                        'it has'//found)
+    else if (n > 1 .and. len_trim(name) == 0) then
+      call fail_in_file(text, 'the file has '//to_text(n)//plural//', and none is named', error, &
+                        'name one by its id:'//found)
+    else
+      length = index(text%all(first:), '</Geometry>')
+      text%at = first
+      if (length == 0) call fail_in_file(text, 'the geometry has no end tag', error, &
+                                         'the file seems to be truncated')
+      last = first + length - 2
+    end if
+  end subroutine find_geometry
 
   !> Value of an attribute of the tag that begins at `tag`; empty where it has none.
   function attribute(text, tag, name) result(value)
@@ -135,13 +146,12 @@ contains
     value = text%all(first:last)
   end function attribute
 
-  !> The content of the next tag of a name, up to the next tag of any; `tag` is where it begins,
-  !! 0: there is none.
+  !> The content of the next tag with a name, up to the next tag of any name.
   subroutine enter(text, name, tag, part)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
-    integer, intent(out) :: tag
-    type(text_t), intent(out) :: part
+    integer, intent(out) :: tag        !! where it begins; 0: there is none
+    type(text_t), intent(out) :: part  !! the text up to its end, at its beginning
     integer :: length
 
     length = index(text%all(text%at:), '<'//name)
@@ -167,50 +177,11 @@ contains
     call next_reals(part, what, x, error)
     if (allocated(error)) return
     call next_word(part, word)
-    if (len(word) > 0) call fail_in_file(part, quoted(word)//' after the last of '//to_text(size(x)) &
-                                     //' numbers', error)
+    if (len(word) > 0) call fail_in_file(part, 'expected '//to_text(size(x))//' numbers, found ' &
+                                         //quoted(word)//' after them', error)
   end subroutine read_all
 
-  !> Knots, weights and points between the present position and the end of the text.
-  subroutine read_geometry(text, ndir, patch, error)
-    type(text_t), intent(inout) :: text
-    integer, intent(in) :: ndir
-    type(nurbs_t), intent(out) :: patch
-    type(error_t), allocatable, intent(out) :: error
-    type(text_t) :: part
-    type(spline_t) :: dir(ndir)
-    real(wp), allocatable :: x(:), w(:)
-    integer :: d, first, tag, n
-
-    first = text%at
-    n = 1
-    do d = 1, ndir
-      call read_knots(text, d, dir(d), error)
-      if (allocated(error)) return
-      if (nfunction(dir(d)) <= dir(d)%degree .or. nfunction(dir(d)) > len(text%all)/n) then
-        call fail_in_file(text, to_text(size(dir(d)%knots))//' knots of degree ' &
-                      //to_text(dir(d)%degree)//' in direction '//to_text(d), error)
-        return
-      end if
-      n = n*nfunction(dir(d))
-    end do
-    allocate (x(3*n), w(n), source=1.0_wp)
-    text%at = first
-    call enter(text, 'weights', tag, part)
-    if (tag > 0) call read_all(part, 'a weight', w, error)
-    if (allocated(error)) return
-    text%at = first
-    call enter(text, 'coefs', tag, part)
-    if (tag == 0) then
-      call fail_in_file(text, 'the geometry has no coefs', error)
-    else if (attribute(text, tag, 'geoDim') /= '3') then
-      call fail_in_file(text, 'geoDim '//quoted(attribute(text, tag, 'geoDim')), error, 'a body has 3')
-    else
-      call read_all(part, 'a coordinate', x, error)
-    end if
-    if (.not. allocated(error)) call new_nurbs(patch, dir, reshape(x, [3, n]), w)
-  end subroutine read_geometry
-
+  !> The next knot vector.
   subroutine read_knots(text, d, s, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: d
@@ -222,7 +193,7 @@ contains
 
     call enter(text, 'KnotVector', tag, part)
     if (tag == 0) then
-      call fail_in_file(text, 'no KnotVector of direction '//to_text(d), error)
+      call fail_in_file(text, 'direction '//to_text(d)//' has no KnotVector', error)
       return
     end if
     degree = attribute(text, tag, 'degree')
@@ -231,7 +202,7 @@ contains
       read (degree, *, iostat=status) s%degree
     end if
     if (status /= 0) then
-      call fail_in_file(text, 'KnotVector of degree '//quoted(degree), error)
+      call fail_in_file(text, quoted(degree)//' is not a valid degree of a KnotVector', error)
       return
     end if
     first = part%at

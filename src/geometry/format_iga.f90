@@ -1,12 +1,16 @@
 !> `.iga` files of spline surfaces: control points, and the functions of each element row by row.
+!!
+!! Read are `type` (surface or plane), `nodeN`, `elemN`, `node` and `belem`. Sets may follow, and
+!! are ignored. `#` starts a comment.
+!! Source: the export of T-splines from Rhino
 module format_iga
   use base_kinds, only: wp
   use base_error, only: error_t
   use base_text, only: to_text, quoted
   use format_text, only: text_t, fail_in_file, next_word, next_integer, next_count, next_reals, &
-      words_left
+                         words_left
   use spline_surface, only: spline_surface_t, start_surface, add_point, check_sizes, add_element, &
-      finish_surface
+                            finish_surface
   implicit none
   private
   public :: read_iga
@@ -18,11 +22,23 @@ contains
     type(text_t), intent(inout) :: text
     type(spline_surface_t), intent(out) :: surface
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: word
     integer :: i, nnode, nelem
     real(wp) :: x(4)
 
     text%comment = '#'
-    call read_head(text, nnode, nelem, error)
+    call next_keyword(text, 'type', error)
+    if (allocated(error)) return
+    call next_word(text, word)
+    if (word /= 'surface' .and. word /= 'plane') then
+      call fail_in_file(text, 'the file is of type '//quoted(word), error, &
+                        'a surface is of type surface or plane')
+      return
+    end if
+    call next_keyword(text, 'nodeN', error)
+    if (.not. allocated(error)) call next_count(text, 'a number of control points', nnode, error)
+    if (.not. allocated(error)) call next_keyword(text, 'elemN', error)
+    if (.not. allocated(error)) call next_count(text, 'a number of elements', nelem, error)
     if (allocated(error)) return
     call start_surface(nnode, nelem, surface)
     do i = 1, nnode
@@ -35,33 +51,16 @@ contains
       call read_element(text, surface, error)
       if (allocated(error)) return
     end do
-    call read_sets(text, error)
-    if (.not. allocated(error)) call finish_surface(text, surface, error)
+    call next_word(text, word)
+    if (len(word) == 0 .or. word == 'set') then
+      call finish_surface(text, surface, error)
+    else ! more elements than counted would be lost
+      call fail_in_file(text, 'unexpected '//quoted(word)//' after the last element', error, &
+                        'elemN may be too small')
+    end if
   end subroutine read_iga
 
-  !> type, nodeN and elemN.
-  subroutine read_head(text, nnode, nelem, error)
-    type(text_t), intent(inout) :: text
-    integer, intent(out) :: nnode, nelem
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: word
-
-    nnode = 0
-    nelem = 0
-    call next_keyword(text, 'type', error)
-    if (allocated(error)) return
-    call next_word(text, word)
-    if (word /= 'surface' .and. word /= 'plane') then
-      call fail_in_file(text, 'the file is of type '//quoted(word), error, &
-                    'a surface is of type surface or plane')
-      return
-    end if
-    call next_keyword(text, 'nodeN', error)
-    if (.not. allocated(error)) call next_count(text, 'a number of control points', nnode, error)
-    if (.not. allocated(error)) call next_keyword(text, 'elemN', error)
-    if (.not. allocated(error)) call next_count(text, 'a number of elements', nelem, error)
-  end subroutine read_head
-
+  !> Read a word that must be `key`.
   subroutine next_keyword(text, key, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: key
@@ -71,15 +70,15 @@ contains
     call next_word(text, word)
     if (word == key) return
     if (len(word) == 0) then
-      call fail_in_file(text, 'the file ends where '//quoted(key)//' should stand', error, &
-                    'its counts may be wrong, or it is cut off')
+      call fail_in_file(text, 'expected '//quoted(key)//', found the end of the file', error, &
+                        'its counts may be wrong, or it is truncated')
     else
-      call fail_in_file(text, quoted(word)//' where '//quoted(key)//' should stand', error, &
-                    'counts of control points, elements or functions may be wrong')
+      call fail_in_file(text, 'expected '//quoted(key)//', found '//quoted(word), error, &
+                        'counts of control points, elements or functions may be wrong')
     end if
   end subroutine next_keyword
 
-  !> belem nshl p q, control points from 0, a row of coefficients for each.
+  !> belem nshl p q, control points from 0, and a row of coefficients for each of them.
   subroutine read_element(text, surface, error)
     type(text_t), intent(inout) :: text
     type(spline_surface_t), intent(inout) :: surface
@@ -92,8 +91,8 @@ contains
     if (allocated(error)) return
     at = text%at
     if (words_left(text) /= 3) then
-      call fail_in_file(text, 'belem with '//to_text(words_left(text))//' numbers', error, &
-                    'an element of a surface has its number of functions and two degrees')
+      call fail_in_file(text, 'expected belem with 3 numbers, found '//to_text(words_left(text)), &
+                        error, 'an element of a surface has its number of functions and two degrees')
       return
     end if
     call next_integer(text, 'a number of functions', n, error)
@@ -115,17 +114,5 @@ contains
     call add_element(text, degree, node + 1, c, surface, error)
     text%at = a
   end subroutine read_element
-
-  !> Named sets may follow, nothing else: more elements than counted would be lost.
-  subroutine read_sets(text, error)
-    type(text_t), intent(inout) :: text
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: word
-
-    call next_word(text, word)
-    if (len(word) == 0 .or. word == 'set') return
-    call fail_in_file(text, quoted(word)//' behind the last element', error, &
-                  'elemN may be too small')
-  end subroutine read_sets
 
 end module format_iga

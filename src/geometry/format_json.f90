@@ -1,9 +1,9 @@
-!> JSON files as a tree of values; what is wrong with one is said with its line.
+!> JSON files as a tree of values; errors give the line of the file.
 !!
-!! Values stand in the order of the file: the first member or element of a value is the one behind
-!! it. Depth and number are bounded.
-!!
-!! Members of JSON objects with the kind that they must have.
+!! Values are numbered in the order of the file: the first member or element of value i is i + 1.
+!! Names and strings are not decoded: escapes stay as they are. Nesting and number of values are
+!! bounded.
+!! Source: RFC 8259
 module format_json
   use base_kinds, only: wp
   use base_error, only: error_t
@@ -12,7 +12,8 @@ module format_json
   use format_text, only: text_t, fail_in_file
   implicit none
   private
-  public :: json_t, parse_json, member, first_of, get, get_integer, to_integer, get_reals, compare
+  public :: json_t, parse_json, member, first_of, get, get_integer, to_integer, get_reals, &
+            check_number
 
   integer, parameter, public :: JSON_NULL = 0, JSON_FALSE = 1, JSON_TRUE = 2, JSON_NUMBER = 3, &
                                 JSON_STRING = 4, JSON_LIST = 5, JSON_OBJECT = 6
@@ -20,11 +21,11 @@ module format_json
 
   type :: json_t
     integer :: n = 0
-    integer, allocatable :: kind(:)
+    integer, allocatable :: type(:)      !! JSON_NULL to JSON_OBJECT
     integer, allocatable :: at(:)        !! place in the file
     integer, allocatable :: key(:)       !! place of a member's name in the file; 0: it has none
-    integer, allocatable :: next(:)      !! its next brother; 0: none
-    integer, allocatable :: length(:)    !! how many members or elements it has
+    integer, allocatable :: next(:)      !! the next member or element of the same parent; 0: none
+    integer, allocatable :: length(:)    !! number of members or elements
     real(wp), allocatable :: number(:)
   end type json_t
 
@@ -35,14 +36,17 @@ contains
     type(text_t), intent(inout) :: text
     type(json_t), intent(out) :: json
     type(error_t), allocatable, intent(out) :: error
+    character :: c
     integer :: i
 
     text%at = 1
+    allocate (json%type(1024), json%at(1024), json%key(1024), json%next(1024), &
+              json%length(1024), json%number(1024))
     call read_value(text, json, 0, i, error)
     if (allocated(error)) return
-    call skip_blanks(text)
-    if (text%at <= len(text%all)) call fail_in_file(text, 'text behind the end of the JSON value', &
-                                                error)
+    call look(text, c)
+    if (text%at <= len(text%all)) call fail_in_file(text, 'unexpected text after the end of the ' &
+                                                    //'JSON value', error)
   end subroutine parse_json
 
   !> First member or element of value i; 0: it has none.
@@ -76,17 +80,14 @@ contains
     end do
   end function member
 
-  !> One more value.
-  subroutine append(json, kind, at, i)
+  !> Append a value.
+  subroutine append(json, type, at, i)
     type(json_t), intent(inout) :: json
-    integer, intent(in) :: kind, at
+    integer, intent(in) :: type, at
     integer, intent(out) :: i
 
-    if (.not. allocated(json%kind)) then
-      allocate (json%kind(1024), json%at(1024), json%key(1024), json%next(1024), &
-                json%length(1024), json%number(1024))
-    else if (json%n == size(json%kind)) then
-      json%kind = [json%kind, json%kind]
+    if (json%n == size(json%type)) then
+      json%type = [json%type, json%type]
       json%at = [json%at, json%at]
       json%key = [json%key, json%key]
       json%next = [json%next, json%next]
@@ -95,7 +96,7 @@ contains
     end if
     json%n = json%n + 1
     i = json%n
-    json%kind(i) = kind
+    json%type(i) = type
     json%at(i) = at
     json%key(i) = 0
     json%next(i) = 0
@@ -103,26 +104,20 @@ contains
     json%number(i) = 0.0_wp
   end subroutine append
 
-  subroutine skip_blanks(text)
+  !> The next character that is not a blank; a blank at the end of the file.
+  subroutine look(text, c)
     type(text_t), intent(inout) :: text
+    character, intent(out) :: c
 
     do while (text%at <= len(text%all))
       if (iachar(text%all(text%at:text%at)) > 32) exit
       text%at = text%at + 1
     end do
-  end subroutine skip_blanks
-
-  !> The next character that is no blank; a blank at the end of the file.
-  subroutine look(text, c)
-    type(text_t), intent(inout) :: text
-    character, intent(out) :: c
-
-    call skip_blanks(text)
     c = ' '
     if (text%at <= len(text%all)) c = text%all(text%at:text%at)
   end subroutine look
 
-  !> A value and all in it.
+  !> A value with all its parts.
   recursive subroutine read_value(text, json, depth, i, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(inout) :: json
@@ -130,13 +125,14 @@ contains
     integer, intent(out) :: i
     type(error_t), allocatable, intent(out) :: error
     character :: c
-    integer :: key
+    integer :: key, length
+    logical :: ok
 
     i = 0
     call look(text, c)
     if (depth > DEEPEST .or. json%n >= MOST) then
-      call fail_in_file(text, 'too much in a JSON value', error, 'values stand at most ' &
-                    //to_text(DEEPEST)//' deep, and there are at most '//to_text(MOST))
+      call fail_in_file(text, 'the JSON value is too large', error, 'values are nested at most ' &
+                        //to_text(DEEPEST)//' deep, and there are at most '//to_text(MOST))
       return
     end if
     select case (c)
@@ -157,9 +153,15 @@ contains
       call read_word(text, json, 'null', JSON_NULL, i, error)
     case ('-', '0', '1', '2', '3', '4', '5', '6', '7', '8', '9')
       call append(json, JSON_NUMBER, text%at, i)
-      call read_number(text, json%number(i), error)
+      length = verify(text%all(text%at:), '+-.0123456789eE') - 1
+      if (length < 0) length = len(text%all) - text%at + 1
+      associate (word => text%all(text%at:text%at + length - 1))
+        call whole_number(word, json%number(i), ok)
+        if (.not. ok) call fail_in_file(text, quoted(word)//' is not a valid number', error)
+      end associate
+      text%at = text%at + length
     case default
-      call unexpected(text, 'a value', error)
+      call fail_expected(text, 'a value', error)
     end select
   end subroutine read_value
 
@@ -183,8 +185,19 @@ contains
     end if
     do
       if (close == '}') then
-        call read_name(text, key, error)
+        call look(text, c)
+        if (c /= '"') then
+          call fail_expected(text, 'a name in quotes', error)
+          return
+        end if
+        call read_string(text, key, error)
         if (allocated(error)) return
+        call look(text, c)
+        if (c /= ':') then
+          call fail_expected(text, 'a colon', error)
+          return
+        end if
+        text%at = text%at + 1
       end if
       call read_value(text, json, depth + 1, i, error)
       if (allocated(error)) return
@@ -194,7 +207,7 @@ contains
       last = i
       call look(text, c)
       if (c /= close .and. c /= ',') then
-        call unexpected(text, 'a comma or '//close, error)
+        call fail_expected(text, 'a comma or '//close, error)
         return
       end if
       text%at = text%at + 1
@@ -202,33 +215,10 @@ contains
     end do
   end subroutine read_list
 
-  !> A member's name and its colon.
-  subroutine read_name(text, key, error)
-    type(text_t), intent(inout) :: text
-    integer, intent(out) :: key
-    type(error_t), allocatable, intent(out) :: error
-    character :: c
-
-    key = 0
-    call look(text, c)
-    if (c /= '"') then
-      call unexpected(text, 'a name in quotes', error)
-      return
-    end if
-    call read_string(text, key, error)
-    if (allocated(error)) return
-    call look(text, c)
-    if (c /= ':') then
-      call unexpected(text, 'a colon', error)
-      return
-    end if
-    text%at = text%at + 1
-  end subroutine read_name
-
-  !> Over a text in quotes; key is where it begins behind them.
+  !> Go to the end of a string in quotes.
   subroutine read_string(text, key, error)
     type(text_t), intent(inout) :: text
-    integer, intent(out) :: key
+    integer, intent(out) :: key  !! place of its first character
     type(error_t), allocatable, intent(out) :: error
     integer :: i
 
@@ -241,87 +231,64 @@ contains
       end if
       i = i + merge(2, 1, text%all(i:i) == '\')
     end do
-    call fail_in_file(text, 'a text in quotes has no end', error)
+    call fail_in_file(text, 'the closing quote of a string is missing', error)
   end subroutine read_string
 
-  subroutine read_number(text, x, error)
-    type(text_t), intent(inout) :: text
-    real(wp), intent(out) :: x
-    type(error_t), allocatable, intent(out) :: error
-    integer :: length
-    logical :: ok
-
-    length = verify(text%all(text%at:), '+-.0123456789eE') - 1
-    if (length < 0) length = len(text%all) - text%at + 1
-    call whole_number(text%all(text%at:text%at + length - 1), x, ok)
-    if (ok) then
-      text%at = text%at + length
-    else
-      call fail_in_file(text, quoted(text%all(text%at:text%at + length - 1))//' is no number', error)
-    end if
-  end subroutine read_number
-
   !> true, false or null.
-  subroutine read_word(text, json, word, kind, i, error)
+  subroutine read_word(text, json, word, type, i, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(inout) :: json
     character(*), intent(in) :: word
-    integer, intent(in) :: kind
+    integer, intent(in) :: type
     integer, intent(out) :: i
     type(error_t), allocatable, intent(out) :: error
 
     i = 0
     if (index(text%all(text%at:), word) /= 1) then
-      call unexpected(text, 'a value', error)
+      call fail_expected(text, 'a value', error)
       return
     end if
-    call append(json, kind, text%at, i)
+    call append(json, type, text%at, i)
     text%at = text%at + len(word)
   end subroutine read_word
 
-  subroutine unexpected(text, what, error)
+  subroutine fail_expected(text, what, error)
     type(text_t), intent(in) :: text
     character(*), intent(in) :: what
     type(error_t), allocatable, intent(out) :: error
 
     if (text%at > len(text%all)) then
-      call fail_in_file(text, 'the file ends where '//what//' should stand', error, &
-                    'the file seems to be cut off')
+      call fail_in_file(text, 'expected '//what//', found the end of the file', error, &
+                        'the file seems to be truncated')
     else
-      call fail_in_file(text, quoted(text%all(text%at:text%at))//' where '//what//' should stand', &
-                    error)
+      call fail_in_file(text, 'expected '//what//', found '//quoted(text%all(text%at:text%at)), &
+                        error)
     end if
-  end subroutine unexpected
+  end subroutine fail_expected
 
-  !> A member of a kind.
-  subroutine get(text, json, i, name, kind, found, error)
+  !> A member of value i with the type that it must have.
+  subroutine get(text, json, i, name, type, found, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
-    integer, intent(in) :: i, kind
+    integer, intent(in) :: i, type
     character(*), intent(in) :: name
     integer, intent(out) :: found
     type(error_t), allocatable, intent(out) :: error
+    character(9), parameter :: NAMES(JSON_NULL:JSON_OBJECT) = &
+                               [character(9) :: 'null', 'false', 'true', 'a number', 'a string', &
+                                                                              'a list', 'an object']
 
     found = member(text, json, i, name)
     text%at = json%at(i)
     if (found == 0) then
-      call fail_in_file(text, 'there is no '//quoted(name), error, &
-                    'the format asks for it')
+      call fail_in_file(text, 'member '//quoted(name)//' is missing', error)
       return
     end if
     text%at = json%at(found)
-    if (json%kind(found) /= kind) call fail_in_file(text, quoted(name)//' is not what it should be', &
-                                                error, 'it is '//kind_name(kind))
+    if (json%type(found) == type) return
+    call fail_in_file(text, 'expected '//trim(NAMES(type))//' for '//quoted(name)//', found ' &
+                      //trim(NAMES(json%type(found))), error)
   end subroutine get
-
-  pure function kind_name(kind) result(name)
-    integer, intent(in) :: kind
-    character(:), allocatable :: name
-
-    name = 'a list'
-    if (kind == JSON_NUMBER) name = 'a number'
-    if (kind == JSON_OBJECT) name = 'an object'
-  end function kind_name
 
   subroutine get_integer(text, json, i, name, n, error)
     type(text_t), intent(inout) :: text
@@ -337,7 +304,7 @@ contains
     if (.not. allocated(error)) call to_integer(text, json, found, name, n, error)
   end subroutine get_integer
 
-  !> A value as a whole number.
+  !> Value i as a whole number; `name` is that of the list or member that it belongs to.
   subroutine to_integer(text, json, i, name, n, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -348,11 +315,11 @@ contains
 
     n = 0
     text%at = json%at(i)
-    if (json%kind(i) == JSON_NUMBER .and. abs(json%number(i)) < huge(n) &
+    if (json%type(i) == JSON_NUMBER .and. abs(json%number(i)) < huge(n) &
         .and. .not. abs(json%number(i) - anint(json%number(i))) > 0.0_wp) then
       n = nint(json%number(i))
     else
-      call fail_in_file(text, 'a whole number should stand in '//quoted(name), error)
+      call fail_in_file(text, 'expected a whole number in '//quoted(name), error)
     end if
   end subroutine to_integer
 
@@ -369,9 +336,9 @@ contains
     allocate (x(json%length(list)), source=0.0_wp)
     j = first_of(json, list)
     do i = 1, size(x)
-      if (json%kind(j) /= JSON_NUMBER) then
+      if (json%type(j) /= JSON_NUMBER) then
         text%at = json%at(j)
-        call fail_in_file(text, 'a number should stand in '//quoted(name), error)
+        call fail_in_file(text, 'expected a number in '//quoted(name), error)
         return
       end if
       x(i) = json%number(j)
@@ -379,19 +346,20 @@ contains
     end do
   end subroutine get_reals
 
-  !> A count, where the file says one.
-  subroutine compare(text, json, i, name, n, error)
+  !> Compare a number with n where the file gives it.
+  subroutine check_number(text, json, i, name, n, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
     integer, intent(in) :: i, n
     character(*), intent(in) :: name
     type(error_t), allocatable, intent(out) :: error
-    integer :: said
+    integer :: given
 
     if (member(text, json, i, name) == 0) return
-    call get_integer(text, json, i, name, said, error)
-    if (allocated(error) .or. said == n) return
-    call fail_in_file(text, quoted(name)//' is '//to_text(said)//', but there are '//to_text(n), error)
-  end subroutine compare
+    call get_integer(text, json, i, name, given, error)
+    if (allocated(error) .or. given == n) return
+    call fail_in_file(text, quoted(name)//' is '//to_text(given)//', but there are '//to_text(n), &
+                      error)
+  end subroutine check_number
 
 end module format_json

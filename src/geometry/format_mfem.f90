@@ -1,31 +1,32 @@
 !> Files `MFEM NURBS mesh v1.0`: blocks of NURBS with a common numbering of control points.
 !!
-!! Knots run as the edge is written; positions are Euclidean; format_mfem says in which order
-!! the control points stand.
-!! Source: mfem.org, mesh format; the files of its own data folder.
+!! Read are dimension, elements (cubes), edges, vertices, knotvectors, weights and the positions,
+!! which are Euclidean; the boundary is skipped. A knot vector runs as its edge is written.
 !!
-!! Topology of an MFEM NURBS mesh and the numbering of its control points.
-!!
-!! Numbering: vertices; the inner points of the edges, in the order of the section `edges`, each
-!! from its lower vertex to its higher; those of the faces, in the order in which the elements
-!! bring them, along the face's first vertices; those of the elements.
+!! Numbering of the control points: vertices; the inner points of the edges, in the order of the
+!! section `edges`, each from its lower vertex to its higher; those of the faces, in the order in
+!! which the elements first have them, along the face's first vertices; those of the elements.
+!! Source: mfem.org, mesh format; the files of its own data folder
 module format_mfem
+  use base_kinds, only: wp, i8
   use base_error, only: error_t
   use base_text, only: to_text, quoted
   use bspline, only: spline_t, nfunction
+  use format_text, only: text_t, fail_in_file, next_word, next_integer, next_integers, next_count, &
+                         next_reals
   use nurbs, only: nurbs_t, new_nurbs
-  use format_text, only: text_t, fail_in_file, next_word, next_integer, next_count, next_reals
-  use base_kinds, only: wp, i8
   implicit none
   private
-  public :: read_mfem, mfem_t, number_points, find_point, find_edge
+  public :: read_mfem
 
-  !> Where the eight vertices of an element stand in its directions.
+  !> Where the eight vertices of an element are in its directions.
   integer, parameter :: CORNER(3, 0:7) = reshape([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &
                                                   0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
   !> Vertices of its faces, in the order that numbers the inner points.
   integer, parameter :: QUAD(4, 6) = reshape([3, 2, 1, 0, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, &
                                               3, 0, 4, 7, 4, 5, 6, 7], [4, 6])
+  !> Positions of the neighbours of its first vertex in the three directions.
+  integer, parameter :: NEIGHBOUR(3) = [2, 4, 5]
 
   !> A file as read.
   type :: mfem_t
@@ -49,255 +50,36 @@ contains
     type(nurbs_t), intent(out) :: patch
     type(error_t), allocatable, intent(out) :: error
     type(mfem_t) :: mfem
-    integer :: e
+    type(spline_t) :: dir(3)
+    integer, allocatable :: at(:)
+    integer :: d, e, i, j, k, n(3), nelem, status, last
 
     text%comment = '#'
     call read_topology(text, mfem, error)
     if (allocated(error)) return
-    call choose(text, name, size(mfem%vertex, 2), e, error)
-    if (allocated(error)) return
-    call number_points(text, mfem, error)
-    if (allocated(error)) return
-    call read_points(text, mfem, error)
-    if (allocated(error)) return
-    call take_element(text, mfem, e, patch, error)
-  end subroutine read_mfem
-
-  subroutine choose(text, name, n, e, error)
-    type(text_t), intent(inout) :: text
-    character(*), intent(in) :: name
-    integer, intent(in) :: n
-    integer, intent(out) :: e
-    type(error_t), allocatable, intent(out) :: error
-    integer :: status
-
+    nelem = size(mfem%vertex, 2)
     e = 1
-    if (len_trim(name) == 0 .and. n == 1) return
-    status = 1
-    if (len_trim(name) > 0 .and. verify(trim(name), '0123456789') == 0) then
-      read (name, *, iostat=status) e
+    status = merge(0, 1, nelem == 1)
+    if (len_trim(name) > 0) then
+      status = 1
+      if (verify(trim(name), '0123456789') == 0) read (name, *, iostat=status) e
     end if
-    if (status == 0 .and. e >= 1 .and. e <= n) return
-    text%at = 0
-    if (len_trim(name) == 0) then
-      call fail_in_file(text, 'the file has '//to_text(n)//' patches', error, &
-                    'name one by its number: FILE path 1')
-    else
-      call fail_in_file(text, 'the file has no patch '//quoted(trim(name)), error, &
-                    'it has patches 1 to '//to_text(n))
-    end if
-  end subroutine choose
-
-  !> Everything up to the knot vectors.
-  subroutine read_topology(text, mfem, error)
-    type(text_t), intent(inout) :: text
-    type(mfem_t), intent(inout) :: mfem
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: word
-    integer :: n
-
-    do
-      call next_word(text, word)
-      select case (word)
-      case ('dimension')
-        call next_integer(text, 'the dimension', n, error)
-        if (.not. allocated(error) .and. n /= 3) then
-          call fail_in_file(text, 'the mesh has dimension '//to_text(n), error, 'a body needs 3')
-        end if
-      case ('elements')
-        call read_elements(text, mfem%vertex, error)
-      case ('boundary')
-        call skip_boundary(text, error)
-      case ('edges')
-        call read_edges(text, mfem%edge, error)
-      case ('vertices')
-        call next_count(text, 'the number of vertices', mfem%nvertex, error)
-      case ('knotvectors')
-        call read_knots(text, mfem%dir, error)
-        if (.not. allocated(error)) call check_topology(text, mfem, error)
-        return
-      case ('')
-        call fail_in_file(text, 'the file ends before its knotvectors', error)
-      case default
-        call fail_in_file(text, 'section '//quoted(word)//' is not supported', error, 'known ' &
-                      //'sections: dimension elements boundary edges vertices knotvectors weights')
-      end select
-      if (allocated(error)) return
-    end do
-  end subroutine read_topology
-
-  subroutine read_elements(text, vertex, error)
-    type(text_t), intent(inout) :: text
-    integer, allocatable, intent(out) :: vertex(:, :)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: n, e, i, kind
-
-    call next_count(text, 'the number of elements', n, error)
-    if (allocated(error)) return
-    allocate (vertex(8, n))
-    do e = 1, n
-      call next_integer(text, 'an attribute', kind, error)
-      if (allocated(error)) return
-      call next_integer(text, 'an element type', kind, error)
-      if (allocated(error)) return
-      if (kind /= 5) then
-        call fail_in_file(text, 'element type '//to_text(kind)//' is not a cube (5)', error)
-        return
-      end if
-      do i = 1, 8
-        call next_count(text, 'a vertex', vertex(i, e), error)
-        if (allocated(error)) return
-      end do
-    end do
-  end subroutine read_elements
-
-  subroutine skip_boundary(text, error)
-    type(text_t), intent(inout) :: text
-    type(error_t), allocatable, intent(out) :: error
-    integer :: n, e, i, kind
-
-    call next_count(text, 'the number of boundary faces', n, error)
-    if (allocated(error)) return
-    do e = 1, n
-      do i = 1, 6
-        call next_integer(text, 'a number of a boundary face', kind, error)
-        if (allocated(error)) return
-      end do
-    end do
-  end subroutine skip_boundary
-
-  subroutine read_edges(text, edge, error)
-    type(text_t), intent(inout) :: text
-    integer, allocatable, intent(out) :: edge(:, :)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: n, e, i
-
-    call next_count(text, 'the number of edges', n, error)
-    if (allocated(error)) return
-    allocate (edge(3, n))
-    do e = 1, n
-      do i = 1, 3
-        call next_count(text, 'a number of an edge', edge(i, e), error)
-        if (allocated(error)) return
-      end do
-    end do
-  end subroutine read_edges
-
-  subroutine read_knots(text, dir, error)
-    type(text_t), intent(inout) :: text
-    type(spline_t), allocatable, intent(out) :: dir(:)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: n, i, ncp
-
-    call next_count(text, 'the number of knot vectors', n, error)
-    if (allocated(error)) return
-    allocate (dir(n))
-    do i = 1, n
-      call next_count(text, 'a degree', dir(i)%degree, error)
-      if (allocated(error)) return
-      call next_count(text, 'a number of control points', ncp, error)
-      if (allocated(error)) return
-      if (ncp <= dir(i)%degree) then
-        call fail_in_file(text, to_text(ncp)//' control points for degree '//to_text(dir(i)%degree), &
-                      error)
-        return
-      end if
-      allocate (dir(i)%knots(ncp + dir(i)%degree + 1))
-      call next_reals(text, 'a knot', dir(i)%knots, error)
-      if (allocated(error)) return
-    end do
-  end subroutine read_knots
-
-  !> Numbers that point to what is there.
-  subroutine check_topology(text, mfem, error)
-    type(text_t), intent(in) :: text
-    type(mfem_t), intent(in) :: mfem
-    type(error_t), allocatable, intent(out) :: error
-    integer :: e
-
-    if (.not. (allocated(mfem%vertex) .and. allocated(mfem%edge))) then
-      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
-    else if (size(mfem%vertex) == 0 .or. size(mfem%edge) == 0) then
-      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
-    else if (max(maxval(mfem%vertex), maxval(mfem%edge(2:3, :))) >= mfem%nvertex) then
-      call fail_in_file(text, 'a vertex is not among the '//to_text(mfem%nvertex)//' there are', error)
-    else if (any([(repeats(mfem%vertex(:, e)), e=1, size(mfem%vertex, 2))])) then
-      call fail_in_file(text, 'an element has a vertex twice', error)
-    else if (maxval(mfem%edge(1, :)) >= size(mfem%dir)) then
-      call fail_in_file(text, 'an edge has a knot vector that is not among the ' &
-                    //to_text(size(mfem%dir))//' of the file', error)
-    end if
-  end subroutine check_topology
-
-  pure logical function repeats(v)
-    integer, intent(in) :: v(:)
-    integer :: i
-
-    repeats = any([(any(v(i + 1:) == v(i)), i=1, size(v) - 1)])
-  end function repeats
-
-  !> Weights and positions.
-  subroutine read_points(text, mfem, error)
-    type(text_t), intent(inout) :: text
-    type(mfem_t), intent(inout) :: mfem
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: word
-    integer :: n, i, ordering, dimension
-
-    n = mfem%first_elem(size(mfem%first_elem))
-    allocate (mfem%w(n), mfem%x(3, n))
-    ordering = -1
-    dimension = 0
-    call next_word(text, word)
-    if (word /= 'weights') then
-      call fail_in_file(text, quoted(word)//' where weights should stand', error)
-      return
-    end if
-    call next_reals(text, 'a weight', mfem%w, error)
-    if (allocated(error)) return
-    do while (ordering < 0)
-      call next_word(text, word)
-      select case (word)
-      case ('FiniteElementSpace', 'FiniteElementCollection:')
-        if (word == 'FiniteElementCollection:') call next_word(text, word)
-      case ('VDim:')
-        call next_integer(text, 'the dimension', dimension, error)
-      case ('Ordering:')
-        call next_count(text, 'the ordering', ordering, error)
-      case default
-        call fail_in_file(text, quoted(word)//' where the FiniteElementSpace should stand', error)
-      end select
-      if (allocated(error)) return
-    end do
-    if (dimension /= 3 .or. ordering > 1) then
-      call fail_in_file(text, 'VDim '//to_text(dimension)//', Ordering '//to_text(ordering), error, &
-                    'VDim is 3, Ordering 0 or 1')
-      return
-    end if
-    do i = 1, merge(n, 3, ordering == 1)
-      if (ordering == 1) then
-        call next_reals(text, 'a coordinate', mfem%x(:, i), error)
+    if (status /= 0 .or. e < 1 .or. e > nelem) then
+      text%at = 0
+      if (len_trim(name) == 0) then
+        call fail_in_file(text, 'the file has '//to_text(nelem)//' patches, and none is named', &
+                          error, 'name one by its number: FILE path 1')
       else
-        call next_reals(text, 'a coordinate', mfem%x(i, :), error)
+        call fail_in_file(text, 'the file has no patch '//quoted(trim(name)), error, &
+                          'it has patches 1 to '//to_text(nelem))
       end if
-      if (allocated(error)) return
-    end do
-  end subroutine read_points
-
-  !> The patch of one element.
-  subroutine take_element(text, mfem, e, patch, error)
-    type(text_t), intent(in) :: text
-    type(mfem_t), intent(in) :: mfem
-    integer, intent(in) :: e
-    type(nurbs_t), intent(out) :: patch
-    type(error_t), allocatable, intent(out) :: error
-    integer, parameter :: FAR(3) = [1, 3, 4]
-    type(spline_t) :: dir(3)
-    integer, allocatable :: at(:)
-    integer :: d, i, j, k, n(3), last
-
+      return
+    end if
+    call number_points(text, mfem, error)
+    if (.not. allocated(error)) call read_points(text, mfem, error)
+    if (allocated(error)) return
     do d = 1, 3
-      associate (a => mfem%vertex(1, e), b => mfem%vertex(FAR(d) + 1, e))
+      associate (a => mfem%vertex(1, e), b => mfem%vertex(NEIGHBOUR(d), e))
         i = find_edge(mfem, a, b)
         dir(d) = mfem%dir(mfem%edge(1, i) + 1)
         if (mfem%edge(2, i) == b) then ! the edge is written the other way
@@ -317,9 +99,173 @@ contains
       end do
     end do
     call new_nurbs(patch, dir, mfem%x(:, at), mfem%w(at))
-  end subroutine take_element
+  end subroutine read_mfem
 
-  !> Where the points of each edge, face and element begin.
+  !> Everything up to the knot vectors.
+  subroutine read_topology(text, mfem, error)
+    type(text_t), intent(inout) :: text
+    type(mfem_t), intent(inout) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: word
+    integer :: e, i, n, type, skip(6)
+
+    do
+      call next_word(text, word)
+      select case (word)
+      case ('dimension')
+        call next_integer(text, 'the dimension', n, error)
+        if (.not. allocated(error) .and. n /= 3) then
+          call fail_in_file(text, 'the mesh has dimension '//to_text(n)//', expected 3', error)
+        end if
+      case ('elements')
+        call next_count(text, 'the number of elements', n, error)
+        if (allocated(error)) return
+        if (allocated(mfem%vertex)) deallocate (mfem%vertex)
+        allocate (mfem%vertex(8, n))
+        do e = 1, n
+          call next_integer(text, 'an attribute', type, error)
+          if (.not. allocated(error)) call next_integer(text, 'an element type', type, error)
+          if (allocated(error)) return
+          if (type /= 5) then
+            call fail_in_file(text, 'expected element type 5 (cube), found '//to_text(type), error)
+            return
+          end if
+          do i = 1, 8
+            call next_count(text, 'a vertex', mfem%vertex(i, e), error)
+            if (allocated(error)) return
+          end do
+        end do
+      case ('boundary')
+        call next_count(text, 'the number of boundary faces', n, error)
+        if (allocated(error)) return
+        do e = 1, n
+          call next_integers(text, 'a number of a boundary face', skip, error)
+          if (allocated(error)) return
+        end do
+      case ('edges')
+        call next_count(text, 'the number of edges', n, error)
+        if (allocated(error)) return
+        if (allocated(mfem%edge)) deallocate (mfem%edge)
+        allocate (mfem%edge(3, n))
+        do e = 1, n
+          do i = 1, 3
+            call next_count(text, 'a number of an edge', mfem%edge(i, e), error)
+            if (allocated(error)) return
+          end do
+        end do
+      case ('vertices')
+        call next_count(text, 'the number of vertices', mfem%nvertex, error)
+      case ('knotvectors')
+        call read_knots(text, mfem%dir, error)
+        if (.not. allocated(error)) call check_topology(text, mfem, error)
+        return
+      case ('')
+        call fail_in_file(text, 'expected knotvectors, found the end of the file', error)
+      case default
+        call fail_in_file(text, 'section '//quoted(word)//' is not supported', error, 'known ' &
+                          //'sections: dimension elements boundary edges vertices knotvectors ' &
+                          //'weights')
+      end select
+      if (allocated(error)) return
+    end do
+  end subroutine read_topology
+
+  subroutine read_knots(text, dir, error)
+    type(text_t), intent(inout) :: text
+    type(spline_t), allocatable, intent(out) :: dir(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: n, i, ncp
+
+    call next_count(text, 'the number of knot vectors', n, error)
+    if (allocated(error)) return
+    allocate (dir(n))
+    do i = 1, n
+      call next_count(text, 'a degree', dir(i)%degree, error)
+      if (allocated(error)) return
+      call next_count(text, 'a number of control points', ncp, error)
+      if (allocated(error)) return
+      if (ncp <= dir(i)%degree) then
+        call fail_in_file(text, 'found '//to_text(ncp)//' control points for degree ' &
+                          //to_text(dir(i)%degree), error)
+        return
+      end if
+      allocate (dir(i)%knots(ncp + dir(i)%degree + 1))
+      call next_reals(text, 'a knot', dir(i)%knots, error)
+      if (allocated(error)) return
+    end do
+  end subroutine read_knots
+
+  !> Vertices and knot vectors exist, and the vertices of an element differ.
+  subroutine check_topology(text, mfem, error)
+    type(text_t), intent(in) :: text
+    type(mfem_t), intent(in) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    integer :: e, i
+
+    if (.not. (allocated(mfem%vertex) .and. allocated(mfem%edge))) then
+      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
+    else if (size(mfem%vertex) == 0 .or. size(mfem%edge) == 0) then
+      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
+    else if (max(maxval(mfem%vertex), maxval(mfem%edge(2:3, :))) >= mfem%nvertex) then
+      call fail_in_file(text, 'a vertex is not among the '//to_text(mfem%nvertex)//' of the file', error)
+    else if (any([((any(mfem%vertex(i + 1:, e) == mfem%vertex(i, e)), i=1, 7), &
+                   e=1, size(mfem%vertex, 2))])) then
+      call fail_in_file(text, 'an element has a vertex twice', error)
+    else if (maxval(mfem%edge(1, :)) >= size(mfem%dir)) then
+      call fail_in_file(text, 'an edge has a knot vector that is not among the ' &
+                    //to_text(size(mfem%dir))//' of the file', error)
+    end if
+  end subroutine check_topology
+
+  !> Weights and positions.
+  subroutine read_points(text, mfem, error)
+    type(text_t), intent(inout) :: text
+    type(mfem_t), intent(inout) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: word
+    integer :: n, i, ordering, dimension
+
+    n = mfem%first_elem(size(mfem%first_elem))
+    allocate (mfem%w(n), mfem%x(3, n))
+    ordering = -1
+    dimension = 0
+    call next_word(text, word)
+    if (word /= 'weights') then
+      call fail_in_file(text, 'expected weights, found '//quoted(word), error)
+      return
+    end if
+    call next_reals(text, 'a weight', mfem%w, error)
+    if (allocated(error)) return
+    do while (ordering < 0)
+      call next_word(text, word)
+      select case (word)
+      case ('FiniteElementSpace', 'FiniteElementCollection:')
+        if (word == 'FiniteElementCollection:') call next_word(text, word)
+      case ('VDim:')
+        call next_integer(text, 'the dimension', dimension, error)
+      case ('Ordering:')
+        call next_count(text, 'the ordering', ordering, error)
+      case default
+        call fail_in_file(text, 'expected FiniteElementSpace, found '//quoted(word), error)
+      end select
+      if (allocated(error)) return
+    end do
+    if (dimension /= 3 .or. ordering > 1) then
+      call fail_in_file(text, 'expected VDim 3 and Ordering 0 or 1, found VDim ' &
+                        //to_text(dimension)//' and Ordering '//to_text(ordering), error)
+      return
+    end if
+    do i = 1, merge(n, 3, ordering == 1)
+      if (ordering == 1) then
+        call next_reals(text, 'a coordinate', mfem%x(:, i), error)
+      else
+        call next_reals(text, 'a coordinate', mfem%x(i, :), error)
+      end if
+      if (allocated(error)) return
+    end do
+  end subroutine read_points
+
+  !> The first control point of each edge, face and element.
   subroutine number_points(text, mfem, error)
     type(text_t), intent(in) :: text
     type(mfem_t), intent(inout) :: mfem
@@ -361,11 +307,13 @@ contains
       total = total + product(int(n - 2, i8))
     end do
     mfem%first_elem(size(mfem%vertex, 2) + 1) = int(min(total, int(huge(1), i8)))
-    if (total > len(text%all)) call fail_in_file(text, to_text(total) &
-                                             //' control points cannot stand in this file', error)
+    if (total > len(text%all)) then
+      call fail_in_file(text, 'the file is too short for its '//to_text(total)//' control points', &
+                        error)
+    end if
   end subroutine number_points
 
-  !> Control points of an element in its directions.
+  !> Numbers of control points of an element in its directions.
   subroutine directions(text, mfem, e, n, error)
     type(text_t), intent(in) :: text
     type(mfem_t), intent(in) :: mfem
@@ -373,19 +321,19 @@ contains
     integer, intent(out) :: n(3)
     type(error_t), allocatable, intent(out) :: error
     integer :: d, i
-    integer, parameter :: FAR(3) = [1, 3, 4] ! neighbours of vertex 0
 
     do d = 1, 3
-      i = find_edge(mfem, mfem%vertex(1, e), mfem%vertex(FAR(d) + 1, e))
+      i = find_edge(mfem, mfem%vertex(1, e), mfem%vertex(NEIGHBOUR(d), e))
       if (i == 0) then
-        call fail_in_file(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
-                      error)
+        call fail_in_file(text, 'element '//to_text(e) &
+                          //' has an edge that is not in the section edges', error)
         return
       end if
       n(d) = nfunction(mfem%dir(mfem%edge(1, i) + 1))
     end do
   end subroutine directions
 
+  !> The edge between two vertices; 0: there is none.
   pure integer function find_edge(mfem, a, b) result(i)
     type(mfem_t), intent(in) :: mfem
     integer, intent(in) :: a, b
@@ -397,6 +345,7 @@ contains
     i = 0
   end function find_edge
 
+  !> The face with four vertices in any order; 0: there is none.
   pure integer function find_face(face, v) result(i)
     integer, intent(in) :: face(:, :), v(4)
     integer :: a
@@ -434,8 +383,16 @@ contains
         number = vertex(local(1) + 1) + 1
       case (2)
         if (vertex(local(1) + 1) > vertex(local(2) + 1)) local = local([2, 1])
-        call edge_of(text, mfem, e, n, local, i, error)
-        if (allocated(error)) return
+        i = find_edge(mfem, vertex(local(1) + 1), vertex(local(2) + 1))
+        if (i == 0) then
+          call fail_in_file(text, 'element '//to_text(e) &
+                            //' has an edge that is not in the section edges', error)
+          return
+        else if (nfunction(mfem%dir(mfem%edge(1, i) + 1)) /= n(axis(local(1), local(2)))) then
+          call fail_in_file(text, 'opposite edges of element '//to_text(e) &
+                            //' have different numbers of control points', error)
+          return
+        end if
         number = mfem%first_edge(i) + inner_index(local(1), local(2))
       case (4)
         i = find_face(mfem%face, vertex(local + 1))
@@ -457,24 +414,7 @@ contains
       d = axis(p, q)
       inner_index = merge(ijk(d) - 1, n(d) - ijk(d), CORNER(d, p) == 0)
     end function inner_index
+
   end subroutine find_point
-
-  !> The edge between two vertices of an element.
-  subroutine edge_of(text, mfem, e, n, local, i, error)
-    type(text_t), intent(in) :: text
-    type(mfem_t), intent(in) :: mfem
-    integer, intent(in) :: e, n(3), local(2)
-    integer, intent(out) :: i
-    type(error_t), allocatable, intent(out) :: error
-
-    i = find_edge(mfem, mfem%vertex(local(1) + 1, e), mfem%vertex(local(2) + 1, e))
-    if (i == 0) then
-      call fail_in_file(text, 'element '//to_text(e)//' has an edge that the section edges lacks', &
-                    error)
-    else if (nfunction(mfem%dir(mfem%edge(1, i) + 1)) /= n(axis(local(1), local(2)))) then
-      call fail_in_file(text, 'opposite edges of element '//to_text(e) &
-                    //' have different numbers of control points', error)
-    end if
-  end subroutine edge_of
 
 end module format_mfem

@@ -1,4 +1,4 @@
-!> A spline file as a stream of words; what is wrong with it is said with its line.
+!> A mesh or spline file as a stream of words; errors give the line of the file.
 module format_text
   use base_kinds, only: wp, i8
   use base_error, only: error_t, place_t, fail, DECK_ERROR
@@ -7,11 +7,11 @@ module format_text
   use deck_number, only: whole_number
   implicit none
   private
-  public :: text_t, load_text, fail_in_file, next_word, next_integer, next_real, next_count, &
-            next_reals, next_integers, words_left, next_line
+  public :: text_t, load_text, fail_in_file, next_word, next_integer, next_integers, next_count, &
+            next_real, next_reals, words_left, next_line
 
   integer(i8), parameter :: MAX_SIZE = 1000000000_i8 !! bytes
-  character(*), parameter :: MARK = char(239)//char(187)//char(191) !! of UTF-8, by Windows
+  character(*), parameter :: MARK = char(239)//char(187)//char(191) !! of UTF-8 files written by Windows
 
   !> A file in memory and a position in it.
   type :: text_t
@@ -37,10 +37,10 @@ contains
     if (file%kind == FILE_ABSENT) then
       call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': '//file%reason, place)
     else if (file%kind /= FILE_REGULAR) then
-      call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it is no regular file', place)
+      call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it is not a regular file', place)
     else if (file%size > MAX_SIZE) then
       call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it has ' &
-                //to_text(file%size)//' bytes', place, 'spline files are text of less than 1 GB')
+                //to_text(file%size)//' bytes', place, 'expected a text file of less than 1 GB')
     end if
     if (allocated(error)) return
     text%path = path
@@ -57,7 +57,7 @@ contains
     if (index(text%all, MARK) == 1) text%all = text%all(len(MARK) + 1:)
   end subroutine load_text
 
-  !> An error at the present position.
+  !> An error at the current position.
   subroutine fail_in_file(text, message, error, hint)
     type(text_t), intent(in) :: text
     character(*), intent(in) :: message
@@ -103,7 +103,7 @@ contains
     word = text%all(first:text%at - 1)
   end subroutine next_word
 
-  !> On to the next line that has a word, unless words are left in this one.
+  !> Go to the next line that has a word, unless words are left in this one.
   subroutine next_line(text)
     type(text_t), intent(inout) :: text
     integer :: length
@@ -115,7 +115,7 @@ contains
     end do
   end subroutine next_line
 
-  !> How many words stand between the position and the end of its line.
+  !> Number of words between the position and the end of its line.
   pure integer function words_left(text) result(n)
     type(text_t), intent(in) :: text
     integer :: i
@@ -150,10 +150,10 @@ contains
     call next_word(text, word)
     status = 1
     if (len(word) > 0 .and. verify(word, '+-0123456789') == 0) read (word, *, iostat=status) n
-    if (status /= 0) call wrong(text, what, word, error)
+    if (status /= 0) call fail_word(text, what, word, error)
   end subroutine next_integer
 
-  !> Next word as a count of things of which each takes room in the file.
+  !> Next word as a number of things each of which takes at least one byte of the file.
   subroutine next_count(text, what, n, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: what
@@ -162,7 +162,9 @@ contains
 
     call next_integer(text, what, n, error)
     if (allocated(error)) return
-    if (n < 0 .or. n > len(text%all)) call fail_in_file(text, to_text(n)//' cannot be '//what, error)
+    if (n >= 0 .and. n <= len(text%all)) return
+    call fail_in_file(text, 'expected '//what//' between 0 and '//to_text(len(text%all)) &
+                      //' (the bytes of the file), found '//to_text(n), error)
   end subroutine next_count
 
   !> Next word as a real number.
@@ -176,7 +178,7 @@ contains
 
     call next_word(text, word)
     call whole_number(word, x, ok)
-    if (.not. ok) call wrong(text, what, word, error)
+    if (.not. ok) call fail_word(text, what, word, error)
   end subroutine next_real
 
   !> The next words as real numbers.
@@ -208,16 +210,16 @@ contains
     end do
   end subroutine next_integers
 
-  subroutine wrong(text, what, word, error)
+  subroutine fail_word(text, what, word, error)
     type(text_t), intent(in) :: text
     character(*), intent(in) :: what, word
     type(error_t), allocatable, intent(out) :: error
 
     if (len(word) == 0) then
-      call fail_in_file(text, 'the file ends where '//what//' should stand', error)
+      call fail_in_file(text, 'expected '//what//', found the end of the file', error)
     else
-      call fail_in_file(text, quoted(word)//' where '//what//' should stand', error)
+      call fail_in_file(text, 'expected '//what//', found '//quoted(word), error)
     end if
-  end subroutine wrong
+  end subroutine fail_word
 
 end module format_text

@@ -1,41 +1,39 @@
-!> Faces of a mesh file: which element faces bound the body, and which ones surface elements name.
+!> Faces of a mesh file: those that bound the body, and those that surface elements refer to.
 module mesh_faces
-  use base_kinds, only: wp, i8
+  use base_kinds, only: i8
   use base_error, only: error_t
   use base_sort, only: sort, sort_index
   use base_text, only: to_text
-  use element_type, only: element_t, cell_t, topology_t
-  use mesh_file, only: mesh_file_t, SHAPE
   use format_text, only: text_t, fail_in_file
+  use mesh_file, only: mesh_file_t
   implicit none
   private
   public :: faces_t, find_boundary, face_of
 
   integer, parameter :: MOST = 4 !! corners of a face
 
-  !> Faces of the elements, in the order of their keys.
+  !> Faces of the elements, sorted by key.
   type :: faces_t
     integer :: n = 0
     integer(i8), allocatable :: key(:)     !! (n) rising
     integer, allocatable :: corner(:, :)   !! (4, n) nodes, falling; triangles end with 0
     integer, allocatable :: elem(:)        !! (n) element of the file
-    integer, allocatable :: side(:)        !! (n) of the parent cube
-    logical, allocatable :: bounds(:)      !! (n) no other element is behind it
+    integer, allocatable :: side(:)        !! (n) local face of the element
+    logical, allocatable :: bounds(:)      !! (n) it belongs to one element only
   end type faces_t
 
 contains
 
-  !> All faces of the solid elements, those of two elements marked.
-  subroutine find_boundary(file, rows, text, faces, error)
+  !> All faces of the solid elements; those of one element bound the body.
+  subroutine find_boundary(file, text, faces, error)
     type(mesh_file_t), intent(in) :: file
-    type(element_t), intent(in) :: rows(:)   !! of each entry of SHAPE
     type(text_t), intent(inout) :: text
     type(faces_t), intent(out) :: faces
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: order(:)
     integer :: f, last, newest, same
 
-    call collect(file, rows, faces)
+    call collect_faces(file, faces)
     allocate (order(faces%n))
     call sort_index(faces%key, order)
     faces%key = faces%key(order)
@@ -59,86 +57,67 @@ contains
       if (same < 2) cycle
       text%at = file%spot(newest)
       call fail_in_file(text, 'element '//to_text(file%label(newest)) &
-                    //' is the third one at a face', error, &
-                    'two elements meet at a face: elements stand twice, or overlap')
+                        //' is the third one at a face', error, &
+                        'at most two elements share a face: remove repeated or overlapping ones')
       return
     end do
   end subroutine find_boundary
 
-  !> Corners of all faces; sides of the cube with less than three corners are none.
-  subroutine collect(file, rows, faces)
+  !> Corners of all faces. Local faces with fewer than three corners are collapsed.
+  subroutine collect_faces(file, faces)
     type(mesh_file_t), intent(in) :: file
-    type(element_t), intent(in) :: rows(:)
     type(faces_t), intent(inout) :: faces
-    type(topology_t) :: topology
-    type(cell_t) :: cell
-    integer, allocatable :: list(:)
-    integer :: e, room, s, kind, corners
+    integer, allocatable :: list(:), side(:)
+    integer :: e, f, i, room, s
 
-    room = 6*count(file%solid)
+    room = 0
+    do e = 1, file%nelem
+      if (file%solid(e)) room = room + file%shapes(file%shape(e))%topology%nface
+    end do
     allocate (faces%key(room), faces%corner(MOST, room), faces%elem(room), faces%side(room))
-    do kind = 1, size(SHAPE)
-      if (SHAPE(kind)%dim < 3 .or. .not. any(file%shape(:file%nelem) == kind)) cycle
-      cell%degree = rows(kind)%degree
-      call rows(kind)%topology(cell, topology)
-      do e = 1, file%nelem
-        if (file%shape(e) /= kind .or. .not. file%solid(e)) cycle
-        do s = 1, 6
-          list = topology%node(topology%first(s):topology%first(s + 1) - 1)
-          list = pack(list, is_corner(kind, list))
-          corners = size(list)
-          if (corners < 3) cycle
-          faces%n = faces%n + 1
-          faces%elem(faces%n) = e
-          faces%side(faces%n) = s
-          faces%corner(:, faces%n) = key_nodes(file%node(file%first(e) - 1 + list))
-          faces%key(faces%n) = hash(faces%corner(:, faces%n))
+    do s = 1, size(file%shapes)
+      if (file%shapes(s)%dim < 3 .or. .not. any(file%shape(:file%nelem) == s)) cycle
+      associate (topology => file%shapes(s)%topology)
+        do e = 1, file%nelem
+          if (file%shape(e) /= s .or. .not. file%solid(e)) cycle
+          do f = 1, topology%nface
+            side = topology%node(topology%first(f):topology%first(f + 1) - 1)
+            list = pack(side, [(any(topology%corner == side(i)), i=1, size(side))])
+            if (size(list) < 3) cycle
+            faces%n = faces%n + 1
+            faces%elem(faces%n) = e
+            faces%side(faces%n) = f
+            call make_key(file%node(file%first(e) - 1 + list), faces%corner(:, faces%n), &
+                          faces%key(faces%n))
+          end do
         end do
-      end do
+      end associate
     end do
     faces%key = faces%key(:faces%n)
     faces%corner = faces%corner(:, :faces%n)
     faces%elem = faces%elem(:faces%n)
     faces%side = faces%side(:faces%n)
-  end subroutine collect
+  end subroutine collect_faces
 
-  !> Is a local node a corner? Quadratic elements have others too.
-  elemental logical function is_corner(kind, a)
-    integer, intent(in) :: kind, a
-
-    select case (SHAPE(kind)%nen)
-    case (10)
-      is_corner = a <= 4
-    case (27)
-      is_corner = any(a == [1, 3, 7, 9, 19, 21, 25, 27])
-    case default
-      is_corner = .true.
-    end select
-  end function is_corner
-
-  !> Corners in falling order, 0 behind those of a triangle.
-  pure function key_nodes(node) result(corner)
-    integer, intent(in) :: node(:)
-    integer :: corner(MOST)
+  !> A key that does not depend on the order of the corners.
+  pure subroutine make_key(node, corner, key)
+    integer, intent(in) :: node(:)         !! corners of the face
+    integer, intent(out) :: corner(MOST)   !! the same in falling order, 0 after those of a triangle
+    integer(i8), intent(out) :: key
+    integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
+    integer :: i
 
     corner = 0
     corner(:size(node)) = -node
     call sort(corner(:size(node)))
     corner = -corner
-  end function key_nodes
-
-  pure integer(i8) function hash(corner)
-    integer, intent(in) :: corner(MOST)
-    integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
-    integer :: i
-
-    hash = 0
+    key = 0
     do i = 1, MOST
-      hash = mod(hash*FACTOR + corner(i), MODULUS)
+      key = mod(key*FACTOR + corner(i), MODULUS)
     end do
-  end function hash
+  end subroutine make_key
 
-  !> The boundary face that has the nodes of a surface element; 0: there is none.
+  !> The boundary face that has the nodes of surface element e; 0: there is none.
   pure integer function face_of(faces, file, e) result(f)
     type(faces_t), intent(in) :: faces
     type(mesh_file_t), intent(in) :: file
@@ -146,9 +125,8 @@ contains
     integer :: corner(MOST), low, high, n
     integer(i8) :: key
 
-    n = merge(3, 4, SHAPE(file%shape(e))%name == 'triangle')
-    corner = key_nodes(file%node(file%first(e):file%first(e) + n - 1))
-    key = hash(corner)
+    n = file%shapes(file%shape(e))%ncorner
+    call make_key(file%node(file%first(e):file%first(e) + n - 1), corner, key)
     low = 1
     high = faces%n + 1
     do while (low < high) ! the first one with this key

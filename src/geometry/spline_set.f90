@@ -25,7 +25,7 @@ contains
     i = member(text, json, 1, 'sets')
     if (i == 0) return
     text%at = json%at(i)
-    if (json%kind(i) /= JSON_OBJECT) then
+    if (json%type(i) /= JSON_OBJECT) then
       call fail_in_file(text, '"sets" is not what it should be', error, 'it is an object of lists')
       return
     end if
@@ -52,7 +52,7 @@ contains
     integer :: i, j
 
     text%at = json%at(list)
-    if (json%kind(list) /= JSON_LIST) then
+    if (json%type(list) /= JSON_LIST) then
       call fail_in_file(text, 'set '//quoted(set%name)//' is not what it should be', error, &
                     'it is a list of elements')
       return

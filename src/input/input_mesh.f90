@@ -143,7 +143,7 @@ contains
 
     associate (set => build%model%material(material))
       found = 0
-      do e = 1, size(rows)
+      do e = size(rows), 1, -1 ! the first of the table counts
         if (rows(e)%deck_nodes == nen .and. (rows(e)%nmode > 0 .eqv. set%enhanced)) found = e
       end do
       if (found == 0) then

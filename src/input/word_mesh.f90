@@ -92,7 +92,7 @@ contains
         if (text%all(first:min(first, len(text%all))) == '!') then
           call read_feap(text, mesh%file, error)
         else
-          call fail_in_file(text, 'the format is not known', error, &
+          call fail_in_file(text, 'unknown format of a mesh file', error, &
                         'known formats: Gmsh 2.2 and 4.1 in ASCII, and FEAP records ' &
                         //'(COORdinates, ELEMents)')
         end if
