@@ -3,6 +3,7 @@
 module spline_body
   use base_kinds, only: wp
   use base_error, only: error_t
+  use base_text, only: to_text
   use element_type, only: element_t, cell_t
   use elmt_surface, only: describe_surface => describe
   use mesh, only: mesh_t, block_t
@@ -25,7 +26,7 @@ module spline_body
 
 contains
 
-  !> Append the body to the mesh; on an error the mesh is as it was.
+  !> Append the body to the mesh, which stays unchanged on an error.
   subroutine build_spline(spec, inner, mesh, error)
     type(patch_spec_t), intent(inout) :: spec
     integer, intent(inout) :: inner(:, :)     !! (4, nelem) nodes of the mesh; (4, 0): a tool
@@ -35,56 +36,54 @@ contains
     type(element_t) :: row
     type(group_t), allocatable :: group(:)
     integer :: igroup(spec%spline%surface%nelem)
-    integer, allocatable :: new(:)
+    integer, allocatable :: new(:) !! (nnode of the file) node of the body; 0: none
+    logical :: used(spec%spline%surface%nnode)
+    character(:), allocatable :: name
+    real(wp) :: turn(3, 3), shift(3)
+    integer :: a, e, first, g, number
 
     associate (s => spec%spline%surface)
       if (size(inner) > 0) then
-        call find_row(spec, layer_row(spec), row, error)
+        name = 'Q1N'
+        if (spec%spline%eas) name = 'Q1E9N'
+        if (spec%spline%tapered) name = 'Q1E9NT'
+        call find_row(spec, name, row, error)
         if (.not. allocated(error)) call orient_layer(spec, mesh%xr, inner, error)
         if (.not. allocated(error)) call check_layer(spec, mesh%xr, inner, error)
         if (allocated(error)) return
       else
         row = describe_surface()
-        call place_tool(spec)
+        call compose(spec%placement, turn, shift)
+        do a = 1, s%nnode
+          s%x(:, a) = matmul(turn, s%x(:, a)) + shift
+        end do
         call orient_tool(s, spec%spline%reverse)
       end if
       call group_elements(s, group, igroup)
-      call add_points(s, draft, new)
+      used = .false. ! control points of the file without functions are left out
+      used(s%node(:s%first(s%nelem + 1) - 1)) = .true.
+      allocate (new(s%nnode), source=0)
+      do a = 1, s%nnode
+        if (used(a)) call add_node(draft, s%x(:, a), .true., ibset(0, OUTER - 1), new(a))
+      end do
       call make_blocks(spec, row, size(inner) > 0, group, draft)
       call add_elements(s, inner - mesh%nnode, new, group, igroup, draft)
     end associate
     call append_draft(draft, spec, mesh)
     call put_sets(spec%spline%surface, new, igroup, OUTER, mesh)
-    call number_elements(group, igroup, mesh)
+    ! Elements are reported by their numbers in the file, after those of other bodies.
+    first = size(mesh%block) - size(group)
+    number = minval(mesh%block(first + 1)%number) - 1
+    do g = 1, size(group)
+      mesh%block(first + g)%number = pack([(number + e, e=1, size(igroup))], igroup == g)
+    end do
   end subroutine build_spline
 
-  !> Row of the table of elements that the layer uses.
-  function layer_row(spec) result(name)
-    type(patch_spec_t), intent(in) :: spec
-    character(:), allocatable :: name
-
-    name = 'Q1N'
-    if (spec%spline%eas) name = 'Q1E9N'
-    if (spec%spline%tapered) name = 'Q1E9NT'
-  end function layer_row
-
-  !> ROTAte and TRANslate.
-  subroutine place_tool(spec)
-    type(patch_spec_t), intent(inout) :: spec
-    real(wp) :: turn(3, 3), shift(3)
-    integer :: a
-
-    call compose(spec%placement, turn, shift)
-    do a = 1, spec%spline%surface%nnode
-      spec%spline%surface%x(:, a) = matmul(turn, spec%spline%surface%x(:, a)) + shift
-    end do
-  end subroutine place_tool
-
-  !> Kinds of elements, and the one of each.
+  !> Group elements of the same degrees and number of functions.
   subroutine group_elements(s, group, igroup)
     type(spline_surface_t), intent(in) :: s
     type(group_t), allocatable, intent(out) :: group(:)
-    integer, intent(out) :: igroup(:)
+    integer, intent(out) :: igroup(:) !! (nelem) group of each element
     type(group_t) :: new
     integer :: e, g
 
@@ -104,36 +103,27 @@ contains
     end do
   end subroutine group_elements
 
-  !> Control points that functions have; others of the file stand for nothing.
-  subroutine add_points(s, draft, new)
-    type(spline_surface_t), intent(in) :: s
-    type(draft_t), intent(inout) :: draft
-    integer, allocatable, intent(out) :: new(:) !! (nnode) node of the body; 0: none
-    integer :: a
-    logical :: has(s%nnode)
-
-    has = .false.
-    has(s%node(:s%first(s%nelem + 1) - 1)) = .true.
-    allocate (new(s%nnode), source=0)
-    do a = 1, s%nnode
-      if (has(a)) call add_node(draft, s%x(:, a), .true., ibset(0, OUTER - 1), new(a))
-    end do
-  end subroutine add_points
-
+  !> A block for each group, named as reported: Q1N3, Q1E9N3, Q1E9N3T or RIGId.
   subroutine make_blocks(spec, row, is_layer, group, draft)
     type(patch_spec_t), intent(in) :: spec
     type(element_t), intent(in) :: row
     logical, intent(in) :: is_layer
     type(group_t), intent(inout) :: group(:)
     type(draft_t), intent(inout) :: draft
+    character(:), allocatable :: name
     type(cell_t) :: cell
     integer :: g, nen
 
     do g = 1, size(group)
       cell%degree = [group(g)%degree, merge(1, 0, is_layer)]
       nen = group(g)%nf + merge(4, 0, is_layer)
-      call new_block(draft, spec, block_name(spec, group(g)%degree, is_layer), row, cell%degree, &
-                     nen, group(g)%nelem, group(g)%block)
+      name = 'RIGId'
+      if (is_layer) then
+        name = 'Q1N'//to_text(maxval(group(g)%degree))
+        if (spec%spline%eas) name = 'Q1E9N'//to_text(maxval(group(g)%degree))
+        if (spec%spline%tapered) name = name//'T'
+      end if
+      call new_block(draft, spec, name, row, cell%degree, nen, group(g)%nelem, group(g)%block)
       associate (b => draft%block(group(g)%block))
         deallocate (b%ext%iop) ! operators are of whole elements
         allocate (b%ext%isurface(group(g)%nelem), source=0)
@@ -143,24 +133,7 @@ contains
     end do
   end subroutine make_blocks
 
-  !> Name as reported: Q1N3, Q1E9N3, Q1E9N3T; RIGId.
-  function block_name(spec, degree, is_layer) result(name)
-    type(patch_spec_t), intent(in) :: spec
-    integer, intent(in) :: degree(2)
-    logical, intent(in) :: is_layer
-    character(:), allocatable :: name
-    character(2) :: digits
-
-    if (.not. is_layer) then
-      name = 'RIGId'
-      return
-    end if
-    write (digits, '(i0)') maxval(degree)
-    name = 'Q1N'//trim(digits)
-    if (spec%spline%eas) name = 'Q1E9N'//trim(digits)
-    if (spec%spline%tapered) name = name//'T'
-  end function block_name
-
+  !> Nodes, weights, operators and faces of all elements.
   subroutine add_elements(s, inner, new, group, igroup, draft)
     type(spline_surface_t), intent(in) :: s
     integer, intent(in) :: inner(:, :)  !! (4, nelem) nodes, less those that come before the body
@@ -192,19 +165,5 @@ contains
       end associate
     end do
   end subroutine add_elements
-
-  !> The user sees the numbers of the file, behind those of other bodies.
-  subroutine number_elements(group, igroup, mesh)
-    type(group_t), intent(in) :: group(:)
-    integer, intent(in) :: igroup(:)
-    type(mesh_t), intent(inout) :: mesh
-    integer :: first, g, e, i
-
-    first = size(mesh%block) - size(group)
-    i = minval(mesh%block(first + 1)%number) - 1
-    do g = 1, size(group)
-      mesh%block(first + g)%number = pack([(i + e, e=1, size(igroup))], igroup == g)
-    end do
-  end subroutine number_elements
 
 end module spline_body

@@ -1,46 +1,38 @@
-!> Which way a spline surface looks, and whether the inner nodes of a layer belong to it.
-!!
-!! Corners of surface elements that are one point: files of extracted splines do not say which.
-!!
-!! Two corners are the same point where the same functions have the same values.
-!!
-!! Sizes of a spline surface by integration: which side is out, and how thick the body behind is.
+!> Checks and measures of a spline surface: its orientation, the corners that its elements share,
+!! the inner nodes of its layer, its area and the thickness of the body behind it.
 module spline_check
-  use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: to_text, quoted
-  use patch_spec, only: patch_spec_t
-  use spline_surface, only: spline_surface_t, transpose_surface
-  use tensor, only: det3, cross
+  use base_kinds, only: wp, i8
   use base_sort, only: sort_index, hash
+  use base_text, only: to_text, quoted
   use element_type, only: cell_t
+  use patch_spec, only: patch_spec_t
   use quadrature, only: gauss_quad
+  use spline_surface, only: spline_surface_t, transpose_surface
   use surface_shape, only: surface_functions
+  use tensor, only: det3, cross
   implicit none
   private
   public :: check_layer, orient_layer, orient_tool, number_corners, corner_point, &
             surface_measures, surface_at, spline_thickness
 
-  real(wp), parameter :: NOTHING = 1.0e-12_wp !! a function that vanishes at the corner
-  real(wp), parameter :: ALIKE = 1.0e-9_wp    !! values are shares of one
+  real(wp), parameter :: NOTHING = 1.0e-12_wp  !! a function that vanishes at the corner
+  real(wp), parameter :: ALIKE = 1.0e-9_wp     !! tolerance of values, which sum to one
+  integer, parameter :: MORE = 6               !! Gauss points above the degree: weights may differ
+  integer, parameter :: MOST_SAMPLES = 3000
+  real(wp), parameter :: OPPOSITE = -0.5_wp, STRAIGHT = 0.8_wp !! cosines
+  real(wp), parameter :: CLOSED = 1.0e-6_wp    !! sum of the area vectors of a closed surface over area
 
-  !> Functions that live at a corner, in the order of their control points, and their values.
+  !> Functions that do not vanish at a corner, sorted by control point, and their values.
   type :: corner_t
-    integer :: n = 0
     integer, allocatable :: node(:)
     real(wp), allocatable :: value(:)
   end type corner_t
 
-  integer, parameter :: MORE = 6 !! Gauss points beyond the degree: surfaces may be rational
-  integer, parameter :: MOST_SAMPLES = 3000
-  real(wp), parameter :: OPPOSITE = -0.5_wp, STRAIGHT = 0.8_wp !! cosines
-
-  real(wp), parameter :: CLOSED = 1.0e-6_wp !! share of the area that the area vectors may sum up to
-
 contains
 
-  !> The normal of a tool points away from it: out of a closed surface, along a_1 x a_2 of an open
-  !! one; REVErse turns it.
+  !> The normal of a rigid surface points away from it: out of a closed surface, along a_1 x a_2 of
+  !! an open one; REVErse turns it.
   subroutine orient_tool(s, reverse)
     type(spline_surface_t), intent(inout) :: s
     logical, intent(in) :: reverse
@@ -52,28 +44,36 @@ contains
     if (turn .neqv. reverse) call transpose_surface(s)
   end subroutine orient_tool
 
-  !> In an element of the layer a_1 x a_2 points to the inner nodes: transpose all, or say which
-  !! element looks the other way.
+  !> Make a_1 x a_2 point to the inner nodes in all elements of the layer; fail where they disagree.
   subroutine orient_layer(spec, xr, inner, error)
     type(patch_spec_t), intent(inout) :: spec
     real(wp), intent(in) :: xr(:, :)
     integer, intent(inout) :: inner(:, :) !! (4, nelem) nodes
     type(error_t), allocatable, intent(out) :: error
-    integer :: e, first(2)
+    real(wp) :: a(3, 3), c(3, 4), at(3), n(3)
+    integer :: e, i, first(2), side
 
     first = 0
     associate (s => spec%spline%surface)
       do e = 1, s%nelem
-        associate (side => merge(1, 2, middle_jacobian(s, e, xr(:, inner(:, e))) > 0.0_wp))
-          if (first(side) == 0) first(side) = e
+        associate (x => xr(:, inner(:, e)))
+          do i = 1, 4
+            c(:, i) = 0.5_wp*(corner_point(s, e, i) + x(:, i))
+          end do
+          call surface_at(s, e, [0.0_wp, 0.0_wp], at, n)
+          a(:, 1) = c(:, 2) + c(:, 3) - c(:, 1) - c(:, 4)
+          a(:, 2) = c(:, 3) + c(:, 4) - c(:, 1) - c(:, 2)
+          a(:, 3) = 0.25_wp*sum(x, 2) - at
         end associate
+        side = merge(1, 2, det3(a) > 0.0_wp) ! Jacobian at the middle of the hexahedron
+        if (first(side) == 0) first(side) = e
       end do
       if (all(first > 0)) then
         call fail(error, DECK_ERROR, 'the inner nodes of elements '//to_text(minval(first)) &
                   //' and '//to_text(maxval(first))//' of layer '//quoted(spec%name) &
                   //' lie on different sides of the surface', spec%spline%layer_place, &
-                  'normals of all elements point the same way, and the layer is thinner than ' &
-                  //'the surface is curved')
+                  'give all elements the same orientation, and make the layer thinner than ' &
+                  //'the radius of curvature of the surface')
         return
       end if
       if (first(1) > 0) return
@@ -82,39 +82,32 @@ contains
     end associate
   end subroutine orient_layer
 
-  !> Jacobian of the hexahedron at its middle.
-  real(wp) function middle_jacobian(s, e, x) result(jac)
-    type(spline_surface_t), intent(in) :: s
-    integer, intent(in) :: e
-    real(wp), intent(in) :: x(3, 4) !! inner nodes [L]
-    real(wp) :: c(3, 4), a(3, 3), at(3), n(3)
-    integer :: i
-
-    do i = 1, 4
-      c(:, i) = 0.5_wp*(corner_point(s, e, i) + x(:, i))
-    end do
-    call surface_at(s, e, [0.0_wp, 0.0_wp], at, n)
-    a(:, 1) = c(:, 2) + c(:, 3) - c(:, 1) - c(:, 4)
-    a(:, 2) = c(:, 3) + c(:, 4) - c(:, 1) - c(:, 2)
-    a(:, 3) = 0.25_wp*sum(x, 2) - at
-    jac = det3(a)
-  end function middle_jacobian
-
-  !> Inner nodes stand in the order of the corners, and corners that are one point have one node.
+  !> Inner nodes are in the order of the corners, and corners at one point share one node.
   subroutine check_layer(spec, xr, inner, error)
     type(patch_spec_t), intent(in) :: spec
     real(wp), intent(in) :: xr(:, :)
     integer, intent(in) :: inner(:, :)
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: point(:, :), node(:), elem(:)
-    integer :: e, c
+    real(wp) :: x(3, 4), way(4)
+    integer :: c, e, i, k
 
     associate (s => spec%spline%surface)
       call number_corners(s, point)
       allocate (node(maxval(point)), elem(maxval(point)), source=0)
       do e = 1, s%nelem
-        call check_order(spec, e, xr(:, inner(:, e)), error)
-        if (allocated(error)) return
+        do i = 1, 4
+          x(:, i) = corner_point(s, e, i)
+        end do
+        do k = 1, 4 ! no other order brings the nodes nearer to the corners
+          way(k) = sum(norm2(xr(:, inner(:, e)) - cshift(x, k - 1, 2), 1))
+        end do
+        if (way(1) > minval(way(2:))) then
+          call fail(error, DECK_ERROR, 'the inner nodes of element '//to_text(e)//' of layer ' &
+                    //quoted(spec%name)//' are not in the order of its corners', &
+                    spec%spline%layer_place, 'the order is (-,-) (+,-) (+,+) (-,+)')
+          return
+        end if
         do c = 1, 4
           associate (p => point(c, e))
             if (node(p) == 0) then
@@ -125,7 +118,7 @@ contains
                         //' of layer '//quoted(spec%name)//' have a corner in common, but the ' &
                         //'inner nodes '//to_text(node(p))//' and '//to_text(inner(c, e)) &
                         //' there', spec%spline%layer_place, &
-                        'at one corner of the surface all elements have one inner node')
+                        'elements that share a corner of the surface share its inner node')
               return
             end if
           end associate
@@ -134,39 +127,29 @@ contains
     end associate
   end subroutine check_layer
 
-  !> No other order of the four brings them nearer to the corners.
-  subroutine check_order(spec, e, x, error)
-    type(patch_spec_t), intent(in) :: spec
-    integer, intent(in) :: e
-    real(wp), intent(in) :: x(3, 4)
-    type(error_t), allocatable, intent(out) :: error
-    real(wp) :: c(3, 4), way(4)
-    integer :: i, k
-
-    do i = 1, 4
-      c(:, i) = corner_point(spec%spline%surface, e, i)
-    end do
-    do k = 1, 4
-      way(k) = sum(norm2(x - cshift(c, k - 1, 2), 1))
-    end do
-    if (way(1) <= minval(way(2:))) return
-    call fail(error, DECK_ERROR, 'the inner nodes of element '//to_text(e)//' of layer ' &
-              //quoted(spec%name)//' stand in another order than its corners', &
-              spec%spline%layer_place, 'the order is (-,-) (+,-) (+,+) (-,+)')
-  end subroutine check_order
-
-  !> Number of the point at each corner, counter-clockwise from (-,-).
+  !> Number of the point at each corner, counter-clockwise from (-,-). Two corners are the same point
+  !! where the same functions have the same values.
   subroutine number_corners(s, point)
     type(spline_surface_t), intent(in) :: s
     integer, allocatable, intent(out) :: point(:, :) !! (4, nelem)
     type(corner_t), allocatable :: corner(:)
     integer(i8), allocatable :: key(:)
-    integer, allocatable :: order(:)
-    integer :: i, j, from, n
+    integer, allocatable :: order(:), sorted(:)
+    real(wp), allocatable :: value(:)
+    integer :: a, c, e, i, j, from, n
 
     allocate (corner(4*s%nelem), key(4*s%nelem), order(4*s%nelem), point(4, s%nelem))
     do i = 1, size(corner)
-      call look_at(s, (i + 3)/4, i - 4*((i - 1)/4), corner(i))
+      e = (i + 3)/4
+      c = i - 4*(e - 1)
+      associate (node => s%node(s%first(e):s%first(e + 1) - 1))
+        value = s%op(s%iop(e))%c(:, corner_polynomial(s%degree(:, e), c))
+        sorted = node
+        call sort_index(node, sorted)
+        sorted = pack(sorted, [(abs(value(sorted(a))) > NOTHING, a=1, size(sorted))])
+        corner(i)%node = node(sorted)
+        corner(i)%value = value(sorted)
+      end associate
       key(i) = hash(corner(i)%node)
     end do
     call sort_index(key, order)
@@ -188,7 +171,7 @@ contains
     end do
   end subroutine number_corners
 
-  !> Bernstein polynomial that lives at a corner alone.
+  !> The only Bernstein polynomial that does not vanish at a corner.
   pure integer function corner_polynomial(degree, c) result(b)
     integer, intent(in) :: degree(2), c
 
@@ -197,35 +180,15 @@ contains
     if (c > 2) b = b + (degree(1) + 1)*degree(2)
   end function corner_polynomial
 
-  subroutine look_at(s, e, c, corner)
-    type(spline_surface_t), intent(in) :: s
-    integer, intent(in) :: e, c
-    type(corner_t), intent(out) :: corner
-    integer, allocatable :: order(:)
-    real(wp), allocatable :: value(:)
-    integer :: a, n
-
-    associate (node => s%node(s%first(e):s%first(e + 1) - 1))
-      allocate (order(size(node)), value(size(node)))
-      value = s%op(s%iop(e))%c(:, corner_polynomial(s%degree(:, e), c))
-      call sort_index(node, order)
-      order = pack(order, [(abs(value(order(a))) > NOTHING, a=1, size(order))])
-      n = size(order)
-      corner%n = n
-      corner%node = node(order)
-      corner%value = value(order)
-    end associate
-  end subroutine look_at
-
   pure logical function same(a, b)
     type(corner_t), intent(in) :: a, b
 
-    same = a%n == b%n
+    same = size(a%node) == size(b%node)
     if (same) same = all(a%node == b%node)
     if (same) same = all(abs(a%value - b%value) <= ALIKE)
   end function same
 
-  !> Where a corner is [L].
+  !> Position of a corner [L].
   pure function corner_point(s, e, c) result(x)
     type(spline_surface_t), intent(in) :: s
     integer, intent(in) :: e, c
@@ -245,7 +208,7 @@ contains
     x = x/w
   end function corner_point
 
-  !> Point, and tangents' cross product, at a place of an element.
+  !> Point and area vector at a parent point of an element.
   subroutine surface_at(s, e, xi, x, area)
     type(spline_surface_t), intent(in) :: s
     integer, intent(in) :: e
@@ -256,28 +219,20 @@ contains
     real(wp), allocatable :: f(:), df(:, :)
     real(wp) :: a(3, 2)
 
-    call element_cell(s, e, cell)
-    allocate (f(size(cell%w)), df(2, size(cell%w)))
-    call surface_functions(cell, xi, f, df)
     associate (node => s%node(s%first(e):s%first(e + 1) - 1))
+      cell%degree = [s%degree(:, e), 0]
+      cell%c = s%op(s%iop(e))%c
+      cell%w = s%w(node)
+      allocate (f(size(node)), df(2, size(node)))
+      call surface_functions(cell, xi, f, df)
       x = matmul(s%x(:, node), f)
       a = matmul(s%x(:, node), transpose(df))
     end associate
     area = cross(a(:, 1), a(:, 2))
   end subroutine surface_at
 
-  subroutine element_cell(s, e, cell)
-    type(spline_surface_t), intent(in) :: s
-    integer, intent(in) :: e
-    type(cell_t), intent(out) :: cell
-
-    cell%degree = [s%degree(:, e), 0]
-    cell%c = s%op(s%iop(e))%c
-    cell%w = s%w(s%node(s%first(e):s%first(e + 1) - 1))
-  end subroutine element_cell
-
-  !> Area, sum of the area vectors (zero where the surface is closed) and the volume that the
-  !! normals a_1 x a_2 point out of.
+  !> Area, sum of the area vectors (zero where the surface is closed) and enclosed volume, positive
+  !! where the normals a_1 x a_2 point out of it.
   subroutine surface_measures(s, area, vector, volume)
     type(spline_surface_t), intent(in) :: s
     real(wp), intent(out) :: area, vector(3) !! [L^2]
@@ -305,13 +260,12 @@ contains
     end do
   end subroutine surface_measures
 
-  !> Least distance [L] of points that face each other through the body, from the middles of
-  !! elements, of some of them where there are many; `out` is 1 where a_1 x a_2 points out of the
-  !! body, -1 where it points into it. 0: nothing faces each other.
+  !> Least distance of middles of elements that face each other through the body; only some of the
+  !! elements are sampled where there are many.
   function spline_thickness(s, out) result(thickness)
     type(spline_surface_t), intent(in) :: s
-    real(wp), intent(in) :: out
-    real(wp) :: thickness
+    real(wp), intent(in) :: out !! 1: a_1 x a_2 points out of the body, -1: into it
+    real(wp) :: thickness       !! [L]; 0: no elements face each other
     real(wp), allocatable :: x(:, :), n(:, :)
     real(wp) :: d(3), length
     integer :: i, j, step, m

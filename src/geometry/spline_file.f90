@@ -1,26 +1,23 @@
-!> Spline surfaces from files: the format is told by the first characters.
+!> Reads spline surfaces and patches from files; the first characters of a file tell its format.
 !!
-!! NURBS surfaces of G+Smo files, by Bezier extraction element by element.
-!!
-!! Bodies from spline files made by others: the format is told by the first line.
+!! Surfaces: BEXT 2.0 as text or JSON, `.iga`, G+Smo. Tri-variate patches: MFEM NURBS, G+Smo.
 module spline_file
   use base_error, only: error_t, place_t
-  use base_text, only: quoted
-  use format_text, only: text_t, load_text, fail_in_file
-  use format_bext, only: read_bext, BEXT_HEAD
-  use format_iga, only: read_iga
-  use format_bext_json, only: read_bext_json
-  use spline_surface, only: spline_surface_t, start_surface, add_point, add_element, &
-      finish_surface
   use base_kinds, only: wp
+  use base_text, only: quoted
   use bspline, only: extraction
-  use nurbs, only: nurbs_t
+  use format_bext, only: read_bext, BEXT_HEAD
+  use format_bext_json, only: read_bext_json
   use format_gismo, only: read_gismo
-  use patch_nurbs, only: check_nurbs
+  use format_iga, only: read_iga
   use format_mfem, only: read_mfem
+  use format_text, only: text_t, load_text, fail_in_file
+  use nurbs, only: nurbs_t
+  use patch_nurbs, only: check_nurbs
+  use spline_surface, only: spline_surface_t, start_surface, add_point, add_element, finish_surface
   implicit none
   private
-  public :: read_spline_file, read_nurbs, read_patch_file
+  public :: read_spline_file, read_patch_file
 
 contains
 
@@ -39,38 +36,33 @@ contains
     first = max(1, verify(text%all, ' '//achar(9)//achar(10)//achar(13)))
     if (len_trim(name) > 0 .and. index(text%all, '<xml>') == 0) then
       text%at = 0
-      call fail_in_file(text, 'the file has no named surfaces', error, 'leave '//quoted(name)//' out')
+      call fail_in_file(text, 'surfaces of this format have no names', error, &
+                        'remove '//quoted(name))
     else if (index(text%all, '<xml>') > 0) then
-      call read_nurbs(text, name, surface, error)
+      call read_gismo_surface(text, name, surface, error)
     else if (index(text%all, BEXT_HEAD) == 1) then
       call read_bext(text, surface, error)
     else if (index(text%all(first:), '{') == 1) then
       call read_bext_json(text, surface, error)
-    else if (is_iga(text)) then
+    else if (index(text%all, 'type ') == 1 .or. index(text%all, achar(10)//'type ') > 0) then
       call read_iga(text, surface, error)
     else
-      call fail_in_file(text, 'the format is not known', error, 'known formats: BEXT 2.0, as text ' &
-                    //'that begins with '//BEXT_HEAD//' or as JSON, .iga, and G+Smo XML')
+      call fail_in_file(text, 'unknown format of a spline surface', error, &
+                        'known formats: BEXT 2.0 as text (which begins with '//BEXT_HEAD &
+                        //') or JSON, .iga, and G+Smo XML')
     end if
   end subroutine read_spline_file
 
-  !> `type`, at the beginning of a line.
-  pure logical function is_iga(text)
-    type(text_t), intent(in) :: text
-
-    is_iga = index(text%all, 'type ') == 1 .or. index(text%all, achar(10)//'type ') > 0
-  end function is_iga
-
-  !> The surface with id `name`, or the only one.
-  subroutine read_nurbs(text, name, surface, error)
+  !> The surface with id `name`, or the only one, by Bezier extraction element by element.
+  subroutine read_gismo_surface(text, name, surface, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
     type(spline_surface_t), intent(out) :: surface
     type(error_t), allocatable, intent(out) :: error
     type(nurbs_t) :: patch
-    real(wp), allocatable :: c1(:, :, :), c2(:, :, :)
-    integer, allocatable :: first1(:), first2(:)
-    integer :: i, j
+    real(wp), allocatable :: c1(:, :, :), c2(:, :, :), c(:, :)
+    integer, allocatable :: first1(:), first2(:), node(:)
+    integer :: e1, e2, i, j, k, l, p, q
 
     call read_gismo(text, name, 2, patch, error)
     if (allocated(error)) return
@@ -87,40 +79,25 @@ contains
         if (allocated(error)) return
       end do
     end do
-    do j = 1, size(first2)
-      do i = 1, size(first1)
-        call add_product(text, c1(:, :, i), c2(:, :, j), first1(i), first2(j), &
-                         size(patch%cp, 2), surface, error)
+    p = size(c1, 1)
+    q = size(c2, 1)
+    allocate (c(p*q, p*q), node(p*q))
+    do e2 = 1, size(first2)
+      do e1 = 1, size(first1)
+        do j = 1, q
+          do i = 1, p
+            node(i + p*(j - 1)) = first1(e1) + i - 1 + size(patch%cp, 2)*(first2(e2) + j - 2)
+            do l = 1, q
+              c(i + p*(j - 1), 1 + p*(l - 1):p*l) = [(c1(i, k, e1)*c2(j, l, e2), k=1, p)]
+            end do
+          end do
+        end do
+        call add_element(text, [p - 1, q - 1], node, c, surface, error)
         if (allocated(error)) return
       end do
     end do
     call finish_surface(text, surface, error)
-  end subroutine read_nurbs
-
-  !> One pair of spans.
-  subroutine add_product(text, c1, c2, first1, first2, n, surface, error)
-    type(text_t), intent(in) :: text
-    real(wp), intent(in) :: c1(:, :), c2(:, :) !! operators of the directions
-    integer, intent(in) :: first1, first2      !! their first functions
-    integer, intent(in) :: n                   !! control points in direction 1
-    type(spline_surface_t), intent(inout) :: surface
-    type(error_t), allocatable, intent(out) :: error
-    real(wp) :: c(size(c1, 1)*size(c2, 1), size(c1, 1)*size(c2, 1))
-    integer :: node(size(c1, 1)*size(c2, 1)), i, j, k, l, p
-
-    p = size(c1, 1)
-    do j = 1, size(c2, 1)
-      do i = 1, p
-        node(i + p*(j - 1)) = first1 + i - 1 + n*(first2 + j - 2)
-        do l = 1, size(c2, 1)
-          do k = 1, p
-            c(i + p*(j - 1), k + p*(l - 1)) = c1(i, k)*c2(j, l)
-          end do
-        end do
-      end do
-    end do
-    call add_element(text, [p - 1, size(c2, 1) - 1], node, c, surface, error)
-  end subroutine add_product
+  end subroutine read_gismo_surface
 
   !> One tri-variate patch of a file.
   subroutine read_patch_file(path, name, patch, place, error)
@@ -140,8 +117,8 @@ contains
     else if (index(text%all, '<xml>') > 0) then
       call read_gismo(text, name, 3, patch, error)
     else
-      call fail_in_file(text, 'the format is not known', error, &
-                    "known formats: 'MFEM NURBS mesh v1.0', and G+Smo XML")
+      call fail_in_file(text, 'unknown format of a patch', error, &
+                        "known formats: 'MFEM NURBS mesh v1.0', and G+Smo XML")
     end if
     if (allocated(error)) return
     call check_nurbs(patch, 3, quoted(path), place, error)

@@ -1,11 +1,11 @@
-!> Tables beside a spline surface: the four inner nodes of each element, and hanging nodes.
+!> Tables in files of their own: inner nodes of the layer below a spline surface, and hanging nodes.
 module spline_layer
   use base_error, only: error_t, place_t
   use base_kinds, only: wp
   use base_text, only: to_text
   use constraint, only: constraint_t, add_constraint
-  use format_text, only: text_t, load_text, fail_in_file, next_integer, next_real, next_line, &
-      words_left
+  use format_text, only: text_t, load_text, fail_in_file, next_integer, next_integers, next_real, &
+                         next_line, words_left
   implicit none
   private
   public :: read_layer, read_constraints
@@ -24,20 +24,30 @@ contains
     type(text_t) :: text
     integer :: e, i, node(4)
 
-    call load_text(path, place, text, error)
+    call load_table(path, place, text, error)
     if (allocated(error)) return
-    call unify_comments(text)
     allocate (inner(4, nelem), source=0)
     do
       call next_line(text)
       if (words_left(text) == 0) exit
-      call read_record(text, nelem, e, node, error)
-      if (allocated(error)) return
-      if (inner(1, e) /= 0) then
-        call fail_in_file(text, 'element '//to_text(e)//' stands twice', error, &
-                      'each element of the surface has one record')
+      if (words_left(text) /= 5) then
+        call fail_in_file(text, 'expected a record of 5 numbers, found '//to_text(words_left(text)), &
+                          error, 'a record is an element of the surface and its four inner nodes')
         return
       end if
+      call next_integer(text, 'the number of an element', e, error)
+      if (.not. allocated(error)) call next_integers(text, 'the number of a node', node, error)
+      if (allocated(error)) return
+      if (e < 1 .or. e > nelem) then
+        call fail_in_file(text, 'element '//to_text(e)//' is not in the surface', error, &
+                          'its elements are 1 to '//to_text(nelem)//', in the order of its file')
+      else if (any(node < 1)) then
+        call fail_in_file(text, 'node number '//to_text(minval(node))//' is not positive', error)
+      else if (inner(1, e) /= 0) then
+        call fail_in_file(text, 'duplicate record of element '//to_text(e), error, &
+                          'each element of the surface has one record')
+      end if
+      if (allocated(error)) return
       inner(:, e) = node
     end do
     text%at = 0
@@ -48,33 +58,6 @@ contains
       return
     end do
   end subroutine read_layer
-
-  subroutine read_record(text, nelem, e, node, error)
-    type(text_t), intent(inout) :: text
-    integer, intent(in) :: nelem
-    integer, intent(out) :: e, node(4)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: i
-
-    e = 0
-    node = 0
-    if (words_left(text) /= 5) then
-      call fail_in_file(text, 'a record with '//to_text(words_left(text))//' numbers', error, &
-                    'a record is an element of the surface and its four inner nodes')
-      return
-    end if
-    call next_integer(text, 'the number of an element', e, error)
-    do i = 1, 4
-      if (.not. allocated(error)) call next_integer(text, 'the number of a node', node(i), error)
-    end do
-    if (allocated(error)) return
-    if (e < 1 .or. e > nelem) then
-      call fail_in_file(text, 'element '//to_text(e)//' is not in the surface', error, &
-                    'its elements are 1 to '//to_text(nelem)//', in the order of its file')
-    else if (any(node < 1)) then
-      call fail_in_file(text, 'node '//to_text(minval(node)), error, 'node numbers are positive')
-    end if
-  end subroutine read_record
 
   !> Hanging nodes: a record is the slave, the number of its masters, and each with its coefficient.
   !! A negative master is a control point of the surface.
@@ -88,9 +71,8 @@ contains
     integer, allocatable :: master(:)
     real(wp), allocatable :: c(:)
 
-    call load_text(path, place, text, error)
+    call load_table(path, place, text, error)
     if (allocated(error)) return
-    call unify_comments(text)
     do
       call next_line(text)
       i = words_left(text)
@@ -99,8 +81,9 @@ contains
       if (.not. allocated(error)) call next_integer(text, 'a number of masters', n, error)
       if (allocated(error)) return
       if (n < 1 .or. n > MOST_MASTERS .or. i /= 2 + 2*n) then
-        call fail_in_file(text, 'a record of '//to_text(n)//' masters with '//to_text(i)//' numbers', &
-                      error, 'a record is slave n, then n pairs of a master and its coefficient')
+        call fail_in_file(text, 'found a record of '//to_text(i)//' numbers for '//to_text(n) &
+                          //' masters', error, &
+                          'a record is slave n, then n pairs of a master and its coefficient')
         return
       end if
       master = [(0, i=1, n)]
@@ -111,23 +94,28 @@ contains
         if (allocated(error)) return
       end do
       if (slave < 1 .or. any(master == 0)) then
-        call fail_in_file(text, 'node '//to_text(min(slave, 0)), error, &
-                      'node numbers are positive; a master -k is control point k of the surface')
+        call fail_in_file(text, 'node number '//to_text(min(slave, 0))//' is not positive', error, &
+                          'only a master may be negative: -k is control point k of the surface')
         return
       end if
       call add_constraint(list, slave, master, c, place)
     end do
   end subroutine read_constraints
 
-  !> Both signs of comments become one.
-  subroutine unify_comments(text)
-    type(text_t), intent(inout) :: text
+  !> A file whose comments start with # or !.
+  subroutine load_table(path, place, text, error)
+    character(*), intent(in) :: path
+    type(place_t), intent(in) :: place
+    type(text_t), intent(out) :: text
+    type(error_t), allocatable, intent(out) :: error
     integer :: i
 
+    call load_text(path, place, text, error)
+    if (allocated(error)) return
     text%comment = '#'
     do i = 1, len(text%all)
       if (text%all(i:i) == '!') text%all(i:i) = '#'
     end do
-  end subroutine unify_comments
+  end subroutine load_table
 
 end module spline_layer

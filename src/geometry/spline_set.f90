@@ -1,11 +1,11 @@
-!> Named sets of elements of a spline surface: a member `sets` of a JSON file, and the groups of the
-!! body that a WHERE may name.
+!> Named sets of elements of a spline surface, from the member `sets` of a BEXT file in JSON to the
+!! groups of the body that FIX, loads and contact may name.
 module spline_set
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, lower, nearest
-  use format_json, only: json_t, member, first_of, JSON_LIST, JSON_OBJECT, to_integer
-  use mesh, only: mesh_t
+  use format_json, only: json_t, member, first_of, to_integer, JSON_LIST, JSON_OBJECT
   use format_text, only: text_t, fail_in_file
+  use mesh, only: mesh_t
   use spline_surface, only: spline_surface_t, spline_set_t
   implicit none
   private
@@ -20,61 +20,48 @@ contains
     type(spline_surface_t), intent(inout) :: surface
     type(error_t), allocatable, intent(out) :: error
     type(spline_set_t), allocatable :: set(:)
-    integer :: i, s, n
+    integer :: e, i, list, n
 
     i = member(text, json, 1, 'sets')
     if (i == 0) return
     text%at = json%at(i)
     if (json%type(i) /= JSON_OBJECT) then
-      call fail_in_file(text, '"sets" is not what it should be', error, 'it is an object of lists')
+      call fail_in_file(text, '"sets" is not an object', error, 'write "sets": {"name": [0, 1]}')
       return
     end if
     allocate (set(json%length(i)))
-    s = first_of(json, i)
+    list = first_of(json, i)
     do n = 1, size(set)
-      associate (key => json%key(s))
+      associate (key => json%key(list))
         set(n)%name = text%all(key:key + index(text%all(key:), '"') - 2)
       end associate
-      call read_elements(text, json, s, surface%nelem, set(n), error)
-      if (allocated(error)) return
-      s = json%next(s)
+      text%at = json%at(list)
+      if (json%type(list) /= JSON_LIST) then
+        call fail_in_file(text, 'set '//quoted(set(n)%name)//' is not a list', error, &
+                          'a set is a list of elements, counted from 0')
+        return
+      end if
+      allocate (set(n)%elem(json%length(list)))
+      e = first_of(json, list)
+      do i = 1, size(set(n)%elem)
+        call to_integer(text, json, e, set(n)%name, set(n)%elem(i), error)
+        if (allocated(error)) return
+        set(n)%elem(i) = set(n)%elem(i) + 1 ! from 1 here
+        if (set(n)%elem(i) < 1 .or. set(n)%elem(i) > surface%nelem) then
+          text%at = json%at(e)
+          call fail_in_file(text, 'set '//quoted(set(n)%name)//' has element ' &
+                            //to_text(set(n)%elem(i) - 1)//' of '//to_text(surface%nelem), error, &
+                            'elements are counted from 0')
+          return
+        end if
+        e = json%next(e)
+      end do
+      list = json%next(list)
     end do
     call move_alloc(set, surface%set)
   end subroutine read_sets
 
-  !> Numbers from 0 in the file, from 1 here.
-  subroutine read_elements(text, json, list, nelem, set, error)
-    type(text_t), intent(inout) :: text
-    type(json_t), intent(in) :: json
-    integer, intent(in) :: list, nelem
-    type(spline_set_t), intent(inout) :: set
-    type(error_t), allocatable, intent(out) :: error
-    integer :: i, j
-
-    text%at = json%at(list)
-    if (json%type(list) /= JSON_LIST) then
-      call fail_in_file(text, 'set '//quoted(set%name)//' is not what it should be', error, &
-                    'it is a list of elements')
-      return
-    end if
-    allocate (set%elem(json%length(list)))
-    j = first_of(json, list)
-    do i = 1, size(set%elem)
-      call to_integer(text, json, j, set%name, set%elem(i), error)
-      if (allocated(error)) return
-      set%elem(i) = set%elem(i) + 1
-      if (set%elem(i) < 1 .or. set%elem(i) > nelem) then
-        text%at = json%at(j)
-        call fail_in_file(text, 'set '//quoted(set%name)//' has element ' &
-                      //to_text(set%elem(i) - 1)//' of '//to_text(nelem), error, &
-                      'elements are counted from 0')
-        return
-      end if
-      j = json%next(j)
-    end do
-  end subroutine read_elements
-
-  !> A set of that name is there.
+  !> A set with this name exists.
   subroutine check_set(s, spline, name, place, error)
     type(spline_surface_t), intent(in) :: s
     character(*), intent(in) :: spline, name !! as written in the deck
@@ -84,7 +71,7 @@ contains
     character(:), allocatable :: hint
     integer :: i
 
-    hint = 'its file has no sets; a spline surface is its face 3-, or ALL'
+    hint = 'its file has no sets; the whole surface is its face 3-, or ALL'
     if (allocated(s%set)) then
       allocate (names(size(s%set)))
       do i = 1, size(names)
@@ -97,15 +84,16 @@ contains
               place, hint)
   end subroutine check_set
 
-  !> Groups of the last body of the mesh, which is the surface's. Its faces of one side stand there
-  !! block after block, as its elements do.
+  !> Groups of the last body of the mesh, which is the surface's. The faces of one side are in the
+  !! order of its elements: block after block.
   subroutine put_sets(s, new, iblock, side, mesh)
     type(spline_surface_t), intent(in) :: s
     integer, intent(in) :: new(:)      !! (nnode of the file) node of the body; 0: none
     integer, intent(in) :: iblock(:)   !! (nelem) which of the body's blocks an element is in
     integer, intent(in) :: side        !! face of the body that the surface is
     type(mesh_t), intent(inout) :: mesh
-    integer :: place(s%nelem), b, e, g, n
+    integer :: place(s%nelem), b, e, g, i, n
+    logical :: on(maxval([0, new]))
 
     if (.not. allocated(s%set)) return
     n = 0
@@ -124,26 +112,15 @@ contains
           group%face%block = body%face(side)%block(place(elem))
           group%face%elem = body%face(side)%elem(place(elem))
           group%face%side = body%face(side)%side(place(elem))
-          group%node = body%node(nodes_of(s, new, elem))
+          on = .false. ! nodes of the body that functions of the elements have
+          do i = 1, size(elem)
+            e = elem(i)
+            on(new(s%node(s%first(e):s%first(e + 1) - 1))) = .true.
+          end do
+          group%node = body%node(pack([(i, i=1, size(on))], on))
         end associate
       end do
     end associate
   end subroutine put_sets
-
-  !> Nodes of the body that functions of some elements have, rising.
-  pure function nodes_of(s, new, elem) result(node)
-    type(spline_surface_t), intent(in) :: s
-    integer, intent(in) :: new(:), elem(:)
-    integer, allocatable :: node(:)
-    logical :: on(maxval([0, new]))
-    integer :: i, e
-
-    on = .false.
-    do i = 1, size(elem)
-      e = elem(i)
-      on(new(s%node(s%first(e):s%first(e + 1) - 1))) = .true.
-    end do
-    node = pack([(i, i=1, size(on))], on)
-  end function nodes_of
 
 end module spline_set

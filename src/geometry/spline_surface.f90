@@ -1,11 +1,11 @@
-!> A surface of spline functions, element by element: what files of extracted splines hold.
+!> A surface of spline functions, element by element, as files of extracted splines give it.
 module spline_surface
-  use base_kinds, only: wp, i8
   use base_error, only: error_t
+  use base_kinds, only: wp, i8
   use base_text, only: to_text
+  use format_text, only: text_t, fail_in_file
   use mesh, only: operator_t
   use patch_nurbs, only: MAX_DEGREE
-  use format_text, only: text_t, fail_in_file
   implicit none
   private
   public :: spline_surface_t, spline_set_t, start_surface, add_point, check_sizes, add_element, &
@@ -13,7 +13,7 @@ module spline_surface
 
   integer, parameter :: MOST_FUNCTIONS = 256 !! of an element
   integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! of a function
-  !> Functions sum to one to this: splines are written with all digits.
+  !> Tolerance of the sum of the functions: splines are written with all digits.
   real(wp), parameter :: UNITY = 1.0e-9_wp
 
   !> A named set of elements.
@@ -22,7 +22,7 @@ module spline_surface
     integer, allocatable :: elem(:) !! from 1
   end type spline_set_t
 
-  !> Functions of element e: N = C B with C = op(iop(e)) and Bernstein polynomials B of [-1,1]^2,
+  !> Functions of element e: N = C B with C = op(iop(e)) and Bernstein polynomials B on [-1,1]^2,
   !! the first direction fastest. They belong to the control points node(first(e) : first(e+1)-1).
   type :: spline_surface_t
     integer :: nnode = 0, nelem = 0
@@ -41,7 +41,7 @@ module spline_surface
 
 contains
 
-  !> Room for so many control points and elements: both take room in the file, so both are bounded.
+  !> An empty surface with room for control points and elements.
   subroutine start_surface(nnode, nelem, s)
     integer, intent(in) :: nnode, nelem
     type(spline_surface_t), intent(out) :: s
@@ -52,7 +52,7 @@ contains
     s%first(1) = 1
   end subroutine start_surface
 
-  !> The next control point: x, y, z and its weight.
+  !> Append a control point: x, y, z and its weight.
   subroutine add_point(text, x, s, error)
     type(text_t), intent(in) :: text
     real(wp), intent(in) :: x(4)
@@ -69,20 +69,33 @@ contains
     s%w(s%nnode) = x(4)
   end subroutine add_point
 
-  !> The next element.
+  !> Append an element. Its control points exist, and its functions sum to one.
   subroutine add_element(text, degree, node, c, s, error)
-    type(text_t), intent(in) :: text     !! at the element, for what is wrong with it
+    type(text_t), intent(in) :: text     !! at the element, for error messages
     integer, intent(in) :: degree(2)
     integer, intent(in) :: node(:)       !! (nf) control points from 1
     real(wp), intent(in) :: c(:, :)      !! (nf, nb)
     type(spline_surface_t), intent(inout) :: s
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: longer(:)
-    integer :: e, first, last
+    integer :: a, b, e, first, last
 
-    call check_element(text, s, node, c, error)
-    if (allocated(error)) return
     e = s%nelem + 1
+    do a = 1, size(node)
+      if (node(a) >= 1 .and. node(a) <= s%nnode) cycle
+      call fail_in_file(text, 'element '//to_text(e)//' refers to control point ' &
+                        //to_text(node(a))//' of '//to_text(s%nnode), error, &
+                        'this message counts control points from 1')
+      return
+    end do
+    do b = 1, size(c, 2)
+      if (abs(sum(c(:, b)) - 1.0_wp) <= UNITY) cycle
+      call fail_in_file(text, 'the functions of element '//to_text(e)//' sum to ' &
+                        //to_text(sum(c(:, b)))//' at its Bernstein polynomial '//to_text(b), &
+                        error, 'the coefficients of all functions of an element sum to 1 for ' &
+                        //'each polynomial: one may be missing, or have too few digits')
+      return
+    end do
     first = s%first(e)
     last = first + size(node) - 1
     if (last > size(s%node)) then
@@ -108,37 +121,11 @@ contains
                     //to_text(degree(2)), error, 'degrees are 1 to '//to_text(MAX_DEGREE))
     else if (nf < 1 .or. nf > MOST_FUNCTIONS) then
       call fail_in_file(text, 'element '//to_text(e)//' has '//to_text(nf)//' functions', error, &
-                    'an element has 1 to '//to_text(MOST_FUNCTIONS))
+                        'an element has 1 to '//to_text(MOST_FUNCTIONS))
     end if
   end subroutine check_sizes
 
-  !> Control points that are there, functions that sum to one.
-  subroutine check_element(text, s, node, c, error)
-    type(text_t), intent(in) :: text
-    type(spline_surface_t), intent(in) :: s
-    integer, intent(in) :: node(:)
-    real(wp), intent(in) :: c(:, :)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: a, b
-
-    do a = 1, size(node)
-      if (node(a) >= 1 .and. node(a) <= s%nnode) cycle
-      call fail_in_file(text, 'element '//to_text(s%nelem + 1)//' refers to control point ' &
-                    //to_text(node(a))//' of '//to_text(s%nnode), error, &
-                    'control points are counted from 1 here')
-      return
-    end do
-    do b = 1, size(c, 2)
-      if (abs(sum(c(:, b)) - 1.0_wp) <= UNITY) cycle
-      call fail_in_file(text, 'the functions of element '//to_text(s%nelem + 1)//' sum to ' &
-                    //to_text(sum(c(:, b)))//' at its Bernstein polynomial '//to_text(b), error, &
-                    'coefficients of the functions of an element sum to 1 for each polynomial: ' &
-                    //'one may be missing, or have too few digits')
-      return
-    end do
-  end subroutine check_element
-
-  !> Operators with the same bits are stored once.
+  !> Index of an operator; equal ones are stored once.
   subroutine find_operator(s, c, iop)
     type(spline_surface_t), intent(inout) :: s
     real(wp), intent(in) :: c(:, :)
@@ -150,7 +137,9 @@ contains
     do
       iop = s%slot(k)
       if (iop == 0) exit
-      if (same(s%op(iop)%c, c)) return
+      if (all(shape(s%op(iop)%c) == shape(c))) then
+        if (.not. any(abs(s%op(iop)%c - c) > 0.0_wp)) return
+      end if
       k = mod(k, size(s%slot)) + 1
     end do
     if (s%nop == size(s%op)) then
@@ -166,13 +155,7 @@ contains
     iop = s%nop
   end subroutine find_operator
 
-  pure logical function same(a, b)
-    real(wp), intent(in) :: a(:, :), b(:, :)
-
-    same = all(shape(a) == shape(b))
-    if (same) same = .not. any(abs(a - b) > 0.0_wp)
-  end function same
-
+  !> A number that equal operators share.
   pure integer(i8) function hash(c)
     real(wp), intent(in) :: c(:, :)
     integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
@@ -189,7 +172,7 @@ contains
     end do
   end function hash
 
-  !> Is anything there; and are the weights needed?
+  !> The surface has elements; find out whether it is rational.
   subroutine finish_surface(text, s, error)
     type(text_t), intent(in) :: text
     type(spline_surface_t), intent(inout) :: s
@@ -204,7 +187,7 @@ contains
     deallocate (s%slot)
   end subroutine finish_surface
 
-  !> Exchange the two directions of all elements: the normals turn over.
+  !> Exchange the two directions of all elements, which reverses the normals.
   subroutine transpose_surface(s)
     type(spline_surface_t), intent(inout) :: s
     type(spline_surface_t) :: t
