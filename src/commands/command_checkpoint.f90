@@ -1,174 +1,324 @@
-!> What a checkpoint keeps beside the state: the command counter, loops, step control, policies.
+!> Checkpoints: what they keep beside the state, when they are written, and how a run goes on.
 module command_checkpoint
+  use base_error, only: error_t, fail, DECK_ERROR, SYSTEM_ERROR, STOPPED
   use base_kinds, only: wp
-  use named_values, only: named_values_t, put, get
-  use command_type, only: run_t
+  use base_log, only: log_line
+  use base_system, only: stop_requested, wall_seconds
+  use base_text, only: quoted, to_text
+  use command_files, only: close_files
+  use command_type, only: run_t, program_t
+  use deck_expression, only: params_t
   use deck_params, only: parameter_names, find_parameter, set_parameter
-  use path_type, only: path_t
+  use linear_system, only: FULL
+  use named_values, only: named_values_t, put, get
+  use program_position, only: rewind_program
+  use program_version, only: VERSION
+  use restart_file, only: fingerprint_t, make_fingerprint, store => write_checkpoint, &
+                          read_checkpoint
+  use step, only: rewind_step
+  use step_type, only: step_t
   implicit none
   private
-  public :: pack_run, unpack_run
+  public :: write_checkpoint, set_restart_point, restore_run, stop_wanted, stop_run
+
+  !> Increased whenever the names or the meaning of the values change.
+  integer, parameter :: FORMAT = 2
+
+  !> Named values on their way into a checkpoint or out of one, so that one list of names does both.
+  type :: exchange_t
+    type(named_values_t) :: values
+    logical :: writes = .true.
+    logical :: whole = .true.          !! no value is missing
+  end type exchange_t
+
+  interface exchange
+    module procedure exchange_real, exchange_integer, exchange_integers, exchange_logical
+  end interface exchange
 
 contains
 
-  !> The run at a moment between two steps: the command at `pc` is the next one.
-  subroutine pack_run(run, bag)
-    type(run_t), intent(in) :: run
-    type(named_values_t), intent(out) :: bag
-
-    call put(bag, 'pc', run%pc)
-    call put(bag, 'loop_at', run%loop(:)%at)
-    call put(bag, 'loop_count', run%loop(:)%count)
-    call put(bag, 'loop_limit', run%loop(:)%limit)
-    call put(bag, 'visit', run%command(:)%visit)
-    associate (c => run%control)
-      call put(bag, 'control_reals', [c%dt, c%anchor, c%size, c%dtmin, c%dtmax, c%from, c%to])
-      call put(bag, 'control_integers', [c%target, c%passed, c%quiet, c%cuts])
-      call put(bag, 'control_automatic', c%automatic)
-    end associate
-    call put(bag, 'newton_reals', [run%newton%tolerance, run%newton%eps])
-    call put(bag, 'newton_integers', [run%newton%mode, merge(1, 0, run%newton%symmetric)])
-    call put(bag, 'plan', &
-             [run%plan%every, run%iterations, run%cutbacks, run%negative_pivots, &
-              merge(1, 0, run%failed_step), run%plan%cutbacks, merge(1, 0, run%plan%retry)])
-    associate (p => run%path)
-      call put(bag, 'path', [p%method, p%wait, p%steps, merge(1, 0, p%given), p%way, &
-                             merge(1, 0, p%trial), p%opening, p%patience, p%rest])
-      call put(bag, 'path_density', [p%density, p%largest, p%piece, p%length, p%shortest, &
-                                     p%longest, p%gained, p%multiple])
-    end associate
-    call put(bag, 'parameters', parameter_values(run))
-  end subroutine pack_run
-
-  !> The run goes on where the checkpoint was made.
-  subroutine unpack_run(bag, run, found)
-    type(named_values_t), intent(in) :: bag
+  !> Write a checkpoint between two steps: from here on this run and a restarted one do the same.
+  subroutine write_checkpoint(run, error)
     type(run_t), intent(inout) :: run
-    logical, intent(out) :: found !! .false.: something is missing, or of another size
-    real(wp), allocatable :: x(:)
-    integer, allocatable :: at(:), count(:), limit(:), n(:)
-    logical :: there(9)
+    type(error_t), allocatable, intent(out) :: error
 
-    call get(bag, 'pc', run%pc, there(1))
-    call get(bag, 'loop_at', at, there(2))
-    call get(bag, 'loop_count', count, there(3))
-    call get(bag, 'loop_limit', limit, there(4))
-    found = all(there(:4))
-    if (.not. found) return
-    if (allocated(run%loop)) deallocate (run%loop)
-    allocate (run%loop(size(at)))
-    run%loop(:)%at = at
-    run%loop(:)%count = count
-    run%loop(:)%limit = limit
-    call get(bag, 'visit', n, there(5))
-    found = there(5)
-    if (found) found = size(n) == size(run%command)
-    if (.not. found) return
-    run%command(:)%visit = n
-    call get(bag, 'control_reals', x, there(6))
-    call get(bag, 'control_integers', n, there(7))
-    call get(bag, 'control_automatic', run%control%automatic, there(8))
-    found = all(there(6:8))
-    if (.not. found) return
-    associate (c => run%control)
-      c%dt = x(1); c%anchor = x(2); c%size = x(3)
-      c%dtmin = x(4); c%dtmax = x(5); c%from = x(6); c%to = x(7)
-      c%target = n(1); c%passed = n(2); c%quiet = n(3); c%cuts = n(4)
-    end associate
-    call unpack_policies(bag, run, found)
-  end subroutine unpack_run
+    call set_restart_point(run)
+    call store_restart_point(run, error)
+    if (allocated(error)) return
+    call log_line('checkpoint after step '//to_text(run%restart_point%state%step)//' in ' &
+                  //restart_path(run))
+  end subroutine write_checkpoint
 
-  subroutine unpack_policies(bag, run, found)
-    type(named_values_t), intent(in) :: bag
+  !> From here on this run and one that is restarted here do the same: kept factors are forgotten.
+  subroutine set_restart_point(run)
     type(run_t), intent(inout) :: run
-    logical, intent(out) :: found
-    real(wp), allocatable :: x(:)
-    integer, allocatable :: n(:)
-    logical :: there(5)
+    type(exchange_t) :: exchanged
 
-    call get(bag, 'newton_reals', x, there(1))
-    call get(bag, 'newton_integers', n, there(2))
-    if (all(there(:2))) then
-      run%newton%tolerance = x(1)
-      run%newton%eps = x(2)
-      run%newton%mode = n(1)
-      run%newton%symmetric = n(2) == 1
+    if (run%step%newton%ready) call run%step%newton%system%force_refactor()
+    call exchange_run(exchanged, run)
+    run%restart_point%values = exchanged%values
+    run%restart_point%state = run%state
+    run%restart_point%set = .true.
+  end subroutine set_restart_point
+
+  !> Go on from a checkpoint; no file is touched yet.
+  subroutine restore_run(run, path, error)
+    type(run_t), intent(inout) :: run
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    type(fingerprint_t) :: print
+    type(exchange_t) :: exchanged
+    integer :: found
+    logical :: there
+
+    call make_fingerprint(VERSION, run%files%deck_text, run%model, print)
+    call read_checkpoint(path, print, run%state, exchanged%values, error)
+    if (allocated(error)) return
+    found = 1                          ! had no number
+    call get(exchanged%values, 'format', found, there)
+    if (found /= FORMAT) then
+      call fail(error, DECK_ERROR, quoted(path)//' has checkpoint format '//to_text(found) &
+                //', expected '//to_text(FORMAT), hint='start again from the deck, or restart ' &
+                //'with the program that wrote it')
+      return
     end if
-    call get(bag, 'plan', n, there(3))
-    if (there(3)) then
-      run%plan%every = n(1)
-      run%iterations = n(2)
-      run%cutbacks = n(3)
-      run%negative_pivots = n(4)
-      run%failed_step = n(5) == 1
-      run%plan%cutbacks = n(6)
-      run%plan%retry = n(7) == 1
+    exchanged%writes = .false.
+    call exchange_run(exchanged, run)
+    if (.not. exchanged%whole) then
+      call fail(error, SYSTEM_ERROR, quoted(path)//' does not hold a whole checkpoint', &
+                hint='start again from the deck')
+      return
     end if
-    call unpack_path(bag, run%path, there(5))
-    call get(bag, 'parameters', x, there(4))
-    found = all(there)
-    if (found) found = size(x) == size(parameter_names(run%deck%params))
-    if (found) call set_parameters(run, x)
-  end subroutine unpack_policies
+    run%files%kept = run%state%step
+    call log_line('restarted after step '//to_text(run%state%step)//' from '//path)
+  end subroutine restore_run
 
-  subroutine unpack_path(bag, path, found)
-    type(named_values_t), intent(in) :: bag
-    type(path_t), intent(inout) :: path
-    logical, intent(out) :: found
-    real(wp), allocatable :: x(:)
-    integer, allocatable :: n(:)
-    logical :: there(2)
-
-    call get(bag, 'path', n, there(1))
-    call get(bag, 'path_density', x, there(2))
-    found = all(there)
-    if (.not. found) return
-    associate (p => path)
-      p%method = n(1)
-      p%wait = n(2)
-      p%steps = n(3)
-      p%given = n(4) == 1
-      p%way = n(5)
-      p%trial = n(6) == 1
-      p%opening = n(7)
-      p%patience = n(8)
-      p%rest = n(9)
-      p%density = x(1)
-      p%largest = x(2)
-      p%piece = x(3)
-      p%length = x(4)
-      p%shortest = x(5)
-      p%longest = x(6)
-      p%gained = x(7)
-      p%multiple = x(8)
-    end associate
-  end subroutine unpack_path
-
-  !> Values of all parameters, in the order of their names.
-  function parameter_values(run) result(value)
+  !> A signal came, or the time limit is reached.
+  function stop_wanted(run) result(yes)
     type(run_t), intent(in) :: run
+    logical :: yes
+
+    yes = stop_requested()
+    if (.not. yes .and. run%time_limit > 0.0_wp) yes = wall_seconds() > run%time_limit
+  end function stop_wanted
+
+  !> Forget the step under way, write a checkpoint of the one before, and end with code 4.
+  subroutine stop_run(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+
+    if (run%step%open) then
+      call rewind_step(run%step, run%state)
+      call rewind_program(run%program, run%deck%params)
+      run%step%retry = run%step%cutbacks > 0 ! a restarted run counts them too
+    end if
+    if (run%step%newton%mode == FULL .or. .not. run%restart_point%set) then
+      call write_checkpoint(run, error)
+    else
+      call store_restart_point(run, error)
+    end if
+    if (allocated(error)) return
+    call close_files(run, error)
+    if (allocated(error)) return
+    call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step) &
+              //'; the checkpoint is of step '//to_text(run%restart_point%state%step), &
+              hint='go on with --restart '//restart_path(run))
+  end subroutine stop_run
+
+  subroutine store_restart_point(run, error)
+    type(run_t), intent(in) :: run
+    type(error_t), allocatable, intent(out) :: error
+    type(fingerprint_t) :: print
+
+    call make_fingerprint(VERSION, run%files%deck_text, run%model, print)
+    call store(restart_path(run), print, run%restart_point%state, run%restart_point%values, error)
+  end subroutine store_restart_point
+
+  function restart_path(run) result(path)
+    type(run_t), intent(in) :: run
+    character(:), allocatable :: path
+
+    path = run%files%stem//'.restart.h5'
+  end function restart_path
+
+  !> Everything beside the state that a restarted run needs, between two steps.
+  subroutine exchange_run(x, run)
+    type(exchange_t), intent(inout) :: x
+    type(run_t), intent(inout) :: run
+
+    if (x%writes) call put(x%values, 'format', FORMAT)
+    call exchange_program(x, run%program)
+    call exchange_parameters(x, run%deck%params)
+    call exchange_step(x, run%step)
+    call exchange(x, 'output_every', run%plan%every)
+  end subroutine exchange_run
+
+  subroutine exchange_program(x, program)
+    type(exchange_t), intent(inout) :: x
+    type(program_t), intent(inout) :: program
+    integer, allocatable :: at(:), count(:), limit(:), visit(:)
+
+    call exchange(x, 'command', program%counter)
+    if (x%writes) then
+      at = program%loop(:)%at
+      count = program%loop(:)%count
+      limit = program%loop(:)%limit
+      visit = program%command(:)%visit
+    end if
+    call exchange(x, 'loop_at', at)
+    call exchange(x, 'loop_count', count)
+    call exchange(x, 'loop_limit', limit)
+    call exchange(x, 'visits', visit)
+    if (x%writes .or. .not. x%whole) return
+    x%whole = size(visit) == size(program%command)
+    if (.not. x%whole) return
+    if (allocated(program%loop)) deallocate (program%loop)
+    allocate (program%loop(size(at)))
+    program%loop(:)%at = at
+    program%loop(:)%count = count
+    program%loop(:)%limit = limit
+    program%command(:)%visit = visit
+  end subroutine exchange_program
+
+  !> All parameters by name: PARAmeter may have made some that the deck's mesh part does not know.
+  subroutine exchange_parameters(x, params)
+    type(exchange_t), intent(inout) :: x
+    type(params_t), intent(inout) :: params
+    character(64), allocatable :: name(:)
+    character(:), allocatable :: names
     real(wp), allocatable :: value(:)
-    character(64), allocatable :: name(:)
-    logical :: known
+    logical :: there(2)
     integer :: i
 
-    allocate (name, source=parameter_names(run%deck%params))
-    allocate (value(size(name)))
-    do i = 1, size(name)
-      call find_parameter(run%deck%params, trim(name(i)), value(i), known)
+    if (x%writes) then
+      allocate (name, source=parameter_names(params))
+      allocate (value(size(name)))
+      names = ''
+      do i = 1, size(name)
+        names = names//name(i)
+        call find_parameter(params, trim(name(i)), value(i), there(1))
+      end do
+      call put(x%values, 'parameter_names', names)
+      call put(x%values, 'parameters', value)
+      return
+    end if
+    call get(x%values, 'parameter_names', names, there(1))
+    call get(x%values, 'parameters', value, there(2))
+    x%whole = x%whole .and. all(there)
+    if (x%whole) x%whole = len(names) == len(name)*size(value)
+    if (.not. x%whole) return
+    do i = 1, size(value)
+      call set_parameter(params, trim(names(len(name)*(i - 1) + 1:len(name)*i)), value(i))
     end do
-  end function parameter_values
+  end subroutine exchange_parameters
 
-  subroutine set_parameters(run, value)
-    type(run_t), intent(inout) :: run
-    real(wp), intent(in) :: value(:)
-    character(64), allocatable :: name(:)
-    integer :: i
+  subroutine exchange_step(x, step)
+    type(exchange_t), intent(inout) :: x
+    type(step_t), intent(inout) :: step
 
-    allocate (name, source=parameter_names(run%deck%params))
-    do i = 1, size(name)
-      call set_parameter(run%deck%params, trim(name(i)), value(i))
-    end do
-  end subroutine set_parameters
+    call exchange(x, 'step_retry', step%retry)
+    call exchange(x, 'step_cutbacks', step%cutbacks)
+    associate (total => step%total)
+      call exchange(x, 'total_iterations', total%iterations)
+      call exchange(x, 'total_cutbacks', total%cutbacks)
+      call exchange(x, 'total_negative_pivots', total%negative_pivots)
+      call exchange(x, 'total_unconverged', total%unconverged)
+    end associate
+    associate (newton => step%newton)
+      call exchange(x, 'newton_tolerance', newton%tolerance)
+      call exchange(x, 'newton_mode', newton%mode)
+      call exchange(x, 'newton_eps', newton%eps)
+      call exchange(x, 'newton_symmetric', newton%symmetric)
+    end associate
+    associate (control => step%control)
+      call exchange(x, 'control_dt', control%dt)
+      call exchange(x, 'control_origin', control%origin)
+      call exchange(x, 'control_target', control%target)
+      call exchange(x, 'control_size', control%size)
+      call exchange(x, 'control_automatic', control%automatic)
+      call exchange(x, 'control_dtmin', control%dtmin)
+      call exchange(x, 'control_dtmax', control%dtmax)
+      call exchange(x, 'control_from', control%from)
+      call exchange(x, 'control_to', control%to)
+      call exchange(x, 'control_passed', control%passed)
+      call exchange(x, 'control_accepted', control%accepted)
+      call exchange(x, 'control_cuts', control%cuts)
+    end associate
+    associate (path => step%continuation)
+      call exchange(x, 'path_method', path%method)
+      call exchange(x, 'path_given', path%given)
+      call exchange(x, 'path_active', path%active)
+      call exchange(x, 'path_trial', path%trial)
+      call exchange(x, 'path_steps', path%steps)
+      call exchange(x, 'path_wait', path%wait)
+      call exchange(x, 'path_next_wait', path%next_wait)
+      call exchange(x, 'path_density', path%density)
+      call exchange(x, 'path_release', path%release)
+      call exchange(x, 'path_largest_release', path%largest_release)
+      call exchange(x, 'path_length', path%length)
+      call exchange(x, 'path_shortest', path%shortest)
+      call exchange(x, 'path_longest', path%longest)
+      call exchange(x, 'path_multiple', path%multiple)
+      call exchange(x, 'path_released', path%released)
+      call exchange(x, 'path_opening', path%opening)
+      call exchange(x, 'path_patience', path%patience)
+    end associate
+  end subroutine exchange_step
+
+  subroutine exchange_real(x, name, value)
+    type(exchange_t), intent(inout) :: x
+    character(*), intent(in) :: name
+    real(wp), intent(inout) :: value
+    logical :: there
+
+    if (x%writes) then
+      call put(x%values, name, value)
+    else
+      call get(x%values, name, value, there)
+      x%whole = x%whole .and. there
+    end if
+  end subroutine exchange_real
+
+  subroutine exchange_integer(x, name, value)
+    type(exchange_t), intent(inout) :: x
+    character(*), intent(in) :: name
+    integer, intent(inout) :: value
+    logical :: there
+
+    if (x%writes) then
+      call put(x%values, name, value)
+    else
+      call get(x%values, name, value, there)
+      x%whole = x%whole .and. there
+    end if
+  end subroutine exchange_integer
+
+  subroutine exchange_integers(x, name, value)
+    type(exchange_t), intent(inout) :: x
+    character(*), intent(in) :: name
+    integer, allocatable, intent(inout) :: value(:)
+    logical :: there
+
+    if (x%writes) then
+      call put(x%values, name, value)
+    else
+      call get(x%values, name, value, there)
+      x%whole = x%whole .and. there
+    end if
+  end subroutine exchange_integers
+
+  subroutine exchange_logical(x, name, value)
+    type(exchange_t), intent(inout) :: x
+    character(*), intent(in) :: name
+    logical, intent(inout) :: value
+    logical :: there
+
+    if (x%writes) then
+      call put(x%values, name, value)
+    else
+      call get(x%values, name, value, there)
+      x%whole = x%whole .and. there
+    end if
+  end subroutine exchange_logical
 
 end module command_checkpoint

@@ -1,10 +1,10 @@
 !> PROP: load tables; PARAmeter: parameters of the solution part.
 module command_load
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
-  use command_number, only: whole_field
-  use command_type, only: run_t, command_t, command_row_t, new_row, data_t
+  use boundary, only: boundary_t, place_of_number
+  use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field
   use deck_expression, only: set_parameter
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: deck_t, check_count, get_integer, get_real, get_assignment
@@ -12,7 +12,7 @@ module command_load
   use solution_state, only: set_factors
   implicit none
   private
-  public :: describe_prop, describe_para
+  public :: describe_prop, describe_para, check_tables
 
   integer, parameter :: MOST_TABLES = 1000
 
@@ -21,14 +21,14 @@ contains
   function describe_prop() result(row)
     type(command_row_t) :: row
 
-    row = new_row('PROP', 'PROP,,k1[,k2], then a table behind END for each', &
+    row = new_row('PROP', 'PROP,,k1[,k2], then a table after END for each', &
                   3, run_prop, read_tables)
   end function describe_prop
 
   function describe_para() result(row)
     type(command_row_t) :: row
 
-    row = new_row('PARAmeter', 'PARAmeter, then name = value records behind END', &
+    row = new_row('PARAmeter', 'PARAmeter, then name = value records after END', &
                   0, run_para, read_assignments)
   end function describe_para
 
@@ -44,7 +44,7 @@ contains
     first = max(1, first)
     last = max(first, last)
     if (any(command%x(:2) < 0.0_wp) .or. last > MOST_TABLES) then
-      call fail(error, DECK_ERROR, 'table numbers are whole, from 1 to '//to_text(MOST_TABLES), &
+      call fail(error, DECK_ERROR, 'expected table numbers from 1 to '//to_text(MOST_TABLES), &
                 command%record%place(3), 'write PROP,,k')
     end if
   end subroutine table_range
@@ -63,7 +63,7 @@ contains
       call read_table(run, command, data%table(i), error)
       if (allocated(error)) return
     end do
-    run%nfactor = max(run%nfactor, last)
+    run%program%ntable = max(run%program%ntable, last)
   end subroutine read_tables
 
   !> One table: a blank record alone, `1 k tmin tmax a1 a2 a3 a4 a5`, or `2 n` and its pairs.
@@ -80,7 +80,7 @@ contains
     if (record%kind /= RECORD_WORDS) then
       if (record%is_end()) then
         call fail(error, DECK_ERROR, 'the data of this PROP are missing', command%record%place(1), &
-                  'behind the END of BATCh put a table, or a blank record for p = t')
+                  'after the END of BATCh put a table, or a blank record for p = t')
       end if
       return
     end if
@@ -102,7 +102,8 @@ contains
                   '1 k tmin tmax a1 a2 a3 a4 a5')
       end if
     case (2)
-      call check_count(record, 1, 2, '2 n, then pairs t p, one a record, and a blank record', error)
+      call check_count(record, 1, 2, '2 n, then pairs t p, one in a record, and a blank record', &
+                       error)
       if (.not. allocated(error)) call read_pairs(run, record, table, error)
     case default
       call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of a load table", &
@@ -110,8 +111,8 @@ contains
     end select
   end subroutine read_table
 
-  !> `2 n`: n (t, p) pairs a record, up to a blank record; a pair 0 0 or a record that is not full
-  !! is the last one, and the blank record may be missing behind it (FEAP).
+  !> `2 n`: records of n pairs (t, p) up to a blank record; a pair 0 0 or a record that is not full
+  !! is the last one, and the blank record after it may be missing (FEAP).
   subroutine read_pairs(run, opening, table, error)
     type(run_t), intent(inout) :: run
     type(record_t), intent(in) :: opening
@@ -134,14 +135,14 @@ contains
         exit
       end if
       call check_count(record, 2, 2*max(n, 1), &
-                       'pairs t p: at most '//to_text(max(n, 1))//' of them a record here', error)
+                       'pairs t p: at most '//to_text(max(n, 1))//' in a record here', error)
       if (.not. allocated(error)) call take_pairs(run%deck, record, table, done, error)
       if (allocated(error)) return
       done = done .or. record%n < 2*n
     end do
     if (size(table%t) == 0) then
       call fail(error, DECK_ERROR, 'a table without pairs', opening%place(1), &
-                'behind `2 n` put pairs t p, one a record, and a blank record')
+                'after `2 n` put pairs t p, one in a record, and a blank record')
     end if
   end subroutine read_pairs
 
@@ -150,7 +151,7 @@ contains
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
     type(load_table_t), intent(inout) :: table
-    logical, intent(out) :: done !! a pair 0 0 behind others
+    logical, intent(out) :: done !! a pair 0 0 after others
     type(error_t), allocatable, intent(out) :: error
     real(wp) :: t, p
     integer :: i
@@ -186,7 +187,7 @@ contains
     integer :: first, last, n
 
     call table_range(command, first, last, error)
-    if (allocated(error) .or. run%dry) return
+    if (allocated(error) .or. run%program%dry) return
     n = size(run%state%table)
     if (last > n) then
       allocate (longer(last))
@@ -208,7 +209,6 @@ contains
     character(:), allocatable :: name
     real(wp) :: value
 
-    if (command%row == 0) return
     allocate (character(32) :: data%name(0))
     allocate (data%value(0))
     do
@@ -217,7 +217,7 @@ contains
       if (record%is_end() .and. size(data%name) == 0) then
         call fail(error, DECK_ERROR, 'the data of this PARAmeter are missing', &
                   command%record%place(1), &
-                  'behind the END of BATCh put name = value records and a blank one')
+                  'after the END of BATCh put name = value records and a blank one')
       end if
       if (allocated(error)) return
       if (record%kind /= RECORD_WORDS) exit
@@ -234,12 +234,51 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: i
 
-    if (run%dry) return
-    do i = 1, size(command%data(command%visit)%value)
-      call set_parameter(run%deck%params, trim(command%data(command%visit)%name(i)), &
-                         command%data(command%visit)%value(i))
-    end do
-    if (allocated(error)) return
+    if (run%program%dry) return
+    associate (data => command%data(command%visit))
+      do i = 1, size(data%value)
+        call set_parameter(run%deck%params, trim(data%name(i)), data%value(i))
+      end do
+    end associate
   end subroutine run_para
+
+  !> When the whole deck is known: every load number has a PROP. 0, the sum of all tables, needs
+  !! none, and without any PROP all factors are 1.
+  subroutine check_tables(bc, ntable, error)
+    type(boundary_t), intent(in) :: bc
+    integer, intent(in) :: ntable      !! highest table that a PROP defines
+    type(error_t), allocatable, intent(out) :: error
+    type(place_t) :: place
+    integer :: i
+
+    if (ntable == 0) return
+    do i = 1, size(bc%motion)
+      call check(bc%motion(i)%table, bc%motion(i)%place)
+    end do
+    do i = 1, size(bc%pressure)
+      call check(bc%pressure(i)%table, bc%pressure(i)%place)
+    end do
+    do i = 1, size(bc%dead)
+      call check(bc%dead(i)%table, bc%dead(i)%place)
+    end do
+    do i = 1, size(bc%table, 2)
+      if (maxval(bc%table(:, i)) <= ntable) cycle
+      call place_of_number(bc, maxval(bc%table(:, i)), place)
+      call check(maxval(bc%table(:, i)), place)
+      return
+    end do
+
+  contains
+
+    subroutine check(table, place)
+      integer, intent(in) :: table
+      type(place_t), intent(in) :: place
+
+      if (allocated(error) .or. table <= ntable) return
+      call fail(error, DECK_ERROR, 'load table '//to_text(table)//' is not defined', place, &
+                'put PROP,,'//to_text(table)//' among the commands and its data after END')
+    end subroutine check
+
+  end subroutine check_tables
 
 end module command_load

@@ -1,12 +1,12 @@
-!> ARCLength: how the path goes on where load control ends. TRANsient, MASS: motion in time.
+!> ARCLength: how the path is continued where load control ends. TRANsient, MASS: motion in time.
 module command_path
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_text, only: quoted
+  use base_text, only: quoted, to_text
   use command_type, only: run_t, command_t, command_row_t, new_row
+  use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC
   use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use energy_type, only: open_book
-  use path_type, only: path_t, PATH_OFF, PATH_DYNAMIC, PATH_LOCAL, PATH_LENGTH
   implicit none
   private
   public :: describe_arcl, describe_tran, describe_mass
@@ -17,7 +17,7 @@ contains
     type(command_row_t) :: row
 
     row = new_row('ARCLength', &
-                  'ARCLength,[LOCAl|LENGth|DYNAmic|OFF],[share|multiple|density]', 2, run_arcl)
+                  'ARCLength,[LOCAl|LENGth|DYNAmic|OFF],[fraction|multiple|density]', 2, run_arcl)
   end function describe_arcl
 
   function describe_tran() result(row)
@@ -32,67 +32,66 @@ contains
     row = new_row('MASS', 'MASS,[CONSistent|LUMPed]', 1, run_mass)
   end function describe_mass
 
-  !> What follows where load control ends.
+  !> The method that follows load control, and its number.
   subroutine run_arcl(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
-    type(path_t) :: default
+    type(continuation_t) :: default
 
-    call check_way(run, command, error)
-    if (allocated(error)) return
-    if (run%dry) return
-    run%path%given = .true.
-    run%path%density = -1.0_wp
-    select case (command%option)
-    case ('off')
-      run%path%method = PATH_OFF
-    case ('leng')
-      run%path%method = PATH_LENGTH
-      run%path%multiple = default%multiple
-      if (command%x(1) > 0.0_wp) run%path%multiple = command%x(1)
-    case ('dyna')
-      run%path%method = PATH_DYNAMIC
-      if (command%x(1) > 0.0_wp) run%path%density = command%x(1)
-    case default
-      run%path%method = PATH_LOCAL
-      run%path%largest = default%largest
-      if (command%x(1) > 0.0_wp) run%path%largest = command%x(1)
-    end select
+    call check_method(run, command, error)
+    if (allocated(error) .or. run%program%dry) return
+    associate (path => run%step%continuation, x => command%x(1))
+      path%given = .true.
+      path%density = -1.0_wp
+      select case (command%option)
+      case ('off')
+        path%method = PATH_OFF
+      case ('leng')
+        path%method = PATH_ARC
+        path%multiple = merge(x, default%multiple, x > 0.0_wp)
+      case ('dyna')
+        path%method = PATH_INERTIA
+        if (x > 0.0_wp) path%density = x
+      case default
+        path%method = PATH_RELEASE
+        path%largest_release = merge(x, default%largest_release, x > 0.0_wp)
+      end select
+    end associate
     if (.not. allocated(run%state%dynamics%v)) then
       call new_dynamics(run%state%dynamics, run%model%mesh%nnode)
     end if
     if (.not. run%state%energy%on) call open_book(run%state%energy, run%model%mesh%nnode)
   end subroutine run_arcl
 
-  !> The way and its number.
-  subroutine check_way(run, command, error)
+  subroutine check_method(run, command, error)
     type(run_t), intent(in) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
-    if (all(command%option /= ['    ', 'dyna', 'leng', 'loca', 'off '])) then
-      call fail(error, DECK_ERROR, 'unknown way to follow a path, ' &
-                //quoted(command%record%text(2)), command%record%place(2), &
-                'ARCLength,DYNAmic,[density] | LOCAl,[share] | LENGth,[multiple] | ' &
-                //'OFF')
-    else if (command%option == 'leng') then
-      if (command%x(1) >= 1.0_wp .or. .not. abs(command%x(1)) > 0.0_wp) return
-      call fail(error, DECK_ERROR, 'the longest step is no shorter than the first', &
-                command%record%place(3), 'leave it out: four times the first')
-    else if (command%option /= 'loca') then
-      if (command%x(1) >= 0.0_wp) return
-      call fail(error, DECK_ERROR, 'a density is positive', command%record%place(3), &
-                'leave it out: it is then chosen from the work done')
-    else if (.not. any(run%model%contact(:)%has_cohesive)) then
-      call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
-                command%record%place(2), 'a CONTact with COHEsive has bonds; else ' &
-                //'ARCLength,DYNAmic')
-    else if (command%x(1) < 0.0_wp .or. command%x(1) >= 1.0_wp) then
-      call fail(error, DECK_ERROR, 'the share of the bonds that a step releases lies between ' &
-                //'0 and 1', command%record%place(3), 'leave it out: a hundredth')
-    end if
-  end subroutine check_way
+    associate (record => command%record, x => command%x(1))
+      if (all(command%option /= ['    ', 'dyna', 'leng', 'loca', 'off '])) then
+        call fail(error, DECK_ERROR, 'unknown method of continuation '//quoted(record%text(2)), &
+                  record%place(2), 'ARCLength,DYNAmic,[density] | LOCAl,[fraction] ' &
+                  //'| LENGth,[multiple] | OFF')
+      else if (command%option == 'leng') then
+        if (x >= 1.0_wp .or. .not. abs(x) > 0.0_wp) return
+        call fail(error, DECK_ERROR, 'expected a longest step of at least 1 times the first, ' &
+                  //'found '//to_text(x), record%place(3), 'leave it out: four times the first')
+      else if (command%option /= 'loca') then
+        if (x >= 0.0_wp) return
+        call fail(error, DECK_ERROR, 'expected a positive density, found '//to_text(x), &
+                  record%place(3), 'leave it out: it is then chosen from the work done')
+      else if (.not. any(run%model%contact(:)%has_cohesive)) then
+        call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
+                  record%place(2), 'a CONTact with COHEsive has bonds; else use ' &
+                  //'ARCLength,DYNAmic')
+      else if (x < 0.0_wp .or. x >= 1.0_wp) then
+        call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &
+                  //to_text(x), record%place(3), 'leave it out: 0.01')
+      end if
+    end associate
+  end subroutine check_method
 
   !> Bodies move in time, from rest, with the densities of their materials (FEAP).
   subroutine run_tran(run, command, error)
@@ -101,7 +100,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call check_scheme(run, command, error)
-    if (allocated(error) .or. run%dry) return
+    if (allocated(error) .or. run%program%dry) return
     associate (dynamics => run%state%dynamics)
       if (any(command%option == ['off ', 'stat'])) then
         dynamics%on = .false.
@@ -110,9 +109,9 @@ contains
       if (.not. allocated(dynamics%v)) call new_dynamics(dynamics, run%model%mesh%nnode)
       dynamics%on = .true.
       dynamics%density = -1.0_wp
-      run%path%given = .true.
-      run%path%method = PATH_OFF
-      if (allocated(run%newton%asm%mass)) deallocate (run%newton%asm%mass)
+      run%step%continuation%given = .true. ! nothing but this scheme moves the bodies
+      run%step%continuation%method = PATH_OFF
+      if (allocated(run%step%newton%asm%mass)) deallocate (run%step%newton%asm%mass)
       call set_scheme(command, dynamics%method, dynamics%beta, dynamics%gamma, dynamics%alpha)
     end associate
   end subroutine run_tran
@@ -144,7 +143,7 @@ contains
               'write DENSity,,rho in the MATErial')
   end subroutine check_scheme
 
-  !> Parameters as given, or those of FEAP: 1/4 and 1/2; HHT's follow from alpha, -0.05.
+  !> Parameters of the deck, else those of FEAP: 1/4 and 1/2; for HHT they follow from alpha, -0.05.
   pure subroutine set_scheme(command, method, beta, gamma, alpha)
     type(command_t), intent(in) :: command
     integer, intent(out) :: method
@@ -171,13 +170,13 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (all(command%option /= ['    ', 'cons', 'lump'])) then
-      call fail(error, DECK_ERROR, 'unknown kind of mass '//quoted(command%record%text(2)), &
+      call fail(error, DECK_ERROR, 'unknown type of mass '//quoted(command%record%text(2)), &
                 command%record%place(2), 'MASS,CONSistent or MASS,LUMPed')
       return
     end if
-    if (run%dry) return
+    if (run%program%dry) return
     run%state%dynamics%lumped = command%option == 'lump'
-    if (allocated(run%newton%asm%mass)) deallocate (run%newton%asm%mass)
+    if (allocated(run%step%newton%asm%mass)) deallocate (run%step%newton%asm%mass)
   end subroutine run_mass
 
 end module command_path

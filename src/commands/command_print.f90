@@ -1,11 +1,12 @@
 !> DISP, REAC, STRE: FEAP's tables in <stem>.out; PRIN and NOPR switch them on and off.
 module command_print
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
+  use base_text, only: to_text
   use byte_file, only: open_bytes
-  use command_number, only: whole_field
-  use command_type, only: run_t, command_t, command_row_t, new_row
-  use newton, only: form_system, pass_t
+  use command_type, only: run_t, command_t, command_row_t, new_row, whole_field
+  use newton, only: form_system
+  use newton_type, only: pass_t
   use print_tables, only: print_displacements, print_reactions, print_stresses, print_nodal_stresses
   implicit none
   private
@@ -48,8 +49,7 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
-    if (run%dry .or. allocated(error)) return
-    run%prints = command%record%key(1) == 'prin'
+    if (.not. run%program%dry) run%plan%prints = command%record%key(1) == 'prin'
   end subroutine run_switch
 
   !> One table, of the nodes or elements n1 to n2 by step; without numbers, of all.
@@ -57,32 +57,36 @@ contains
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
+    type(pass_t) :: pass
+    integer, allocatable :: list(:)
     integer :: first, last, step
 
     call read_range(run, command, first, last, step, error)
-    if (allocated(error) .or. run%dry .or. .not. run%prints) return
-    if (.not. run%out_open) then
-      call open_bytes(run%out, run%stem//'.out', run%restarted, error)
-      if (allocated(error)) return
-      run%out_open = .true.
-    end if
-    call update_reactions(run, error)
-    if (allocated(error)) return
-    select case (command%record%key(1))
-    case ('disp')
-      call print_displacements(run%out, run%model, run%state, &
-                               chosen(run, command, first, last, step), error)
-    case ('reac')
-      call print_reactions(run%out, run%model, run%state, chosen(run, command, first, last, step), &
-                           error)
-    case default
-      if (any(command%option == ['node', 'coor'])) then
-        call print_nodal_stresses(run%out, run%model, run%state, &
-                                  chosen(run, command, first, last, step), error)
-      else
-        call print_stresses(run%out, run%model, run%state, first, last, step, error)
+    if (allocated(error) .or. run%program%dry .or. .not. run%plan%prints) return
+    associate (out => run%files%out, model => run%model, state => run%state)
+      if (.not. run%files%out_open) then
+        call open_bytes(out, run%files%stem//'.out', allocated(run%files%kept), error)
+        if (allocated(error)) return
+        run%files%out_open = .true.
       end if
-    end select
+      if (run%step%open .and. run%step%solved) then ! reactions are those before the last solve
+        call form_system(run%step%newton, model, state, run%step%newton%symmetric, pass, error)
+        if (allocated(error)) return
+      end if
+      if (command%record%key(1) == 'stre' .and. all(command%option /= ['node', 'coor'])) then
+        call print_stresses(out, model, state, first, last, step, error)
+        return
+      end if
+      list = chosen_nodes(run, command, first, last, step)
+      select case (command%record%key(1))
+      case ('disp')
+        call print_displacements(out, model, state, list, error)
+      case ('reac')
+        call print_reactions(out, model, state, list, error)
+      case default
+        call print_nodal_stresses(out, model, state, list, error)
+      end select
+    end associate
   end subroutine run_print
 
   subroutine read_range(run, command, first, last, step, error)
@@ -95,7 +99,7 @@ contains
     if (all(command%option /= ['    ', 'all ', 'node', 'coor']) .or. &
         (command%option == 'node' .and. command%record%key(1) /= 'stre')) then
       call fail(error, DECK_ERROR, "unknown option '"//command%record%text(2)//"'", &
-                command%record%place(2), trim(run%row(command%row)%usage))
+                command%record%place(2), trim(run%program%row(command%row)%usage))
       return
     end if
     most = run%model%mesh%nnode
@@ -106,8 +110,8 @@ contains
     last = most
     step = 1
     if (command%option == 'coor' .and. all(abs(command%x(1) - [1, 2, 3]) > 0)) then
-      call fail(error, DECK_ERROR, 'directions are 1, 2 and 3', &
-                command%record%place(min(3, command%record%n)), trim(run%row(command%row)%usage))
+      call fail(error, DECK_ERROR, 'expected a direction of 1, 2 or 3', &
+                command%record%place(min(3, command%record%n)), trim(run%program%row(command%row)%usage))
     end if
     if (any(command%option == ['all ', 'coor']) .or. .not. command%x(1) > 0.5_wp) return
     call whole_field(command, 1, first, error)
@@ -117,13 +121,13 @@ contains
     last = max(first, last)
     step = max(1, step)
     if (last > most) then
-      call fail(error, DECK_ERROR, 'the range ends beyond the mesh', command%record%place(4), &
-                trim(run%row(command%row)%usage))
+      call fail(error, DECK_ERROR, 'the range ends at '//to_text(last)//', the mesh at ' &
+                //to_text(most), command%record%place(4), trim(run%program%row(command%row)%usage))
     end if
   end subroutine read_range
 
   !> The nodes of a range, or those of a plane (COOR).
-  pure function chosen(run, command, first, last, step) result(list)
+  pure function chosen_nodes(run, command, first, last, step) result(list)
     type(run_t), intent(in) :: run
     type(command_t), intent(in) :: command
     integer, intent(in) :: first, last, step
@@ -131,32 +135,13 @@ contains
     real(wp) :: gap
     integer :: i, d
 
-    list = nodes(run, first, last, step)
+    list = pack([(i, i=first, last, step)], run%model%mesh%used(first:last:step))
     if (command%option /= 'coor') return
     d = nint(command%x(1))
     associate (x => run%model%mesh%xr)
       gap = 1.0e-3_wp/sqrt(real(size(x, 2), wp))*(maxval(x(d, list)) - minval(x(d, list)))
       list = pack(list, [(abs(x(d, list(i)) - command%x(2)) <= gap, i=1, size(list))])
     end associate
-  end function chosen
-
-  pure function nodes(run, first, last, step) result(list)
-    type(run_t), intent(in) :: run
-    integer, intent(in) :: first, last, step
-    integer, allocatable :: list(:)
-    integer :: i
-
-    list = pack([(i, i=first, last, step)], run%model%mesh%used(first:last:step))
-  end function nodes
-
-  !> Reactions belong to the displacements of now; after a solve they are those of before.
-  subroutine update_reactions(run, error)
-    type(run_t), intent(inout) :: run
-    type(error_t), allocatable, intent(out) :: error
-    type(pass_t) :: pass
-
-    if (.not. (run%plan%open .and. run%plan%solved)) return
-    call form_system(run%newton, run%model, run%state, run%newton%symmetric, pass, error)
-  end subroutine update_reactions
+  end function chosen_nodes
 
 end module command_print

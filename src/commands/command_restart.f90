@@ -2,12 +2,11 @@
 module command_restart
   use base_error, only: error_t, fail, DECK_ERROR
   use base_log, only: log_line
-  use base_kinds, only: wp
   use base_text, only: to_text, quoted
-  use named_values, only: named_values_t
   use command_type, only: run_t, command_t, command_row_t, new_row
   use load_curve, only: load_table_t
   use model, only: state_t
+  use named_values, only: named_values_t
   use program_version, only: VERSION
   use restart_file, only: fingerprint_t, make_fingerprint, read_checkpoint
   use solution_state, only: new_state, set_factors
@@ -34,16 +33,15 @@ contains
     type(state_t) :: state
     integer :: i
 
-    do i = 1, run%pc - 1
-      if (all(run%command(i)%record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', &
-                                               'rest'])) then
-        cycle
-      end if
-      call fail(error, DECK_ERROR, 'RESTart behind '//quoted(run%command(i)%record%text(1)), &
-                command%record%place(1), 'put it before the first TIME or TANG')
+    do i = 1, run%program%counter - 1
+      associate (record => run%program%command(i)%record)
+        if (all(record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', 'rest'])) cycle
+        call fail(error, DECK_ERROR, 'RESTart after '//quoted(record%text(1)), &
+                  command%record%place(1), 'put it before the first TIME or TANG')
+      end associate
       return
     end do
-    if (run%dry) then                  ! a wrong file is told before anything is written
+    if (run%program%dry) then          ! a wrong file is reported before anything is written
       call new_state(run%model, state)
       call read_state(run, command, state, error)
       if (.not. allocated(error)) return
@@ -55,9 +53,10 @@ contains
     if (allocated(error)) return
     call move_alloc(table, run%state%table)
     call set_factors(run%state)
-    if (run%control%dt > 0.0_wp) call set_dt(run%control, run%state%time, run%control%dt)
-    run%restarted = .true.
-    run%kept = run%state%step
+    associate (control => run%step%control)
+      if (control%dt > 0) call set_dt(control, run%state%time, control%dt)
+    end associate
+    run%files%kept = run%state%step
     call log_line('goes on after step '//to_text(run%state%step)//' of '//path_of(run, command))
   end subroutine run_restart
 
@@ -68,10 +67,10 @@ contains
     type(state_t), intent(inout) :: state
     type(error_t), allocatable, intent(out) :: error
     type(fingerprint_t) :: print
-    type(named_values_t) :: bag
+    type(named_values_t) :: values
 
     call make_fingerprint(VERSION, '', run%model, print)
-    call read_checkpoint(path_of(run, command), print, state, bag, error, any_deck=.true.)
+    call read_checkpoint(path_of(run, command), print, state, values, error, any_deck=.true.)
     if (.not. allocated(error)) return
     error%place = command%record%place(1)
     if (error%code == DECK_ERROR) error%hint = 'the file must be of the same mesh and version'
@@ -82,7 +81,7 @@ contains
     type(command_t), intent(in) :: command
     character(:), allocatable :: path
 
-    path = run%stem//'.restart.h5'
+    path = run%files%stem//'.restart.h5'
     if (command%record%n > 1) path = command%record%text(2)
   end function path_of
 

@@ -1,16 +1,16 @@
-!> TANG, UTAN, FORM, SOLV: the Newton iteration; TOL and FACTor: how it is done.
+!> TANG, UTAN, FORM, SOLV: Newton's iteration; TOL and FACTor: its tolerance and its linear solver.
 module command_solve
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_log, only: log_line
-  use command_progress, only: show_iteration
+  use base_kinds, only: wp
+  use base_log, only: log_line, progress
+  use base_system, only: wall_seconds
+  use base_text, only: to_text
+  use command_step, only: open_step_here, take_outcome
   use command_type, only: run_t, command_t, command_row_t, new_row
-  use command_loop, only: leave_loop, mark_step, cut_back
   use linear_system, only: FULL, REUSE, SINGLE, LOWRANK
   use model, only: model_t
-  use newton, only: newton_pass, form_system, solve_system, begin_newton, pass_t
-  use path_switch, only: note_time
-  use solution_state, only: open_step
+  use newton, only: set_factorisation
+  use step, only: form_pass, solve_pass, STEP_GOES_ON
   implicit none
   private
   public :: describe_tang, describe_utan, describe_form, describe_solv, describe_tol, &
@@ -54,6 +54,7 @@ contains
     row = new_row('FACTor', 'FACTor REUSe | SINGle | LOWRank eps', 2, run_factor)
   end function describe_factor
 
+  !> TANG and UTAN: form, and solve where the number after the option is not 0.
   subroutine run_tangent(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -61,116 +62,127 @@ contains
     logical :: symmetric
 
     call check_option(command, error)
-    if (allocated(error) .or. run%dry) return
-    call ensure_step(run)
+    if (allocated(error) .or. run%program%dry) return
     symmetric = command%record%key(1) == 'tang' .or. .not. is_unsymmetric(run%model)
-    if (symmetric .and. is_unsymmetric(run%model)) then
-      run%newton%exact = .false.
-      call note_once(run, command%row)
-    end if
-    if (.not. abs(command%x(1)) > 0.0_wp) then
-      run%pass = pass_t()
-      call form_system(run%newton, run%model, run%state, symmetric, run%pass, error)
-      if (allocated(error)) return
-      if (.not. run%pass%ok) call cut_back(run, run%pass%trouble, error)
-      return
-    end if
-    call newton_pass(run%newton, run%model, run%state, symmetric, command%option == 'line', &
-                     run%pass, error)
-    if (allocated(error)) return
-    call after_solve(run, error)
+    call iterate(run, command, .true., symmetric, abs(command%x(1)) > 0.0_wp, error)
   end subroutine run_tangent
 
-  !> TANG on a model whose tangent is not symmetric.
-  subroutine note_once(run, row)
-    type(run_t), intent(inout) :: run
-    integer, intent(in) :: row
-
-    if (run%noted(row)) return
-    run%noted(row) = .true.
-    call log_line('note: TANG takes the symmetric part of the tangent; UTAN takes all of it')
-  end subroutine note_once
-
-  !> FORM: the residual at the displacements of now (the tangent comes with it).
+  !> FORM: forces at the current displacements (the tangent is formed with them).
   subroutine run_form(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
-    if (run%dry .or. command%row == 0) return
-    call ensure_step(run)
-    run%pass = pass_t()
-    call form_system(run%newton, run%model, run%state, run%newton%symmetric .or. &
-                     .not. is_unsymmetric(run%model), run%pass, error)
-    if (allocated(error)) return
-    if (.not. run%pass%ok) call cut_back(run, run%pass%trouble, error)
+    if (run%program%dry) return
+    call iterate(run, command, .true., &
+                 run%step%newton%symmetric .or. .not. is_unsymmetric(run%model), .false., error)
   end subroutine run_form
 
-  !> SOLV: solve for what the last FORM or TANG formed.
+  !> SOLV: solve the system that the last FORM or TANG formed.
   subroutine run_solve(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
+    integer :: i
 
     call check_option(command, error)
     if (allocated(error)) return
-    if (.not. is_formed(run)) then
-      call fail(error, DECK_ERROR, 'SOLV before anything was formed', command%record%place(1), &
-                'put TANG or FORM before it, behind TIME')
-      return
+    do i = run%program%counter - 1, 1, -1
+      if (any(run%program%command(i)%record%key(1) == ['tang', 'utan', 'form', 'time'])) exit
+    end do
+    if (i > 0) then
+      if (run%program%command(i)%record%key(1) == 'time') i = 0
     end if
-    if (run%dry) return
-    call solve_system(run%newton, run%model, run%state, command%option == 'line', run%pass, error)
-    if (allocated(error)) return
-    call after_solve(run, error)
+    if (i == 0) then
+      call fail(error, DECK_ERROR, 'SOLV before anything was formed', command%record%place(1), &
+                'put TANG or FORM before it, after TIME')
+    else if (.not. run%program%dry) then
+      call iterate(run, command, .false., run%step%newton%symmetric, .true., error)
+    end if
   end subroutine run_solve
 
-  !> A TANG, UTAN or FORM stands between SOLV and the TIME before it.
-  function is_formed(run) result(yes)
-    type(run_t), intent(in) :: run
-    logical :: yes
-    integer :: i
-
-    yes = .false.
-    do i = run%pc - 1, 1, -1
-      yes = any(run%command(i)%record%key(1) == ['tang', 'utan', 'form'])
-      if (yes .or. run%command(i)%record%key(1) == 'time') return
-    end do
-  end function is_formed
-
-  !> Book, show and act on a solve.
-  subroutine after_solve(run, error)
+  !> Form, solve or both, in the step under way; a deck without TIME is one step at t = 0.
+  subroutine iterate(run, command, forms, symmetric, solves, error)
     type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    logical, intent(in) :: forms, symmetric, solves
     type(error_t), allocatable, intent(out) :: error
+    integer :: outcome
 
-    call run%timers%add('assembly', run%pass%sweep%seconds - run%pass%sweep%contact_seconds)
-    if (size(run%model%contact) > 0) call run%timers%add('contact', run%pass%sweep%contact_seconds)
-    call run%timers%add('factorise', run%pass%solve%seconds_factor)
-    call run%timers%add('solve', run%pass%solve%seconds_solve)
-    if (.not. run%pass%ok) then
-      call cut_back(run, run%pass%trouble, error)
-      return
+    outcome = STEP_GOES_ON
+    if (forms) then
+      if (.not. run%step%open) call open_step_here(run)
+      if (symmetric .and. command%record%key(1) == 'tang' .and. is_unsymmetric(run%model)) then
+        run%step%newton%exact = .false.
+        if (.not. run%program%noted(command%row)) then
+          run%program%noted(command%row) = .true.
+          call log_line('note: TANG uses the symmetric part of the tangent, UTAN all of it')
+        end if
+      end if
+      call form_pass(run%step, run%model, run%state, symmetric, command%record%place(1), outcome, &
+                     error)
+      if (allocated(error)) return
     end if
-    run%plan%solved = .true.
-    call note_time(run)
-    run%iterations = run%iterations + 1
-    call show_iteration(run)
-    if (run%newton%converged) call leave_loop(run)
-  end subroutine after_solve
+    if (solves) then
+      if (outcome == STEP_GOES_ON) then
+        call solve_pass(run%step, run%model, run%state, command%option == 'line', &
+                        command%record%place(1), outcome, error)
+        if (allocated(error)) return
+      end if
+      associate (pass => run%step%pass)
+        call run%timers%add('assembly', pass%sweep%seconds - pass%sweep%contact_seconds)
+        if (size(run%model%contact) > 0) call run%timers%add('contact', pass%sweep%contact_seconds)
+        call run%timers%add('factorise', pass%solve%seconds_factor)
+        call run%timers%add('solve', pass%solve%seconds_solve)
+        if (pass%ok) call show_iteration(run)
+      end associate
+    end if
+    call take_outcome(run, outcome)
+  end subroutine iterate
 
-  !> A deck without TIME is one step at t = 0.
-  subroutine ensure_step(run)
-    type(run_t), intent(inout) :: run
+  !> One line for an iteration: in the log, and on a terminal the one that the next overwrites.
+  subroutine show_iteration(run)
+    type(run_t), intent(in) :: run
+    character(160) :: line
+    real(wp) :: load
 
-    if (run%plan%open) return
-    call mark_step(run)
-    run%plan%timed = .false.
-    run%plan%cutbacks = 0
-    call open_step(run%state, run%state%time)
-    call begin_newton(run%newton, run%model, run%state)
-  end subroutine ensure_step
+    associate (state => run%state, iterations => run%step%newton%iterations, pass => run%step%pass)
+      write (line, '(a,i6,a,es12.5,a,i3,3(a,es10.3))') 'step', state%step, '  time', &
+        state%time, '  iteration', iterations, '  residual', pass%residual, &
+        '  energy', pass%energy, '  ratio', pass%ratio
+      if (pass%solve%iterations > 1) line = trim(line)//'  krylov '//to_text(pass%solve%iterations)
+      if (pass%line < 1.0_wp) line = trim(line)//'  line '//to_text(pass%line)
+      call log_line(trim(line))
+      load = state%time
+      if (size(state%factor) > 0) load = sum(state%factor)
+      write (line, '(a,i0,a,f0.4,a,i0,a,es8.1,a)') 'step ', state%step, '  load ', load, &
+        '  iteration ', iterations, '  residual ', pass%residual, time_left(run)
+      call progress(trim(line))
+    end associate
+  end subroutine show_iteration
 
-  !> The model has a tangent that is not symmetric.
+  !> Wall time that the loops over time still need at the same pace.
+  function time_left(run) result(text)
+    type(run_t), intent(in) :: run
+    character(:), allocatable :: text
+    real(wp) :: done
+    integer :: i, seconds
+
+    text = ''
+    done = 0.0_wp
+    do i = 1, size(run%program%loop)
+      associate (loop => run%program%loop(i))
+        if (.not. run%program%command(loop%at)%holds_time) cycle
+        done = real(loop%count - 1, wp)/loop%limit
+      end associate
+    end do
+    if (done <= 0.0_wp) return
+    seconds = nint(min(wall_seconds()*(1.0_wp - done)/done, 1.0e9_wp))
+    text = '  left '//to_text(seconds)//' s'
+    if (seconds > 600) text = '  left '//to_text(seconds/60)//' min'
+  end function time_left
+
+  !> The tangent of the model is not symmetric.
   pure function is_unsymmetric(model) result(yes)
     type(model_t), intent(in) :: model
     logical :: yes
@@ -192,7 +204,7 @@ contains
     if (command%option == '' .or. command%option == 'line') return
     call fail(error, DECK_ERROR, "unknown option '"//command%record%text(2)//"'", &
               command%record%place(2), &
-              'LINE asks for a line search; otherwise leave the field empty: TANG,,1')
+              'LINE chooses a line search; otherwise leave the field empty: TANG,,1')
   end subroutine check_option
 
   subroutine run_tolerance(run, command, error)
@@ -201,11 +213,11 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (.not. (command%x(1) > 0.0_wp .and. command%x(1) < 1.0_wp)) then
-      call fail(error, DECK_ERROR, 'a tolerance lies between 0 and 1', command%record%place(3), &
-                'write TOL,,1.e-16')
+      call fail(error, DECK_ERROR, 'expected a tolerance between 0 and 1, found ' &
+                //to_text(command%x(1)), command%record%place(3), 'write TOL,,1.e-16')
       return
     end if
-    run%newton%tolerance = command%x(1)
+    run%step%newton%tolerance = command%x(1)
   end subroutine run_tolerance
 
   subroutine run_factor(run, command, error)
@@ -224,23 +236,16 @@ contains
     case ('lowr')
       mode = LOWRANK
     case default
-      call fail(error, DECK_ERROR, 'unknown way to solve', command%record%place(2), &
+      call fail(error, DECK_ERROR, 'unknown linear solver', command%record%place(2), &
                 'FACTor FULL | REUSe | SINGle | LOWRank eps')
       return
     end select
     if (mode == LOWRANK .and. .not. (command%x(1) > 0.0_wp .and. command%x(1) < 1.0_wp)) then
-      call fail(error, DECK_ERROR, 'LOWRank needs its accuracy, between 0 and 1', &
-                command%record%place(2), 'FACTor LOWRank 1.e-8')
+      call fail(error, DECK_ERROR, 'LOWRank needs an accuracy between 0 and 1, found ' &
+                //to_text(command%x(1)), command%record%place(2), 'write FACTor LOWRank 1.e-8')
       return
     end if
-    if (run%dry) return
-    if (run%newton%ready &
-        .and. (mode /= run%newton%mode .or. abs(command%x(1) - run%newton%eps) > 0.0_wp)) then
-      call run%newton%system%free()
-      run%newton%ready = .false.
-    end if
-    run%newton%mode = mode
-    run%newton%eps = command%x(1)
+    if (.not. run%program%dry) call set_factorisation(run%step%newton, mode, command%x(1))
   end subroutine run_factor
 
 end module command_solve

@@ -1,8 +1,9 @@
 !> The one list of solution commands. A new command is one file and one line here.
 module command_table
+  use base_error, only: error_t
+  use base_log, only: log_line
   use command_augment, only: describe_augment
-  use command_misc, only: describe_note
-  use command_type, only: command_row_t
+  use command_type, only: run_t, command_t, command_row_t, new_row
   implicit none
   private
   public :: load_commands
@@ -40,8 +41,26 @@ contains
     block; use command_path, only: describe_arcl; table = [table, describe_arcl()]; end block
     block; use command_path, only: describe_tran; table = [table, describe_tran()]; end block
     block; use command_path, only: describe_mass; table = [table, describe_mass()]; end block
-    table = [table, describe_note('opti', 'OPTImize')]
-    table = [table, describe_note('opts', 'OPTS')]
+    table = [table, describe_note('OPTImize'), describe_note('OPTS')]
   end subroutine load_commands
+
+  !> A command of FEAP that has no effect here.
+  function describe_note(word) result(row)
+    character(*), intent(in) :: word
+    type(command_row_t) :: row
+
+    row = new_row(word, word//': accepted, does nothing here', 16, run_note)
+  end function describe_note
+
+  subroutine run_note(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+
+    if (run%program%dry) return
+    if (run%program%noted(command%row)) return
+    run%program%noted(command%row) = .true.
+    call log_line("note: '"//command%record%text(1)//"' is accepted and does nothing here")
+  end subroutine run_note
 
 end module command_table

@@ -1,14 +1,12 @@
-!> DT, TIME, AUTO: how time moves.
+!> DT, TIME, AUTO: time steps.
 module command_time
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
+  use command_step, only: finish_step, open_step_here
   use command_type, only: run_t, command_t, command_row_t, new_row
-  use command_close, only: close_step
-  use command_loop, only: mark_step
-  use newton, only: begin_newton
-  use path_switch, only: begin_way
-  use step_control, only: set_dt, set_auto
+  use program_position, only: targets_left
+  use step, only: change_dt
+  use step_control, only: set_auto
   implicit none
   private
   public :: describe_dt, describe_time, describe_auto
@@ -38,47 +36,29 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
-    if (.not. command%x(1) > 0.0_wp) then
-      call fail(error, DECK_ERROR, 'a time step is positive, not '//to_text(command%x(1)), &
-                command%record%place(3), 'write DT,,dt')
-      return
+    if (command%x(1) > 0) then
+      call change_dt(run%step, run%state%time, command%x(1))
+    else
+      call fail(error, DECK_ERROR, 'expected a time step greater than 0, found ' &
+                //to_text(command%x(1)), command%record%place(3), 'write DT,,dt')
     end if
-    call set_dt(run%control, run%state%time, command%x(1))
-    ! the step under way ends at the new anchor: closing it must not count a target
-    if (run%plan%open .and. run%plan%timed) run%control%target = -run%control%passed
-    ! A step under way is counted when it closes, and it ends where the new targets begin.
-    if (run%plan%open .and. run%plan%timed) run%control%target = -run%control%passed
   end subroutine run_dt
 
-  !> Close the step under way and open the next one.
+  !> Close the step under way and begin the next one.
   subroutine run_time(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
-    logical :: closed
-    integer :: left, top
+    logical :: rewound
 
-    if (run%control%dt <= 0.0_wp) then
+    if (run%step%control%dt <= 0) then
       call fail(error, DECK_ERROR, 'TIME without a time step', command%record%place(1), &
                 'put DT,,dt before it')
       return
     end if
-    if (run%dry) return
-    call close_step(run, closed, error)
-    if (allocated(error) .or. .not. closed) return
-    left = 1
-    top = size(run%loop)
-    if (top > 0) then
-      if (run%command(run%loop(top)%at)%holds_time) then
-        left = run%loop(top)%limit - run%loop(top)%count + 1
-      end if
-    end if
-    call mark_step(run)
-    call begin_way(run, left)
-    if (.not. run%plan%retry) run%plan%cutbacks = 0
-    run%plan%retry = .false.
-    run%plan%timed = .true.
-    call begin_newton(run%newton, run%model, run%state)
+    if (run%program%dry) return
+    call finish_step(run, rewound, error)
+    if (.not. (allocated(error) .or. rewound)) call open_step_here(run, targets_left(run%program))
   end subroutine run_time
 
   subroutine run_auto(run, command, error)
@@ -86,13 +66,13 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
-    if (.not. command%x(1) > 0.0_wp .or. command%x(2) < command%x(1)) then
-      call fail(error, DECK_ERROR, 'AUTO needs 0 < dtmin <= dtmax, not '//to_text(command%x(1)) &
+    if (command%x(1) > 0 .and. command%x(2) >= command%x(1)) then
+      call set_auto(run%step%control, command%x(1), command%x(2))
+    else
+      call fail(error, DECK_ERROR, 'AUTO needs 0 < dtmin <= dtmax, found '//to_text(command%x(1)) &
                 //' and '//to_text(command%x(2)), command%record%place(3), &
                 'write AUTO,,dtmin,dtmax')
-      return
     end if
-    call set_auto(run%control, command%x(1), command%x(2))
   end subroutine run_auto
 
 end module command_time

@@ -1,10 +1,9 @@
 !> TPLOt: histories of nodal values, one row a step, in <stem>_tplot.dat.
 module command_tplot
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
   use base_text, only: to_text
-  use command_number, only: whole_field
-  use command_type, only: run_t, command_t, command_row_t, new_row, data_t
+  use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field
   use curve_type, only: curve_t, quantity_t, Q_NODAL, Q_DISP
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: check_count, get_integer, get_real
@@ -20,7 +19,7 @@ contains
   function describe_tplo() result(row)
     type(command_row_t) :: row
 
-    row = new_row('TPLOt', 'TPLOt,,interval, then DISP or REAC records behind END', &
+    row = new_row('TPLOt', 'TPLOt,,interval, then DISP or REAC records after END', &
                   2, run_tplot, read_tplot)
   end function describe_tplo
 
@@ -28,15 +27,14 @@ contains
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
-
     integer :: every
 
     call whole_field(command, 1, every, error)
-    if (allocated(error) .or. run%dry) return
-    run%tplot_every = max(1, every)
+    if (allocated(error) .or. run%program%dry) return
+    run%plan%tplot_every = max(1, every)
   end subroutine run_tplot
 
-  !> The records become a curve of their own; SHOW is FEAP's and does nothing here.
+  !> The records become a curve of their own; FEAP's SHOW has no effect here.
   subroutine read_tplot(run, command, data, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -62,12 +60,12 @@ contains
     end do
     if (size(curve%quantity) == 0) then
       call fail(error, DECK_ERROR, 'TPLOt has no records', curve%place, &
-                'behind END put '//USAGE//', and a blank record')
+                'after END put '//USAGE//', and a blank record')
       return
     end if
     do i = 1, size(run%model%curve)
       if (run%model%curve(i)%name /= 'tplot') cycle
-      ! One file for all TPLOt.
+      ! one file for all TPLOt
       run%model%curve(i)%quantity = [run%model%curve(i)%quantity, curve%quantity]
       return
     end do
@@ -107,7 +105,8 @@ contains
       call fail(error, DECK_ERROR, 'the mesh has no node '//to_text(node), record%place(2), &
                 'nodes are numbered from 1 to '//to_text(run%model%mesh%nnode))
     else if (quantity%component < 1 .or. quantity%component > 3) then
-      call fail(error, DECK_ERROR, 'directions are 1, 2 and 3', record%place(3), USAGE)
+      call fail(error, DECK_ERROR, 'expected a direction of 1, 2 or 3, found ' &
+                //to_text(quantity%component), record%place(3), USAGE)
     end if
     quantity%node = [node]
     quantity%column = merge('disp', 'reac', quantity%id == Q_DISP)//'_'//to_text(node)//'_' &

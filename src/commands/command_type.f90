@@ -1,131 +1,129 @@
-!> A solution command: its row in the table, its record in the deck, and the run it acts on.
+!> A solution command: its row in the table, its record in the deck, and the run that it acts on.
 module command_type
+  use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_error, only: error_t
-  use base_text, only: key_of
+  use base_text, only: key_of, quoted
   use base_timer, only: timers_t
-  use deck_record, only: record_t
-  use deck_stream, only: deck_t
-  use deck_expression, only: params_t
-  use load_curve, only: load_table_t
-  use model, only: model_t, state_t
-  use newton, only: newton_t, pass_t
-  use path_type, only: path_t
-  use step_control, only: step_control_t
-  use result_file, only: result_file_t
-  use named_values, only: named_values_t
   use byte_file, only: byte_file_t
   use curve_file, only: curve_file_t
+  use deck_expression, only: params_t
+  use deck_record, only: record_t
+  use deck_stream, only: deck_t
+  use load_curve, only: load_table_t
+  use model, only: model_t, state_t
+  use named_values, only: named_values_t
+  use result_file, only: result_file_t
+  use step, only: step_t
   implicit none
   private
-  public :: run_t, command_t, command_row_t, loop_t, data_t, command_run_i, command_data_i, &
-            plan_t, row_t, restart_point_t, new_row
+  public :: run_t, program_t, position_t, loop_t, command_t, command_row_t, data_t, files_t, &
+            plan_t, restart_point_t, new_row, whole_field
 
-  !> Data records a command owns, read before the run starts.
+  !> Data records that a command owns, read before the run starts.
   type :: data_t
-    type(load_table_t), allocatable :: table(:)  !! PROP
-    character(:), allocatable :: name(:)         !! PARAmeter
+    type(load_table_t), allocatable :: table(:) !! PROP
+    character(:), allocatable :: name(:)        !! PARAmeter
     real(wp), allocatable :: value(:)
   end type data_t
 
   !> One command of the deck. Fields after the word: an option, then numbers.
   type :: command_t
-    integer :: row = 0
+    integer :: row = 0                          !! of the table of commands
     type(record_t) :: record
-    integer :: matching = 0            !! LOOP: its NEXT; NEXT: its LOOP
-    logical :: holds_time = .false. !! LOOP: a TIME stands in it, not deeper
-    logical :: solves = .false.     !! LOOP: a solving command stands in it, not deeper
+    integer :: matching = 0                     !! LOOP: its NEXT; NEXT: its LOOP
+    logical :: holds_time = .false.             !! LOOP: it contains a TIME, not in an inner loop
+    logical :: solves = .false.                 !! LOOP: so for a command that solves
     character(4) :: option = ''
-    real(wp) :: x(4) = 0.0_wp      !! numbers of the fields after the option, as they are now
-    type(data_t), allocatable :: data(:) !! one a visit, in the order of the visits
+    real(wp) :: x(4) = 0.0_wp                   !! numbers after the option, evaluated at each visit
+    type(data_t), allocatable :: data(:)        !! one a visit, in the order of the visits
     integer :: visit = 0
   end type command_t
-
-  !> A loop under way.
-  type :: loop_t
-    integer :: at = 0     !! its LOOP
-    integer :: count = 0  !! passes begun, this one included
-    integer :: limit = 0
-  end type loop_t
 
   !> Row of the table of commands.
   type :: command_row_t
     character(4) :: key = ''
     character(12) :: word = ''
-    integer :: nmax = 2             !! most fields after the word
-    character(60) :: usage = ''     !! shown in hints and by --list
-    logical :: reads = .false. !! it reads the fields behind the option itself: words among them
+    integer :: nmax = 2                         !! largest number of fields after the word
+    character(72) :: usage = ''                 !! shown in hints and by --list
+    logical :: reads = .false.                  !! it reads the fields after the option itself
     procedure(command_run_i), pointer, nopass :: run => null()
-    procedure(command_data_i), pointer, nopass :: data => null() !! reads the command's records
-    !! after END
+    procedure(command_data_i), pointer, nopass :: data => null() !! reads its records after END
   end type command_row_t
 
-  !> What is written when, and the step under way as the user sees it.
+  !> A loop under way.
+  type :: loop_t
+    integer :: at = 0                           !! its LOOP
+    integer :: count = 0                        !! passes begun, this one included
+    integer :: limit = 0
+  end type loop_t
+
+  !> A position of the program, to which it can go back.
+  type :: position_t
+    integer :: counter = 0
+    type(loop_t), allocatable :: loop(:)
+    integer, allocatable :: visit(:)            !! of each command
+    type(params_t) :: params
+  end type position_t
+
+  !> The commands of the deck, and where their execution stands (program_position).
+  type :: program_t
+    type(command_row_t), allocatable :: row(:)
+    type(command_t), allocatable :: command(:)
+    integer :: counter = 1                      !! the command to be executed
+    type(loop_t), allocatable :: loop(:)        !! under way, the inner ones last
+    type(position_t) :: step_start              !! where the step under way began
+    logical :: dry = .false.                    !! commands only check their fields
+    integer :: ntable = 0                       !! load tables of the whole run
+    logical, allocatable :: noted(:)            !! rows whose note has been given
+  end type program_t
+
+  !> What is written when.
   type :: plan_t
-    logical :: open = .false.         !! a step is under way
-    logical :: timed = .false.        !! it was opened by a TIME
-    logical :: retry = .false.        !! it is a smaller try of a step that was cut
-    logical :: solved = .false.       !! at least one solve was made in it
-    logical :: plot = .false.         !! PLOT was met in it
-    logical :: save = .false.         !! SAVE was met in it
-    integer :: every = 0              !! OUTPut: fields every n steps; 0: only where PLOT says
-    integer :: cutbacks = 0           !! of the step under way
-    integer :: at = 0                 !! its TIME
-    integer :: step = 0               !! number and time before it
-    real(wp) :: time = 0.0_wp
-    type(loop_t), allocatable :: loop(:) !! loops at its TIME
-    integer, allocatable :: visit(:)  !! data used by then
-    type(params_t) :: params          !! parameters then
+    logical :: plot = .false.                   !! PLOT: fields when the step closes
+    logical :: save = .false.                   !! SAVE: a checkpoint when it closes
+    integer :: every = 0                        !! OUTPut: fields every n steps; 0: only by PLOT
+    integer :: tplot_every = 1                  !! steps between rows of TPLOt's table
+    logical :: prints = .true.                  !! PRINt and NOPRint
   end type plan_t
 
   !> Values of one row of a curve.
   type :: row_t
-    real(wp), allocatable :: value(:)  !! step, time, then the quantities
+    real(wp), allocatable :: value(:)           !! step, time, then the quantities
   end type row_t
 
-  !> The last moment a restart can begin at and still repeat this run to the last bit. With FULL
-  !! factorisation that is the end of any step; where factors are kept it must be one at which they
-  !! were forgotten.
+  !> The files of a run.
+  type :: files_t
+    character(:), allocatable :: stem           !! folder and stem of all files
+    character(:), allocatable :: deck_text
+    type(result_file_t) :: result
+    type(curve_file_t), allocatable :: curve(:)
+    type(byte_file_t) :: out                    !! FEAP's tables
+    logical :: curves_open = .false., result_open = .false., out_open = .false.
+    type(row_t), allocatable :: last_row(:)     !! of every curve, for the report
+    integer, allocatable :: kept                !! last step before the restart; not allocated: none
+  end type files_t
+
+  !> The last moment at which a restart can begin and still repeat this run to the last bit. With
+  !! FULL factorisation that is the end of any step; where factors are kept it must be one at which
+  !! they were forgotten.
   type :: restart_point_t
     logical :: set = .false.
     type(state_t) :: state
-    type(named_values_t) :: bag
+    type(named_values_t) :: values
   end type restart_point_t
 
-  !> Everything a command can reach.
+  !> Everything that a command can reach.
   type :: run_t
     type(deck_t) :: deck
     type(model_t) :: model
     type(state_t) :: state
-    type(newton_t) :: newton
-    type(pass_t) :: pass               !! the last Newton pass
-    type(step_control_t) :: control
-    type(path_t) :: path
+    type(step_t) :: step
+    type(program_t) :: program
     type(plan_t) :: plan
-    type(command_row_t), allocatable :: row(:)
-    type(command_t), allocatable :: command(:)
-    integer :: pc = 1                  !! the command to be executed
-    type(loop_t), allocatable :: loop(:)
-    type(result_file_t) :: result
-    type(curve_file_t), allocatable :: curve(:)
-    character(:), allocatable :: stem  !! folder and stem of all files
-    character(:), allocatable :: deck_text
-    real(wp) :: time_limit = 0.0_wp    !! [s] 0: none
-    logical :: dry = .false.           !! commands only check their fields
-    type(timers_t) :: timers
-    logical :: failed_step = .false.   !! some step was closed unconverged
-    logical :: unstable = .false.      !! the user was warned of an unstable state
-    integer :: iterations = 0, cutbacks = 0, negative_pivots = 0
-    integer :: nfactor = 0             !! load tables of the whole run
-    logical :: files_open = .false., result_open = .false.
-    type(byte_file_t) :: out           !! FEAP's tables
-    logical :: out_open = .false., prints = .true.
-    integer :: tplot_every = 1         !! rows of TPLOt's table
-    logical :: restarted = .false.
-    integer :: kept = 0                !! last step of the run before the restart
+    type(files_t) :: files
     type(restart_point_t) :: restart_point
-    type(row_t), allocatable :: last_row(:) !! of every curve, for the report
-    logical, allocatable :: noted(:)   !! rows whose one note has been given
+    type(timers_t) :: timers
+    real(wp) :: time_limit = 0.0_wp             !! [s] 0: none
   end type run_t
 
   abstract interface
@@ -149,7 +147,7 @@ module command_type
 
 contains
 
-  !> A row of the table: `nmax` fields at most stand behind the word.
+  !> A row of the table: the word takes `nmax` fields at most.
   function new_row(word, usage, nmax, run, data) result(row)
     character(*), intent(in) :: word, usage
     integer, intent(in) :: nmax
@@ -164,5 +162,22 @@ contains
     row%run => run
     if (present(data)) row%data => data
   end function new_row
+
+  !> The i-th number of a command, which must be a whole number.
+  subroutine whole_field(command, i, n, error)
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: i
+    integer, intent(out) :: n
+    type(error_t), allocatable, intent(inout) :: error !! an earlier one is kept
+
+    n = 0
+    if (allocated(error)) return
+    if (abs(command%x(i)) > huge(n) .or. abs(command%x(i) - anint(command%x(i))) > 0) then
+      call fail(error, DECK_ERROR, 'expected a whole number of at most '//'2147483647, found ' &
+                //quoted(command%record%text(i + 2)), command%record%place(i + 2))
+    else
+      n = nint(command%x(i))
+    end if
+  end subroutine whole_field
 
 end module command_type

@@ -2,8 +2,8 @@
 module check_deck
   use base_error, only: error_t
   use base_log, only: warning_count
-  use base_text, only: to_text
   use base_system, only: available_memory_mb
+  use base_text, only: to_text
   use command_type, only: run_t
   use contact_notes, only: warn_contacts
   use listing, only: warn_loose, warn_unread
@@ -18,26 +18,28 @@ contains
   subroutine print_check(job, error)
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error
-    integer :: b
+    integer :: i
 
-    print '(a)', 'nodes      '//to_text(count(job%model%mesh%used))
-    do b = 1, size(job%model%mesh%block)
-      print '(a)', 'elements   '//to_text(job%model%mesh%block(b)%nelem)//' ' &
-        //trim(job%model%mesh%block(b)%name)
-    end do
-    do b = 1, size(job%model%contact)
-      print '(a)', 'contact    '//contact_size(job%model%contact(b))
-    end do
-    print '(a)', 'dofs       '//to_text(job%model%ndof)
-    print '(a)', 'equations  '//to_text(job%model%neq)
-    print '(a)', 'commands   '//to_text(size(job%command))
-    call prepare_newton(job%newton, job%model, .true., error)
-    if (allocated(error)) return
-    print '(a)', 'memory     about '//to_text(job%newton%system%estimate_mb(), 3) &
-      //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
-    call warn_contacts(job%model)
-    call warn_loose(job%model)
-    call warn_unread(job%model)
+    associate (model => job%model, newton => job%step%newton)
+      print '(a)', 'nodes      '//to_text(count(model%mesh%used))
+      do i = 1, size(model%mesh%block)
+        print '(a)', 'elements   '//to_text(model%mesh%block(i)%nelem)//' ' &
+          //trim(model%mesh%block(i)%name)
+      end do
+      do i = 1, size(model%contact)
+        print '(a)', 'contact    '//contact_size(model%contact(i))
+      end do
+      print '(a)', 'dofs       '//to_text(model%ndof)
+      print '(a)', 'equations  '//to_text(model%neq)
+      print '(a)', 'commands   '//to_text(size(job%program%command))
+      call prepare_newton(newton, model, .true., error)
+      if (allocated(error)) return
+      print '(a)', 'memory     about '//to_text(newton%system%estimate_mb(), 3) &
+        //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
+      call warn_contacts(model)
+      call warn_loose(model)
+      call warn_unread(model)
+    end associate
     if (warning_count() == 0) print '(a)', 'no problems found'
   end subroutine print_check
 

@@ -9,7 +9,7 @@ program main
   use blas_choice, only: choose_blas_kernel
   use blas_threads, only: set_threads
   use check_deck, only: print_check
-  use command_files, only: restore_run
+  use command_checkpoint, only: restore_run
   use command_line, only: options_t, read_command_line, print_help
   use command_type, only: run_t
   use listing, only: list_model
@@ -50,7 +50,7 @@ program main
   end if
   allocate (job)
   call new_timers(job%timers)
-  job%stem = options%outdir//'/'//options%stem
+  job%files%stem = options%outdir//'/'//options%stem
   call read_deck(options, job, errors, error)
   if (errors%count() > 0) then
     if (allocated(error)) call errors%add(error)
@@ -72,9 +72,9 @@ program main
   call make_folder(options%outdir, error)
   call stop_on(error)
   job%time_limit = options%time_limit
-  call lock_file(job%stem//'.lock', lock, error)
+  call lock_file(job%files%stem//'.lock', lock, error)
   call stop_on(error)
-  call open_log(job%stem//'.log', error)
+  call open_log(job%files%stem//'.log', error)
   call stop_on(error)
   call log_line('bezel '//VERSION//', deck '//options%deck)
   call list_model(job%model)

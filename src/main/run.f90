@@ -1,13 +1,16 @@
-!> A whole analysis on one page: read the deck, execute its commands, say how it went.
+!> A whole analysis on one page: read the deck, execute its commands, say how it ended.
+!!
+!! TIME begins a step and closes the one before; TANG and its kin iterate in it; where a step is cut
+!! back, the counter of the commands goes back to its TIME (step, command_step).
 module run
-  use base_error, only: error_t, fail, NO_SOLUTION, STOPPED, error_list_t
-  use command_check, only: check_tables
-  use command_close, only: close_step
-  use command_files, only: close_files, set_restart_point, open_files
+  use base_error, only: error_t, fail, NO_SOLUTION, error_list_t
+  use command_checkpoint, only: set_restart_point, stop_wanted, stop_run
+  use command_files, only: open_files, close_files
   use command_line, only: options_t
-  use command_program, only: read_program, refresh
-  use command_stop, only: stop_wanted, stop_run
-  use command_type, only: run_t, command_t
+  use command_load, only: check_tables
+  use command_program, only: read_program, execute_next
+  use command_step, only: finish_step
+  use command_type, only: run_t
   use deck_stream, only: open_deck, check_settings, deck_text
   use dof_map, only: number_equations
   use input_model, only: build_model
@@ -18,7 +21,7 @@ module run
 
 contains
 
-  !> The deck, to the end: nothing is solved and no file is touched.
+  !> Read the deck to its end: nothing is solved and no file is touched.
   subroutine read_deck(options, job, errors, error)
     type(options_t), intent(in) :: options
     type(run_t), intent(inout) :: job
@@ -34,21 +37,19 @@ contains
     if (allocated(error) .or. errors%count() > 0) return
     call check_settings(job%deck, error)
     if (allocated(error)) return
-    call check_tables(job%model%bc, job%nfactor, error)
+    call check_tables(job%model%bc, job%program%ntable, error)
     if (allocated(error)) return
-    job%deck_text = deck_text(job%deck)
+    job%files%deck_text = deck_text(job%deck)
     call new_state(job%model, job%state)
   end subroutine read_deck
 
-  !> Command after command; a failed step moves the counter back to its TIME (command_loop,
-  !! cut_back).
+  !> The main loop: one command after the other, then the last step is closed.
   subroutine execute(job, error)
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error
-    type(command_t) :: command
-    logical :: closed
+    logical :: rewound
 
-    if (job%restarted) call open_files(job, error) ! cuts back what a killed run has written
+    if (allocated(job%files%kept)) call open_files(job, error) ! cuts back what a killed run wrote
     if (allocated(error)) return
     call set_restart_point(job)
     do
@@ -56,22 +57,19 @@ contains
         call stop_run(job, error)
         return
       end if
-      if (job%pc > size(job%command)) then
-        call close_step(job, closed, error)
-        if (allocated(error) .or. closed) exit
+      if (job%program%counter <= size(job%program%command)) then
+        call execute_next(job, error)
+        if (allocated(error)) return
       else
-        call refresh(job, error)
-        if (allocated(error)) exit
-        command = job%command(job%pc)
-        call job%row(command%row)%run(job, command, error)
-        if (allocated(error)) exit
+        call finish_step(job, rewound, error)
+        if (allocated(error)) return
+        if (.not. rewound) exit
       end if
-      job%pc = job%pc + 1
+      job%program%counter = job%program%counter + 1
     end do
-    if (allocated(error)) return
     call close_files(job, error)
     if (allocated(error)) return
-    if (job%failed_step) then
+    if (job%step%total%unconverged) then
       call fail(error, NO_SOLUTION, 'some steps were closed before they converged', &
                 hint='see the warnings in the log')
     end if

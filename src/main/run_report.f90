@@ -38,11 +38,11 @@ contains
       report%status = 'failed'
     end select
     report%steps = job%state%step
-    report%iterations = job%iterations
-    report%cutbacks = job%cutbacks
+    report%iterations = job%step%total%iterations
+    report%cutbacks = job%step%total%cutbacks
     report%dofs = job%model%ndof
     report%equations = job%model%neq
-    report%negative_pivots = job%negative_pivots
+    report%negative_pivots = job%step%total%negative_pivots
     report%peak_memory_mb = peak_memory_mb()
     do i = 1, size(job%model%mesh%block)
       call add_count(report%element, trim(job%model%mesh%block(i)%name), &
@@ -54,7 +54,7 @@ contains
     end do
     call add_finals(job, report)
     if (size(job%model%contact) > 0) call add_contacts(job, report)
-    call write_report(job%stem//'.report.json', report, error)
+    call write_report(job%files%stem//'.report.json', report, error)
   end subroutine report_run
 
   !> How the contacts ended.
@@ -86,9 +86,9 @@ contains
     character(64), allocatable :: column(:), name(:)
     integer :: i, j
 
-    if (.not. allocated(job%last_row)) return
-    do i = 1, size(job%last_row)
-      if (.not. allocated(job%last_row(i)%value)) cycle
+    if (.not. allocated(job%files%last_row)) return
+    do i = 1, size(job%files%last_row)
+      if (.not. allocated(job%files%last_row(i)%value)) cycle
       associate (curve => job%model%curve(i))
         allocate (column(size(curve%quantity)), name(size(curve%quantity)))
         do j = 1, size(column)
@@ -96,7 +96,7 @@ contains
         end do
         call curve_names(column, name)
         call add_curve(report%final, curve%name, [character(len(name)) :: 'step', 'time', name], &
-                       job%last_row(i)%value)
+                       job%files%last_row(i)%value)
         deallocate (column, name)
       end associate
     end do

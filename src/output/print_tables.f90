@@ -4,7 +4,7 @@ module print_tables
   use base_error, only: error_t
   use byte_file, only: byte_file_t, write_text, flush_bytes
   use model, only: model_t, state_t
-  use nodal_reaction, only: reactions_at
+  use point_values, only: reactions_at
   use mesh, only: is_rigid
   use solid_recover, only: recovered_t, recover
   use stress_projection, only: project_stress

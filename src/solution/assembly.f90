@@ -1,36 +1,36 @@
-!> Loops over the elements: internal forces and tangent of the whole model.
+!> Assembly: internal and external forces, and the tangent of the whole model.
 module assembly
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_kinds, only: wp
   use base_system, only: wall_seconds
   use constraint, only: follow, fold_force
-  use element_type, only: form_report_t, NB
-  use mesh, only: block_t, is_rigid
-  use model, only: model_t, state_t, history_t
   use contact_assembly, only: contact_work_t, new_contact_work, find_contact, contact_cliques, &
                               map_contact, add_contact
   use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, &
                  set_zero
   use csr_fold, only: fold_t, tied_cliques, new_fold, fold_matrix
+  use element_type, only: form_report_t, NB
   use external_load, only: map_t, external_force, scatter_force
   use inertia, only: mass_t, find_masses, add_inertia
+  use mesh, only: is_rigid
+  use model, only: model_t, state_t
   implicit none
   private
-  public :: assembler_t, sweep_t, new_assembler, form
+  public :: assembler_t, sweep_t, new_assembler, form, free_part, full_vector
 
   type :: assembler_t
     type(block_matrix_t) :: k
-    logical :: new_pattern = .false.   !! the pattern of k changed; whoever analyses it sets it back
+    logical :: new_pattern = .false.   !! the pattern of k changed and has not been analysed since
     type(contact_work_t), allocatable :: contact(:)
     type(map_t), allocatable :: map(:)
     type(fold_t) :: fold                 !! of constraints
     real(wp), allocatable :: f_int(:, :) !! (3, nnode) internal force [F]
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
     type(mass_t), allocatable :: mass(:) !! found where the model has inertia
-    real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia's share of f_int [F]
+    real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia, a part of f_int [F]
   end type assembler_t
 
-  !> What one sweep over the elements found.
+  !> The result of one sweep over the elements.
   type :: sweep_t
     logical :: ok = .true.
     integer :: block = 0, elem = 0       !! the first element that failed
@@ -39,12 +39,12 @@ module assembly
     real(wp) :: rounding = 0.0_wp        !! sum of |f||u| over elements [F L]
     real(wp) :: largest = 0.0_wp         !! largest nodal force of an element [F]
     real(wp) :: seconds = 0.0_wp         !! wall time, all of it
-    real(wp) :: contact_seconds = 0.0_wp !! of contact: search, pattern, tangent
+    real(wp) :: contact_seconds = 0.0_wp !! part of contact: search, pattern, tangent
   end type sweep_t
 
 contains
 
-  !> Room, pattern and maps; symmetric: upper blocks only.
+  !> Allocate arrays, pattern and maps; symmetric: upper blocks only.
   subroutine new_assembler(asm, model, symmetric, error)
     type(assembler_t), intent(out) :: asm
     type(model_t), intent(in) :: model
@@ -57,7 +57,7 @@ contains
     call set_pattern(asm, model, symmetric, 0, error)
   end subroutine new_assembler
 
-  !> Pattern of the elements and of what is in contact in a step.
+  !> Pattern of the elements and of the active contact pairs of a step.
   subroutine set_pattern(asm, model, symmetric, step, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -91,23 +91,22 @@ contains
     asm%new_pattern = .true.
   end subroutine set_pattern
 
-  !> Internal and external forces, and the tangent, at the displacements of `state`.
-  !! Each block's trial history is filled; state%u_base is where its history `iter` belongs.
-  !! Where contact couples elements anew, the pattern changes too.
+  !> Internal and external forces, and the tangent, at the displacements of `state`. The trial
+  !! history of each block is filled. The pattern changes where contact couples further elements.
   subroutine form(asm, model, state, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     type(sweep_t), intent(out) :: sweep
     type(error_t), allocatable, intent(out) :: error
-    real(wp) :: start
+    real(wp) :: start, start_contact
     logical :: grown, symmetric
     integer :: b
 
     start = wall_seconds()
     call follow(model%mesh%constraint, state%u)
     call find_contact(asm%contact, model, state, grown)
-    symmetric = asm%k%symmetric ! a copy: the pattern is made anew
+    symmetric = asm%k%symmetric ! a copy, as set_pattern replaces asm%k
     if (grown) call set_pattern(asm, model, symmetric, state%step, error)
     if (allocated(error)) return
     sweep%contact_seconds = wall_seconds() - start
@@ -126,38 +125,20 @@ contains
       if (.not. sweep%ok) exit
     end do
     if (sweep%ok) then
-      call form_contact(asm, model, state, sweep)
+      start_contact = wall_seconds()
+      call add_contact(asm%contact, model, state, asm%k, asm%f_int, sweep%rounding, sweep%largest)
+      sweep%contact_seconds = sweep%contact_seconds + wall_seconds() - start_contact
       call form_inertia(asm, model, state)
       call external_force(model, state, asm%map, asm%k, asm%f_ext)
-      call tie_slaves(asm, model)
+      ! forces and tangent of constrained slaves go to their masters
+      call fold_force(model%mesh%constraint, asm%f_int)
+      call fold_force(model%mesh%constraint, asm%f_ext)
+      call fold_matrix(asm%fold, asm%k)
     end if
     sweep%seconds = wall_seconds() - start
   end subroutine form
 
-  !> What slaves of constraints got goes to their masters.
-  subroutine tie_slaves(asm, model)
-    type(assembler_t), intent(inout) :: asm
-    type(model_t), intent(in) :: model
-
-    call fold_force(model%mesh%constraint, asm%f_int)
-    call fold_force(model%mesh%constraint, asm%f_ext)
-    call fold_matrix(asm%fold, asm%k)
-  end subroutine tie_slaves
-
-  !> Contact tractions on top of the elements.
-  subroutine form_contact(asm, model, state, sweep)
-    type(assembler_t), intent(inout) :: asm
-    type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
-    type(sweep_t), intent(inout) :: sweep
-    real(wp) :: start
-
-    start = wall_seconds()
-    call add_contact(asm%contact, model, state, asm%k, asm%f_int, sweep%rounding, sweep%largest)
-    sweep%contact_seconds = sweep%contact_seconds + wall_seconds() - start
-  end subroutine form_contact
-
-  !> Inertia on top of it, where bodies move in time.
+  !> Add the forces of inertia and their tangent, where bodies move in time.
   subroutine form_inertia(asm, model, state)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -205,7 +186,7 @@ contains
     end associate
   end subroutine form_elements
 
-  !> One block, NB elements at a time; the last batch is filled up with its last element.
+  !> One block, NB elements at a time; the last batch repeats its last element.
   subroutine form_batches(asm, model, state, b, sweep)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -247,7 +228,7 @@ contains
     end associate
   end subroutine form_batches
 
-  !> Book what an element reported.
+  !> Add what an element reported.
   pure subroutine note(sweep, report, b, e, r, u)
     type(sweep_t), intent(inout) :: sweep
     type(form_report_t), intent(in) :: report
@@ -265,5 +246,34 @@ contains
     sweep%rounding = sweep%rounding + sum(abs(r*u))
     sweep%largest = max(sweep%largest, maxval(abs(r)))
   end subroutine note
+
+  !> The free components of a nodal vector, in the order of the equations.
+  pure subroutine free_part(eq, f, x)
+    integer, intent(in) :: eq(:, :)    !! (3, nnode) equation numbers, or 0
+    real(wp), intent(in) :: f(:, :)    !! (3, nnode)
+    real(wp), intent(out) :: x(:)      !! (neq)
+    integer :: i, n
+
+    do n = 1, size(eq, 2)
+      do i = 1, 3
+        if (eq(i, n) > 0) x(eq(i, n)) = f(i, n)
+      end do
+    end do
+  end subroutine free_part
+
+  !> A nodal vector from its free components; zero elsewhere.
+  pure subroutine full_vector(eq, x, f)
+    integer, intent(in) :: eq(:, :)    !! (3, nnode)
+    real(wp), intent(in) :: x(:)       !! (neq)
+    real(wp), intent(out) :: f(:, :)   !! (3, nnode)
+    integer :: i, n
+
+    f = 0.0_wp
+    do n = 1, size(eq, 2)
+      do i = 1, 3
+        if (eq(i, n) > 0) f(i, n) = x(eq(i, n))
+      end do
+    end do
+  end subroutine full_vector
 
 end module assembly

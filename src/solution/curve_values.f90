@@ -1,13 +1,13 @@
-!> Values of the quantities a CURVe asks for, at the state of now.
+!> Values of the quantities of a CURVe at the current state.
 module curve_values
   use base_kinds, only: wp
-  use book_values, only: book_value
   use contact_resultant, only: contact_value
   use curve_type, only: quantity_t, Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, &
                         Q_MAX_MISES, Q_NODAL, Q_CONTACT_FORCE, Q_CONTACT_DEBONDED, Q_BOOK
+  use energy_balance, only: energy_entry
   use model, only: model_t, state_t
-  use nodal_reaction, only: reactions_at
-  use point_values, only: stress_at, body_energy, largest_mises
+  use point_values, only: stress_at, reactions_at, body_energy, largest_mises
+  use tensor, only: cross
   implicit none
   private
   public :: quantity_value
@@ -50,27 +50,24 @@ contains
     case (Q_CONTACT_FORCE:Q_CONTACT_DEBONDED)
       value = contact_value(model, state, quantity)
     case (Q_BOOK)
-      value = book_value(model, state, quantity%component)
-    case default
-      value = 0.0_wp
+      value = energy_entry(model, state, quantity%component)
     end select
   end function quantity_value
 
-  !> Moment of the reactions about an axis, at current positions.
+  !> Moment of the reactions about an axis, at the current positions.
   pure function torque(model, state, quantity) result(value)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     type(quantity_t), intent(in) :: quantity
     real(wp) :: value
-    real(wp) :: m(3), x(3), f(3)
+    real(wp) :: m(3), x(3)
     integer :: i, n
 
     m = 0.0_wp
     do i = 1, size(quantity%node)
       n = quantity%node(i)
       x = model%mesh%xr(:, n) + state%u(:, n) - quantity%point
-      f = state%reaction(:, n)
-      m = m + [x(2)*f(3) - x(3)*f(2), x(3)*f(1) - x(1)*f(3), x(1)*f(2) - x(2)*f(1)]
+      m = m + cross(x, state%reaction(:, n))
     end do
     value = dot_product(m, quantity%axis)
   end function torque

@@ -1,18 +1,14 @@
-!> External forces: dead loads at the factors of now, and the pressures that follow the surface.
-!!
-!! Nodal forces that do not depend on the motion, at the factors of now.
-!!
-!! Pressure that follows the surface: force and tangent of one element face.
+!> External forces: dead loads at the current load factors, and pressures that follow the surface.
 module external_load
   use base_kinds, only: wp
+  use boundary, only: boundary_t
   use constraint, only: fold_force
   use csr, only: block_matrix_t, add_element
-  use load_curve, only: load_factor
-  use model, only: model_t, state_t
-  use boundary, only: boundary_t
   use element_type, only: cell_t
-  use mesh, only: block_t, block_cell
   use face_rule, only: face_points, face_normal, face_directions
+  use load_curve, only: load_factor
+  use mesh, only: block_t, block_cell
+  use model, only: model_t, state_t
   implicit none
   private
   public :: map_t, external_force, load_rates, scatter_force, dead_forces, follower_face
@@ -24,12 +20,12 @@ module external_load
 
 contains
 
-  !> Dead loads at the factors of now, and the pressures that follow the surface.
+  !> Dead loads at the current load factors, and pressures that follow the surface.
   subroutine external_force(model, state, map, k, f)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     type(map_t), intent(in) :: map(:)        !! of the blocks
-    type(block_matrix_t), intent(inout) :: k !! follower pressures have a share
+    type(block_matrix_t), intent(inout) :: k !! follower pressures add their tangent
     real(wp), intent(out) :: f(:, :)         !! (3, nnode) [F]
     integer :: j
 
@@ -40,11 +36,11 @@ contains
     end do
   end subroutine external_force
 
-  !> Derivative of the external forces by time at fixed displacements.
+  !> Derivative of the external forces with respect to time at fixed displacements.
   subroutine load_rates(model, state, slope, f)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    real(wp), intent(in) :: slope(:)         !! (ntable) derivatives of the factors by time
+    real(wp), intent(in) :: slope(:)         !! (ntable) derivatives of the factors
     real(wp), intent(out) :: f(:, :)         !! (3, nnode)
     integer :: j
 
@@ -57,7 +53,7 @@ contains
     call fold_force(model%mesh%constraint, f)
   end subroutine load_rates
 
-  !> One follower pressure: its forces, and their share of the tangent where k is there.
+  !> One follower pressure: its forces, and their tangent where k is present.
   subroutine follower_pressure(model, state, j, factor, f, map, k)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -101,7 +97,7 @@ contains
     end do
   end subroutine scatter_force
 
-  !> Forces of FORC and its kin, and what was integrated once: body forces, dead pressures.
+  !> Nodal forces (FORC, EFOR, CFOR, CSUR), body forces and pressures that do not follow.
   subroutine dead_forces(bc, factor, f)
     type(boundary_t), intent(in) :: bc
     real(wp), intent(in) :: factor(:)  !! (ntable)
@@ -130,7 +126,7 @@ contains
   subroutine follower_face(block, e, side, p, x, f, k)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e, side
-    real(wp), intent(in) :: p            !! pressure now; p > 0 presses on the body [F/L^2]
+    real(wp), intent(in) :: p            !! current pressure; p > 0 acts on the body [F/L^2]
     real(wp), intent(in) :: x(:, :)      !! (3, nen) current positions [L]
     real(wp), intent(out) :: f(:, :)     !! (3, nen) external force [F]
     real(wp), intent(out) :: k(:, :)     !! (3*nen, 3*nen) -df/du [F/L]

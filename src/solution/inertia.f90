@@ -5,6 +5,7 @@ module inertia
   use dynamics_type, only: dynamics_t, acceleration, HHT
   use mesh, only: block_t, is_rigid
   use model, only: model_t, state_t
+  use tensor, only: det3
   implicit none
   private
   public :: mass_t, find_masses, add_inertia, kinetic_energy, energy_of_rate
@@ -48,16 +49,13 @@ contains
     real(wp), intent(in) :: xr(:, :)      !! (3, nen) [L]
     real(wp), intent(in) :: density
     real(wp), intent(out) :: m(:, :)      !! (nen, nen)
-    real(wp) :: j(3, 3), w
+    real(wp) :: w
     integer :: a, q
 
     m = 0.0_wp
     associate (basis => block%basis(block%ibasis(e)))
       do q = 1, basis%nq
-        j = matmul(xr, transpose(basis%dshp(:, :, q)))
-        w = density*basis%wgt(q)*(j(1, 1)*(j(2, 2)*j(3, 3) - j(2, 3)*j(3, 2)) &
-                                  - j(1, 2)*(j(2, 1)*j(3, 3) - j(2, 3)*j(3, 1)) &
-                                  + j(1, 3)*(j(2, 1)*j(3, 2) - j(2, 2)*j(3, 1)))
+        w = density*basis%wgt(q)*det3(matmul(xr, transpose(basis%dshp(:, :, q))))
         do a = 1, block%nen
           m(:, a) = m(:, a) + (w*basis%shp(a, q))*basis%shp(:, q)
         end do
@@ -88,16 +86,16 @@ contains
     integer, intent(in) :: at(:, :, :)            !! (nen, nen, nelem) block positions in k
     type(block_matrix_t), intent(inout) :: k
     real(wp), intent(inout) :: f(:, :)            !! (3, nnode) [F]
-    real(wp) :: acc(3, block%nen), force(3, block%nen), share, c
+    real(wp) :: acc(3, block%nen), force(3, block%nen), factor, c
     integer :: a, b, e, i, p
 
-    share = 1.0_wp
-    if (dynamics%method == HHT) share = 1.0_wp/(1.0_wp + dynamics%alpha)
-    c = share*dynamics%c(1)
+    factor = 1.0_wp
+    if (dynamics%method == HHT) factor = 1.0_wp/(1.0_wp + dynamics%alpha)
+    c = factor*dynamics%c(1)
     do e = 1, block%nelem
       associate (node => block%conn(:, e))
         acc = acceleration(dynamics, state%u(:, node) - state%u_step(:, node), node)
-        force = share*matmul(acc, mass%m(:, :, e))
+        force = factor*matmul(acc, mass%m(:, :, e))
         do b = 1, block%nen
           f(:, node(b)) = f(:, node(b)) + force(:, b)
           do a = 1, block%nen
@@ -112,7 +110,7 @@ contains
     end do
   end subroutine add_inertia
 
-  !> 1/2 v.M.v of the velocity at the end of the last step that was accepted.
+  !> 1/2 v.M.v of the velocity at the end of the last accepted step.
   real(wp) function kinetic_energy(model, mass, state) result(energy)
     type(model_t), intent(in) :: model
     type(mass_t), intent(in) :: mass(:)

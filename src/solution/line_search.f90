@@ -1,21 +1,22 @@
 !> Line search along a Newton increment.
 module line_search
-  use base_kinds, only: wp
+  use assembly, only: assembler_t, sweep_t, form, free_part
   use base_error, only: error_t
-  use assembly, only: assembler_t, sweep_t, form
+  use base_kinds, only: wp
   use model, only: model_t, state_t
-  use nodal_vector, only: free_part
   implicit none
   private
   public :: search_line, step_by, retreat
 
-  real(wp), parameter :: LINE_TOLERANCE = 0.8_wp       !! FEAP's: slope left after a line search
+  !> Slope that may be left after a line search, relative to the first one (FEAP).
+  real(wp), parameter :: LINE_TOLERANCE = 0.8_wp
   integer, parameter :: LINE_TRIALS = 10
-  real(wp), parameter :: OVERSHOT = 4.0_wp    !! slope behind an increment over the one before it
+  !> Slope at the end of an increment that overshoots, relative to that at its start.
+  real(wp), parameter :: OVERSHOT = 4.0_wp
 
 contains
 
-  !> Displacements move by s du from where the history stands.
+  !> Displacements move by s du from those of the last iteration.
   pure subroutine step_by(state, du, s)
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: du(:, :), s
@@ -24,8 +25,8 @@ contains
     state%scale = s
   end subroutine step_by
 
-  !> FEAP's line search: a share s of the step with |du.r(s)| <= 0.8 |du.r(0)|; halved first while
-  !! an element inverts.
+  !> FEAP's line search: a fraction s of the increment with |du.r(s)| <= 0.8 |du.r(0)|; it is halved
+  !! first while an element inverts.
   subroutine search_line(asm, model, state, dx, du, g0, s, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -33,7 +34,7 @@ contains
     real(wp), intent(in) :: dx(:)      !! (neq) the increment
     real(wp), intent(in) :: du(:, :)   !! (3, nnode) the same
     real(wp), intent(in) :: g0         !! du.r(0)
-    real(wp), intent(out) :: s         !! share that was taken
+    real(wp), intent(out) :: s         !! fraction that is taken
     type(error_t), allocatable, intent(out) :: error
     type(sweep_t) :: sweep
     real(wp) :: g
@@ -51,10 +52,10 @@ contains
     call step_by(state, du, s)
   end subroutine search_line
 
-  !> The increment was taken and the forces were formed behind it, s du from where the history
-  !! stands. While it inverts an element half of it is taken. Where it overshoots, as a surface that
-  !! meets the other one at once and is thrown back by the whole penalty does, a share of it is
-  !! looked for; for the rest of increments this costs nothing.
+  !> The last increment was taken and the forces at its end were formed. While it inverts an element
+  !! it is halved. Where it overshoots (a surface that penetrates the other one in one increment and
+  !! is thrown back by the whole penalty), a line search finds a fraction of it. Other increments
+  !! cost nothing.
   subroutine retreat(asm, model, state, dx, rhs, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -85,7 +86,7 @@ contains
     call close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
   end subroutine retreat
 
-  !> From the slope g at s, which `sweep` found, to a small one, by regula falsi with the Illinois
+  !> From the slope g at s, which `sweep` found, to a small slope, by regula falsi with the Illinois
   !! modification.
   subroutine close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
     type(assembler_t), intent(inout) :: asm
@@ -119,7 +120,7 @@ contains
     end do
   end subroutine close_in
 
-  !> du.r at a share of the step.
+  !> du.r at a fraction of the increment.
   subroutine slope(asm, model, state, dx, du, s, g, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model

@@ -1,34 +1,33 @@
-!> The one Newton iteration: one pass of TANG,,1, and what closes a step.
+!> Newton's iteration: form, solve, and the last test of a step.
 module newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use base_kinds, only: wp
+  use assembly, only: new_assembler, form, free_part, full_vector
   use base_error, only: error_t
-  use model, only: model_t, state_t
+  use base_kinds, only: wp
+  use constrained_newton, only: solve_constrained
+  use continuation_type, only: turns_away
+  use convergence, only: check_convergence, energy_tolerance, force_tolerance, &
+                         find_largest_residual, node_spacing, find_floor, needs_line_search, &
+                         damping, count_flips
   use csr, only: multiply
-  use linear_system, only: new_linear_system, change_pattern, FULL
-  use assembly, only: new_assembler, form
+  use failure_text, only: name_element, name_singularity
   use line_search, only: search_line, step_by, retreat
-  use local_control, only: solve_local
-  use local_type, only: turns_away
-  use newton_judge, only: judge, energy_tolerance, force_tolerance, is_slow, damping, find_worst, &
-                          name_element, count_flips
+  use linear_system, only: new_linear_system, change_pattern, FULL
+  use model, only: model_t, state_t
   use newton_type, only: newton_t, pass_t
-  use nodal_vector, only: free_part, full_vector
   use prescribed, only: to_prescribed
-  use rounding_floor, only: node_spacing, find_floor
   use solution_state, only: accept_iteration
-  use singularity, only: name_singularity
   implicit none
   private
-  public :: newton_t, pass_t, begin_newton, prepare_newton, form_system, solve_system, &
-            newton_pass, close_newton
+  public :: newton_t, pass_t, begin_newton, prepare_newton, set_factorisation, form_system, &
+            solve_system, close_newton
 
-  real(wp), parameter :: FORCING = 1.0e-3_wp !! relative residual of a linear solve where factors
-  !! are kept
+  !> Relative residual of a linear solve where factors are kept.
+  real(wp), parameter :: FORCING = 1.0e-3_wp
 
 contains
 
-  !> Start a step: state%factor and state%time are those of its end, state%u of its start.
+  !> Begin a step: state%factor and state%time are those of its end, state%u is that of its start.
   subroutine begin_newton(newton, model, state)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -47,7 +46,7 @@ contains
     newton%moves = any(abs(newton%move) > 0.0_wp)
   end subroutine begin_newton
 
-  !> Forces and tangent at the displacements of now; the trial history becomes the iteration's.
+  !> Forces and tangent at the current displacements; the trial history becomes the iteration's.
   subroutine form_system(newton, model, state, symmetric, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -75,7 +74,7 @@ contains
     pass%floor = find_floor(newton%asm%k, newton%spacing, state%u)
     state%reaction = newton%asm%f_int - newton%asm%f_ext
     call free_part(model%eq, -state%reaction, newton%rhs)
-    call find_worst(model, state%reaction, pass)
+    call find_largest_residual(model, state%reaction, pass)
     if (.not. ieee_is_finite(pass%residual)) then
       pass%ok = .false.
       pass%trouble = 'the residual is not a number'
@@ -87,7 +86,7 @@ contains
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    logical, intent(in) :: searches !! look along the increment
+    logical, intent(in) :: searches    !! with a line search
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: du(:, :)
@@ -99,8 +98,8 @@ contains
       if (allocated(error)) return
       newton%asm%new_pattern = .false.
     end if
-    if (newton%local%on) then
-      call solve_local(newton, model, state, FORCING, pass, error)
+    if (newton%constraint%on) then
+      call solve_constrained(newton, model, state, FORCING, pass, error)
       return
     end if
     call solve_tangent(newton, model, state, pass, error)
@@ -110,9 +109,9 @@ contains
     newton%exact = newton%exact .and. newton%mode == FULL
     call find_increment(newton, model, moved, du, pass)
     newton%moves = .false.
-    call judge(newton, pass, moved)
+    call check_convergence(newton, pass, moved)
     if (.not. pass%ok) return
-    if ((searches .or. is_slow(newton, model)) .and. .not. moved) then
+    if ((searches .or. needs_line_search(newton, model)) .and. .not. moved) then
       call search_line(newton%asm, model, state, newton%dx, du, &
                        dot_product(newton%dx, newton%rhs), pass%line, error)
     else
@@ -127,7 +126,7 @@ contains
   subroutine find_increment(newton, model, moved, du, pass)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
-    logical, intent(in) :: moved       !! it contains the prescribed motion
+    logical, intent(in) :: moved       !! the increment contains prescribed motion
     real(wp), allocatable, intent(out) :: du(:, :) !! (3, nnode) [L]
     type(pass_t), intent(inout) :: pass
     real(wp), allocatable :: force(:, :)
@@ -144,7 +143,7 @@ contains
     newton%largest_energy = max(newton%largest_energy, pass%energy)
   end subroutine find_increment
 
-  !> The increment of the free dofs, after the tangent's own guess of what prescribed motion does.
+  !> The increment of the free dofs; prescribed motion acts on them through the tangent.
   subroutine solve_tangent(newton, model, state, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -169,20 +168,6 @@ contains
     end if
   end subroutine solve_tangent
 
-  !> One pass of TANG,,1 or UTAN,,1.
-  subroutine newton_pass(newton, model, state, symmetric, searches, pass, error)
-    type(newton_t), intent(inout) :: newton
-    type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
-    logical, intent(in) :: symmetric, searches
-    type(pass_t), intent(out) :: pass
-    type(error_t), allocatable, intent(out) :: error
-
-    call form_system(newton, model, state, symmetric, pass, error)
-    if (allocated(error) .or. .not. pass%ok) return
-    call solve_system(newton, model, state, searches, pass, error)
-  end subroutine newton_pass
-
   !> Reactions at the final displacements; a step whose test has not passed yet is tested once more.
   subroutine close_newton(newton, model, state, pass, error)
     type(newton_t), intent(inout) :: newton
@@ -193,18 +178,17 @@ contains
 
     call form_system(newton, model, state, newton%symmetric, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
-    if (turns_away(newton%local, state)) then
+    if (turns_away(newton%constraint, state)) then
       pass%ok = .false.
       pass%trouble = 'the step turns away from the one before'
       return
     end if
-    if (newton%converged) return
-    if (newton%moves) return
+    if (newton%converged .or. newton%moves) return
     newton%converged = pass%residual <= force_tolerance(pass) &
                        .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
   end subroutine close_newton
 
-  !> Pattern and analysis, once, and again only where TANG and UTAN alternate.
+  !> Pattern and analysis: once, and again only where TANG and UTAN alternate.
   subroutine prepare_newton(newton, model, symmetric, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -224,5 +208,19 @@ contains
     if (.not. allocated(newton%spacing)) newton%spacing = node_spacing(model%mesh)
     if (.not. allocated(newton%rhs)) allocate (newton%rhs(model%neq), newton%dx(model%neq))
   end subroutine prepare_newton
+
+  !> FACTor: the analysis is repeated where something changes.
+  subroutine set_factorisation(newton, mode, eps)
+    type(newton_t), intent(inout) :: newton
+    integer, intent(in) :: mode        !! FULL, REUSE, SINGLE, LOWRANK
+    real(wp), intent(in) :: eps        !! accuracy of LOWRANK
+
+    if (newton%ready .and. (mode /= newton%mode .or. abs(eps - newton%eps) > 0.0_wp)) then
+      call newton%system%free()
+      newton%ready = .false.
+    end if
+    newton%mode = mode
+    newton%eps = eps
+  end subroutine set_factorisation
 
 end module newton

@@ -1,36 +1,29 @@
-!> Stress and energy of the elements, for curves and printed tables.
+!> Stress and energy of elements and reactions of nodes, for curves and printed tables.
+!!
+!! Reactions are those of FEAPpv: what the elements exert on the nodes. Nodal forces (FORC, EFOR,
+!! CFOR, CSUR) are not subtracted: a free node with a force shows that force, and the sum over all
+!! nodes is zero in equilibrium without body forces.
 module point_values
   use base_kinds, only: wp
   use basis_type, only: basis_t
-  use mesh, only: block_t, is_rigid
+  use load_curve, only: load_factor
+  use mesh, only: is_rigid
   use model, only: model_t, state_t
   use model_basis, only: tabulate_points
   use solid_recover, only: recovered_t, recover
   implicit none
   private
-  public :: stress_at, body_energy, largest_mises
+  public :: stress_at, reactions_at, body_energy, largest_mises
 
 contains
 
-  !> State of one element at its integration points.
-  subroutine element_points(model, state, b, e, point, ok)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    integer, intent(in) :: b, e                   !! block and element
-    type(recovered_t), intent(out) :: point(:)    !! (nq)
-    logical, intent(out) :: ok
-
-    associate (block => model%mesh%block(b))
-      call recover_at(model, state, b, e, block%basis(block%ibasis(e)), point, ok)
-    end associate
-  end subroutine element_points
-
+  !> State of one element at the points of a basis.
   subroutine recover_at(model, state, b, e, basis, point, ok)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    integer, intent(in) :: b, e
+    integer, intent(in) :: b, e                   !! block and element
     type(basis_t), intent(in) :: basis
-    type(recovered_t), intent(out) :: point(:)
+    type(recovered_t), intent(out) :: point(:)    !! (nq)
     logical, intent(out) :: ok
 
     associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material))
@@ -54,6 +47,25 @@ contains
     call recover_at(model, state, b, e, basis, point, ok)
     sig = point(1)%sig
   end function stress_at
+
+  !> Internal force of the elements, without their body forces, at nodes.
+  pure function reactions_at(model, state, node) result(r)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: node(:)
+    real(wp) :: r(3, size(node))                  !! [F]
+    integer :: i, d
+
+    do i = 1, size(node)
+      associate (n => node(i))
+        r(:, i) = state%reaction(:, n)
+        if (.not. allocated(model%bc%force)) cycle
+        do d = 1, 3
+          r(d, i) = r(d, i) + model%bc%force(d, n)*load_factor(state%factor, model%bc%table(d, n))
+        end do
+      end associate
+    end do
+  end function reactions_at
 
   !> Stored energy of a body; 0: of all.
   function body_energy(model, state, body) result(energy)
@@ -91,7 +103,9 @@ contains
       if (is_rigid(model%mesh%block(b))) cycle
       allocate (point(model%mesh%block(b)%rule%nq))
       do e = 1, model%mesh%block(b)%nelem
-        call element_points(model, state, b, e, point, ok)
+        associate (block => model%mesh%block(b))
+          call recover_at(model, state, b, e, block%basis(block%ibasis(e)), point, ok)
+        end associate
         energy = energy + sum(point%energy*point%volume)
         mises = max(mises, maxval(point%mises))
       end do

@@ -1,21 +1,21 @@
-!> Prescribed displacements: DISP values and rigid motions at the factors of now.
+!> Prescribed displacements: DISP values and rigid motions at the current load factors.
 module prescribed
   use base_kinds, only: wp
+  use boundary, only: motion_t
   use load_curve, only: load_factor
   use model, only: model_t
-  use boundary, only: motion_t
   use tensor, only: cross
   implicit none
   private
   public :: prescribed_values, prescribed_rates, to_prescribed
 
-  real(wp), parameter :: TURN = 1.0e-4_wp !! [rad] to both sides, for the rate of a rotation
+  real(wp), parameter :: TURN = 1.0e-4_wp !! [rad] to both sides: difference quotient of a rotation
 
 contains
 
   !> Displacement of every prescribed dof; zero elsewhere.
-  !! The rotations of a node act on its reference position in deck order, then its translations add
-  !! up.
+  !! The rotations of a node act on its reference position in deck order; then its translations are
+  !! added.
   subroutine prescribed_values(model, factor, up)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: factor(:)  !! (ntable)
@@ -43,24 +43,25 @@ contains
     end do
   end subroutine prescribed_values
 
-  !> What is left of the way to the prescribed displacements at `factor`; zero at free dofs, and at
-  !! slaves, which follow.
-  subroutine to_prescribed(model, factor, u, way)
+  !> The increment from u to the prescribed displacements at `factor`; zero at free dofs, and at
+  !! slaves, which follow their masters.
+  subroutine to_prescribed(model, factor, u, du)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: factor(:)  !! (ntable)
-    real(wp), intent(in) :: u(:, :)    !! (3, nnode) displacements of now [L]
-    real(wp), intent(out) :: way(:, :) !! (3, nnode) [L]
+    real(wp), intent(in) :: u(:, :)    !! (3, nnode) [L]
+    real(wp), intent(out) :: du(:, :)  !! (3, nnode) [L]
 
-    call prescribed_values(model, factor, way)
-    way = way - u
-    call leave_free(model, way)
+    call prescribed_values(model, factor, du)
+    du = du - u
+    call leave_free(model, du)
   end subroutine to_prescribed
 
-  !> Derivative of the prescribed displacements by time, from that of the factors; zero elsewhere.
+  !> Derivative of the prescribed displacements with respect to time, from that of the factors; zero
+  !! elsewhere.
   subroutine prescribed_rates(model, factor, slope, rate)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: factor(:)   !! (ntable)
-    real(wp), intent(in) :: slope(:)    !! (ntable) derivatives by time
+    real(wp), intent(in) :: slope(:)    !! (ntable) derivatives of the factors
     real(wp), intent(out) :: rate(:, :) !! (3, nnode)
     real(wp), allocatable :: back(:, :)
     real(wp) :: h
@@ -79,7 +80,7 @@ contains
       call prescribed_values(model, factor + h*slope, rate)
       rate = (rate - back)/(2*h)
     else
-      call prescribed_values(model, slope, rate) ! it is linear
+      call prescribed_values(model, slope, rate) ! they are linear in the factors
     end if
     call leave_free(model, rate)
   end subroutine prescribed_rates

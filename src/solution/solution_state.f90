@@ -1,4 +1,4 @@
-!> What a step changes, and how it is kept, accepted and restored.
+!> The state of the analysis: made, moved on, accepted and restored.
 module solution_state
   use base_kinds, only: wp
   use contact_bond, only: find_bonds
@@ -6,9 +6,9 @@ module solution_state
   use curve_type, only: Q_BOOK
   use dynamics_type, only: set_rates, new_dynamics
   use energy_type, only: open_book
-  use model, only: model_t, state_t, history_t
-  use solid_form, only: history_length
   use load_curve, only: table_factor, table_slope
+  use model, only: model_t, state_t
+  use solid_form, only: history_length
   implicit none
   private
   public :: new_state, open_step, accept_iteration, accept_step_state, restore_step, set_factors, &
@@ -20,16 +20,13 @@ contains
   subroutine new_state(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(out) :: state
-    integer :: b, n
+    logical :: keeps_energy
+    integer :: b, i, n
 
     n = model%mesh%nnode
-    allocate (state%u(3, n), state%u_step(3, n), state%u_base(3, n), state%reaction(3, n))
-    allocate (state%last_increment(3, n), source=0.0_wp)
+    allocate (state%u(3, n), state%u_step(3, n), state%u_base(3, n), state%last_increment(3, n), &
+              state%reaction(3, n), source=0.0_wp)
     allocate (state%table(0), state%factor(0), state%history(size(model%mesh%block)))
-    state%u = 0.0_wp
-    state%u_step = 0.0_wp
-    state%u_base = 0.0_wp
-    state%reaction = 0.0_wp
     do b = 1, size(model%mesh%block)
       associate (block => model%mesh%block(b))
         n = history_length(block%nen, block%row%nmode)
@@ -38,7 +35,12 @@ contains
         allocate (state%history(b)%trial(n, block%nelem), source=0.0_wp)
       end associate
     end do
-    if (keeps_books(model)) then
+    ! the energy balance: of curves, and of contact, whose path may need it
+    keeps_energy = size(model%contact) > 0
+    do i = 1, size(model%curve)
+      keeps_energy = keeps_energy .or. any(model%curve(i)%quantity(:)%id == Q_BOOK)
+    end do
+    if (keeps_energy) then
       call open_book(state%energy, model%mesh%nnode)
       call new_dynamics(state%dynamics, model%mesh%nnode)
     end if
@@ -49,19 +51,7 @@ contains
     end do
   end subroutine new_state
 
-  !> Energies are booked where a curve asks for them, and where there is contact: the path may need
-  !! them.
-  pure logical function keeps_books(model) result(yes)
-    type(model_t), intent(in) :: model
-    integer :: i
-
-    yes = size(model%contact) > 0
-    do i = 1, size(model%curve)
-      yes = yes .or. any(model%curve(i)%quantity(:)%id == Q_BOOK)
-    end do
-  end function keeps_books
-
-  !> A step begins: what is now is what a cut brings back.
+  !> Begin a step: number, time and load factors are those of its end.
   subroutine open_step(state, time)
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: time !! at the end of the step
@@ -87,10 +77,10 @@ contains
     end do
   end subroutine set_factors
 
-  !> Derivatives of the factors by time.
+  !> Derivatives of the load factors with respect to time.
   pure function factor_slopes(state, ahead) result(slope)
     type(state_t), intent(in) :: state
-    logical, intent(in) :: ahead !! at corners: of what comes
+    logical, intent(in) :: ahead !! at the corner of a table: the slope after it
     real(wp) :: slope(size(state%table))
     integer :: i
 
@@ -99,7 +89,7 @@ contains
     end do
   end function factor_slopes
 
-  !> The trial of the last sweep becomes the iteration's state.
+  !> The trial of the last sweep becomes the state of the iteration.
   subroutine accept_iteration(state)
     type(state_t), intent(inout) :: state
     real(wp), allocatable :: swap(:, :)
@@ -114,7 +104,7 @@ contains
     state%scale = 0.0_wp
   end subroutine accept_iteration
 
-  !> The step is done: it cannot be cut any more.
+  !> The step is accepted: a cut-back restores the state at its end from now on.
   subroutine accept_step_state(state)
     type(state_t), intent(inout) :: state
     integer :: b
@@ -129,7 +119,7 @@ contains
     end do
   end subroutine accept_step_state
 
-  !> Back to the start of the step; `step` and `time` are its number and time then.
+  !> Restore the state at the start of the step; `step` and `time` are the number and time then.
   subroutine restore_step(state, step, time)
     type(state_t), intent(inout) :: state
     integer, intent(in) :: step

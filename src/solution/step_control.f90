@@ -1,41 +1,42 @@
-!> Time: fixed steps, and automatic ones that are cut and grow again.
+!> Time steps: fixed ones, and automatic ones that are cut and grow again.
 !!
-!! Targets are anchor + k dt, never summed. A cut divides the way to the next target into equal
-!! pieces; growth beyond dt (dtmax > dt) passes several targets at once and lands on one of them.
+!! Targets are origin + k dt and never summed. A cut-back divides the interval to the next target
+!! into equal steps; a step that has grown beyond dt (dtmax > dt) passes several targets and ends on
+!! one of them.
 module step_control
   use base_kinds, only: wp
   implicit none
   private
-  public :: step_control_t, set_dt, set_auto, next_step, next_target, end_step, &
-            accept_step, pass_target, cut_step, on_target
+  public :: step_control_t, set_dt, set_auto, next_time, next_target, set_end, accept_time, &
+            pass_target, cut_time, on_target
 
   type :: step_control_t
     real(wp) :: dt = 0.0_wp          !! between targets
-    real(wp) :: anchor = 0.0_wp      !! time of target 0
-    integer :: target = 0            !! targets reached since the anchor
-    real(wp) :: size = 0.0_wp        !! step wanted now; at most dt unless dtmax allows more
+    real(wp) :: origin = 0.0_wp      !! time of target 0
+    integer :: target = 0            !! targets reached since the origin
+    real(wp) :: size = 0.0_wp        !! length of the next step; at most dt unless dtmax allows more
     logical :: automatic = .false.
     real(wp) :: dtmin = 0.0_wp, dtmax = 0.0_wp
     real(wp) :: from = 0.0_wp, to = 0.0_wp !! the step under way
-    integer :: passed = 0            !! targets it passes: 0 inside, 1 usually
-    integer :: quiet = 0             !! good steps since the last cut
-    integer :: cuts = 0              !! cuts of the step under way
-    logical :: reduced = .false.     !! the last step was hard, the next is smaller
+    integer :: passed = 0            !! targets it passes; 0: it ends between two of them
+    integer :: accepted = 0          !! steps since the last cut-back
+    integer :: cuts = 0              !! cut-backs of the step under way
+    logical :: reduced = .false.     !! the last step took many iterations, the next is smaller
   end type step_control_t
 
-  integer, parameter :: FEW = 6      ! iterations after which a step may grow
-  integer, parameter :: FAIR = 10    ! after which one smaller than dt may grow
-  integer, parameter :: MANY = 15    ! and above which the next one is smaller
+  integer, parameter :: FEW = 6      !! iterations up to which a step may grow
+  integer, parameter :: FAIR = 10    !! up to which one smaller than dt may grow
+  integer, parameter :: MANY = 15    !! above which the next one is smaller
 
 contains
 
-  !> DT: a new distance between targets, from `time` on.
+  !> DT: a new distance between targets, counted from `time`.
   subroutine set_dt(control, time, dt)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time, dt
 
     control%dt = dt
-    control%anchor = time
+    control%origin = time
     control%target = 0
     control%size = dt
   end subroutine set_dt
@@ -51,31 +52,31 @@ contains
   end subroutine set_auto
 
   !> Time at the end of the next step; `left` targets remain in the loop, this one included.
-  function next_step(control, time, left) result(to)
+  function next_time(control, time, left) result(to)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time
     integer, intent(in) :: left
     real(wp) :: to, gap
-    integer :: pieces
+    integer :: nstep
 
     control%from = time
     control%passed = 1
     if (control%automatic .and. control%size >= 2*control%dt) then
       control%passed = max(1, min(left, int(control%size/control%dt*(1 + epsilon(1.0_wp)*8))))
     end if
-    to = control%anchor + (control%target + control%passed)*control%dt
+    to = control%origin + (control%target + control%passed)*control%dt
     gap = to - time
     if (control%automatic) then
-      pieces = ceiling(gap/control%size*(1 - epsilon(1.0_wp)*64))
-      if (pieces > 1) then
-        to = time + gap/pieces
+      nstep = ceiling(gap/control%size*(1 - epsilon(1.0_wp)*64))
+      if (nstep > 1) then
+        to = time + gap/nstep
         control%passed = 0
       end if
     end if
     control%to = to
-  end function next_step
+  end function next_time
 
-  !> The step is another one's to end: its target, which it may not pass.
+  !> A constrained step finds its own end: the target that it may not pass.
   function next_target(control, time) result(target)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time
@@ -83,22 +84,22 @@ contains
 
     control%from = time
     control%passed = 0
-    target = control%anchor + (control%target + 1)*control%dt
+    target = control%origin + (control%target + 1)*control%dt
     control%to = target
   end function next_target
 
-  !> It ends at `time`, on its target or not.
-  subroutine end_step(control, time, on_target)
+  !> The constrained step ends at `time`, on its target or not.
+  subroutine set_end(control, time, on_target)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time
     logical, intent(in) :: on_target
 
     control%to = time
     control%passed = merge(1, 0, on_target)
-  end subroutine end_step
+  end subroutine set_end
 
-  !> A converged step: count its targets; the next one may be larger.
-  subroutine accept_step(control, iterations)
+  !> The step has converged: count its targets; the next one may be larger.
+  subroutine accept_time(control, iterations)
     type(step_control_t), intent(inout) :: control
     integer, intent(in) :: iterations
     real(wp) :: taken
@@ -106,17 +107,17 @@ contains
     call pass_target(control)
     if (.not. control%automatic) return
     taken = control%to - control%from
-    control%quiet = control%quiet + 1
+    control%accepted = control%accepted + 1
     if (iterations > MANY) then
       control%size = max(0.75_wp*taken, control%dtmin)
       control%reduced = control%size < taken
-    else if ((iterations <= FEW .and. control%quiet > 1) .or. &
-             (iterations <= FAIR .and. control%quiet > 1 .and. control%size < control%dt)) then
+    else if (control%accepted > 1 .and. &
+             (iterations <= FEW .or. (iterations <= FAIR .and. control%size < control%dt))) then
       control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
     end if
-  end subroutine accept_step
+  end subroutine accept_time
 
-  !> A step is behind, and the targets that it passed.
+  !> The step is complete: count the targets that it passed.
   subroutine pass_target(control)
     type(step_control_t), intent(inout) :: control
 
@@ -125,18 +126,18 @@ contains
     control%reduced = .false.
   end subroutine pass_target
 
-  !> A failed step: try half of it. .false.: smaller than dtmin.
-  function cut_step(control) result(possible)
+  !> The step has failed: try half of it. .false.: that is smaller than dtmin.
+  function cut_time(control) result(possible)
     type(step_control_t), intent(inout) :: control
     logical :: possible
 
     possible = .false.
     if (.not. control%automatic) return
     control%size = 0.5_wp*(control%to - control%from)
-    control%quiet = 0
+    control%accepted = 0
     control%cuts = control%cuts + 1
     possible = control%size >= control%dtmin .and. control%from + control%size > control%from
-  end function cut_step
+  end function cut_time
 
   !> The last step ended on a target.
   pure function on_target(control) result(yes)

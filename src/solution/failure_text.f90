@@ -1,20 +1,34 @@
-!> Says in the user's words why a tangent is singular.
-module singularity
+!> Names the elements and dofs that a failed pass of Newton's method blames.
+module failure_text
+  use assembly, only: sweep_t
   use base_kinds, only: wp
   use base_text, only: to_text
   use dof_map, only: dof_name
-  use model, only: model_t
   use mesh, only: solid_nodes
+  use model, only: model_t
   implicit none
   private
-  public :: name_singularity
+  public :: name_element, name_singularity
 
-  integer, parameter :: MOST = 4  ! dofs that are named
+  integer, parameter :: MOST = 4       !! dofs that are named
 
 contains
 
-  !> `the tangent is singular at dof uy of node 3: the model is free to move along x and turn about
-  !! z`.
+  !> The element that failed: `Q1 element 3 of 'cube' is inverted`.
+  function name_element(model, sweep) result(text)
+    type(model_t), intent(in) :: model
+    type(sweep_t), intent(in) :: sweep
+    character(:), allocatable :: text
+
+    associate (block => model%mesh%block(sweep%block))
+      text = trim(block%name)//' element '//to_text(block%number(sweep%elem))
+      if (block%body > 0) text = text//" of '"//model%mesh%body(block%body)%name//"'"
+      text = text//' is inverted'
+      if (block%row%nmode > 0) text = text//', or its enhanced modes are singular'
+    end associate
+  end function name_element
+
+  !> `the tangent is singular at dof uy of node 3; the model can move along x, turn about z`.
   function name_singularity(model, null) result(text)
     type(model_t), intent(in) :: model
     integer, intent(in) :: null(:) !! equations whose pivot vanished
@@ -41,7 +55,7 @@ contains
                                            'turn about x', 'turn about y', 'turn about z']
 
     call solid_nodes(model%mesh, solid)
-    do i = 1, model%mesh%constraint%n ! slaves hold nothing
+    do i = 1, model%mesh%constraint%n ! slaves support nothing
       solid(model%mesh%constraint%slave(i)) = .false.
     end do
     centre = 0.0_wp
@@ -70,4 +84,4 @@ contains
     end do
   end function free_motions
 
-end module singularity
+end module failure_text

@@ -1,0 +1,84 @@
+!> The commands and the step: begin it, follow its outcome, close it and write what is due.
+module command_step
+  use base_error, only: error_t
+  use command_checkpoint, only: write_checkpoint, set_restart_point
+  use command_files, only: open_files, write_rows, write_fields
+  use command_type, only: run_t
+  use linear_system, only: FULL
+  use listing_contact, only: list_contacts
+  use program_position, only: save_position, rewind_program, leave_loop, current_place
+  use step, only: begin_step, close_step, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
+  implicit none
+  private
+  public :: open_step_here, take_outcome, finish_step
+
+  integer, parameter :: RESTART_EVERY = 10 !! steps between restart points where factors are kept
+
+contains
+
+  !> The step under way begins with the command at the counter.
+  subroutine open_step_here(run, left)
+    type(run_t), intent(inout) :: run
+    integer, intent(in), optional :: left !! targets that remain in the loop; absent: no TIME
+
+    call save_position(run%program, run%deck%params)
+    call begin_step(run%step, run%model, run%state, left)
+  end subroutine open_step_here
+
+  !> What the outcome of a step means for the commands: an iteration loop ends where it has
+  !! converged; after a cut-back the TIME of the step is next.
+  subroutine take_outcome(run, outcome)
+    type(run_t), intent(inout) :: run
+    integer, intent(in) :: outcome
+
+    if (outcome == STEP_CONVERGED) call leave_loop(run%program)
+    if (outcome /= STEP_REWOUND) return
+    call rewind_program(run%program, run%deck%params)
+    run%program%counter = run%program%counter - 1 ! the main loop adds one
+    run%plan%plot = .false.
+    run%plan%save = .false.
+  end subroutine take_outcome
+
+  !> Close the step under way, if any, and write what is due. rewound: it failed its last test, and
+  !! its TIME is next again.
+  subroutine finish_step(run, rewound, error)
+    type(run_t), intent(inout) :: run
+    logical, intent(out) :: rewound
+    type(error_t), allocatable, intent(out) :: error
+    integer :: outcome
+
+    call close_step(run%step, run%model, run%state, current_place(run%program), outcome, error)
+    rewound = outcome == STEP_REWOUND
+    if (allocated(error)) return
+    call take_outcome(run, outcome)
+    if (outcome /= STEP_ACCEPTED) return
+    call run%timers%start('output')
+    call write_step(run, error)
+    call run%timers%stop('output')
+  end subroutine finish_step
+
+  !> Rows of the curves, the contacts in the log, fields and a checkpoint.
+  subroutine write_step(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    logical :: fields
+
+    call open_files(run, error)
+    if (allocated(error)) return
+    call write_rows(run, error)
+    if (allocated(error)) return
+    call list_contacts(run%model, run%state, run%step%newton%asm%f_ext)
+    fields = run%plan%plot
+    if (run%plan%every > 0) fields = fields .or. mod(run%state%step, run%plan%every) == 0
+    if (fields) call write_fields(run, error)
+    if (allocated(error)) return
+    run%plan%plot = .false.
+    if (run%plan%save) then
+      run%plan%save = .false.
+      call write_checkpoint(run, error)
+    else if (run%step%newton%mode /= FULL .and. mod(run%state%step, RESTART_EVERY) == 0) then
+      call set_restart_point(run)
+    end if
+  end subroutine write_step
+
+end module command_step

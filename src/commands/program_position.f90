@@ -1,0 +1,84 @@
+!> Where the execution of the commands stands: loops, the position of a TIME and the way back to it.
+module program_position
+  use base_error, only: place_t
+  use command_type, only: program_t
+  use deck_expression, only: params_t
+  implicit none
+  private
+  public :: save_position, rewind_program, leave_loop, targets_left, is_last_pass, current_place
+
+contains
+
+  !> A step begins with the command at the counter.
+  subroutine save_position(program, params)
+    type(program_t), intent(inout) :: program
+    type(params_t), intent(in) :: params !! of the deck
+
+    associate (position => program%step_start)
+      position%counter = program%counter
+      position%loop = program%loop
+      position%visit = program%command(:)%visit
+      position%params = params
+    end associate
+  end subroutine save_position
+
+  !> Go back to where the step began: the command that began it is next.
+  subroutine rewind_program(program, params)
+    type(program_t), intent(inout) :: program
+    type(params_t), intent(inout) :: params
+
+    associate (position => program%step_start)
+      program%counter = position%counter
+      program%loop = position%loop
+      program%command(:)%visit = position%visit
+      params = position%params
+    end associate
+  end subroutine rewind_program
+
+  !> Leave the innermost loop (FEAP), but never a loop over time.
+  subroutine leave_loop(program)
+    type(program_t), intent(inout) :: program
+    integer :: top
+
+    top = size(program%loop)
+    if (top == 0) return
+    if (program%command(program%loop(top)%at)%holds_time) return
+    program%counter = program%command(program%loop(top)%at)%matching
+    program%loop = program%loop(:top - 1)
+  end subroutine leave_loop
+
+  !> Targets of time that remain in the innermost loop, that of the next TIME included.
+  pure integer function targets_left(program) result(left)
+    type(program_t), intent(in) :: program
+    integer :: top
+
+    left = 1
+    top = size(program%loop)
+    if (top == 0) return
+    associate (loop => program%loop(top))
+      if (program%command(loop%at)%holds_time) left = loop%limit - loop%count + 1
+    end associate
+  end function targets_left
+
+  !> The innermost loop is no loop over time, and in its last pass.
+  pure logical function is_last_pass(program) result(yes)
+    type(program_t), intent(in) :: program
+    integer :: top
+
+    top = size(program%loop)
+    yes = top > 0
+    if (yes) yes = program%loop(top)%count == program%loop(top)%limit &
+                   .and. .not. program%command(program%loop(top)%at)%holds_time
+  end function is_last_pass
+
+  !> The command at the counter in the deck, or the last one when all are done.
+  function current_place(program) result(place)
+    type(program_t), intent(in) :: program
+    type(place_t) :: place
+
+    associate (command => program%command(min(program%counter, size(program%command))))
+      place = command%record%place(1)
+    end associate
+  end function current_place
+
+end module program_position

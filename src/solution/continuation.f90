@@ -1,0 +1,308 @@
+!> Continuation: the method of a step is changed where it fails, and load control is tried again.
+module continuation
+  use base_kinds, only: wp
+  use base_log, only: log_line, warn
+  use base_text, only: to_text
+  use contact_forces, only: bonded_area, find_release
+  use continuation_type, only: continuation_t, path_constraint_t, PATH_OFF, PATH_RELEASE, &
+                               PATH_ARC, BY_LOAD, BY_INERTIA, BY_RELEASE, BY_ARC, may_leave, &
+                               leave_load_control, is_quiet, is_forward, begin_trial, end_trial, &
+                               fail_trial, controls_release, adapt_release, cut_release, &
+                               controls_arc, begin_arc, adapt_arc, note_release, runs_back, &
+                               opens_again, cut_arc, constrain_release, constrain_arc, &
+                               is_all_released
+  use dynamics_type, only: new_dynamics, BACKWARD_EULER
+  use inertia, only: mass_t, find_masses, energy_of_rate
+  use model, only: model_t, state_t
+  use solution_state, only: open_step, factor_slopes
+  use step_control, only: next_time, next_target
+  use step_type, only: step_t
+  implicit none
+  private
+  public :: begin_increment, change_method, adapt_method
+
+  !> An increment, or a change of a load's rate, that counts as zero.
+  real(wp), parameter :: NOTHING = 1.0e-9_wp
+  !> Kinetic energy of the mean motion since the start, relative to the work done: the density of a
+  !! snap follows from it.
+  real(wp), parameter :: KINETIC_FRACTION = 1.0e-3_wp
+
+contains
+
+  !> Begin a step of the method in use: its time is prescribed, or the release of the bonds, or its
+  !! arc length.
+  subroutine begin_increment(step, model, state, left)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    integer, intent(in) :: left          !! targets that remain in the loop, this one included
+    real(wp) :: limit, to
+
+    associate (path => step%continuation, constraint => step%newton%constraint)
+      constraint = path_constraint_t()
+      to = state%time
+      if (controls_arc(path)) then
+        limit = next_target(step%control, state%time)
+        call constrain_arc(constraint, state, path%length, limit)
+      else if (controls_release(path)) then
+        limit = next_target(step%control, state%time)
+        call constrain_release(constraint, model, state, &
+                               path%release*bonded_area(model, state), limit)
+      else
+        to = next_time(step%control, state%time, left)
+      end if
+    end associate
+    call open_step(state, to)
+  end subroutine begin_increment
+
+  !> The step has failed. .true.: it is to be repeated from its start with another method, or with a
+  !! smaller increment of the constrained measure.
+  function change_method(step, model, state, why) result(changed)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    character(*), intent(in) :: why
+    logical :: changed
+
+    associate (path => step%continuation)
+      changed = .true.
+      if (path%trial) then
+        call fail_trial(path)
+        state%dynamics%on = path%active == BY_INERTIA
+        call log_line('  load control fails: '//why//'; the method before it goes on, next trial ' &
+                      //'after '//to_text(path%wait)//' steps')
+      else if (path%active == BY_RELEASE) then
+        if (cut_release(path)) then
+          call log_cut('releases '//to_text(100*path%release)//' % of the bonds')
+        else if (any(abs(state%last_increment) > 0.0_wp)) then
+          call follow_arc(step, state, 'control of the release ends at time ' &
+                          //to_text(step%start_time)//': '//why)
+        else
+          changed = adds_inertia(step, model, state, 'control of the release ends', why)
+          if (.not. changed) call end_continuation(path)
+        end if
+      else if (path%active == BY_ARC) then
+        if (cut_arc(path)) then
+          call log_cut('has an arc length of '//to_text(path%length))
+        else
+          changed = adds_inertia(step, model, state, 'arc length control ends', why)
+          if (.not. changed) call end_continuation(path)
+        end if
+      else
+        if (.not. path%given) then
+          path%method = merge(PATH_RELEASE, PATH_OFF, size(model%contact) > 0)
+        end if
+        changed = may_leave(path, (step%control%to - step%control%from)/step%control%dt)
+        if (.not. changed) return
+        if (can_control_release()) then
+          call leave_load_control(path, BY_RELEASE)
+          call log_line('path: load control ends at time '//to_text(step%start_time)//': '//why)
+          call log_line('path: control of the release goes on, at most ' &
+                        //to_text(100*path%largest_release)//' % of the bonds in a step')
+        else
+          changed = adds_inertia(step, model, state, 'load control ends', why)
+        end if
+      end if
+    end associate
+
+  contains
+
+    subroutine log_cut(next)
+      character(*), intent(in) :: next   !! what the next attempt does
+
+      step%cutbacks = step%cutbacks + 1
+      step%total%cutbacks = step%total%cutbacks + 1
+      call log_line('  step '//to_text(state%step)//' is cut back: '//why//'; the next attempt ' &
+                    //next)
+    end subroutine log_cut
+
+    !> There are bonds whose release a load can change and none that depends on the speed, and a load
+    !! has worked on them: closed bonds do not say in which direction they open.
+    logical function can_control_release() result(yes)
+      yes = step%continuation%method == PATH_RELEASE .and. any(model%contact(:)%has_cohesive) &
+            .and. size(state%table) > 0
+      if (yes) yes = .not. any(model%contact(:)%tau > 0.0_wp)
+      if (yes) yes = step%start_time > 0.0_wp .and. abs(state%energy%outer) > 0.0_wp
+      if (yes) yes = .not. is_all_released(model, state)
+    end function can_control_release
+
+  end function change_method
+
+  !> The step is accepted: adapt the next increment, change the method, or try load control again.
+  subroutine adapt_method(step, model, state, largest)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: largest      !! largest nodal force of an element [F]
+    logical :: due, off
+
+    associate (path => step%continuation)
+      if (path%active == BY_LOAD) then
+        if (path%method == PATH_ARC .and. .not. (step%control%automatic .or. path%warned)) then
+          path%warned = .true.
+          call warn('ARCLength,LENGth has no effect without AUTO', &
+                    hint='write AUTO,,dtmin,dtmax before the steps')
+        end if
+        if (may_follow_arc(step, state)) call follow_arc(step, state, 'load control has begun')
+        return
+      end if
+      if (path%trial) then
+        call end_trial(path)
+        call log_line('path: load control again from time '//to_text(state%time))
+        return
+      end if
+      if (path%active == BY_INERTIA) then
+        call check_energy(path, model, state)
+        due = is_quiet(path, maxval(abs(step%newton%asm%f_inert)), largest)
+      else
+        if (path%active == BY_ARC) then
+          call adapt_arc_control(step, model, state)
+        else
+          call adapt_release(path, step%newton%iterations - step%newton%before)
+        end if
+        off = is_all_released(model, state)
+        off = off .and. state%dt > 0.0_wp ! else the load would lead back
+        if (off .and. path%method == PATH_RELEASE) then
+          call end_trial(path)
+          call log_line('path: load control again from time '//to_text(state%time) &
+                        //': all bonds are released')
+          return
+        end if
+        due = is_forward(path, step%newton%constraint%at_limit) .and. path%method /= PATH_ARC
+        if (path%method == PATH_ARC .and. .not. may_follow_arc(step, state)) call end_trial(path)
+      end if
+      if (.not. due) return
+      call begin_trial(path)
+      state%dynamics%on = .false.
+    end associate
+  end subroutine adapt_method
+
+  !> LENGth: a step has moved something, steps can be cut, and the loads go on at the same rates.
+  !! Where loads rest or turn there is one step of load control.
+  pure logical function may_follow_arc(step, state) result(yes)
+    type(step_t), intent(in) :: step
+    type(state_t), intent(in) :: state
+    real(wp), allocatable :: before(:), ahead(:)
+
+    yes = step%continuation%method == PATH_ARC .and. step%control%automatic
+    if (yes) yes = norm2(state%last_increment) > NOTHING*norm2(state%u_step)
+    if (.not. yes) return
+    before = factor_slopes(state, ahead=.false.)
+    ahead = factor_slopes(state, ahead=.true.)
+    yes = any(abs(ahead) > 0.0_wp) .and. .not. any(abs(ahead - before) > NOTHING*abs(ahead))
+  end function may_follow_arc
+
+  !> Arc length control begins, along the last increment.
+  subroutine follow_arc(step, state, what)
+    type(step_t), intent(inout) :: step
+    type(state_t), intent(in) :: state
+    character(*), intent(in) :: what
+    real(wp) :: length
+
+    length = norm2(state%last_increment)
+    call begin_arc(step%continuation, length)
+    call log_line('path: '//what)
+    call log_line('path: arc length control goes on, first length '//to_text(length))
+  end subroutine follow_arc
+
+  !> The next steps have inertia, with the density of the deck or with one that gives the mean motion
+  !! since the start a small energy; that is the initial motion. .false.: there is no such density.
+  function adds_inertia(step, model, state, what, why) result(added)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    character(*), intent(in) :: what, why
+    logical :: added
+    type(mass_t), allocatable :: mass(:)
+    real(wp) :: work, rate
+
+    associate (path => step%continuation, dynamics => state%dynamics)
+      if (.not. allocated(dynamics%v)) call new_dynamics(dynamics, model%mesh%nnode)
+      dynamics%method = BACKWARD_EULER
+      dynamics%a = 0.0_wp
+      if (step%start_time > 0.0_wp) dynamics%v = state%u_step/step%start_time
+      added = .true.
+      dynamics%density = path%density
+      if (dynamics%density < 0.0_wp) then
+        dynamics%density = 1.0_wp
+        call find_masses(model, dynamics, mass)
+        work = abs(state%energy%outer)
+        rate = energy_of_rate(model, mass, state%u_step)
+        added = step%start_time > 0.0_wp .and. work > 0.0_wp .and. rate > 0.0_wp
+        if (added) dynamics%density = KINETIC_FRACTION*work*step%start_time**2/rate
+      end if
+      if (allocated(step%newton%asm%mass)) deallocate (step%newton%asm%mass)
+      if (.not. added) return
+
+      call leave_load_control(path, BY_INERTIA)
+      dynamics%on = .true.
+      if (.not. (path%given .or. path%warned)) then
+        path%warned = .true.
+        call warn('load control ends at time '//to_text(step%start_time)//'; the run continues ' &
+                  //'with inertia where it must', hint='the log says where and why; with ' &
+                  //'ARCLength,OFF in the deck the run ends here')
+      end if
+      call log_line('path: '//what//' at time '//to_text(step%start_time)//': '//why)
+      call log_line('path: goes on with inertia, implicit Euler steps, density ' &
+                    //to_text(dynamics%density)//' in units of force, length and TIME')
+    end associate
+  end function adds_inertia
+
+  !> Neither a constraint nor inertia helps: load control in smaller steps from now on.
+  pure subroutine end_continuation(path)
+    type(continuation_t), intent(inout) :: path
+
+    call end_trial(path)
+    path%given = .true.
+    path%method = PATH_OFF
+  end subroutine end_continuation
+
+  !> The next arc length; back to control of the release once the bonds open again.
+  subroutine adapt_arc_control(step, model, state)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), allocatable :: slope(:, :)
+    real(wp) :: released, before
+
+    associate (path => step%continuation)
+      allocate (slope(3, model%mesh%nnode))
+      call find_release(model, state, state%u - state%last_increment, before, slope)
+      call find_release(model, state, state%u, released, slope)
+      released = released - before       ! zero without bonds
+      if (abs(released) > 0.0_wp) released = released/bonded_area(model, state)
+      call note_release(path, released)
+      if (.not. step%newton%constraint%at_limit) then
+        call adapt_arc(path, step%newton%iterations - step%newton%before, released)
+      end if
+      if (path%method /= PATH_RELEASE) return
+      if (runs_back(path)) then
+        if (.not. adds_inertia(step, model, state, 'arc length control ends', &
+                               'bonds close again')) call end_continuation(path)
+      else if (opens_again(path, released)) then
+        call log_line('path: control of the release again from time '//to_text(state%time))
+      end if
+    end associate
+  end subroutine adapt_arc_control
+
+  !> More kinetic energy than work was done: contact has produced energy, which its two half passes
+  !! can.
+  subroutine check_energy(path, model, state)
+    type(continuation_t), intent(inout) :: path
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    character(:), allocatable :: hint
+
+    if (path%warned_energy .or. state%energy%kinetic <= abs(state%energy%outer)) return
+    path%warned_energy = .true.
+    hint = 'use smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
+    if (size(model%contact) > 0) then
+      hint = 'contact has produced energy, and later results mean little; if bonds are peeled to ' &
+             //'their end, use NORMal ... BORDer 0.2 and BALAnced; see BOOK NORMal'
+    end if
+    call warn('step '//to_text(state%step)//': the kinetic energy is ' &
+              //to_text(state%energy%kinetic)//', but the work done is only ' &
+              //to_text(state%energy%outer), hint=hint)
+  end subroutine check_energy
+
+end module continuation

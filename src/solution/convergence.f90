@@ -1,0 +1,174 @@
+!> The convergence test of Newton's iteration, its limits, and iterations that oscillate.
+!!
+!! Positions are known to epsilon relative to themselves, so a nodal force is known to epsilon times
+!! the stiffness of the node times its displacement or the distance to its neighbours. Without this
+!! floor a step in which nothing changes (a load held after unloading) is all noise and never passes
+!! a relative test.
+module convergence
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use base_kinds, only: wp
+  use csr, only: block_matrix_t, block_position
+  use mesh, only: mesh_t
+  use model, only: model_t
+  use newton_type, only: newton_t, pass_t, floor_t
+  implicit none
+  private
+  public :: check_convergence, energy_tolerance, force_tolerance, find_largest_residual, &
+            node_spacing, find_floor, needs_line_search, damping, count_flips, turns_back
+
+  !> Of an energy, relative to the sum of |f||u|.
+  real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2
+  real(wp), parameter :: RESIDUAL = 1.0e-9_wp !! relative to the largest nodal force
+  real(wp), parameter :: FLOOR_OF_FORCE = 16.0_wp*epsilon(1.0_wp)
+  !> Of displacements: the softest motion of a slender body magnifies the rounding of the forces.
+  real(wp), parameter :: FLOOR_OF_MOTION = 1.0e3_wp*epsilon(1.0_wp)
+  integer, parameter :: PATIENCE = 6 !! iterations of a step with contact without a line search
+  !> Cosine beyond which an increment takes back the last one.
+  real(wp), parameter :: OPPOSITE = 0.7_wp
+  real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! of an increment that is damped
+  integer, parameter :: MOST_FLIPS = 5 !! consecutive changes of sign that may be an accident
+
+contains
+
+  !> The convergence test (doc/manual/TOL.md).
+  subroutine check_convergence(newton, pass, moved)
+    type(newton_t), intent(inout) :: newton
+    type(pass_t), intent(inout) :: pass
+    logical, intent(in) :: moved       !! the increment contains prescribed motion
+
+    pass%ratio = 0.0_wp
+    if (newton%largest_energy > 0.0_wp) pass%ratio = pass%energy/newton%largest_energy
+    if (.not. ieee_is_finite(pass%energy)) then
+      pass%ok = .false.
+      pass%trouble = 'the energy of the increment is not a number'
+      return
+    end if
+    newton%converged = .not. moved .and. pass%energy <= energy_tolerance(newton, pass)
+    if (newton%converged .and. .not. newton%exact) then
+      newton%converged = pass%residual <= force_tolerance(pass)
+    end if
+  end subroutine check_convergence
+
+  !> Largest |du.r| that passes the test.
+  pure real(wp) function energy_tolerance(newton, pass) result(energy)
+    type(newton_t), intent(in) :: newton
+    type(pass_t), intent(in) :: pass
+
+    energy = max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding, &
+                 pass%floor%energy)
+  end function energy_tolerance
+
+  !> Largest residual that passes the test.
+  pure real(wp) function force_tolerance(pass) result(force)
+    type(pass_t), intent(in) :: pass
+
+    force = max(RESIDUAL*pass%sweep%largest, pass%floor%force)
+  end function force_tolerance
+
+  !> Largest residual of the free dofs, and where it is.
+  pure subroutine find_largest_residual(model, reaction, pass)
+    type(model_t), intent(in) :: model
+    real(wp), intent(in) :: reaction(:, :) !! (3, nnode) [F]
+    type(pass_t), intent(inout) :: pass
+    integer :: i, n
+
+    pass%residual = 0.0_wp
+    do n = 1, size(model%eq, 2)
+      do i = 1, 3
+        if (model%eq(i, n) == 0) cycle
+        if (.not. abs(reaction(i, n)) <= pass%residual) then
+          pass%residual = abs(reaction(i, n))
+          pass%worst = [i, n]
+        end if
+      end do
+    end do
+  end subroutine find_largest_residual
+
+  !> Distance of every node to the nearest other node of its elements; 0: the node has no element.
+  pure function node_spacing(mesh) result(spacing)
+    type(mesh_t), intent(in) :: mesh
+    real(wp) :: spacing(mesh%nnode)    !! [L]
+    real(wp) :: d
+    integer :: b, e, i, j
+
+    spacing = huge(1.0_wp)
+    do b = 1, size(mesh%block)
+      associate (conn => mesh%block(b)%conn)
+        do e = 1, mesh%block(b)%nelem
+          do i = 1, mesh%block(b)%nen
+            do j = 1, i - 1
+              d = norm2(mesh%xr(:, conn(i, e)) - mesh%xr(:, conn(j, e)))
+              if (.not. d > 0.0_wp) cycle    ! collapsed
+              spacing(conn(i, e)) = min(spacing(conn(i, e)), d)
+              spacing(conn(j, e)) = min(spacing(conn(j, e)), d)
+            end do
+          end do
+        end do
+      end associate
+    end do
+    where (spacing >= huge(1.0_wp)) spacing = 0.0_wp
+  end function node_spacing
+
+  !> The floor for the tangent and the current displacements.
+  pure function find_floor(k, spacing, u) result(floor)
+    type(block_matrix_t), intent(in) :: k
+    real(wp), intent(in) :: spacing(:)   !! (nnode) [L]
+    real(wp), intent(in) :: u(:, :)      !! (3, nnode) [L]
+    type(floor_t) :: floor
+    real(wp) :: length
+    integer :: i, n, p
+
+    do n = 1, k%nnode
+      p = block_position(k, n, n)
+      if (p == 0) cycle
+      length = norm2(u(:, n)) + spacing(n)
+      do i = 1, 3
+        floor%force = max(floor%force, FLOOR_OF_FORCE*abs(k%val(i, i, p))*length)
+        floor%energy = floor%energy + abs(k%val(i, i, p))*(FLOOR_OF_MOTION*length)**2
+      end do
+    end do
+  end function find_floor
+
+  !> Contact that does not settle: a line search follows whether the deck chose it or not.
+  pure logical function needs_line_search(newton, model)
+    type(newton_t), intent(in) :: newton
+    type(model_t), intent(in) :: model
+
+    needs_line_search = size(model%contact) > 0 .and. newton%iterations - newton%before > PATIENCE
+  end function needs_line_search
+
+  !> Points that change between two states of contact in turn make Newton's iteration oscillate.
+  !! Where an increment takes most of the last one back, Aitken's fraction of it is taken.
+  function damping(newton) result(fraction)
+    type(newton_t), intent(in) :: newton
+    real(wp) :: fraction
+    real(wp) :: back, both(newton%system%neq)
+
+    fraction = 1.0_wp
+    if (newton%iterations < 5 .or. .not. allocated(newton%last)) return
+    back = -dot_product(newton%last, newton%dx)
+    if (.not. back > OPPOSITE*norm2(newton%last)*norm2(newton%dx)) return
+    both = newton%dx - newton%last
+    fraction = min(1.0_wp, -dot_product(newton%last, both)/dot_product(both, both))
+    if (.not. fraction > LEAST_FRACTION) fraction = LEAST_FRACTION
+  end function damping
+
+  !> Take note of the sign of a tangent's determinant; 0 where it is not known.
+  pure subroutine count_flips(newton, sign)
+    type(newton_t), intent(inout) :: newton
+    integer, intent(in) :: sign
+
+    newton%flips = merge(newton%flips + 1, 0, sign*newton%sign < 0)
+    newton%sign = sign
+  end subroutine count_flips
+
+  !> Newton's iteration alternates between two states of contact whose tangents have determinants of
+  !! opposite sign: the load has a maximum where a point changes its state, and no equilibrium is
+  !! near beyond it.
+  pure logical function turns_back(newton)
+    type(newton_t), intent(in) :: newton
+
+    turns_back = newton%flips >= MOST_FLIPS
+  end function turns_back
+
+end module convergence

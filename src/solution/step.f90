@@ -1,0 +1,291 @@
+!> One time step, from its beginning to its end: begin, iterate, cut back and repeat, close.
+!!
+!!     begin_step -> form_pass, solve_pass (Newton's iteration, until STEP_CONVERGED) -> close_step
+!!
+!! A pass or the last test may fail. Then cut_step restores the state at the start of the step and
+!! chooses another method of continuation or a smaller step; the caller, told by STEP_REWOUND, goes
+!! back to where the step began. Where nothing is left to try, cut_step fails.
+module step
+  use base_error, only: error_t, place_t, fail, NO_SOLUTION
+  use base_kinds, only: wp
+  use base_log, only: log_line, warn
+  use base_text, only: to_text
+  use contact_notes, only: note_lost_contacts
+  use continuation, only: begin_increment, change_method, adapt_method
+  use convergence, only: turns_back
+  use energy_balance, only: accept_solution
+  use model, only: model_t, state_t
+  use newton, only: begin_newton, form_system, solve_system, close_newton
+  use newton_type, only: pass_t
+  use solution_state, only: open_step, restore_step
+  use step_control, only: set_dt, set_end, accept_time, pass_target, cut_time
+  use step_type, only: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
+  implicit none
+  private
+  public :: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
+  public :: change_dt, begin_step, form_pass, solve_pass, cut_step, rewind_step, close_step
+
+  !> Displacement in a step that counts as lost, relative to the size of the model.
+  real(wp), parameter :: FAR = 2.0_wp
+
+contains
+
+  !> DT: a new distance between targets, counted from the end of the step under way.
+  subroutine change_dt(step, time, dt)
+    type(step_t), intent(inout) :: step
+    real(wp), intent(in) :: time, dt
+
+    call set_dt(step%control, time, dt)
+    ! closing the step under way adds the targets that it passed
+    if (step%open .and. step%timed) step%control%target = -step%control%passed
+  end subroutine change_dt
+
+  !> Begin a step. What the state is now is what rewind_step restores.
+  subroutine begin_step(step, model, state, left)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    integer, intent(in), optional :: left !! targets that remain in the loop over time, this one
+    !! included; absent: a step without TIME, in which no time passes
+
+    step%start_step = state%step
+    step%start_time = state%time
+    step%open = .true.
+    step%solved = .false.
+    step%timed = present(left)
+    if (.not. (step%retry .and. step%timed)) step%cutbacks = 0
+    step%retry = .false.
+    if (present(left)) then
+      call begin_increment(step, model, state, left)
+    else
+      call open_step(state, state%time)
+    end if
+    call begin_newton(step%newton, model, state)
+  end subroutine begin_step
+
+  !> Form forces and tangent at the current displacements.
+  subroutine form_pass(step, model, state, symmetric, place, outcome, error)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    logical, intent(in) :: symmetric     !! only the symmetric part of the tangent
+    type(place_t), intent(in) :: place   !! to blame if the step fails for good
+    integer, intent(out) :: outcome      !! STEP_GOES_ON or STEP_REWOUND
+    type(error_t), allocatable, intent(out) :: error
+
+    outcome = STEP_GOES_ON
+    step%pass = pass_t()
+    call form_system(step%newton, model, state, symmetric, step%pass, error)
+    if (allocated(error) .or. step%pass%ok) return
+    call cut_step(step, model, state, step%pass%trouble, place, error)
+    outcome = STEP_REWOUND
+  end subroutine form_pass
+
+  !> Solve the last formed system and move the displacements.
+  subroutine solve_pass(step, model, state, searches, place, outcome, error)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    logical, intent(in) :: searches      !! with a line search
+    type(place_t), intent(in) :: place
+    integer, intent(out) :: outcome      !! STEP_GOES_ON, STEP_CONVERGED or STEP_REWOUND
+    type(error_t), allocatable, intent(out) :: error
+
+    outcome = STEP_REWOUND
+    call solve_system(step%newton, model, state, searches, step%pass, error)
+    if (allocated(error)) return
+    if (.not. step%pass%ok) then
+      call cut_step(step, model, state, step%pass%trouble, place, error)
+      return
+    end if
+    step%solved = .true.
+    step%total%iterations = step%total%iterations + 1
+    if (step%newton%constraint%on) then  ! its time is known only now
+      call set_end(step%control, state%time, step%newton%constraint%at_limit)
+    end if
+    outcome = merge(STEP_CONVERGED, STEP_GOES_ON, step%newton%converged)
+  end subroutine solve_pass
+
+  !> The step has failed: restore the state at its start, and choose another method or a smaller
+  !! step for the next attempt. An error where that is not possible.
+  subroutine cut_step(step, model, state, why, place, error)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    character(*), intent(in) :: why
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+    logical :: possible
+
+    possible = .false.
+    if (step%timed .and. step%control%automatic) possible = change_method(step, model, state, why)
+    if (.not. possible) then
+      if (step%timed) possible = cut_time(step%control)
+      if (.not. possible) then
+        call fail_step(step, model, state, why, place, error)
+        return
+      end if
+      step%cutbacks = step%cutbacks + 1
+      step%total%cutbacks = step%total%cutbacks + 1
+      call log_line('  step '//to_text(state%step)//' is cut back: '//why//'; the next attempt ' &
+                    //'has dt = '//to_text(step%control%size))
+    end if
+    call rewind_step(step, state)
+    step%retry = .true.
+  end subroutine cut_step
+
+  !> Restore the state at the start of the step under way, which is forgotten.
+  subroutine rewind_step(step, state)
+    type(step_t), intent(inout) :: step
+    type(state_t), intent(inout) :: state
+
+    call restore_step(state, step%start_step, step%start_time)
+    step%open = .false.
+    step%solved = .false.
+  end subroutine rewind_step
+
+  !> The error of a step that cannot be cut back any further, with what may help.
+  subroutine fail_step(step, model, state, why, place, error)
+    type(step_t), intent(in) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    character(*), intent(in) :: why
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: cuts, hint
+
+    associate (pass => step%pass, ncut => step%control%cuts)
+      cuts = ''
+      if (ncut > 0) cuts = ' after '//to_text(ncut)//' cut-backs'
+      hint = ''
+      if (pass%worst(2) > 0) then
+        hint = 'residual '//to_text(pass%residual)//', largest at node '//to_text(pass%worst(2)) &
+               //', dof u'//'xyz' (pass%worst(1):pass%worst(1))//'; '
+      end if
+      hint = hint//'smaller steps may help: AUTO,,dtmin,dtmax'
+      if (step%control%automatic) hint = hint//' with a smaller dtmin'
+      if (size(model%contact) > 0 .and. ncut > 2) then
+        hint = hint//'; if contact points alternate at an edge or in a gap of zero, no step is ' &
+               //'small enough: use CONTact with BALAnced, or NORMal ... BORDer 0.2'
+      end if
+      if (turns_back(step%newton)) then
+        hint = 'Newton alternates between two states of contact whose tangents have ' &
+               //'determinants of opposite sign: the load path turns back here, and smaller ' &
+               //'steps do not help; a softer penalty may'
+      end if
+      if (pass%solve%singular) then
+        hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'
+      end if
+    end associate
+    call fail(error, NO_SOLUTION, 'step '//to_text(state%step)//' failed'//cuts//': '//why, place, &
+              hint)
+  end subroutine fail_step
+
+  !> Close the step under way, if any: test it once more, then accept it or cut it back.
+  subroutine close_step(step, model, state, place, outcome, error)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(place_t), intent(in) :: place
+    integer, intent(out) :: outcome      !! STEP_IDLE, STEP_ACCEPTED or STEP_REWOUND
+    type(error_t), allocatable, intent(out) :: error
+    type(pass_t) :: pass
+    integer :: iterations
+
+    outcome = STEP_IDLE
+    if (.not. step%open) return
+    step%open = .false.
+    if (.not. step%solved) then          ! nothing has moved: the step does not count
+      state%step = step%start_step
+      if (step%timed) call accept_time(step%control, 0)
+      return
+    end if
+
+    call close_newton(step%newton, model, state, pass, error)
+    if (allocated(error)) return
+    if (pass%ok .and. step%control%automatic) then
+      if (flies_off(model, state)) then
+        pass%trouble = 'a body that nothing holds has flown off'
+        pass%ok = .false.
+      else if (.not. step%newton%converged) then
+        pass%trouble = 'no convergence'
+        pass%ok = .false.
+      end if
+    end if
+    if (.not. pass%ok) then
+      call cut_step(step, model, state, pass%trouble, place, error)
+      outcome = STEP_REWOUND
+      return
+    end if
+
+    if (.not. step%newton%converged) then
+      step%total%unconverged = .true.
+      call warn('step '//to_text(state%step)//' was closed before it converged: residual ' &
+                //to_text(pass%residual)//', largest nodal force '//to_text(pass%sweep%largest), &
+                hint='use more iterations, or AUTO,,dtmin,dtmax; the run will end with code 2')
+    end if
+    if (.not. step%newton%constraint%on) call check_stability(step, state)
+    call note_lost_contacts(model, state)
+    call accept_solution(step%newton%asm, model, state)
+    if (step%timed .and. step%newton%constraint%on) then
+      call pass_target(step%control)
+    else if (step%timed) then
+      iterations = step%newton%iterations - step%newton%before
+      call accept_time(step%control, iterations)
+      if (step%control%reduced) then
+        call log_line('  step '//to_text(state%step)//' took '//to_text(iterations) &
+                      //' iterations: the next one has at most dt = '//to_text(step%control%size))
+      end if
+    end if
+    call adapt_method(step, model, state, pass%sweep%largest)
+    step%solved = .false.
+    outcome = STEP_ACCEPTED
+  end subroutine close_step
+
+  !> Has a node of a model with contact gone farther than twice the size of the model and the longest
+  !! prescribed displacement? A body that neither contact nor bonds hold has equilibria anywhere;
+  !! inertia finds a better one.
+  pure logical function flies_off(model, state) result(yes)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp) :: extent, prescribed
+
+    yes = size(model%contact) > 0
+    if (.not. yes) return
+    extent = maxval(maxval(model%mesh%xr, 2) - minval(model%mesh%xr, 2))
+    associate (du => state%u - state%u_step)
+      prescribed = max(0.0_wp, maxval(abs(du), mask=model%bc%fixed /= 0))
+      yes = maxval(abs(du)) > FAR*(extent + prescribed)
+    end associate
+  end function flies_off
+
+  !> A converged state on an unstable branch: a warning the first time, then a line of the log.
+  subroutine check_stability(step, state)
+    type(step_t), intent(inout) :: step
+    type(state_t), intent(in) :: state
+    character(:), allocatable :: text
+    integer :: negative
+
+    associate (pass => step%pass, total => step%total)
+      if (.not. pass%solve%factorised) return
+      negative = pass%solve%negative + pass%sweep%negative
+      text = to_text(negative)//' negative pivots'
+      if (negative == 0 .and. .not. step%newton%symmetric .and. pass%solve%determinant < 0) then
+        negative = 1
+        text = 'the determinant of the tangent is negative'
+      end if
+      if (negative > 0 .and. total%negative_pivots == 0) then
+        text = 'step '//to_text(state%step)//' converged to an unstable state: '//text
+        if (total%unstable) then
+          call log_line(text)
+        else
+          call warn(text//'; the log names later ones', hint='hourglassing (ENHAnced in ' &
+                    //'compression), buckling or a limit point; look at the deformed shape')
+        end if
+        total%unstable = .true.
+      end if
+      total%negative_pivots = negative
+    end associate
+  end subroutine check_stability
+
+end module step
