@@ -1,16 +1,45 @@
-!> Records of a block: known ones, and most of them once.
+!> Records of a block: which words it has, and which of them may occur more than once.
 module input_record
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: quoted, nearest, key_of
   use deck_record, only: record_t
   implicit none
   private
-  public :: check_record
+  public :: check_record, record_word_t, word_index, word_list
+
+  !> A word of a block. The reader of the block, the check for duplicates and the hints of the
+  !! program take the words from one array of these.
+  type :: record_word_t
+    character(12) :: name              !! as the manual writes it; its first four letters count
+    logical :: repeats = .false.       !! may occur more than once
+  end type record_word_t
+
+  interface check_record
+    module procedure check_table, check_listed
+  end interface check_record
 
 contains
 
+  !> Fails where the record's word is unknown, or occurs again and may not.
+  subroutine check_table(line, words, block, name, seen, error)
+    type(record_t), intent(in) :: line
+    type(record_word_t), intent(in) :: words(:)
+    character(*), intent(in) :: block !! the deck's word, for messages
+    character(*), intent(in) :: name  !! what the user calls it, such as: patch 'a'
+    logical, intent(inout) :: seen(:) !! (size(words))
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: repeated
+    integer :: w
+
+    repeated = ''
+    do w = 1, size(words)
+      if (words(w)%repeats) repeated = repeated//' '//key_of(words(w)%name)
+    end do
+    call check_listed(line, words%name, repeated, block, name, seen, error)
+  end subroutine check_table
+
   !> Is the record's word known, and may it stand here?
-  subroutine check_record(line, words, repeated, block, name, seen, error)
+  subroutine check_listed(line, words, repeated, block, name, seen, error)
     type(record_t), intent(in) :: line
     character(*), intent(in) :: words(:)
     character(*), intent(in) :: repeated !! keys of words that may stand several times
@@ -32,6 +61,29 @@ contains
     else
       seen(w) = .true.
     end if
-  end subroutine check_record
+  end subroutine check_listed
+
+  !> Position of a word in a list by its first four letters; 0: unknown.
+  pure integer function word_index(words, key) result(w)
+    character(*), intent(in) :: words(:)
+    character(4), intent(in) :: key
+
+    do w = size(words), 1, -1
+      if (key_of(words(w)) == key) return
+    end do
+  end function word_index
+
+  !> The words of a list in one line.
+  pure function word_list(words, separator) result(list)
+    character(*), intent(in) :: words(:)
+    character(*), intent(in) :: separator
+    character(:), allocatable :: list
+    integer :: w
+
+    list = trim(words(1))
+    do w = 2, size(words)
+      list = list//separator//trim(words(w))
+    end do
+  end function word_list
 
 end module input_record

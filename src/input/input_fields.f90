@@ -1,0 +1,87 @@
+!> Groups of fields that several records have: rows of numbers, a direction, an axis.
+module input_fields
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
+  use base_text, only: to_text
+  use deck_record, only: record_t
+  use deck_stream, only: deck_t, get_integer, get_real
+  implicit none
+  private
+  public :: get_numbers, get_direction, get_axis
+
+  !> As many numbers as the array has entries, from field `first` on.
+  interface get_numbers
+    module procedure get_reals, get_integers
+  end interface get_numbers
+
+contains
+
+  subroutine get_reals(deck, record, first, x, error, default)
+    type(deck_t), intent(in) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: first
+    real(wp), intent(inout) :: x(:) !! entries behind one that fails keep their value
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), intent(in), optional :: default !! of empty and missing fields
+    integer :: i
+
+    do i = 1, size(x)
+      call get_real(deck, record, first + i - 1, x(i), error, default)
+      if (allocated(error)) return
+    end do
+  end subroutine get_reals
+
+  subroutine get_integers(deck, record, first, n, error, default)
+    type(deck_t), intent(in) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: first
+    integer, intent(inout) :: n(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(in), optional :: default
+    integer :: i
+
+    do i = 1, size(n)
+      call get_integer(deck, record, first + i - 1, n(i), error, default)
+      if (allocated(error)) return
+    end do
+  end subroutine get_integers
+
+  !> A coordinate direction, 1 to 3, in field i.
+  subroutine get_direction(deck, record, i, d, error)
+    type(deck_t), intent(in) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: i
+    integer, intent(out) :: d
+    type(error_t), allocatable, intent(out) :: error
+
+    call get_integer(deck, record, i, d, error)
+    if (allocated(error)) return
+    if (d < 1 .or. d > 3) call fail(error, DECK_ERROR, 'unknown direction '//to_text(d), &
+                                    record%place(i), 'directions are 1, 2 and 3')
+  end subroutine get_direction
+
+  !> `px py pz  ax ay az` from field `first` on: a point and a unit vector.
+  subroutine get_axis(deck, record, first, usage, point, axis, error)
+    type(deck_t), intent(in) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: first
+    character(*), intent(in) :: usage !! how the record is written
+    real(wp), intent(out) :: point(3) !! on the axis [L]
+    real(wp), intent(out) :: axis(3)  !! of length 1
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: length
+
+    point = 0.0_wp
+    axis = 0.0_wp
+    call get_numbers(deck, record, first, point, error)
+    if (.not. allocated(error)) call get_numbers(deck, record, first + 3, axis, error)
+    if (allocated(error)) return
+    length = norm2(axis)
+    if (length > 0.0_wp) then
+      axis = axis/length
+    else
+      call fail(error, DECK_ERROR, 'the axis has zero length', record%place(first + 3), usage)
+    end if
+  end subroutine get_axis
+
+end module input_fields
