@@ -4,34 +4,36 @@
 !!   [BRICk 8|27]  [MATErial m]
 !!   i x y z                  master nodes 1 to 8, others of 9 to 27 where edges or faces curve
 !!
-!! r s t count increments of nodes; with 27-node elements each spans two, so they are even.
+!! r s t count increments of nodes; each 27-node element spans two, so they are even there.
 !! A negative elmt1 makes nodes only.
 !!
 !! Source: FEAPpv's manual
-!!
-!! Nodes and elements of a BLOCk: a mapped brick.
-!!
-!! Source: FEAPpv's manual
 module word_block
-  use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp, i8
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
-  use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: build_t, next_data
-  use input_lists, only: add_place, MAX_NUMBER, grow_nodes, grow_elements
+  use deck_stream, only: deck_t, get_integer
   use elmt_q2, only: FEAP27
+  use input_draft, only: build_t, next_data
+  use input_fields, only: get_numbers
+  use input_lists, only: add_place, MAX_NUMBER, grow_nodes, grow_elements
+  use tensor, only: det3
   implicit none
   private
-  public :: read_block, block_spec_t, make_nodes, make_elements
+  public :: read_block
 
-  integer, parameter, public :: BRICK_8 = 10, BRICK_27 = 12 !! FEAP's block types
+  character(12), parameter, public :: BLOCK_RECORDS(4) = ['CARTesian   ', 'BRICk       ', &
+                                                          'HEXA        ', 'MATErial    ']
+  integer, parameter :: BRICK_8 = 10, BRICK_27 = 12 !! FEAP's block types
 
   !> Position of FEAP's 27 master nodes in tensor order; its element nodes are counted another way.
   integer, parameter :: MASTER27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 10, 12, 18, 16, 2, 6, 8, 4, 5, &
                                         20, 24, 26, 22, 23, 11, 15, 17, 13, 14]
+  !> Element nodes with the lower and the upper face exchanged; the first 8 also of 8-node bricks.
+  integer, parameter :: MIRRORED(27) = [5, 6, 7, 8, 1, 2, 3, 4, 13, 14, 15, 16, 9, 10, 11, 12, 17, &
+                                        18, 19, 20, 22, 21, 23, 24, 25, 26, 27]
 
-  !> What a BLOCk says.
   type :: block_spec_t
     integer :: n(3) = 0              !! increments of nodes
     integer :: node = 0, element = 0, material = 0, type = 0
@@ -41,6 +43,7 @@ module word_block
 
 contains
 
+  !> BLOCk and its records; a master node 0 ends them as a blank record does (FEAP).
   subroutine read_block(build, deck, record, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
@@ -49,14 +52,14 @@ contains
     type(block_spec_t) :: spec
     type(record_t) :: line
     logical :: more
+    integer :: i
 
-    call check_count(record, 1, 1, 'BLOCk stands alone; CARTesian r s t follows', error)
-    if (allocated(error)) return
-    call next_data(build, deck, line, more, error)
+    call check_count(record, 1, 1, 'BLOCk has no options; CARTesian r s t follows', error)
+    if (.not. allocated(error)) call next_data(build, deck, line, more, error)
     if (allocated(error)) return
     if (.not. more) then
-      call fail(error, DECK_ERROR, 'BLOCk is empty', record%place(1), &
-                'CARTesian r s t, then its master nodes')
+      call fail(error, DECK_ERROR, 'BLOCk has no records', record%place(1), &
+                'give CARTesian r s t, then the master nodes')
       return
     end if
     call read_sizes(deck, line, spec, error)
@@ -67,15 +70,37 @@ contains
       if (.not. more) exit
       select case (line%key(1))
       case ('bric', 'hexa')
-        call read_brick(deck, line, spec, error)
+        call check_count(line, 1, 2, 'BRICk 8 or BRICk 27', error)
+        if (.not. allocated(error)) call get_integer(deck, line, 2, i, error, 8)
+        if (allocated(error)) return
+        spec%type = merge(BRICK_8, BRICK_27, i == 8)
+        if (i /= 8 .and. i /= 27) call fail(error, DECK_ERROR, 'BRICk with '//to_text(i) &
+                                            //' nodes', line%place(2), &
+                                            'give BRICk 8 or BRICk 27')
       case ('mate')
         call check_count(line, 2, 2, 'MATErial m', error)
         if (.not. allocated(error)) call get_integer(deck, line, 2, spec%material, error)
       case default
-        call read_master(build, deck, line, spec, error)
+        call get_integer(deck, line, 1, i, error)
+        if (allocated(error)) error%hint = 'write a master node as i x y z; other records are ' &
+                                           //'BRICk n and MATErial m'
+        if (allocated(error)) return
+        build%in_set = i /= 0
+        if (i == 0) exit
+        call check_count(line, 2, 4, 'write a master node as i x y z', error)
+        if (allocated(error)) return
+        if (i < 1 .or. i > 27) then
+          call fail(error, DECK_ERROR, 'unknown master node '//to_text(i), line%place(1), &
+                    'master nodes are 1 to 27')
+        else if (spec%given(i)) then
+          call fail(error, DECK_ERROR, 'duplicate master node '//to_text(i), line%place(1), &
+                    'keep one of them')
+        else
+          spec%given(i) = .true.
+          call get_numbers(deck, line, 2, spec%x(:, i), error, 0.0_wp)
+        end if
       end select
       if (allocated(error)) return
-      if (.not. build%in_set) exit
     end do
     call check_block(build, record, spec, error)
     if (allocated(error)) return
@@ -87,104 +112,44 @@ contains
 
   !> CARTesian r s t [node1 elmt1 mat type].
   subroutine read_sizes(deck, record, spec, error)
-    type(deck_t), intent(inout) :: deck
+    type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
     type(block_spec_t), intent(inout) :: spec
     type(error_t), allocatable, intent(out) :: error
-    integer :: d
+    character(*), parameter :: USAGE = 'CARTesian r s t [node1 elmt1 material type]'
+    integer :: d, n(4)
 
     if (record%key(1) /= 'cart') then
-      call fail(error, DECK_ERROR, 'unknown kind of BLOCk '//quoted(record%text(1)), &
-                record%place(1), &
-                'CARTesian r s t [node1 elmt1 material]; other coordinates are not available')
+      call fail(error, DECK_ERROR, 'expected CARTesian, found '//quoted(record%text(1)), &
+                record%place(1), USAGE//'; other coordinates are not available')
       return
     end if
-    call check_count(record, 4, 8, 'CARTesian r s t [node1 elmt1 material type]', error)
-    do d = 1, 3
-      if (allocated(error)) return
-      call get_integer(deck, record, d + 1, spec%n(d), error)
-      if (allocated(error)) return
-      if (spec%n(d) < 1) then
-        call fail(error, DECK_ERROR, 'BLOCk has '//to_text(spec%n(d))//' increments in direction ' &
-                  //to_text(d), record%place(d + 1), 'increments are positive')
-      end if
-    end do
-    if (.not. allocated(error)) call get_integer(deck, record, 5, spec%node, error, 0)
-    if (.not. allocated(error)) call get_integer(deck, record, 6, spec%element, error, 0)
-    if (.not. allocated(error)) call get_integer(deck, record, 7, spec%material, error, 0)
-    if (.not. allocated(error)) call get_integer(deck, record, 8, spec%type, error, 0)
+    call check_count(record, 4, 8, USAGE, error)
+    if (.not. allocated(error)) call get_numbers(deck, record, 2, spec%n, error)
     if (allocated(error)) return
+    d = findloc(spec%n < 1, .true., 1)
+    if (d > 0) then
+      call fail(error, DECK_ERROR, 'BLOCk has '//to_text(spec%n(d))//' increments in direction ' &
+                //to_text(d), record%place(d + 1), 'give at least 1 increment')
+      return
+    end if
+    call get_numbers(deck, record, 5, n, error, 0)
+    if (allocated(error)) return
+    spec%node = n(1)
+    spec%element = n(2)
+    spec%material = n(3)
+    spec%type = n(4)
     if (spec%type == 0) spec%type = BRICK_8
     if (spec%type /= BRICK_8 .and. spec%type /= BRICK_27) then
-      call fail(error, DECK_ERROR, 'BLOCk of type '//to_text(spec%type), record%place(8), &
-                'types are 10 (8-node bricks) and 12 (27-node bricks)')
-    end if
-    if (allocated(error)) return
-    if (spec%node < 0) then
-      call fail(error, DECK_ERROR, 'BLOCk begins at node '//to_text(spec%node), record%place(5), &
-                'node numbers are positive; 0 goes on behind the last one')
+      call fail(error, DECK_ERROR, 'unknown type '//to_text(spec%type)//' of BLOCk', &
+                record%place(8), 'types are 10 (8-node bricks) and 12 (27-node bricks)')
+    else if (spec%node < 0) then
+      call fail(error, DECK_ERROR, 'the first node of BLOCk is '//to_text(spec%node), &
+                record%place(5), 'give a positive number, or 0 to continue after the last node')
     end if
   end subroutine read_sizes
 
-  subroutine read_brick(deck, record, spec, error)
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(block_spec_t), intent(inout) :: spec
-    type(error_t), allocatable, intent(out) :: error
-    integer :: n
-
-    call check_count(record, 1, 2, 'BRICk 8 or BRICk 27', error)
-    if (allocated(error)) return
-    call get_integer(deck, record, 2, n, error, 8)
-    if (allocated(error)) return
-    select case (n)
-    case (8)
-      spec%type = BRICK_8
-    case (27)
-      spec%type = BRICK_27
-    case default
-      call fail(error, DECK_ERROR, 'BRICk with '//to_text(n)//' nodes', record%place(2), &
-                'bricks have 8 or 27 nodes')
-    end select
-  end subroutine read_brick
-
-  !> `i x y z`; i = 0 ends the data (FEAP).
-  subroutine read_master(build, deck, record, spec, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    type(block_spec_t), intent(inout) :: spec
-    type(error_t), allocatable, intent(out) :: error
-    integer :: i, d
-
-    call get_integer(deck, record, 1, i, error)
-    if (allocated(error)) then
-      error%hint = 'a master node is: i x y z; other records are BRICk n and MATErial m'
-      return
-    end if
-    if (i == 0) then
-      build%in_set = .false.
-      return
-    end if
-    call check_count(record, 2, 4, 'a master node is: i x y z', error)
-    if (allocated(error)) return
-    if (i < 1 .or. i > 27) then
-      call fail(error, DECK_ERROR, 'master node '//to_text(i), record%place(1), &
-                'master nodes are 1 to 27')
-      return
-    end if
-    if (spec%given(i)) then
-      call fail(error, DECK_ERROR, 'master node '//to_text(i)//' is given twice', record%place(1))
-      return
-    end if
-    do d = 1, 3
-      call get_real(deck, record, d + 1, spec%x(d, i), error, 0.0_wp)
-      if (allocated(error)) return
-    end do
-    spec%given(i) = .true.
-  end subroutine read_master
-
-  !> Corners, even increments and sizes; FEAP's defaults of the numbers.
+  !> Checks corners, increments and size; sets FEAP's defaults of the numbers.
   subroutine check_block(build, record, spec, error)
     type(build_t), intent(inout) :: build
     type(record_t), intent(in) :: record
@@ -195,8 +160,8 @@ contains
 
     do i = 1, 8
       if (spec%given(i)) cycle
-      call fail(error, DECK_ERROR, 'BLOCk lacks its master node '//to_text(i), record%place(1), &
-                'master nodes 1 to 8 are the corners and must be given')
+      call fail(error, DECK_ERROR, 'BLOCk has no master node '//to_text(i), record%place(1), &
+                'give master nodes 1 to 8, the corners')
       return
     end do
     if (spec%type == BRICK_27) then
@@ -204,7 +169,7 @@ contains
         if (mod(spec%n(d), 2) == 0) cycle
         call fail(error, DECK_ERROR, 'BLOCk of 27-node bricks has '//to_text(spec%n(d)) &
                   //' increments in direction '//to_text(d), record%place(1), &
-                  'each brick spans two increments: give even numbers')
+                  'give an even number: each brick spans two increments')
         return
       end do
     end if
@@ -226,13 +191,14 @@ contains
     end if
   end subroutine check_block
 
-  !> All 27 master nodes in tensor order: missing ones by FEAP's rules, straight edges first.
-  pure subroutine fill_master(spec, x)
+  !> Nodes at equal steps of the parameters of the master brick, r fastest. Missing master nodes
+  !! follow FEAP's rules: edges are straight, faces and the middle interpolate edges and corners.
+  subroutine make_nodes(build, spec)
+    type(build_t), intent(inout) :: build
     type(block_spec_t), intent(in) :: spec
-    real(wp), intent(out) :: x(3, 3, 3, 3) !! (3, i, j, k)
-    real(wp) :: list(3, 27)
+    real(wp) :: list(3, 27), x(3, 3, 3, 3), edges(3), corners(3), f1(3), f2(3), f3(3), p(3)
     logical :: given(27)
-    integer :: i, j, k
+    integer :: i, j, k, a, b, c, n
 
     list(:, MASTER27) = spec%x
     given(MASTER27) = spec%given
@@ -252,45 +218,14 @@ contains
       if (.not. given(3*i + 8)) call fill_face(x(:, :, i, :))
       if (.not. given(9*i - 4)) call fill_face(x(:, :, :, i))
     end do
-    if (.not. given(14)) x(:, 2, 2, 2) = 0.25_wp*(sum_edges(x) - sum_corners(x))
-  end subroutine fill_master
-
-  !> Middle of a face: half the edges' middles less a quarter of the corners.
-  pure subroutine fill_face(x)
-    real(wp), intent(inout) :: x(3, 3, 3)
-
-    x(:, 2, 2) = 0.5_wp*(x(:, 2, 1) + x(:, 1, 2) + x(:, 3, 2) + x(:, 2, 3)) &
-                 - 0.25_wp*(x(:, 1, 1) + x(:, 3, 1) + x(:, 1, 3) + x(:, 3, 3))
-  end subroutine fill_face
-
-  !> Sum that FEAP takes for the middle of the block: edges of its lower and upper faces and the
-  !! middles of the four side faces.
-  pure function sum_edges(x) result(s)
-    real(wp), intent(in) :: x(3, 3, 3, 3)
-    real(wp) :: s(3)
-
-    s = x(:, 2, 1, 1) + x(:, 3, 2, 1) + x(:, 2, 3, 1) + x(:, 1, 2, 1) &
-        + x(:, 2, 1, 3) + x(:, 3, 2, 3) + x(:, 2, 3, 3) + x(:, 1, 2, 3) &
-        + x(:, 2, 1, 2) + x(:, 3, 2, 2) + x(:, 2, 3, 2) + x(:, 1, 2, 2)
-  end function sum_edges
-
-  pure function sum_corners(x) result(s)
-    real(wp), intent(in) :: x(3, 3, 3, 3)
-    real(wp) :: s(3)
-
-    s = sum(sum(sum(x(:, 1:3:2, 1:3:2, 1:3:2), 4), 3), 2)
-  end function sum_corners
-
-  !> Nodes on equal steps of the master's parameters, r fastest.
-  subroutine make_nodes(build, spec)
-    type(build_t), intent(inout) :: build
-    type(block_spec_t), intent(in) :: spec
-    real(wp) :: x(3, 3, 3, 3), f1(3), f2(3), f3(3), p(3)
-    integer :: i, j, k, a, b, c, n
-
-    call fill_master(spec, x)
-    n = spec%node + product(spec%n + 1) - 1
-    call grow_nodes(build%nodes, n)
+    if (.not. given(14)) then ! FEAP takes edges of two faces and the middles of the other four
+      edges = x(:, 2, 1, 1) + x(:, 3, 2, 1) + x(:, 2, 3, 1) + x(:, 1, 2, 1) &
+              + x(:, 2, 1, 3) + x(:, 3, 2, 3) + x(:, 2, 3, 3) + x(:, 1, 2, 3) &
+              + x(:, 2, 1, 2) + x(:, 3, 2, 2) + x(:, 2, 3, 2) + x(:, 1, 2, 2)
+      corners = sum(sum(sum(x(:, 1:3:2, 1:3:2, 1:3:2), 4), 3), 2)
+      x(:, 2, 2, 2) = 0.25_wp*(edges - corners)
+    end if
+    call grow_nodes(build%nodes, spec%node + product(spec%n + 1) - 1)
     n = spec%node - 1
     do k = 0, spec%n(3)
       f3 = functions(k, spec%n(3))
@@ -317,6 +252,14 @@ contains
     build%last_node = n
   end subroutine make_nodes
 
+  !> Middle of a face: half the sum of its edges' middles less a quarter of that of its corners.
+  pure subroutine fill_face(x)
+    real(wp), intent(inout) :: x(3, 3, 3)
+
+    x(:, 2, 2) = 0.5_wp*(x(:, 2, 1) + x(:, 1, 2) + x(:, 3, 2) + x(:, 2, 3)) &
+                 - 0.25_wp*(x(:, 1, 1) + x(:, 3, 1) + x(:, 1, 3) + x(:, 3, 3))
+  end subroutine fill_face
+
   !> Quadratic functions at step i of n from -1 to 1.
   pure function functions(i, n) result(f)
     integer, intent(in) :: i, n
@@ -326,7 +269,7 @@ contains
     f = [0.5_wp*s*(s - 1.0_wp), 1.0_wp - s*s, 0.5_wp*s*(s + 1.0_wp)]
   end function functions
 
-  !> Elements, r fastest; a mirroring TRANsform exchanges their lower and upper faces.
+  !> Elements, r fastest. Where TRANsform mirrors, their lower and upper faces are exchanged.
   subroutine make_elements(build, spec)
     type(build_t), intent(inout) :: build
     type(block_spec_t), intent(in) :: spec
@@ -353,7 +296,7 @@ contains
           else
             node = box(FEAP27)
           end if
-          if (mirrored(build%turn)) node(:nen) = swapped(node(:nen))
+          if (det3(build%turn) < 0.0_wp) node(:nen) = node(MIRRORED(:nen))
           e = e + 1
           associate (list => build%elements)
             list%node(:, e) = 0
@@ -369,28 +312,5 @@ contains
     build%last_element = e
     build%last_material = spec%material
   end subroutine make_elements
-
-  pure logical function mirrored(t)
-    real(wp), intent(in) :: t(3, 3)
-
-    mirrored = t(1, 1)*(t(2, 2)*t(3, 3) - t(2, 3)*t(3, 2)) &
-               + t(1, 2)*(t(2, 3)*t(3, 1) - t(2, 1)*t(3, 3)) &
-               + t(1, 3)*(t(2, 1)*t(3, 2) - t(2, 2)*t(3, 1)) < 0.0_wp
-  end function mirrored
-
-  !> Lower and upper face exchanged.
-  pure function swapped(node) result(new)
-    integer, intent(in) :: node(:)
-    integer :: new(size(node))
-
-    new = node
-    new(:4) = node(5:8)
-    new(5:8) = node(:4)
-    if (size(node) == 8) return
-    new(9:12) = node(13:16)
-    new(13:16) = node(9:12)
-    new(21) = node(22)
-    new(22) = node(21)
-  end function swapped
 
 end module word_block

@@ -1,19 +1,18 @@
-!> FIX, MOVE and PRESsure: what holds, moves and presses a body.
+!> FIX, MOVE and PRESsure: supports, prescribed motions and pressures of a body.
 module word_boundary
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use input_draft, only: build_t, support_t, move_t, press_t
+  use input_fields, only: get_numbers, get_axis
   use input_where, only: read_where, W_FACES, W_GROUP
   implicit none
   private
   public :: read_fix, read_move, read_pressure
 
   real(wp), parameter :: DEGREE = acos(-1.0_wp)/180.0_wp
-  character(*), parameter :: MOVE_USAGE = 'MOVE,WHERE TRANslate dx dy dz [PROP k], or ROTAte px ' &
-                             //'py pz  ax ay az  degrees [PROP k]'
 
 contains
 
@@ -25,16 +24,13 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(support_t) :: s
     type(support_t), allocatable :: longer(:)
-    integer :: i, d
+    integer :: i
 
     i = 2
     call read_where(deck, record, i, s%at, error)
-    if (allocated(error)) return
-    call check_count(record, i + 2, i + 2, 'FIX,WHERE code1 code2 code3', error)
-    do d = 1, 3
-      if (allocated(error)) return
-      call get_integer(deck, record, i + d - 1, s%code(d), error, 0)
-    end do
+    if (.not. allocated(error)) call check_count(record, i + 2, i + 2, &
+                                                 'FIX,WHERE code1 code2 code3', error)
+    if (.not. allocated(error)) call get_numbers(deck, record, i, s%code, error, 0)
     if (allocated(error)) return
     if (build%nsupport == size(build%support)) then
       allocate (longer(2*build%nsupport + 8))
@@ -45,34 +41,57 @@ contains
     build%support(build%nsupport) = s
   end subroutine read_fix
 
-  !> MOVE,WHERE TRANslate or ROTAte [PROP k].
+  !> MOVE,WHERE TRANslate dx dy dz, or ROTAte px py pz  ax ay az  degrees, then [PROP k].
   subroutine read_move(build, deck, record, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
+    character(*), parameter :: USAGE = 'MOVE,WHERE TRANslate dx dy dz [PROP k], or ROTAte px ' &
+                               //'py pz  ax ay az  degrees [PROP k]'
     type(move_t) :: m
     type(move_t), allocatable :: longer(:)
-    integer :: i
+    integer :: i, d, first
 
     i = 2
     call read_where(deck, record, i, m%at, error)
     if (allocated(error)) return
-    m%motion%place = record%place(1)
-    select case (record%key(i))
-    case ('tran')
-      call read_translation(deck, record, i, m, error)
-    case ('rota')
-      call read_rotation(deck, record, i, m, error)
-    case default
-      call fail(error, DECK_ERROR, merge('the motion is missing     ', &
-                                         'unknown motion of the body', &
-                                         record%is_empty(i)), record%place(i), MOVE_USAGE)
-    end select
-    if (allocated(error)) return
-    call read_table(deck, record, i, m%motion%table, MOVE_USAGE, error)
-    if (allocated(error)) return
-    call check_count(record, i - 1, i - 1, MOVE_USAGE, error)
+    associate (motion => m%motion)
+      motion%place = record%place(1)
+      first = i + 1
+      select case (record%key(i))
+      case ('tran')
+        do d = 1, 3
+          motion%acts(d) = record%text(i + d) /= '*'
+          if (motion%acts(d)) call get_real(deck, record, i + d, motion%vector(d), error)
+          if (allocated(error)) exit
+        end do
+        if (.not. (allocated(error) .or. any(motion%acts))) then
+          call fail(error, DECK_ERROR, 'MOVE prescribes none of the three directions', &
+                    record%place(first), 'give a number in at least one direction')
+        end if
+        i = i + 4
+      case ('rota')
+        motion%rotates = .true.
+        call get_axis(deck, record, first, USAGE, motion%vector, motion%axis, error)
+        if (.not. allocated(error)) call get_real(deck, record, i + 7, motion%angle, error)
+        motion%angle = motion%angle*DEGREE
+        i = i + 8
+      case default
+        if (record%is_empty(i)) then
+          call fail(error, DECK_ERROR, 'the motion is missing', record%place(i), USAGE)
+        else
+          call fail(error, DECK_ERROR, 'unknown motion '//quoted(record%text(i)), &
+                    record%place(i), USAGE)
+        end if
+      end select
+      if (allocated(error)) then
+        if (any([(record%is_empty(d), d=first, i - 1)])) error%hint = USAGE
+        return
+      end if
+      call read_table(deck, record, i, motion%table, USAGE, error)
+    end associate
+    if (.not. allocated(error)) call check_count(record, i - 1, i - 1, USAGE, error)
     if (allocated(error)) return
     if (build%nmove == size(build%move)) then
       allocate (longer(2*build%nmove + 8))
@@ -83,66 +102,9 @@ contains
     build%move(build%nmove) = m
   end subroutine read_move
 
-  !> TRANslate dx dy dz; * leaves a direction free. i ends behind it.
-  subroutine read_translation(deck, record, i, m, error)
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    integer, intent(inout) :: i
-    type(move_t), intent(inout) :: m
-    type(error_t), allocatable, intent(out) :: error
-    integer :: d
-
-    do d = 1, 3
-      if (record%text(i + d) == '*') then
-        m%motion%acts(d) = .false.
-      else
-        call get_real(deck, record, i + d, m%motion%vector(d), error)
-        if (allocated(error)) then
-          if (record%is_empty(i + d)) error%hint = MOVE_USAGE
-          return
-        end if
-      end if
-    end do
-    if (.not. any(m%motion%acts)) then
-      call fail(error, DECK_ERROR, 'MOVE leaves all three directions free', record%place(i + 1), &
-                'give a number in at least one direction')
-    end if
-    i = i + 4
-  end subroutine read_translation
-
-  !> ROTAte px py pz  ax ay az  degrees. i ends behind it.
-  subroutine read_rotation(deck, record, i, m, error)
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: record
-    integer, intent(inout) :: i
-    type(move_t), intent(inout) :: m
-    type(error_t), allocatable, intent(out) :: error
-    real(wp) :: x(7), length
-    integer :: d
-
-    do d = 1, 7
-      call get_real(deck, record, i + d, x(d), error)
-      if (allocated(error)) then
-        if (record%is_empty(i + d)) error%hint = MOVE_USAGE
-        return
-      end if
-    end do
-    length = norm2(x(4:6))
-    if (.not. length > 0.0_wp) then
-      call fail(error, DECK_ERROR, 'the axis of rotation has no length', record%place(i + 4), &
-                MOVE_USAGE)
-      return
-    end if
-    m%motion%rotates = .true.
-    m%motion%vector = x(:3)
-    m%motion%axis = x(4:6)/length
-    m%motion%angle = x(7)*DEGREE
-    i = i + 8
-  end subroutine read_rotation
-
-  !> [PROP k] in field i; i ends behind it.
+  !> [PROP k] in field i; i then is the field behind it.
   subroutine read_table(deck, record, i, table, usage, error)
-    type(deck_t), intent(inout) :: deck
+    type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
     integer, intent(inout) :: i
     integer, intent(out) :: table
@@ -158,9 +120,9 @@ contains
     end if
     call get_integer(deck, record, i + 1, table, error)
     if (allocated(error)) return
-    if (table < 0) call fail(error, DECK_ERROR, 'load table '//to_text(table), &
-                             record%place(i + 1), &
-                             'load tables are counted from 1; 0 is their sum')
+    if (table < 0) call fail(error, DECK_ERROR, 'load table number '//to_text(table) &
+                             //' is negative', record%place(i + 1), &
+                             'give the number of a PROPortional table, or 0 for their sum')
     i = i + 2
   end subroutine read_table
 
@@ -179,8 +141,8 @@ contains
     call read_where(deck, record, i, p%at, error)
     if (allocated(error)) return
     if (p%at%kind /= W_FACES .and. p%at%kind /= W_GROUP) then
-      call fail(error, DECK_ERROR, 'a pressure acts on a face of a patch', p%at%place, &
-                USAGE//'; on a FEAP mesh use CSURface')
+      call fail(error, DECK_ERROR, 'a pressure needs a face of a patch or a group of a mesh', &
+                p%at%place, USAGE//'; for elements of ELEMents use CSURface')
       return
     end if
     p%pressure%place = record%place(1)

@@ -36,7 +36,7 @@ module word_material
   end type draft_t
 
   integer, parameter :: SMALL = 1, FINITE = 2
-  character(12), parameter :: WORD(8) = &
+  character(12), parameter, public :: WORD(8) = &
                               ['ELAStic     ', 'SMALl       ', 'FINIte      ', 'DISPlacement', &
                                'ENHAnced    ', 'DENSity     ', 'BODY        ', 'NURB        ']
   integer, parameter :: MAX_POINT = 16 !! integration points in a direction

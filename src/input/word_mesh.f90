@@ -1,26 +1,28 @@
 !> MESH: a body from the mesh file of another program.
 module word_mesh
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_text, only: quoted, nearest, lower, key_of, to_text
+  use base_kinds, only: wp
+  use base_text, only: quoted, lower, to_text
   use deck_record, only: record_t, check_count, resolve_path
   use deck_stream, only: deck_t, get_integer, get_real
   use format_feap, only: read_feap
   use format_gmsh, only: read_gmsh
-  use mesh_body, only: mesh_spec_t, mesh_material_t
-  use patch_spec, only: patch_spec_t, placement_t, GEO_MESH
   use format_text, only: load_text, fail_in_file
-  use unread_constraints, only: expect_table, note_table
   use input_draft, only: build_t, patch_entry_t, next_line
-  use word_patch, only: check_patch_name, append_patch, read_placement
+  use input_record, only: check_record, record_word_t
+  use mesh_body, only: mesh_spec_t, mesh_material_t
+  use patch_spec, only: placement_t, GEO_MESH
   use spline_layer, only: read_constraints
+  use unread_constraints, only: expect_table, note_table
+  use word_patch, only: check_patch_name, append_patch, read_placement
   implicit none
   private
   public :: read_mesh
 
-  character(12), parameter :: WORD(7) = ['ROTAte      ', 'TRANslate   ', 'SCALe       ', &
-                                         'TYPE        ', 'MATErial    ', 'CONStraint  ', &
-                                         '            ']
+  type(record_word_t), parameter, public :: MESH_RECORDS(6) = [ &
+      record_word_t('ROTAte', .true.), record_word_t('TRANslate', .true.), &
+      record_word_t('SCALe', .true.), record_word_t('TYPE'), record_word_t('MATErial', .true.), &
+      record_word_t('CONStraint', .true.)]
 
 contains
 
@@ -30,32 +32,33 @@ contains
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
+    character(*), parameter :: USAGE = 'MESH,name FILE path'
     type(patch_entry_t) :: patch
     type(error_t), allocatable :: broken
     type(record_t) :: line
-    logical :: more, typed
+    logical :: more, seen(size(MESH_RECORDS))
 
-    call check_count(record, 4, 4, 'MESH,name FILE path', error)
+    call check_count(record, 4, 4, USAGE, error)
     if (.not. allocated(error)) call check_patch_name(build, record, error)
     if (allocated(error)) return
     patch%spec%name = record%text(2)
     patch%spec%place = record%place(2)
     patch%spec%geometry = GEO_MESH
     allocate (patch%spec%enrich(0), patch%spec%placement(0), patch%mesh%material(0))
-    call append_patch(build, patch) ! now: an error in its records must not make it unknown
+    call append_patch(build, patch) ! now: its name is known even if one of its records fails
     if (record%key(3) /= 'file') then
-      call fail(error, DECK_ERROR, quoted(record%text(3))//' where FILE should stand', &
-                record%place(3), 'MESH,name FILE path')
+      call fail(error, DECK_ERROR, 'expected FILE, found '//quoted(record%text(3)), &
+                record%place(3), USAGE)
       return
     end if
     call read_file(record, patch%mesh, broken)
     call expect_table(build%aside, resolve_path(record, 4), record%place(4))
-    typed = .false.
+    seen = .false.
     do
       call next_line(build, deck, line, more, error)
-      if (allocated(error)) exit
-      if (.not. more) exit
-      call read_line(build, deck, line, patch, typed, error)
+      if (allocated(error) .or. .not. more) exit
+      call check_record(line, MESH_RECORDS, 'MESH', 'mesh '//quoted(patch%spec%name), seen, error)
+      if (.not. allocated(error)) call read_record(build, deck, line, patch, error)
       if (allocated(error)) exit
     end do
     if (allocated(broken)) call build%errors%add(broken)
@@ -69,7 +72,7 @@ contains
     build%patch(size(build%patch)) = patch
   end subroutine read_mesh
 
-  !> The format is told by the first word.
+  !> The first word of the file tells its format.
   subroutine read_file(record, mesh, error)
     type(record_t), intent(in) :: record
     type(mesh_spec_t), intent(inout) :: mesh
@@ -85,29 +88,25 @@ contains
         return
       end if
       text%comment = '!'
-      select case (lower(text%all(first:min(first + 3, len(text%all)))))
-      case ('coor', 'elem', '!   ')
+      if (index(text%all(first:), '!') == 1 .or. &
+          any(lower(text%all(first:min(first + 3, len(text%all)))) == ['coor', 'elem'])) then
         call read_feap(text, mesh%file, error)
-      case default
-        if (text%all(first:min(first, len(text%all))) == '!') then
-          call read_feap(text, mesh%file, error)
-        else
-          call fail_in_file(text, 'unknown format of a mesh file', error, &
-                        'known formats: Gmsh 2.2 and 4.1 in ASCII, and FEAP records ' &
-                        //'(COORdinates, ELEMents)')
-        end if
-      end select
+      else
+        call fail_in_file(text, 'unknown file format', error, 'known formats: Gmsh 2.2 and 4.1 in ' &
+                      //'ASCII, and FEAP records (COORdinates, ELEMents)')
+      end if
     end associate
   end subroutine read_file
 
-  subroutine read_line(build, deck, line, patch, typed, error)
+  !> One record, whose word is known.
+  subroutine read_record(build, deck, line, patch, error)
     type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
+    type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
     type(patch_entry_t), intent(inout) :: patch
-    logical, intent(inout) :: typed
     type(error_t), allocatable, intent(out) :: error
     type(placement_t) :: p
+    type(mesh_material_t) :: m
 
     select case (line%key(1))
     case ('rota', 'tran')
@@ -116,71 +115,40 @@ contains
       call check_count(line, 2, 2, 'SCALe factor', error)
       if (.not. allocated(error)) call get_real(deck, line, 2, p%scale, error)
       if (allocated(error)) return
-      if (.not. p%scale > 0.0_wp) call fail(error, DECK_ERROR, 'a mesh scaled by ' &
-                                            //to_text(p%scale), line%place(2), &
-                                            'the factor is positive')
+      if (.not. p%scale > 0.0_wp) call fail(error, DECK_ERROR, 'scale factor '//to_text(p%scale) &
+                                            //' is not positive', line%place(2), &
+                                            'give a positive factor')
       patch%spec%placement = [patch%spec%placement, p]
     case ('type')
-      if (typed) call fail(error, DECK_ERROR, 'TYPE stands twice in mesh ' &
-                           //quoted(patch%spec%name), line%place(1), 'keep one of them')
-      typed = .true.
-      if (.not. allocated(error)) call read_type(line, patch%spec, error)
+      call check_count(line, 2, 2, 'TYPE Q1 or Q1E9', error)
+      if (allocated(error)) return
+      select case (lower(line%text(2)))
+      case ('q1')
+        patch%spec%type = 'Q1'
+      case ('q1e9')
+        patch%spec%type = 'Q1E9'
+      case default
+        call fail(error, DECK_ERROR, 'unknown element type '//quoted(line%text(2))//' of a MESH', &
+                  line%place(2), 'give Q1 or Q1E9 for its hexahedra of 8 nodes; the file gives ' &
+                  //'the type of other elements')
+      end select
     case ('mate')
-      call read_material(deck, line, patch%mesh, error)
-    case ('cons')
+      call check_count(line, 2, 3, 'MATErial m [group]', error)
+      if (.not. allocated(error)) call get_integer(deck, line, 2, m%number, error)
+      if (allocated(error)) return
+      m%place = line%place(2)
+      if (line%n > 2) then
+        m%group = line%text(3)
+        m%group_place = line%place(3)
+      end if
+      patch%mesh%material = [patch%mesh%material, m]
+    case default ! CONStraint
       call check_count(line, 2, 2, 'CONStraint path', error)
       if (allocated(error)) return
       patch%mesh%constraint_place = line%place(2)
       call read_constraints(resolve_path(line, 2), patch%mesh%constraint, line%place(2), error)
       call note_table(build%aside, resolve_path(line, 2))
-    case default
-      call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a MESH', &
-                line%place(1), 'nearest known: '//nearest(line%text(1), WORD))
     end select
-  end subroutine read_line
-
-  !> TYPE Q1 | Q1E9: of hexahedra of eight nodes.
-  subroutine read_type(line, spec, error)
-    type(record_t), intent(in) :: line
-    type(patch_spec_t), intent(inout) :: spec
-    type(error_t), allocatable, intent(out) :: error
-
-    call check_count(line, 2, 2, 'TYPE Q1 or Q1E9', error)
-    if (allocated(error)) return
-    select case (lower(line%text(2)))
-    case ('q1')
-      spec%type = 'Q1'
-    case ('q1e9')
-      spec%type = 'Q1E9'
-    case default
-      call fail(error, DECK_ERROR, 'unknown type '//quoted(line%text(2))//' of a MESH', &
-                line%place(2), 'Q1 and Q1E9 are types of its hexahedra of 8 nodes; other ' &
-                //'elements are what the file says')
-    end select
-  end subroutine read_type
-
-  !> MATErial m [group].
-  subroutine read_material(deck, line, mesh, error)
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: line
-    type(mesh_spec_t), intent(inout) :: mesh
-    type(error_t), allocatable, intent(out) :: error
-    type(mesh_material_t), allocatable :: longer(:)
-    integer :: n
-
-    call check_count(line, 2, 3, 'MATErial m [group]', error)
-    if (allocated(error)) return
-    n = size(mesh%material)
-    allocate (longer(n + 1))
-    longer(:n) = mesh%material
-    call get_integer(deck, line, 2, longer(n + 1)%number, error)
-    if (allocated(error)) return
-    longer(n + 1)%place = line%place(2)
-    if (line%n > 2) then
-      longer(n + 1)%group = line%text(3)
-      longer(n + 1)%group_place = line%place(3)
-    end if
-    call move_alloc(longer, mesh%material)
-  end subroutine read_material
+  end subroutine read_record
 
 end module word_mesh

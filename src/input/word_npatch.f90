@@ -3,114 +3,93 @@
 !!   KNOTs                          NPATch
 !!     open id len k1 k2 ...          solid ma n1 n2 n3 k1 k2 k3
 !!                                    control point numbers: a row runs along direction 3;
-!!                                    rows go direction 1 fastest, then 2
+!!                                    of the rows, direction 1 varies fastest, then 2
 !!
-!! Long lists go on in further records, as FEAP's 16 numbers a record make them.
+!! Long lists continue in further records, as FEAP's limit of 16 numbers a record requires.
 module word_npatch
-  use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp, i8
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use input_draft, only: build_t, npatch_t, knot_vector_t, next_data, check_number
+  use input_fields, only: get_numbers
   use input_lists, only: MAX_NUMBER
+  use input_record, only: word_index
   implicit none
   private
   public :: read_knots, read_npatch
 
+  character(12), parameter, public :: KNOT_RECORDS(2) = ['OPEN        ', 'KNOT        ']
+  character(12), parameter, public :: NPATCH_RECORDS(1) = ['SOLId       ']
   integer, parameter :: MAX_KNOT = 1000000
 
 contains
 
-  !> KNOTs: one vector after the other.
+  !> KNOTs: one vector after the other; its numbers may continue in further records.
   subroutine read_knots(build, deck, record, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
+    character(*), parameter :: USAGE = 'open id len k1 k2 ...'
     type(record_t) :: line
     type(knot_vector_t) :: v
     logical :: more
-    integer :: n, used
+    integer :: n, i, at
 
-    call check_count(record, 1, 1, 'KNOTs stands alone; open id len k1 k2 ... follow', error)
+    call check_count(record, 1, 1, 'KNOTs has no options; '//USAGE//' follows', error)
     if (allocated(error)) return
     do
       call next_data(build, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
-      if (line%key(1) /= 'open' .and. line%key(1) /= 'knot') then
-        call fail(error, DECK_ERROR, 'unknown kind of knot vector '//quoted(line%text(1)), &
-                  line%place(1), &
-                  'open id len k1 k2 ...')
+      if (word_index(KNOT_RECORDS, line%key(1)) == 0) then
+        call fail(error, DECK_ERROR, 'expected open, found '//quoted(line%text(1)), &
+                  line%place(1), USAGE)
         return
       end if
-      call check_count(line, 4, huge(1), 'open id len k1 k2 ...', error)
+      call check_count(line, 4, huge(1), USAGE, error)
       if (.not. allocated(error)) call get_integer(deck, line, 2, v%number, error)
       if (.not. allocated(error)) call check_number('knot vector', v%number, line%place(2), error)
       if (.not. allocated(error)) call get_integer(deck, line, 3, n, error)
       if (allocated(error)) return
       if (n < 4 .or. n > MAX_KNOT) then
         call fail(error, DECK_ERROR, 'a knot vector of '//to_text(n)//' knots', line%place(3), &
-                  'an open knot vector has at least 4 knots, and here at most '//to_text(MAX_KNOT))
+                  'give 4 to '//to_text(MAX_KNOT)//' knots')
         return
       end if
       v%place = line%place(2)
       if (any(build%knots%number == v%number)) then
-        call fail(error, DECK_ERROR, 'knot vector '//to_text(v%number)//' is defined twice', &
-                  v%place)
+        call fail(error, DECK_ERROR, 'duplicate knot vector '//to_text(v%number), v%place, &
+                  'give each knot vector a number of its own')
         return
       end if
-      call read_values(build, deck, line, n, v%u, error)
-      if (allocated(error)) return
-      used = count(build%knots%number > 0)
-      if (used == size(build%knots)) call grow_knots(build%knots)
-      build%knots(used + 1) = v
+      if (allocated(v%u)) deallocate (v%u)
+      allocate (v%u(n))
+      at = 3
+      do i = 1, n
+        at = at + 1
+        if (at > line%n) then
+          call next_data(build, deck, line, more, error)
+          if (allocated(error)) return
+          at = 1
+        end if
+        if (more) then
+          call get_real(deck, line, at, v%u(i), error)
+        else
+          call fail(error, DECK_ERROR, 'expected '//to_text(n)//' knots, found '//to_text(i - 1), &
+                    v%place, USAGE)
+        end if
+        if (allocated(error)) return
+      end do
+      if (at < line%n) then
+        call fail(error, DECK_ERROR, 'expected '//to_text(n)//' knots, found more', &
+                  line%place(at + 1), USAGE)
+        return
+      end if
+      build%knots = [build%knots, v]
     end do
   end subroutine read_knots
-
-  !> Room for as many vectors again; those that are not given have the number 0.
-  subroutine grow_knots(list)
-    type(knot_vector_t), allocatable, intent(inout) :: list(:)
-    type(knot_vector_t), allocatable :: longer(:)
-
-    allocate (longer(2*size(list) + 8))
-    longer(:size(list)) = list
-    call move_alloc(longer, list)
-  end subroutine grow_knots
-
-  !> n numbers from field 4 of a record on, going on in the next ones.
-  subroutine read_values(build, deck, first, n, x, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: first
-    integer, intent(in) :: n
-    real(wp), allocatable, intent(out) :: x(:)
-    type(error_t), allocatable, intent(out) :: error
-    type(record_t) :: line
-    integer :: i, at
-    logical :: more
-
-    allocate (x(n))
-    line = first
-    at = 3
-    do i = 1, n
-      at = at + 1
-      if (at > line%n) then
-        call next_data(build, deck, line, more, error)
-        if (allocated(error)) return
-        if (.not. more) then
-          call fail(error, DECK_ERROR, to_text(i - 1)//' of '//to_text(n)//' knots are given', &
-                    first%place(3))
-          return
-        end if
-        at = 1
-      end if
-      call get_real(deck, line, at, x(i), error)
-      if (allocated(error)) return
-    end do
-    if (at < line%n) call fail(error, DECK_ERROR, 'more than '//to_text(n)//' knots are given', &
-                               line%place(at + 1))
-  end subroutine read_values
 
   !> NPATch: solids.
   subroutine read_npatch(build, deck, record, error)
@@ -118,36 +97,35 @@ contains
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
+    character(*), parameter :: USAGE = 'solid ma n1 n2 n3 k1 k2 k3'
     type(record_t) :: line
     type(npatch_t) :: p
     type(npatch_t), allocatable :: longer(:)
     logical :: more
-    integer :: d
+    integer :: d, n
 
-    call check_count(record, 1, 1, 'NPATch stands alone; solid ma n1 n2 n3 k1 k2 k3 follows', error)
+    call check_count(record, 1, 1, 'NPATch has no options; '//USAGE//' follows', error)
     if (allocated(error)) return
     do
       call next_data(build, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
-      if (line%key(1) /= 'soli') then
-        call fail(error, DECK_ERROR, 'unknown kind of NPATch '//quoted(line%text(1)), &
-                  line%place(1), &
-                  'solid ma n1 n2 n3 k1 k2 k3')
+      if (word_index(NPATCH_RECORDS, line%key(1)) == 0) then
+        call fail(error, DECK_ERROR, 'expected solid, found '//quoted(line%text(1)), &
+                  line%place(1), USAGE)
         return
       end if
-      call check_count(line, 8, 8, 'solid ma n1 n2 n3 k1 k2 k3', error)
-      if (allocated(error)) return
+      call check_count(line, 8, 8, USAGE, error)
       p%place = line%place(1)
-      call get_integer(deck, line, 2, p%material, error)
-      do d = 1, 3
-        if (.not. allocated(error)) call get_integer(deck, line, d + 2, p%n(d), error)
-        if (.not. allocated(error)) call get_integer(deck, line, d + 5, p%knot(d), error)
-        if (allocated(error)) return
-        if (p%n(d) < 2) call fail(error, DECK_ERROR, to_text(p%n(d)) &
-                                  //' control points in direction ' &
-                                  //to_text(d), line%place(d + 2), 'at least 2')
-        if (allocated(error)) return
-      end do
+      if (.not. allocated(error)) call get_integer(deck, line, 2, p%material, error)
+      if (.not. allocated(error)) call get_numbers(deck, line, 3, p%n, error)
+      if (.not. allocated(error)) call get_numbers(deck, line, 6, p%knot, error)
+      if (allocated(error)) return
+      d = findloc(p%n < 2, .true., 1)
+      if (d > 0) then
+        call fail(error, DECK_ERROR, to_text(p%n(d))//' control points in direction ' &
+                  //to_text(d), line%place(d + 2), 'give at least 2')
+        return
+      end if
       if (product(int(p%n, i8)) > MAX_NUMBER .or. maxval(p%n) > MAX_KNOT) then
         call fail(error, DECK_ERROR, 'NPATch has too many control points', line%place(3), &
                   'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
@@ -155,14 +133,15 @@ contains
       end if
       call read_rows(build, deck, p, error)
       if (allocated(error)) return
-      allocate (longer(size(build%npatch) + 1))
-      longer(:size(build%npatch)) = build%npatch
-      longer(size(longer)) = p
+      n = size(build%npatch)
+      allocate (longer(n + 1))
+      longer(:n) = build%npatch
+      longer(n + 1) = p
       call move_alloc(longer, build%npatch)
     end do
   end subroutine read_npatch
 
-  !> Control point numbers, a row at a time.
+  !> Control point numbers; each row begins a record.
   subroutine read_rows(build, deck, p, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
@@ -183,8 +162,9 @@ contains
             if (allocated(error)) return
             if (.not. more) then
               call fail(error, DECK_ERROR, 'row '//to_text(i + p%n(1)*(j - 1))//' of ' &
-                        //to_text(p%n(1)*p%n(2))//' of the NPATch is missing or short', p%place, &
-                        'each row holds '//to_text(p%n(3))//' control points, along direction 3')
+                        //to_text(p%n(1)*p%n(2))//' of the NPATch is missing or incomplete', &
+                        p%place, 'give '//to_text(p%n(3)) &
+                        //' control points in each row, along direction 3')
               return
             end if
             at = 0
@@ -196,7 +176,7 @@ contains
           if (allocated(error)) return
         end do
         if (at < line%n) then
-          call fail(error, DECK_ERROR, 'a row of the NPATch holds more than '//to_text(p%n(3)) &
+          call fail(error, DECK_ERROR, 'a row of the NPATch has more than '//to_text(p%n(3)) &
                     //' control points', line%place(at + 1), 'each row runs along direction 3')
           return
         end if
