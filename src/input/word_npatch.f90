@@ -122,8 +122,8 @@ contains
       if (allocated(error)) return
       d = findloc(p%n < 2, .true., 1)
       if (d > 0) then
-        call fail(error, DECK_ERROR, to_text(p%n(d))//' control points in direction ' &
-                  //to_text(d), line%place(d + 2), 'give at least 2')
+        call fail(error, DECK_ERROR, 'number of control points in direction ' &
+                  //to_text(d)//' is '//to_text(p%n(d)), line%place(d + 2), 'give at least 2')
         return
       end if
       if (product(int(p%n, i8)) > MAX_NUMBER .or. maxval(p%n) > MAX_KNOT) then
