@@ -31,9 +31,9 @@ module word_contact
   integer, parameter :: MAX_POINT = 50 !! integration points of an element in one direction
   integer, parameter :: MAX_CELL = 10  !! cells of an element in one direction
 
-  character(10), parameter, public :: WORD(8) = ['SURFaces  ', 'NORMal    ', 'FRICtion  ', 'COHEsive  ', &
-                                         'BONDed    ', 'DEPTh     ', 'QUADrature', &
-                                         'BALAnced  ']
+  character(10), parameter, public :: WORD(8) = ['SURFaces  ', 'NORMal    ', 'FRICtion  ', &
+                                                 'COHEsive  ', 'BONDed    ', 'DEPTh     ', &
+                                                 'QUADrature', 'BALAnced  ']
   integer, parameter :: LONGEST = 32 !! of a name, which becomes part of a column's
 
 contains

@@ -119,18 +119,17 @@ contains
   pure integer function size_index(record) result(i)
     type(record_t), intent(in) :: record
 
-    i = 0
     select case (record%key(1))
     case ('node', 'numn')
       i = NUMNP
     case ('nume')
       i = NUMEL
     case ('elem')
-      if (index(record%raw, '=') > 0) i = NUMEL
+      i = merge(NUMEL, 0, index(record%raw, '=') > 0)
     case ('numm')
       i = NUMMAT
     case ('mate')
-      if (index(record%raw, '=') > 0) i = NUMMAT
+      i = merge(NUMMAT, 0, index(record%raw, '=') > 0)
     case ('ndm', 'dime')
       i = NDM
     case ('ndf', 'dofs')

@@ -8,7 +8,7 @@ module word_patch
   use deck_stream, only: deck_t, get_integer, get_real
   use input_draft, only: build_t, patch_entry_t, next_line
   use input_fields, only: get_numbers, get_direction, get_axis
-  use input_record, only: check_record, record_word_t
+  use input_record, only: check_record, record_word_t, word_index, word_list
   use input_where, only: read_face
   use patch_spec, only: patch_spec_t, enrich_t, placement_t, GEO_NONE, GEO_BOX, GEO_HEMISPHERE, &
       GEO_NURBS
@@ -24,7 +24,7 @@ module word_patch
       record_word_t('ELEMents'), record_word_t('KNOTs', .true.), record_word_t('TYPE'), &
       record_word_t('ENRIch', .true.), record_word_t('QUADrature'), record_word_t('MATErial')]
 
-  character(*), parameter :: TYPES = 'known types: Q1 Q1E9 Q2 IGA RIGId'
+  character(5), parameter :: TYPES(5) = ['Q1   ', 'Q1E9 ', 'Q2   ', 'IGA  ', 'RIGId']
   character(4), parameter :: RESERVED(3) = ['node', 'poin', 'plan'] !! other words of WHERE
   integer, parameter :: MAX_POINT = 16 !! integration points in one direction
   real(wp), parameter :: DEGREE = acos(-1.0_wp)/180.0_wp
@@ -115,7 +115,8 @@ contains
         call fail(error, DECK_ERROR, name//' has no geometry', spec%place, &
                   'give BOX, HEMIsphere, NPATch or FILE')
       else if (spec%type == '') then
-        call fail(error, DECK_ERROR, name//' has no TYPE', spec%place, TYPES)
+        call fail(error, DECK_ERROR, name//' has no TYPE', spec%place, &
+                  'known types: '//word_list(TYPES, ' '))
       else if (any(spec%nelem < 1)) then
         call fail(error, DECK_ERROR, name//' has no ELEMents', spec%place, &
                   'give ELEMents n1 n2 n3, or KNOTs in each direction')
@@ -234,30 +235,25 @@ contains
     type(record_t), intent(in) :: line
     type(patch_spec_t), intent(inout) :: spec
     type(error_t), allocatable, intent(out) :: error
+    integer :: t
 
     call check_count(line, 2, 3, 'TYPE Q1, Q1E9, Q2, IGA p or RIGId', error)
     if (allocated(error)) return
-    select case (lower(line%text(2)))
-    case ('q1')
-      spec%type = 'Q1'
-    case ('q1e9')
-      spec%type = 'Q1E9'
-    case ('q2')
-      spec%type = 'Q2'
-    case ('iga')
-      spec%type = 'IGA'
+    t = word_index(TYPES, line%key(2))
+    if (t > 0) spec%type = TYPES(t)
+    if (spec%type == 'RIGId') then
+      spec%type = 'RIGID'
+    else if (t == 0 .or. len(line%text(2)) > 4) then ! names of elements are written in full
+      call fail(error, DECK_ERROR, 'unknown element type '//quoted(line%text(2)), line%place(2), &
+                'known types: '//word_list(TYPES, ' '))
+      return
+    end if
+    if (spec%type == 'IGA') then
       call check_count(line, 3, 3, 'TYPE IGA p', error)
       if (.not. allocated(error)) call get_integer(deck, line, 3, spec%degree, error)
-      return
-    case default
-      if (line%key(2) /= 'rigi') then
-        call fail(error, DECK_ERROR, 'unknown element type '//quoted(line%text(2)), &
-                  line%place(2), TYPES)
-        return
-      end if
-      spec%type = 'RIGID'
-    end select
-    call check_count(line, 2, 2, 'TYPE '//line%text(2), error)
+    else
+      call check_count(line, 2, 2, 'TYPE '//line%text(2), error)
+    end if
   end subroutine read_type
 
   !> ENRIch face p [RAISe t] [EAS [TAPEred]].

@@ -183,8 +183,8 @@ contains
       has_line = .false.
       r%place = line%place(1)
       if (word_index(words, line%key(1)) == 0) then
-        call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of '//record%text(1), &
-                  line%place(1), 'records are '//word_list(words, ' '))
+        call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of ' &
+                  //record%text(1), line%place(1), 'records are '//word_list(words, ' '))
         return
       end if
       select case (line%key(1))
