@@ -164,6 +164,10 @@ lint:
 	@.venv/bin/fortitude check --config-file fortitude.toml src
 	@.venv/bin/ruff check $(PYTHONS) && .venv/bin/ruff format --check $(PYTHONS)
 	@awk -v strict=1 -f src/depend.awk $(SOURCES) > /dev/null
+	@grep -oE '`[a-z][a-z0-9_]*`' doc/architecture.md | tr -d '`' | sort -u | while read -r name; do \
+	  ls -d src/$$name src/*/$$name.f90 2>/dev/null | grep -q . || grep -rqE "(subroutine|function) $$name\b" src \
+	    || echo "doc/architecture.md: src has no folder, module or procedure '$$name'"; \
+	done | { ! grep .; }
 	@difference=$$($(FORMAT) --diff 2>&1); [ -z "$$difference" ] || { echo "$$difference"; exit 1; }
 format:
 	@tools/setup.sh dev
