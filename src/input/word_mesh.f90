@@ -92,8 +92,8 @@ contains
           any(lower(text%all(first:min(first + 3, len(text%all)))) == ['coor', 'elem'])) then
         call read_feap(text, mesh%file, error)
       else
-        call fail_in_file(text, 'unknown file format', error, 'known formats: Gmsh 2.2 and 4.1 in ' &
-                      //'ASCII, and FEAP records (COORdinates, ELEMents)')
+        call fail_in_file(text, 'unknown file format', error, 'known formats: Gmsh 2.2 and 4.1 ' &
+                          //'in ASCII, and FEAP records (COORdinates, ELEMents)')
       end if
     end associate
   end subroutine read_file
