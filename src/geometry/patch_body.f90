@@ -1,27 +1,25 @@
-!> From one PATCh to nodes, elements and faces of the mesh.
-!!
-!! Bodies of tri-variate splines.
+!> The body of a PATCh: chooses the builder of its element type, and builds tri-variate splines.
 module patch_body
   use base_error, only: error_t
-  use mesh, only: mesh_t
-  use patch_spec, only: patch_spec_t, GEO_BOX
-  use patch_check, only: check_patch, check_enrichment, hemisphere_degree
-  use patch_nurbs, only: check_orientation
-  use patch_geometry, only: geometry_t, new_geometry, greville_points
-  use patch_draft, only: draft_t, append_draft, find_row, span_t, add_node, new_block, add_face, &
-      add_operators
-  use patch_lagrange, only: build_lagrange
   use base_kinds, only: wp
   use base_text, only: to_text
   use element_type, only: element_t, cell_t
+  use mesh, only: mesh_t
   use nurbs, only: nurbs_t, elevate, insert_knots, is_rational
+  use patch_check, only: check_patch, check_enrichment, hemisphere_degree
+  use patch_draft, only: draft_t, span_t, append_draft, find_row, add_node, new_block, add_face, &
+                         add_operators
+  use patch_geometry, only: geometry_t, new_geometry, greville_points
+  use patch_lagrange, only: build_lagrange
+  use patch_nurbs, only: check_orientation
+  use patch_spec, only: patch_spec_t, GEO_BOX
   implicit none
   private
-  public :: build_body, build_iga
+  public :: build_body
 
 contains
 
-  !> Append the body of a patch to the mesh; on an error the mesh is as it was.
+  !> Append the body of a patch to the mesh, which stays unchanged on an error.
   subroutine build_body(spec, mesh, error)
     type(patch_spec_t), intent(in) :: spec
     type(mesh_t), intent(inout) :: mesh
@@ -29,7 +27,7 @@ contains
     type(patch_spec_t) :: s
     type(geometry_t) :: geo
     type(draft_t) :: draft
-    integer :: degree, d
+    integer :: b, degree, d
 
     s = spec
     if (.not. allocated(s%enrich)) allocate (s%enrich(0))
@@ -50,9 +48,14 @@ contains
       call build_iga(s, geo, draft, error)
     else if (s%type == 'RIGID') then
       s%degree = maxval(geo%coarse%dir%degree)
-      s%q = 1 ! its points serve no integral
+      s%q = 1 ! nothing is integrated over it
       call build_iga(s, geo, draft, error)
-      if (.not. allocated(error)) call make_rigid(draft)
+      if (allocated(error)) return
+      do b = 1, size(draft%block)
+        draft%block(b)%name = 'RIGId'
+        draft%block(b)%row%source = 'rigid surface, prescribed motion'
+        nullify (draft%block(b)%row%form, draft%block(b)%row%form_batch)
+      end do
     else
       call build_lagrange(s, geo, draft, error)
     end if
@@ -60,19 +63,7 @@ contains
     call append_draft(draft, s, mesh)
   end subroutine build_body
 
-  !> Splines that are not solved for.
-  subroutine make_rigid(draft)
-    type(draft_t), intent(inout) :: draft
-    integer :: b
-
-    do b = 1, size(draft%block)
-      draft%block(b)%name = 'RIGId'
-      draft%block(b)%row%source = 'rigid surface, prescribed motion'
-      nullify (draft%block(b)%row%form, draft%block(b)%row%form_batch)
-    end do
-  end subroutine make_rigid
-
-  !> Control points, one block and faces of a body of type IGA p: k-refinement of the geometry.
+  !> Control points, one block and faces of a body of type IGA p, by k-refinement of the geometry.
   subroutine build_iga(spec, geo, draft, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
@@ -83,39 +74,18 @@ contains
     type(element_t) :: row
     type(cell_t) :: cell
     integer, allocatable :: node(:, :, :)
-    integer :: d, i, j, k, ib
+    real(wp), allocatable :: x(:, :)
+    integer :: a, at(3), d, e, i, j, k, ib, mask, n(3), p
 
     call find_row(spec, 'IGA', row, error)
     if (allocated(error)) return
+    p = spec%degree
     solid = geo%coarse
     do d = 1, 3
-      call elevate(solid, d, spec%degree - solid%dir(d)%degree)
+      call elevate(solid, d, p - solid%dir(d)%degree)
       call insert_knots(solid, d, geo%insert(d)%u)
       call add_operators(draft, solid%dir(d), span(d))
     end do
-    call add_control_points(geo, solid, draft, node)
-    cell%degree = spec%degree
-    call new_block(draft, spec, 'IGA'//to_text(spec%degree), row, cell%degree, &
-                   (spec%degree + 1)**3, product(geo%n), ib)
-    if (is_rational(solid)) allocate (draft%block(ib)%ext%w(draft%block(ib)%nen, product(geo%n)))
-    call row%rule(cell, spec%q, spec%qz, draft%block(ib)%rule)
-    do k = 1, geo%n(3)
-      do j = 1, geo%n(2)
-        do i = 1, geo%n(1)
-          call add_element(geo, solid, span, node, [i, j, k], ib, draft)
-        end do
-      end do
-    end do
-  end subroutine build_iga
-
-  subroutine add_control_points(geo, solid, draft, node)
-    type(geometry_t), intent(in) :: geo
-    type(nurbs_t), intent(in) :: solid
-    type(draft_t), intent(inout) :: draft
-    integer, allocatable, intent(out) :: node(:, :, :)
-    real(wp), allocatable :: x(:, :)
-    integer :: n(3), at(3), i, j, k, d, a, mask
-
     n = [(size(solid%cp, d), d=2, 4)]
     allocate (node(n(1), n(2), n(3)))
     call greville_points(geo, solid, [1, 2, 3], [0.0_wp, 0.0_wp, 0.0_wp], x)
@@ -134,39 +104,33 @@ contains
         end do
       end do
     end do
-  end subroutine add_control_points
-
-  subroutine add_element(geo, solid, span, node, cell, ib, draft)
-    type(geometry_t), intent(in) :: geo
-    type(nurbs_t), intent(in) :: solid
-    type(span_t), intent(in) :: span(3)
-    integer, intent(in) :: node(:, :, :), cell(3), ib
-    type(draft_t), intent(inout) :: draft
-    integer :: at(3), d, e, i, j, k, a, p
-
+    cell%degree = p
+    call new_block(draft, spec, 'IGA'//to_text(p), row, cell%degree, (p + 1)**3, product(geo%n), ib)
+    call row%rule(cell, spec%q, spec%qz, draft%block(ib)%rule)
     associate (b => draft%block(ib))
-      e = b%nelem + 1
-      b%nelem = e
-      p = b%ext%degree(1)
-      do d = 1, 3
-        b%ext%iop(d, e) = span(d)%iop(cell(d))
-        at(d) = span(d)%first(cell(d))
-      end do
-      a = 0
-      do k = at(3), at(3) + p
-        do j = at(2), at(2) + p
-          do i = at(1), at(1) + p
-            a = a + 1
-            b%conn(a, e) = node(i, j, k)
-            if (allocated(b%ext%w)) b%ext%w(a, e) = solid%cp(4, i, j, k)
+      if (is_rational(solid)) allocate (b%ext%w(b%nen, product(geo%n)))
+      do k = 1, geo%n(3)
+        do j = 1, geo%n(2)
+          do i = 1, geo%n(1)
+            e = b%nelem + 1
+            b%nelem = e
+            b%ext%iop(:, e) = [span(1)%iop(i), span(2)%iop(j), span(3)%iop(k)]
+            at = [span(1)%first(i), span(2)%first(j), span(3)%first(k)]
+            b%conn(:, e) = reshape(node(at(1):at(1) + p, at(2):at(2) + p, at(3):at(3) + p), &
+                                   [b%nen])
+            if (allocated(b%ext%w)) then
+              b%ext%w(:, e) = reshape(solid%cp(4, at(1):at(1) + p, at(2):at(2) + p, &
+                                               at(3):at(3) + p), [b%nen])
+            end if
+            at = [i, j, k]
+            do d = 1, 3
+              if (at(d) == 1) call add_face(draft, 2*d - 1, ib, e, 2*d - 1)
+              if (at(d) == geo%n(d)) call add_face(draft, 2*d, ib, e, 2*d)
+            end do
           end do
         end do
       end do
     end associate
-    do d = 1, 3
-      if (cell(d) == 1) call add_face(draft, 2*d - 1, ib, e, 2*d - 1)
-      if (cell(d) == geo%n(d)) call add_face(draft, 2*d, ib, e, 2*d)
-    end do
-  end subroutine add_element
+  end subroutine build_iga
 
 end module patch_body

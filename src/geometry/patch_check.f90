@@ -1,4 +1,4 @@
-!> What a patch must fulfil before it is meshed; every rule has its message.
+!> Checks of a patch before it is meshed.
 module patch_check
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, DECK_ERROR
@@ -23,18 +23,63 @@ contains
     name = FACE(f)
   end function face_name
 
-  !> Sizes and type; nothing is allocated before this.
+  !> Geometry, type and numbers of elements; nothing is allocated before this.
   subroutine check_patch(spec, error)
     type(patch_spec_t), intent(in) :: spec
     type(error_t), allocatable, intent(out) :: error
+    integer(i8) :: n, along !! nodes; those an element adds along an edge
+    integer :: d
 
-    call check_geometry(spec, error)
+    select case (spec%geometry)
+    case (GEO_BOX)
+      d = minloc(spec%length, 1)
+      if (.not. spec%length(d) > 0.0_wp) then
+        call fail_patch(spec, 'has a box of length '//to_text(spec%length(d))//' in direction ' &
+                        //to_text(d), 'lengths are positive', error)
+      end if
+    case (GEO_HEMISPHERE)
+      if (.not. (spec%thickness > 0.0_wp .and. spec%radius > spec%thickness)) then
+        call fail_patch(spec, 'has a hemisphere of radius '//to_text(spec%radius) &
+                        //' and thickness '//to_text(spec%thickness), &
+                        'the thickness is between 0 and the radius', error)
+      end if
+    case (GEO_NURBS)
+      call check_nurbs(spec%nurbs, 3, "patch '"//spec%name//"'", spec%place, error)
+    case default
+      call fail_patch(spec, 'has no geometry', 'give BOX, HEMIsphere, NPATch or FILE', error)
+    end select
     if (allocated(error)) return
-    call check_type(spec, error)
+    d = minloc(spec%nelem, 1)
+    if (spec%nelem(d) < 1) then
+      call fail_patch(spec, 'has '//to_text(spec%nelem(d))//' elements in direction '//to_text(d), &
+                      'give ELEMents n1 n2 n3', error)
+      return
+    end if
+    select case (spec%type)
+    case ('Q1', 'Q1E9', 'Q2', 'RIGID')
+    case ('IGA')
+      if (spec%degree < 1 .or. spec%degree > MAX_DEGREE) then
+        call fail_patch(spec, 'has TYPE IGA of degree '//to_text(spec%degree), &
+                        'degrees are 1 to '//to_text(MAX_DEGREE), error)
+      end if
+    case default
+      call fail_patch(spec, "has the unknown type '"//trim(spec%type)//"'", &
+                      'known types of solids: Q1 Q1E9 Q2 IGA', error)
+    end select
     if (allocated(error)) return
-    call check_count(spec, error)
+    along = merge(2, 1, spec%type == 'Q2')
+    n = 1
+    do d = 1, 3
+      n = n*(along*spec%nelem(d) + MAX_DEGREE)
+      if (n <= MAX_NODE) cycle
+      call fail_patch(spec, 'has '//to_text(spec%nelem(1))//' x '//to_text(spec%nelem(2)) &
+                      //' x '//to_text(spec%nelem(3))//' elements, which is too many', &
+                      'a body has at most '//to_text(int(MAX_NODE))//' nodes', error)
+      return
+    end do
   end subroutine check_patch
 
+  !> An error of the patch as a whole.
   subroutine fail_patch(spec, what, hint, error)
     type(patch_spec_t), intent(in) :: spec
     character(*), intent(in) :: what, hint
@@ -43,74 +88,7 @@ contains
     call fail(error, DECK_ERROR, "patch '"//spec%name//"' "//what, spec%place, hint)
   end subroutine fail_patch
 
-  subroutine check_geometry(spec, error)
-    type(patch_spec_t), intent(in) :: spec
-    type(error_t), allocatable, intent(out) :: error
-    integer :: d
-
-    select case (spec%geometry)
-    case (GEO_BOX)
-      d = minloc(spec%length, 1)
-      if (.not. spec%length(d) > 0.0_wp) then
-        call fail_patch(spec, 'has a box of length '//to_text(spec%length(d))//' in direction ' &
-                      //to_text(d), 'lengths are positive', error)
-      end if
-    case (GEO_HEMISPHERE)
-      if (.not. (spec%thickness > 0.0_wp .and. spec%radius > spec%thickness)) then
-        call fail_patch(spec, 'has a hemisphere of radius '//to_text(spec%radius) &
-                      //' and thickness '//to_text(spec%thickness), &
-                      'the thickness lies between 0 and the radius', error)
-      end if
-    case (GEO_NURBS)
-      call check_nurbs(spec%nurbs, 3, "patch '"//spec%name//"'", spec%place, error)
-    case default
-      call fail_patch(spec, 'has no geometry', 'give BOX, HEMIsphere, NPATch or FILE', error)
-    end select
-  end subroutine check_geometry
-
-  subroutine check_type(spec, error)
-    type(patch_spec_t), intent(in) :: spec
-    type(error_t), allocatable, intent(out) :: error
-    integer :: d
-
-    d = minloc(spec%nelem, 1)
-    if (spec%nelem(d) < 1) then
-      call fail_patch(spec, 'has '//to_text(spec%nelem(d))//' elements in direction '//to_text(d), &
-                    'give ELEMents n1 n2 n3', error)
-      return
-    end if
-    select case (spec%type)
-    case ('Q1', 'Q1E9', 'Q2', 'RIGID')
-    case ('IGA')
-      if (spec%degree >= 1 .and. spec%degree <= MAX_DEGREE) return
-      call fail_patch(spec, 'asks for IGA of degree '//to_text(spec%degree), 'degrees are 1 to ' &
-                    //to_text(MAX_DEGREE), error)
-    case default
-      call fail_patch(spec, "asks for elements of type '"//trim(spec%type)//"'", &
-                    'known types of solids: Q1 Q1E9 Q2 IGA', error)
-    end select
-  end subroutine check_type
-
-  !> Are all its nodes to be numbered?
-  subroutine check_count(spec, error)
-    type(patch_spec_t), intent(in) :: spec
-    type(error_t), allocatable, intent(out) :: error
-    integer(i8) :: n, along !! nodes; those an element adds along an edge
-    integer :: d
-
-    along = merge(2, 1, spec%type == 'Q2')
-    n = 1
-    do d = 1, 3
-      n = n*(along*spec%nelem(d) + MAX_DEGREE)
-      if (n <= MAX_NODE) cycle
-      call fail_patch(spec, 'asks for '//to_text(spec%nelem(1))//' x '//to_text(spec%nelem(2)) &
-                    //' x '//to_text(spec%nelem(3))//' elements, more than this program numbers', &
-                    'a body has at most '//to_text(int(MAX_NODE))//' nodes', error)
-      return
-    end do
-  end subroutine check_count
-
-  !> Degree of the surface space of a hemisphere.
+  !> Check the orders of the enriched faces; degree of the surface spline of a hemisphere.
   subroutine hemisphere_degree(spec, degree, error)
     type(patch_spec_t), intent(in) :: spec
     integer, intent(out) :: degree
@@ -118,8 +96,14 @@ contains
     integer :: i
 
     do i = 1, size(spec%enrich)
-      call check_order(spec%enrich(i), error)
-      if (allocated(error)) return
+      associate (e => spec%enrich(i))
+        if (e%degree >= 1 .and. e%degree <= MAX_DEGREE .and. e%raise >= 0 &
+            .and. e%raise <= MAX_DEGREE - e%degree) cycle
+        call fail(error, DECK_ERROR, 'the face has order '//to_text(e%degree)//' raised by ' &
+                  //to_text(e%raise), e%place, 'orders are 1 to '//to_text(MAX_DEGREE) &
+                  //' after they are raised')
+      end associate
+      return
     end do
     degree = 1
     if (spec%type == 'IGA') degree = spec%degree
@@ -130,23 +114,12 @@ contains
       if (spec%enrich(i)%degree == degree) cycle
       call fail(error, DECK_ERROR, "the faces of hemisphere '"//spec%name//"' have orders " &
                 //to_text(degree)//' and '//to_text(spec%enrich(i)%degree), spec%enrich(i)%place, &
-                'one spline makes the whole hemisphere: give its faces one order')
+                'a hemisphere is one spline: give its faces the same order')
       return
     end do
   end subroutine hemisphere_degree
 
-  !> Order of a face: splines are made of it.
-  subroutine check_order(e, error)
-    type(enrich_t), intent(in) :: e
-    type(error_t), allocatable, intent(out) :: error
-
-    if (e%degree >= 1 .and. e%degree <= MAX_DEGREE .and. e%raise >= 0 &
-        .and. e%raise <= MAX_DEGREE - e%degree) return
-    call fail(error, DECK_ERROR, 'order '//to_text(e%degree)//' raised by '//to_text(e%raise), &
-              e%place, 'orders are at least 1, and at most '//to_text(MAX_DEGREE)//' when raised')
-  end subroutine check_order
-
-  !> ENRIch records against the elements, the geometry and each other.
+  !> Compare ENRIch records with the elements, the geometry and each other.
   subroutine check_enrichment(spec, geo, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
@@ -156,89 +129,84 @@ contains
 
     along = .false.
     do i = 1, size(spec%enrich)
-      associate (e => spec%enrich(i))
-        call check_one(spec, geo, i, error)
+      call check_record(spec, geo, spec%enrich(i), error)
+      if (allocated(error)) return
+      do j = 1, i - 1
+        call check_pair(spec, spec%enrich(j), spec%enrich(i), error)
         if (allocated(error)) return
-        do j = 1, i - 1
-          call check_pair(spec, j, i, error)
-          if (allocated(error)) return
-        end do
-        along((e%face + 1)/2) = .true.
-        if (.not. all(along)) cycle
-        call fail(error, DECK_ERROR, "three enriched faces of patch '"//spec%name &
-                  //"' meet in a corner", e%place, &
-                  'only two of the directions 1, 2, 3 can have enriched faces in one patch')
-        return
-      end associate
+      end do
+      along((spec%enrich(i)%face + 1)/2) = .true.
+      if (.not. all(along)) cycle
+      call fail(error, DECK_ERROR, "three enriched faces of patch '"//spec%name &
+                //"' meet in a corner", spec%enrich(i)%place, &
+                'only two of the directions 1, 2, 3 can have enriched faces in one patch')
+      return
     end do
     if (spec%type /= 'IGA') return
     do d = 1, 3
       if (geo%coarse%dir(d)%degree <= spec%degree) cycle
-      call fail(error, DECK_ERROR, "patch '"//spec%name//"' has degree " &
-                //to_text(geo%coarse%dir(d)%degree)//' in direction '//to_text(d) &
-                //', more than its elements', spec%place, &
-                'use TYPE IGA '//to_text(geo%coarse%dir(d)%degree))
+      call fail_patch(spec, 'has degree '//to_text(geo%coarse%dir(d)%degree)//' in direction ' &
+                      //to_text(d)//', more than the degree '//to_text(spec%degree) &
+                      //' of its elements', 'use TYPE IGA '//to_text(geo%coarse%dir(d)%degree), &
+                      error)
       return
     end do
   end subroutine check_enrichment
 
   !> One ENRIch record.
-  subroutine check_one(spec, geo, i, error)
+  subroutine check_record(spec, geo, e, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
-    integer, intent(in) :: i
+    type(enrich_t), intent(in) :: e
     type(error_t), allocatable, intent(out) :: error
-    integer :: d
+    character(:), allocatable :: what
+    integer :: axis, d
 
-    associate (e => spec%enrich(i), axis => (spec%enrich(i)%face + 1)/2)
-      if (spec%type == 'IGA') then
-        call fail(error, DECK_ERROR, 'ENRIch on elements of type IGA', e%place, &
-                  'their faces are splines already: remove ENRIch, or use TYPE Q1, Q1E9 or Q2')
-      else if (e%eas .and. spec%type == 'Q2') then
-        call fail(error, DECK_ERROR, 'ENRIch EAS on elements of type Q2', e%place, &
-                  'enhanced modes belong to TYPE Q1 and Q1E9; Q2 does not need them')
-      else if (product(pack(int(geo%n, i8)*(e%raise + 1) + e%degree, [1, 2, 3] /= axis)) &
-               > MAX_NODE) then
-        call fail(error, DECK_ERROR, 'face '//FACE(e%face)//" of patch '"//spec%name &
-                  //"' has more control points than this program numbers", e%place, &
-                  'a body has at most '//to_text(int(MAX_NODE))//' nodes')
-      end if
-      if (allocated(error)) return
-      do d = 1, 3
-        if (d == axis .or. geo%coarse%dir(d)%degree <= e%degree) cycle
-        call fail(error, DECK_ERROR, 'face '//FACE(e%face)//" of patch '"//spec%name &
-                  //"' has degree "//to_text(geo%coarse%dir(d)%degree)//' in direction ' &
-                  //to_text(d)//', more than order '//to_text(e%degree), e%place, &
-                  'use ENRIch '//FACE(e%face)//' '//to_text(geo%coarse%dir(d)%degree))
-        return
-      end do
-    end associate
-  end subroutine check_one
+    axis = (e%face + 1)/2
+    what = 'face '//FACE(e%face)//" of patch '"//spec%name//"' has "
+    if (spec%type == 'IGA') then
+      call fail(error, DECK_ERROR, 'elements of type IGA cannot have ENRIch', e%place, &
+                'their faces are splines already: remove ENRIch, or use TYPE Q1, Q1E9 or Q2')
+    else if (e%eas .and. spec%type == 'Q2') then
+      call fail(error, DECK_ERROR, 'elements of type Q2 cannot have ENRIch EAS', e%place, &
+                'enhanced modes belong to TYPE Q1 and Q1E9; Q2 does not need them')
+    else if (product(pack(int(geo%n, i8)*(e%raise + 1) + e%degree, [1, 2, 3] /= axis)) &
+             > MAX_NODE) then
+      call fail(error, DECK_ERROR, what//'too many control points', e%place, &
+                'a body has at most '//to_text(int(MAX_NODE))//' nodes')
+    end if
+    if (allocated(error)) return
+    do d = 1, 3
+      if (d == axis .or. geo%coarse%dir(d)%degree <= e%degree) cycle
+      call fail(error, DECK_ERROR, what//'degree '//to_text(geo%coarse%dir(d)%degree) &
+                //' in direction '//to_text(d)//', more than its order '//to_text(e%degree), &
+                e%place, 'use ENRIch '//FACE(e%face)//' '//to_text(geo%coarse%dir(d)%degree))
+      return
+    end do
+  end subroutine check_record
 
-  !> Two ENRIch records.
-  subroutine check_pair(spec, i, j, error)
+  !> Two ENRIch records; an error is that of the later one, b.
+  subroutine check_pair(spec, a, b, error)
     type(patch_spec_t), intent(in) :: spec
-    integer, intent(in) :: i, j !! the later record, to be blamed, is j
+    type(enrich_t), intent(in) :: a, b
     type(error_t), allocatable, intent(out) :: error
     integer :: axis
 
-    associate (a => spec%enrich(i), b => spec%enrich(j))
-      axis = (b%face + 1)/2
-      if (a%face == b%face) then
-        call fail(error, DECK_ERROR, 'face '//FACE(b%face)//" of patch '"//spec%name &
-                  //"' is enriched twice", b%place)
-      else if ((a%face + 1)/2 == axis) then
-        if (spec%nelem(axis) > 1) return
-        call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
-                  //' are both enriched but share their only layer of elements', b%place, &
-                  'give at least 2 elements in direction '//to_text(axis))
-      else if (a%degree /= b%degree .or. a%raise /= b%raise) then
-        call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
-                  //' share an edge but have orders '//to_text(a%degree)//'.' &
-                  //to_text(a%raise)//' and '//to_text(b%degree)//'.'//to_text(b%raise), b%place, &
-                  'their edge is one curve: give both the same order and RAISe')
-      end if
-    end associate
+    axis = (b%face + 1)/2
+    if (a%face == b%face) then
+      call fail(error, DECK_ERROR, 'duplicate ENRIch of face '//FACE(b%face)//" of patch '" &
+                //spec%name//"'", b%place)
+    else if ((a%face + 1)/2 == axis) then
+      if (spec%nelem(axis) > 1) return
+      call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
+                //' are both enriched but share their only layer of elements', b%place, &
+                'give at least 2 elements in direction '//to_text(axis))
+    else if (a%degree /= b%degree .or. a%raise /= b%raise) then
+      call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
+                //' share an edge but have orders '//to_text(a%degree)//'.' &
+                //to_text(a%raise)//' and '//to_text(b%degree)//'.'//to_text(b%raise), b%place, &
+                'their edge is one curve: give both the same order and RAISe')
+    end if
   end subroutine check_pair
 
 end module patch_check

@@ -1,16 +1,14 @@
-!> A body while it is meshed: nodes, blocks and faces with numbers of their own, then its place
-!! at the end of the mesh.
-!!
-!! Rows of the table of elements by name.
+!> A body while it is meshed: nodes, blocks and faces with numbers of their own, which append_draft
+!! puts at the end of the mesh.
 module patch_draft
+  use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use bspline, only: spline_t, extraction
-  use element_type, only: element_t, cell_t
-  use mesh, only: mesh_t, block_t, body_t, body_face_t, operator_t, append_nodes, append_blocks, &
-      append_body
-  use patch_spec, only: patch_spec_t
-  use base_error, only: error_t, fail, DECK_ERROR
   use element_table, only: load_elements
+  use element_type, only: element_t
+  use mesh, only: mesh_t, block_t, body_t, body_face_t, operator_t, append_nodes, append_blocks, &
+                  append_body
+  use patch_spec, only: patch_spec_t
   implicit none
   private
   public :: draft_t, span_t, add_node, new_block, add_face, add_operators, append_draft, find_row
@@ -23,8 +21,8 @@ module patch_draft
     integer, allocatable :: mask(:)        !! bit f-1: lies on face f
     type(block_t), allocatable :: block(:)
     type(operator_t), allocatable :: op(:) !! distinct extraction operators
-    type(body_face_t) :: face(6)           !! with room
-    integer :: nface(6) = 0                !! element faces in it
+    type(body_face_t) :: face(6)           !! lists of at least nface element faces
+    integer :: nface(6) = 0
   end type draft_t
 
   !> The elements of a spline in one direction.
@@ -35,26 +33,18 @@ module patch_draft
 
 contains
 
-  !> One more node or control point.
+  !> Append a node or control point.
   subroutine add_node(draft, x, is_control, mask, node)
     type(draft_t), intent(inout) :: draft
     real(wp), intent(in) :: x(3)
     logical, intent(in) :: is_control
-    integer, intent(in) :: mask
-    integer, intent(out) :: node
-    integer :: n
+    integer, intent(in) :: mask  !! bit f-1: lies on face f
+    integer, intent(out) :: node !! its number in the draft
 
     if (.not. allocated(draft%xr)) then
       allocate (draft%xr(3, 64), draft%is_control(64), draft%mask(64))
     else if (draft%nnode == size(draft%mask)) then
-      n = draft%nnode
-      block
-        real(wp), allocatable :: xr(:, :)
-
-        allocate (xr(3, 2*n))
-        xr(:, :n) = draft%xr
-        call move_alloc(xr, draft%xr)
-      end block
+      draft%xr = reshape([draft%xr, draft%xr], [3, 2*draft%nnode])
       draft%is_control = [draft%is_control, draft%is_control]
       draft%mask = [draft%mask, draft%mask]
     end if
@@ -65,14 +55,14 @@ contains
     draft%mask(node) = mask
   end subroutine add_node
 
-  !> A block with room for nelem elements; `block%nelem` counts those that are in.
+  !> Append a block with room for nelem elements; `block%nelem` counts those that it has.
   subroutine new_block(draft, spec, name, row, degree, nen, nelem, ib)
     type(draft_t), intent(inout) :: draft
     type(patch_spec_t), intent(in) :: spec
     character(*), intent(in) :: name
     type(element_t), intent(in) :: row
     integer, intent(in) :: degree(3), nen, nelem
-    integer, intent(out) :: ib
+    integer, intent(out) :: ib !! its number in the draft
     type(block_t) :: empty
 
     call append_blocks(draft%block, [empty])
@@ -110,12 +100,12 @@ contains
     end associate
   end subroutine add_face
 
-  !> Extraction of a spline; operators that are there already are shared.
+  !> Extraction operators of a spline; equal ones are shared.
   subroutine add_operators(draft, s, span)
     type(draft_t), intent(inout) :: draft
     type(spline_t), intent(in) :: s
     type(span_t), intent(out) :: span
-    real(wp), parameter :: SAME = 16*epsilon(1.0_wp) ! spans equal but for the rounding of knots
+    real(wp), parameter :: SAME = 16*epsilon(1.0_wp) ! spans that differ by the rounding of knots
     real(wp), allocatable :: c(:, :, :)
     type(operator_t), allocatable :: list(:)
     integer :: e, i, n, p
@@ -148,13 +138,14 @@ contains
     end do
   end subroutine add_operators
 
-  !> Put the draft behind what the mesh has.
+  !> Append the draft to the mesh.
   subroutine append_draft(draft, spec, mesh)
     type(draft_t), intent(inout) :: draft
     type(patch_spec_t), intent(in) :: spec
     type(mesh_t), intent(inout) :: mesh
     type(body_t) :: body
-    integer :: i, f, nblock, nbody, number
+    integer, allocatable :: new(:)
+    integer :: i, f, ib, n, nblock, nbody, number
 
     nblock = 0
     if (allocated(mesh%block)) nblock = size(mesh%block)
@@ -164,56 +155,45 @@ contains
     do i = 1, nblock
       if (allocated(mesh%block(i)%number)) number = max(number, maxval([0, mesh%block(i)%number]))
     end do
-    do i = 1, size(draft%block)
-      call finish_block(draft, i, mesh%nnode, nbody + 1, number)
+    do ib = 1, size(draft%block)
+      associate (b => draft%block(ib))
+        b%body = nbody + 1
+        b%conn = b%conn + mesh%nnode
+        b%number = [(number + i, i=1, b%nelem)]
+        number = number + b%nelem
+        if (.not. allocated(b%ext%iop)) cycle
+        new = [(0, i=0, size(draft%op))] ! the block gets the operators that it uses
+        n = 0
+        do i = 1, size(draft%op)
+          if (.not. any(b%ext%iop == i)) cycle
+          n = n + 1
+          new(i + 1) = n
+        end do
+        allocate (b%ext%op(n))
+        do i = 1, size(draft%op)
+          if (new(i + 1) > 0) b%ext%op(new(i + 1))%c = draft%op(i)%c
+        end do
+        do i = 1, b%nelem
+          b%ext%iop(:, i) = new(b%ext%iop(:, i) + 1)
+        end do
+      end associate
     end do
     body%name = spec%name
     body%place = spec%place
     body%node = [(mesh%nnode + i, i=1, draft%nnode)]
     body%mask = draft%mask(:draft%nnode)
     do f = 1, 6
-      associate (list => draft%face(f), n => draft%nface(f))
+      associate (list => draft%face(f), nface => draft%nface(f))
         if (.not. allocated(list%block)) allocate (list%block(0), list%elem(0), list%side(0))
-        body%face(f)%block = list%block(:n) + nblock
-        body%face(f)%elem = list%elem(:n)
-        body%face(f)%side = list%side(:n)
+        body%face(f)%block = list%block(:nface) + nblock
+        body%face(f)%elem = list%elem(:nface)
+        body%face(f)%side = list%side(:nface)
       end associate
     end do
     call append_blocks(mesh%block, draft%block)
     call append_body(mesh, body)
     call append_nodes(mesh, draft%xr(:, :draft%nnode), draft%is_control(:draft%nnode))
   end subroutine append_draft
-
-  !> Numbers of the mesh, and the operators that the block uses.
-  subroutine finish_block(draft, ib, nnode, body, number)
-    type(draft_t), intent(inout) :: draft
-    integer, intent(in) :: ib, nnode, body
-    integer, intent(inout) :: number !! of the last element so far
-    integer, allocatable :: new(:)
-    integer :: i, n
-
-    associate (b => draft%block(ib))
-      b%body = body
-      b%conn = b%conn + nnode
-      b%number = [(number + i, i=1, b%nelem)]
-      number = number + b%nelem
-      if (.not. allocated(b%ext%iop)) return
-      allocate (new(0:size(draft%op)), source=0)
-      n = 0
-      do i = 1, size(draft%op)
-        if (.not. any(b%ext%iop == i)) cycle
-        n = n + 1
-        new(i) = n
-      end do
-      allocate (b%ext%op(n))
-      do i = 1, size(draft%op)
-        if (new(i) > 0) b%ext%op(new(i))%c = draft%op(i)%c
-      end do
-      do i = 1, b%nelem
-        b%ext%iop(:, i) = new(b%ext%iop(:, i))
-      end do
-    end associate
-  end subroutine finish_block
 
   !> The row of an element type that a patch uses.
   subroutine find_row(spec, name, row, error)

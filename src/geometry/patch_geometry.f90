@@ -1,21 +1,20 @@
-!> The geometry of a body: box, hemisphere or NURBS patch, with the ends of its elements.
-!!
-!! Where the elements of a patch begin and end: parameters of the ELEMents and KNOTs records.
+!> The geometry of a patch: box, hemisphere or NURBS patch, and the ends of its elements, which are
+!! parameters that ELEMents or KNOTs give.
 module patch_geometry
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
-  use nurbs, only: nurbs_t, new_nurbs, evaluate
-  use bspline, only: spline_t, new_spline, greville, interpolate, span_list
-  use patch_spec, only: compose, patch_spec_t, knot_list_t, GEO_BOX, GEO_HEMISPHERE
+  use base_kinds, only: wp
   use base_text, only: to_text
+  use bspline, only: spline_t, new_spline, greville, interpolate, span_list
+  use nurbs, only: nurbs_t, new_nurbs, evaluate
+  use patch_spec, only: patch_spec_t, knot_list_t, compose, GEO_BOX, GEO_HEMISPHERE
   implicit none
   private
-  public :: geometry_t, new_geometry, point, greville_points, own_breaks, nurbs_breaks
+  public :: geometry_t, new_geometry, point, greville_points
 
-  !> What the mesher asks for points.
+  !> The map from parameters to points.
   type :: geometry_t
-    integer :: kind = 0
-    logical :: sampled = .false.      !! nodes stand on the map itself, not on its spline
+    integer :: type = 0               !! GEO_BOX and so on
+    logical :: sampled = .false.      !! nodes are points of the map itself, not of its spline
     real(wp) :: origin(3) = 0.0_wp    !! corner of a box, centre of a hemisphere [L]
     real(wp) :: length(3) = 0.0_wp    !! of a box [L]
     real(wp) :: radius = 0.0_wp       !! outer [L]
@@ -23,7 +22,7 @@ module patch_geometry
     type(nurbs_t) :: coarse           !! the patch before elevation and knot insertion
     integer :: n(3) = 0               !! elements
     type(knot_list_t) :: breaks(3)    !! ends of the elements, n(d)+1 parameters
-    type(knot_list_t) :: insert(3)    !! knots that `coarse` lacks
+    type(knot_list_t) :: insert(3)    !! knots that `coarse` does not have
     real(wp) :: turn(3, 3) = 0.0_wp   !! placement: x -> turn x + shift
     real(wp) :: shift(3) = 0.0_wp
     logical :: placed = .false.
@@ -37,9 +36,11 @@ contains
     integer, intent(in) :: degree
     type(geometry_t), intent(out) :: geo
     type(error_t), allocatable, intent(out) :: error
-    integer :: d
+    type(spline_t) :: dir(3)
+    real(wp) :: x(3, 8)
+    integer :: d, i
 
-    geo%kind = spec%geometry
+    geo%type = spec%geometry
     geo%origin = spec%origin
     geo%length = spec%length
     geo%n = spec%nelem
@@ -47,16 +48,23 @@ contains
       geo%placed = size(spec%placement) > 0
       call compose(spec%placement, geo%turn, geo%shift)
     end if
-    if (geo%kind == GEO_BOX .or. geo%kind == GEO_HEMISPHERE) then
+    if (geo%type == GEO_BOX .or. geo%type == GEO_HEMISPHERE) then
       do d = 1, 3
         call own_breaks(spec, d, geo%breaks(d)%u, error)
         if (allocated(error)) return
         allocate (geo%insert(d)%u(0))
       end do
     end if
-    select case (geo%kind)
+    select case (geo%type)
     case (GEO_BOX)
-      call box_patch(geo)
+      do d = 1, 3
+        dir(d) = new_spline(1, [geo%breaks(d)%u(1), geo%breaks(d)%u(geo%n(d) + 1)])
+        geo%insert(d)%u = geo%breaks(d)%u(2:geo%n(d))
+      end do
+      do i = 0, 7
+        x(:, i + 1) = geo%origin + geo%length*[mod(i, 2), mod(i/2, 2), i/4]
+      end do
+      call new_nurbs(geo%coarse, dir, x)
     case (GEO_HEMISPHERE)
       geo%radius = spec%radius
       geo%inner = (spec%radius - spec%thickness)/spec%radius
@@ -70,23 +78,6 @@ contains
       end do
     end select
   end subroutine new_geometry
-
-  !> A box is its eight corners.
-  subroutine box_patch(geo)
-    type(geometry_t), intent(inout) :: geo
-    type(spline_t) :: dir(3)
-    real(wp) :: x(3, 8)
-    integer :: d, i
-
-    do d = 1, 3
-      dir(d) = new_spline(1, [geo%breaks(d)%u(1), geo%breaks(d)%u(geo%n(d) + 1)])
-      geo%insert(d)%u = geo%breaks(d)%u(2:geo%n(d))
-    end do
-    do i = 0, 7
-      x(:, i + 1) = geo%origin + geo%length*[mod(i, 2), mod(i/2, 2), i/4]
-    end do
-    call new_nurbs(geo%coarse, dir, x)
-  end subroutine box_patch
 
   !> The surface space interpolates the map at its Greville points; direction 3 is linear.
   subroutine hemisphere_patch(geo, degree)
@@ -139,7 +130,7 @@ contains
     r = sqrt(a*a + b*b)
     x = [0.0_wp, 0.0_wp, -1.0_wp]
     if (max(abs(s), abs(t)) >= 1.0_wp) then
-      x = [a/r, b/r, 0.0_wp] ! the rim, to the bit
+      x = [a/r, b/r, 0.0_wp] ! exactly on the rim
     else if (r > 0.0_wp) then
       x = [a/r*sin(HALF_PI*r), b/r*sin(HALF_PI*r), -cos(HALF_PI*r)]
     end if
@@ -152,9 +143,12 @@ contains
     real(wp) :: x(3), t(3)
     integer :: d
 
-    if (geo%kind == GEO_BOX) then
+    if (geo%type == GEO_BOX) then
       do d = 1, 3
-        x(d) = along_box(geo, d, u(d))
+        associate (last => geo%breaks(d)%u(geo%n(d) + 1))
+          x(d) = geo%origin(d) + geo%length(d) ! exact at the end
+          if (u(d) < last) x(d) = geo%origin(d) + geo%length(d)*u(d)/last
+        end associate
       end do
     else if (geo%sampled) then
       do d = 1, 3
@@ -167,25 +161,12 @@ contains
     if (geo%placed) x = matmul(geo%turn, x) + geo%shift
   end function point
 
-  !> Coordinate d of a box; its ends are hit to the last bit.
-  pure real(wp) function along_box(geo, d, u) result(x)
-    type(geometry_t), intent(in) :: geo
-    integer, intent(in) :: d
-    real(wp), intent(in) :: u
-
-    associate (last => geo%breaks(d)%u(geo%n(d) + 1))
-      x = geo%origin(d) + geo%length(d)
-      if (u < last) x = geo%origin(d) + geo%length(d)*u/last
-    end associate
-  end function along_box
-
-  !> Placed control points of a space over the patch: Euclidean positions. `fixed` gives the
-  !! parameters of the directions that the space does not have.
+  !> Euclidean positions of the control points of a space over the patch, placed.
   subroutine greville_points(geo, space, dir, fixed, x)
     type(geometry_t), intent(in) :: geo
     type(nurbs_t), intent(in) :: space            !! directions 1 to size(dir) are used
     integer, intent(in) :: dir(:)                 !! their directions in the patch
-    real(wp), intent(in) :: fixed(3)
+    real(wp), intent(in) :: fixed(3)              !! parameters of the other directions
     real(wp), allocatable, intent(out) :: x(:, :) !! (3, ncp), direction 1 fastest [L]
     type(knot_list_t) :: g(3)
     integer :: n(4), i, j, k, d, a
@@ -201,7 +182,7 @@ contains
       do j = 1, n(3)
         do i = 1, n(2)
           a = a + 1
-          if (geo%kind == GEO_BOX) then ! the identity map, without the rounding of the insertion
+          if (geo%type == GEO_BOX) then ! without the rounding of knot insertion
             u = fixed
             u(dir(1)) = g(1)%u(i)
             u(dir(2)) = g(2)%u(j)
@@ -228,10 +209,11 @@ contains
       breaks = [0.0_wp, spec%knots(d)%u, 1.0_wp]
       call check_rising(spec, d, breaks, error)
     else
-      breaks = [(real(i, wp), i=0, spec%nelem(d))] ! whole numbers: equal spans are equal to the bit
+      breaks = [(real(i, wp), i=0, spec%nelem(d))] ! equal spans are exactly equal
     end if
   end subroutine own_breaks
 
+  !> Element ends increase strictly.
   subroutine check_rising(spec, d, breaks, error)
     type(patch_spec_t), intent(in) :: spec
     integer, intent(in) :: d
@@ -239,8 +221,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (all(breaks(2:) > breaks(:size(breaks) - 1))) return
-    call fail(error, DECK_ERROR, 'knots of direction '//to_text(d)//" of patch '"//spec%name &
-              //"' do not rise from "//to_text(breaks(1))//' to '//to_text(breaks(size(breaks))), &
+    call fail(error, DECK_ERROR, 'the knots in direction '//to_text(d)//" of patch '"//spec%name &
+              //"' do not increase from "//to_text(breaks(1))//' to '//to_text(breaks(size(breaks))), &
               spec%place, 'KNOTs,dir lists the interior knots only, each once')
   end subroutine check_rising
 
@@ -250,23 +232,40 @@ contains
     integer, intent(in) :: d
     real(wp), allocatable, intent(out) :: breaks(:), insert(:)
     type(error_t), allocatable, intent(out) :: error
+    real(wp), parameter :: SAME = 1.0e-10_wp ! of the range: the same knot in fewer digits
     real(wp), allocatable :: old(:)
+    logical, allocatable :: is_old(:)
     integer, allocatable :: k(:)
     integer :: e, i, m
 
     associate (s => spec%nurbs%dir(d))
       call span_list(s, k)
-      old = [s%knots(k), s%knots(size(s%knots))]
+      allocate (old, source=[s%knots(k), s%knots(size(s%knots))])
     end associate
-    if (allocated(spec%knots(d)%u)) then
-      call graded_breaks(spec, d, old, breaks, insert, error)
+    if (allocated(spec%knots(d)%u)) then ! these must hold the knots of the patch
+      breaks = [old(1), spec%knots(d)%u, old(size(old))]
+      call check_rising(spec, d, breaks, error)
+      if (allocated(error)) return
+      is_old = [(.false., i=1, size(breaks))]
+      do e = 1, size(old)
+        i = minloc(abs(breaks - old(e)), 1)
+        if (abs(breaks(i) - old(e)) > SAME*(old(size(old)) - old(1))) then
+          call fail(error, DECK_ERROR, "patch '"//spec%name//"' has a knot at "//to_text(old(e)) &
+                    //' in direction '//to_text(d)//' that is missing in KNOTs', spec%place, &
+                    'knots cannot be removed: add it to the list')
+          return
+        end if
+        breaks(i) = old(e)
+        is_old(i) = .true.
+      end do
+      insert = pack(breaks, .not. is_old)
       return
     end if
     m = spec%nelem(d)/size(k)
     if (m*size(k) /= spec%nelem(d)) then
       call fail(error, DECK_ERROR, &
-                to_text(spec%nelem(d))//' elements in direction '//to_text(d)//" of patch '" &
-                //spec%name//"', which has "//to_text(size(k))//' knot spans', spec%place, &
+                "patch '"//spec%name//"' has "//to_text(spec%nelem(d))//' elements in direction ' &
+                //to_text(d)//', but '//to_text(size(k))//' knot spans', spec%place, &
                 'give a multiple of '//to_text(size(k))//', or KNOTs,'//to_text(d)//' list')
       return
     end if
@@ -274,34 +273,5 @@ contains
               old(size(old))]
     insert = pack(breaks, [(mod(e - 1, m) /= 0, e=1, size(breaks))])
   end subroutine nurbs_breaks
-
-  !> The same for a KNOTs list, which has to hold the knots of the patch.
-  subroutine graded_breaks(spec, d, old, breaks, insert, error)
-    type(patch_spec_t), intent(in) :: spec
-    integer, intent(in) :: d
-    real(wp), intent(in) :: old(:)
-    real(wp), allocatable, intent(out) :: breaks(:), insert(:)
-    type(error_t), allocatable, intent(out) :: error
-    real(wp), parameter :: SAME = 1.0e-10_wp ! of the range: the same knot in fewer digits
-    logical, allocatable :: is_old(:)
-    integer :: i, j
-
-    breaks = [old(1), spec%knots(d)%u, old(size(old))]
-    call check_rising(spec, d, breaks, error)
-    if (allocated(error)) return
-    allocate (is_old(size(breaks)), source=.false.)
-    do i = 1, size(old)
-      j = minloc(abs(breaks - old(i)), 1)
-      if (abs(breaks(j) - old(i)) > SAME*(old(size(old)) - old(1))) then
-        call fail(error, DECK_ERROR, "patch '"//spec%name//"' has a knot at "//to_text(old(i)) &
-                  //' in direction '//to_text(d)//' that KNOTs leaves out', spec%place, &
-                  'knots cannot be removed: add it to the list')
-        return
-      end if
-      breaks(j) = old(i)
-      is_old(j) = .true.
-    end do
-    insert = pack(breaks,.not. is_old)
-  end subroutine graded_breaks
 
 end module patch_geometry

@@ -1,4 +1,4 @@
-!> What a NURBS patch must fulfil to be a body.
+!> Checks of a NURBS patch or surface: knots, weights, orientation.
 module patch_nurbs
   use base_kinds, only: wp
   use base_error, only: error_t, place_t, fail, DECK_ERROR
@@ -15,11 +15,11 @@ module patch_nurbs
 
 contains
 
-  !> A patch of so many directions with open knot vectors and positive weights.
+  !> Knot vectors are open, coordinates finite and weights positive.
   subroutine check_nurbs(patch, ndir, what, place, error)
     type(nurbs_t), intent(in) :: patch
     integer, intent(in) :: ndir      !! 2 or 3
-    character(*), intent(in) :: what !! whose patch it is, for the message
+    character(*), intent(in) :: what !! its name for the message
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
     integer :: d, i
@@ -35,7 +35,7 @@ contains
     end do
     do i = 1, 4
       if (any(.not. abs(patch%cp(i, :, :, :)) <= huge(1.0_wp))) then
-        call fail(error, DECK_ERROR, what//' has a coordinate that is not a number', place)
+        call fail(error, DECK_ERROR, what//' has a coordinate that is not a finite number', place)
         return
       end if
     end do
@@ -55,7 +55,7 @@ contains
 
     p = s%degree
     if (p < 1 .or. p > MAX_DEGREE) then
-      call fail(error, DECK_ERROR, what//': degree '//to_text(p), place, 'degrees are 1 to ' &
+      call fail(error, DECK_ERROR, what//': the degree is '//to_text(p), place, 'degrees are 1 to ' &
                 //to_text(MAX_DEGREE))
       return
     end if
@@ -68,24 +68,24 @@ contains
       return
     end if
     if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
-      call fail(error, DECK_ERROR, what//': knots fall', place, 'list them in rising order')
+      call fail(error, DECK_ERROR, what//': the knots do not increase', place, 'list them in rising order')
       return
     end if
     if (s%knots(p + 1) > s%knots(1) .or. s%knots(last - p) < s%knots(last) &
         .or. .not. s%knots(last) > s%knots(1)) then
       call fail(error, DECK_ERROR, what//': the knot vector is not open', place, &
-                'its first and last knot each stand '//to_text(p + 1)//' times')
+                'repeat its first and last knot '//to_text(p + 1)//' times each')
       return
     end if
     do i = 2, last - p - 1
       if (s%knots(i + p) > s%knots(i)) cycle
-      call fail(error, DECK_ERROR, what//': the knot '//to_text(s%knots(i))//' stands more than ' &
-                //to_text(p)//' times', place, 'the patch would fall apart there: make two patches')
+      call fail(error, DECK_ERROR, what//': the knot '//to_text(s%knots(i))//' is repeated more than ' &
+                //to_text(p)//' times', place, 'the patch is discontinuous there: make two patches')
       return
     end do
   end subroutine check_knots
 
-  !> The map must not be left-handed or folded.
+  !> The map is neither left-handed nor folded.
   subroutine check_orientation(patch, name, place, error)
     type(nurbs_t), intent(in) :: patch
     character(*), intent(in) :: name
@@ -115,7 +115,7 @@ contains
     if (most <= 0.0_wp .and. least < 0.0_wp) then
       call fail(error, DECK_ERROR, "patch '"//name//"' is left-handed: its Jacobian is negative", &
                 place, 'exchange directions 1 and 2 (numbers, knots and order of the points), ' &
-                //'or run direction 3 the other way')
+                //'or reverse direction 3')
     else if (least < 0.0_wp) then
       call fail(error, DECK_ERROR, "patch '"//name//"' folds over: its Jacobian changes sign", &
                 place, 'worst in knot span '//to_text(bad(1))//' '//to_text(bad(2))//' ' &

@@ -1,8 +1,5 @@
-!> What a PATCh block says, before it is meshed.
-!!
-!! What a SPLIne block says beside what it has in common with a PATCh.
-!!
-!! Where a body is put: the ROTAte, TRANslate and SCALe records of a patch or mesh as one map.
+!> What a PATCh or SPLIne block says before it is meshed, and the map of its ROTAte, TRANslate and
+!! SCALe records.
 module patch_spec
   use base_kinds, only: wp
   use base_error, only: place_t
@@ -13,13 +10,14 @@ module patch_spec
   private
   public :: patch_spec_t, enrich_t, placement_t, spline_spec_t, compose, rotation
 
+  !> What a SPLIne block has besides a PATCh.
   type :: spline_spec_t
     type(spline_surface_t) :: surface
     logical :: reverse = .false.          !! REVErse: the outside is the other side
     type(place_t) :: reverse_place
     logical :: has_layer = .false.
     integer, allocatable :: inner(:, :)   !! (4, nelem) inner nodes, numbers of the mesh
-    character(:), allocatable :: mesh     !! MESH that they belong to; not allocated: the deck
+    character(:), allocatable :: mesh     !! MESH of these nodes; not allocated: the deck
     type(place_t) :: layer_place, mesh_place
     type(constraint_t) :: constraint      !! CONStraint, numbers of the mesh
     type(place_t) :: constraint_place
@@ -52,6 +50,7 @@ module patch_spec
     real(wp), allocatable :: u(:)
   end type knot_list_t
 
+  !> What a PATCh block says.
   type :: patch_spec_t
     character(:), allocatable :: name
     type(place_t) :: place
@@ -122,6 +121,7 @@ contains
     r(3, 1) = r(3, 1) - s*axis(2)
   end function rotation
 
+  !> A cosine without the rounding of right angles.
   pure elemental real(wp) function clean(c)
     real(wp), intent(in) :: c
 

@@ -38,7 +38,7 @@ contains
     side_of = mod(face + 1, 2)
   end function side_of
 
-  !> Local face of an element of this surface's layer that looks the way `face` does.
+  !> Local face of an element of this surface's layer that is parallel to `face` of the patch.
   pure integer function local_side(s, face)
     type(surface_t), intent(in) :: s
     integer, intent(in) :: face
@@ -54,53 +54,60 @@ contains
     end if
   end function local_side
 
-  !> Spaces and control points of all enriched faces; the curve of a common edge is made once.
+  !> Spaces and control points of all enriched faces; the control points of a common edge are made
+  !! once. Order elevation comes first, then knot insertion, then RAISe (Corbett and Sauer 2015,
+  !! section 2.5).
   subroutine make_surfaces(spec, geo, draft, surface)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
     type(draft_t), intent(inout) :: draft
     type(surface_t), allocatable, intent(out) :: surface(:)
-    integer :: i, j
+    real(wp), allocatable :: x(:, :)
+    real(wp) :: fixed(3)
+    integer :: i, j, l, n(2), mask
 
     allocate (surface(size(spec%enrich)))
-    do i = 1, size(surface)
-      call make_space(geo, spec%enrich(i)%face, spec%enrich(i)%degree, spec%enrich(i)%raise, &
-                      surface(i))
-      do j = 1, 2
-        associate (s => surface(i))
-          s%degree(s%dir(j)) = s%space%dir(j)%degree
-          call add_operators(draft, s%space%dir(j), s%span(s%dir(j)))
-        end associate
-      end do
-      do j = 1, i - 1
-        if (surface(j)%axis /= surface(i)%axis) call share_edge(surface(j), surface(i))
-      end do
-      call add_control_points(geo, draft, surface(i))
+    do l = 1, size(surface)
+      associate (s => surface(l), e => spec%enrich(l))
+        s%face = e%face
+        s%axis = axis_of(e%face)
+        s%side = side_of(e%face)
+        s%xi = XI_OF(e%face)
+        s%eta = ETA_OF(e%face)
+        s%dir = [min(s%xi, s%eta), max(s%xi, s%eta)]
+        call face_of(geo%coarse, s%axis, s%side, s%space)
+        do i = 1, 2
+          call elevate(s%space, i, e%degree - s%space%dir(i)%degree)
+          call insert_knots(s%space, i, geo%insert(s%dir(i))%u)
+          call elevate(s%space, i, e%raise)
+        end do
+        s%rational = is_rational(s%space)
+        n = [size(s%space%cp, 2), size(s%space%cp, 3)]
+        allocate (s%node(n(1), n(2)), source=0)
+        do i = 1, 2
+          s%degree(s%dir(i)) = s%space%dir(i)%degree
+          call add_operators(draft, s%space%dir(i), s%span(s%dir(i)))
+        end do
+        do i = 1, l - 1
+          if (surface(i)%axis /= s%axis) call share_edge(surface(i), s)
+        end do
+        fixed = 0.0_wp
+        fixed(s%axis) = geo%breaks(s%axis)%u(1 + s%side*geo%n(s%axis))
+        call greville_points(geo, s%space, s%dir, fixed, x)
+        do j = 1, n(2)
+          do i = 1, n(1)
+            if (s%node(i, j) > 0) cycle
+            mask = ibset(0, s%face - 1)
+            if (i == 1) mask = ibset(mask, 2*s%dir(1) - 2)
+            if (i == n(1)) mask = ibset(mask, 2*s%dir(1) - 1)
+            if (j == 1) mask = ibset(mask, 2*s%dir(2) - 2)
+            if (j == n(2)) mask = ibset(mask, 2*s%dir(2) - 1)
+            call add_node(draft, x(:, i + n(1)*(j - 1)), .true., mask, s%node(i, j))
+          end do
+        end do
+      end associate
     end do
   end subroutine make_surfaces
-
-  !> Order elevation, then knots, then RAISe: paper, section 2.5.
-  subroutine make_space(geo, face, degree, raise, s)
-    type(geometry_t), intent(in) :: geo
-    integer, intent(in) :: face, degree, raise
-    type(surface_t), intent(out) :: s
-    integer :: d
-
-    s%face = face
-    s%axis = axis_of(face)
-    s%side = side_of(face)
-    s%xi = XI_OF(face)
-    s%eta = ETA_OF(face)
-    s%dir = [min(s%xi, s%eta), max(s%xi, s%eta)]
-    call face_of(geo%coarse, s%axis, s%side, s%space)
-    do d = 1, 2
-      call elevate(s%space, d, degree - s%space%dir(d)%degree)
-      call insert_knots(s%space, d, geo%insert(s%dir(d))%u)
-      call elevate(s%space, d, raise)
-    end do
-    s%rational = is_rational(s%space)
-    allocate (s%node(size(s%space%cp, 2), size(s%space%cp, 3)), source=0)
-  end subroutine make_space
 
   !> Surface b takes the control points of the edge that it has in common with a.
   subroutine share_edge(a, b)
@@ -127,32 +134,6 @@ contains
 
     at_end = merge(1, size(s%node, d), side == 0)
   end function at_end
-
-  !> Control points that no neighbour has made.
-  subroutine add_control_points(geo, draft, s)
-    type(geometry_t), intent(in) :: geo
-    type(draft_t), intent(inout) :: draft
-    type(surface_t), intent(inout) :: s
-    real(wp), allocatable :: x(:, :)
-    real(wp) :: fixed(3)
-    integer :: i, j, n(2), mask
-
-    fixed = 0.0_wp
-    fixed(s%axis) = geo%breaks(s%axis)%u(1 + s%side*geo%n(s%axis))
-    call greville_points(geo, s%space, s%dir, fixed, x)
-    n = shape(s%node)
-    do j = 1, n(2)
-      do i = 1, n(1)
-        if (s%node(i, j) > 0) cycle
-        mask = ibset(0, s%face - 1)
-        if (i == 1) mask = ibset(mask, 2*s%dir(1) - 2)
-        if (i == n(1)) mask = ibset(mask, 2*s%dir(1) - 1)
-        if (j == 1) mask = ibset(mask, 2*s%dir(2) - 2)
-        if (j == n(2)) mask = ibset(mask, 2*s%dir(2) - 1)
-        call add_node(draft, x(:, i + n(1)*(j - 1)), .true., mask, s%node(i, j))
-      end do
-    end do
-  end subroutine add_control_points
 
   !> Control points and weights of the functions over one cell, xi fastest.
   subroutine surface_functions(s, cell, node, w)
