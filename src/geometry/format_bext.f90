@@ -96,7 +96,7 @@ contains
       if (words_left(text) /= 6) then
         call fail_in_file(text, 'expected a group of elements with 6 numbers, found ' &
                           //to_text(words_left(text)), error, &
-                          'a surface has etype ne nn ncv and two degrees; a solid has three degrees')
+                          'they are etype ne nn ncv and the two degrees of a surface')
         return
       end if
       call next_integer(text, 'a type of elements', etype, error)
@@ -183,8 +183,8 @@ contains
           call new_vector(vectors, maxval([0, at]))
         end if
         do i = 1, length(b)
-          call next_real(text, 'a coefficient', vectors%value(vectors%first(vectors%n) + at(i) - 1), &
-                         error)
+          call next_real(text, 'a coefficient', &
+                         vectors%value(vectors%first(vectors%n) + at(i) - 1), error)
           if (allocated(error)) return
         end do
       end do

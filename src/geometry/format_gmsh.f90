@@ -48,9 +48,18 @@ contains
       case ('$Elements')
         call read_elements(text, is_new, entity, file, error)
       case default
-        call skip_section(text, section, error)
-        if (allocated(error)) return
-        cycle
+        ! a section that holds no mesh
+        i = index(text%all(text%at:), '$End'//section(2:))
+        if (section(1:1) /= '$') then
+          call fail_in_file(text, 'expected a section, found '//quoted(section), error, &
+                            'sections of a Gmsh file begin with $')
+        else if (section == '$PartitionedEntities') then
+          call fail_in_file(text, 'the mesh is partitioned', error, 'write it in one part')
+        else if (i == 0) then
+          call fail_in_file(text, 'section '//section//' has no $End'//section(2:), error)
+        else
+          text%at = text%at + i - 1
+        end if
       end select
       if (allocated(error)) return
       call next_word(text, word)
@@ -104,7 +113,7 @@ contains
     call next_integer(text, 'the size of reals', size_of, error)
   end subroutine read_format
 
-  !> Dimension, tag and name in quotes of the physical groups, kept as groups of a file of their own.
+  !> Dimension, tag and quoted name of the physical groups, kept as groups of a separate file.
   subroutine read_names(text, names, error)
     type(text_t), intent(inout) :: text
     type(mesh_file_t), intent(out) :: names
@@ -168,8 +177,8 @@ contains
     entity = entity(:, :m)
   end subroutine read_entities
 
-  !> Elements of all shapes. Version 2.2 has number, type, tags (the first is the physical group) and
-  !! nodes in each record; version 4.1 has blocks of one type on one entity.
+  !> Elements of all shapes. Version 2.2 has number, type, tags (the first is the physical group)
+  !! and nodes in each record; version 4.1 has blocks of one type on one entity.
   subroutine read_elements(text, is_new, entity, file, error)
     type(text_t), intent(inout) :: text
     logical, intent(in) :: is_new
@@ -248,28 +257,6 @@ contains
     end associate
     call add_element(file, s, label, own, spot)
   end subroutine read_element
-
-  !> Skip a section that holds no mesh.
-  subroutine skip_section(text, name, error)
-    type(text_t), intent(inout) :: text
-    character(*), intent(in) :: name
-    type(error_t), allocatable, intent(out) :: error
-    integer :: i
-
-    if (name(1:1) /= '$') then
-      call fail_in_file(text, 'expected a section, found '//quoted(name), error, &
-                        'sections of a Gmsh file begin with $')
-    else if (name == '$PartitionedEntities') then
-      call fail_in_file(text, 'the mesh is partitioned', error, 'write it in one part')
-    else
-      i = index(text%all(text%at:), '$End'//name(2:))
-      if (i == 0) then
-        call fail_in_file(text, 'section '//name//' has no $End'//name(2:), error)
-      else
-        text%at = text%at + i - 1 + len('$End'//name(2:))
-      end if
-    end if
-  end subroutine skip_section
 
   !> Numbers and coordinates. Version 4.1 has blocks: their entity and number of nodes, the numbers,
   !! the coordinates, which parameters of the entity may follow.

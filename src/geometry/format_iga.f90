@@ -7,8 +7,8 @@ module format_iga
   use base_kinds, only: wp
   use base_error, only: error_t
   use base_text, only: to_text, quoted
-  use format_text, only: text_t, fail_in_file, next_word, next_integer, next_count, next_reals, &
-                         words_left
+  use format_text, only: text_t, fail_in_file, next_word, next_integer, next_integers, next_count, &
+                         next_reals, words_left
   use spline_surface, only: spline_surface_t, start_surface, add_point, check_sizes, add_element, &
                             finish_surface
   implicit none
@@ -23,8 +23,10 @@ contains
     type(spline_surface_t), intent(out) :: surface
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: word
-    integer :: i, nnode, nelem
+    integer, allocatable :: node(:)
+    real(wp), allocatable :: c(:, :)
     real(wp) :: x(4)
+    integer :: a, at, degree(2), i, last, n, nnode, nelem
 
     text%comment = '#'
     call next_keyword(text, 'type', error)
@@ -48,8 +50,33 @@ contains
       if (allocated(error)) return
     end do
     do i = 1, nelem
-      call read_element(text, surface, error)
+      ! belem nshl p q, control points from 0, and a row of coefficients for each of them
+      call next_keyword(text, 'belem', error)
       if (allocated(error)) return
+      at = text%at
+      if (words_left(text) /= 3) then
+        call fail_in_file(text, 'expected belem with 3 numbers, found ' &
+                          //to_text(words_left(text)), error, &
+                          'they are the number of functions and the two degrees of a surface')
+        return
+      end if
+      call next_integer(text, 'a number of functions', n, error)
+      if (.not. allocated(error)) call next_integers(text, 'a degree', degree, error)
+      if (.not. allocated(error)) call check_sizes(text, i, degree, n, error)
+      if (allocated(error)) return
+      node = [(0, a=1, n)]
+      call next_integers(text, 'the number of a control point', node, error)
+      if (allocated(error)) return
+      c = reshape([real(wp) ::], [n, product(degree + 1)], pad=[0.0_wp])
+      do a = 1, n
+        call next_reals(text, 'a coefficient', c(a, :), error)
+        if (allocated(error)) return
+      end do
+      last = text%at
+      text%at = at
+      call add_element(text, degree, node + 1, c, surface, error)
+      if (allocated(error)) return
+      text%at = last
     end do
     call next_word(text, word)
     if (len(word) == 0 .or. word == 'set') then
@@ -77,42 +104,5 @@ contains
                         'counts of control points, elements or functions may be wrong')
     end if
   end subroutine next_keyword
-
-  !> belem nshl p q, control points from 0, and a row of coefficients for each of them.
-  subroutine read_element(text, surface, error)
-    type(text_t), intent(inout) :: text
-    type(spline_surface_t), intent(inout) :: surface
-    type(error_t), allocatable, intent(out) :: error
-    integer, allocatable :: node(:)
-    real(wp), allocatable :: c(:, :)
-    integer :: a, at, n, degree(2)
-
-    call next_keyword(text, 'belem', error)
-    if (allocated(error)) return
-    at = text%at
-    if (words_left(text) /= 3) then
-      call fail_in_file(text, 'expected belem with 3 numbers, found '//to_text(words_left(text)), &
-                        error, 'an element of a surface has its number of functions and two degrees')
-      return
-    end if
-    call next_integer(text, 'a number of functions', n, error)
-    if (.not. allocated(error)) call next_integer(text, 'a degree', degree(1), error)
-    if (.not. allocated(error)) call next_integer(text, 'a degree', degree(2), error)
-    if (.not. allocated(error)) call check_sizes(text, surface%nelem + 1, degree, n, error)
-    if (allocated(error)) return
-    allocate (node(n), c(n, product(degree + 1)))
-    do a = 1, n
-      call next_integer(text, 'the number of a control point', node(a), error)
-      if (allocated(error)) return
-    end do
-    do a = 1, n
-      call next_reals(text, 'a coefficient', c(a, :), error)
-      if (allocated(error)) return
-    end do
-    a = text%at
-    text%at = at
-    call add_element(text, degree, node + 1, c, surface, error)
-    text%at = a
-  end subroutine read_element
 
 end module format_iga

@@ -101,7 +101,8 @@ contains
     call new_nurbs(patch, dir, mfem%x(:, at), mfem%w(at))
   end subroutine read_mfem
 
-  !> Everything up to the knot vectors.
+  !> Everything up to the knot vectors. Vertices and knot vectors of elements and edges exist, and
+  !! the vertices of an element differ.
   subroutine read_topology(text, mfem, error)
     type(text_t), intent(inout) :: text
     type(mfem_t), intent(inout) :: mfem
@@ -157,8 +158,7 @@ contains
         call next_count(text, 'the number of vertices', mfem%nvertex, error)
       case ('knotvectors')
         call read_knots(text, mfem%dir, error)
-        if (.not. allocated(error)) call check_topology(text, mfem, error)
-        return
+        exit
       case ('')
         call fail_in_file(text, 'expected knotvectors, found the end of the file', error)
       case default
@@ -168,6 +168,21 @@ contains
       end select
       if (allocated(error)) return
     end do
+    if (allocated(error)) return
+    if (.not. (allocated(mfem%vertex) .and. allocated(mfem%edge))) then
+      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
+    else if (size(mfem%vertex) == 0 .or. size(mfem%edge) == 0) then
+      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
+    else if (max(maxval(mfem%vertex), maxval(mfem%edge(2:3, :))) >= mfem%nvertex) then
+      call fail_in_file(text, 'a vertex is not among the '//to_text(mfem%nvertex)//' of the file', &
+                        error)
+    else if (any([((any(mfem%vertex(i + 1:, e) == mfem%vertex(i, e)), i=1, 7), &
+                   e=1, size(mfem%vertex, 2))])) then
+      call fail_in_file(text, 'an element has a vertex twice', error)
+    else if (maxval(mfem%edge(1, :)) >= size(mfem%dir)) then
+      call fail_in_file(text, 'an edge has a knot vector that is not among the ' &
+                    //to_text(size(mfem%dir))//' of the file', error)
+    end if
   end subroutine read_topology
 
   subroutine read_knots(text, dir, error)
@@ -194,28 +209,6 @@ contains
       if (allocated(error)) return
     end do
   end subroutine read_knots
-
-  !> Vertices and knot vectors exist, and the vertices of an element differ.
-  subroutine check_topology(text, mfem, error)
-    type(text_t), intent(in) :: text
-    type(mfem_t), intent(in) :: mfem
-    type(error_t), allocatable, intent(out) :: error
-    integer :: e, i
-
-    if (.not. (allocated(mfem%vertex) .and. allocated(mfem%edge))) then
-      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
-    else if (size(mfem%vertex) == 0 .or. size(mfem%edge) == 0) then
-      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
-    else if (max(maxval(mfem%vertex), maxval(mfem%edge(2:3, :))) >= mfem%nvertex) then
-      call fail_in_file(text, 'a vertex is not among the '//to_text(mfem%nvertex)//' of the file', error)
-    else if (any([((any(mfem%vertex(i + 1:, e) == mfem%vertex(i, e)), i=1, 7), &
-                   e=1, size(mfem%vertex, 2))])) then
-      call fail_in_file(text, 'an element has a vertex twice', error)
-    else if (maxval(mfem%edge(1, :)) >= size(mfem%dir)) then
-      call fail_in_file(text, 'an edge has a knot vector that is not among the ' &
-                    //to_text(size(mfem%dir))//' of the file', error)
-    end if
-  end subroutine check_topology
 
   !> Weights and positions.
   subroutine read_points(text, mfem, error)

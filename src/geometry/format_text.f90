@@ -11,7 +11,7 @@ module format_text
             next_real, next_reals, words_left, next_line
 
   integer(i8), parameter :: MAX_SIZE = 1000000000_i8 !! bytes
-  character(*), parameter :: MARK = char(239)//char(187)//char(191) !! of UTF-8 files written by Windows
+  character(*), parameter :: MARK = char(239)//char(187)//char(191) !! byte order mark
 
   !> A file in memory and a position in it.
   type :: text_t
@@ -37,7 +37,8 @@ contains
     if (file%kind == FILE_ABSENT) then
       call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': '//file%reason, place)
     else if (file%kind /= FILE_REGULAR) then
-      call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it is not a regular file', place)
+      call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it is not a regular file', &
+                place)
     else if (file%size > MAX_SIZE) then
       call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it has ' &
                 //to_text(file%size)//' bytes', place, 'expected a text file of less than 1 GB')

@@ -41,76 +41,66 @@ contains
                       //'3 dimensions, and give the volume a physical group if anything has one')
   end subroutine check_shapes
 
-  !> Nodes of an element differ, and its map is right-handed at all integration points.
+  !> Nodes of an element differ, and its map is right-handed at all integration points. Jacobians
+  !! are those of the map from the reference element: the map from the parent cube of a collapsed
+  !! element is nearly singular where the cube is collapsed.
   subroutine check_elements(file, text, volume, error)
     type(mesh_file_t), intent(in) :: file
     type(text_t), intent(inout) :: text
     real(wp), intent(out) :: volume          !! of the body [L^3]
     type(error_t), allocatable, intent(out) :: error
-    integer :: s
+    type(rule_t) :: rule
+    character(:), allocatable :: name
+    real(wp), allocatable :: x(:, :), shp(:), dshp(:, :, :), full(:)
+    real(wp) :: least, det, extent
+    integer :: e, q, s
 
     volume = 0.0_wp
     do s = 1, size(file%shapes)
-      if (file%shapes(s)%row%name == '') cycle
-      if (.not. any(file%shape(:file%nelem) == s)) cycle
-      call check_shape(file, s, text, volume, error)
-      if (allocated(error)) return
+      if (file%shapes(s)%row%name == '' .or. .not. any(file%shape(:file%nelem) == s)) cycle
+      associate (row => file%shapes(s)%row, cell => file%shapes(s)%cell, &
+                 xr => file%shapes(s)%topology%xr)
+        call row%rule(cell, 0, 0, rule)
+        shp = [(0.0_wp, q=1, file%shapes(s)%nen)]
+        full = [(0.0_wp, q=1, rule%nq)]
+        if (allocated(dshp)) deallocate (dshp)
+        allocate (dshp(3, size(shp), rule%nq))
+        do q = 1, rule%nq
+          call row%functions(cell, rule%xi(:, q), shp, dshp(:, :, q))
+          full(q) = abs(det3(matmul(xr, transpose(dshp(:, :, q)))))
+        end do
+      end associate
+      do e = 1, file%nelem
+        if (file%shape(e) /= s .or. .not. file%solid(e)) cycle
+        text%at = file%spot(e)
+        associate (node => file%node(file%first(e):file%first(e + 1) - 1))
+          if (size(unique(node)) < size(node)) then
+            call fail_in_file(text, 'element '//to_text(file%label(e))//' has a node twice', &
+                              error, 'write collapsed hexahedra as wedges, pyramids or tetrahedra')
+            return
+          end if
+          x = file%x(:, node)
+        end associate
+        least = huge(least)
+        do q = 1, rule%nq
+          det = det3(matmul(x, transpose(dshp(:, :, q))))
+          least = min(least, det/full(q))
+          volume = volume + rule%wgt(q)*det
+        end do
+        extent = maxval(maxval(x, 2) - minval(x, 2))
+        if (least > FLAT*extent**3) cycle
+        name = trim(file%shapes(s)%name)//' '//to_text(file%label(e))
+        if (least > -FLAT*extent**3) then
+          call fail_in_file(text, name//' has no volume', error, &
+                            'its nodes lie in one plane: remove it, or mesh again')
+        else
+          call fail_in_file(text, name//' is inverted', error, &
+                            'reverse the order of its nodes (in Gmsh: ReorientMesh Volume), or ' &
+                            //'straighten it where it is curved (Mesh.ElementOrder = 1)')
+        end if
+        return
+      end do
     end do
   end subroutine check_elements
-
-  !> Elements of one shape. Jacobians are those of the map from the reference element: the map from
-  !! the parent cube of a collapsed element is nearly singular where the cube is collapsed.
-  subroutine check_shape(file, s, text, volume, error)
-    type(mesh_file_t), intent(in) :: file
-    integer, intent(in) :: s
-    type(text_t), intent(inout) :: text
-    real(wp), intent(inout) :: volume
-    type(error_t), allocatable, intent(out) :: error
-    type(rule_t) :: rule
-    character(:), allocatable :: name
-    real(wp) :: x(3, file%shapes(s)%nen), shp(file%shapes(s)%nen), least, det, extent
-    real(wp), allocatable :: dshp(:, :, :), full(:)
-    integer :: e, q
-
-    associate (row => file%shapes(s)%row, cell => file%shapes(s)%cell, &
-               xr => file%shapes(s)%topology%xr)
-      call row%rule(cell, 0, 0, rule)
-      allocate (dshp(3, file%shapes(s)%nen, rule%nq), full(rule%nq))
-      do q = 1, rule%nq
-        call row%functions(cell, rule%xi(:, q), shp, dshp(:, :, q))
-        full(q) = abs(det3(matmul(xr, transpose(dshp(:, :, q)))))
-      end do
-    end associate
-    do e = 1, file%nelem
-      if (file%shape(e) /= s .or. .not. file%solid(e)) cycle
-      text%at = file%spot(e)
-      associate (node => file%node(file%first(e):file%first(e + 1) - 1))
-        if (size(unique(node)) < size(node)) then
-          call fail_in_file(text, 'element '//to_text(file%label(e))//' has a node twice', error, &
-                            'write collapsed hexahedra as wedges, pyramids or tetrahedra')
-          return
-        end if
-        x = file%x(:, node)
-      end associate
-      least = huge(least)
-      do q = 1, rule%nq
-        det = det3(matmul(x, transpose(dshp(:, :, q))))
-        least = min(least, det/full(q))
-        volume = volume + rule%wgt(q)*det
-      end do
-      extent = maxval(maxval(x, 2) - minval(x, 2))
-      if (least > FLAT*extent**3) cycle
-      name = trim(file%shapes(s)%name)//' '//to_text(file%label(e))
-      if (least > -FLAT*extent**3) then
-        call fail_in_file(text, name//' has no volume', error, &
-                          'its nodes lie in one plane: remove it, or mesh again')
-      else
-        call fail_in_file(text, name//' is inverted', error, &
-                          'reverse the order of its nodes (in Gmsh: ReorientMesh Volume), or ' &
-                          //'straighten it where it is curved (Mesh.ElementOrder = 1)')
-      end if
-      return
-    end do
-  end subroutine check_shape
 
 end module mesh_check

@@ -30,12 +30,34 @@ contains
     type(text_t), intent(inout) :: text
     type(faces_t), intent(out) :: faces
     type(error_t), allocatable, intent(out) :: error
-    integer, allocatable :: order(:)
-    integer :: f, last, newest, same
+    integer, allocatable :: list(:), order(:), side(:)
+    integer :: e, f, i, last, newest, room, s, same
 
-    call collect_faces(file, faces)
+    room = 0
+    do e = 1, file%nelem
+      if (file%solid(e)) room = room + file%shapes(file%shape(e))%topology%nface
+    end do
+    allocate (faces%key(room), faces%corner(MOST, room), faces%elem(room), faces%side(room))
+    do s = 1, size(file%shapes)
+      if (file%shapes(s)%dim < 3 .or. .not. any(file%shape(:file%nelem) == s)) cycle
+      associate (topology => file%shapes(s)%topology)
+        do e = 1, file%nelem
+          if (file%shape(e) /= s .or. .not. file%solid(e)) cycle
+          do f = 1, topology%nface ! with fewer than three corners, it is collapsed
+            side = topology%node(topology%first(f):topology%first(f + 1) - 1)
+            list = pack(side, [(any(topology%corner == side(i)), i=1, size(side))])
+            if (size(list) < 3) cycle
+            faces%n = faces%n + 1
+            faces%elem(faces%n) = e
+            faces%side(faces%n) = f
+            call make_key(file%node(file%first(e) - 1 + list), faces%corner(:, faces%n), &
+                          faces%key(faces%n))
+          end do
+        end do
+      end associate
+    end do
     allocate (order(faces%n))
-    call sort_index(faces%key, order)
+    call sort_index(faces%key(:faces%n), order)
     faces%key = faces%key(order)
     faces%corner = faces%corner(:, order)
     faces%elem = faces%elem(order)
@@ -62,42 +84,6 @@ contains
       return
     end do
   end subroutine find_boundary
-
-  !> Corners of all faces. Local faces with fewer than three corners are collapsed.
-  subroutine collect_faces(file, faces)
-    type(mesh_file_t), intent(in) :: file
-    type(faces_t), intent(inout) :: faces
-    integer, allocatable :: list(:), side(:)
-    integer :: e, f, i, room, s
-
-    room = 0
-    do e = 1, file%nelem
-      if (file%solid(e)) room = room + file%shapes(file%shape(e))%topology%nface
-    end do
-    allocate (faces%key(room), faces%corner(MOST, room), faces%elem(room), faces%side(room))
-    do s = 1, size(file%shapes)
-      if (file%shapes(s)%dim < 3 .or. .not. any(file%shape(:file%nelem) == s)) cycle
-      associate (topology => file%shapes(s)%topology)
-        do e = 1, file%nelem
-          if (file%shape(e) /= s .or. .not. file%solid(e)) cycle
-          do f = 1, topology%nface
-            side = topology%node(topology%first(f):topology%first(f + 1) - 1)
-            list = pack(side, [(any(topology%corner == side(i)), i=1, size(side))])
-            if (size(list) < 3) cycle
-            faces%n = faces%n + 1
-            faces%elem(faces%n) = e
-            faces%side(faces%n) = f
-            call make_key(file%node(file%first(e) - 1 + list), faces%corner(:, faces%n), &
-                          faces%key(faces%n))
-          end do
-        end do
-      end associate
-    end do
-    faces%key = faces%key(:faces%n)
-    faces%corner = faces%corner(:, :faces%n)
-    faces%elem = faces%elem(:faces%n)
-    faces%side = faces%side(:faces%n)
-  end subroutine collect_faces
 
   !> A key that does not depend on the order of the corners.
   pure subroutine make_key(node, corner, key)

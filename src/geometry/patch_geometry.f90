@@ -50,8 +50,13 @@ contains
     end if
     if (geo%type == GEO_BOX .or. geo%type == GEO_HEMISPHERE) then
       do d = 1, 3
-        call own_breaks(spec, d, geo%breaks(d)%u, error)
-        if (allocated(error)) return
+        if (allocated(spec%knots(d)%u)) then
+          geo%breaks(d)%u = [0.0_wp, spec%knots(d)%u, 1.0_wp]
+          call check_rising(spec, d, geo%breaks(d)%u, error)
+          if (allocated(error)) return
+        else ! whole numbers: equal spans are exactly equal
+          geo%breaks(d)%u = [(real(i, wp), i=0, spec%nelem(d))]
+        end if
         allocate (geo%insert(d)%u(0))
       end do
     end if
@@ -197,22 +202,6 @@ contains
     end do
   end subroutine greville_points
 
-  !> Element ends of a box or hemisphere: whole numbers, or 0, the given knots, 1.
-  subroutine own_breaks(spec, d, breaks, error)
-    type(patch_spec_t), intent(in) :: spec
-    integer, intent(in) :: d
-    real(wp), allocatable, intent(out) :: breaks(:)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: i
-
-    if (allocated(spec%knots(d)%u)) then
-      breaks = [0.0_wp, spec%knots(d)%u, 1.0_wp]
-      call check_rising(spec, d, breaks, error)
-    else
-      breaks = [(real(i, wp), i=0, spec%nelem(d))] ! equal spans are exactly equal
-    end if
-  end subroutine own_breaks
-
   !> Element ends increase strictly.
   subroutine check_rising(spec, d, breaks, error)
     type(patch_spec_t), intent(in) :: spec
@@ -222,8 +211,9 @@ contains
 
     if (all(breaks(2:) > breaks(:size(breaks) - 1))) return
     call fail(error, DECK_ERROR, 'the knots in direction '//to_text(d)//" of patch '"//spec%name &
-              //"' do not increase from "//to_text(breaks(1))//' to '//to_text(breaks(size(breaks))), &
-              spec%place, 'KNOTs,dir lists the interior knots only, each once')
+              //"' do not increase from "//to_text(breaks(1))//' to ' &
+              //to_text(breaks(size(breaks))), spec%place, &
+              'KNOTs,dir lists the interior knots only, each once')
   end subroutine check_rising
 
   !> Element ends of a NURBS patch and the knots to insert.

@@ -3,7 +3,7 @@ module patch_nurbs
   use base_kinds, only: wp
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_text, only: to_text
-  use bspline, only: spline_t, span_list
+  use bspline, only: span_list
   use nurbs, only: nurbs_t, evaluate
   use quadrature, only: gauss
   use tensor, only: det3
@@ -22,16 +22,45 @@ contains
     character(*), intent(in) :: what !! its name for the message
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
-    integer :: d, i
+    character(:), allocatable :: of
+    integer :: d, i, last, p
 
     if (.not. allocated(patch%cp)) then
       call fail(error, DECK_ERROR, what//' has no control points', place)
       return
     end if
     do d = 1, ndir
-      call check_knots(patch%dir(d), size(patch%cp, d + 1), what//', direction '//to_text(d), &
-                       place, error)
-      if (allocated(error)) return
+      associate (s => patch%dir(d), n => size(patch%cp, d + 1))
+        of = what//', direction '//to_text(d)
+        p = s%degree
+        if (p < 1 .or. p > MAX_DEGREE) then
+          call fail(error, DECK_ERROR, of//': the degree is '//to_text(p), place, &
+                    'degrees are 1 to '//to_text(MAX_DEGREE))
+          return
+        end if
+        last = 0
+        if (allocated(s%knots)) last = size(s%knots)
+        if (last /= n + p + 1 .or. n < p + 1) then
+          call fail(error, DECK_ERROR, of//': '//to_text(last)//' knots for '//to_text(n) &
+                    //' control points of degree '//to_text(p), place, &
+                    'there are as many knots as control points plus degree plus one')
+        else if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
+          call fail(error, DECK_ERROR, of//': the knots do not increase', place, &
+                    'list them in rising order')
+        else if (s%knots(p + 1) > s%knots(1) .or. s%knots(last - p) < s%knots(last) &
+                 .or. .not. s%knots(last) > s%knots(1)) then
+          call fail(error, DECK_ERROR, of//': the knot vector is not open', place, &
+                    'repeat its first and last knot '//to_text(p + 1)//' times each')
+        end if
+        if (allocated(error)) return
+        do i = 2, last - p - 1
+          if (s%knots(i + p) > s%knots(i)) cycle
+          call fail(error, DECK_ERROR, of//': the knot '//to_text(s%knots(i)) &
+                    //' is repeated more than '//to_text(p)//' times', place, &
+                    'the patch is discontinuous there: make two patches')
+          return
+        end do
+      end associate
     end do
     do i = 1, 4
       if (any(.not. abs(patch%cp(i, :, :, :)) <= huge(1.0_wp))) then
@@ -44,46 +73,6 @@ contains
                 //to_text(minval(patch%cp(4, :, :, :))), place, 'weights are positive')
     end if
   end subroutine check_nurbs
-
-  subroutine check_knots(s, n, what, place, error)
-    type(spline_t), intent(in) :: s
-    integer, intent(in) :: n !! control points in this direction
-    character(*), intent(in) :: what
-    type(place_t), intent(in) :: place
-    type(error_t), allocatable, intent(out) :: error
-    integer :: p, last, i
-
-    p = s%degree
-    if (p < 1 .or. p > MAX_DEGREE) then
-      call fail(error, DECK_ERROR, what//': the degree is '//to_text(p), place, 'degrees are 1 to ' &
-                //to_text(MAX_DEGREE))
-      return
-    end if
-    last = 0
-    if (allocated(s%knots)) last = size(s%knots)
-    if (last /= n + p + 1 .or. n < p + 1) then
-      call fail(error, DECK_ERROR, what//': '//to_text(last)//' knots for '//to_text(n) &
-                //' control points of degree '//to_text(p), place, &
-                'there are as many knots as control points plus degree plus one')
-      return
-    end if
-    if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
-      call fail(error, DECK_ERROR, what//': the knots do not increase', place, 'list them in rising order')
-      return
-    end if
-    if (s%knots(p + 1) > s%knots(1) .or. s%knots(last - p) < s%knots(last) &
-        .or. .not. s%knots(last) > s%knots(1)) then
-      call fail(error, DECK_ERROR, what//': the knot vector is not open', place, &
-                'repeat its first and last knot '//to_text(p + 1)//' times each')
-      return
-    end if
-    do i = 2, last - p - 1
-      if (s%knots(i + p) > s%knots(i)) cycle
-      call fail(error, DECK_ERROR, what//': the knot '//to_text(s%knots(i))//' is repeated more than ' &
-                //to_text(p)//' times', place, 'the patch is discontinuous there: make two patches')
-      return
-    end do
-  end subroutine check_knots
 
   !> The map is neither left-handed nor folded.
   subroutine check_orientation(patch, name, place, error)

@@ -59,14 +59,13 @@ contains
         end do
         call orient_tool(s, spec%spline%reverse)
       end if
-      call group_elements(s, group, igroup)
       used = .false. ! control points of the file without functions are left out
       used(s%node(:s%first(s%nelem + 1) - 1)) = .true.
       allocate (new(s%nnode), source=0)
       do a = 1, s%nnode
         if (used(a)) call add_node(draft, s%x(:, a), .true., ibset(0, OUTER - 1), new(a))
       end do
-      call make_blocks(spec, row, size(inner) > 0, group, draft)
+      call make_blocks(spec, row, size(inner) > 0, group, igroup, draft)
       call add_elements(s, inner - mesh%nnode, new, group, igroup, draft)
     end associate
     call append_draft(draft, spec, mesh)
@@ -79,41 +78,36 @@ contains
     end do
   end subroutine build_spline
 
-  !> Group elements of the same degrees and number of functions.
-  subroutine group_elements(s, group, igroup)
-    type(spline_surface_t), intent(in) :: s
-    type(group_t), allocatable, intent(out) :: group(:)
-    integer, intent(out) :: igroup(:) !! (nelem) group of each element
-    type(group_t) :: new
-    integer :: e, g
-
-    allocate (group(0))
-    do e = 1, s%nelem
-      new%degree = s%degree(:, e)
-      new%nf = s%first(e + 1) - s%first(e)
-      do g = size(group), 1, -1
-        if (group(g)%nf == new%nf .and. all(group(g)%degree == new%degree)) exit
-      end do
-      if (g == 0) then
-        group = [group, new]
-        g = size(group)
-      end if
-      group(g)%nelem = group(g)%nelem + 1
-      igroup(e) = g
-    end do
-  end subroutine group_elements
-
-  !> A block for each group, named as reported: Q1N3, Q1E9N3, Q1E9N3T or RIGId.
-  subroutine make_blocks(spec, row, is_layer, group, draft)
+  !> Group the elements, and make a block for each group, named as reported: Q1N3, Q1E9N3, Q1E9N3T
+  !! or RIGId.
+  subroutine make_blocks(spec, row, is_layer, group, igroup, draft)
     type(patch_spec_t), intent(in) :: spec
     type(element_t), intent(in) :: row
     logical, intent(in) :: is_layer
-    type(group_t), intent(inout) :: group(:)
+    type(group_t), allocatable, intent(out) :: group(:)
+    integer, intent(out) :: igroup(:) !! (nelem) group of each element
     type(draft_t), intent(inout) :: draft
     character(:), allocatable :: name
     type(cell_t) :: cell
-    integer :: g, nen
+    type(group_t) :: new
+    integer :: e, g, nen
 
+    associate (s => spec%spline%surface)
+      allocate (group(0))
+      do e = 1, s%nelem
+        new%degree = s%degree(:, e)
+        new%nf = s%first(e + 1) - s%first(e)
+        do g = size(group), 1, -1
+          if (group(g)%nf == new%nf .and. all(group(g)%degree == new%degree)) exit
+        end do
+        if (g == 0) then
+          group = [group, new]
+          g = size(group)
+        end if
+        group(g)%nelem = group(g)%nelem + 1
+        igroup(e) = g
+      end do
+    end associate
     do g = 1, size(group)
       cell%degree = [group(g)%degree, merge(1, 0, is_layer)]
       nen = group(g)%nf + merge(4, 0, is_layer)

@@ -21,7 +21,7 @@ module spline_check
   integer, parameter :: MORE = 6               !! Gauss points above the degree: weights may differ
   integer, parameter :: MOST_SAMPLES = 3000
   real(wp), parameter :: OPPOSITE = -0.5_wp, STRAIGHT = 0.8_wp !! cosines
-  real(wp), parameter :: CLOSED = 1.0e-6_wp    !! sum of the area vectors of a closed surface over area
+  real(wp), parameter :: CLOSED = 1.0e-6_wp    !! sum of area vectors over area, closed surface
 
   !> Functions that do not vanish at a corner, sorted by control point, and their values.
   type :: corner_t
@@ -127,8 +127,8 @@ contains
     end associate
   end subroutine check_layer
 
-  !> Number of the point at each corner, counter-clockwise from (-,-). Two corners are the same point
-  !! where the same functions have the same values.
+  !> Number of the point at each corner, counter-clockwise from (-,-). Two corners are the same
+  !! point where the same functions have the same values.
   subroutine number_corners(s, point)
     type(spline_surface_t), intent(in) :: s
     integer, allocatable, intent(out) :: point(:, :) !! (4, nelem)

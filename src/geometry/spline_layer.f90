@@ -31,8 +31,9 @@ contains
       call next_line(text)
       if (words_left(text) == 0) exit
       if (words_left(text) /= 5) then
-        call fail_in_file(text, 'expected a record of 5 numbers, found '//to_text(words_left(text)), &
-                          error, 'a record is an element of the surface and its four inner nodes')
+        call fail_in_file(text, 'expected a record of 5 numbers, found ' &
+                          //to_text(words_left(text)), error, &
+                          'a record is an element of the surface and its four inner nodes')
         return
       end if
       call next_integer(text, 'the number of an element', e, error)

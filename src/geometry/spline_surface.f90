@@ -117,8 +117,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (any(degree < 1 .or. degree > MAX_DEGREE)) then
-      call fail_in_file(text, 'element '//to_text(e)//' has the degrees '//to_text(degree(1))//' and ' &
-                    //to_text(degree(2)), error, 'degrees are 1 to '//to_text(MAX_DEGREE))
+      call fail_in_file(text, 'element '//to_text(e)//' has the degrees '//to_text(degree(1)) &
+                        //' and '//to_text(degree(2)), error, &
+                        'degrees are 1 to '//to_text(MAX_DEGREE))
     else if (nf < 1 .or. nf > MOST_FUNCTIONS) then
       call fail_in_file(text, 'element '//to_text(e)//' has '//to_text(nf)//' functions', error, &
                         'an element has 1 to '//to_text(MOST_FUNCTIONS))
