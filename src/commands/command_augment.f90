@@ -14,17 +14,17 @@ module command_augment
   use program_position, only: leave_loop, is_last_pass
   implicit none
   private
-  public :: describe_augment
+  public :: augment_rows
 
   real(wp), parameter :: USUAL = 1.0e-3_wp !! change of a pressure, relative to the largest pressure
 
 contains
 
-  function describe_augment() result(row)
-    type(command_row_t) :: row
+  function augment_rows() result(row)
+    type(command_row_t) :: row(1)
 
-    row = new_row('AUGMent', 'AUGMent,,[tolerance]', 2, run_augment)
-  end function describe_augment
+    row(1) = new_row('AUGMent', 'AUGMent,,[tolerance]', 2, run_augment)
+  end function augment_rows
 
   subroutine run_augment(run, command, error)
     type(run_t), intent(inout) :: run

@@ -32,7 +32,7 @@ module command_checkpoint
   end type exchange_t
 
   interface exchange
-    module procedure exchange_real, exchange_integer, exchange_integers, exchange_logical
+    module procedure exchange_scalar, exchange_list
   end interface exchange
 
 contains
@@ -265,60 +265,38 @@ contains
     end associate
   end subroutine exchange_step
 
-  subroutine exchange_real(x, name, value)
+  !> A number or a logical.
+  subroutine exchange_scalar(x, name, value)
     type(exchange_t), intent(inout) :: x
     character(*), intent(in) :: name
-    real(wp), intent(inout) :: value
+    class(*), intent(inout) :: value
     logical :: there
 
-    if (x%writes) then
-      call put(x%values, name, value)
-    else
-      call get(x%values, name, value, there)
-      x%whole = x%whole .and. there
-    end if
-  end subroutine exchange_real
+    there = x%writes
+    select type (value)
+    type is (real(wp))
+      if (x%writes) call put(x%values, name, value)
+      if (.not. x%writes) call get(x%values, name, value, there)
+    type is (integer)
+      if (x%writes) call put(x%values, name, value)
+      if (.not. x%writes) call get(x%values, name, value, there)
+    type is (logical)
+      if (x%writes) call put(x%values, name, value)
+      if (.not. x%writes) call get(x%values, name, value, there)
+    end select
+    x%whole = x%whole .and. there
+  end subroutine exchange_scalar
 
-  subroutine exchange_integer(x, name, value)
-    type(exchange_t), intent(inout) :: x
-    character(*), intent(in) :: name
-    integer, intent(inout) :: value
-    logical :: there
-
-    if (x%writes) then
-      call put(x%values, name, value)
-    else
-      call get(x%values, name, value, there)
-      x%whole = x%whole .and. there
-    end if
-  end subroutine exchange_integer
-
-  subroutine exchange_integers(x, name, value)
+  subroutine exchange_list(x, name, value)
     type(exchange_t), intent(inout) :: x
     character(*), intent(in) :: name
     integer, allocatable, intent(inout) :: value(:)
     logical :: there
 
-    if (x%writes) then
-      call put(x%values, name, value)
-    else
-      call get(x%values, name, value, there)
-      x%whole = x%whole .and. there
-    end if
-  end subroutine exchange_integers
-
-  subroutine exchange_logical(x, name, value)
-    type(exchange_t), intent(inout) :: x
-    character(*), intent(in) :: name
-    logical, intent(inout) :: value
-    logical :: there
-
-    if (x%writes) then
-      call put(x%values, name, value)
-    else
-      call get(x%values, name, value, there)
-      x%whole = x%whole .and. there
-    end if
-  end subroutine exchange_logical
+    there = x%writes
+    if (x%writes) call put(x%values, name, value)
+    if (.not. x%writes) call get(x%values, name, value, there)
+    x%whole = x%whole .and. there
+  end subroutine exchange_list
 
 end module command_checkpoint

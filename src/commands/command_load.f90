@@ -12,25 +12,20 @@ module command_load
   use solution_state, only: set_factors
   implicit none
   private
-  public :: describe_prop, describe_para, check_tables
+  public :: load_rows, check_tables
 
   integer, parameter :: MOST_TABLES = 1000
 
 contains
 
-  function describe_prop() result(row)
-    type(command_row_t) :: row
+  function load_rows() result(row)
+    type(command_row_t) :: row(2)
 
-    row = new_row('PROP', 'PROP,,k1[,k2], then a table after END for each', &
-                  3, run_prop, read_tables)
-  end function describe_prop
-
-  function describe_para() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('PARAmeter', 'PARAmeter, then name = value records after END', &
-                  0, run_para, read_assignments)
-  end function describe_para
+    row(1) = new_row('PROP', 'PROP,,k1[,k2], then a table after END for each', 3, run_prop, &
+                     read_tables)
+    row(2) = new_row('PARAmeter', 'PARAmeter, then name = value records after END', 0, run_para, &
+                     read_assignments)
+  end function load_rows
 
   !> First and last number of the tables that a PROP defines.
   subroutine table_range(command, first, last, error)

@@ -8,23 +8,18 @@ module command_loop
   use step_control, only: on_target
   implicit none
   private
-  public :: describe_loop, describe_next
+  public :: loop_rows
 
   integer, parameter :: MOST_PASSES = 1000000000
 
 contains
 
-  function describe_loop() result(row)
-    type(command_row_t) :: row
+  function loop_rows() result(row)
+    type(command_row_t) :: row(2)
 
-    row = new_row('LOOP', 'LOOP,name,n', 2, run_loop)
-  end function describe_loop
-
-  function describe_next() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('NEXT', 'NEXT,name', 1, run_next)
-  end function describe_next
+    row(1) = new_row('LOOP', 'LOOP,name,n', 2, run_loop)
+    row(2) = new_row('NEXT', 'NEXT,name', 1, run_next)
+  end function loop_rows
 
   subroutine run_loop(run, command, error)
     type(run_t), intent(inout) :: run

@@ -11,28 +11,18 @@ module command_output
   use result_file, only: choose_fields
   implicit none
   private
-  public :: describe_plot, describe_output, describe_save
+  public :: output_rows
 
 contains
 
-  function describe_plot() result(row)
-    type(command_row_t) :: row
+  function output_rows() result(row)
+    type(command_row_t) :: row(3)
 
-    row = new_row('PLOT', 'PLOT', 9, run_plot_or_save)
-  end function describe_plot
-
-  function describe_output() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('OUTPut', 'OUTPut,,every n [fields]', 8, run_output)
-    row%reads = .true.
-  end function describe_output
-
-  function describe_save() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('SAVE', 'SAVE', 2, run_plot_or_save)
-  end function describe_save
+    row(1) = new_row('PLOT', 'PLOT', 9, run_plot_or_save)
+    row(2) = new_row('OUTPut', 'OUTPut,,every n [fields]', 8, run_output)
+    row(2)%reads = .true.
+    row(3) = new_row('SAVE', 'SAVE', 2, run_plot_or_save)
+  end function output_rows
 
   !> Fields or a checkpoint: when the step under way closes; between steps at once.
   subroutine run_plot_or_save(run, command, error)

@@ -9,28 +9,19 @@ module command_path
   use energy_type, only: open_book
   implicit none
   private
-  public :: describe_arcl, describe_tran, describe_mass
+  public :: path_rows
 
 contains
 
-  function describe_arcl() result(row)
-    type(command_row_t) :: row
+  function path_rows() result(row)
+    type(command_row_t) :: row(3)
 
-    row = new_row('ARCLength', &
-                  'ARCLength,[LOCAl|LENGth|DYNAmic|OFF],[fraction|multiple|density]', 2, run_arcl)
-  end function describe_arcl
-
-  function describe_tran() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('TRANsient', 'TRANsient,BACK|NEWMark|HHT|OFF,[beta],[gamma],[alpha]', 4, run_tran)
-  end function describe_tran
-
-  function describe_mass() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('MASS', 'MASS,[CONSistent|LUMPed]', 1, run_mass)
-  end function describe_mass
+    row(1) = new_row('ARCLength', &
+                     'ARCLength,[LOCAl|LENGth|DYNAmic|OFF],[fraction|multiple|density]', 2, run_arcl)
+    row(2) = new_row('TRANsient', 'TRANsient,BACK|NEWMark|HHT|OFF,[beta],[gamma],[alpha]', 4, &
+                     run_tran)
+    row(3) = new_row('MASS', 'MASS,[CONSistent|LUMPed]', 1, run_mass)
+  end function path_rows
 
   !> The method that follows load control, and its number.
   subroutine run_arcl(run, command, error)

@@ -10,39 +10,19 @@ module command_print
   use print_tables, only: print_displacements, print_reactions, print_stresses, print_nodal_stresses
   implicit none
   private
-  public :: describe_disp, describe_reac, describe_stre, describe_prin, describe_nopr
+  public :: print_rows
 
 contains
 
-  function describe_disp() result(row)
-    type(command_row_t) :: row
+  function print_rows() result(row)
+    type(command_row_t) :: row(5)
 
-    row = new_row('DISPlacement', 'DISP,[ALL | COOR,d,x],[n1],[n2],[step]', 4, run_print)
-  end function describe_disp
-
-  function describe_reac() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('REACtion', 'REAC,[ALL | COOR,d,x],[n1],[n2],[step]', 4, run_print)
-  end function describe_reac
-
-  function describe_stre() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('STREss', 'STRE,[ALL | NODE | COOR,d,x],[n1],[n2],[step]', 4, run_print)
-  end function describe_stre
-
-  function describe_prin() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('PRINt', 'PRINt', 1, run_switch)
-  end function describe_prin
-
-  function describe_nopr() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('NOPRint', 'NOPRint', 1, run_switch)
-  end function describe_nopr
+    row(1) = new_row('DISPlacement', 'DISP,[ALL | COOR,d,x],[n1],[n2],[step]', 4, run_print)
+    row(2) = new_row('REACtion', 'REAC,[ALL | COOR,d,x],[n1],[n2],[step]', 4, run_print)
+    row(3) = new_row('STREss', 'STRE,[ALL | NODE | COOR,d,x],[n1],[n2],[step]', 4, run_print)
+    row(4) = new_row('PRINt', 'PRINt', 1, run_switch)
+    row(5) = new_row('NOPRint', 'NOPRint', 1, run_switch)
+  end function print_rows
 
   subroutine run_switch(run, command, error)
     type(run_t), intent(inout) :: run
@@ -111,7 +91,8 @@ contains
     step = 1
     if (command%option == 'coor' .and. all(abs(command%x(1) - [1, 2, 3]) > 0)) then
       call fail(error, DECK_ERROR, 'expected a direction of 1, 2 or 3', &
-                command%record%place(min(3, command%record%n)), trim(run%program%row(command%row)%usage))
+                command%record%place(min(3, command%record%n)), &
+                trim(run%program%row(command%row)%usage))
     end if
     if (any(command%option == ['all ', 'coor']) .or. .not. command%x(1) > 0.5_wp) return
     call whole_field(command, 1, first, error)

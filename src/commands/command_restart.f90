@@ -13,15 +13,15 @@ module command_restart
   use step_control, only: set_dt
   implicit none
   private
-  public :: describe_rest
+  public :: restart_rows
 
 contains
 
-  function describe_rest() result(row)
-    type(command_row_t) :: row
+  function restart_rows() result(row)
+    type(command_row_t) :: row(1)
 
-    row = new_row('RESTart', 'RESTart [file]', 1, run_restart)
-  end function describe_rest
+    row(1) = new_row('RESTart', 'RESTart [file]', 1, run_restart)
+  end function restart_rows
 
   !> Displacements, history, time and step number come from the checkpoint; load tables stay those
   !! of this deck, and the next target of DT is counted from there. The mesh must be the same.

@@ -13,46 +13,20 @@ module command_solve
   use step, only: form_pass, solve_pass, STEP_GOES_ON
   implicit none
   private
-  public :: describe_tang, describe_utan, describe_form, describe_solv, describe_tol, &
-            describe_factor
+  public :: solve_rows
 
 contains
 
-  function describe_tang() result(row)
-    type(command_row_t) :: row
+  function solve_rows() result(row)
+    type(command_row_t) :: row(6)
 
-    row = new_row('TANG', 'TANG,[LINE],[1]', 4, run_tangent)
-  end function describe_tang
-
-  function describe_utan() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('UTAN', 'UTAN,[LINE],[1]', 4, run_tangent)
-  end function describe_utan
-
-  function describe_form() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('FORM', 'FORM', 1, run_form)
-  end function describe_form
-
-  function describe_solv() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('SOLV', 'SOLV,[LINE]', 2, run_solve)
-  end function describe_solv
-
-  function describe_tol() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('TOL', 'TOL,,energy', 4, run_tolerance)
-  end function describe_tol
-
-  function describe_factor() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('FACTor', 'FACTor REUSe | SINGle | LOWRank eps', 2, run_factor)
-  end function describe_factor
+    row(1) = new_row('TANG', 'TANG,[LINE],[1]', 4, run_tangent)
+    row(2) = new_row('UTAN', 'UTAN,[LINE],[1]', 4, run_tangent)
+    row(3) = new_row('FORM', 'FORM', 1, run_form)
+    row(4) = new_row('SOLV', 'SOLV,[LINE]', 2, run_solve)
+    row(5) = new_row('TOL', 'TOL,,energy', 4, run_tolerance)
+    row(6) = new_row('FACTor', 'FACTor REUSe | SINGle | LOWRank eps', 2, run_factor)
+  end function solve_rows
 
   !> TANG and UTAN: form, and solve where the number after the option is not 0.
   subroutine run_tangent(run, command, error)

@@ -9,27 +9,17 @@ module command_time
   use step_control, only: set_auto
   implicit none
   private
-  public :: describe_dt, describe_time, describe_auto
+  public :: time_rows
 
 contains
 
-  function describe_dt() result(row)
-    type(command_row_t) :: row
+  function time_rows() result(row)
+    type(command_row_t) :: row(3)
 
-    row = new_row('DT', 'DT,,dt', 2, run_dt)
-  end function describe_dt
-
-  function describe_time() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('TIME', 'TIME', 0, run_time)
-  end function describe_time
-
-  function describe_auto() result(row)
-    type(command_row_t) :: row
-
-    row = new_row('AUTO', 'AUTO,,dtmin,dtmax', 3, run_auto)
-  end function describe_auto
+    row(1) = new_row('DT', 'DT,,dt', 2, run_dt)
+    row(2) = new_row('TIME', 'TIME', 0, run_time)
+    row(3) = new_row('AUTO', 'AUTO,,dtmin,dtmax', 3, run_auto)
+  end function time_rows
 
   subroutine run_dt(run, command, error)
     type(run_t), intent(inout) :: run

@@ -10,18 +10,18 @@ module command_tplot
   use model, only: model_t
   implicit none
   private
-  public :: describe_tplo
+  public :: tplot_rows
 
   character(*), parameter :: USAGE = 'DISP | REAC, node, direction [, x y z for the node there]'
 
 contains
 
-  function describe_tplo() result(row)
-    type(command_row_t) :: row
+  function tplot_rows() result(row)
+    type(command_row_t) :: row(1)
 
-    row = new_row('TPLOt', 'TPLOt,,interval, then DISP or REAC records after END', &
-                  2, run_tplot, read_tplot)
-  end function describe_tplo
+    row(1) = new_row('TPLOt', 'TPLOt,,interval, then DISP or REAC records after END', &
+                     2, run_tplot, read_tplot)
+  end function tplot_rows
 
   subroutine run_tplot(run, command, error)
     type(run_t), intent(inout) :: run

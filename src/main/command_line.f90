@@ -9,20 +9,20 @@ module command_line
   private
   public :: options_t, read_command_line, parse_arguments, print_help
 
-  !> What the user asked for.
+  !> What the arguments say.
   type :: options_t
     character(:), allocatable :: deck         !! its path
     character(:), allocatable :: outdir       !! folder of all files
-    character(:), allocatable :: stem         !! their name
+    character(:), allocatable :: stem         !! name of the files without extension
     character(:), allocatable :: settings(:)  !! name=value of each --set
-    character(:), allocatable :: restart      !! not allocated: from the beginning
+    character(:), allocatable :: restart      !! checkpoint; not allocated: start from the deck
     character(:), allocatable :: list         !! one of LISTS, '': all; not allocated: no list
-    integer :: threads = 0                    !! 0: as the library likes
+    integer :: threads = 0                    !! 0: the library decides
     real(wp) :: time_limit = 0.0_wp           !! [s] 0: none
     logical :: check = .false., quiet = .false., version = .false., help = .false.
   end type options_t
 
-  !> One option: its name, what stands behind it, and its line of the help.
+  !> One option: its name, its value, and its line of the help.
   type :: option_t
     character(14) :: name
     character(12) :: value
@@ -32,14 +32,14 @@ module command_line
   type(option_t), parameter :: &
     TABLE(11) = [ &
     option_t('-o', 'DIR', &
-             'folder of the results, made when absent (default: the working folder)'), &
+             'folder of the results, made if absent (default: the working folder)'), &
     option_t('--name', 'STEM', &
-             'name of the results (default: of the deck, without its extension)'), &
+             'name of the results (default: name of the deck without extension)'), &
     option_t('--set', 'name=value', 'set a parameter of the deck; may be repeated'), &
     option_t('--check', '', 'read the deck, report sizes, memory and problems; solve nothing'), &
-    option_t('--restart', 'FILE', 'go on from a checkpoint'), &
+    option_t('--restart', 'FILE', 'continue from a checkpoint'), &
     option_t('--threads', 'N', 'threads of the linear algebra'), &
-    option_t('--time-limit', 'SECONDS', 'stop with a checkpoint after so long'), &
+    option_t('--time-limit', 'SECONDS', 'stop with a checkpoint after this wall time'), &
     option_t('--quiet', '', 'no progress and no warnings on the screen'), &
     option_t('--list', '[WHAT]', 'list elements, materials, contacts or commands'), &
     option_t('--version', '', 'print the version'), &
@@ -62,27 +62,24 @@ contains
       call get_command_argument(i, length=n)
       longest = max(longest, n)
     end do
-    call parse_arguments(arguments_of(longest), options, error)
+    block
+      character(longest) :: arguments(command_argument_count())
+
+      do i = 1, size(arguments)
+        call get_command_argument(i, arguments(i))
+      end do
+      call parse_arguments(arguments, options, error)
+    end block
   end subroutine read_command_line
 
-  function arguments_of(length) result(arguments)
-    integer, intent(in) :: length
-    character(length) :: arguments(command_argument_count())
-    integer :: i
-
-    do i = 1, size(arguments)
-      call get_command_argument(i, arguments(i))
-    end do
-  end function arguments_of
-
-  !> Arguments to options.
+  !> Turn arguments into options.
   subroutine parse_arguments(arguments, options, error)
     character(*), intent(in) :: arguments(:)
     type(options_t), intent(out) :: options
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: name, value
     logical :: only_files, seen(size(TABLE))
-    integer :: i, row
+    integer :: dot, i, row
 
     options%outdir = '.'
     allocate (character(len(arguments)) :: options%settings(0))
@@ -94,12 +91,20 @@ contains
       if (arguments(i) == '--' .and. .not. only_files) then
         only_files = .true.
       else if (only_files .or. index(arguments(i), '-') /= 1) then
-        call take_deck(options, trim(arguments(i)), error)
+        if (allocated(options%deck)) then
+          call fail_usage(error, 'expected one deck, found a second one, ' &
+                          //quoted(trim(arguments(i))), USAGE)
+        else if (arguments(i) == '') then
+          call fail_usage(error, 'the name of the deck is empty', USAGE)
+        else
+          options%deck = trim(arguments(i))
+        end if
       else
         call take_option(arguments, i, name, row, value, error)
         if (allocated(error)) return
-        if (seen(row) .and. name /= '--set') call complain(error, quoted(name) &
-                                                           //' is given twice', MORE)
+        if (seen(row) .and. name /= '--set') then
+          call fail_usage(error, 'duplicate option '//quoted(name), MORE)
+        end if
         seen(row) = .true.
         if (.not. allocated(error)) call store(options, name, value, error)
         if (options%help .or. options%version) return
@@ -108,27 +113,15 @@ contains
     end do
     if (allocated(options%list)) return
     if (.not. allocated(options%deck)) then
-      call complain(error, 'no deck is given', USAGE//'; '//MORE)
+      call fail_usage(error, 'no deck is given', USAGE//'; '//MORE)
     else if (.not. allocated(options%stem)) then
-      options%stem = stem_of(options%deck)
+      options%stem = base_name(options%deck)
+      dot = index(options%stem, '.', back=.true.)
+      if (dot > 1) options%stem = options%stem(:dot - 1)
     end if
   end subroutine parse_arguments
 
-  subroutine take_deck(options, path, error)
-    type(options_t), intent(inout) :: options
-    character(*), intent(in) :: path
-    type(error_t), allocatable, intent(out) :: error
-
-    if (allocated(options%deck)) then
-      call complain(error, 'a second deck '//quoted(path)//' is given', USAGE)
-    else if (len(path) == 0) then
-      call complain(error, 'the name of the deck is empty', USAGE)
-    else
-      options%deck = path
-    end if
-  end subroutine take_deck
-
-  !> Name and value of the option at argument i, which moves on over a value of its own.
+  !> Name and value of the option at argument i; i moves on where the value is the next argument.
   subroutine take_option(arguments, i, name, row, value, error)
     character(*), intent(in) :: arguments(:)
     integer, intent(inout) :: i
@@ -148,10 +141,10 @@ contains
       if (TABLE(row)%name == name) exit
     end do
     if (row == 0) then
-      call complain(error, 'unknown option '//quoted(name), &
+      call fail_usage(error, 'unknown option '//quoted(name), &
                     'nearest known: '//nearest(name, TABLE%name)//'; '//MORE)
     else if (TABLE(row)%value == '') then
-      if (allocated(value)) call complain(error, quoted(name)//' takes no value', MORE)
+      if (allocated(value)) call fail_usage(error, quoted(name)//' takes no value', MORE)
     else if (name == '--list') then
       if (.not. allocated(value) .and. i < size(arguments)) then
         if (index(arguments(i + 1), '-') /= 1) call take_value()
@@ -163,7 +156,8 @@ contains
     if (allocated(error)) return
     if (.not. allocated(value)) value = ''
     if (TABLE(row)%value /= '' .and. name /= '--list' .and. value == '') then
-      call complain(error, quoted(name)//' needs a value', trim(name)//' '//trim(TABLE(row)%value))
+      call fail_usage(error, quoted(name)//' needs a value', &
+                      trim(name)//' '//trim(TABLE(row)%value))
     end if
 
   contains
@@ -185,8 +179,10 @@ contains
     case ('-o')
       options%outdir = value
     case ('--name')
-      if (index(value, '/') > 0) call complain(error, quoted('--name '//value)//' is not a name', &
-                                               'give the folder with -o')
+      if (index(value, '/') > 0) then
+        call fail_usage(error, 'expected a name without folder, found '//quoted(value), &
+                      'choose the folder with -o')
+      end if
       options%stem = value
     case ('--set')
       options%settings = [character(len(options%settings)) :: options%settings, value]
@@ -196,20 +192,21 @@ contains
       call number_of(name, value, x, error)
       if (allocated(error)) return
       if (x < 1.0_wp .or. x > 1024.0_wp .or. abs(x - anint(x)) > 0.0_wp) then
-        call complain(error, quoted(name//' '//value)//' is not a number of threads', &
-                      'give a whole number from 1 to 1024')
+        call fail_usage(error, quoted(name//' '//value)//' is not a valid number of threads', &
+                      'use a whole number from 1 to 1024')
       end if
       if (.not. allocated(error)) options%threads = nint(x)
     case ('--time-limit')
       call number_of(name, value, options%time_limit, error)
       if (allocated(error)) return
-      if (.not. options%time_limit > 0.0_wp) call complain(error, quoted(name//' '//value) &
-                                                           //' is no time', &
-                                                           'give seconds, more than 0')
+      if (.not. options%time_limit > 0.0_wp) then
+        call fail_usage(error, quoted(name//' '//value)//' is not a valid time', &
+                      'use a number of seconds greater than 0')
+      end if
     case ('--list')
       options%list = value
       if (value /= '' .and. all(LISTS /= value)) then
-        call complain(error, 'there is no list '//quoted(value), &
+        call fail_usage(error, 'unknown list '//quoted(value), &
                       'nearest known: '//nearest(value, LISTS))
       end if
     case ('--check'); options%check = .true.
@@ -227,27 +224,16 @@ contains
     type(trouble_t), allocatable :: trouble
 
     call compute(none, value, x, trouble)
-    if (allocated(trouble)) call complain(error, 'in '//quoted(name//' '//value)//': ' &
-                                          //trouble%message, 'give a number')
+    if (allocated(trouble)) call fail_usage(error, 'in '//quoted(name//' '//value)//': ' &
+                                          //trouble%message, 'use a number')
   end subroutine number_of
 
-  !> The deck's file name without its last extension.
-  pure function stem_of(path) result(stem)
-    character(*), intent(in) :: path
-    character(:), allocatable :: stem
-    integer :: dot
-
-    stem = base_name(path)
-    dot = index(stem, '.', back=.true.)
-    if (dot > 1) stem = stem(:dot - 1)
-  end function stem_of
-
-  subroutine complain(error, message, hint)
+  subroutine fail_usage(error, message, hint)
     type(error_t), allocatable, intent(out) :: error
     character(*), intent(in) :: message, hint
 
     call fail(error, DECK_ERROR, message, hint=hint)
-  end subroutine complain
+  end subroutine fail_usage
 
   subroutine print_help()
     integer :: i

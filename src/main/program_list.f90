@@ -1,4 +1,4 @@
-!> --list: what the program knows, from the same tables the deck is read with.
+!> --list: what the program knows, from the tables that the deck is read with.
 module program_list
   use command_table, only: load_commands
   use command_type, only: command_row_t
@@ -14,68 +14,44 @@ module program_list
 
 contains
 
-  !> kind: elements, materials, contacts, commands; anything else: all of them.
-  subroutine print_list(kind)
-    character(*), intent(in) :: kind
+  !> One list: elements, materials, contacts or commands; '': all of them.
+  subroutine print_list(name)
+    character(*), intent(in) :: name
+    type(element_t), allocatable :: element(:)
+    type(material_t), allocatable :: material(:)
+    type(contact_law_t), allocatable :: contact(:)
+    type(command_row_t), allocatable :: command(:)
+    integer :: i
 
-    if (wanted('elements')) call list_elements()
-    if (wanted('materials')) call list_materials()
-    if (wanted('contacts')) call list_contacts()
-    if (wanted('commands')) call list_commands()
-
-  contains
-
-    logical function wanted(name)
-      character(*), intent(in) :: name
-
-      wanted = kind == name .or. kind == ''
-    end function wanted
-
+    if (name == 'elements' .or. name == '') then
+      call load_elements(element)
+      print '(a)', 'elements'
+      do i = 1, size(element)
+        print '(2x,a,2x,a)', element(i)%name, trim(element(i)%source)
+      end do
+    end if
+    if (name == 'materials' .or. name == '') then
+      call load_materials(material)
+      print '(a)', 'materials'
+      do i = 1, size(material)
+        print '(2x,a,2x,a)', material(i)%name, trim(material(i)%source)
+      end do
+    end if
+    if (name == 'contacts' .or. name == '') then
+      call load_contact_laws(contact)
+      print '(a)', 'contacts'
+      do i = 1, size(contact)
+        print '(2x,a,2x,a)', contact(i)%name, trim(contact(i)%source)
+        print '(20x,a)', trim(contact(i)%usage)
+      end do
+    end if
+    if (name == 'commands' .or. name == '') then
+      call load_commands(command)
+      print '(a)', 'commands'
+      do i = 1, size(command)
+        print '(2x,a,2x,a)', command(i)%word, trim(command(i)%usage)
+      end do
+    end if
   end subroutine print_list
-
-  subroutine list_elements()
-    type(element_t), allocatable :: table(:)
-    integer :: i
-
-    call load_elements(table)
-    print '(a)', 'elements'
-    do i = 1, size(table)
-      print '(2x,a,2x,a)', table(i)%name, trim(table(i)%source)
-    end do
-  end subroutine list_elements
-
-  subroutine list_materials()
-    type(material_t), allocatable :: table(:)
-    integer :: i
-
-    call load_materials(table)
-    print '(a)', 'materials'
-    do i = 1, size(table)
-      print '(2x,a,2x,a)', table(i)%name, trim(table(i)%source)
-    end do
-  end subroutine list_materials
-
-  subroutine list_contacts()
-    type(contact_law_t), allocatable :: table(:)
-    integer :: i
-
-    call load_contact_laws(table)
-    print '(a)', 'contacts'
-    do i = 1, size(table)
-      print '(2x,a,2x,a)', table(i)%name, trim(table(i)%source)
-      print '(20x,a)', trim(table(i)%usage)
-    end do
-  end subroutine list_contacts
-
-  subroutine list_commands()
-    type(command_row_t), allocatable :: table(:)
-    integer :: i
-
-    call load_commands(table)
-    print '(a)', 'commands'
-    do i = 1, size(table)
-      print '(2x,a,2x,a)', table(i)%word, trim(table(i)%usage)
-    end do
-  end subroutine list_commands
 
 end module program_list

@@ -1,4 +1,4 @@
-!> The report and the closing lines of a run.
+!> The report of a run.
 module run_report
   use base_error, only: error_t, NO_SOLUTION, STOPPED
   use base_kinds, only: wp
@@ -17,12 +17,13 @@ contains
   !> Write <stem>.report.json.
   subroutine report_run(job, deck, code, error)
     type(run_t), intent(in) :: job
-    character(*), intent(in) :: deck    !! its path, as given
+    character(*), intent(in) :: deck    !! its path, as the user gave it
     integer, intent(in) :: code         !! exit code
     type(error_t), allocatable, intent(out) :: error
     type(report_t) :: report
+    type(resultant_t) :: side
     character(24), allocatable :: part(:)
-    integer :: i
+    integer :: c, i, k
 
     report%version = VERSION
     report%deck = deck
@@ -52,20 +53,9 @@ contains
     do i = 1, size(part)
       call add_real(report%seconds, trim(part(i)), job%timers%seconds(part(i)))
     end do
-    call add_finals(job, report)
-    if (size(job%model%contact) > 0) call add_contacts(job, report)
-    call write_report(job%files%stem//'.report.json', report, error)
-  end subroutine report_run
-
-  !> How the contacts ended.
-  subroutine add_contacts(job, report)
-    type(run_t), intent(in) :: job
-    type(report_t), intent(inout) :: report
-    type(resultant_t) :: side
-    integer :: c, k
-
-    allocate (report%contact(size(job%model%contact)))
-    do c = 1, size(report%contact)
+    call add_last_rows(job, report)
+    if (size(job%model%contact) > 0) allocate (report%contact(size(job%model%contact)))
+    do c = 1, size(job%model%contact)
       associate (row => report%contact(c))
         row%name = job%model%contact(c)%name
         do k = 1, 2
@@ -77,10 +67,11 @@ contains
         end do
       end associate
     end do
-  end subroutine add_contacts
+    call write_report(job%files%stem//'.report.json', report, error)
+  end subroutine report_run
 
   !> The last row of every curve.
-  subroutine add_finals(job, report)
+  subroutine add_last_rows(job, report)
     type(run_t), intent(in) :: job
     type(report_t), intent(inout) :: report
     character(64), allocatable :: column(:), name(:)
@@ -100,6 +91,6 @@ contains
         deallocate (column, name)
       end associate
     end do
-  end subroutine add_finals
+  end subroutine add_last_rows
 
 end module run_report

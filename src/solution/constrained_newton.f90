@@ -1,4 +1,4 @@
-!> Newton's iteration of a step whose measure is prescribed: one factorisation, two right-hand sides.
+!> Newton's iteration of a constrained step: one factorisation, two right-hand sides.
 !!
 !! Displacements u and time t are unknown; the equations are R(u, t) = 0 and G(u) = goal, where G is
 !! the release of the bonds or the arc length of the step. With K = dR/du,
@@ -48,8 +48,8 @@ contains
     if (allocated(error) .or. .not. pass%ok) return
     newton%iterations = newton%iterations + 1
     newton%exact = newton%exact .and. newton%mode == FULL
-    call find_time(newton%constraint, state%time, measure, sum(slope*a), sum(slope*b), dt, arrived, &
-                   pass%ok)
+    call find_time(newton%constraint, state%time, measure, sum(slope*a), sum(slope*b), dt, &
+                   arrived, pass%ok)
     if (.not. pass%ok) then
       pass%trouble = 'no load since time 0 opens the bonds so far'
       if (allocated(newton%constraint%direction)) pass%trouble = 'the path leads to times before 0'

@@ -116,8 +116,8 @@ contains
                     //next)
     end subroutine log_cut
 
-    !> There are bonds whose release a load can change and none that depends on the speed, and a load
-    !! has worked on them: closed bonds do not say in which direction they open.
+    !> There are bonds whose release a load can change and none that depends on the speed, and a
+    !! load has worked on them: closed bonds do not say in which direction they open.
     logical function can_control_release() result(yes)
       yes = step%continuation%method == PATH_RELEASE .and. any(model%contact(:)%has_cohesive) &
             .and. size(state%table) > 0
@@ -205,8 +205,8 @@ contains
     call log_line('path: arc length control goes on, first length '//to_text(length))
   end subroutine follow_arc
 
-  !> The next steps have inertia, with the density of the deck or with one that gives the mean motion
-  !! since the start a small energy; that is the initial motion. .false.: there is no such density.
+  !> The next steps have inertia, with the density of the deck or with one that gives the mean
+  !! motion since the start, the initial motion, a small energy. .false.: there is no such density.
   function adds_inertia(step, model, state, what, why) result(added)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model

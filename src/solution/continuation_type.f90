@@ -1,4 +1,4 @@
-!> How the path of equilibria is continued where load control ends: the methods, and when they change.
+!> How the path of equilibria is continued where load control ends: methods and their changes.
 !!
 !! Load control goes as far as it can. Where a small step fails, the release of the bonds is
 !! prescribed instead of the load; where that fails, the arc length of the step (LENGth: from the

@@ -71,8 +71,8 @@ contains
     end associate
   end function energy_entry
 
-  !> Energy of all bonds by their laws: 1 stored, 2 dissipated by damage, 3 by viscosity. Each of the
-  !! two sides covers the whole interface, hence the mean; a rigid side has no points.
+  !> Energy of all bonds by their laws: 1 stored, 2 dissipated by damage, 3 by viscosity. Each of
+  !! the two sides covers the whole interface, hence the mean; a rigid side has no points.
   pure real(wp) function bond_energy(model, state, part) result(energy)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
