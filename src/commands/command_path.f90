@@ -17,7 +17,8 @@ contains
     type(command_row_t) :: row(3)
 
     row(1) = new_row('ARCLength', &
-                     'ARCLength,[LOCAl|LENGth|DYNAmic|OFF],[fraction|multiple|density]', 2, run_arcl)
+                     'ARCLength,[LOCAl|LENGth|DYNAmic|OFF],[fraction|multiple|density]', 2, &
+                     run_arcl)
     row(2) = new_row('TRANsient', 'TRANsient,BACK|NEWMark|HHT|OFF,[beta],[gamma],[alpha]', 4, &
                      run_tran)
     row(3) = new_row('MASS', 'MASS,[CONSistent|LUMPed]', 1, run_mass)
