@@ -115,7 +115,7 @@ module command_type
   !> Everything that a command can reach.
   type :: run_t
     type(deck_t) :: deck
-    type(model_t) :: model
+    type(model_t), allocatable :: model
     type(state_t) :: state
     type(step_t) :: step
     type(program_t) :: program

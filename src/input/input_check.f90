@@ -1,41 +1,54 @@
-!> What the records say about each other, before anything is meshed.
-!!
-!! The mesh before it is used: no element is inverted.
+!> Checks of the model: what records refer to, before anything is meshed; then the size of the mesh
+!! and the shape of its elements.
 module input_check
-  use base_kinds, only: wp
   use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_kinds, only: wp
   use base_text, only: to_text, quoted, nearest, lower
+  use input_contact, only: check_contacts
   use input_draft, only: build_t
+  use input_lists, only: MAX_NUMBER
+  use input_npatch, only: npatch_name
+  use input_rigid, only: check_rigid
+  use input_where, only: where_t, unknown_face, W_FACES, W_EDGE, W_GROUP
+  use mesh, only: mesh_t, is_rigid
   use mesh_body, only: group_named, group_hint
   use patch_spec, only: GEO_MESH, GEO_SPLINE
-  use input_contact, only: check_contacts
-  use input_lists, only: MAX_NUMBER
+  use spline_set, only: check_set
+  use tensor, only: det3
   use word_material, only: material_index
   use word_patch, only: patch_named
-  use input_rigid, only: check_rigid
-  use input_npatch, only: npatch_name
-  use input_where, only: where_t, unknown_face, W_FACES, W_EDGE, W_GROUP
-  use spline_set, only: check_set
-  use mesh, only: mesh_t, is_rigid
-  use tensor, only: det3
   implicit none
   private
-  public :: check_references, check_jacobians
+  public :: check_references, check_size, check_jacobians
 
 contains
 
   !> Names and numbers that records refer to; errors go to the list.
   subroutine check_references(build)
     type(build_t), intent(inout) :: build
-    integer :: i, j
+    integer, allocatable :: missing(:)
+    integer :: i, j, e, last
 
-    if (build%incomplete) return ! something was skipped: what is missing may have stood there
-    call check_patches(build)
+    if (build%incomplete) return ! an unknown word may have been the definition
+    do i = 1, size(build%patch)
+      call check_patch(build, i)
+    end do
     do i = 1, size(build%npatch)
       call check_material(build, build%npatch(i)%material, build%npatch(i)%place)
       call check_words(build, build%npatch(i)%material, .true.)
     end do
-    call check_element_materials(build)
+    allocate (missing(0)) ! materials of ELEMents and BLOCk, each reported once
+    last = -1
+    do e = 1, build%elements%top
+      if (build%elements%nen(e) == 0) cycle
+      associate (m => build%elements%material(e))
+        if (m == last) cycle
+        last = m
+        if (material_index(build, m) > 0 .or. any(missing == m)) cycle
+        missing = [missing, m]
+        call check_material(build, m, build%places%at(build%elements%place(e)))
+      end associate
+    end do
     do i = 1, build%nsupport
       call check_where(build, build%support(i)%at)
     end do
@@ -62,55 +75,44 @@ contains
     call check_rigid(build)
   end subroutine check_references
 
-  !> Materials and NPATch geometry of the patches.
-  subroutine check_patches(build)
-    type(build_t), intent(inout) :: build
-    type(error_t), allocatable :: error
-    integer :: i, j
-
-    do i = 1, size(build%patch)
-      associate (p => build%patch(i))
-        if (p%spec%type /= 'RIGID') then
-          if (p%spec%geometry == GEO_MESH) then
-            do j = 1, size(p%mesh%material)
-              call check_material(build, p%mesh%material(j)%number, p%mesh%material(j)%place)
-              call check_words(build, p%mesh%material(j)%number, .false.)
-            end do
-            cycle
-          end if
-          if (.not. allocated(p%material_place%file)) cycle ! its own error is in the list
-          call check_material(build, p%material, p%material_place)
-          call check_words(build, p%material, .false.)
-        end if
-        call check_patch_size(build, i)
-        if (p%npatch == 0) cycle
-        if (p%npatch > size(build%npatch)) then
-          call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', &
-                    p%npatch_place, &
-                    'the deck has '//to_text(size(build%npatch))//' NPATch solids')
-          call build%errors%add(error)
-        else
-          build%npatch(p%npatch)%is_geometry = .true.
-        end if
-      end associate
-    end do
-  end subroutine check_patches
-
-  !> Nothing is meshed that a mesh cannot hold; the other patches are counted at the end.
-  subroutine check_patch_size(build, i)
+  !> Materials, size and NPATch geometry of patch i. Nothing is meshed that a mesh cannot hold; the
+  !! nodes of meshes and splines are counted at the end.
+  subroutine check_patch(build, i)
     type(build_t), intent(inout) :: build
     integer, intent(in) :: i
     type(error_t), allocatable :: error
     real(wp) :: n
+    integer :: j
 
-    associate (spec => build%patch(i)%spec)
-      n = product(real(spec%nelem, wp)*merge(2.0_wp, 1.0_wp, spec%type == 'Q2') + 1.0_wp)
-      if (n <= MAX_NUMBER) return
-      call fail(error, DECK_ERROR, 'patch '//quoted(spec%name)//' has '//to_text(n)//' nodes', &
-                spec%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+    associate (p => build%patch(i))
+      if (p%spec%type /= 'RIGID') then
+        if (p%spec%geometry == GEO_MESH) then
+          do j = 1, size(p%mesh%material)
+            call check_material(build, p%mesh%material(j)%number, p%mesh%material(j)%place)
+            call check_words(build, p%mesh%material(j)%number, .false.)
+          end do
+          return
+        end if
+        if (.not. allocated(p%material_place%file)) return ! its own error is in the list
+        call check_material(build, p%material, p%material_place)
+        call check_words(build, p%material, .false.)
+      end if
+      n = product(real(p%spec%nelem, wp)*merge(2.0_wp, 1.0_wp, p%spec%type == 'Q2') + 1.0_wp)
+      if (n > MAX_NUMBER) then
+        call fail(error, DECK_ERROR, 'patch '//quoted(p%spec%name)//' has '//to_text(n)//' nodes', &
+                  p%spec%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+        call build%errors%add(error)
+      end if
+      if (p%npatch == 0) return
+      if (p%npatch > size(build%npatch)) then
+        call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', &
+                  p%npatch_place, 'the deck has '//to_text(size(build%npatch))//' NPATch solids')
+        call build%errors%add(error)
+      else
+        build%npatch(p%npatch)%is_geometry = .true.
+      end if
     end associate
-    call build%errors%add(error)
-  end subroutine check_patch_size
+  end subroutine check_patch
 
   subroutine check_material(build, number, place)
     type(build_t), intent(inout) :: build
@@ -130,11 +132,11 @@ contains
     call build%errors%add(error)
   end subroutine check_material
 
-  !> Words of a material that the formulation of a body does not use.
+  !> Fails where a material has words that do not apply to a body; each material once.
   subroutine check_words(build, number, is_npatch)
     type(build_t), intent(inout) :: build
     integer, intent(in) :: number
-    logical, intent(in) :: is_npatch
+    logical, intent(in) :: is_npatch !! the body: an NPATch, else a PATCh, MESH or SPLIne
     type(error_t), allocatable :: error
     integer :: m
 
@@ -144,75 +146,36 @@ contains
       if (set%given_formulation .and. .not. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
                   //' has DISPlacement or ENHAnced, but a PATCh uses it', &
-                  set%place, 'remove the word: TYPE decides in a PATCh')
+                  set%place, 'remove the word: TYPE of the PATCh decides')
       else if (set%enhanced .and. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
                   //' is ENHAnced, but an NPATch uses it', &
-                  set%place, 'enhanced modes belong to 8-node elements')
+                  set%place, 'remove the word: only 8-node elements have enhanced modes')
       else if (any(set%nurbs_points > 0) .and. .not. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
                   //' has NURB interp, but a PATCh uses it', &
-                  set%place, 'remove the word: QUADrature in the PATCh chooses the points')
+                  set%place, 'remove the word: QUADrature of the PATCh sets the points')
       end if
     end associate
     if (.not. allocated(error)) return
     call build%errors%add(error)
-    build%model%material(m)%given_formulation = .false. ! said once
+    build%model%material(m)%given_formulation = .false. ! report it once
     build%model%material(m)%enhanced = .false.
     build%model%material(m)%nurbs_points = 0
   end subroutine check_words
 
-  !> Materials of ELEM and BLOC, each unknown one once.
-  subroutine check_element_materials(build)
-    type(build_t), intent(inout) :: build
-    integer, allocatable :: missing(:)
-    integer :: e, last
-
-    allocate (missing(0))
-    last = -1
-    do e = 1, build%elements%top
-      if (build%elements%nen(e) == 0) cycle
-      associate (m => build%elements%material(e))
-        if (m == last) cycle
-        last = m
-        if (material_index(build, m) > 0 .or. any(missing == m)) cycle
-        missing = [missing, m]
-        call check_material(build, m, build%places%at(build%elements%place(e)))
-      end associate
-    end do
-  end subroutine check_element_materials
-
+  !> The body of a place is known, and so is its face or group.
   subroutine check_where(build, at)
-    type(build_t), intent(inout) :: build
-    type(where_t), intent(in) :: at
-
-    if (all(at%kind /= [W_FACES, W_EDGE, W_GROUP])) return
-    if (is_known(build, at%body)) then
-      call check_group(build, at)
-    else
-      call check_name(build, at%body, at%place)
-    end if
-  end subroutine check_where
-
-  !> A patch of that name, or an NPATch.
-  logical function is_known(build, name) result(known)
-    type(build_t), intent(in) :: build
-    character(*), intent(in) :: name
-    integer :: i
-
-    known = patch_named(build, name) > 0
-    do i = 1, size(build%npatch)
-      if (npatch_name(i) == name .and. .not. build%npatch(i)%is_geometry) known = .true.
-    end do
-  end function is_known
-
-  !> Faces of patches are known; a mesh has the groups of its file, and ALL.
-  subroutine check_group(build, at)
     type(build_t), intent(inout) :: build
     type(where_t), intent(in) :: at
     type(error_t), allocatable :: error
     integer :: p
 
+    if (all(at%kind /= [W_FACES, W_EDGE, W_GROUP])) return
+    if (.not. is_known(build, at%body)) then
+      call check_name(build, at%body, at%place)
+      return
+    end if
     p = patch_named(build, at%body)
     if (p > 0) then
       if (build%patch(p)%spec%geometry == GEO_SPLINE .and. at%kind == W_GROUP) then
@@ -232,9 +195,21 @@ contains
       end associate
     end if
     if (allocated(error)) call build%errors%add(error)
-  end subroutine check_group
+  end subroutine check_where
 
-  !> A patch of that name, or an NPATch; else what is there.
+  !> A patch of that name, or an NPATch.
+  logical function is_known(build, name) result(known)
+    type(build_t), intent(in) :: build
+    character(*), intent(in) :: name
+    integer :: i
+
+    known = patch_named(build, name) > 0
+    do i = 1, size(build%npatch)
+      if (npatch_name(i) == name .and. .not. build%npatch(i)%is_geometry) known = .true.
+    end do
+  end function is_known
+
+  !> Fails with the nearest name where there is neither a patch nor an NPATch of that name.
   subroutine check_name(build, name, place)
     type(build_t), intent(inout) :: build
     character(*), intent(in) :: name
@@ -261,64 +236,72 @@ contains
     call build%errors%add(error)
   end subroutine check_name
 
-  !> Every element must be right-handed at all its integration points; one message a block.
+  !> The mesh has elements that are solved for, and not more nodes than can be numbered.
+  subroutine check_size(build, mesh)
+    type(build_t), intent(inout) :: build
+    type(mesh_t), intent(in) :: mesh
+    type(error_t), allocatable :: error
+
+    if (.not. any(mesh%used)) then
+      call fail(error, DECK_ERROR, 'the mesh has no elements', build%control%place, &
+                'add ELEMents, BLOCk, NPATch, PATCh or MESH')
+    else if (all(is_rigid(mesh%block))) then
+      call fail(error, DECK_ERROR, 'all bodies are rigid', build%control%place, &
+                'add a body that can deform')
+    else if (mesh%nnode > MAX_NUMBER) then
+      call fail(error, DECK_ERROR, 'the mesh has '//to_text(mesh%nnode)//' nodes', &
+                build%control%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+    end if
+    if (allocated(error)) call build%errors%add(error)
+  end subroutine check_size
+
+  !> The Jacobian of every element is positive at all its integration points; one message a block.
   subroutine check_jacobians(build, mesh)
     type(build_t), intent(inout) :: build
     type(mesh_t), intent(in) :: mesh
     type(error_t), allocatable :: error
     type(place_t) :: place
     character(:), allocatable :: text, hint
+    real(wp), allocatable :: x(:, :)
     real(wp) :: least, worst
-    integer :: b, e, first, bad
+    integer :: b, e, q, first, bad
 
     do b = 1, size(mesh%block)
       if (is_rigid(mesh%block(b))) cycle
-      bad = 0
-      first = 0
-      worst = 0.0_wp
-      do e = 1, mesh%block(b)%nelem
-        least = smallest_jacobian(mesh, b, e)
-        if (least > 0.0_wp) cycle
-        bad = bad + 1
-        if (first == 0) then
+      associate (block => mesh%block(b))
+        bad = 0
+        first = 0
+        worst = 0.0_wp
+        do e = 1, block%nelem
+          x = mesh%xr(:, block%conn(:, e))
+          least = huge(least)
+          associate (basis => block%basis(block%ibasis(e)))
+            do q = 1, basis%nq
+              least = min(least, det3(matmul(x, transpose(basis%dshp(:, :, q)))))
+            end do
+          end associate
+          if (.not. least < huge(least)) least = 0.0_wp ! not a number
+          if (least > 0.0_wp) cycle
+          bad = bad + 1
+          if (first > 0) cycle
           first = e
           worst = least
-        end if
-      end do
-      if (bad == 0) cycle
-      associate (block => mesh%block(b))
+        end do
+        if (bad == 0) cycle
         text = 'element '//to_text(block%number(first))//' is inverted: its Jacobian is ' &
                //to_text(worst)
-        if (bad > 1) text = text//', and '//to_text(bad - 1)//' more are'
-        hint = 'the first four nodes go counter-clockwise seen from the other four'
+        if (bad > 1) text = text//' (the first of '//to_text(bad)//' inverted elements)'
         if (block%body > 0) then
           place = mesh%body(block%body)%place
-          hint = 'more elements follow the shape more closely; or enrich other faces'
+          hint = 'use more elements to follow the shape more closely, or enrich other faces'
         else
           place = build%places%at(build%elements%place(block%number(first)))
+          hint = 'number its first four nodes counter-clockwise as seen from the other four'
         end if
       end associate
       call fail(error, DECK_ERROR, text, place, hint)
       call build%errors%add(error)
     end do
   end subroutine check_jacobians
-
-  pure real(wp) function smallest_jacobian(mesh, b, e) result(least)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: b, e
-    real(wp) :: x(3, mesh%block(b)%nen)
-    integer :: q
-
-    least = huge(least)
-    associate (block => mesh%block(b))
-      x = mesh%xr(:, block%conn(:, e))
-      associate (basis => block%basis(block%ibasis(e)))
-        do q = 1, basis%nq
-          least = min(least, det3(matmul(x, transpose(basis%dshp(:, :, q)))))
-        end do
-      end associate
-    end associate
-    if (.not. least < huge(least)) least = 0.0_wp
-  end function smallest_jacobian
 
 end module input_check

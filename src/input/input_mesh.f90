@@ -1,30 +1,30 @@
-!> Nodes and blocks of a FEAP mesh, from the lists that the deck filled.
-!!
-!! MESH at the END of the mesh part: materials and node numbers of files become those of the model.
-!!
-!! SPLIne at the END of the mesh: numbers of its tables become nodes of the mesh.
+!> The mesh: nodes and blocks of the lists of the deck, then the bodies of NPATch, PATCh, MESH and
+!! SPLIne, with the numbers of their materials and tables resolved.
 module input_mesh
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_error, only: error_t, fail, DECK_ERROR, place_t
+  use base_sort, only: find
   use base_text, only: to_text, quoted
+  use constraint, only: constraint_t, add_constraint
   use element_table, only: load_elements
   use element_type, only: element_t
-  use mesh, only: mesh_t, block_t
   use input_draft, only: build_t
-  use word_material, only: material_index
-  use base_sort, only: find
-  use constraint, only: add_constraint
-  use mesh_body, only: build_mesh
+  use input_npatch, only: npatch_geometry, append_npatch
   use input_where, only: body_index
-  use patch_spec, only: patch_spec_t
+  use mesh, only: mesh_t, block_t
+  use mesh_body, only: build_mesh
+  use patch_body, only: build_body
+  use patch_spec, only: patch_spec_t, GEO_SPLINE, GEO_MESH
   use spline_body, only: build_spline
+  use word_material, only: material_index
   implicit none
   private
-  public :: make_mesh, count_mesh, make_mesh_body, find_label, make_spline
+  public :: make_mesh, count_mesh, make_bodies
 
 contains
 
-  !> Counts against the control record; more than it says is an error, as in FEAP's manual.
+  !> Compare with the counts of the control record; more than it says is an error, as in FEAP's
+  !! manual.
   subroutine count_mesh(build)
     type(build_t), intent(inout) :: build
 
@@ -35,107 +35,92 @@ contains
         call compare(build, c%nummat, maxval(build%model%material%number), 'nummat', 'materials')
       end if
       if (build%elements%top > 0) then
-        call compare(build, c%nen, maxval(build%elements%nen), 'nen', 'nodes of an element')
+        call compare(build, c%nen, maxval(build%elements%nen), 'nen', 'nodes per element')
       end if
     end associate
   end subroutine count_mesh
 
-  subroutine compare(build, said, found, name, what)
+  subroutine compare(build, announced, found, name, what)
     type(build_t), intent(inout) :: build
-    integer, intent(in) :: said, found
-    character(*), intent(in) :: name, what
+    integer, intent(in) :: announced, found
+    character(*), intent(in) :: name !! in the control record
+    character(*), intent(in) :: what !! in plural
     type(error_t), allocatable :: error
 
-    if (said == 0 .or. found <= said) return
-    call fail(error, DECK_ERROR, 'the deck has '//to_text(found)//' '//what &
-              //', its control record says ' &
-              //to_text(said), build%control%place, name//' counts them; with '//name &
-              //' = 0 they are counted here')
+    if (announced == 0 .or. found <= announced) return
+    call fail(error, DECK_ERROR, 'the deck has '//to_text(found)//' '//what//', but '//name &
+              //' of its control record is '//to_text(announced), build%control%place, &
+              'correct '//name//', or write '//name//' = 0 and let the program count')
     call build%errors%add(error)
   end subroutine compare
 
-  !> Nodes, then a block for each material and number of nodes; errors go to the list.
+  !> Nodes, then a block for each material and number of nodes, in order of appearance; errors go to
+  !! the list.
   subroutine make_mesh(build, mesh)
     type(build_t), intent(inout) :: build
     type(mesh_t), intent(inout) :: mesh
-    integer, allocatable :: group(:), group_material(:), group_nen(:)
-    type(element_t), allocatable :: rows(:)
-    integer :: n, g
-
-    n = build%nodes%top
-    mesh%nnode = n
-    allocate (mesh%xr(3, n), mesh%is_control(n), mesh%used(n), mesh%body(0))
-    if (n > 0) then
-      mesh%xr = build%nodes%x(:, :n)
-      mesh%is_control = build%nodes%weight(:n) > 0.0_wp
-    end if
-    mesh%used = .false.
-    call check_elements(build)
-    call group_elements(build, group, group_material, group_nen)
-    allocate (mesh%block(size(group_nen)))
-    if (build%errors%count() > 0) return
-    call load_elements(rows)
-    do g = 1, size(group_nen)
-      call make_block(build, pack([(n, n=1, build%elements%top)], group == g), group_material(g), &
-                      group_nen(g), &
-                      rows, mesh%block(g))
-      if (build%errors%count() > 0) return
-    end do
-  end subroutine make_mesh
-
-  !> Every element has nodes that exist.
-  subroutine check_elements(build)
-    type(build_t), intent(inout) :: build
     type(error_t), allocatable :: error
-    integer :: e, a
+    integer, allocatable :: group(:)    ! (nelem) of each element; 0: no element has this number
+    integer, allocatable :: material(:) ! (ngroup) index into the model's materials
+    integer, allocatable :: nen(:)      ! (ngroup)
+    type(element_t), allocatable :: rows(:)
+    integer :: n, e, a, g, m
 
     associate (list => build%elements, nodes => build%nodes)
+      n = nodes%top
+      mesh%nnode = n
+      allocate (mesh%xr(3, n), mesh%is_control(n), mesh%body(0))
+      allocate (mesh%used(n), source=.false.)
+      if (n > 0) then
+        mesh%xr = nodes%x(:, :n)
+        mesh%is_control = nodes%weight(:n) > 0.0_wp
+      end if
       do e = 1, list%top
         do a = 1, list%nen(e)
           if (list%node(a, e) <= nodes%top) then
             if (nodes%given(list%node(a, e))) cycle
           end if
           call fail(error, DECK_ERROR, 'element '//to_text(e)//' refers to node ' &
-                    //to_text(list%node(a, e)) &
-                    //', which is not defined', build%places%at(list%place(e)), &
-                    'define it by COORdinates or BLOCk; node numbers go to '//to_text(nodes%top))
+                    //to_text(list%node(a, e))//', which is not defined', &
+                    build%places%at(list%place(e)), 'define it by COORdinates or BLOCk; the ' &
+                    //'largest node number is '//to_text(nodes%top))
           call build%errors%add(error)
           exit
         end do
       end do
-    end associate
-  end subroutine check_elements
-
-  !> Elements of one material and one number of nodes make a group; groups in order of appearance.
-  subroutine group_elements(build, group, material, nen)
-    type(build_t), intent(in) :: build
-    integer, allocatable, intent(out) :: group(:)    !! (nelem) 0: no element of this number
-    integer, allocatable, intent(out) :: material(:) !! (ngroup) index into the model's materials
-    integer, allocatable, intent(out) :: nen(:)      !! (ngroup)
-    integer :: e, g, m
-
-    allocate (group(build%elements%top), source=0)
-    allocate (material(0), nen(0))
-    do e = 1, build%elements%top
-      if (build%elements%nen(e) == 0) cycle
-      m = material_index(build, build%elements%material(e))
-      do g = size(nen), 1, -1
-        if (material(g) == m .and. nen(g) == build%elements%nen(e)) exit
+      allocate (group(list%top), source=0)
+      allocate (material(0), nen(0))
+      do e = 1, list%top
+        if (list%nen(e) == 0) cycle
+        m = material_index(build, list%material(e))
+        do g = size(nen), 1, -1
+          if (material(g) == m .and. nen(g) == list%nen(e)) exit
+        end do
+        if (g == 0) then
+          material = [material, m]
+          nen = [nen, list%nen(e)]
+          g = size(nen)
+        end if
+        group(e) = g
       end do
-      if (g == 0) then
-        material = [material, m]
-        nen = [nen, build%elements%nen(e)]
-        g = size(nen)
-      end if
-      group(e) = g
+    end associate
+    allocate (mesh%block(size(nen)))
+    if (build%errors%count() > 0) return
+    call load_elements(rows)
+    do g = 1, size(nen)
+      call make_block(build, pack([(e, e=1, size(group))], group == g), material(g), nen(g), rows, &
+                      mesh%block(g))
+      if (build%errors%count() > 0) return
     end do
-  end subroutine group_elements
+  end subroutine make_mesh
 
-  !> The node count chooses the cell, the material's DISPlacement or ENHAnced the formulation.
+  !> A block: the number of nodes decides the cell, and DISPlacement or ENHAnced of the material the
+  !! formulation.
   subroutine make_block(build, list, material, nen, rows, block)
     type(build_t), intent(inout) :: build
-    integer, intent(in) :: list(:)
-    integer, intent(in) :: material, nen
+    integer, intent(in) :: list(:)      !! (nelem) numbers of the elements
+    integer, intent(in) :: material     !! index into the model's materials
+    integer, intent(in) :: nen
     type(element_t), intent(in) :: rows(:)
     type(block_t), intent(inout) :: block
     type(error_t), allocatable :: error
@@ -149,12 +134,11 @@ contains
       if (found == 0) then
         call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
                   //' is ENHAnced, but its elements have '//to_text(nen)//' nodes', &
-                  set%place, 'enhanced modes belong to 8-node elements; '//to_text(nen) &
-                  //'-node elements do not need them')
+                  set%place, 'remove ENHAnced: only 8-node elements have enhanced modes')
       else if (any(set%nurbs_points > 0)) then
         call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
                   //' has NURB interp, but its elements are bricks', &
-                  set%place, 'NURB interp belongs to an NPATch')
+                  set%place, 'remove the record: it applies to an NPATch')
       end if
       if (allocated(error)) call build%errors%add(error)
       if (found == 0) return
@@ -176,56 +160,49 @@ contains
     end do
   end subroutine make_block
 
-  !> Append the body of the i-th entry and its hanging nodes.
-  subroutine make_mesh_body(build, i, mesh, error)
+  !> Append NPATch bodies on the given control points, then the patches in deck order; errors go to
+  !! the list. Then mark the nodes that elements use.
+  subroutine make_bodies(build, mesh)
     type(build_t), intent(inout) :: build
-    integer, intent(in) :: i
     type(mesh_t), intent(inout) :: mesh
-    type(error_t), allocatable, intent(out) :: error
-    integer, allocatable :: node(:)
-    integer :: j, k
+    type(error_t), allocatable :: error
+    integer :: i, j, b, e
 
-    associate (spec => build%patch(i)%mesh)
-      do j = 1, size(spec%material)
-        spec%material(j)%index = material_index(build, spec%material(j)%number)
-      end do
-      call build_mesh(spec, mesh, error)
-      if (allocated(error)) return
-      associate (list => spec%constraint)
-        do j = 1, list%n
-          node = [list%slave(j), list%master(list%first(j):list%first(j + 1) - 1)]
-          do k = 1, size(node)
-            call find_label(mesh, spec%spec%name, spec%constraint_place, node(k), error)
-            if (allocated(error)) return
+    do i = 1, size(build%npatch)
+      if (build%npatch(i)%is_geometry) cycle
+      call append_npatch(build, i, mesh, error)
+      if (allocated(error)) call build%errors%add(error)
+    end do
+    do i = 1, size(build%patch)
+      associate (p => build%patch(i))
+        p%spec%material = material_index(build, p%material)
+        select case (p%spec%geometry)
+        case (GEO_SPLINE)
+          call make_spline(build, p%spec, mesh, error)
+        case (GEO_MESH)
+          do j = 1, size(p%mesh%material)
+            p%mesh%material(j)%index = material_index(build, p%mesh%material(j)%number)
           end do
-          call add_constraint(mesh%constraint, node(1), node(2:), &
-                              list%c(list%first(j):list%first(j + 1) - 1), list%place(j))
-        end do
+          call build_mesh(p%mesh, mesh, error)
+          if (.not. allocated(error)) then
+            call add_constraints(build, p%mesh%spec, p%mesh%constraint, p%mesh%constraint_place, &
+                                 mesh, error)
+          end if
+        case default
+          if (p%npatch > 0) call npatch_geometry(build, p%npatch, p%spec%nurbs, error)
+          if (.not. allocated(error)) call build_body(p%spec, mesh, error)
+        end select
       end associate
-    end associate
-  end subroutine make_mesh_body
-
-  !> From a number in the file of a MESH to the node.
-  subroutine find_label(mesh, name, place, node, error)
-    type(mesh_t), intent(in) :: mesh
-    character(*), intent(in) :: name         !! of the mesh
-    type(place_t), intent(in) :: place       !! of the table that refers to it
-    integer, intent(inout) :: node
-    type(error_t), allocatable, intent(out) :: error
-    integer :: b, n
-
-    b = body_index(mesh, name)
-    n = 0
-    if (b > 0) then
-      if (allocated(mesh%body(b)%label)) n = find(mesh%body(b)%label, node)
-    end if
-    if (n == 0) then
-      call fail(error, DECK_ERROR, 'node '//to_text(node)//' is not in mesh '//quoted(name), &
-                place, 'tables name the nodes by their numbers in the file of the mesh')
-    else
-      node = mesh%body(b)%node(n)
-    end if
-  end subroutine find_label
+      if (allocated(error)) call build%errors%add(error)
+    end do
+    if (build%errors%count() > 0) return
+    mesh%used = .false.
+    do b = 1, size(mesh%block)
+      do e = 1, mesh%block(b)%nelem
+        mesh%used(mesh%block(b)%conn(:, e)) = .true.
+      end do
+    end do
+  end subroutine make_bodies
 
   !> Append the body of a SPLIne and its hanging nodes.
   subroutine make_spline(build, spec, mesh, error)
@@ -247,82 +224,91 @@ contains
       end do
     end if
     call build_spline(spec, inner, mesh, error)
-    if (.not. allocated(error)) call add_constraints(build, spec, mesh, error)
+    if (allocated(error)) return
+    call add_constraints(build, spec, spec%spline%constraint, spec%spline%constraint_place, mesh, &
+                         error)
   end subroutine make_spline
 
-  !> The hanging nodes of its mesh, and those that control points are.
-  subroutine add_constraints(build, spec, mesh, error)
+  !> Append the constraints of the last body. In the table of a SPLIne the master -k is control
+  !! point k of its surface.
+  subroutine add_constraints(build, spec, list, place, mesh, error)
     type(build_t), intent(in) :: build
-    type(patch_spec_t), intent(in) :: spec
+    type(patch_spec_t), intent(in) :: spec   !! of the body
+    type(constraint_t), intent(in) :: list   !! nodes by their numbers in the table
+    type(place_t), intent(in) :: place       !! of the table
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: node(:)
+    logical, allocatable :: has(:)
     integer :: i, j
 
-    associate (list => spec%spline%constraint)
-      do i = 1, list%n
-        node = [list%slave(i), list%master(list%first(i):list%first(i + 1) - 1)]
-        do j = 1, size(node)
-          if (node(j) < 0) then
-            call resolve_control(mesh, spec, node(j), error)
-          else
-            call resolve_node(build, mesh, spec, spec%spline%constraint_place, node(j), error)
-          end if
+    do i = 1, list%n
+      node = [list%slave(i), list%master(list%first(i):list%first(i + 1) - 1)]
+      do j = 1, size(node)
+        if (node(j) >= 0 .or. spec%geometry == GEO_MESH) then
+          call resolve_node(build, mesh, spec, place, node(j), error)
           if (allocated(error)) return
-        end do
-        call add_constraint(mesh%constraint, node(1), node(2:), &
-                            list%c(list%first(i):list%first(i + 1) - 1), list%place(i))
+          cycle
+        end if
+        associate (s => spec%spline%surface, k => -node(j))
+          allocate (has(max(s%nnode, k)), source=.false.)
+          has(s%node(:s%first(s%nelem + 1) - 1)) = .true.
+          if (.not. has(k)) then
+            call fail(error, DECK_ERROR, 'control point '//to_text(k)//' of spline ' &
+                      //quoted(spec%name)//' has no basis function', place, &
+                      'a master -k is control point k of the surface, which has control points 1 ' &
+                      //'to '//to_text(s%nnode))
+            return
+          end if
+          node(j) = mesh%body(size(mesh%body))%node(count(has(:k)))
+        end associate
+        deallocate (has)
       end do
-    end associate
+      call add_constraint(mesh%constraint, node(1), node(2:), &
+                          list%c(list%first(i):list%first(i + 1) - 1), list%place(i))
+    end do
   end subroutine add_constraints
 
-  !> From -k to the node that is control point k of the surface, whose body is the last.
-  subroutine resolve_control(mesh, spec, node, error)
-    type(mesh_t), intent(in) :: mesh
-    type(patch_spec_t), intent(in) :: spec
-    integer, intent(inout) :: node
-    type(error_t), allocatable, intent(out) :: error
-    logical, allocatable :: has(:)
-
-    associate (s => spec%spline%surface)
-      allocate (has(max(s%nnode, -node)), source=.false.)
-      has(s%node(:s%first(s%nelem + 1) - 1)) = .true.
-      if (has(-node)) then
-        node = mesh%body(size(mesh%body))%node(count(has(:-node)))
-        return
-      end if
-    end associate
-    call fail(error, DECK_ERROR, 'control point '//to_text(-node)//' of spline ' &
-              //quoted(spec%name)//' has no function', spec%spline%constraint_place, &
-              'a master -k is control point k of the surface, which has 1 to ' &
-              //to_text(spec%spline%surface%nnode))
-  end subroutine resolve_control
-
-  !> From the number in a table to the node.
+  !> From the number of a node in a table to the node: the number is that of a mesh file, or of the
+  !! deck.
   subroutine resolve_node(build, mesh, spec, place, node, error)
     type(build_t), intent(in) :: build
     type(mesh_t), intent(in) :: mesh
-    type(patch_spec_t), intent(in) :: spec
-    type(place_t), intent(in) :: place
+    type(patch_spec_t), intent(in) :: spec   !! of the body that the table belongs to
+    type(place_t), intent(in) :: place       !! of the table
     integer, intent(inout) :: node
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: name
+    integer :: b, n
 
-    if (allocated(spec%spline%mesh)) then
-      if (body_index(mesh, spec%spline%mesh) == 0) then
-        call fail(error, DECK_ERROR, 'mesh '//quoted(spec%spline%mesh)//' is not defined', &
-                  spec%spline%mesh_place, 'its MESH stands before this SPLIne; leave the name ' &
-                  //'out where the nodes are those of the deck')
-      else
-        call find_label(mesh, spec%spline%mesh, place, node, error)
+    if (spec%geometry == GEO_MESH) then
+      name = spec%name
+    else if (allocated(spec%spline%mesh)) then
+      name = spec%spline%mesh
+    else
+      if (node <= build%nodes%top) then
+        if (build%nodes%given(node)) return
       end if
+      call fail(error, DECK_ERROR, 'a table of spline '//quoted(spec%name)//' refers to node ' &
+                //to_text(node)//', which is not defined', place, &
+                'the deck has nodes 1 to '//to_text(build%nodes%top))
       return
     end if
-    if (node <= build%nodes%top) then
-      if (build%nodes%given(node)) return
+    b = body_index(mesh, name)
+    if (b == 0) then
+      call fail(error, DECK_ERROR, 'mesh '//quoted(name)//' is not defined', &
+                spec%spline%mesh_place, 'define the MESH before this SPLIne, or omit its name ' &
+                //'if the nodes are those of the deck')
+      return
     end if
-    call fail(error, DECK_ERROR, 'a table of spline '//quoted(spec%name)//' refers to node ' &
-              //to_text(node)//', which is not defined', place, &
-              'the deck has nodes 1 to '//to_text(build%nodes%top))
+    n = 0
+    if (allocated(mesh%body(b)%label)) n = find(mesh%body(b)%label, node)
+    if (n == 0) then
+      call fail(error, DECK_ERROR, 'node '//to_text(node)//' is not in mesh '//quoted(name), &
+                place, 'tables refer to nodes by their numbers in the mesh file')
+    else
+      node = mesh%body(b)%node(n)
+    end if
   end subroutine resolve_node
 
 end module input_mesh

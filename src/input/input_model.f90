@@ -1,51 +1,60 @@
-!> From the first record of a deck to the END of its mesh.
-!!
-!! At the END of the mesh: from what was read to a model that can be solved.
+!> From the first record of a deck to a model that can be solved.
 module input_model
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_text, only: to_text, quoted, nearest
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: deck_t
-  use model, only: model_t
-  use input_draft, only: build_t, mesh_read_i, skip_set, row_of, known_word
-  use word_control, only: read_title, read_control
-  use word_table, only: load_mesh_words
-  use mesh, only: mesh_t, is_rigid
-  use model_basis, only: tabulate_basis
-  use patch_body, only: build_body
-  use patch_spec, only: GEO_SPLINE, GEO_MESH
-  use unread_constraints, only: find_unread
+  use input_check, only: check_references, check_size, check_jacobians
   use input_conditions, only: apply_conditions, note_loose
-  use input_check, only: check_references, check_jacobians
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
-  use input_lists, only: MAX_NUMBER
+  use input_draft, only: build_t, mesh_read_i, skip_set, row_of, known_word
   use input_loads, only: integrate_loads
-  use word_material, only: material_index
-  use input_mesh, only: make_mesh, count_mesh, make_mesh_body, make_spline
-  use input_rigid, only: hold_rigid
+  use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
-  use input_npatch, only: npatch_geometry, append_npatch
+  use input_rigid, only: hold_rigid
   use input_tie, only: tie_nodes
+  use model, only: model_t
+  use model_basis, only: tabulate_basis
+  use unread_constraints, only: find_unread
+  use word_control, only: read_title, read_control
+  use word_table, only: load_mesh_words
   implicit none
   private
-  public :: build_model, finish
+  public :: build_model
 
-  !> Blocks in which a comment alone does not count as blank.
+  !> Words whose sets FEAP does not have: comments in them are skipped.
   character(8), parameter :: OURS(5) = ['PATCh   ', 'SPLIne  ', 'MESH    ', 'CURVe   ', 'CONTact ']
 
 contains
 
-  !> Read the mesh part of a deck. Independent errors are collected in `errors`; `error` is one
-  !! after which reading could not go on.
+  !> Read the mesh part of a deck and make the model; `model` is allocated in any case.
   subroutine build_model(deck, model, errors, error)
     type(deck_t), intent(inout) :: deck
-    type(model_t), intent(inout) :: model
-    type(error_list_t), intent(inout) :: errors
-    type(error_t), allocatable, intent(out) :: error
+    type(model_t), allocatable, intent(out) :: model
+    type(error_list_t), intent(inout) :: errors      !! independent errors of the deck
+    type(error_t), allocatable, intent(out) :: error !! one after which reading cannot go on
     type(build_t) :: build
 
-    call start(build)
+    call load_mesh_words(build%row)
+    allocate (build%model)
+    allocate (build%model%material(0), build%model%contact(0), build%patch(0), build%npatch(0))
+    allocate (build%knots(0), build%support(0), build%contact(0))
+    allocate (build%move(0), build%press(0), build%curve(0), build%tie(0))
+    call read_mesh_part(build, deck, error)
+    if (.not. allocated(error)) call finish(build)
+    errors = build%errors
+    call move_alloc(build%model, model)
+  end subroutine build_model
+
+  !> Title, control record, and word after word up to END.
+  subroutine read_mesh_part(build, deck, error)
+    type(build_t), intent(inout) :: build
+    type(deck_t), intent(inout) :: deck
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    integer :: r
+
     call read_title(build, deck, error)
     if (allocated(error)) return
     call read_control(build, deck, error)
@@ -54,50 +63,6 @@ contains
       call build%errors%add(error)
       deallocate (error)
     end if
-    call read_words(build, deck, error)
-    if (.not. (allocated(error) .or. build%ended)) call read_ties(build, deck, error)
-    if (.not. allocated(error)) call finish(build)
-    errors = build%errors
-    call hand_over(build%model, model)
-  end subroutine build_model
-
-  !> The model without a second copy of its arrays.
-  subroutine hand_over(from, to)
-    type(model_t), intent(inout) :: from, to
-
-    if (allocated(from%title)) call move_alloc(from%title, to%title)
-    if (allocated(from%material)) call move_alloc(from%material, to%material)
-    if (allocated(from%contact)) call move_alloc(from%contact, to%contact)
-    if (allocated(from%curve)) call move_alloc(from%curve, to%curve)
-    if (allocated(from%unread)) call move_alloc(from%unread, to%unread)
-    to%mesh%nnode = from%mesh%nnode
-    if (allocated(from%mesh%xr)) call move_alloc(from%mesh%xr, to%mesh%xr)
-    if (allocated(from%mesh%is_control)) call move_alloc(from%mesh%is_control, to%mesh%is_control)
-    if (allocated(from%mesh%used)) call move_alloc(from%mesh%used, to%mesh%used)
-    if (allocated(from%mesh%block)) call move_alloc(from%mesh%block, to%mesh%block)
-    if (allocated(from%mesh%body)) call move_alloc(from%mesh%body, to%mesh%body)
-    to%mesh%constraint = from%mesh%constraint
-    to%bc = from%bc
-  end subroutine hand_over
-
-  !> An empty model.
-  subroutine start(build)
-    type(build_t), intent(inout) :: build
-
-    call load_mesh_words(build%row)
-    allocate (build%model%material(0), build%model%contact(0), build%patch(0), build%npatch(0))
-    allocate (build%knots(0), build%support(0), build%contact(0))
-    allocate (build%move(0), build%press(0), build%curve(0), build%tie(0))
-  end subroutine start
-
-  !> Word after word up to END.
-  subroutine read_words(build, deck, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(error_t), allocatable, intent(out) :: error
-    type(record_t) :: record
-    integer :: r
-
     do
       if (build%has_pending) then
         record = build%pending
@@ -107,31 +72,21 @@ contains
         if (allocated(error)) return
       end if
       if (record%is_blank()) cycle
-      if (record%is_end() .or. record%key(1) == 'batc' .or. record%key(1) == 'inte' &
-          .or. record%key(1) == 'stop') then
-        call fail(error, DECK_ERROR, 'the mesh has no END', record%place(1), &
-                  'END closes the mesh, before BATCh')
+      if (record%is_end() .or. any(record%key(1) == ['batc', 'inte', 'stop'])) then
+        call fail(error, DECK_ERROR, 'END of the mesh is missing', record%place(1), &
+                  'close the mesh with END, before BATCh')
         return
       end if
       if (record%key(1) == 'end') exit
       r = row_of(build, record%text(1))
       if (r == 0) then
-        call pass_unknown(build, deck, record, error)
+        call skip_unknown(build, deck, record, error)
       else
         call read_word(build, deck, record, r, error)
       end if
       if (allocated(error) .or. build%ended) return
     end do
-  end subroutine read_words
-
-  !> FEAP has TIE, and PARAmeters, also between the END of the mesh and BATCh.
-  subroutine read_ties(build, deck, error)
-    type(build_t), intent(inout) :: build
-    type(deck_t), intent(inout) :: deck
-    type(error_t), allocatable, intent(out) :: error
-    type(record_t) :: record
-
-    do
+    do ! FEAP has TIE, and PARAmeters, also between END and BATCh
       call deck%next(record, error)
       if (allocated(error)) return
       if (record%is_blank()) cycle
@@ -140,32 +95,21 @@ contains
       if (allocated(error)) return
     end do
     call deck%put_back(record)
-  end subroutine read_ties
+  end subroutine read_mesh_part
 
-  !> FEAP's manual writes `BOUNdary conditions`: words of explanation behind a word that has lists.
-  pure function without_remark(record) result(plain)
-    type(record_t), intent(in) :: record
-    type(record_t) :: plain
-    integer :: i
-
-    plain = record
-    if (all(record%key(1) /= ['coor', 'boun', 'forc', 'disp', 'fpro', 'bloc'])) return
-    do i = 2, record%n
-      if (all(record%key(i) /= ['cond', 'rest', 'code', 'data', 'node', 'all '])) return
-    end do
-    plain%n = 1
-  end function without_remark
-
-  !> One known word; after an error reading goes on behind its set.
+  !> Read a known word; after an error go on behind its set.
   subroutine read_word(build, deck, record, r, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
-    integer, intent(in) :: r
+    integer, intent(in) :: r !! its row
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: found
+    type(record_t) :: plain
     procedure(mesh_read_i), pointer :: read
     character(:), allocatable :: belongs
+    logical :: explained
+    integer :: i
 
     belongs = closed_hint(build, record)
     build%in_set = build%row(r)%has_set
@@ -175,12 +119,19 @@ contains
       build%closed_place = record%place(1)
       build%closed_line = 0
     end if
+    explained = any(record%key(1) == ['coor', 'boun', 'forc', 'disp', 'fpro', 'bloc'])
+    do i = 2, record%n
+      explained = explained .and. any(record%key(i) == ['cond', 'rest', 'code', 'data', 'node', &
+                                                        'all '])
+    end do
+    plain = record
+    if (explained) plain%n = 1 ! words of explanation, as in FEAP's `BOUNdary conditions`
     read => build%row(r)%read
-    call read (build, deck, without_remark(record), found)
+    call read (build, deck, plain, found)
     if (.not. allocated(found)) return
     if (len(belongs) > 0 .and. found%place%line == record%line) found%hint = belongs
     if (build%row(r)%name == 'PARAmeters' .or. record%assigns() .or. found%code /= DECK_ERROR) then
-      call move_alloc(found, error) ! what follows would fail without the parameters
+      call move_alloc(found, error) ! records that follow would fail without the parameters
       return
     end if
     call build%errors%add(found)
@@ -188,7 +139,7 @@ contains
     call skip_set(build, deck, error)
   end subroutine read_word
 
-  !> Where a record would belong to the set closed last: how to put it there. Else empty.
+  !> Hint for a record that could belong to the set closed last; else empty.
   function closed_hint(build, record) result(hint)
     type(build_t), intent(in) :: build
     type(record_t), intent(in) :: record
@@ -200,7 +151,7 @@ contains
     key = record%key(1)
     if (build%closed == 0 .or. build%in_set .or. build%closed_line == 0) return
     associate (row => build%row(build%closed))
-      belongs = index(' '//trim(row%records)//' ', ' '//trim(upper(record%key(1)))//' ') > 0
+      belongs = any(row%records == key .and. row%records /= '')
       if (row%has_numbers) belongs = belongs .or. scan(key, '0123456789') == 1
       if (row%name == 'PARAmeters') belongs = record%assigns()
       if (belongs) hint = quoted(record%text(1))//' may belong to '//trim(row%name) &
@@ -209,19 +160,8 @@ contains
     end associate
   end function closed_hint
 
-  pure function upper(key) result(text)
-    character(4), intent(in) :: key
-    character(4) :: text
-    integer :: i
-
-    text = key
-    do i = 1, 4
-      if (key(i:i) >= 'a' .and. key(i:i) <= 'z') text(i:i) = achar(iachar(key(i:i)) - 32)
-    end do
-  end function upper
-
-  !> An unknown word and the nearest known one; its records are passed over.
-  subroutine pass_unknown(build, deck, record, error)
+  !> Report an unknown word with the nearest known one, and skip its records.
+  subroutine skip_unknown(build, deck, record, error)
     type(build_t), intent(inout) :: build
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -243,7 +183,7 @@ contains
     end if
     call fail(found, DECK_ERROR, 'unknown word '//quoted(record%text(1)), record%place(1), hint)
     if (record%assigns()) then
-      call move_alloc(found, error) ! what follows would fail without the parameter
+      call move_alloc(found, error) ! records that follow would fail without the parameter
       return
     end if
     call build%errors%add(found)
@@ -263,9 +203,10 @@ contains
       build%pending = next
       return
     end do
-  end subroutine pass_unknown
+  end subroutine skip_unknown
 
-  !> Each stage needs the one before: errors of a stage are collected, then it ends.
+  !> From records to a model. Each stage needs the one before: it collects its errors and, if there
+  !! are any, is the last one.
   subroutine finish(build)
     type(build_t), intent(inout) :: build
 
@@ -275,11 +216,9 @@ contains
     associate (model => build%model)
       call make_mesh(build, model%mesh)
       if (build%errors%count() == 0) call make_bodies(build, model%mesh)
+      if (build%errors%count() == 0) call check_size(build, model%mesh)
       if (build%errors%count() > 0) return
-      call mark_used(model%mesh)
-      call check_size(build, model%mesh)
-      if (build%errors%count() > 0) return
-      call tabulate_basis(model%mesh) ! surface loads ask for its rules
+      call tabulate_basis(model%mesh) ! surface loads need its rules
       call apply_conditions(build, model%mesh, model%bc)
       call tie_nodes(build, model%mesh, model%bc)
       call close_constraints(build, model%mesh)
@@ -299,66 +238,5 @@ contains
       call integrate_loads(model)
     end associate
   end subroutine finish
-
-  !> NPATch bodies on the given control points, then the patches in deck order.
-  subroutine make_bodies(build, mesh)
-    type(build_t), intent(inout) :: build
-    type(mesh_t), intent(inout) :: mesh
-    type(error_t), allocatable :: error
-    integer :: i
-
-    do i = 1, size(build%npatch)
-      if (build%npatch(i)%is_geometry) cycle
-      call append_npatch(build, i, mesh, error)
-      if (allocated(error)) call build%errors%add(error)
-    end do
-    do i = 1, size(build%patch)
-      associate (p => build%patch(i))
-        p%spec%material = material_index(build, p%material)
-        if (p%spec%geometry == GEO_SPLINE) then
-          call make_spline(build, p%spec, mesh, error)
-        else if (p%spec%geometry == GEO_MESH) then
-          call make_mesh_body(build, i, mesh, error)
-        else
-          if (p%npatch > 0) call npatch_geometry(build, p%npatch, p%spec%nurbs, error)
-          if (.not. allocated(error)) call build_body(p%spec, mesh, error)
-        end if
-      end associate
-      if (allocated(error)) call build%errors%add(error)
-    end do
-  end subroutine make_bodies
-
-  !> Nodes that elements use.
-  subroutine mark_used(mesh)
-    type(mesh_t), intent(inout) :: mesh
-    integer :: b, e
-
-    mesh%used = .false.
-    do b = 1, size(mesh%block)
-      do e = 1, mesh%block(b)%nelem
-        mesh%used(mesh%block(b)%conn(:, e)) = .true.
-      end do
-    end do
-  end subroutine mark_used
-
-  !> Neither nothing nor too much.
-  subroutine check_size(build, mesh)
-    type(build_t), intent(inout) :: build
-    type(mesh_t), intent(in) :: mesh
-    type(error_t), allocatable :: error
-
-    if (any(mesh%used) .and. all(is_rigid(mesh%block))) then
-      call fail(error, DECK_ERROR, 'all bodies are rigid', build%control%place, &
-                'give a body that can be deformed')
-    else if (.not. any(mesh%used)) then
-      call fail(error, DECK_ERROR, 'the mesh has no elements', build%control%place, &
-                'give ELEMents, BLOCk, NPATch, PATCh or MESH')
-    else if (mesh%nnode > MAX_NUMBER) then
-      call fail(error, DECK_ERROR, 'the mesh has '//to_text(mesh%nnode)//' nodes', &
-                build%control%place, &
-                'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
-    end if
-    if (allocated(error)) call build%errors%add(error)
-  end subroutine check_size
 
 end module input_model

@@ -1,5 +1,6 @@
 !> The one list of mesh words: a new word is a reader in a file of its group and a line here.
 module word_table
+  use base_text, only: key_of
   use input_draft, only: mesh_word_t, mesh_read_i
   use word_block, only: read_block, BLOCK_RECORDS
   use word_boundary, only: read_fix, read_move, read_pressure
@@ -63,7 +64,7 @@ contains
     call add(table, 'CURVe', WORDS, read_curve, CURVE_RECORDS%name)
   end subroutine load_mesh_words
 
-  !> One more row. The first four letters of its records are kept, separated by blanks.
+  !> Append a row.
   subroutine add(table, name, follows, read, records)
     type(mesh_word_t), allocatable, intent(inout) :: table(:)
     character(*), intent(in) :: name
@@ -79,9 +80,8 @@ contains
     row%read => read
     if (present(records)) then
       do i = 1, size(records)
-        row%records = trim(row%records)//' '//records(i) (:4)
+        row%records(i) = key_of(records(i))
       end do
-      row%records = adjustl(row%records)
     end if
     table = [table, row]
   end subroutine add
