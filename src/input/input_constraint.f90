@@ -1,35 +1,43 @@
-!> Constraints of nodes, made ready: chains of slaves resolved, geometry and supports checked.
+!> Constraints of hanging nodes: chains of slaves resolved, positions and supports checked.
 module input_constraint
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
   use base_sort, only: find
   use base_text, only: to_text, quoted
   use boundary, only: boundary_t
   use constraint, only: constraint_t, add_constraint, follow, slave_marks
-  use mesh, only: mesh_t
   use input_draft, only: build_t
+  use mesh, only: mesh_t
   implicit none
   private
   public :: close_constraints, release_slaves
 
-  real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! of the masters' extent: a slave is where they say
+  real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! distance of a slave from where its masters put it,
+  !! over their extent
   real(wp), parameter :: ROUNDING = 1.0e-9_wp !! of a sum of coefficients, of a prescribed value
 
 contains
 
-  !> Of slaves whose elements are there: masters that are no slaves, and positions that fit exactly.
+  !> Keep the slaves that elements use, with masters that are free, and move them exactly to where
+  !! their masters put them. A node is the slave of one constraint.
   subroutine close_constraints(build, mesh)
     type(build_t), intent(inout) :: build
     type(mesh_t), intent(inout) :: mesh
     type(constraint_t) :: closed
     type(error_t), allocatable :: error
     integer :: mark(mesh%nnode)
-    integer :: i
+    integer :: i, s
 
     if (mesh%constraint%n == 0) return
-    call mark_slaves(mesh, mark, error)
-    if (allocated(error)) call build%errors%add(error)
-    if (allocated(error)) return
+    mark = slave_marks(mesh%constraint, mesh%nnode)
+    do i = 1, mesh%constraint%n
+      s = mesh%constraint%slave(i)
+      if (mark(s) == i) cycle
+      call fail(error, DECK_ERROR, named(mesh, s)//' is the slave of two constraints', &
+                mesh%constraint%place(mark(s)), 'keep one of them')
+      call build%errors%add(error)
+      return
+    end do
     do i = 1, mesh%constraint%n
       if (.not. mesh%used(mesh%constraint%slave(i))) cycle
       call close_one(mesh, mark, i, closed, error)
@@ -45,32 +53,17 @@ contains
     end do
   end subroutine close_constraints
 
-  !> Constraint of each slave; a node is slave once.
-  subroutine mark_slaves(mesh, mark, error)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(out) :: mark(:)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: i, s
-
-    mark = slave_marks(mesh%constraint, mesh%nnode)
-    do i = 1, mesh%constraint%n
-      s = mesh%constraint%slave(i)
-      if (mark(s) == i) cycle
-      call fail(error, DECK_ERROR, named(mesh, s)//' is the slave of two constraints', &
-                mesh%constraint%place(mark(s)), 'a node hangs on others once')
-      return
-    end do
-  end subroutine mark_slaves
-
-  !> Append constraint i with masters that are free.
+  !> Append constraint i; masters that are slaves themselves are replaced by theirs, equal masters
+  !! joined.
   subroutine close_one(mesh, mark, i, closed, error)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: mark(:), i
+    integer, intent(in) :: mark(:) !! (nnode) constraint of each slave; 0: no slave
+    integer, intent(in) :: i
     type(constraint_t), intent(inout) :: closed
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: master(:)
     real(wp), allocatable :: c(:)
-    integer :: j, s, depth
+    integer :: j, k, n, s, depth
 
     associate (list => mesh%constraint)
       allocate (master, source=list%master(list%first(i):list%first(i + 1) - 1))
@@ -80,44 +73,34 @@ contains
         depth = depth + 1
         if (depth > list%n .or. any(master == list%slave(i))) then
           call fail(error, DECK_ERROR, named(mesh, list%slave(i)) &
-                    //' hangs on itself', list%place(i), 'masters of a slave lead back to it')
+                    //' depends on itself', list%place(i), 'remove a constraint: its masters are ' &
+                    //'in turn slaves of this node')
           return
         end if
         j = findloc(mark(master) > 0, .true., 1)
         s = mark(master(j))
         associate (next => list%master(list%first(s):list%first(s + 1) - 1), &
-                   share => list%c(list%first(s):list%first(s + 1) - 1))
+                   weight => list%c(list%first(s):list%first(s + 1) - 1))
           master = [master(:j - 1), next, master(j + 1:)]
-          c = [c(:j - 1), c(j)*share, c(j + 1:)]
+          c = [c(:j - 1), c(j)*weight, c(j + 1:)]
         end associate
       end do
-      call join_equal(master, c)
-      call add_constraint(closed, list%slave(i), master, c, list%place(i))
+      n = 0
+      do k = 1, size(master)
+        j = findloc(master(:n), master(k), 1)
+        if (j == 0) then
+          n = n + 1
+          master(n) = master(k)
+          c(n) = c(k)
+        else
+          c(j) = c(j) + c(k)
+        end if
+      end do
+      call add_constraint(closed, list%slave(i), master(:n), c(:n), list%place(i))
     end associate
   end subroutine close_one
 
-  !> Each master once.
-  subroutine join_equal(master, c)
-    integer, allocatable, intent(inout) :: master(:)
-    real(wp), allocatable, intent(inout) :: c(:)
-    integer :: i, j, n
-
-    n = 0
-    do i = 1, size(master)
-      j = findloc(master(:n), master(i), 1)
-      if (j == 0) then
-        n = n + 1
-        master(n) = master(i)
-        c(n) = c(i)
-      else
-        c(j) = c(j) + c(i)
-      end if
-    end do
-    master = master(:n)
-    c = c(:n)
-  end subroutine join_equal
-
-  !> The last constraint holds for the positions as they are, and for any rigid motion.
+  !> Fails unless the last constraint holds for the given positions and for any rigid motion.
   subroutine check_place(mesh, list, error)
     type(mesh_t), intent(in) :: mesh
     type(constraint_t), intent(in) :: list
@@ -128,9 +111,9 @@ contains
     associate (from => list%first(list%n), to => list%first(list%n + 1) - 1)
       s = list%slave(list%n)
       if (.not. abs(sum(list%c(from:to)) - 1.0_wp) <= ROUNDING) then
-        call fail(error, DECK_ERROR, 'the coefficients of '//named(mesh, s)//' sum up to ' &
+        call fail(error, DECK_ERROR, 'the coefficients of '//named(mesh, s)//' sum to ' &
                   //to_text(sum(list%c(from:to))), list%place(list%n), &
-                  'they sum up to 1: a rigid motion of the masters moves the slave with them')
+                  'they must sum to 1, so that the slave follows a rigid motion of its masters')
         return
       end if
       x = 0.0_wp
@@ -143,11 +126,11 @@ contains
     end associate
     if (off <= ON_PLACE*extent) return
     call fail(error, DECK_ERROR, named(mesh, s)//' lies '//to_text(off) &
-              //' off the place that its masters give it', list%place(list%n), &
+              //' away from the position that its masters give it', list%place(list%n), &
               'a hanging node lies on the edge or face between its masters')
   end subroutine check_place
 
-  !> Supports of slaves: their masters must be supported alike; the slave then follows.
+  !> Remove the supports of slaves, which follow their masters: these must be supported alike.
   subroutine release_slaves(build, mesh, bc)
     type(build_t), intent(inout) :: build
     type(mesh_t), intent(in) :: mesh
@@ -171,7 +154,7 @@ contains
     end do
   end subroutine release_slaves
 
-  !> What is prescribed of a slave is what its masters make of it.
+  !> Fails unless the displacement prescribed at a slave follows from those of its masters.
   subroutine check_support(mesh, list, i, held, bc, error)
     type(mesh_t), intent(in) :: mesh
     type(constraint_t), intent(in) :: list
@@ -190,18 +173,18 @@ contains
         do j = from, to
           m = list%master(j)
           if (.not. held(d, m)) then
-            call fail(error, DECK_ERROR, named(mesh, s)//' is restrained, but it hangs on ' &
-                      //named(mesh, m)//', which is free', list%place(i), &
-                      'restrain all nodes on which it hangs; it follows them')
+            call fail(error, DECK_ERROR, named(mesh, s)//' is restrained, but its master ' &
+                      //named(mesh, m)//' is free', list%place(i), &
+                      'restrain all masters of a hanging node; it follows them')
             return
           end if
           value = value + list%c(j)*bc%value(d, m)
           largest = max(largest, abs(bc%value(d, m)))
         end do
         if (abs(value - bc%value(d, s)) <= ROUNDING*largest) cycle
-        call fail(error, DECK_ERROR, 'the displacement of '//named(mesh, s) &
-                  //' differs from that of the nodes on which it hangs', list%place(i), &
-                  'prescribe it at those nodes alone')
+        call fail(error, DECK_ERROR, 'the displacement prescribed at ' &
+                  //named(mesh, s)//' does not follow from those of its masters', &
+                  list%place(i), 'prescribe it at the masters only')
         return
       end do
     end associate

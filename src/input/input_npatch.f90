@@ -1,16 +1,16 @@
 !> An NPATch as geometry of a PATCh, or as a body of its own with the given control points.
 module input_npatch
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
   use base_text, only: to_text
   use bspline, only: spline_t, extraction
   use element_table, only: load_elements
   use element_type, only: element_t, cell_t
   use hexa_shape, only: tensor_rule
-  use mesh, only: mesh_t, block_t, body_t, operator_t
+  use input_draft, only: build_t, npatch_t
+  use mesh, only: mesh_t, block_t, body_t, operator_t, append_blocks, append_body
   use nurbs, only: nurbs_t, is_rational
   use patch_nurbs, only: check_nurbs, check_orientation
-  use input_draft, only: build_t, npatch_t
   use word_material, only: material_index
   implicit none
   private
@@ -18,7 +18,7 @@ module input_npatch
 
 contains
 
-  !> Name under which FIX and others know the k-th NPATch.
+  !> Name by which FIX and other records refer to the k-th NPATch.
   function npatch_name(k) result(name)
     integer, intent(in) :: k
     character(:), allocatable :: name
@@ -26,7 +26,8 @@ contains
     name = 'npatch'//to_text(k)
   end function npatch_name
 
-  !> Knot vectors and control points of an NPATch.
+  !> Knot vectors and control points of an NPATch. The multiplicity of the first knot tells the
+  !! degree.
   subroutine npatch_geometry(build, k, patch, error)
     type(build_t), intent(in) :: build
     integer, intent(in) :: k
@@ -37,8 +38,17 @@ contains
 
     associate (p => build%npatch(k), nodes => build%nodes)
       do d = 1, 3
-        call take_knots(build, p, d, patch%dir(d), error)
-        if (allocated(error)) return
+        do i = size(build%knots), 1, -1
+          if (build%knots(i)%number == p%knot(d) .and. p%knot(d) > 0) exit
+        end do
+        if (i == 0) then
+          call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d)) &
+                    //' of the NPATch is not defined', p%place, &
+                    'define it by KNOTs: open id len k1 k2 ...')
+          return
+        end if
+        patch%dir(d)%knots = build%knots(i)%u
+        patch%dir(d)%degree = count(patch%dir(d)%knots <= patch%dir(d)%knots(1)) - 1
       end do
       allocate (patch%cp(4, p%n(1), p%n(2), p%n(3)))
       do l = 1, p%n(3)
@@ -64,28 +74,6 @@ contains
     end associate
   end subroutine npatch_geometry
 
-  !> The degree is told by the repeated first knot.
-  subroutine take_knots(build, p, d, s, error)
-    type(build_t), intent(in) :: build
-    type(npatch_t), intent(in) :: p
-    integer, intent(in) :: d
-    type(spline_t), intent(out) :: s
-    type(error_t), allocatable, intent(out) :: error
-    integer :: i
-
-    do i = size(build%knots), 1, -1
-      if (build%knots(i)%number == p%knot(d) .and. p%knot(d) > 0) exit
-    end do
-    if (i == 0) then
-      call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d)) &
-                //' of the NPATch is not defined', p%place, &
-                'define it by KNOTs: open id len k1 k2 ...')
-      return
-    end if
-    s%knots = build%knots(i)%u
-    s%degree = count(s%knots <= s%knots(1)) - 1
-  end subroutine take_knots
-
   !> A body and a block of the given control points.
   subroutine append_npatch(build, k, mesh, error)
     type(build_t), intent(in) :: build
@@ -95,8 +83,7 @@ contains
     type(nurbs_t) :: patch
     type(block_t) :: block
     type(body_t) :: body
-    type(block_t), allocatable :: blocks(:)
-    type(body_t), allocatable :: bodies(:)
+    integer :: b, last
 
     call npatch_geometry(build, k, patch, error)
     if (allocated(error)) return
@@ -106,39 +93,32 @@ contains
     body%name = npatch_name(k)
     body%place = build%npatch(k)%place
     call fill_block(build, k, patch, block)
-    block%number = block%number + last_number(mesh)
+    last = 0
+    do b = 1, size(mesh%block)
+      last = max(last, maxval(mesh%block(b)%number))
+    end do
+    block%number = block%number + last
     call fill_body(build%npatch(k), patch, size(mesh%block) + 1, block, body)
-    allocate (blocks(size(mesh%block) + 1), bodies(size(mesh%body) + 1))
-    blocks(:size(mesh%block)) = mesh%block
-    blocks(size(blocks)) = block
-    call move_alloc(blocks, mesh%block)
-    bodies(:size(mesh%body)) = mesh%body
-    bodies(size(bodies)) = body
-    call move_alloc(bodies, mesh%body)
+    call append_blocks(mesh%block, [block])
+    call append_body(mesh, body)
     mesh%is_control(body%node) = .true.
   end subroutine append_npatch
 
-  pure integer function last_number(mesh) result(n)
-    type(mesh_t), intent(in) :: mesh
-    integer :: b
-
-    n = 0
-    do b = 1, size(mesh%block)
-      n = max(n, maxval(mesh%block(b)%number))
-    end do
-  end function last_number
-
-  !> One element a knot box, direction 1 fastest.
+  !> One element for each knot span box, direction 1 fastest.
   subroutine fill_block(build, k, patch, block)
     type(build_t), intent(in) :: build
     integer, intent(in) :: k
     type(nurbs_t), intent(in) :: patch
     type(block_t), intent(inout) :: block
     integer, allocatable :: first1(:), first2(:), first3(:), iop1(:), iop2(:), iop3(:)
+    type(element_t), allocatable :: rows(:)
     type(cell_t) :: cell
     integer :: e, i, j, l, p(3)
 
-    call take_row(block%row)
+    call load_elements(rows)
+    do i = 1, size(rows)
+      if (rows(i)%name == 'IGA') block%row = rows(i)
+    end do
     p = patch%dir%degree
     allocate (block%ext%op(0))
     call add_operators(patch%dir(1), block%ext%op, first1, iop1)
@@ -177,22 +157,12 @@ contains
     end associate
   end subroutine fill_block
 
-  subroutine take_row(row)
-    type(element_t), intent(out) :: row
-    type(element_t), allocatable :: rows(:)
-    integer :: i
-
-    call load_elements(rows)
-    do i = 1, size(rows)
-      if (rows(i)%name == 'IGA') row = rows(i)
-    end do
-  end subroutine take_row
-
-  !> Extraction of a spline; equal operators are stored once.
+  !> Extraction operators of a spline; equal ones are stored once.
   subroutine add_operators(s, op, first, iop)
     type(spline_t), intent(in) :: s
     type(operator_t), allocatable, intent(inout) :: op(:)
-    integer, allocatable, intent(out) :: first(:), iop(:)
+    integer, allocatable, intent(out) :: first(:) !! first function of each element
+    integer, allocatable, intent(out) :: iop(:)   !! operator of each element
     real(wp), parameter :: SAME = 16*epsilon(1.0_wp)
     type(operator_t), allocatable :: longer(:)
     real(wp), allocatable :: c(:, :, :)

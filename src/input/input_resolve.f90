@@ -1,21 +1,30 @@
 !> FIX, MOVE, PRESsure and CURVe: from names and places to nodes, faces and elements. After TIE.
 module input_resolve
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
   use base_text, only: quoted
-  use curve_type, only: curve_t, quantity_t, Q_STRESS, Q_MAX_DISP
-  use model, only: model_t
+  use curve_type, only: quantity_t, Q_STRESS, Q_MAX_DISP
+  use element_type, only: cell_t
   use input_draft, only: build_t, column_t
-  use word_contact, only: contact_named
-  use input_locate, only: locate_point
   use input_where, only: find_faces, find_nodes, body_index
+  use mesh, only: mesh_t, block_t, block_cell, is_rigid
+  use model, only: model_t
+  use tensor, only: det3
+  use word_contact, only: contact_named
   implicit none
   private
   public :: resolve_supports, resolve_loads, resolve_curves
 
+  integer, parameter :: MAX_ITER = 50
+  real(wp), parameter :: OUTSIDE = 1.0e-6_wp    !! distance outside an element that still counts as
+  !! inside [-]
+  real(wp), parameter :: WIDER = 0.5_wp         !! margin of the box of an element's nodes, which a
+  !! curved element may leave, over its size
+  real(wp), parameter :: SINGULAR = 1.0e-10_wp  !! determinant of a singular map, over its largest
+
 contains
 
-  !> FIX adds to the restraints; MOVE becomes a motion.
+  !> FIX adds restraints; MOVE becomes a motion.
   subroutine resolve_supports(build, model)
     type(build_t), intent(inout) :: build
     type(model_t), intent(inout) :: model
@@ -57,6 +66,7 @@ contains
     end do
   end subroutine resolve_loads
 
+  !> Nodes, bodies, contacts and elements of the curves.
   subroutine resolve_curves(build, model)
     type(build_t), intent(inout) :: build
     type(model_t), intent(inout) :: model
@@ -84,6 +94,7 @@ contains
     type(column_t), intent(in) :: column
     type(quantity_t), intent(inout) :: quantity
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: body
     logical, allocatable :: on(:)
     integer :: i
 
@@ -94,14 +105,10 @@ contains
       call locate_point(model%mesh, quantity%body, quantity%point, quantity%block, quantity%elem, &
                         quantity%xi)
       if (quantity%block > 0) return
-      if (allocated(column%body)) then
-        call fail(error, DECK_ERROR, 'the point lies outside patch '//quoted(column%body), &
-                  quantity%place, &
-                  'it is a point of the reference configuration')
-      else
-        call fail(error, DECK_ERROR, 'the point lies outside the mesh', quantity%place, &
-                  'it is a point of the reference configuration')
-      end if
+      body = 'the mesh'
+      if (allocated(column%body)) body = 'patch '//quoted(column%body)
+      call fail(error, DECK_ERROR, 'the point lies outside '//body, quantity%place, &
+                'give its coordinates in the reference configuration')
     else if (quantity%id == Q_MAX_DISP) then
       on = model%mesh%used
       if (quantity%body > 0) then
@@ -112,5 +119,72 @@ contains
       quantity%node = pack([(i, i=1, model%mesh%nnode)], on)
     end if
   end subroutine resolve_column
+
+  !> The first element that contains a reference point; rigid bodies do not count. block is 0 if
+  !! there is none.
+  subroutine locate_point(mesh, body, x, block, elem, xi)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: body     !! index of a body; 0: the whole mesh
+    real(wp), intent(in) :: x(3)    !! [L]
+    integer, intent(out) :: block, elem
+    real(wp), intent(out) :: xi(3)  !! parent coordinates
+    real(wp), allocatable :: xe(:, :)
+    real(wp) :: low(3), high(3), margin
+    logical :: inside
+    integer :: b, e
+
+    do b = 1, size(mesh%block)
+      if (body > 0 .and. mesh%block(b)%body /= body) cycle
+      if (is_rigid(mesh%block(b))) cycle
+      do e = 1, mesh%block(b)%nelem
+        xe = mesh%xr(:, mesh%block(b)%conn(:, e))
+        low = minval(xe, 2)
+        high = maxval(xe, 2)
+        margin = WIDER*maxval(high - low)
+        if (any(x < low - margin) .or. any(x > high + margin)) cycle
+        call invert_map(mesh%block(b), e, xe, x, xi, inside)
+        if (.not. inside) cycle
+        block = b
+        elem = e
+        return
+      end do
+    end do
+    block = 0
+    elem = 0
+    xi = 0.0_wp
+  end subroutine locate_point
+
+  !> Newton's method on x(xi) = x from the middle of the element; each step by Cramer's rule.
+  subroutine invert_map(block, e, xe, x, xi, inside)
+    type(block_t), intent(in) :: block
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xe(:, :), x(3) !! (3, nen) nodes, point [L]
+    real(wp), intent(out) :: xi(3)
+    logical, intent(out) :: inside
+    type(cell_t) :: cell
+    real(wp) :: shp(block%nen), dshp(3, block%nen), jac(3, 3), column(3, 3), r(3), step(3), det
+    integer :: it, i
+
+    call block_cell(block, e, cell)
+    xi = 0.0_wp
+    inside = .false.
+    do it = 1, MAX_ITER
+      call block%row%functions(cell, xi, shp, dshp)
+      jac = matmul(xe, transpose(dshp))
+      det = det3(jac)
+      if (.not. abs(det) > SINGULAR*norm2(jac(:, 1))*norm2(jac(:, 2))*norm2(jac(:, 3))) return
+      r = x - matmul(xe, shp)
+      do i = 1, 3
+        column = jac
+        column(:, i) = r
+        step(i) = det3(column)/det
+      end do
+      xi = xi + step
+      if (maxval(abs(xi)) > 3.0_wp) return
+      if (maxval(abs(step)) < 1.0e-12_wp) exit
+    end do
+    inside = maxval(abs(xi)) <= 1.0_wp + OUTSIDE .and. it <= MAX_ITER
+    xi = max(-1.0_wp, min(1.0_wp, xi))
+  end subroutine invert_map
 
 end module input_resolve

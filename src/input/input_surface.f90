@@ -1,34 +1,34 @@
-!> Surfaces of CSURface and CBOUndary: nodes near a nine-node patch, its pressure on faces.
+!> Surfaces of CSURface and CBOUndary: nodes near a nine-node surface, its pressure on faces.
 !!
-!! FEAP's sign: a positive pressure acts along the normal of the patch (points 1 2 3 4
-!! counter-clockwise), which must be the outward one of the faces it meets: it pulls.
+!! FEAP's sign: a positive pressure acts along the normal of the surface (points 1 2 3 4
+!! counter-clockwise). The normal must be the outward normal of the faces, so that it pulls.
 !!
 !! Source: FEAPpv's manual
 module input_surface
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
   use boundary, only: boundary_t
   use element_type, only: cell_t, topology_t
   use face_rule, only: face_points, face_normal, face_directions
-  use mesh, only: mesh_t, block_t, block_cell
   use input_draft, only: request_t
+  use mesh, only: mesh_t, block_t, block_cell
   use tensor, only: cross
   implicit none
   private
   public :: mark_surface, load_surface
 
-  real(wp), parameter :: BOX_SHARE = 1.0e-4_wp   !! FEAP's gap: share of the sum of the extents
-  real(wp), parameter :: SIZE_SHARE = 1.0e-3_wp  !! share of an extent over nodes^(1/3)
-  real(wp), parameter :: BEYOND = 1.0e-4_wp      !! a foot this far off the border is on it
-  real(wp), parameter :: ALIGNED = 0.8_wp        !! least cosine of the normals
+  real(wp), parameter :: BOX_GAP = 1.0e-4_wp   !! FEAP's gap: over the sum of the extents,
+  real(wp), parameter :: SIZE_GAP = 1.0e-3_wp  !! and over the largest extent by nodes^(1/3)
+  real(wp), parameter :: OUTSIDE = 1.0e-4_wp   !! distance off the boundary that counts as inside
+  real(wp), parameter :: ALIGNED = 0.8_wp      !! least cosine of the normals
   integer, parameter :: MAX_ITER = 100
-  !> Signs of FEAP's nine points in the patch's parameters.
-  integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], AT2(9) = [-1, -1, 1, 1, -1, 0, &
-                                                                           1, 0, 0]
+  !> Signs of FEAP's nine points in the parameters of the surface.
+  integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], &
+                        AT2(9) = [-1, -1, 1, 1, -1, 0, 1, 0, 0]
 
 contains
 
-  !> Nodes on the patch.
+  !> Nodes on the surface.
   subroutine mark_surface(mesh, r, active, on)
     type(mesh_t), intent(in) :: mesh
     type(request_t), intent(in) :: r
@@ -46,7 +46,7 @@ contains
     end do
   end subroutine mark_surface
 
-  !> The patch's box, widened, and FEAP's gap.
+  !> The box of the surface, widened, and FEAP's gap.
   pure subroutine search_box(r, nnode, low, high, gap)
     type(request_t), intent(in) :: r
     integer, intent(in) :: nnode
@@ -57,16 +57,17 @@ contains
     if (r%gap > 0.0_wp) then
       gap = r%gap
     else
-      gap = max(BOX_SHARE*sum(high - low), SIZE_SHARE*maxval(high - low)/real(nnode, &
-                                                                              wp)**(1.0_wp/3.0_wp))
+      gap = max(BOX_GAP*sum(high - low), SIZE_GAP*maxval(high - low) &
+                /real(nnode, wp)**(1.0_wp/3.0_wp))
     end if
     low = low - 1.5_wp*gap
     high = high + 1.5_wp*gap
   end subroutine search_box
 
-  !> Foot of a point on the patch by Newton's method; `on` within the gap and the border.
-  pure subroutine project(patch, x, gap, xi, normal, on)
-    real(wp), intent(in) :: patch(:, :) !! (4, 9)
+  !> Closest-point projection onto the surface by Newton's method. `on`: the distance is less than
+  !! the gap, and the projection is inside the boundary.
+  pure subroutine project(surface, x, gap, xi, normal, on)
+    real(wp), intent(in) :: surface(:, :) !! (4, 9)
     real(wp), intent(in) :: x(3), gap
     real(wp), intent(out) :: xi(2), normal(3)
     logical, intent(out) :: on
@@ -78,9 +79,9 @@ contains
     normal = 0.0_wp
     do it = 1, MAX_ITER
       call functions(xi, f, d)
-      dx = matmul(patch(:3, :), f) - x
-      t1 = matmul(patch(:3, :), d(1, :))
-      t2 = matmul(patch(:3, :), d(2, :))
+      dx = matmul(surface(:3, :), f) - x
+      t1 = matmul(surface(:3, :), d(1, :))
+      t2 = matmul(surface(:3, :), d(2, :))
       r = [dot_product(dx, t1), dot_product(dx, t2)]
       a = reshape([dot_product(t1, t1), dot_product(t1, t2), dot_product(t1, t2), &
                    dot_product(t2, t2)], [2, 2])
@@ -92,7 +93,7 @@ contains
       if (maxval(abs(xi)) > 10.0_wp) return
     end do
     normal = cross(t1, t2)
-    on = norm2(dx) < gap .and. maxval(abs(xi)) < 1.0_wp + BEYOND
+    on = norm2(dx) < gap .and. maxval(abs(xi)) < 1.0_wp + OUTSIDE
   end subroutine project
 
   !> Biquadratic functions of the nine points.
@@ -112,19 +113,19 @@ contains
     end do
   end subroutine functions
 
-  !> Forces of the pressure on the element faces whose four corners lie on the patch.
+  !> Forces of the pressure on the element faces whose four corners lie on the surface.
   subroutine load_surface(mesh, r, on, bc, error)
     type(mesh_t), intent(in) :: mesh
     type(request_t), intent(in) :: r
-    logical, intent(in) :: on(:) !! (nnode) nodes on the patch
+    logical, intent(in) :: on(:) !! (nnode) nodes on the surface
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable, intent(out) :: error
     type(topology_t) :: topology
     type(cell_t) :: cell
-    logical :: met
+    logical :: found
     integer :: b, e, f
 
-    met = .false.
+    found = .false.
     do b = 1, size(mesh%block)
       do e = 1, mesh%block(b)%nelem
         if (count(on(mesh%block(b)%conn(:, e))) < 3) cycle
@@ -132,85 +133,64 @@ contains
         call mesh%block(b)%row%topology(cell, topology)
         if (topology%nface /= 6) cycle
         do f = 1, 6
-          call load_face(mesh, mesh%block(b), e, f, cell, r, bc, met)
+          call load_face(mesh, mesh%block(b), e, f, cell, r, bc, found)
         end do
       end do
     end do
-    if (.not. met) then
-      call fail(error, DECK_ERROR, 'no element face lies on the surface', r%place, 'its points 1 ' &
-                //'2 3 4 go counter-clockwise seen from outside; GAP d widens the search')
+    if (.not. found) then
+      call fail(error, DECK_ERROR, 'no element face lies on the surface', r%place, 'number its ' &
+                //'points 1 2 3 4 counter-clockwise as seen from outside; or widen the search ' &
+                //'with GAP d')
     end if
   end subroutine load_surface
 
-  !> One face: its corners must lie on the patch and its normal along the patch's.
-  subroutine load_face(mesh, block, e, f, cell, r, bc, met)
+  !> One face: its corners must lie on the surface, its normal along that of the surface.
+  subroutine load_face(mesh, block, e, f, cell, r, bc, found)
     type(mesh_t), intent(in) :: mesh
     type(block_t), intent(in) :: block
     integer, intent(in) :: e, f
     type(cell_t), intent(in) :: cell
     type(request_t), intent(in) :: r
     type(boundary_t), intent(inout) :: bc
-    logical, intent(inout) :: met
+    logical, intent(inout) :: found
     real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :), x(:, :)
     real(wp) :: p(4), corner(3, 4), area(3), t1(3), t2(3), normal(3), load, low(3), high(3), gap, &
-                foot(2), g(9), d(2, 9)
+                eta(2), g(9), d(2, 9)
     logical :: lies
-    integer :: a, q, i, j
+    integer :: a, b, k, q, i
 
     allocate (x, source=mesh%xr(:, block%conn(:, e)))
     allocate (shp(block%nen), dshp(3, block%nen))
     call search_box(r, mesh%nnode, low, high, gap)
-    call face_corners(f, corner)
+    call face_directions(f, k, a, b)
+    corner(k, :) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
+    corner(a, :) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp]
+    corner(b, :) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
     do i = 1, 4
       call block%row%functions(cell, corner(:, i), shp, dshp)
-      call project(r%surface, matmul(x, shp), gap, foot, normal, lies)
+      call project(r%surface, matmul(x, shp), gap, eta, normal, lies)
       if (.not. lies) return
-      call functions(foot, g, d)
+      call functions(eta, g, d)
       p(i) = dot_product(g, r%surface(4, :))
     end do
-    call face_middle(f, corner(:, 1))
+    corner([a, b], 1) = 0.0_wp ! the middle
     call block%row%functions(cell, corner(:, 1), shp, dshp)
     call face_normal(f, x, dshp, area, t1, t2)
-    call project(r%surface, matmul(x, shp), huge(gap), foot, normal, lies)
+    call project(r%surface, matmul(x, shp), huge(gap), eta, normal, lies)
     if (.not. dot_product(area, normal) > ALIGNED*norm2(area)*norm2(normal)) return
-    met = .true.
+    found = .true.
     call face_points(cell%degree, block%rule%xi, f, xi, w)
-    call face_directions(f, i, a, j)
     do q = 1, size(w)
       call block%row%functions(cell, xi(:, q), shp, dshp)
       call face_normal(f, x, dshp, area, t1, t2)
-      load = w(q)*interpolated(p, xi(a, q), xi(j, q))
+      associate (u => xi(a, q), v => xi(b, q))
+        load = w(q)*(0.25_wp*(p(1)*(1.0_wp - u)*(1.0_wp - v) + p(2)*(1.0_wp + u)*(1.0_wp - v) &
+                              + p(3)*(1.0_wp + u)*(1.0_wp + v) + p(4)*(1.0_wp - u)*(1.0_wp + v)))
+      end associate
       do i = 1, block%nen
         bc%force(:, block%conn(i, e)) = bc%force(:, block%conn(i, e)) + load*shp(i)*area
       end do
     end do
   end subroutine load_face
-
-  !> Corners of a face in the order (-,-) (+,-) (+,+) (-,+) of its two directions.
-  pure subroutine face_corners(f, corner)
-    integer, intent(in) :: f
-    real(wp), intent(out) :: corner(3, 4)
-    integer :: d, a, b
-
-    call face_directions(f, d, a, b)
-    corner(d, :) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
-    corner(a, :) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp]
-    corner(b, :) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
-  end subroutine face_corners
-
-  pure subroutine face_middle(f, xi)
-    integer, intent(in) :: f
-    real(wp), intent(out) :: xi(3)
-
-    xi = 0.0_wp
-    xi((f + 1)/2) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
-  end subroutine face_middle
-
-  pure real(wp) function interpolated(p, u, v)
-    real(wp), intent(in) :: p(4), u, v
-
-    interpolated = 0.25_wp*(p(1)*(1.0_wp - u)*(1.0_wp - v) + p(2)*(1.0_wp + u)*(1.0_wp - v) &
-                            + p(3)*(1.0_wp + u)*(1.0_wp + v) + p(4)*(1.0_wp - u)*(1.0_wp + v))
-  end function interpolated
 
 end module input_surface

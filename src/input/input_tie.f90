@@ -1,26 +1,26 @@
-!> TIE: nodes at one place become one node, the lowest of their numbers.
+!> TIE: nodes at the same place become one node, the lowest of their numbers.
 !!
 !! The tolerance is FEAP's: 1e-3 of the mesh's extent in each direction over the square root of the
-!! number of nodes. Restraints of tied nodes join, their forces add up.
+!! number of nodes. Restraints of tied nodes are joined, their forces added.
 !!
 !! Source: FEAPpv's manual
 module input_tie
   use base_kinds, only: wp
   use base_sort, only: sort_index, unique
   use boundary, only: boundary_t
-  use mesh, only: mesh_t, body_t, is_rigid
   use input_draft, only: build_t, tie_t
+  use mesh, only: mesh_t, body_t, is_rigid
   implicit none
   private
   public :: tie_nodes
 
-  real(wp), parameter :: SHARE = 1.0e-3_wp
+  real(wp), parameter :: TOLERANCE = 1.0e-3_wp
   integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! of the search grid
 
-  !> Nodes by position: chains of those that stay, one for each cell.
+  !> Search grid: a list of the nodes that are kept for each cell.
   type :: grid_t
     real(wp) :: low(3), width(3)       !! of the grid, of a cell [L]
-    real(wp) :: tol(3)                 !! nodes nearer than this are one [L]
+    real(wp) :: tol(3)                 !! nodes at most this far apart are tied [L]
     integer :: cells(3)
     integer, allocatable :: head(:, :, :), next(:)
   end type grid_t
@@ -43,7 +43,15 @@ contains
     do n = 1, mesh%nnode
       new(n) = new(new(n)) ! numbers fall, so the target is final
     end do
-    call join_conditions(new, bc)
+    do n = 1, size(new)
+      associate (m => new(n))
+        if (m == n) cycle
+        where (bc%fixed(:, m) == 0 .and. bc%fixed(:, n) /= 0) bc%value(:, m) = bc%value(:, n)
+        bc%fixed(:, m) = max(bc%fixed(:, m), bc%fixed(:, n))
+        bc%force(:, m) = bc%force(:, m) + bc%force(:, n)
+        bc%force(:, n) = 0.0_wp
+      end associate
+    end do
     mesh%used = .false.
     do b = 1, size(mesh%block)
       do i = 1, mesh%block(b)%nelem
@@ -61,12 +69,12 @@ contains
     end do
   end subroutine tie_nodes
 
-  !> new(n): the node that n becomes.
+  !> For each node the one that it becomes.
   subroutine find_pairs(build, tie, mesh, new)
     type(build_t), intent(in) :: build
     type(tie_t), intent(in) :: tie
     type(mesh_t), intent(in) :: mesh
-    integer, intent(inout) :: new(:)
+    integer, intent(inout) :: new(:) !! (nnode)
     type(grid_t) :: grid
     integer, allocatable :: class(:)
     integer :: n, m, at(3)
@@ -76,7 +84,7 @@ contains
     call classify(build, tie, mesh, grid%tol, class)
     do n = 1, mesh%nnode
       if (class(n) == 0 .or. new(n) /= n) cycle
-      at = cell_of(grid, mesh%xr(:, n))
+      at = max(1, min(grid%cells, int((mesh%xr(:, n) - grid%low)/grid%width) + 1))
       m = partner(grid, tie, mesh, class, n, at)
       if (m > 0) then
         new(n) = m
@@ -87,7 +95,7 @@ contains
     end do
   end subroutine find_pairs
 
-  !> A grid without nodes; its cells are wider than the tolerance reaches.
+  !> An empty grid; its cells are at least two tolerances wide.
   subroutine new_grid(grid, tie, mesh)
     type(grid_t), intent(out) :: grid
     type(tie_t), intent(in) :: tie
@@ -99,7 +107,7 @@ contains
       grid%low(d) = minval(mesh%xr(d, :), mesh%used)
       high(d) = maxval(mesh%xr(d, :), mesh%used)
     end do
-    grid%tol = (high - grid%low)*merge(tie%tolerance, SHARE/sqrt(real(mesh%nnode, wp)), &
+    grid%tol = (high - grid%low)*merge(tie%tolerance, TOLERANCE/sqrt(real(mesh%nnode, wp)), &
                                        tie%tolerance > 0.0_wp)
     grid%cells = max(1, min(MOST_CELLS, int((real(mesh%nnode, wp)/PER_CELL)**(1.0_wp/3.0_wp))))
     grid%width = (high - grid%low)/grid%cells
@@ -111,15 +119,7 @@ contains
     allocate (grid%next(mesh%nnode), source=0)
   end subroutine new_grid
 
-  pure function cell_of(grid, x) result(c)
-    type(grid_t), intent(in) :: grid
-    real(wp), intent(in) :: x(3)
-    integer :: c(3)
-
-    c = max(1, min(grid%cells, int((x - grid%low)/grid%width) + 1))
-  end function cell_of
-
-  !> A node kept so far that is in reach of node n in cell `at`; 0: none.
+  !> A node kept so far to which node n of cell `at` is tied; 0: none.
   pure integer function partner(grid, tie, mesh, class, n, at) result(m)
     type(grid_t), intent(in) :: grid
     type(tie_t), intent(in) :: tie
@@ -133,26 +133,18 @@ contains
         do i = max(1, at(1) - 1), min(grid%cells(1), at(1) + 1)
           m = grid%head(i, j, k)
           do while (m > 0)
-            if (matches(m)) return
+            if (all(abs(mesh%xr(:, n) - mesh%xr(:, m)) <= grid%tol)) then
+              if (tie%material(1) == tie%material(2) .or. iand(class(n), class(m)) == 0) return
+            end if
             m = grid%next(m)
           end do
         end do
       end do
     end do
     m = 0
-
-  contains
-
-    pure logical function matches(b)
-      integer, intent(in) :: b
-
-      matches = all(abs(mesh%xr(:, n) - mesh%xr(:, b)) <= grid%tol)
-      if (matches .and. tie%material(1) /= tie%material(2)) matches = iand(class(n), class(b)) == 0
-    end function matches
-
   end function partner
 
-  !> Nodes that take part: 0 for none; of two materials bit 0 and bit 1.
+  !> Nodes that take part: 0 for those that do not; bits 0 and 1 tell two materials apart.
   subroutine classify(build, tie, mesh, tol, class)
     type(build_t), intent(in) :: build
     type(tie_t), intent(in) :: tie
@@ -177,23 +169,7 @@ contains
     where (abs(mesh%xr(tie%direction, :) - tie%coordinate) > tol(tie%direction)) class = 0
   end subroutine classify
 
-  subroutine join_conditions(new, bc)
-    integer, intent(in) :: new(:)
-    type(boundary_t), intent(inout) :: bc
-    integer :: n
-
-    do n = 1, size(new)
-      associate (m => new(n))
-        if (m == n) cycle
-        where (bc%fixed(:, m) == 0 .and. bc%fixed(:, n) /= 0) bc%value(:, m) = bc%value(:, n)
-        bc%fixed(:, m) = max(bc%fixed(:, m), bc%fixed(:, n))
-        bc%force(:, m) = bc%force(:, m) + bc%force(:, n)
-        bc%force(:, n) = 0.0_wp
-      end associate
-    end do
-  end subroutine join_conditions
-
-  !> A body's nodes, each once, with the faces of all that became one.
+  !> Each node of a body once, with the faces of all nodes that it replaces.
   subroutine renumber_body(new, body)
     integer, intent(in) :: new(:)
     type(body_t), intent(inout) :: body

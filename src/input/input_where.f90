@@ -1,41 +1,39 @@
-!> WHERE of the deck: a face, an edge, a node, the node nearest a point, or a plane.
-!!
-!! Element faces that a WHERE means: of a patch, or of a named set of a mesh.
+!> WHERE of the deck: faces, an edge, a node, the node nearest a point, a plane, or a named group;
+!! the nodes and the element faces that it means.
 module input_where
-  use base_kinds, only: wp
   use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_kinds, only: wp
   use base_text, only: lower, to_text, quoted
   use deck_record, only: record_t, get_word
   use deck_stream, only: deck_t, get_integer, get_real
-  use mesh, only: mesh_t, body_t, group_t
+  use mesh, only: mesh_t, body_t
   implicit none
   private
-  public :: where_t, read_where, read_face, find_nodes, body_index, nearest_node, unknown_face, &
-            group_index, find_faces
+  public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, unknown_face
 
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
                                 W_GROUP = 6
 
-  character(*), parameter, public :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; ' &
-                                     //'an edge is two of them, 1-,3+'
-  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! of the mesh's extent over sqrt(nodes), as EBOUndary
+  character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is two ' &
+                             //'of them, 1-,3+'
+  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! over the mesh's extent / sqrt(nodes), as EBOUndary
 
-  !> A place in the reference mesh, resolved after TIE. W_GROUP: its name is no face's, so the body
-  !! must be a MESH.
+  !> A place in the reference mesh, resolved after TIE. W_GROUP is a name that is not one of a face:
+  !! the body must be a MESH or a SPLIne.
   type :: where_t
-    integer :: kind = 0
+    integer :: kind = 0                !! W_FACES to W_GROUP
     character(:), allocatable :: body  !! name as written
     character(:), allocatable :: face  !! face or group as written
-    integer :: mask = 0                !! bits f-1 of faces
+    integer :: mask = 0                !! bit f-1 of each face f
     integer :: node = 0
-    integer :: direction = 0           !! of a plane
-    real(wp) :: x(3) = 0.0_wp          !! point; x(1) of a plane is its coordinate [L]
+    integer :: direction = 0           !! normal of a plane
+    real(wp) :: x(3) = 0.0_wp          !! point, or coordinate of a plane in x(1) [L]
     type(place_t) :: place, face_place
   end type where_t
 
 contains
 
-  !> Read WHERE from field i on; i ends behind it.
+  !> Read WHERE from field i on; then i is the next field.
   subroutine read_where(deck, record, i, place, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -64,8 +62,8 @@ contains
       call get_integer(deck, record, i + 1, place%direction, error)
       if (allocated(error)) return
       if (place%direction < 1 .or. place%direction > 3) then
-        call fail(error, DECK_ERROR, 'direction '//to_text(place%direction), record%place(i + 1), &
-                  'directions are 1, 2 and 3')
+        call fail(error, DECK_ERROR, 'unknown direction '//to_text(place%direction), &
+                  record%place(i + 1), 'directions are 1, 2 and 3')
         return
       end if
       call get_real(deck, record, i + 2, place%x(1), error)
@@ -85,8 +83,7 @@ contains
 
     if (record%is_empty(i + 1)) then
       call fail(error, DECK_ERROR, 'the face of '//quoted(place%body)//' is missing', &
-                record%place(i + 1), &
-                FACE_HINT)
+                record%place(i + 1), FACE_HINT)
       return
     end if
     place%kind = W_FACES
@@ -163,24 +160,35 @@ contains
     end do
   end function body_index
 
-  !> Its nodes, each once, rising.
+  !> The nodes of a place, each once, in rising order.
   subroutine find_nodes(mesh, place, node, error)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place
     integer, allocatable, intent(out) :: node(:)
     type(error_t), allocatable, intent(out) :: error
     logical, allocatable :: on(:)
-    integer :: i
+    real(wp) :: gap
+    integer :: g, i, n
 
     allocate (on(mesh%nnode), source=.false.)
     select case (place%kind)
     case (W_FACES, W_EDGE, W_GROUP)
-      call mark_faces(mesh%body(body_index(mesh, place%body)), place, on)
+      associate (body => mesh%body(body_index(mesh, place%body)))
+        g = group_index(body, place%face)
+        if (g > 0) then
+          on(body%group(g)%node) = .true.
+        else
+          do i = 1, size(body%node)
+            n = iand(body%mask(i), place%mask)
+            if (n == 0) cycle
+            if (n == place%mask .or. place%kind == W_FACES) on(body%node(i)) = .true.
+          end do
+        end if
+      end associate
     case (W_NODE)
       if (place%node < 1 .or. place%node > mesh%nnode) then
         call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' is not in the mesh', &
-                  place%place, &
-                  'nodes are 1 to '//to_text(mesh%nnode))
+                  place%place, 'the mesh has nodes 1 to '//to_text(mesh%nnode))
         return
       else if (.not. mesh%used(place%node)) then
         call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' belongs to no element', &
@@ -191,33 +199,17 @@ contains
     case (W_POINT)
       on(nearest_node(mesh, place%x)) = .true.
     case default ! W_PLANE
-      call find_plane(mesh, place%direction, place%x(1), on)
+      associate (x => mesh%xr(place%direction, :))
+        gap = ON_PLANE*(maxval(x, mesh%used) - minval(x, mesh%used))/sqrt(real(mesh%nnode, wp))
+        on = abs(x - place%x(1)) <= gap
+      end associate
     end select
     on = on .and. mesh%used
     node = pack([(i, i=1, mesh%nnode)], on)
-    if (size(node) == 0) call fail(error, DECK_ERROR, 'no node is there', place%place)
+    if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies there', place%place)
   end subroutine find_nodes
 
-  !> Nodes of faces, of an edge, or of a named set.
-  pure subroutine mark_faces(body, place, on)
-    type(body_t), intent(in) :: body
-    type(where_t), intent(in) :: place
-    logical, intent(inout) :: on(:)
-    integer :: g, i, n
-
-    g = group_index(body, place%face)
-    if (g > 0) then
-      on(body%group(g)%node) = .true.
-      return
-    end if
-    do i = 1, size(body%node)
-      n = iand(body%mask(i), place%mask)
-      if (n == 0 .or. (n /= place%mask .and. place%kind /= W_FACES)) cycle
-      on(body%node(i)) = .true.
-    end do
-  end subroutine mark_faces
-
-  !> Index of a named set of a body; 0: there is none.
+  !> Index of a named group of a body; 0: there is none.
   pure integer function group_index(body, name) result(g)
     type(body_t), intent(in) :: body
     character(*), intent(in) :: name
@@ -229,7 +221,7 @@ contains
     end do
   end function group_index
 
-  !> The node or control point in use that is nearest a point; the first of equals.
+  !> The node or control point nearest to a point; of equally near ones the first.
   pure integer function nearest_node(mesh, x) result(node)
     type(mesh_t), intent(in) :: mesh
     real(wp), intent(in) :: x(3)
@@ -247,30 +239,17 @@ contains
     end do
   end function nearest_node
 
-  pure subroutine find_plane(mesh, d, coordinate, on)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: d
-    real(wp), intent(in) :: coordinate
-    logical, intent(inout) :: on(:)
-    real(wp) :: low, high, gap
-
-    low = minval(mesh%xr(d, :), mesh%used)
-    high = maxval(mesh%xr(d, :), mesh%used)
-    gap = ON_PLANE*(high - low)/sqrt(real(mesh%nnode, wp))
-    on = abs(mesh%xr(d, :) - coordinate) <= gap
-  end subroutine find_plane
-
-  !> Element faces of the named faces of a body.
+  !> Element faces of faces of a body, or of a named group of it.
   subroutine find_faces(mesh, place, block, elem, side, error)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place
-    integer, allocatable, intent(out) :: block(:), elem(:), side(:)
+    integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
     type(error_t), allocatable, intent(out) :: error
     integer :: b, f, g
 
     allocate (block(0), elem(0), side(0))
     if (place%kind /= W_FACES .and. place%kind /= W_GROUP) then
-      call fail(error, DECK_ERROR, 'a face of a patch is needed here', place%place, FACE_HINT)
+      call fail(error, DECK_ERROR, 'expected a face of a patch', place%place, FACE_HINT)
       return
     end if
     b = body_index(mesh, place%body)
@@ -281,7 +260,11 @@ contains
         elem = group%face%elem
         side = group%face%side
         if (group%inner > 0) then
-          call fail_group(group, place, error)
+          call fail(error, DECK_ERROR, 'surface elements of group '//quoted(group%name) &
+                    //' are not on the boundary of '//quoted(place%body)//' (' &
+                    //to_text(group%inner)//' of '//to_text(group%inner + size(elem))//')', &
+                    place%face_place, 'loads and contact act on the boundary; these elements lie ' &
+                    //'inside the body or on no element')
         else if (size(elem) == 0) then
           call fail(error, DECK_ERROR, 'group '//quoted(group%name)//' of '//quoted(place%body) &
                     //' has no surface elements', place%face_place, 'name a physical surface')
@@ -297,20 +280,9 @@ contains
         side = [side, face%side]
       end associate
     end do
-    if (size(elem) == 0) call fail(error, DECK_ERROR, quoted(place%body)//' has no such face', &
-                                   place%face_place, 'a spline surface is its face 3-, or ALL')
+    if (size(elem) == 0) call fail(error, DECK_ERROR, quoted(place%body)//' has no face ' &
+                                   //quoted(place%face), place%face_place, &
+                                   'the surface of a spline is its face 3-, or ALL')
   end subroutine find_faces
-
-  !> Surface elements that are no faces of the body's boundary.
-  subroutine fail_group(group, place, error)
-    type(group_t), intent(in) :: group
-    type(where_t), intent(in) :: place
-    type(error_t), allocatable, intent(out) :: error
-
-    call fail(error, DECK_ERROR, to_text(group%inner)//' of the surface elements of group ' &
-              //quoted(group%name)//' are no faces of the boundary of '//quoted(place%body), &
-              place%face_place, 'they lie inside, or on no element: loads and contact act ' &
-              //'on the boundary')
-  end subroutine fail_group
 
 end module input_where
