@@ -130,14 +130,16 @@ contains
               'a hanging node lies on the edge or face between its masters')
   end subroutine check_place
 
-  !> Remove the supports of slaves, which follow their masters: these must be supported alike.
+  !> Remove the supports of slaves, which follow their masters. Fails unless the displacement
+  !! prescribed at a slave follows from those of its masters.
   subroutine release_slaves(build, mesh, bc)
     type(build_t), intent(inout) :: build
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable :: error
     logical, allocatable :: held(:, :)
-    integer :: i, j, m
+    real(wp) :: value, largest
+    integer :: i, j, m, d
 
     if (mesh%constraint%n == 0) return
     held = bc%fixed /= 0
@@ -147,48 +149,37 @@ contains
       end do
     end do
     do i = 1, mesh%constraint%n
-      call check_support(mesh, mesh%constraint, i, held, bc, error)
-      if (allocated(error)) call build%errors%add(error)
-      bc%fixed(:, mesh%constraint%slave(i)) = 0
-      bc%value(:, mesh%constraint%slave(i)) = 0.0_wp
+      associate (list => mesh%constraint, s => mesh%constraint%slave(i))
+        directions: do d = 1, 3
+          if (.not. held(d, s)) cycle
+          value = 0.0_wp
+          largest = abs(bc%value(d, s))
+          do j = list%first(i), list%first(i + 1) - 1
+            m = list%master(j)
+            if (.not. held(d, m)) then
+              call fail(error, DECK_ERROR, named(mesh, s)//' is restrained, but its master ' &
+                        //named(mesh, m)//' is free', list%place(i), &
+                        'restrain all masters of a hanging node; it follows them')
+              exit directions
+            end if
+            value = value + list%c(j)*bc%value(d, m)
+            largest = max(largest, abs(bc%value(d, m)))
+          end do
+          if (abs(value - bc%value(d, s)) <= ROUNDING*largest) cycle
+          call fail(error, DECK_ERROR, 'the displacement prescribed at '//named(mesh, s) &
+                    //' does not follow from those of its masters', list%place(i), &
+                    'prescribe it at the masters only')
+          exit directions
+        end do directions
+        if (allocated(error)) then
+          call build%errors%add(error)
+          deallocate (error)
+        end if
+        bc%fixed(:, s) = 0
+        bc%value(:, s) = 0.0_wp
+      end associate
     end do
   end subroutine release_slaves
-
-  !> Fails unless the displacement prescribed at a slave follows from those of its masters.
-  subroutine check_support(mesh, list, i, held, bc, error)
-    type(mesh_t), intent(in) :: mesh
-    type(constraint_t), intent(in) :: list
-    integer, intent(in) :: i
-    logical, intent(in) :: held(:, :)
-    type(boundary_t), intent(in) :: bc
-    type(error_t), allocatable, intent(out) :: error
-    integer :: d, j, m
-    real(wp) :: value, largest
-
-    associate (s => list%slave(i), from => list%first(i), to => list%first(i + 1) - 1)
-      do d = 1, 3
-        if (.not. held(d, s)) cycle
-        value = 0.0_wp
-        largest = abs(bc%value(d, s))
-        do j = from, to
-          m = list%master(j)
-          if (.not. held(d, m)) then
-            call fail(error, DECK_ERROR, named(mesh, s)//' is restrained, but its master ' &
-                      //named(mesh, m)//' is free', list%place(i), &
-                      'restrain all masters of a hanging node; it follows them')
-            return
-          end if
-          value = value + list%c(j)*bc%value(d, m)
-          largest = max(largest, abs(bc%value(d, m)))
-        end do
-        if (abs(value - bc%value(d, s)) <= ROUNDING*largest) cycle
-        call fail(error, DECK_ERROR, 'the displacement prescribed at ' &
-                  //named(mesh, s)//' does not follow from those of its masters', &
-                  list%place(i), 'prescribe it at the masters only')
-        return
-      end do
-    end associate
-  end subroutine check_support
 
   !> A node as the user knows it: by its number in the file of its MESH, or in the deck.
   function named(mesh, n) result(name)

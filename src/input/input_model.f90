@@ -42,7 +42,36 @@ contains
     allocate (build%knots(0), build%support(0), build%contact(0))
     allocate (build%move(0), build%press(0), build%curve(0), build%tie(0))
     call read_mesh_part(build, deck, error)
-    if (.not. allocated(error)) call finish(build)
+    stages: block ! each needs the one before; one that has errors is the last
+      if (allocated(error)) exit stages
+      call check_references(build)
+      if (.not. build%incomplete) call count_mesh(build)
+      if (build%errors%count() > 0) exit stages
+      associate (mesh => build%model%mesh, bc => build%model%bc)
+        call make_mesh(build, mesh)
+        if (build%errors%count() == 0) call make_bodies(build, mesh)
+        if (build%errors%count() == 0) call check_size(build, mesh)
+        if (build%errors%count() > 0) exit stages
+        call tabulate_basis(mesh) ! surface loads need its rules
+        call apply_conditions(build, mesh, bc)
+        call tie_nodes(build, mesh, bc)
+        call close_constraints(build, mesh)
+        if (build%errors%count() > 0) exit stages
+        call resolve_supports(build, build%model)
+        call hold_rigid(build, build%model)
+        call release_slaves(build, mesh, bc)
+        call resolve_loads(build, build%model)
+        call note_loose(build, mesh, bc)
+        call find_unread(build%aside, build%model%unread)
+        call resolve_curves(build, build%model)
+        if (build%errors%count() > 0) exit stages
+        call check_jacobians(build, mesh)
+        if (build%errors%count() > 0) exit stages
+        call build_contacts(build, build%model)
+        if (build%errors%count() > 0) exit stages
+        call integrate_loads(build%model)
+      end associate
+    end block stages
     errors = build%errors
     call move_alloc(build%model, model)
   end subroutine build_model
@@ -204,39 +233,5 @@ contains
       return
     end do
   end subroutine skip_unknown
-
-  !> From records to a model. Each stage needs the one before: it collects its errors and, if there
-  !! are any, is the last one.
-  subroutine finish(build)
-    type(build_t), intent(inout) :: build
-
-    call check_references(build)
-    if (.not. build%incomplete) call count_mesh(build)
-    if (build%errors%count() > 0) return
-    associate (model => build%model)
-      call make_mesh(build, model%mesh)
-      if (build%errors%count() == 0) call make_bodies(build, model%mesh)
-      if (build%errors%count() == 0) call check_size(build, model%mesh)
-      if (build%errors%count() > 0) return
-      call tabulate_basis(model%mesh) ! surface loads need its rules
-      call apply_conditions(build, model%mesh, model%bc)
-      call tie_nodes(build, model%mesh, model%bc)
-      call close_constraints(build, model%mesh)
-      if (build%errors%count() > 0) return
-      call resolve_supports(build, model)
-      call hold_rigid(build, model)
-      call release_slaves(build, model%mesh, model%bc)
-      call resolve_loads(build, model)
-      call note_loose(build, model%mesh, model%bc)
-      call find_unread(build%aside, model%unread)
-      call resolve_curves(build, model)
-      if (build%errors%count() > 0) return
-      call check_jacobians(build, model%mesh)
-      if (build%errors%count() > 0) return
-      call build_contacts(build, model)
-      if (build%errors%count() > 0) return
-      call integrate_loads(model)
-    end associate
-  end subroutine finish
 
 end module input_model

@@ -3,9 +3,9 @@ module input_resolve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: quoted
-  use curve_type, only: quantity_t, Q_STRESS, Q_MAX_DISP
+  use curve_type, only: Q_STRESS, Q_MAX_DISP
   use element_type, only: cell_t
-  use input_draft, only: build_t, column_t
+  use input_draft, only: build_t
   use input_where, only: find_faces, find_nodes, body_index
   use mesh, only: mesh_t, block_t, block_cell, is_rigid
   use model, only: model_t
@@ -71,54 +71,47 @@ contains
     type(build_t), intent(inout) :: build
     type(model_t), intent(inout) :: model
     type(error_t), allocatable :: error
-    integer :: i, j
+    character(:), allocatable :: body
+    logical, allocatable :: on(:)
+    integer :: i, j, n
 
     allocate (model%curve(build%ncurve))
     do i = 1, build%ncurve
-      associate (from => build%curve(i))
-        model%curve(i)%name = from%name
-        model%curve(i)%place = from%place
-        allocate (model%curve(i)%quantity(size(from%column)))
-        do j = 1, size(from%column)
-          call resolve_column(model, from%column(j), model%curve(i)%quantity(j), error)
-          if (allocated(error)) call build%errors%add(error)
-          if (allocated(from%column(j)%contact)) model%curve(i)%quantity(j)%contact = &
-            contact_named(build, from%column(j)%contact)
-        end do
-      end associate
+      model%curve(i)%name = build%curve(i)%name
+      model%curve(i)%place = build%curve(i)%place
+      allocate (model%curve(i)%quantity(size(build%curve(i)%column)))
+      do j = 1, size(build%curve(i)%column)
+        associate (column => build%curve(i)%column(j), quantity => model%curve(i)%quantity(j), &
+                   mesh => model%mesh)
+          quantity = column%quantity
+          if (allocated(column%body)) quantity%body = body_index(mesh, column%body)
+          if (allocated(column%contact)) quantity%contact = contact_named(build, column%contact)
+          if (column%at%kind /= 0) then
+            call find_nodes(mesh, column%at, quantity%node, error)
+            if (allocated(error)) call build%errors%add(error)
+          end if
+          if (quantity%id == Q_STRESS) then
+            call locate_point(mesh, quantity%body, quantity%point, quantity%block, quantity%elem, &
+                              quantity%xi)
+            if (quantity%block > 0) cycle
+            body = 'the mesh'
+            if (allocated(column%body)) body = 'patch '//quoted(column%body)
+            call fail(error, DECK_ERROR, 'the point lies outside '//body, quantity%place, &
+                      'give its coordinates in the reference configuration')
+            call build%errors%add(error)
+          else if (quantity%id == Q_MAX_DISP) then
+            on = mesh%used
+            if (quantity%body > 0) then
+              on = .false.
+              on(mesh%body(quantity%body)%node) = .true.
+              on = on .and. mesh%used
+            end if
+            quantity%node = pack([(n, n=1, mesh%nnode)], on)
+          end if
+        end associate
+      end do
     end do
   end subroutine resolve_curves
-
-  subroutine resolve_column(model, column, quantity, error)
-    type(model_t), intent(in) :: model
-    type(column_t), intent(in) :: column
-    type(quantity_t), intent(inout) :: quantity
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: body
-    logical, allocatable :: on(:)
-    integer :: i
-
-    quantity = column%quantity
-    if (allocated(column%body)) quantity%body = body_index(model%mesh, column%body)
-    if (column%at%kind /= 0) call find_nodes(model%mesh, column%at, quantity%node, error)
-    if (quantity%id == Q_STRESS) then
-      call locate_point(model%mesh, quantity%body, quantity%point, quantity%block, quantity%elem, &
-                        quantity%xi)
-      if (quantity%block > 0) return
-      body = 'the mesh'
-      if (allocated(column%body)) body = 'patch '//quoted(column%body)
-      call fail(error, DECK_ERROR, 'the point lies outside '//body, quantity%place, &
-                'give its coordinates in the reference configuration')
-    else if (quantity%id == Q_MAX_DISP) then
-      on = model%mesh%used
-      if (quantity%body > 0) then
-        on = .false.
-        on(model%mesh%body(quantity%body)%node) = .true.
-        on = on .and. model%mesh%used
-      end if
-      quantity%node = pack([(i, i=1, model%mesh%nnode)], on)
-    end if
-  end subroutine resolve_column
 
   !> The first element that contains a reference point; rigid bodies do not count. block is 0 if
   !! there is none.

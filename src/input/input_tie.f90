@@ -17,7 +17,8 @@ module input_tie
   real(wp), parameter :: TOLERANCE = 1.0e-3_wp
   integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! of the search grid
 
-  !> Search grid: a list of the nodes that are kept for each cell.
+  !> Search grid: for each cell a list of the nodes that are kept. Cells are at least two tolerances
+  !! wide.
   type :: grid_t
     real(wp) :: low(3), width(3)       !! of the grid, of a cell [L]
     real(wp) :: tol(3)                 !! nodes at most this far apart are tied [L]
@@ -77,32 +78,10 @@ contains
     integer, intent(inout) :: new(:) !! (nnode)
     type(grid_t) :: grid
     integer, allocatable :: class(:)
-    integer :: n, m, at(3)
+    real(wp) :: high(3)
+    integer :: n, m, d, at(3)
 
     if (.not. any(mesh%used)) return
-    call new_grid(grid, tie, mesh)
-    call classify(build, tie, mesh, grid%tol, class)
-    do n = 1, mesh%nnode
-      if (class(n) == 0 .or. new(n) /= n) cycle
-      at = max(1, min(grid%cells, int((mesh%xr(:, n) - grid%low)/grid%width) + 1))
-      m = partner(grid, tie, mesh, class, n, at)
-      if (m > 0) then
-        new(n) = m
-      else
-        grid%next(n) = grid%head(at(1), at(2), at(3))
-        grid%head(at(1), at(2), at(3)) = n
-      end if
-    end do
-  end subroutine find_pairs
-
-  !> An empty grid; its cells are at least two tolerances wide.
-  subroutine new_grid(grid, tie, mesh)
-    type(grid_t), intent(out) :: grid
-    type(tie_t), intent(in) :: tie
-    type(mesh_t), intent(in) :: mesh
-    real(wp) :: high(3)
-    integer :: d
-
     do d = 1, 3
       grid%low(d) = minval(mesh%xr(d, :), mesh%used)
       high(d) = maxval(mesh%xr(d, :), mesh%used)
@@ -117,7 +96,19 @@ contains
     end where
     allocate (grid%head(grid%cells(1), grid%cells(2), grid%cells(3)), source=0)
     allocate (grid%next(mesh%nnode), source=0)
-  end subroutine new_grid
+    call classify(build, tie, mesh, grid%tol, class)
+    do n = 1, mesh%nnode
+      if (class(n) == 0 .or. new(n) /= n) cycle
+      at = max(1, min(grid%cells, int((mesh%xr(:, n) - grid%low)/grid%width) + 1))
+      m = partner(grid, tie, mesh, class, n, at)
+      if (m > 0) then
+        new(n) = m
+      else
+        grid%next(n) = grid%head(at(1), at(2), at(3))
+        grid%head(at(1), at(2), at(3)) = n
+      end if
+    end do
+  end subroutine find_pairs
 
   !> A node kept so far to which node n of cell `at` is tied; 0: none.
   pure integer function partner(grid, tie, mesh, class, n, at) result(m)

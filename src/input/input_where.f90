@@ -167,6 +167,7 @@ contains
     integer, allocatable, intent(out) :: node(:)
     type(error_t), allocatable, intent(out) :: error
     logical, allocatable :: on(:)
+    real(wp), allocatable :: distance(:)
     real(wp) :: gap
     integer :: g, i, n
 
@@ -197,7 +198,8 @@ contains
       end if
       on(place%node) = .true.
     case (W_POINT)
-      on(nearest_node(mesh, place%x)) = .true.
+      distance = [(norm2(mesh%xr(:, i) - place%x), i=1, mesh%nnode)]
+      on(max(1, minloc(distance, 1, mesh%used))) = .true.
     case default ! W_PLANE
       associate (x => mesh%xr(place%direction, :))
         gap = ON_PLANE*(maxval(x, mesh%used) - minval(x, mesh%used))/sqrt(real(mesh%nnode, wp))
@@ -220,24 +222,6 @@ contains
       if (lower(body%group(g)%name) == lower(name)) return
     end do
   end function group_index
-
-  !> The node or control point nearest to a point; of equally near ones the first.
-  pure integer function nearest_node(mesh, x) result(node)
-    type(mesh_t), intent(in) :: mesh
-    real(wp), intent(in) :: x(3)
-    real(wp) :: least, here
-    integer :: i
-
-    node = 1
-    least = huge(least)
-    do i = 1, mesh%nnode
-      if (.not. mesh%used(i)) cycle
-      here = norm2(mesh%xr(:, i) - x)
-      if (here >= least) cycle
-      least = here
-      node = i
-    end do
-  end function nearest_node
 
   !> Element faces of faces of a body, or of a named group of it.
   subroutine find_faces(mesh, place, block, elem, side, error)
