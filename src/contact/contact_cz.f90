@@ -1,22 +1,25 @@
-!> EXPOnential: cohesive traction that rises to T0 at the opening g0 and then decays.
+!> EXPOnential: cohesive traction that rises to T0 at the opening g0 and then decays. Two rows of
+!! the table: reversible, and IRREversible with unloading straight to the origin.
 !!
 !! prop(1)  largest traction T0 [F/L^2]
 !! prop(2)  opening g0 at which it acts [L]
 !! Source:  Corbett and Sauer 2015, eq. (31), after Xu and Needleman 1993; on the reference area,
-!!          mixed mode, reversible: energy e T0 g0 an area
+!!          mixed mode, energy per area e T0 g0. Unloading after Camacho and Ortiz 1996: the largest
+!!          opening is that of the vector g without its part that presses, so that compression does
+!!          no damage; it is left to the penalty as the bond tears
 module contact_cz
   use base_kinds, only: wp
-  use contact_secant, only: pull_by_secants, REVERSIBLE
+  use contact_secant, only: pull_by_secants, REVERSIBLE, WHOLE
   use contact_type, only: contact_law_t, cohesion_t, COHESIVE
   implicit none
   private
-  public :: describe, exponential, secants, released
+  public :: describe, irreversible
 
   real(wp), parameter :: RELEASED_AT = 8.0_wp !! openings g0: 0.7 % of T0 is left
 
 contains
 
-  !> Row of the table of contact laws.
+  !> The reversible row of the table of contact laws.
   function describe() result(row)
     type(contact_law_t) :: row
 
@@ -25,19 +28,39 @@ contains
     row%usage = 'COHEsive EXPOnential T0 g0 [IRREversible] [VISCous tau]'
     row%source = 'exponential mixed mode, reversible; Corbett and Sauer 2015, eq. (31)'
     row%nprop = 2
-    row%cohesive => exponential
+    row%cohesive => reversible_law
     row%released => released
   end function describe
 
+  !> The irreversible row.
+  function irreversible() result(row)
+    type(contact_law_t) :: row
+
+    row = describe()
+    row%option = 'IRREversible'
+    row%source = 'exponential, unloading to the origin; envelope Corbett and Sauer 2015, eq. (31)'
+    row%oriented = .true.
+    row%cohesive => irreversible_law
+  end function irreversible
+
   !> T = -T0 (g/g0) exp(1 - |g|/g0), also where g presses.
-  pure subroutine exponential(prop, lag, g, n, past, now, c)
+  pure subroutine reversible_law(prop, lag, g, n, past, now, c)
     real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
     real(wp), intent(out) :: now(:)
     type(cohesion_t), intent(out) :: c
 
     call pull_by_secants(secants, REVERSIBLE, prop, released(prop), lag, g, 0.0_wp*n, past, now, &
                          c, potential)
-  end subroutine exponential
+  end subroutine reversible_law
+
+  !> T = -(T0/g0) exp(1 - k/g0) g with the largest opening k.
+  pure subroutine irreversible_law(prop, lag, g, n, past, now, c)
+    real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
+    real(wp), intent(out) :: now(:)
+    type(cohesion_t), intent(out) :: c
+
+    call pull_by_secants(secants, WHOLE, prop, released(prop), lag, g, n, past, now, c)
+  end subroutine irreversible_law
 
   !> Both secants are (T0/g0) exp(1 - k_1/g0).
   pure subroutine secants(prop, k, s, ds)
@@ -49,7 +72,8 @@ contains
     ds(:, 2) = 0.0_wp
   end subroutine secants
 
-  !> e T0 g0 (1 - (1 + x) exp(-x)), x = k/g0; for small x the difference would lose its digits.
+  !> e T0 g0 (1 - (1 + x) exp(-x)), x = k/g0; by a series for small x, where the difference would
+  !! lose its digits.
   pure function potential(prop, k) result(energy)
     real(wp), intent(in) :: prop(:), k
     real(wp) :: energy

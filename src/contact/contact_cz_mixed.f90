@@ -1,19 +1,19 @@
-!> MIXEd: exponential laws of their own in normal direction and shear, coupled by damage.
+!> MIXEd: two exponential laws, one for the normal opening and one for shear, coupled by damage.
 !!
 !! prop(1)  largest normal traction Tn [F/L^2]
 !! prop(2)  opening gn at which it acts [L]
 !! prop(3)  largest shear traction Tt [F/L^2]
 !! prop(4)  opening gt at which it acts [L]
-!! Source:  van den Bosch, Schreurs and Geers 2006, the law of Xu and Needleman made physical where
-!!          the two energies differ; damage instead of reversibility, cf. Kolluri et al. 2014.
-!!          Energies an area: e Tn gn and sqrt(e) Tt gt
+!! Source:  van den Bosch, Schreurs and Geers 2006, a law of Xu and Needleman's type that stays
+!!          physical if the two energies differ; with damage instead of reversibility, cf. Kolluri
+!!          et al. 2014. Energies per area: e Tn gn and sqrt(e) Tt gt
 module contact_cz_mixed
   use base_kinds, only: wp
   use contact_secant, only: pull_by_secants, MODES
   use contact_type, only: contact_law_t, cohesion_t, COHESIVE
   implicit none
   private
-  public :: describe, mixed
+  public :: describe
 
   !> Openings gn, gt at which 0.7 % of Tn, 0.2 % of Tt are left.
   real(wp), parameter :: RELEASED_AT(2) = [8.0_wp, 4.0_wp]
@@ -30,18 +30,18 @@ contains
     row%source = 'exponential with two energies and damage; after van den Bosch et al. 2006'
     row%nprop = 4
     row%oriented = .true.
-    row%cohesive => mixed
+    row%cohesive => mixed_law
     row%released => released
   end function describe
 
-  pure subroutine mixed(prop, lag, g, n, past, now, c)
+  pure subroutine mixed_law(prop, lag, g, n, past, now, c)
     real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
     real(wp), intent(out) :: now(:)
     type(cohesion_t), intent(out) :: c
 
     call pull_by_secants(secants, MODES, prop, minval(RELEASED_AT*prop(2:4:2)), lag, g, n, past, &
                          now, c)
-  end subroutine mixed
+  end subroutine mixed_law
 
   !> With x = k_1/gn and y = k_2/gt: s_n = (Tn/gn) e exp(-x) exp(-y^2/2),
   !! s_t = (Tt/gt) sqrt(e) exp(-y^2/2) (1 + x) exp(-x).
@@ -61,7 +61,7 @@ contains
     ds(:, 2) = -s*y/prop(4)
   end subroutine secants
 
-  !> Both modes are released.
+  !> The opening at which both modes are released.
   pure function released(prop) result(opening)
     real(wp), intent(in) :: prop(:)
     real(wp) :: opening

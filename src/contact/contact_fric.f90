@@ -1,4 +1,4 @@
-!> COULomb: stick on a tangential penalty, slip at mu times the pressure.
+!> COULomb: stick by a tangential penalty, slip at mu times the pressure.
 !!
 !! prop(1)  coefficient of friction mu [-]
 !! prop(2)  tangential penalty parameter eps_t [F/L^3]
@@ -25,9 +25,10 @@ contains
     row%friction => coulomb
   end function describe
 
-  !> The predictor sticks; where it exceeds mu p the traction slides back to mu p. Across its
-  !! direction it resists by mu p over the way slipped; a step begins with hardly any, and over all
-  !! of it that would hold the point a hundred times too stiff: `ahead` is the way to come.
+  !> The predictor sticks; if it exceeds mu p, the corrector returns the traction to mu p. The
+  !! tangent across the direction of slip is mu p over the slip. At the start of a step the slip is
+  !! nearly zero and that tangent would be a hundred times too stiff: `ahead` is the slip to be
+  !! expected.
   pure subroutine coulomb(prop, d, p, ahead, t, dtdd, dtdp, elastic, state)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: d(3), p, ahead

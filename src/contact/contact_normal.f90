@@ -1,7 +1,7 @@
-!> PENAlty: pressure proportional to the penetration, with SMOOth but for a small one.
+!> PENAlty: pressure proportional to the penetration; with SMOOth, to its square while it is small.
 !!
 !! prop(1)  penalty parameter eps_n [F/L^3]
-!! prop(2)  d of SMOOth [L]: the pressure grows with the square of a penetration below d; 0: no
+!! prop(2)  d of SMOOth [L]: the penetration below which the pressure is quadratic; 0: none
 !! Source:  Corbett and Sauer 2015, eq. (26)
 module contact_normal
   use base_kinds, only: wp
@@ -24,9 +24,9 @@ contains
     row%normal => pressure
   end function describe
 
-  !> p = <y>, y = multiplier - eps_n gap; without augmentation the multiplier is zero. With d > 0
-  !! p = y^2/(2 eps_n d) up to y = eps_n d, and y - eps_n d/2 beyond: its slope has no jump, and
-  !! nothing presses where the surfaces just touch.
+  !> p = <y>, y = multiplier - eps_n gap; without augmentation the multiplier is zero. With d > 0 p
+  !! = y^2/(2 eps_n d) up to y = eps_n d, and y - eps_n d/2 beyond: its derivative has no jump, and
+  !! surfaces that just touch do not press.
   pure subroutine pressure(prop, gap, multiplier, p, dp, energy)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: gap, multiplier

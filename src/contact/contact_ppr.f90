@@ -2,20 +2,20 @@
 !!
 !! prop(1:2)   energies phi_n, phi_t [F/L]
 !! prop(3:4)   strengths sigma_max, tau_max [F/L^2]
-!! prop(5:6)   shapes alpha, beta [-]: 2 softens about linearly, less is a plateau, more a tail
-!! prop(7:8)   lambda_n, lambda_t [-]: opening at the strength over the last opening
-!! prop(9:16)  found from these: m, n [-]; last openings delta_n, delta_t [L]; constants Gamma_n,
-!!             Gamma_t; rests <phi_n - phi_t>, <phi_t - phi_n>
+!! prop(5:6)   shapes alpha, beta [-]: 2 softens about linearly, less has a plateau, more a tail
+!! prop(7:8)   lambda_n, lambda_t [-]: opening at the strength over the final opening
+!! prop(9:16)  found from these: m, n [-]; final openings delta_n, delta_t [L]; constants Gamma_n,
+!!             Gamma_t; differences <phi_n - phi_t>, <phi_t - phi_n>
 !! Source:  Park, Paulino and Roesler 2009, J. Mech. Phys. Solids 57, 891-908; the tractions as in
 !!          Park and Paulino 2012, Eng. Fract. Mech. 93, 239-262. Unloading is linear to the origin
-!!          at the worst openings of both modes (coupled, so that damage never heals)
+!!          from the largest openings of both modes (coupled, so that damage never heals)
 module contact_ppr
   use base_kinds, only: wp
   use contact_secant, only: pull_by_secants, MODES
   use contact_type, only: contact_law_t, cohesion_t, COHESIVE
   implicit none
   private
-  public :: describe, ppr, prepare
+  public :: describe
 
 contains
 
@@ -29,20 +29,20 @@ contains
     row%source = 'potential of Park, Paulino and Roesler 2009, unloading to the origin'
     row%nprop = 8
     row%oriented = .true.
-    row%cohesive => ppr
+    row%cohesive => ppr_law
     row%released => released
     row%prepare => prepare
   end function describe
 
-  pure subroutine ppr(prop, lag, g, n, past, now, c)
+  pure subroutine ppr_law(prop, lag, g, n, past, now, c)
     real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
     real(wp), intent(out) :: now(:)
     type(cohesion_t), intent(out) :: c
 
     call pull_by_secants(secants, MODES, prop, minval(prop(11:12)), lag, g, n, past, now, c)
-  end subroutine ppr
+  end subroutine ppr_law
 
-  !> The numbers that follow from the deck's; `wrong`: the one that cannot be.
+  !> Compute prop(9:16) from the numbers of the deck; `wrong`: the number for which that fails.
   pure subroutine prepare(prop, wrong, hint)
     real(wp), intent(inout) :: prop(:)
     integer, intent(out) :: wrong
@@ -56,10 +56,11 @@ contains
       lam = prop(6 + i)
       if (.not. a > 1.0_wp) then
         wrong = 4 + i
-        hint = 'alpha and beta are greater than 1; 2 softens about linearly'
+        hint = 'alpha and beta must be greater than 1; 2 softens about linearly'
       else if (.not. a*lam**2 < 1.0_wp) then
         wrong = 6 + i
-        hint = 'lambda_n is below 1/sqrt(alpha), lambda_t below 1/sqrt(beta); 0.01 to 0.2 are usual'
+        hint = 'lambda_n must be below 1/sqrt(alpha), lambda_t below 1/sqrt(beta); 0.01 to 0.2 ' &
+               //'are usual'
       end if
       if (wrong > 0) return
       m = a*(a - 1.0_wp)*lam**2/(1.0_wp - a*lam**2)
@@ -69,7 +70,7 @@ contains
       prop(12 + i) = (a/m)**m
       prop(14 + i) = max(0.0_wp, prop(i) - prop(3 - i))
     end do
-    i = merge(2, 1, prop(2) > prop(1)) ! the larger energy is in one of the constants
+    i = merge(2, 1, prop(2) > prop(1)) ! that constant holds the larger energy
     prop(12 + i) = -prop(i)*prop(12 + i)
   end subroutine prepare
 
@@ -77,14 +78,31 @@ contains
   !! Q(x) = Gamma_n (1 - x)^alpha (m/alpha + x)^m + <phi_n - phi_t>, the same of y = k_2/delta_t:
   !! s_n = -Gamma_n (m + alpha)/delta_n^2 P_n(x) Q_t(y),
   !! s_t = -Gamma_t (n + beta)/delta_t^2 P_t(y) Q_n(x).
+  !! P is zero beyond the final opening, and Q from where it changes its sign.
   pure subroutine secants(prop, k, s, ds)
     real(wp), intent(in) :: prop(:), k(2)
     real(wp), intent(out) :: s(2), ds(2, 2)
-    real(wp) :: p(2), dp(2), q(2), dq(2), c
+    real(wp) :: p(2), dp(2), q(2), dq(2), x, z, c
     integer :: i
 
+    p = 0.0_wp
+    dp = 0.0_wp
+    q = prop(15:16)
+    dq = 0.0_wp
     do i = 1, 2
-      call shapes(prop, i, k(i)/prop(10 + i), p(i), dp(i), q(i), dq(i))
+      associate (a => prop(4 + i), m => prop(8 + i), gamma => prop(12 + i))
+        x = k(i)/prop(10 + i)
+        if (x < 1.0_wp) then
+          z = m/a + x
+          p(i) = (1.0_wp - x)**(a - 1.0_wp)*z**(m - 1.0_wp)
+          dp(i) = p(i)*((m - 1.0_wp)/z - (a - 1.0_wp)/(1.0_wp - x))
+          q(i) = gamma*p(i)*(1.0_wp - x)*z + q(i)
+          dq(i) = -gamma*(m + a)*x*p(i)
+        end if
+        if (q(i)*gamma > 0.0_wp) cycle
+        q(i) = 0.0_wp
+        dq(i) = 0.0_wp
+      end associate
     end do
     do i = 1, 2
       c = -prop(12 + i)*(prop(8 + i) + prop(4 + i))/prop(10 + i)**2
@@ -94,35 +112,7 @@ contains
     end do
   end subroutine secants
 
-  !> P and Q of mode i and their derivatives. Beyond the last opening, and from where Q changes its
-  !! sign, nothing holds.
-  pure subroutine shapes(prop, i, x, p, dp, q, dq)
-    real(wp), intent(in) :: prop(:)
-    integer, intent(in) :: i
-    real(wp), intent(in) :: x
-    real(wp), intent(out) :: p, dp, q, dq
-    real(wp) :: a, m, gamma, z
-
-    a = prop(4 + i)
-    m = prop(8 + i)
-    gamma = prop(12 + i)
-    p = 0.0_wp
-    dp = 0.0_wp
-    q = prop(14 + i)
-    dq = 0.0_wp
-    if (x < 1.0_wp) then
-      z = m/a + x
-      p = (1.0_wp - x)**(a - 1.0_wp)*z**(m - 1.0_wp)
-      dp = p*((m - 1.0_wp)/z - (a - 1.0_wp)/(1.0_wp - x))
-      q = gamma*p*(1.0_wp - x)*z + q
-      dq = -gamma*(m + a)*x*p
-    end if
-    if (q*gamma > 0.0_wp) return
-    q = 0.0_wp
-    dq = 0.0_wp
-  end subroutine shapes
-
-  !> Both modes are released.
+  !> The opening at which both modes are released.
   pure function released(prop) result(opening)
     real(wp), intent(in) :: prop(:)
     real(wp) :: opening

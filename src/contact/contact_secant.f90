@@ -1,33 +1,35 @@
 !> Cohesive tractions by secants: what all cohesive laws share.
 !!
-!! With n the partner's normal, the gap g has the parts d_n = n.g and g_t = g - d_n n, d_t = |g_t|:
+!! With the normal n of the partner, the gap g has the parts d_n = n.g and g_t = g - d_n n, d_t =
+!! |g_t|:
 !!
 !!   T = -s_n(k) d_n n - s_t(k) g_t.
 !!
-!! A law is its two secants s_n, s_t as functions of the worst openings k so far: of both modes,
-!! k = (max <d_n>, max d_t), or of the whole vector, k_1 = max sqrt(<d_n>^2 + d_t^2). Unloading, and
-!! compression, are linear with the secant reached. A reversible law takes the opening of now.
+!! A law is its two secants s_n, s_t as functions of the largest openings k so far: of both modes,
+!! k = (max <d_n>, max d_t), or of the whole vector, k_1 = max sqrt(<d_n>^2 + d_t^2). Unloading and
+!! compression are linear with the secant reached. A reversible law takes the current opening.
 !!
-!! VISCous multiplies the traction by 1 + tau (D - D_0)/dt, D = 1 - (s_n/s_n(0) + s_t/s_t(0))/2 the
-!! damage, D_0 that at the start of the step.
+!! VISCous multiplies the traction by 1 + tau (D - D_0)/dt with the damage
+!! D = 1 - (s_n/s_n(0) + s_t/s_t(0))/2 and its value D_0 at the start of the step.
 !!
-!! Numbers of a point: 1, 2 worst openings [L]; 3, 4 d_n and d_t [L]; 5 work taken, without the
-!! viscous part [F/L]; 6 viscous work [F/L]; 7 viscous factor of the last step less 1 [-].
+!! History of a point: 1, 2 largest openings [L]; 3, 4 d_n and d_t [L]; 5 work done, without the
+!! viscous part [F/L]; 6 viscous work [F/L]; 7 viscous factor of the last step minus 1 [-].
 module contact_secant
   use base_kinds, only: wp
   use contact_type, only: cohesion_t
   implicit none
   private
-  public :: secants_i, potential_i, pull_by_secants, REVERSIBLE, WHOLE, MODES
+  public :: pull_by_secants, REVERSIBLE, WHOLE, MODES
 
-  !> What the secants remember.
+  !> What the secants depend on: the current opening, the largest one, the largest ones of both
+  !! modes.
   integer, parameter :: REVERSIBLE = 0, WHOLE = 1, MODES = 2
 
-  !> Pieces of a step in which its work is summed: so many for an opening by `scale`, and at most.
+  !> Intervals over which the work of a step is integrated: per opening by `scale`, and at most.
   integer, parameter :: PER_SCALE = 32, MOST = 512
 
   abstract interface
-    !> Secants of both modes at worst openings k, and their derivatives.
+    !> Secants of both modes at the largest openings k, and their derivatives.
     pure subroutine secants_i(prop, k, s, ds)
       import :: wp
       implicit none
@@ -37,7 +39,7 @@ module contact_secant
       real(wp), intent(out) :: ds(2, 2)     !! ds_i/dk_j [F/L^4]
     end subroutine secants_i
 
-    !> Energy that an opening k takes from a reversible law.
+    !> Energy that a reversible law stores at an opening k.
     pure function potential_i(prop, k) result(energy)
       import :: wp
       implicit none
@@ -55,17 +57,17 @@ contains
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: scale           !! opening over which the secants change [L]
     real(wp), intent(in) :: lag             !! tau/dt of VISCous [-]
-    real(wp), intent(in) :: g(3), n(3)      !! [L], unit normal; zero where no law asks for it
-    real(wp), intent(in) :: past(:)         !! numbers of the point at the start of the step
+    real(wp), intent(in) :: g(3), n(3)      !! [L], unit normal; zero if the law does not need it
+    real(wp), intent(in) :: past(:)         !! history of the point at the start of the step
     real(wp), intent(out) :: now(:)         !! and now
     type(cohesion_t), intent(out) :: c
     procedure(potential_i), optional :: potential !! of a reversible law
-    real(wp) :: d(2), gt(3), k(2), s(2), ds(2, 2), dkdg(3, 2), dkdn(3, 2), work
+    real(wp) :: d(2), gt(3), k(2), s(2), ds(2, 2), work
 
     d(1) = dot_product(n, g)
     gt = g - d(1)*n
     d(2) = norm2(gt)
-    call remember(memory, d, past, k)
+    call find_largest(memory, d, past, k)
     call secants(prop, k, s, ds)
     now = past
     now(1:2) = k
@@ -74,19 +76,18 @@ contains
       now(5) = potential(prop, k(1))
       c%stored = now(5)
     else
-      call sum_work(secants, memory, prop, scale, past, d, work)
+      call integrate_work(secants, memory, prop, scale, past, d, work)
       now(5) = past(5) + work
       c%stored = 0.5_wp*sum(s*d**2)
     end if
     c%spent = now(5) - c%stored
-    call add_lag(secants, prop, lag, past, s, ds, now)
+    if (lag > 0.0_wp) call add_viscosity(secants, prop, lag, past, s, ds, now)
     c%viscous = now(6)
-    call vary_worst(memory, d, k, g, gt, n, dkdg, dkdn)
-    call set_traction(d, gt, g, n, s, ds, dkdg, dkdn, c)
+    call set_traction(memory, d, k, gt, g, n, s, ds, c)
   end subroutine pull_by_secants
 
-  !> Worst openings with d = (d_n, d_t) among them.
-  pure subroutine remember(memory, d, past, k)
+  !> Largest openings so far, with d = (d_n, d_t) among them.
+  pure subroutine find_largest(memory, d, past, k)
     integer, intent(in) :: memory
     real(wp), intent(in) :: d(2), past(:)
     real(wp), intent(out) :: k(2)
@@ -98,14 +99,16 @@ contains
       k = [norm2(k), 0.0_wp]
       if (memory == WHOLE) k(1) = max(k(1), past(1))
     end if
-  end subroutine remember
+  end subroutine find_largest
 
-  !> How the worst openings vary with g and n: not at all where they are of the past.
-  pure subroutine vary_worst(memory, d, k, g, gt, n, dkdg, dkdn)
+  !> dT = -d(s_n d_n n) - d(s_t g_t), with d(d_n) = n.dg + g.dn, dg_t = dg - d(d_n) n - d_n dn. The
+  !! largest openings vary with g and n only if they are the current ones.
+  pure subroutine set_traction(memory, d, k, gt, g, n, s, ds, c)
     integer, intent(in) :: memory
-    real(wp), intent(in) :: d(2), k(2), g(3), gt(3), n(3)
-    real(wp), intent(out) :: dkdg(3, 2), dkdn(3, 2)
-    real(wp) :: open
+    real(wp), intent(in) :: d(2), k(2), gt(3), g(3), n(3), s(2), ds(2, 2)
+    type(cohesion_t), intent(inout) :: c
+    real(wp) :: dkdg(3, 2), dkdn(3, 2), open, a(3), b(3)
+    integer :: i
 
     dkdg = 0.0_wp
     dkdn = 0.0_wp
@@ -123,15 +126,6 @@ contains
       dkdg(:, 1) = (open*n + gt)/k(1)
       dkdn(:, 1) = (open*g - d(1)*gt)/k(1)
     end if
-  end subroutine vary_worst
-
-  !> dT = -d(s_n d_n n) - d(s_t g_t), with d(d_n) = n.dg + g.dn, dg_t = dg - d(d_n) n - d_n dn.
-  pure subroutine set_traction(d, gt, g, n, s, ds, dkdg, dkdn, c)
-    real(wp), intent(in) :: d(2), gt(3), g(3), n(3), s(2), ds(2, 2), dkdg(3, 2), dkdn(3, 2)
-    type(cohesion_t), intent(inout) :: c
-    real(wp) :: a(3), b(3)
-    integer :: i
-
     c%t = -s(1)*d(1)*n - s(2)*gt
     a = matmul(dkdg, ds(1, :))*d(1) + (s(1) - s(2))*n
     b = matmul(dkdg, ds(2, :))
@@ -147,50 +141,49 @@ contains
     end do
   end subroutine set_traction
 
-  !> The secants with the viscous factor, and its work: the mean factor of the step times the step's
-  !! work.
-  pure subroutine add_lag(secants, prop, lag, past, s, ds, now)
+  !> Multiply the secants by the viscous factor, and add its work: the mean factor of the step times
+  !! the work of the step.
+  pure subroutine add_viscosity(secants, prop, lag, past, s, ds, now)
     procedure(secants_i) :: secants
     real(wp), intent(in) :: prop(:), lag, past(:)
     real(wp), intent(inout) :: s(2), ds(2, 2), now(:)
-    real(wp) :: whole(2), was(2), unused(2, 2), dd(2), factor
+    real(wp) :: undamaged(2), before(2), unused(2, 2), dd(2), factor
     integer :: j
 
-    if (.not. lag > 0.0_wp) return
-    call secants(prop, [0.0_wp, 0.0_wp], whole, unused)
-    call secants(prop, past(1:2), was, unused)
-    factor = 1.0_wp + 0.5_wp*lag*sum((was - s)/whole)
-    dd = -0.5_wp*lag*matmul(1.0_wp/whole, ds)
+    call secants(prop, [0.0_wp, 0.0_wp], undamaged, unused)
+    call secants(prop, past(1:2), before, unused)
+    factor = 1.0_wp + 0.5_wp*lag*sum((before - s)/undamaged)
+    dd = -0.5_wp*lag*matmul(1.0_wp/undamaged, ds)
     do j = 1, 2
       ds(:, j) = factor*ds(:, j) + s*dd(j)
     end do
     s = factor*s
     now(7) = factor - 1.0_wp
     now(6) = past(6) + 0.5_wp*(past(7) + now(7))*(now(5) - past(5))
-  end subroutine add_lag
+  end subroutine add_viscosity
 
-  !> Work from the opening at the start of the step straight to d, by Simpson's rule in pieces.
-  pure subroutine sum_work(secants, memory, prop, scale, past, d, work)
+  !> Work from the opening at the start of the step straight to d, by Simpson's rule on intervals.
+  pure subroutine integrate_work(secants, memory, prop, scale, past, d, work)
     procedure(secants_i) :: secants
     integer, intent(in) :: memory
     real(wp), intent(in) :: prop(:), scale, past(:), d(2)
     real(wp), intent(out) :: work
-    real(wp) :: way(2), at(2), k(2), s(2), ds(2, 2), weight
-    integer :: i, pieces
+    real(wp) :: change(2), at(2), k(2), s(2), ds(2, 2), weight
+    integer :: i, n
 
     work = 0.0_wp
-    way = d - past(3:4)
-    if (all(abs(way) <= 0.0_wp)) return
-    pieces = 1 + int(min(real(MOST - 1, wp), PER_SCALE*norm2(way)/scale))
-    do i = 0, 2*pieces
-      at = past(3:4) + (0.5_wp*i/pieces)*way
-      call remember(memory, at, past, k)
+    change = d - past(3:4)
+    if (all(abs(change) <= 0.0_wp)) return
+    n = 1 + int(min(real(MOST - 1, wp), PER_SCALE*norm2(change)/scale))
+    do i = 0, 2*n
+      at = past(3:4) + (0.5_wp*i/n)*change
+      call find_largest(memory, at, past, k)
       call secants(prop, k, s, ds)
       weight = merge(4.0_wp, 2.0_wp, mod(i, 2) == 1)
-      if (i == 0 .or. i == 2*pieces) weight = 1.0_wp
-      work = work + weight*sum(s*at*way)
+      if (i == 0 .or. i == 2*n) weight = 1.0_wp
+      work = work + weight*sum(s*at*change)
     end do
-    work = work/(6*pieces)
-  end subroutine sum_work
+    work = work/(6*n)
+  end subroutine integrate_work
 
 end module contact_secant
