@@ -1,39 +1,41 @@
-!> Augmentation (Uzawa): how much the pressure multipliers of a contact rise.
+!> Augmentation (Uzawa): the increments of the pressure multipliers of a contact.
 !!
-!! A multiplier that took the pressure of its own point would go on until no point of either side
-!! penetrates. There are more points than nodes, and both sides are integrated: one of two surfaces
-!! that do not fit then carries all multipliers and the other none, and the bodies feel different
-!! forces. So pressures and penetrations are made smooth first, with the functions of the surfaces.
-!! Then the mean of both sides' penetrations is to vanish, and the difference of their pressures:
+!! If each multiplier took the pressure of its own point, they would rise until no point of either
+!! side penetrates. There are more points than nodes, and both sides are integrated: one of two
+!! surfaces that do not fit would then carry all multipliers and the other none, and the bodies
+!! would feel different forces. So pressures and penetrations are smoothed first, with the functions
+!! of the surfaces. What then has to vanish is the mean of the penetrations of both sides and the
+!! difference of their pressures:
 !!
 !!   rise_1 = (d_1 + d_2)/2 - (p_1 - p_2)/2,   rise_2 = (d_1 + d_2)/2 + (p_1 - p_2)/2,
 !!
-!! d what the penetrations press, which is the pressure p less the multiplier. Of a body on a rigid
-!! tool rise = d.
+!! with the pressure p and its part d due to the penetration, d = p - multiplier. For a body on a
+!! rigid surface rise = d.
 module contact_augment
   use base_kinds, only: wp
-  use contact_work, only: element_functions
   use contact_pair, only: contact_t, contact_points_t, contact_state_t
   use contact_smooth, only: smooth_t, smooth_side
   use contact_type, only: TOUCH
+  use contact_work, only: element_functions
   implicit none
   private
   public :: rise_t, find_rise, take_rise
 
-  !> Of the points of one side.
+  !> Increments of the multipliers of one side.
   type :: rise_t
-    real(wp), allocatable :: at(:)     !! (np) [F/L^2]
+    real(wp), allocatable :: at(:)     !! (np) [F/L^2]; (0) if the side is rigid
   end type rise_t
 
 contains
 
-  !> Rises of both sides; none where a side is rigid.
+  !> Increments of both sides. A point without a projection loses its multiplier.
   subroutine find_rise(contact, state, rise)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(in) :: state
     type(rise_t), intent(out) :: rise(2)
     type(smooth_t) :: pressed(2), pressure(2)
-    integer :: k
+    real(wp) :: d, p
+    integer :: e, i, k, q
 
     do k = 1, 2
       if (contact%side(k)%rigid) cycle
@@ -45,13 +47,28 @@ contains
     do k = 1, 2
       if (contact%side(k)%rigid) then
         allocate (rise(k)%at(0))
-      else
-        call interpolate(contact, k, state%side(k), pressed, pressure, rise(k)%at)
+        cycle
       end if
+      associate (points => state%side(k))
+        rise(k)%at = -points%multiplier
+        do i = 1, size(rise(k)%at)
+          if (points%foot(i) == 0) cycle
+          e = (i - 1)/contact%nq + 1
+          q = mod(i - 1, contact%nq) + 1
+          d = value_at(contact, k, pressed(k), e, contact%xi(:, q))
+          rise(k)%at(i) = d
+          if (contact%side(3 - k)%rigid) cycle
+          d = 0.5_wp*(d + value_at(contact, 3 - k, pressed(3 - k), points%foot(i), &
+                                   points%foot_xi(:, i)))
+          p = value_at(contact, k, pressure(k), e, contact%xi(:, q)) &
+              - value_at(contact, 3 - k, pressure(3 - k), points%foot(i), points%foot_xi(:, i))
+          rise(k)%at(i) = d - 0.5_wp*p
+        end do
+      end associate
     end do
   end subroutine find_rise
 
-  !> A value of all points of side k, in contact or not, smooth at its nodes: field%pressure.
+  !> Smooth a value of all points of side k, in contact or not: field%pressure.
   subroutine smooth(contact, k, points, value, field)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -67,33 +84,6 @@ contains
     part%elastic = 0.0_wp
     call smooth_side(contact, k, part, field)
   end subroutine smooth
-
-  !> At the points of side k, with the other side's fields at the feet. A point without a foot loses
-  !! what it had.
-  subroutine interpolate(contact, k, points, pressed, pressure, rise)
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k
-    type(contact_points_t), intent(in) :: points
-    type(smooth_t), intent(in) :: pressed(2), pressure(2)
-    real(wp), allocatable, intent(out) :: rise(:)
-    real(wp) :: d, p
-    integer :: i, q
-
-    rise = -points%multiplier
-    do i = 1, size(rise)
-      if (points%foot(i) == 0) cycle
-      q = mod(i - 1, contact%nq) + 1
-      d = value_at(contact, k, pressed(k), (i - 1)/contact%nq + 1, contact%xi(:, q))
-      rise(i) = d
-      if (contact%side(3 - k)%rigid) cycle
-      associate (e => points%foot(i), xi => points%foot_xi(:, i))
-        d = 0.5_wp*(d + value_at(contact, 3 - k, pressed(3 - k), e, xi))
-        p = value_at(contact, k, pressure(k), (i - 1)/contact%nq + 1, contact%xi(:, q)) &
-            - value_at(contact, 3 - k, pressure(3 - k), e, xi)
-        rise(i) = d - 0.5_wp*p
-      end associate
-    end do
-  end subroutine interpolate
 
   !> The field of a side in element e at xi.
   real(wp) function value_at(contact, k, field, e, xi) result(value)
@@ -112,7 +102,7 @@ contains
     end associate
   end function value_at
 
-  !> The multipliers rise; none is negative.
+  !> Add the increments; no multiplier gets negative.
   pure subroutine take_rise(rise, points)
     type(rise_t), intent(in) :: rise
     type(contact_points_t), intent(inout) :: points

@@ -1,11 +1,15 @@
-!> History of the integration points of contacts: made, accepted, brought back.
+!> History of the integration points of a contact: allocated, accepted with a step, restored by a
+!! cut-back.
 !!
-!! Positions of a side's points, and their stored sliding points when a step is accepted.
+!! The columns are those of contact_points_t (contact_pair); a step owns those that end in `_step`.
+!! Friction keeps a sliding point on the other surface, which moves only when a step is accepted
+!! (accept_slides). Read on: contact_assembly (who fills the columns in an iteration),
+!! contact_smooth and contact_resultant (fields and sums from them), contact_augment (multipliers).
 module contact_history
   use base_kinds, only: wp
-  use projection_type, only: foot_t, shape_t
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, surface_t
   use contact_type, only: OPEN, MAX_PAST, STICK, SLIP
+  use projection_type, only: foot_t, shape_t
   use surface_geometry, only: surface_point
   use surface_traversal, only: walk
   implicit none
@@ -13,7 +17,8 @@ module contact_history
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, look_aside, &
             side_positions, accept_slides
 
-  real(wp), parameter, public :: ASIDE = 0.1_wp !! of DEPTh: at a surface, not far off it
+  !> Fraction of DEPTh: a point this close to a surface is at it.
+  real(wp), parameter, public :: ASIDE = 0.1_wp
 
   integer, parameter :: MOST_STEPS = 20
   !> A gap this small, relative to the tangents, has no direction.
@@ -21,7 +26,7 @@ module contact_history
 
 contains
 
-  !> No point has a foot yet; a rigid side has no points.
+  !> History of points of which none is in contact; a rigid side has no points.
   subroutine new_contact_state(contact, state)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(out) :: state
@@ -30,70 +35,63 @@ contains
     do k = 1, 2
       np = contact%side(k)%nelem*contact%nq
       if (contact%side(k)%rigid) np = 0
-      call new_points(np, np/max(1, contact%nq), state%side(k))
+      associate (p => state%side(k))
+        allocate (p%foot(np), p%foot_step(np), p%slide(np), p%bond(np), source=0)
+        allocate (p%foot_xi(2, np), p%foot_xi_step(2, np), p%slide_xi(2, np), p%bond_xi(2, np), &
+                  source=0.0_wp)
+        allocate (p%multiplier(np), p%multiplier_step(np), p%pressure(np), source=0.0_wp)
+        allocate (p%area(np), p%area0(np), p%slip(np), p%slip_rate(np), source=0.0_wp)
+        allocate (p%opening(np), p%opening_step(np), source=0.0_wp)
+        allocate (p%traction(3, np), p%friction(3, np), p%cohesion(3, np), p%elastic(3, np), &
+                  p%pull(3, np), p%energy(3, np), source=0.0_wp)
+        allocate (p%past(MAX_PAST, np), p%past_step(MAX_PAST, np), source=0.0_wp)
+        allocate (p%gap(np), source=huge(1.0_wp))
+        allocate (p%state(np), p%state_step(np), source=OPEN)
+        allocate (p%aside(np), p%cut(np/max(1, contact%nq)), source=.false.)
+      end associate
     end do
   end subroutine new_contact_state
 
-  subroutine new_points(np, nelem, points)
-    integer, intent(in) :: np, nelem
-    type(contact_points_t), intent(out) :: points
-
-    allocate (points%foot(np), points%foot_step(np), points%slide(np), source=0)
-    allocate (points%foot_xi(2, np), points%foot_xi_step(2, np), points%slide_xi(2, np), &
-              source=0.0_wp)
-    allocate (points%multiplier(np), points%multiplier_step(np), source=0.0_wp)
-    allocate (points%pressure(np), points%area(np), source=0.0_wp)
-    allocate (points%gap(np), source=huge(1.0_wp))
-    allocate (points%traction(3, np), points%elastic(3, np), source=0.0_wp)
-    allocate (points%friction(3, np), points%cohesion(3, np), source=0.0_wp)
-    allocate (points%state(np), points%state_step(np), source=OPEN)
-    allocate (points%slip(np), points%slip_rate(np), source=0.0_wp)
-    allocate (points%aside(np), points%cut(nelem), source=.false.)
-    allocate (points%bond(np), source=0)
-    allocate (points%bond_xi(2, np), points%area0(np), points%opening(np), source=0.0_wp)
-    allocate (points%past(MAX_PAST, np), points%past_step(MAX_PAST, np), source=0.0_wp)
-    allocate (points%opening_step(np), source=0.0_wp)
-    allocate (points%energy(3, np), points%pull(3, np), source=0.0_wp)
-  end subroutine new_points
-
-  !> A cut: projections start where they stood at the start of the step.
+  !> Restore the state at the start of the step.
   subroutine restore_contact_step(state)
     type(contact_state_t), intent(inout) :: state
     integer :: k
 
     do k = 1, 2
-      state%side(k)%foot = state%side(k)%foot_step
-      state%side(k)%foot_xi = state%side(k)%foot_xi_step
-      state%side(k)%multiplier = state%side(k)%multiplier_step
-      state%side(k)%past = state%side(k)%past_step
-      state%side(k)%opening = state%side(k)%opening_step
-      state%side(k)%state = state%side(k)%state_step
-      state%side(k)%fresh = .true.
+      associate (points => state%side(k))
+        points%foot = points%foot_step
+        points%foot_xi = points%foot_xi_step
+        points%multiplier = points%multiplier_step
+        points%past = points%past_step
+        points%opening = points%opening_step
+        points%state = points%state_step
+        points%fresh = .true.
+      end associate
     end do
   end subroutine restore_contact_step
 
-  !> The step is done: what is now is what a cut brings back.
+  !> The step is accepted: save the state that a cut-back of the next one restores.
   subroutine keep_contact_step(state)
     type(contact_state_t), intent(inout) :: state
     integer :: k
 
     do k = 1, 2
-      state%side(k)%foot_step = state%side(k)%foot
-      state%side(k)%foot_xi_step = state%side(k)%foot_xi
-      state%side(k)%multiplier_step = state%side(k)%multiplier
-      state%side(k)%past_step = state%side(k)%past
-      state%side(k)%opening_step = state%side(k)%opening
-      state%side(k)%state_step = state%side(k)%state
-      state%side(k)%slip_rate = 0.0_wp
-      if (state%side(k)%dt > 0.0_wp) then
-        state%side(k)%slip_rate = state%side(k)%slip/state%side(k)%dt
-      end if
-      state%side(k)%fresh = .true.
+      associate (points => state%side(k))
+        points%foot_step = points%foot
+        points%foot_xi_step = points%foot_xi
+        points%multiplier_step = points%multiplier
+        points%past_step = points%past
+        points%opening_step = points%opening
+        points%state_step = points%state
+        points%slip_rate = 0.0_wp
+        if (points%dt > 0.0_wp) points%slip_rate = points%slip/points%dt
+        points%fresh = .true.
+      end associate
     end do
   end subroutine keep_contact_step
 
-  !> Feet of an accepted step: which points stand beside the other surface, no higher than `depth`
-  !! above its tangent plane, or have stood there and are deeper now.
+  !> Mark the points of an accepted step that are beside the other surface, less than `depth` above
+  !! its tangent plane, or that were and are deeper than that now.
   pure subroutine look_aside(feet, depth, points)
     type(foot_t), intent(in) :: feet(:)    !! (np)
     real(wp), intent(in) :: depth          !! [L]
@@ -109,7 +107,7 @@ contains
     end do
   end subroutine look_aside
 
-  !> A point was in contact when the last step ended.
+  !> Was a point in contact when the last step ended?
   pure logical function had_touched(state)
     type(contact_state_t), intent(in) :: state
 
@@ -117,7 +115,8 @@ contains
                   .or. any(state%side(2)%state_step /= OPEN)
   end function had_touched
 
-  !> Positions of integration points of element e: those behind `from`, as many as xp has room for.
+  !> Positions of the integration points of element e, as many as xp has room for, after the first
+  !! `from`.
   pure subroutine side_positions(surface, e, x, xp, from)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -129,7 +128,6 @@ contains
 
     q0 = 0
     if (present(from)) q0 = from
-
     associate (shp => surface%basis(surface%ibasis(e))%shp, first => surface%first(e))
       do q = 1, size(xp, 2)
         xp(:, q) = 0.0_wp
@@ -145,19 +143,19 @@ contains
     end associate
   end subroutine side_positions
 
-  !> Sticking points keep their sliding point; a slipping one's follows its foot at the distance of
-  !! the elastic part; all others' is their foot (Sauer and De Lorenzis 2015), or the border where
-  !! they lie beyond it: friction acts in the step that brings them in.
-  subroutine accept_slides(own, other, shape, x, feet, points)
+  !> Set the sliding points of an accepted step. A sticking point keeps its own; that of a slipping
+  !! point follows the projection at the distance of the elastic part (Sauer and De Lorenzis 2015);
+  !! that of any other point is its projection, or the closest point of the outer boundary if it
+  !! lies beyond that, so that friction acts in the step in which it crosses the boundary.
+  pure subroutine accept_slides(own, other, shape, x, feet, points)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape           !! of the other side
     real(wp), intent(in) :: x(:, :)              !! (3, nnode) current positions [L]
     type(foot_t), intent(in) :: feet(:)          !! (np)
     type(contact_points_t), intent(inout) :: points
-    real(wp), allocatable :: xp(:, :)
+    real(wp) :: xp(3, size(feet)/max(1, own%nelem))
     integer :: e, i, q
 
-    allocate (xp(3, size(feet)/max(1, own%nelem)))
     do e = 1, own%nelem
       call side_positions(own, e, x, xp)
       do q = 1, size(xp, 2)
@@ -165,30 +163,29 @@ contains
         if (points%state(i) == STICK .and. points%slide(i) > 0) cycle
         points%slide(i) = points%foot(i)
         points%slide_xi(:, i) = points%foot_xi(:, i)
-        if (points%foot(i) == 0) then ! it will come in over the border
+        if (points%foot(i) == 0) then
           points%slide(i) = feet(i)%outer
           points%slide_xi(:, i) = feet(i)%outer_xi
-        end if
-        if (points%state(i) == SLIP .and. points%foot(i) > 0) then
-          call follow(other, shape, xp(:, q), feet(i), points%elastic(:, i), points%slide(i), &
-                      points%slide_xi(:, i))
+        else if (points%state(i) == SLIP) then
+          call trail_behind(other, shape, xp(:, q), feet(i), points%elastic(:, i), &
+                            points%slide(i), points%slide_xi(:, i))
         end if
       end do
     end do
   end subroutine accept_slides
 
-  !> Walk from the foot to where the tangential way to the point is `elastic`: then a load that is
-  !! held finds the same traction again. On a curved surface one step along the tangents ends
-  !! beside it.
-  pure subroutine follow(other, shape, x, foot, elastic, elem, xi)
+  !> Move from the projection to where the tangential vector to the point is `elastic`, so that a
+  !! load that is held finds the same traction again. On a curved surface a single step along the
+  !! tangents would miss that place.
+  pure subroutine trail_behind(other, shape, x, foot, elastic, elem, xi)
     type(surface_t), intent(in) :: other
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)                 !! the point [L]
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: elastic(3)           !! [L]
-    integer, intent(inout) :: elem               !! in: the foot's
+    integer, intent(inout) :: elem               !! in: that of the projection
     real(wp), intent(inout) :: xi(2)
-    real(wp) :: way(3), xs(3), a(3, 2), b(3, 3), n(3), last
+    real(wp) :: rest(3), xs(3), a(3, 2), b(3, 3), n(3), last
     real(wp) :: next_xi(2)
     integer :: next, step
     logical :: clamped
@@ -197,21 +194,21 @@ contains
     if (.not. all(foot%free) .and. abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) then
       n = (x - foot%x)/foot%gap
     end if
-    way = -elastic
+    rest = -elastic
     last = huge(1.0_wp)
     do step = 1, MOST_STEPS
       next = elem
       next_xi = xi
-      call walk(other, shape, next, next_xi, way, clamped)
+      call walk(other, shape, next, next_xi, rest, clamped)
       call surface_point(other, shape, next, next_xi, xs, a, b)
-      way = x - xs
-      way = way - dot_product(way, n)*n - elastic
-      if (.not. norm2(way) < last) return ! rounding, or a fold
-      last = 0.5_wp*norm2(way)
+      rest = x - xs
+      rest = rest - dot_product(rest, n)*n - elastic
+      if (.not. norm2(rest) < last) return ! rounding, or a fold
+      last = 0.5_wp*norm2(rest)
       elem = next
       xi = next_xi
       if (clamped) return
     end do
-  end subroutine follow
+  end subroutine trail_behind
 
 end module contact_history

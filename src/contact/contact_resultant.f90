@@ -1,27 +1,25 @@
-!> Sums over the integration points of one side: resultants, area, points in contact.
+!> Resultants of one side of a contact: force, moment, area and points in contact, and the values of
+!! the contact quantities of a CURVe.
 !!
-!! Force and moment are those of the nodal forces of the side. Where the points of the other side
-!! load it too (BALAnced, or it is rigid) their forces act where they stand on it: moments of the
-!! two sides differ by forces along the surface (friction, BORDer) times penetration then.
-!!
-!! Values of the quantities of contacts that a CURVe asks for.
-!!
-!! Tractions on side k act on side k: a body that is pressed down on another one is pushed up, and
-!! what it lies on feels a negative z force. A rigid side has no points of its own: it shows what
-!! the other side shows, with forces reversed where the points stand on it.
+!! Tractions on side k act on side k: a body that is pressed onto another one is pushed up, and the
+!! other one feels a negative z force. Force and moment are those of the nodal forces of the side.
+!! If the points of the other side load it too (BALAnced, or it is rigid), their forces act at their
+!! projections: then the moments of the two sides differ by forces along the surface (friction,
+!! BORDer) times penetration. A rigid side has no points of its own: areas and numbers of points are
+!! those of the other side.
 module contact_resultant
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_history, only: side_positions
-  use rigid_surface, only: split_force
+  use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_smooth, only: smooth_t, smooth_side, largest_pressure, largest_tangential
   use contact_type, only: OPEN, STICK, SLIP
   use contact_work, only: own_share, position_at
-  use tensor, only: cross
-  use contact_smooth, only: smooth_t, smooth_side, largest_pressure, largest_tangential
   use curve_type, only: quantity_t, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, &
       Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, &
       Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED
   use model, only: model_t, state_t
+  use rigid_surface, only: split_force
+  use tensor, only: cross
   implicit none
   private
   public :: resultant_t, find_resultant, contact_value, side_resultant
@@ -39,33 +37,59 @@ module contact_resultant
 
 contains
 
-  !> Of side k. A rigid side has no points of its own: the sizes, areas and numbers of points are
-  !! those of the other side.
+  !> Resultant of side k of contact c of a model.
+  subroutine side_resultant(model, state, c, k, about, total)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: c, k
+    real(wp), intent(in) :: about(3)               !! point of the moments [L]
+    type(resultant_t), intent(out) :: total
+
+    call find_resultant(model%contact(c), k, state%contact(c)%side, model%mesh%xr + state%u, &
+                        about, total)
+  end subroutine side_resultant
+
+  !> Resultant of side k.
   subroutine find_resultant(contact, k, points, x, about, total)
     type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k                       !! side
+    integer, intent(in) :: k
     type(contact_points_t), intent(in) :: points(2) !! of both sides
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
     real(wp), intent(in) :: about(3)               !! point of the moments [L]
     type(resultant_t), intent(out) :: total
-    real(wp) :: force(3), moment(3), weight
-    integer :: own
+    real(wp) :: force(3), moment(3), at_partner(3), at_projection(3), weight
+    integer :: i, own
 
     own = merge(3 - k, k, contact%side(k)%rigid)
     call sum_points(contact, own, points(own), x, about, total)
     if (.not. (own /= k .or. contact%balanced)) return
-    weight = own_share(contact)
-    call sum_reversed(contact%side(k), points(3 - k), x, about, force, moment)
+    force = 0.0_wp ! of the points of the other side, which act at projections and partners
+    moment = 0.0_wp
+    associate (other => points(3 - k), side => contact%side(k))
+      do i = 1, size(other%state)
+        if (other%state(i) == OPEN .and. other%bond(i) == 0) cycle
+        call split_force(other, i, at_partner, at_projection)
+        force = force + other%traction(:, i)*other%area(i)
+        if (other%bond(i) > 0) then
+          moment = moment + cross(position_of(side, other%bond(i), other%bond_xi(:, i), x) &
+                                  - about, at_partner)
+        end if
+        if (other%state(i) == OPEN .or. other%foot(i) == 0) cycle
+        moment = moment + cross(position_of(side, other%foot(i), other%foot_xi(:, i), x) &
+                                - about, at_projection)
+      end do
+    end associate
     if (own /= k) then
       total%force = -force
       total%moment = -moment
     else
+      weight = own_share(contact)
       total%force = weight*(total%force - force)
       total%moment = weight*(total%moment - moment)
     end if
   end subroutine find_resultant
 
-  !> Of the points of side k where they stand.
+  !> Sums over the points of side k, whose tractions act at their own positions.
   subroutine sum_points(contact, k, points, x, about, total)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -101,33 +125,8 @@ contains
     end do
   end subroutine sum_points
 
-  !> Tractions of points, and their moment where they act on the other side.
-  subroutine sum_reversed(other, points, x, about, force, moment)
-    type(surface_t), intent(in) :: other           !! side that the points load
-    type(contact_points_t), intent(in) :: points
-    real(wp), intent(in) :: x(:, :), about(3)
-    real(wp), intent(out) :: force(3), moment(3)
-    real(wp) :: at_partner(3), at_foot(3)
-    integer :: i
-
-    force = 0.0_wp
-    moment = 0.0_wp
-    do i = 1, size(points%state)
-      if (points%state(i) == OPEN .and. points%bond(i) == 0) cycle
-      call split_force(points, i, at_partner, at_foot)
-      force = force + points%traction(:, i)*points%area(i)
-      if (points%bond(i) > 0) then
-        moment = moment + cross(place(other, points%bond(i), points%bond_xi(:, i), x) - about, &
-                                at_partner)
-      end if
-      if (points%state(i) == OPEN .or. points%foot(i) == 0) cycle
-      moment = moment + cross(place(other, points%foot(i), points%foot_xi(:, i), x) - about, &
-                              at_foot)
-    end do
-  end subroutine sum_reversed
-
-  !> Position of a parametric point of element e.
-  pure function place(surface, e, xi, x) result(at)
+  !> Position of element e at xi.
+  pure function position_of(surface, e, xi, x) result(at)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2), x(:, :)
@@ -136,24 +135,39 @@ contains
     real(wp) :: dshp(2, surface%first(e + 1) - surface%first(e))
 
     call position_at(surface, e, xi, x, shp, dshp, at)
-  end function place
+  end function position_of
 
-  !> One column.
+  !> Value of a contact quantity of a CURVe.
   function contact_value(model, state, quantity) result(value)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     type(quantity_t), intent(in) :: quantity
     real(wp) :: value
     type(resultant_t) :: total
+    type(smooth_t) :: field
+    integer :: k
 
-    if (any(quantity%id == [Q_CONTACT_PRESSURE, Q_CONTACT_TANGENTIAL])) then
-      value = largest_value(model, state, quantity)
-      return
-    end if
-    if (quantity%id == Q_CONTACT_DEBONDED) then
-      value = debonded_share(model, state, quantity)
-      return
-    end if
+    associate (contact => model%contact(quantity%contact))
+      k = quantity%side
+      if (contact%side(k)%rigid) k = 3 - k ! points and fields are those of the other side
+      associate (points => state%contact(quantity%contact)%side(k))
+        select case (quantity%id)
+        case (Q_CONTACT_PRESSURE)
+          call smooth_side(contact, k, points, field)
+          value = largest_pressure(contact, k, field, quantity%component)
+          return
+        case (Q_CONTACT_TANGENTIAL)
+          call smooth_side(contact, k, points, field)
+          value = largest_tangential(contact, k, field, quantity%component)
+          return
+        case (Q_CONTACT_DEBONDED)
+          value = ratio(sum(points%area0, mask=points%bond > 0 &
+                            .and. points%opening >= contact%released), &
+                        sum(points%area0, mask=points%bond > 0))
+          return
+        end select
+      end associate
+    end associate
     call side_resultant(model, state, quantity%contact, quantity%side, quantity%point, total)
     select case (quantity%id)
     case (Q_CONTACT_FORCE)
@@ -161,9 +175,9 @@ contains
     case (Q_CONTACT_TORQUE)
       value = dot_product(total%moment, quantity%axis)
     case (Q_CONTACT_STICK)
-      value = share(total%nstick, total%nclosed)
+      value = ratio(real(total%nstick, wp), real(total%nclosed, wp))
     case (Q_CONTACT_SLIP)
-      value = share(total%nslip, total%nclosed)
+      value = ratio(real(total%nslip, wp), real(total%nclosed, wp))
     case (Q_CONTACT_AREA)
       value = total%area
     case (Q_CONTACT_PENETRATION)
@@ -173,67 +187,12 @@ contains
     end select
   end function contact_value
 
-  !> Share of the area that was bonded whose bonds count as released.
-  function debonded_share(model, state, quantity) result(share)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    type(quantity_t), intent(in) :: quantity
-    real(wp) :: share, bonded, lost
-    integer :: k
+  !> part/whole; 0 if nothing is in contact or bonded.
+  pure real(wp) function ratio(part, whole)
+    real(wp), intent(in) :: part, whole
 
-    associate (contact => model%contact(quantity%contact))
-      k = quantity%side
-      if (contact%side(k)%rigid) k = 3 - k
-      associate (points => state%contact(quantity%contact)%side(k))
-        bonded = sum(points%area0, mask=points%bond > 0)
-        lost = sum(points%area0, &
-                   mask=points%bond > 0 .and. points%opening >= contact%released)
-      end associate
-    end associate
-    share = 0.0_wp
-    if (bonded > 0.0_wp) share = lost/bonded
-  end function debonded_share
-
-  !> Sums over a side of a contact.
-  subroutine side_resultant(model, state, c, k, about, total)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    integer, intent(in) :: c, k            !! contact and side
-    real(wp), intent(in) :: about(3)       !! point of the moments [L]
-    type(resultant_t), intent(out) :: total
-
-    call find_resultant(model%contact(c), k, state%contact(c)%side, model%mesh%xr + state%u, &
-                        about, total)
-  end subroutine side_resultant
-
-  !> Largest value of a smooth field.
-  function largest_value(model, state, quantity) result(value)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    type(quantity_t), intent(in) :: quantity
-    real(wp) :: value
-    type(smooth_t) :: field
-    integer :: k
-
-    associate (contact => model%contact(quantity%contact), &
-               points => state%contact(quantity%contact))
-      k = quantity%side
-      if (contact%side(k)%rigid) k = 3 - k
-      call smooth_side(contact, k, points%side(k), field)
-      if (quantity%id == Q_CONTACT_PRESSURE) then
-        value = largest_pressure(contact, k, field, quantity%component)
-      else
-        value = largest_tangential(contact, k, field, quantity%component)
-      end if
-    end associate
-  end function largest_value
-
-  !> 0 where nothing is in contact.
-  pure real(wp) function share(n, whole)
-    integer, intent(in) :: n, whole
-
-    share = 0.0_wp
-    if (whole > 0) share = real(n, wp)/real(whole, wp)
-  end function share
+    ratio = 0.0_wp
+    if (whole > 0.0_wp) ratio = part/whole
+  end function ratio
 
 end module contact_resultant

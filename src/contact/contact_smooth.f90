@@ -3,15 +3,15 @@
 !!   T_A = int N_A t da / int N_A da
 !!
 !! on the current surface (N_A^2 for N_A where a function has no area), interpolated with the same
-!! functions (Sauer 2013). Values at the points themselves oscillate; only these fields are to be
-!! compared and looked at. Friction's part of the
-!! traction is smoothed by itself: the tangential part of the smooth traction would take in some of
-!! the pressure wherever the surface is curved (5 % of Table 5's values, Corbett and Sauer 2015).
+!! functions (Sauer 2013). Values at the integration points oscillate; compare and plot these fields
+!! only. The traction of friction is smoothed by itself: the tangential part of the smooth traction
+!! would contain some of the pressure wherever the surface is curved (5 % of the values of Table 5,
+!! Corbett and Sauer 2015).
 module contact_smooth
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t, surface_basis_t
-  use contact_surface, only: surface_functions_at, make_rational
   use contact_type, only: OPEN, STICK, SLIP, TOUCH
+  use surface_basis, only: surface_functions_at, make_rational
   implicit none
   private
   public :: smooth_t, smooth_side, largest_pressure, largest_tangential
@@ -19,46 +19,43 @@ module contact_smooth
   !> Coefficients at the nodes of a side.
   type :: smooth_t
     integer, allocatable :: node(:)         !! (n) nodes and control points of the side, each once
-    integer, allocatable :: at(:)           !! (size(surface%node)) their places in `node`
+    integer, allocatable :: at(:)           !! (size(surface%node)) their positions in `node`
     real(wp), allocatable :: traction(:, :) !! (3, n) on this side [F/L^2]
-    real(wp), allocatable :: friction(:, :) !! (3, n) part of it that friction holds [F/L^2]
+    real(wp), allocatable :: friction(:, :) !! (3, n) part of it that is friction [F/L^2]
     real(wp), allocatable :: pressure(:)    !! (n) [F/L^2]
-    real(wp), allocatable :: slip(:, :)     !! (3, n) [L] contact_points_t, elastic
+    real(wp), allocatable :: slip(:, :)     !! (3, n) elastic part of the slip [L]
     real(wp), allocatable :: state(:)       !! (n) 0 open, 1 stick (or no friction), 2 slip
-    real(wp), allocatable :: gap(:)         !! (n) [L] of the points above the other surface
+    real(wp), allocatable :: gap(:)         !! (n) height of the points above the other surface [L]
   end type smooth_t
 
-  !> Share of a squared pressure that may be rounding.
+  !> Fraction of a squared pressure that may be rounding.
   real(wp), parameter :: ROUNDING = 64.0_wp*epsilon(1.0_wp)
 
   !> Rows of the sums; 1 to 11 as in add_point.
   integer, parameter :: AREA = 12, GAP = 13, GAP_AREA = 14, NSUM = 14
 
-  !> Where a field is looked at: NGRID x NGRID points an element, evenly spread from border to
-  !! border: fields of facets have their largest values at corners.
+  !> Largest values are those of NGRID x NGRID points per element, evenly spaced from edge to edge:
+  !! fields of facets have their largest values at corners.
   integer, parameter :: NGRID = 10
-
-  !> Functions of one basis of elements at these points, without weights.
-  type :: table_t
-    real(wp), allocatable :: shp(:, :)      !! (nsf, NGRID**2)
-    real(wp), allocatable :: dshp(:, :, :)  !! (2, nsf, NGRID**2)
-  end type table_t
 
 contains
 
-  !> All fields of side k; it must not be rigid.
+  !> All fields of side k, which must not be rigid. A node near which no point has a projection is
+  !! given the gap of the farthest point that has one.
   subroutine smooth_side(contact, k, points, field)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(contact_points_t), intent(in) :: points
     type(smooth_t), intent(out) :: field
     real(wp), allocatable :: total(:, :), shp(:), dshp(:, :)
+    real(wp) :: far
     logical :: squares
-    integer :: e, i, q
+    integer :: a, e, i, n, q
 
     associate (own => contact%side(k))
-      call number_nodes(own, field)
-      allocate (total(NSUM, size(field%node)), source=0.0_wp)
+      call number_nodes(own%node, field%node, field%at)
+      n = size(field%node)
+      allocate (total(NSUM, n), source=0.0_wp)
       do e = 1, own%nelem
         associate (basis => own%basis(own%ibasis(e)), first => own%first(e), &
                    last => own%first(e + 1) - 1)
@@ -74,10 +71,24 @@ contains
         end associate
       end do
     end associate
-    call divide(total, points, field)
+    far = maxval(points%gap, mask=points%foot > 0 .and. points%gap < huge(far))
+    if (far < -0.5_wp*huge(far)) far = 0.0_wp   ! no point has a projection
+    allocate (field%traction(3, n), field%friction(3, n), field%slip(3, n), source=0.0_wp)
+    allocate (field%pressure(n), field%state(n), source=0.0_wp)
+    allocate (field%gap(n), source=far)
+    do a = 1, n
+      if (total(AREA, a) > 0.0_wp) then
+        field%traction(:, a) = total(1:3, a)/total(AREA, a)
+        field%pressure(a) = total(4, a)/total(AREA, a)
+        field%slip(:, a) = total(5:7, a)/total(AREA, a)
+        field%state(a) = total(8, a)/total(AREA, a)
+        field%friction(:, a) = total(9:11, a)/total(AREA, a)
+      end if
+      if (total(GAP_AREA, a) > 0.0_wp) field%gap(a) = min(far, total(GAP, a)/total(GAP_AREA, a))
+    end do
   end subroutine smooth_side
 
-  !> Functions of no area (corners of quadratic triangles): their squares are the weights then.
+  !> Functions that have no area (corners of quadratic triangles) are weighted by their squares.
   pure logical function has_no_area(basis, area)
     type(surface_basis_t), intent(in) :: basis
     real(wp), intent(in) :: area(:)      !! (nq) of the points [L^2]
@@ -88,28 +99,29 @@ contains
     has_no_area = any(total <= NONE*maxval(total)) .and. any(basis%shp < 0.0_wp)
   end function has_no_area
 
-  !> Give each node of the side a place.
-  pure subroutine number_nodes(surface, field)
-    type(surface_t), intent(in) :: surface
-    type(smooth_t), intent(inout) :: field
-    integer, allocatable :: place(:)
+  !> The nodes of a side, each once in the order of their first appearance.
+  pure subroutine number_nodes(list, node, at)
+    integer, intent(in) :: list(:)
+    integer, allocatable, intent(out) :: node(:)
+    integer, allocatable, intent(out) :: at(:)   !! (size(list)) list = node(at)
+    integer, allocatable :: position(:)
     integer :: i, n
 
-    allocate (place(maxval(surface%node)), source=0)
-    allocate (field%at(size(surface%node)))
+    allocate (position(maxval(list)), source=0)
+    allocate (at(size(list)))
     n = 0
-    do i = 1, size(surface%node)
-      if (place(surface%node(i)) == 0) then
+    do i = 1, size(list)
+      if (position(list(i)) == 0) then
         n = n + 1
-        place(surface%node(i)) = n
+        position(list(i)) = n
       end if
-      field%at(i) = place(surface%node(i))
+      at(i) = position(list(i))
     end do
-    allocate (field%node(n))
-    field%node(field%at) = surface%node
+    allocate (node(n))
+    node(at) = list
   end subroutine number_nodes
 
-  !> Values of one point, times its area and the functions there.
+  !> Add the values of one point, times its area and the functions there.
   pure subroutine add_point(points, i, shp, at, total)
     type(contact_points_t), intent(in) :: points
     integer, intent(in) :: i
@@ -125,7 +137,8 @@ contains
       value(1:3) = points%traction(:, i)
       value(4) = points%pressure(i)
       value(5:7) = points%elastic(:, i)
-      value(8) = share_of(points%state(i))
+      if (any(points%state(i) == [STICK, TOUCH])) value(8) = 1.0_wp
+      if (points%state(i) == SLIP) value(8) = 2.0_wp
       value(9:11) = friction_of(points%traction(:, i), points%pressure(i), points%elastic(:, i))
     end if
     if (points%foot(i) > 0 .and. points%gap(i) < huge(1.0_wp)) then
@@ -138,8 +151,8 @@ contains
     end do
   end subroutine add_point
 
-  !> Friction acts along the elastic part of the tangential way, the pressure across it. A way that
-  !! is rounding points anywhere: friction is not more than what the pressure leaves of t.
+  !> Friction acts along the elastic part of the slip, the pressure across it. An elastic part that
+  !! is only rounding has an arbitrary direction: friction is at most what the pressure leaves of t.
   pure function friction_of(t, p, elastic) result(friction)
     real(wp), intent(in) :: t(3), p, elastic(3)
     real(wp) :: friction(3)
@@ -153,47 +166,7 @@ contains
     if (norm2(friction) > most) friction = friction*(most/norm2(friction))
   end function friction_of
 
-  pure real(wp) function share_of(state)
-    integer, intent(in) :: state
-
-    select case (state)
-    case (STICK, TOUCH)
-      share_of = 1.0_wp
-    case (SLIP)
-      share_of = 2.0_wp
-    case default
-      share_of = 0.0_wp
-    end select
-  end function share_of
-
-  !> Means. A node round which no point has a foot is shown as far as the farthest point with one.
-  pure subroutine divide(total, points, field)
-    real(wp), intent(in) :: total(:, :)
-    type(contact_points_t), intent(in) :: points
-    type(smooth_t), intent(inout) :: field
-    real(wp) :: far
-    integer :: a, n
-
-    n = size(total, 2)
-    far = maxval(points%gap, mask=points%foot > 0 .and. points%gap < huge(far))
-    if (far < -0.5_wp*huge(far)) far = 0.0_wp   ! no point has a foot
-    allocate (field%traction(3, n), field%friction(3, n), field%slip(3, n), source=0.0_wp)
-    allocate (field%pressure(n), field%state(n), source=0.0_wp)
-    allocate (field%gap(n), source=far)
-    do a = 1, n
-      if (total(AREA, a) > 0.0_wp) then
-        field%traction(:, a) = total(1:3, a)/total(AREA, a)
-        field%pressure(a) = total(4, a)/total(AREA, a)
-        field%slip(:, a) = total(5:7, a)/total(AREA, a)
-        field%state(a) = total(8, a)/total(AREA, a)
-        field%friction(:, a) = total(9:11, a)/total(AREA, a)
-      end if
-      if (total(GAP_AREA, a) > 0.0_wp) field%gap(a) = min(far, total(GAP, a)/total(GAP_AREA, a))
-    end do
-  end subroutine divide
-
-  !> Largest smooth pressure on NGRID x NGRID points an element, or one component of the traction
-  !! without friction.
+  !> Largest smooth pressure, or one component of the traction without friction.
   function largest_pressure(contact, k, field, component) result(largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -208,7 +181,7 @@ contains
     largest = largest_of(contact%side(k), field%at, value)
   end function largest_pressure
 
-  !> Largest smooth friction on NGRID x NGRID points an element, its magnitude or one component's.
+  !> Largest smooth friction, its magnitude or one component.
   function largest_tangential(contact, k, field, component) result(largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -223,67 +196,45 @@ contains
     end if
   end function largest_tangential
 
-  !> Largest length of an interpolated field.
+  !> Largest norm of an interpolated field on the grid of points of all elements.
   function largest_of(surface, at, value) result(largest)
     type(surface_t), intent(in) :: surface
-    integer, intent(in) :: at(:)           !! places of the elements' nodes in `value`
+    integer, intent(in) :: at(:)           !! positions of the nodes of the elements in `value`
     real(wp), intent(in) :: value(:, :)    !! (ncomp, n)
     real(wp) :: largest
-    type(table_t), allocatable :: table(:)
+    type(surface_basis_t), allocatable :: grid(:) ! functions on the grid of points
     real(wp), allocatable :: shp(:), dshp(:, :)
-    integer :: e, i
+    real(wp) :: xi(NGRID)
+    integer :: e, i, j, k, n
 
     largest = 0.0_wp
-    call tabulate(surface%basis, table)
-    do e = 1, surface%nelem
-      associate (mine => at(surface%first(e):surface%first(e + 1) - 1))
-        if (all(abs(value(:, mine)) <= 0.0_wp)) cycle
-        do i = 1, NGRID**2
-          call take(surface, e, table(surface%ibasis(e)), i, shp, dshp)
-          largest = max(largest, norm2(matmul(value(:, mine), shp)))
-        end do
-      end associate
-    end do
-  end function largest_of
-
-  !> Functions of all bases on the grid.
-  subroutine tabulate(basis, table)
-    type(surface_basis_t), intent(in) :: basis(:)
-    type(table_t), allocatable, intent(out) :: table(:)
-    integer :: i, j, k
-
-    allocate (table(size(basis)))
-    do k = 1, size(basis)
-      allocate (table(k)%shp(basis(k)%nsf, NGRID**2), table(k)%dshp(2, basis(k)%nsf, NGRID**2))
+    xi = [(real(2*i - NGRID - 1, wp)/real(NGRID - 1, wp), i=1, NGRID)]
+    allocate (grid(size(surface%basis)))
+    do k = 1, size(grid)
+      n = surface%basis(k)%nsf
+      allocate (grid(k)%shp(n, NGRID**2), grid(k)%dshp(2, n, NGRID**2))
       do j = 1, NGRID
         do i = 1, NGRID
-          associate (n => (j - 1)*NGRID + i)
-            call surface_functions_at(basis(k), [place(i), place(j)], table(k)%shp(:, n), &
-                                      table(k)%dshp(:, :, n))
-          end associate
+          n = (j - 1)*NGRID + i
+          call surface_functions_at(surface%basis(k), [xi(i), xi(j)], grid(k)%shp(:, n), &
+                                    grid(k)%dshp(:, :, n))
         end do
       end do
     end do
-  end subroutine tabulate
-
-  !> i-th of NGRID places from -1 to 1.
-  pure real(wp) function place(i)
-    integer, intent(in) :: i
-
-    place = real(2*i - NGRID - 1, wp)/real(NGRID - 1, wp)
-  end function place
-
-  !> Functions of element e at grid point i, weights included.
-  pure subroutine take(surface, e, table, i, shp, dshp)
-    type(surface_t), intent(in) :: surface
-    integer, intent(in) :: e, i
-    type(table_t), intent(in) :: table
-    real(wp), allocatable, intent(inout) :: shp(:), dshp(:, :)
-
-    shp = table%shp(:, i)
-    dshp = table%dshp(:, :, i)
-    if (.not. allocated(surface%w)) return
-    call make_rational(surface%w(surface%first(e):surface%first(e + 1) - 1), shp, dshp)
-  end subroutine take
+    do e = 1, surface%nelem
+      associate (first => surface%first(e), last => surface%first(e + 1) - 1, &
+                 table => grid(surface%ibasis(e)))
+        associate (mine => at(first:last))
+          if (all(abs(value(:, mine)) <= 0.0_wp)) cycle
+          do i = 1, NGRID**2
+            shp = table%shp(:, i)
+            dshp = table%dshp(:, :, i)
+            if (allocated(surface%w)) call make_rational(surface%w(first:last), shp, dshp)
+            largest = max(largest, norm2(matmul(value(:, mine), shp)))
+          end do
+        end associate
+      end associate
+    end do
+  end function largest_of
 
 end module contact_smooth

@@ -5,8 +5,9 @@
 !! if it does not, the surface has a ridge there and the projection is a point of the edge. At a
 !! vertex all elements round it are tried. Projections onto the outer boundary are rejected.
 !!
-!! Read on: projection_type (what a projection tells the laws), projection_iterate (one Newton step),
-!! projection_search (where to start), then contact_point (gap, traction and tangent at a projection).
+!! Read on: projection_type (what a projection tells the laws), projection_iterate (one Newton
+!! step), projection_search (where to start), then contact_point (gap, traction and tangent at a
+!! projection).
 module projection
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp

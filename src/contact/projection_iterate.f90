@@ -96,8 +96,8 @@ contains
     end do
   end subroutine find_active
 
-  !> Newton's step for the parameters that are not held, a Gauss-Newton step where the Hessian is not
-  !! positive definite. The step never leads out of the element from an edge.
+  !> Newton's step for the parameters that are not held, a Gauss-Newton step where the Hessian is
+  !! not positive definite. The step never leads out of the element from an edge.
   pure subroutine find_step(iterate, held, d, definite, squares)
     type(iterate_t), intent(in) :: iterate
     logical, intent(in) :: held(2)

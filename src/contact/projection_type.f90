@@ -18,8 +18,8 @@ module projection_type
   type :: foot_t
     integer :: elem = 0                     !! 0: there is no projection
     real(wp) :: xi(2) = 0.0_wp
-    !> Parameters that vary with the point: both on a smooth surface, one on an interior edge that is
-    !! a ridge, none at a vertex.
+    !> Parameters that vary with the point: both on a smooth surface, one on an interior edge that
+    !! is a ridge, none at a vertex.
     logical :: free(2) = .true.
     real(wp) :: x(3) = 0.0_wp               !! position [L]
     real(wp) :: a(3, 2) = 0.0_wp            !! tangents

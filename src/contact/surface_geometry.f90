@@ -1,5 +1,5 @@
-!> Current geometry of a surface: its Bezier points; position, tangents and second derivatives at any
-!! point of it.
+!> Current geometry of a surface: its Bezier points; position, tangents and second derivatives at
+!! any point of it.
 module surface_geometry
   use base_kinds, only: wp
   use contact_pair, only: surface_t

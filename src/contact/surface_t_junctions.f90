@@ -9,8 +9,9 @@ module surface_t_junctions
   public :: edge_point, match_t_junctions
 
   integer, parameter :: NSAMPLE = 33, MOST_STEPS = 30
-  real(wp), parameter :: SAME = 1.0e-9_wp      !! parameters that differ by less are equal
-  real(wp), parameter :: FRACTION = 40320.0_wp !! parameters near multiples of 1/FRACTION are rounded
+  !> Parameters that differ by less than SAME are equal; if that near, they are rounded to a
+  !! multiple of 1/FRACTION.
+  real(wp), parameter :: SAME = 1.0e-9_wp, FRACTION = 40320.0_wp
 
 contains
 
@@ -88,7 +89,8 @@ contains
     end do
   end subroutine match_t_junctions
 
-  !> Does edge a lie in edge b, with the same parametrisation, and shorter? If so, from t(1) to t(2).
+  !> Does edge a lie in edge b, with the same parametrisation, and shorter? If so, from t(1) to
+  !! t(2).
   logical function is_part(xr, surface, a, b, near, t)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface

@@ -132,7 +132,8 @@ contains
         if (surface%neighbour(ka, ea) > 0 .or. surface%neighbour(kb, eb) > 0) then
           call fail(error, DECK_ERROR, 'more than two element faces of contact surface ' &
                     //surface%name//' share the edge at node ' &
-                    //to_text(edges%node(edges%first(a))), hint='name each face of a side only once')
+                    //to_text(edges%node(edges%first(a))), &
+                    hint='name each face of a side only once')
           return
         end if
         surface%neighbour(ka, ea) = eb
@@ -143,8 +144,8 @@ contains
     end do
   end subroutine match_edges
 
-  !> Number the vertices and find the elements round each of them. Corners that matched edges join are
-  !! one vertex, and so are the ends of a collapsed edge.
+  !> Number the vertices and find the elements round each of them. Corners that matched edges join
+  !! are one vertex, and so are the ends of a collapsed edge.
   subroutine number_vertices(surface, point)
     type(surface_t), intent(inout) :: surface
     logical, intent(in) :: point(:, :) !! (4, nelem) the edge is collapsed to a point
@@ -193,8 +194,8 @@ contains
     end do
   end subroutine number_vertices
 
-  !> Join the ends of an edge with those of its neighbour; at a T-junction, the ends of parts that are
-  !! corners on both sides.
+  !> Join the ends of an edge with those of its neighbour; at a T-junction, the ends of parts that
+  !! are corners on both sides.
   pure subroutine join_edges(surface, e, k, root)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e, k

@@ -10,7 +10,7 @@ module step
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use contact_notes, only: note_lost_contacts
+  use contact_report, only: report_contact_changes
   use continuation, only: begin_increment, change_method, adapt_method
   use convergence, only: turns_back
   use energy_balance, only: accept_solution
@@ -225,7 +225,7 @@ contains
                 hint='use more iterations, or AUTO,,dtmin,dtmax; the run will end with code 2')
     end if
     if (.not. step%newton%constraint%on) call check_stability(step, state)
-    call note_lost_contacts(model, state)
+    call report_contact_changes(model, state)
     call accept_solution(step%newton%asm, model, state)
     if (step%timed .and. step%newton%constraint%on) then
       call pass_target(step%control)
