@@ -1,11 +1,12 @@
-!> Tables of columns for gnuplot, numpy and pandas: `<stem>_<curve>.dat`.
+!> Curves as tables of columns for gnuplot, numpy and pandas: `<stem>_<curve>.dat`.
 !!
-!! One line `# name name ...`, then a row a step; numbers with 16 digits. Each row is with the
-!! operating system before the next step begins.
+!! The first line is `# name name ...`. One row follows for each step, with numbers of 16 digits. Each
+!! row is handed to the operating system before the next step begins.
 module curve_file
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG
+  use base_kinds, only: wp
+  use base_text, only: to_text
   use byte_file, only: byte_file_t, open_bytes, write_text, flush_bytes, close_bytes, write_whole
   implicit none
   private
@@ -17,30 +18,42 @@ module curve_file
   type :: curve_file_t
     type(byte_file_t) :: file
     integer :: ncolumn = 0 !! columns after step, time, factors, iterations, cutbacks, converged
-    integer :: nfactor = 0
+    integer :: nfactor = 0 !! load factors
   end type curve_file_t
 
 contains
 
-  !> Begin a table, or go on with the rows of steps up to `keep` where it is present.
+  !> Begin a table. Where `keep` is present, the rows of the old table up to that step are kept.
   subroutine open_curve(curve, path, columns, nfactor, error, keep)
     type(curve_file_t), intent(out) :: curve
     character(*), intent(in) :: path
-    character(*), intent(in) :: columns(:) !! blanks at the end do not count
+    character(*), intent(in) :: columns(:) !! names; trailing blanks do not count
     integer, intent(in) :: nfactor         !! load factors
     type(error_t), allocatable, intent(out) :: error
-    integer, intent(in), optional :: keep  !! last step that stays
+    integer, intent(in), optional :: keep  !! last step that is kept
+    character(len(columns) + 12), allocatable :: names(:)
     character(:), allocatable :: text
+    integer :: i
 
     curve%ncolumn = size(columns)
     curve%nfactor = nfactor
-    text = header(columns, nfactor)//new_line('a')
+    text = '#'//right('step', NARROW - 1)//right('time', WIDTH)
+    do i = 1, nfactor
+      text = text//right('factor_'//to_text(i), WIDTH)
+    end do
+    text = text//right('iterations', NARROW)//right('cutbacks', NARROW)//right('converged', NARROW)
+    allocate (names(size(columns)))
+    call curve_names(columns, names)
+    do i = 1, size(names)
+      text = text//right(trim(names(i)), WIDTH)
+    end do
+    text = text//new_line('a')
     if (present(keep)) text = text//rows_up_to(path, keep)
     call write_whole(path, text, error)
     if (.not. allocated(error)) call open_bytes(curve%file, path, .true., error)
   end subroutine open_curve
 
-  !> One converged or closed step.
+  !> Write the row of a step that converged or was closed.
   subroutine write_row(curve, step, time, factor, iterations, cutbacks, converged, values, error)
     type(curve_file_t), intent(in) :: curve
     integer, intent(in) :: step
@@ -54,11 +67,13 @@ contains
     integer :: i
 
     if (.not. all(ieee_is_finite([time, factor, values]))) then
-      call fail(error, BUG, 'a value for '''//curve%file%path//''' is not a number')
+      call fail(error, BUG, 'a value for '''//curve%file%path//''' is not finite')
       return
     end if
     if (size(values) /= curve%ncolumn .or. size(factor) /= curve%nfactor) then
-      call fail(error, BUG, 'a row for '''//curve%file%path//''' has the wrong length')
+      call fail(error, BUG, 'expected '//to_text(curve%nfactor)//' factors and ' &
+                //to_text(curve%ncolumn)//' values for '''//curve%file%path//''', found ' &
+                //to_text(size(factor))//' and '//to_text(size(values)))
       return
     end if
     line = whole(step)//number(time)
@@ -80,12 +95,11 @@ contains
     call close_bytes(curve%file, error)
   end subroutine close_curve
 
-  !> Names of columns made distinct: the second of a name ends with _2, the third with _3.
+  !> Distinct names of columns: the second column of a name gets the suffix _2, the third _3.
   pure subroutine curve_names(columns, names)
     character(*), intent(in) :: columns(:)
     ! allow(C072)
     character(*), intent(out) :: names(:)
-    character(12) :: suffix
     integer :: i, k
 
     do i = 1, size(columns)
@@ -93,36 +107,13 @@ contains
       k = 1
       do while (any(names(:i - 1) == names(i)))
         k = k + 1
-        write (suffix, '("_", i0)') k
-        names(i) = trim(columns(i))//suffix
+        names(i) = trim(columns(i))//'_'//to_text(k)
       end do
     end do
   end subroutine curve_names
 
-  function header(columns, nfactor) result(line)
-    character(*), intent(in) :: columns(:)
-    integer, intent(in) :: nfactor
-    character(:), allocatable :: line
-    character(len(columns) + 12), allocatable :: names(:)
-    character(12) :: digits
-    integer :: i
-
-    line = '#'//right('step', NARROW - 1)//right('time', WIDTH)
-    do i = 1, nfactor
-      write (digits, '(i0)') i
-      line = line//right('factor_'//trim(digits), WIDTH)
-    end do
-    line = line//right('iterations', NARROW)//right('cutbacks', NARROW)// &
-           right('converged', NARROW)
-    allocate (names(size(columns)))
-    call curve_names(columns, names)
-    do i = 1, size(names)
-      line = line//right(trim(names(i)), WIDTH)
-    end do
-  end function header
-
-  !> Rows of the file that belong to steps up to `keep`; none where there is no file. A last line
-  !! without its end was cut by a kill: it is dropped.
+  !> Rows of the old file up to step `keep`; none where there is no file. A last line without its
+  !! end was cut off by a kill and is dropped.
   function rows_up_to(path, keep) result(text)
     character(*), intent(in) :: path
     integer, intent(in) :: keep
@@ -139,7 +130,7 @@ contains
     close (unit)
     if (status /= 0) return
     first = 1
-    n = 0 ! rows that stay move to the front
+    n = 0 ! the rows to keep move to the front
     do
       last = first + index(old(first:), new_line('a')) - 1
       if (last < first) exit
@@ -153,7 +144,7 @@ contains
     text = old(:n)
   end function rows_up_to
 
-  !> Text at the right of its column, with a blank before it however long it is.
+  !> Text at the right of its column, with at least one blank before it.
   pure function right(text, width) result(field)
     character(*), intent(in) :: text
     integer, intent(in) :: width

@@ -1,30 +1,29 @@
-!> The fields of a result: what they are called, and their values at the points of the picture.
+!> The fields of a result: their names and their values at the points of the view.
 !!
-!! Fields of contact surfaces at nodes and control points, smoothed; zero away from the surfaces.
+!! Fields of contact are smoothed to nodes and control points. They are zero away from the surfaces.
 module fields
   use base_kinds, only: wp
   use base_text, only: lower, key_of
-  use model, only: model_t, state_t
-  use view, only: view_t, map_field
-  use stress_projection, only: project_stress
   use contact_smooth, only: smooth_t, smooth_side
+  use model, only: model_t, state_t
+  use stress_projection, only: project_stress
+  use view, only: view_t, map_field
   implicit none
   private
-  public :: field_t, known_fields, default_fields, named_fields, describe_field, collect_fields, &
-            nodal_contact_t, gather_contact
+  public :: field_t, known_fields, default_fields, named_fields, describe_field, collect_fields
 
-  !> Coefficients. Where a node belongs to several sides the tractions add up, the smallest gap and
-  !! the largest state count.
+  !> Coefficients of the fields of contact. Where a node belongs to several sides, the tractions and
+  !! slips are added, and the smallest gap and the largest state are taken.
   type :: nodal_contact_t
     real(wp), allocatable :: traction(:, :) !! (3, nnode) on the surface [F/L^2]
-    real(wp), allocatable :: friction(:, :) !! (3, nnode) part of it that friction holds [F/L^2]
+    real(wp), allocatable :: friction(:, :) !! (3, nnode) part of it due to friction [F/L^2]
     real(wp), allocatable :: pressure(:, :) !! (1, nnode) [F/L^2]
     real(wp), allocatable :: gap(:, :)      !! (1, nnode) [L]
     real(wp), allocatable :: slip(:, :)     !! (3, nnode) [L]
     real(wp), allocatable :: state(:, :)    !! (1, nnode) 0 open, 1 stick, 2 slip
   end type nodal_contact_t
 
-  !> One field. Its values at Bezier cells are coefficients, like the positions.
+  !> One field. Its values at the points of Bezier cells are coefficients, as the positions are.
   type :: field_t
     character(16) :: name = ''
     character(90) :: description = ''
@@ -37,7 +36,7 @@ module fields
 
 contains
 
-  !> All fields, in the order in which they are written: those of bodies, then of contacts.
+  !> All fields in the order in which they are written: first those of bodies, then of contacts.
   pure function known_fields() result(names)
     character(NAME) :: names(NBODY + 6)
 
@@ -46,7 +45,7 @@ contains
              'contact_slip', 'contact_state']
   end function known_fields
 
-  !> What is written where the deck does not choose.
+  !> The fields that are written where the deck does not choose.
   pure function default_fields(model) result(names)
     type(model_t), intent(in) :: model
     character(NAME), allocatable :: names(:)
@@ -55,8 +54,8 @@ contains
     if (size(model%contact) == 0) names = names(:NBODY)
   end function default_fields
 
-  !> Which of the known fields a word of the deck names: by its first four letters, a field of
-  !! contacts by its whole name. CONTact: all of those.
+  !> The known fields that a word of the deck selects. A field of bodies is recognised by its first
+  !! four letters, a field of contacts by its whole name; CONTact selects all fields of contacts.
   pure function named_fields(word) result(named)
     character(*), intent(in) :: word
     logical :: named(size(known_fields()))
@@ -90,15 +89,15 @@ contains
       call set(3, 'F/L^2', &
                'contact traction on the surface, smoothed from the integration points')
     case ('contact_friction')
-      call set(3, 'F/L^2', 'part of the contact traction that friction holds, smoothed by itself')
+      call set(3, 'F/L^2', 'part of the contact traction due to friction, smoothed separately')
     case ('contact_gap')
       call set(1, 'L', 'normal gap, smoothed; negative: penetration')
     case ('contact_slip')
-      call set(3, 'L', 'tangential way from the stored sliding point, the elastic part; smoothed')
+      call set(3, 'L', 'elastic part of the tangential displacement from the sliding point; smoothed')
     case ('contact_state')
       call set(1, '-', 'mean of 0 open, 1 stick or without friction, 2 slip; smoothed')
     case default
-      call set(1, '-', '') ! no such field: collect_fields gives no values
+      call set(1, '-', '') ! unknown: collect_fields gives zeros
     end select
 
   contains
@@ -114,30 +113,30 @@ contains
 
   end subroutine describe_field
 
-  !> Values of the wanted fields.
-  subroutine collect_fields(model, state, view, wanted, field)
+  !> The fields of the given names with their values.
+  subroutine collect_fields(model, state, view, names, field)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     type(view_t), intent(in) :: view
-    character(*), intent(in) :: wanted(:)
+    character(*), intent(in) :: names(:)
     type(field_t), allocatable, intent(out) :: field(:)
     real(wp), allocatable :: stress(:, :), mises(:, :), pressure(:, :)
     type(nodal_contact_t) :: contact
     integer :: i, n
 
     n = model%mesh%nnode
-    if (any(wanted == 'stress' .or. wanted == 'mises' .or. wanted == 'pressure')) then
+    if (any(names == 'stress' .or. names == 'mises' .or. names == 'pressure')) then
       allocate (stress(6, n), mises(1, n))
       call project_stress(model, state, stress, mises)
       allocate (pressure(1, n))
       pressure(1, :) = -(stress(1, :) + stress(2, :) + stress(3, :))/3.0_wp
     end if
-    if (any(wanted(:) (:8) == 'contact_')) call gather_contact(model, state, contact)
-    allocate (field(size(wanted)))
-    do i = 1, size(wanted)
-      call describe_field(wanted(i), field(i))
+    if (any(names(:) (:8) == 'contact_')) call gather_contact(model, state, contact)
+    allocate (field(size(names)))
+    do i = 1, size(names)
+      call describe_field(names(i), field(i))
       allocate (field(i)%values(field(i)%ncomp, view%npoint))
-      select case (wanted(i))
+      select case (names(i))
       case ('displacement')
         call map_field(view, state%u, field(i)%values)
       case ('stress')
@@ -166,14 +165,14 @@ contains
     end do
   end subroutine collect_fields
 
-  !> All sides of all contacts; a rigid side has no points and stays zero.
+  !> Smooth all sides of all contacts. A rigid side has no points and stays zero.
   subroutine gather_contact(model, state, nodal)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     type(nodal_contact_t), intent(out) :: nodal
     type(smooth_t) :: field
-    logical, allocatable :: met(:)
-    integer :: c, k, n
+    logical, allocatable :: met(:) !! (nnode) the node is on a side that is done
+    integer :: a, c, k, n
 
     n = model%mesh%nnode
     allocate (nodal%traction(3, n), nodal%friction(3, n), nodal%slip(3, n), source=0.0_wp)
@@ -183,27 +182,18 @@ contains
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
         call smooth_side(model%contact(c), k, state%contact(c)%side(k), field)
-        call add_side(field, met, nodal)
+        do a = 1, size(field%node)
+          n = field%node(a)
+          nodal%traction(:, n) = nodal%traction(:, n) + field%traction(:, a)
+          nodal%friction(:, n) = nodal%friction(:, n) + field%friction(:, a)
+          nodal%pressure(1, n) = nodal%pressure(1, n) + field%pressure(a)
+          nodal%slip(:, n) = nodal%slip(:, n) + field%slip(:, a)
+          nodal%state(1, n) = max(nodal%state(1, n), field%state(a))
+          nodal%gap(1, n) = merge(min(nodal%gap(1, n), field%gap(a)), field%gap(a), met(n))
+          met(n) = .true.
+        end do
       end do
     end do
   end subroutine gather_contact
-
-  pure subroutine add_side(field, met, nodal)
-    type(smooth_t), intent(in) :: field
-    logical, intent(inout) :: met(:)        !! (nnode) the node was on a side before
-    type(nodal_contact_t), intent(inout) :: nodal
-    integer :: a, n
-
-    do a = 1, size(field%node)
-      n = field%node(a)
-      nodal%traction(:, n) = nodal%traction(:, n) + field%traction(:, a)
-      nodal%friction(:, n) = nodal%friction(:, n) + field%friction(:, a)
-      nodal%pressure(1, n) = nodal%pressure(1, n) + field%pressure(a)
-      nodal%slip(:, n) = nodal%slip(:, n) + field%slip(:, a)
-      nodal%state(1, n) = max(nodal%state(1, n), field%state(a))
-      nodal%gap(1, n) = merge(min(nodal%gap(1, n), field%gap(a)), field%gap(a), met(n))
-      met(n) = .true.
-    end do
-  end subroutine add_side
 
 end module fields

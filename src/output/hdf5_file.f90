@@ -1,9 +1,9 @@
-!> HDF5 files: what every other file of the program knows of the library.
+!> HDF5 files for the other modules: files, groups and attributes of `hdf5_object`, and datasets.
 !!
 !! Objects are named by their path in the file (`VTKHDF/PointData/stress`). A dataset has a fixed
-!! number of rows whose place on disk is taken when it is made (rows not yet written are holes of
-!! the file), so rows written later move no structure: the file stays readable if its writer is
-!! killed. Readers are let in while we write (no file lock).
+!! number of rows. Their space on disk is allocated when the dataset is created, so that writing
+!! rows later does not move the structure: the file stays readable if the program is killed, and
+!! other programs may read it during the analysis. The rule for `error` is that of `hdf5_object`.
 module hdf5_file
   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc
   use hdf5, only: HID_T, HSIZE_T, H5S_SELECT_SET_F, H5D_ALLOC_TIME_EARLY_F, H5D_FILL_TIME_NEVER_F, &
@@ -16,42 +16,52 @@ module hdf5_file
   use base_kinds, only: wp, i8
   use base_error, only: error_t
   use hdf5_object, only: hdf5_t, create_file, open_file, close_file, flush_file, make_group, &
-                         has_object, copy_object, has_attribute, put_attribute, get_attribute, &
-                         refuse
+                         has_object, copy_object, put_attribute, get_attribute, refuse
   implicit none
   private
   public :: hdf5_t, create_file, open_file, close_file, flush_file, make_group, has_object
-  public :: copy_object, has_attribute, put_attribute, get_attribute
+  public :: copy_object, put_attribute, get_attribute
   public :: reserve, set_length, put, get, get_shape
 
-  integer, parameter, public :: AS_REAL = 1, AS_INT64 = 2, AS_INT32 = 3, AS_UINT8 = 4 !! on disk
+  integer, parameter, public :: AS_REAL = 1, AS_INT64 = 2, AS_INT32 = 3, AS_UINT8 = 4 !! types on disk
 
-  !> Rows from memory: put(file, name, values, error[, first]), `first` counts from 1.
+  !> put(file, name, values, error[, first]) writes rows from row `first` on, which counts from 1.
   interface put
     module procedure put_real_1, put_real_2, put_integer_1, put_integer_2
   end interface put
 
-  !> Rows to memory.
+  !> get(file, name, values, error[, first]) reads as many rows as `values` holds.
   interface get
     module procedure get_real_1, get_real_2, get_integer_1, get_integer_2
   end interface get
 
 contains
 
-  !> Make a dataset of nrow rows of ncol numbers; ncol = 0: one-dimensional. With `most` its length
-  !! may change later up to that (and its place on disk is taken too).
-  subroutine reserve(file, name, kind, ncol, nrow, error, most)
+  !> Create a dataset of nrow rows of ncol numbers; ncol = 0: one-dimensional. With `most` its
+  !! length may change later up to that number of rows, whose space is allocated at once.
+  subroutine reserve(file, name, type, ncol, nrow, error, most)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
-    integer, intent(in) :: kind      !! AS_REAL, ...
+    integer, intent(in) :: type      !! on disk: AS_REAL, AS_INT64, AS_INT32, AS_UINT8
     integer, intent(in) :: ncol
     integer(i8), intent(in) :: nrow
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: most
     integer(HSIZE_T) :: shape(2), longest(2)
-    integer(HID_T) :: space, set, list
+    integer(HID_T) :: space, set, list, stored
     integer :: n, status
 
+    if (allocated(error)) return
+    select case (type)
+    case (AS_INT64)
+      stored = H5T_STD_I64LE
+    case (AS_INT32)
+      stored = H5T_STD_I32LE
+    case (AS_UINT8)
+      stored = H5T_STD_U8LE
+    case default
+      stored = H5T_IEEE_F64LE
+    end select
     call set_shape(ncol, nrow, n, shape)
     longest = shape
     call h5pcreate_f(H5P_DATASET_CREATE_F, list, status)
@@ -62,22 +72,23 @@ contains
     call h5screate_simple_f(n, shape(1:n), space, status, longest(1:n))
     call h5pset_alloc_time_f(list, H5D_ALLOC_TIME_EARLY_F, status)
     call h5pset_fill_time_f(list, H5D_FILL_TIME_NEVER_F, status)
-    call h5dcreate_f(file%id, name, disk_type(kind), space, set, status, dcpl_id=list)
+    call h5dcreate_f(file%id, name, stored, space, set, status, dcpl_id=list)
     if (status == 0) call h5dclose_f(set, status)
     if (status /= 0) call refuse(file, 'cannot write', error)
     call h5pclose_f(list, status)
     call h5sclose_f(space, status)
   end subroutine reserve
 
-  !> Change the length of a dataset that was made with `most`.
+  !> Change the length of a dataset that was created with `most`.
   subroutine set_length(file, name, nrow, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     integer(i8), intent(in) :: nrow
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(HID_T) :: set
     integer :: status, ignored
 
+    if (allocated(error)) return
     call h5dopen_f(file%id, name, set, status)
     if (status == 0) then
       call h5dset_extent_f(set, [int(nrow, HSIZE_T)], status)
@@ -91,13 +102,14 @@ contains
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     integer, intent(out) :: ncol, nrow
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(HSIZE_T) :: shape(2), most(2)
     integer(HID_T) :: set, space
     integer :: n, status
 
     ncol = 0
     nrow = 0
+    if (allocated(error)) return
     call h5dopen_f(file%id, name, set, status)
     if (status /= 0) then
       call refuse(file, 'cannot find '''//name//''' in', error)
@@ -123,13 +135,13 @@ contains
     integer, intent(in) :: ncol, nrow    !! ncol = 0: one-dimensional
     integer(i8), intent(in) :: first     !! first row, from 1
     logical, intent(in) :: writes
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(HSIZE_T) :: shape(2), start(2)
     integer(HID_T) :: set, space, part
     type(c_ptr) :: place
     integer :: n, status, ignored
 
-    if (nrow == 0) return
+    if (nrow == 0 .or. allocated(error)) return
     call set_shape(ncol, int(nrow, i8), n, shape)
     place = buffer
     start = 0
@@ -151,7 +163,7 @@ contains
     end if
   end subroutine move_rows
 
-  !> Shape in the library's words.
+  !> Rank and extents of a dataset as the library counts them.
   pure subroutine set_shape(ncol, nrow, n, shape)
     integer, intent(in) :: ncol
     integer(i8), intent(in) :: nrow
@@ -163,27 +175,11 @@ contains
     if (n == 1) shape(1) = shape(2)
   end subroutine set_shape
 
-  function disk_type(kind) result(type)
-    integer, intent(in) :: kind
-    integer(HID_T) :: type
-
-    select case (kind)
-    case (AS_INT64)
-      type = H5T_STD_I64LE
-    case (AS_INT32)
-      type = H5T_STD_I32LE
-    case (AS_UINT8)
-      type = H5T_STD_U8LE
-    case default
-      type = H5T_IEEE_F64LE
-    end select
-  end function disk_type
-
   subroutine put_real_1(file, name, values, error, first)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     real(wp), intent(in), target, contiguous :: values(:)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_DOUBLE, c_loc(values), 0, &
@@ -194,7 +190,7 @@ contains
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     real(wp), intent(in), target, contiguous :: values(:, :)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_DOUBLE, c_loc(values), size(values, 1), &
@@ -205,7 +201,7 @@ contains
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     integer, intent(in), target, contiguous :: values(:)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), 0, &
@@ -216,7 +212,7 @@ contains
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     integer, intent(in), target, contiguous :: values(:, :)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), size(values, 1), &
@@ -227,7 +223,7 @@ contains
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     real(wp), intent(out), target, contiguous :: values(:)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_DOUBLE, c_loc(values), 0, &
@@ -238,7 +234,7 @@ contains
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     real(wp), intent(out), target, contiguous :: values(:, :)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_DOUBLE, c_loc(values), size(values, 1), &
@@ -249,7 +245,7 @@ contains
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     integer, intent(out), target, contiguous :: values(:)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), 0, &
@@ -260,14 +256,14 @@ contains
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
     integer, intent(out), target, contiguous :: values(:, :)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: first
 
     call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), size(values, 1), &
                    size(values, 2), row(first), .false., error)
   end subroutine get_integer_2
 
-  !> Row to begin with; the first where nothing is said.
+  !> First row; 1 where it is not given.
   pure function row(first)
     integer(i8), intent(in), optional :: first
     integer(i8) :: row

@@ -1,5 +1,7 @@
-!> HDF5 files, groups and attributes; failures become one sentence with the reason.
-!! (Datasets are in `hdf5_file`, which hands on what is here.)
+!> HDF5 files, groups and attributes. `hdf5_file` adds datasets and is what other modules use.
+!!
+!! A call that finds `error` allocated does nothing, so that a sequence of calls is checked once at
+!! its end. Opening and closing a file are exceptions: they always act.
 module hdf5_object
   use, intrinsic :: iso_c_binding, only: c_int, c_char, c_null_char, c_ptr, c_loc
   use hdf5, only: HID_T, HSIZE_T, SIZE_T, H5F_ACC_TRUNC_F, H5F_ACC_RDONLY_F, H5F_ACC_RDWR_F, &
@@ -16,7 +18,7 @@ module hdf5_object
   implicit none
   private
   public :: hdf5_t, create_file, open_file, close_file, flush_file, make_group, has_object
-  public :: copy_object, has_attribute, put_attribute, get_attribute, refuse
+  public :: copy_object, put_attribute, get_attribute, refuse
 
   !> An open file.
   type :: hdf5_t
@@ -24,11 +26,12 @@ module hdf5_object
     character(:), allocatable :: path
   end type hdf5_t
 
-  !> put_attribute(file, object, name, value, error): text or integers (stored with 64 bits).
+  !> put_attribute(file, object, name, value, error): text, or integers, stored with 64 bits.
   interface put_attribute
     module procedure put_text, put_integers
   end interface put_attribute
 
+  !> get_attribute(file, object, name, value, error)
   interface get_attribute
     module procedure get_text, get_integers
   end interface get_attribute
@@ -52,7 +55,7 @@ module hdf5_object
 
 contains
 
-  !> Make a file; one of that name is replaced.
+  !> Create a file. An existing file of that name is replaced.
   subroutine create_file(file, path, error)
     type(hdf5_t), intent(out) :: file
     character(*), intent(in) :: path
@@ -67,7 +70,7 @@ contains
     call h5pclose_f(access, status)
   end subroutine create_file
 
-  !> Open a file that is there.
+  !> Open an existing file.
   subroutine open_file(file, path, writable, error)
     type(hdf5_t), intent(out) :: file
     character(*), intent(in) :: path
@@ -84,7 +87,7 @@ contains
     call h5pclose_f(access, status)
   end subroutine open_file
 
-  !> Close; a full disk may show only here.
+  !> Close a file. A full disk may be noticed only here.
   subroutine close_file(file, error)
     type(hdf5_t), intent(inout) :: file
     type(error_t), allocatable, intent(out) :: error
@@ -96,12 +99,13 @@ contains
     if (status /= 0) call refuse(file, 'cannot finish', error)
   end subroutine close_file
 
-  !> Give everything written so far to the operating system.
+  !> Hand everything written so far to the operating system.
   subroutine flush_file(file, error)
     type(hdf5_t), intent(in) :: file
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer :: status
 
+    if (allocated(error)) return
     call h5fflush_f(file%id, H5F_SCOPE_GLOBAL_F, status)
     if (status /= 0) call refuse(file, 'cannot write', error)
   end subroutine flush_file
@@ -109,57 +113,50 @@ contains
   subroutine make_group(file, name, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(HID_T) :: group
     integer :: status
 
+    if (allocated(error)) return
     call h5gcreate_f(file%id, name, group, status)
     if (status == 0) call h5gclose_f(group, status)
     if (status /= 0) call refuse(file, 'cannot write', error)
   end subroutine make_group
 
-  !> Is there an object of that name? (Its parents must be there.)
-  function has_object(file, name) result(is_there)
+  !> Does an object of that name exist? Its parents must exist.
+  function has_object(file, name) result(exists)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
-    logical :: is_there
+    logical :: exists
     integer :: status
 
-    call h5lexists_f(file%id, name, is_there, status)
-    if (status /= 0) is_there = .false.
+    call h5lexists_f(file%id, name, exists, status)
+    if (status /= 0) exists = .false.
   end function has_object
 
-  !> Copy a group or a dataset with all it holds.
+  !> Copy a group or a dataset with its contents.
   subroutine copy_object(from, name, to, new_name, error)
     type(hdf5_t), intent(in) :: from, to
     character(*), intent(in) :: name, new_name
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer :: status
 
+    if (allocated(error)) return
     call h5ocopy_f(from%id, name, to%id, new_name, status)
     if (status /= 0) call refuse(to, 'cannot write', error)
   end subroutine copy_object
 
-  function has_attribute(file, object, name) result(is_there)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: object, name
-    logical :: is_there
-    integer :: status
-
-    call h5aexists_by_name_f(file%id, object, name, is_there, status)
-    if (status /= 0) is_there = .false.
-  end function has_attribute
-
-  !> Text as a fixed-length string. An attribute holds less than 64 kB.
+  !> Store text as a string of fixed length. An attribute holds less than 64 kB.
   subroutine put_text(file, object, name, value, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: object, name
     character(*), intent(in), target :: value
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable, target :: buffer
     integer(HID_T) :: type, space, attribute
     integer :: status, ignored
 
+    if (allocated(error)) return
     buffer = value
     if (len(value) == 0) buffer = ' '
     call h5tcopy_f(H5T_FORTRAN_S1, type, status)
@@ -175,21 +172,24 @@ contains
     call h5tclose_f(type, ignored)
   end subroutine put_text
 
-  !> Integers; one alone is a scalar. An attribute that is there is overwritten in place.
+  !> Store integers; a single one becomes a scalar. An existing attribute is overwritten in place.
   subroutine put_integers(file, object, name, value, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: object, name
     integer, intent(in), target, contiguous :: value(:)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(HID_T) :: space, attribute, holder
     integer :: status, ignored
+    logical :: exists
 
+    if (allocated(error)) return
     call h5oopen_f(file%id, object, holder, status)
     if (status /= 0) then
       call refuse(file, 'cannot write', error)
       return
     end if
-    if (has_attribute(file, object, name)) then ! 1.10.8 cannot write one opened by name
+    call h5aexists_by_name_f(file%id, object, name, exists, status)
+    if (exists) then ! HDF5 1.10.8 cannot write one opened by name
       call h5aopen_f(holder, name, attribute, status)
     else
       if (size(value) == 1) then
@@ -208,17 +208,19 @@ contains
     if (status /= 0) call refuse(file, 'cannot write', error)
   end subroutine put_integers
 
+  !> Read text.
   subroutine get_text(file, object, name, value, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: object, name
     character(:), allocatable, intent(out), target :: value
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(HID_T) :: type, attribute
     integer(SIZE_T) :: length
     type(c_ptr) :: place
     integer :: status, ignored
 
     value = ''
+    if (allocated(error)) return
     call h5aopen_by_name_f(file%id, object, name, attribute, status)
     if (status == 0) then
       call h5aget_type_f(attribute, type, status)
@@ -233,18 +235,19 @@ contains
     if (status /= 0) call refuse(file, 'cannot read '''//name//''' of', error)
   end subroutine get_text
 
-  !> As many integers as `value` holds; fewer or more in the file is a failure.
+  !> Read as many integers as `value` holds. Another number of them in the file is a failure.
   subroutine get_integers(file, object, name, value, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: object, name
     integer, intent(out), target, contiguous :: value(:)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     integer(HID_T) :: attribute
     integer(HSIZE_T) :: bytes
     type(c_ptr) :: place
     integer :: status, ignored
 
     value = 0
+    if (allocated(error)) return
     place = c_loc(value)
     call h5aopen_by_name_f(file%id, object, name, attribute, status)
     if (status == 0) then
@@ -256,23 +259,23 @@ contains
     if (status /= 0) call refuse(file, 'cannot read '''//name//''' of', error)
   end subroutine get_integers
 
-  !> Library on, its own printing off, no locks (a viewer may hold the file open), and closing a
-  !! file closes all that is open in it.
+  !> Start the library without its own messages and without locks, as a viewer may have the file
+  !! open. Closing a file closes every object that is open in it.
   subroutine start_library(access)
-    integer(HID_T), intent(out) :: access
+    integer(HID_T), intent(out) :: access !! properties for creating or opening a file
     integer :: status
 
     status = setenv('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char, 1_c_int)
-    ! HDF5's own tidying at the exit crashes (1.10.8) after a write to a full disk.
+    ! The clean-up of HDF5 1.10.8 at exit crashes after a write to a full disk.
     status = h5dont_atexit()
     call h5open_f(status)
     call h5eset_auto_f(0, status)
     call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
     call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, status)
-    call h5pset_meta_block_size_f(access, 32768_HSIZE_T, status) ! structure in one place
+    call h5pset_meta_block_size_f(access, 32768_HSIZE_T, status) ! keeps the structure together
   end subroutine start_library
 
-  !> The library's failure in one sentence.
+  !> Report a failure of the library with the reason that the operating system gives.
   subroutine refuse(file, verb, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: verb !! e.g. 'cannot write'

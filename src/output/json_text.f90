@@ -1,22 +1,25 @@
-!> JSON, as much of it as a report needs. Numbers with 17 digits give the same bits back; what is
-!! not a finite number is null.
+!> The part of JSON that a report needs. Numbers with 17 digits give the same bits when they are read.
+!! A number that is not finite becomes null.
 module json_text
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use base_kinds, only: wp, i8
+  use base_kinds, only: wp
+  use base_text, only: to_text
   implicit none
   private
   public :: json_string, json_number, json_member, json_object
 
   interface json_number
-    module procedure from_real, from_integer, from_long
+    module procedure from_real, from_integer
   end interface json_number
 
 contains
 
-  !> Text in quotes. Bytes that are not UTF-8 or ASCII control codes are escaped.
+  !> Text in quotes. Control codes are escaped, and bytes that are not UTF-8, which are taken for
+  !! Latin 1.
   pure function json_string(text) result(json)
     character(*), intent(in) :: text
     character(:), allocatable :: json
+    character(4) :: digits
     integer :: i, n
 
     json = '"'
@@ -26,40 +29,30 @@ contains
       if (n > 1) then
         json = json//text(i:i + n - 1)
       else
-        json = json//escaped(text(i:i), n == 0)
+        select case (iachar(text(i:i)))
+        case (34, 92)
+          json = json//achar(92)//text(i:i)
+        case (9)
+          json = json//achar(92)//'t'
+        case (10)
+          json = json//achar(92)//'n'
+        case (13)
+          json = json//achar(92)//'r'
+        case default
+          if (n == 0 .or. iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) then
+            write (digits, '(z4.4)') iachar(text(i:i))
+            json = json//achar(92)//'u'//digits
+          else
+            json = json//text(i:i)
+          end if
+        end select
       end if
       i = i + max(n, 1)
     end do
     json = json//'"'
   end function json_string
 
-  !> One byte; `strange`: it is no character of UTF-8, and is read as Latin 1.
-  pure function escaped(byte, strange) result(json)
-    character(1), intent(in) :: byte
-    logical, intent(in) :: strange
-    character(:), allocatable :: json
-    character(4) :: digits
-
-    select case (iachar(byte))
-    case (34, 92)
-      json = achar(92)//byte
-    case (9)
-      json = achar(92)//'t'
-    case (10)
-      json = achar(92)//'n'
-    case (13)
-      json = achar(92)//'r'
-    case default
-      if (strange .or. iachar(byte) < 32 .or. iachar(byte) == 127) then
-        write (digits, '(z4.4)') iachar(byte)
-        json = achar(92)//'u'//digits
-      else
-        json = byte
-      end if
-    end select
-  end function escaped
-
-  !> Bytes of the character that begins the text; 0 where they are not UTF-8.
+  !> Bytes of the first character of the text; 0 where they are not UTF-8.
   pure function utf8_length(text) result(n)
     character(*), intent(in) :: text
     integer :: n
@@ -104,17 +97,8 @@ contains
     integer, intent(in) :: i
     character(:), allocatable :: json
 
-    json = from_long(int(i, i8))
+    json = to_text(i)
   end function from_integer
-
-  pure function from_long(i) result(json)
-    integer(i8), intent(in) :: i
-    character(:), allocatable :: json
-    character(24) :: field
-
-    write (field, '(i0)') i
-    json = trim(field)
-  end function from_long
 
   !> `"name": value`
   pure function json_member(name, value) result(json)

@@ -1,22 +1,22 @@
-!> The log's account of what was read and which formulations run.
+!> The summary of the model in the log: its sizes and the formulations in use.
 module listing
   use base_log, only: log_line, warn
   use base_text, only: to_text
   use contact_report, only: warn_contacts
   use listing_contact, only: list_contact
-  use material_type, only: material_t
-  use mesh, only: block_t, is_rigid
-  use model, only: model_t, material_set_t
+  use mesh, only: is_rigid
+  use model, only: model_t
   implicit none
   private
   public :: list_model, warn_loose, warn_unread
 
 contains
 
-  !> Sizes, element types and laws with their sources.
+  !> Sizes, element types and laws with their sources, contacts, and warnings about the model.
   subroutine list_model(model)
     type(model_t), intent(in) :: model
-    integer :: b, m
+    character(:), allocatable :: text
+    integer :: b, i, m
 
     call log_line('title     '//model%title)
     call log_line('nodes     '//to_text(count(model%mesh%used))//' in use, ' &
@@ -28,17 +28,32 @@ contains
       end associate
     end do
     do b = 1, size(model%mesh%block)
-      call list_block(model, model%mesh%block(b))
+      associate (block => model%mesh%block(b))
+        text = 'elements  '//to_text(block%nelem)//' '//trim(block%name)
+        if (block%body > 0) text = text//" of '"//model%mesh%body(block%body)%name//"'"
+        if (.not. is_rigid(block)) text = text//', '//to_text(block%nen)//' nodes, ' &
+                                          //to_text(block%rule%nq)//' points, material ' &
+                                          //to_text(model%material(block%material)%number)
+        call log_line(text)
+        call log_line('          '//trim(block%row%source))
+      end associate
     end do
     do m = 1, size(model%material)
-      call list_material(model%material(m))
+      associate (material => model%material(m))
+        text = 'material  '//to_text(material%number)//' '//trim(material%row%name)//':'
+        do i = 1, material%row%nprop
+          text = text//' '//to_text(material%prop(i))
+        end do
+        call log_line(text)
+        call log_line('          '//trim(material%row%source))
+      end associate
     end do
     do m = 1, size(model%contact)
       call list_contact(model%contact(m))
     end do
     if (any(is_rigid(model%mesh%block)) .and. size(model%contact) == 0) then
-      call log_line('rigid     the deck has no CONTact: rigid patches move nothing but what is ' &
-                    //'tied')
+      call log_line('rigid     the deck has no CONTact: rigid patches move only the nodes that are ' &
+                    //'tied to them')
     end if
     call warn_contacts(model)
     call warn_loose(model)
@@ -46,7 +61,7 @@ contains
     call log_line('')
   end subroutine list_model
 
-  !> Displacements that act nowhere.
+  !> Warn of prescribed displacements at free dofs, which have no effect.
   subroutine warn_loose(model)
     type(model_t), intent(in) :: model
     integer :: i
@@ -58,7 +73,7 @@ contains
     end do
   end subroutine warn_loose
 
-  !> Tables of constraints that nobody read.
+  !> Warn of tables of constraints beside files of the deck that were not read.
   subroutine warn_unread(model)
     type(model_t), intent(in) :: model
     integer :: i
@@ -66,43 +81,8 @@ contains
     if (.not. allocated(model%unread)) return
     do i = 1, size(model%unread)
       call warn(model%unread(i)%text, model%unread(i)%place, &
-                'give CONStraint in this block: without it nodes that hang are free')
+                'give CONStraint in this block: without it the hanging nodes are free')
     end do
   end subroutine warn_unread
-
-  subroutine list_block(model, block)
-    type(model_t), intent(in) :: model
-    type(block_t), intent(in) :: block
-    character(:), allocatable :: text
-
-    text = 'elements  '//to_text(block%nelem)//' '//trim(block%name)//where_of(model, block%body)
-    if (.not. is_rigid(block)) text = text//', '//to_text(block%nen)//' nodes, ' &
-                                      //to_text(block%rule%nq)//' points, material ' &
-                                      //to_text(model%material(block%material)%number)
-    call log_line(text)
-    call log_line('          '//trim(block%row%source))
-  end subroutine list_block
-
-  function where_of(model, body) result(text)
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: body
-    character(:), allocatable :: text
-
-    text = ''
-    if (body > 0) text = " of '"//model%mesh%body(body)%name//"'"
-  end function where_of
-
-  subroutine list_material(material)
-    type(material_set_t), intent(in) :: material
-    character(:), allocatable :: values
-    integer :: i
-
-    values = ''
-    do i = 1, material%row%nprop
-      values = values//' '//to_text(material%prop(i))
-    end do
-    call log_line('material  '//to_text(material%number)//' '//trim(material%row%name)//':'//values)
-    call log_line('          '//trim(material%row%source))
-  end subroutine list_material
 
 end module listing

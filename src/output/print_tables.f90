@@ -1,11 +1,11 @@
 !> FEAP's printed tables: DISPlacements, REACtions, STREss, for `<stem>.out`.
 module print_tables
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_kinds, only: wp
   use byte_file, only: byte_file_t, write_text, flush_bytes
+  use mesh, only: is_rigid
   use model, only: model_t, state_t
   use point_values, only: reactions_at
-  use mesh, only: is_rigid
   use solid_recover, only: recovered_t, recover
   use stress_projection, only: project_stress
   implicit none
@@ -37,8 +37,8 @@ contains
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_displacements
 
-  !> Reactions (FEAP's: nodal forces are not taken off), their sums over the
-  !! printed and over all nodes, sums of magnitudes, and the work measure u.R.
+  !> Reactions as FEAP defines them (nodal forces are not subtracted), their sums over the printed
+  !! nodes and over all nodes, sums of magnitudes, and the work measure u.R.
   subroutine print_reactions(file, model, state, node, error)
     type(byte_file_t), intent(in) :: file
     type(model_t), intent(in) :: model
@@ -72,10 +72,11 @@ contains
     type(byte_file_t), intent(in) :: file
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    integer, intent(in) :: first, last, step !! element numbers as the user knows them
+    integer, intent(in) :: first, last, step !! element numbers of the user
     type(error_t), allocatable, intent(out) :: error
     type(recovered_t), allocatable :: point(:)
-    integer :: b, e, number
+    integer :: b, e, number, q
+    logical :: ok
 
     call write_text(file, heading('E l e m e n t   S t r e s s e s', model, state)//LF//'    ' &
                     //'Elmt    Mate        1 Coord        2 Coord        3 Coord      11-stress' &
@@ -83,50 +84,26 @@ contains
                     //'31-stress'//'          Mises'//LF, error)
     do b = 1, size(model%mesh%block)
       if (is_rigid(model%mesh%block(b))) cycle
-      do e = 1, model%mesh%block(b)%nelem
-        if (allocated(error)) return
-        number = model%mesh%block(b)%number(e)
-        if (number < first .or. number > last) cycle
-        if (modulo(number - first, max(step, 1)) /= 0) cycle
-        call recover_element(model, state, b, e, point)
-        associate (set => model%material(model%mesh%block(b)%material))
-          call write_points(file, number, set%number, point, error)
-        end associate
-      end do
+      associate (block => model%mesh%block(b), set => model%material(model%mesh%block(b)%material))
+        do e = 1, block%nelem
+          number = block%number(e)
+          if (number < first .or. number > last) cycle
+          if (modulo(number - first, max(step, 1)) /= 0) cycle
+          allocate (point(block%basis(block%ibasis(e))%nq))
+          call recover(block%basis(block%ibasis(e)), set%row, set%prop, &
+                       model%mesh%xr(:, block%conn(:, e)), state%u(:, block%conn(:, e)), &
+                       state%history(b)%iter(:, e), point, ok)
+          do q = 1, size(point)
+            if (allocated(error)) return
+            call write_text(file, row([number, set%number], &
+                                      [point(q)%xc, point(q)%sig, point(q)%mises]), error)
+          end do
+          deallocate (point)
+        end do
+      end associate
     end do
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_stresses
-
-  subroutine recover_element(model, state, b, e, point)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    integer, intent(in) :: b, e
-    type(recovered_t), allocatable, intent(out) :: point(:)
-    logical :: ok
-
-    associate (block => model%mesh%block(b))
-      associate (node => block%conn(:, e), set => model%material(block%material), &
-                 basis => block%basis(block%ibasis(e)))
-        allocate (point(basis%nq))
-        call recover(basis, set%row, set%prop, model%mesh%xr(:, node), state%u(:, node), &
-                     state%history(b)%iter(:, e), point, ok)
-      end associate
-    end associate
-  end subroutine recover_element
-
-  subroutine write_points(file, element, material, point, error)
-    type(byte_file_t), intent(in) :: file
-    integer, intent(in) :: element, material
-    type(recovered_t), intent(in) :: point(:)
-    type(error_t), allocatable, intent(out) :: error
-    integer :: q
-
-    do q = 1, size(point)
-      call write_text(file, &
-                      row([element, material], [point(q)%xc, point(q)%sig, point(q)%mises]), error)
-      if (allocated(error)) return
-    end do
-  end subroutine write_points
 
   !> Smoothed Cauchy stresses at nodes (STRE,NODE).
   subroutine print_nodal_stresses(file, model, state, node, error)
@@ -150,7 +127,7 @@ contains
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_nodal_stresses
 
-  !> Title, name of the table, time.
+  !> Title, name of the table, time and load factors.
   function heading(name, model, state) result(text)
     character(*), intent(in) :: name
     type(model_t), intent(in) :: model

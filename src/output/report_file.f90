@@ -1,7 +1,7 @@
-!> The report of a run: `<stem>.report.json`, with the keys of the manual's page on files.
+!> The report of a run: `<stem>.report.json`. The manual explains its keys on the page on files.
 module report_file
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_kinds, only: wp
   use byte_file, only: write_whole
   use json_text, only: json_string, json_number, json_member, json_object
   implicit none
@@ -25,20 +25,20 @@ module report_file
     type(named_real_t), allocatable :: column(:)
   end type curve_row_t
 
-  !> How a contact ended.
+  !> Final state of a contact.
   type :: contact_row_t
     character(:), allocatable :: name
     integer :: points = 0               !! integration points of both sides
-    integer :: closed = 0               !! of these in contact
-    real(wp) :: penetration = 0.0_wp    !! the largest [L]
+    integer :: closed = 0               !! those of them that are in contact
+    real(wp) :: penetration = 0.0_wp    !! largest [L]
   end type contact_row_t
 
   type :: report_t
     character(:), allocatable :: version, deck
-    character(12) :: status = 'failed'  !! done no_solution stopped failed
+    character(12) :: status = 'failed'  !! done, no_solution, stopped or failed
     integer :: exit_code = 70
     integer :: steps = 0, iterations = 0, cutbacks = 0
-    integer :: dofs = 0                 !! constrained ones too
+    integer :: dofs = 0                 !! constrained ones included
     integer :: equations = 0
     integer :: negative_pivots = 0      !! of the last factorisation
     real(wp) :: peak_memory_mb = 0.0_wp
@@ -54,9 +54,24 @@ contains
     character(*), intent(in) :: path
     type(report_t), intent(in) :: report
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: text
     character(*), parameter :: SEP = ','//new_line('a')//'  '
+    character(:), allocatable :: text, elements, final
+    integer :: i
 
+    elements = ''
+    if (allocated(report%element)) then
+      do i = 1, size(report%element)
+        if (i > 1) elements = elements//', '
+        elements = elements//json_member(report%element(i)%name, json_number(report%element(i)%n))
+      end do
+    end if
+    final = ''
+    if (allocated(report%final)) then
+      do i = 1, size(report%final)
+        if (i > 1) final = final//', '
+        final = final//json_member(report%final(i)%name, reals(report%final(i)%column))
+      end do
+    end if
     text = '{'//new_line('a')//'  '// &
            json_member('version', json_string(given(report%version)))//SEP// &
            json_member('deck', json_string(given(report%deck)))//SEP// &
@@ -67,11 +82,11 @@ contains
            json_member('cutbacks', json_number(report%cutbacks))//SEP// &
            json_member('dofs', json_number(report%dofs))//SEP// &
            json_member('equations', json_number(report%equations))//SEP// &
-           json_member('elements', counts(report))//SEP// &
+           json_member('elements', json_object(elements))//SEP// &
            json_member('negative_pivots', json_number(report%negative_pivots))//SEP// &
-           json_member('seconds', seconds(report))//SEP// &
+           json_member('seconds', reals(report%seconds))//SEP// &
            json_member('peak_memory_mb', json_number(report%peak_memory_mb))//SEP// &
-           json_member('final', finals(report))
+           json_member('final', json_object(final))
     if (allocated(report%contact)) then
       text = text//SEP//json_member('contacts', contacts(report%contact))
     end if
@@ -79,12 +94,12 @@ contains
     call write_whole(path, text, error)
   end subroutine write_report
 
-  !> Count elements of a type; those of one name are added up.
+  !> Count elements of a type. Counts of the same name are added up.
   subroutine add_count(list, name, n)
     type(named_count_t), allocatable, intent(inout) :: list(:)
     character(*), intent(in) :: name
     integer, intent(in) :: n
-    type(named_count_t), allocatable :: longer(:)
+    type(named_count_t) :: row
     integer :: i
 
     if (.not. allocated(list)) allocate (list(0))
@@ -94,88 +109,39 @@ contains
         return
       end if
     end do
-    allocate (longer(size(list) + 1))
-    longer(:size(list)) = list
-    longer(size(longer))%name = name
-    longer(size(longer))%n = n
-    call move_alloc(longer, list)
+    row%name = name
+    row%n = n
+    list = [list, row]
   end subroutine add_count
 
   subroutine add_real(list, name, value)
     type(named_real_t), allocatable, intent(inout) :: list(:)
     character(*), intent(in) :: name
     real(wp), intent(in) :: value
-    type(named_real_t), allocatable :: longer(:)
+    type(named_real_t) :: row
 
     if (.not. allocated(list)) allocate (list(0))
-    allocate (longer(size(list) + 1))
-    longer(:size(list)) = list
-    longer(size(longer))%name = name
-    longer(size(longer))%value = value
-    call move_alloc(longer, list)
+    row%name = name
+    row%value = value
+    list = [list, row]
   end subroutine add_real
 
-  !> Last row of a curve, with the names of its columns.
+  !> Add the last row of a curve with the names of its columns.
   subroutine add_curve(list, name, columns, values)
     type(curve_row_t), allocatable, intent(inout) :: list(:)
     character(*), intent(in) :: name
     character(*), intent(in) :: columns(:)
     real(wp), intent(in) :: values(:)
-    type(curve_row_t), allocatable :: longer(:)
-    integer :: i, n
+    type(curve_row_t) :: row
+    integer :: i
 
     if (.not. allocated(list)) allocate (list(0))
-    n = size(list) + 1
-    allocate (longer(n))
-    longer(:n - 1) = list
-    longer(n)%name = name
+    row%name = name
     do i = 1, size(columns)
-      call add_real(longer(n)%column, trim(columns(i)), values(i))
+      call add_real(row%column, trim(columns(i)), values(i))
     end do
-    call move_alloc(longer, list)
+    list = [list, row]
   end subroutine add_curve
-
-  function counts(report) result(json)
-    type(report_t), intent(in) :: report
-    character(:), allocatable :: json
-    integer :: i
-
-    json = ''
-    if (allocated(report%element)) then
-      do i = 1, size(report%element)
-        if (i > 1) json = json//', '
-        json = json//json_member(report%element(i)%name, json_number(report%element(i)%n))
-      end do
-    end if
-    json = json_object(json)
-  end function counts
-
-  function seconds(report) result(json)
-    type(report_t), intent(in) :: report
-    character(:), allocatable :: json
-
-    json = '{}'
-    if (allocated(report%seconds)) json = reals(report%seconds)
-  end function seconds
-
-  function finals(report) result(json)
-    type(report_t), intent(in) :: report
-    character(:), allocatable :: json
-    integer :: i
-
-    json = ''
-    if (allocated(report%final)) then
-      do i = 1, size(report%final)
-        if (i > 1) json = json//', '
-        if (allocated(report%final(i)%column)) then
-          json = json//json_member(report%final(i)%name, reals(report%final(i)%column))
-        else
-          json = json//json_member(report%final(i)%name, '{}')
-        end if
-      end do
-    end if
-    json = json_object(json)
-  end function finals
 
   function contacts(contact) result(json)
     type(contact_row_t), intent(in) :: contact(:)
@@ -193,19 +159,23 @@ contains
     json = json_object(json)
   end function contacts
 
+  !> Numbers by their names; none where the list is not allocated.
   pure function reals(list) result(json)
-    type(named_real_t), intent(in) :: list(:)
+    type(named_real_t), allocatable, intent(in) :: list(:)
     character(:), allocatable :: json
     integer :: i
 
     json = ''
-    do i = 1, size(list)
-      if (i > 1) json = json//', '
-      json = json//json_member(list(i)%name, json_number(list(i)%value))
-    end do
+    if (allocated(list)) then
+      do i = 1, size(list)
+        if (i > 1) json = json//', '
+        json = json//json_member(list(i)%name, json_number(list(i)%value))
+      end do
+    end if
     json = json_object(json)
   end function reals
 
+  !> The text; empty where it is not allocated.
   pure function given(text)
     character(:), allocatable, intent(in) :: text
     character(:), allocatable :: given

@@ -1,25 +1,28 @@
 !> Checkpoints: `<stem>.restart.h5` holds the last two.
 !!
-!! A new file is written beside the old one and takes its name when it is whole, so a kill at any
-!! moment leaves a complete file. Reals keep their bits. A file is read only by the program version
-!! and for the deck and mesh that wrote it.
+!! A new file is written beside the old one and takes its name when it is complete, so that a kill at
+!! any moment leaves a complete file. Reals keep their bits. A file is read only by the version of
+!! the program that wrote it, and for the same deck and mesh.
 module restart_file
-  use base_kinds, only: i8
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
+  use base_file, only: file_t, inspect, replace_file, remove_file
+  use base_kinds, only: i8
+  use base_text, only: to_text
+  use byte_file, only: take_room
+  use hdf5_file, only: hdf5_t, create_file, open_file, close_file, has_object, copy_object, get, &
+                       put_attribute, get_attribute, flush_file
   use model, only: model_t, state_t
   use named_values, only: named_values_t
-  use hdf5_file, only: hdf5_t, create_file, open_file, close_file, has_object, copy_object, &
-                       put_attribute, get_attribute, flush_file
-  use base_file, only: replace_file, remove_file, inspect, file_t
-  use byte_file, only: take_room
-  use restart_state, only: write_state, read_state, write_bag, read_bag
+  use restart_archive, only: archive_t, exchange
+  use restart_state, only: exchange_state
   implicit none
   private
   public :: fingerprint_t, make_fingerprint, write_checkpoint, read_checkpoint, text_hash
 
-  integer(i8), parameter :: MARGIN = 65536 !! bytes for the structure of a copy
+  !> Increased when the names or the meaning of the stored values change.
+  integer, parameter :: FORMAT = 2
 
-  !> Whose checkpoint it is.
+  !> The version, deck and mesh that a checkpoint belongs to.
   type :: fingerprint_t
     character(:), allocatable :: version, deck_hash
     integer :: sizes(4) = 0 !! nodes, blocks, elements, equations
@@ -38,126 +41,110 @@ contains
     print%sizes = [model%mesh%nnode, size(model%mesh%block), sum(model%mesh%block%nelem), model%neq]
   end subroutine make_fingerprint
 
-  !> Write a checkpoint; the one before it is kept beside it.
-  subroutine write_checkpoint(path, print, state, bag, error)
+  !> Write a checkpoint and keep the one before it.
+  subroutine write_checkpoint(path, print, state, values, error)
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
     type(state_t), intent(in) :: state
-    type(named_values_t), intent(in) :: bag
+    type(named_values_t), intent(in) :: values
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: second
-    type(hdf5_t) :: file
+    type(archive_t) :: archive
+    type(state_t) :: state_copy ! an archive may change what it exchanges
+    type(named_values_t) :: values_copy
 
-    call create_file(file, path//'.part', error)
-    if (.not. allocated(error)) call write_fingerprint(file, print, error)
-    if (.not. allocated(error)) call write_state(file, 'last', state, error)
-    if (.not. allocated(error)) call write_bag(file, 'last/bag', bag, error)
-    if (.not. allocated(error)) call keep_before(file, path, print, state%step, error)
+    call create_file(archive%file, path//'.part', error)
+    call put_attribute(archive%file, '/', 'content', 'bezel restart', error)
+    call put_attribute(archive%file, '/', 'format', [FORMAT], error)
+    call put_attribute(archive%file, '/', 'version', print%version, error)
+    call put_attribute(archive%file, '/', 'deck_hash', print%deck_hash, error)
+    call put_attribute(archive%file, '/', 'sizes', print%sizes, error)
+    state_copy = state
+    values_copy = values
+    call exchange_state(archive, 'last', state_copy, error)
+    call exchange(archive, 'last/values', values_copy, error)
+    if (.not. allocated(error)) call keep_before(archive%file, path, print, state%step, error)
     if (allocated(error)) then
-      call close_file(file, second)
+      call close_file(archive%file, second)
     else
-      call close_file(file, error)
+      call close_file(archive%file, error)
     end if
     if (.not. allocated(error)) call replace_file(path//'.part', path, error)
     if (allocated(error)) call remove_file(path//'.part')
   end subroutine write_checkpoint
 
-  !> Read the last checkpoint, or the one before it.
-  subroutine read_checkpoint(path, print, state, bag, error, before, any_deck)
-    character(*), intent(in) :: path
-    type(fingerprint_t), intent(in) :: print
-    type(state_t), intent(inout) :: state !! of the model at time 0: gives the sizes
-    type(named_values_t), intent(out) :: bag
-    type(error_t), allocatable, intent(out) :: error
-    logical, intent(in), optional :: before
-    logical, intent(in), optional :: any_deck !! .true.: another deck of the same mesh may have
-    !! written it
-    type(error_t), allocatable :: second
-    type(hdf5_t) :: file
-    character(:), allocatable :: group
-    logical :: is_there
-
-    inquire (file=path, exist=is_there)
-    call open_file(file, path, .false., error)
-    if (allocated(error)) then
-      if (index(error%message, ''': ') == 0 .and. is_there) call refuse_file(path, error)
-      return
-    end if
-    call check_fingerprint(file, path, print, error, any_deck)
-    group = 'last'
-    if (present(before)) then
-      if (before) group = 'before'
-    end if
-    if (.not. allocated(error)) then
-      if (has_object(file, group)) then
-        call read_state(file, group, state, error)
-        if (.not. allocated(error)) call read_bag(file, group//'/bag', bag, error)
-        if (allocated(error)) call refuse_file(path, error)
-      else
-        call fail(error, SYSTEM_ERROR, ''''//path//''' holds one checkpoint only')
-      end if
-    end if
-    call close_file(file, second)
-  end subroutine read_checkpoint
-
-  subroutine refuse_file(path, error)
-    character(*), intent(in) :: path
-    type(error_t), allocatable, intent(out) :: error
-
-    call fail(error, SYSTEM_ERROR, ''''//path//''' is no restart file, or it is damaged', &
-              hint='restart from a file <deck>.restart.h5 of this program')
-  end subroutine refuse_file
-
-  !> Copy what was the last checkpoint; one of this very step is replaced, not kept.
+  !> Copy the checkpoint that was the last one. A checkpoint of the same step is replaced, not kept.
   subroutine keep_before(file, path, print, step, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
     integer, intent(in) :: step
     type(error_t), allocatable, intent(out) :: error
+    integer(i8), parameter :: MARGIN = 65536 !! bytes for the structure of the copy
     type(error_t), allocatable :: ignored
     type(hdf5_t) :: old
-    character(6) :: group
+    type(file_t) :: written
+    character(:), allocatable :: group
     integer :: old_step(1)
-    logical :: is_there
+    logical :: exists
 
-    inquire (file=path, exist=is_there)
-    if (.not. is_there) return
+    inquire (file=path, exist=exists)
+    if (.not. exists) return
     call open_file(old, path, .false., ignored)
-    if (allocated(ignored)) return ! not ours: it goes
+    if (allocated(ignored)) return ! not a checkpoint: it is replaced
     call check_fingerprint(old, path, print, ignored)
-    if (.not. allocated(ignored)) call get_attribute(old, 'last', 'step', old_step, ignored)
+    call get(old, 'last/step', old_step, ignored)
     if (allocated(ignored)) old_step = huge(1)
-    if (old_step(1) <= step) then
-      group = merge('last  ', 'before', old_step(1) < step)
-      if (has_object(old, trim(group))) call copy_group(old, trim(group), file, path, error)
+    group = trim(merge('last  ', 'before', old_step(1) < step))
+    exists = has_object(old, group)
+    if (old_step(1) <= step .and. exists) then
+      ! HDF5 1.10.8 crashes if the disk becomes full while it copies: claim the space first. The file
+      ! holds one state now, which is as large as the one to be copied.
+      call flush_file(file, error)
+      call inspect(path//'.part', written)
+      if (.not. allocated(error)) call take_room(path//'.part', written%size + MARGIN, error)
+      call copy_object(old, group, file, 'before', error)
     end if
     call close_file(old, ignored)
   end subroutine keep_before
 
-  !> HDF5 1.10.8 crashes where the disk is full while it copies: there must be room before.
-  subroutine copy_group(old, group, file, path, error)
-    type(hdf5_t), intent(in) :: old, file
-    character(*), intent(in) :: group, path
-    type(error_t), allocatable, intent(out) :: error
-    type(file_t) :: size_of
-
-    call flush_file(file, error)
-    call inspect(path//'.part', size_of) ! one state, as the one to be copied
-    if (.not. allocated(error)) call take_room(path//'.part', size_of%size + MARGIN, error)
-    if (.not. allocated(error)) call copy_object(old, group, file, 'before', error)
-  end subroutine copy_group
-
-  subroutine write_fingerprint(file, print, error)
-    type(hdf5_t), intent(in) :: file
+  !> Read the last checkpoint, or the one before it.
+  subroutine read_checkpoint(path, print, state, values, error, before, any_deck)
+    character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
+    type(state_t), intent(inout) :: state !! of the model at time 0, as it gives the sizes
+    type(named_values_t), intent(out) :: values
     type(error_t), allocatable, intent(out) :: error
+    logical, intent(in), optional :: before
+    logical, intent(in), optional :: any_deck !! another deck of the same mesh may have written it
+    type(error_t), allocatable :: second
+    type(archive_t) :: archive
+    character(:), allocatable :: group
+    logical :: exists
 
-    call put_attribute(file, '/', 'content', 'bezel restart', error)
-    if (.not. allocated(error)) call put_attribute(file, '/', 'version', print%version, error)
-    if (.not. allocated(error)) call put_attribute(file, '/', 'deck_hash', print%deck_hash, error)
-    if (.not. allocated(error)) call put_attribute(file, '/', 'sizes', print%sizes, error)
-  end subroutine write_fingerprint
+    inquire (file=path, exist=exists)
+    call open_file(archive%file, path, .false., error)
+    if (allocated(error)) then
+      if (index(error%message, ''': ') == 0 .and. exists) call refuse_file(path, error)
+      return
+    end if
+    call check_fingerprint(archive%file, path, print, error, any_deck)
+    group = 'last'
+    if (present(before)) then
+      if (before) group = 'before'
+    end if
+    if (.not. allocated(error)) then
+      if (has_object(archive%file, group)) then
+        archive%writes = .false.
+        call exchange_state(archive, group, state, error)
+        call exchange(archive, group//'/values', values, error)
+        if (allocated(error)) call refuse_file(path, error)
+      else
+        call fail(error, SYSTEM_ERROR, ''''//path//''' holds only one checkpoint')
+      end if
+    end if
+    call close_file(archive%file, second)
+  end subroutine read_checkpoint
 
   subroutine check_fingerprint(file, path, print, error, any_deck)
     type(hdf5_t), intent(in) :: file
@@ -165,32 +152,46 @@ contains
     type(fingerprint_t), intent(in) :: print
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: any_deck
+    character(*), parameter :: SAME = 'restart with the deck, the included files and the --set ' &
+                                      //'values of that analysis'
+    type(error_t), allocatable :: ignored
     character(:), allocatable :: content, version, deck_hash
-    integer :: sizes(4)
+    integer :: format_found(1), sizes(4)
     logical :: same_deck
 
     same_deck = .true.
     if (present(any_deck)) same_deck = .not. any_deck
-
     call get_attribute(file, '/', 'content', content, error)
-    if (.not. allocated(error)) call get_attribute(file, '/', 'version', version, error)
-    if (.not. allocated(error)) call get_attribute(file, '/', 'deck_hash', deck_hash, error)
-    if (.not. allocated(error)) call get_attribute(file, '/', 'sizes', sizes, error)
+    call get_attribute(file, '/', 'version', version, error)
+    call get_attribute(file, '/', 'deck_hash', deck_hash, error)
+    call get_attribute(file, '/', 'sizes', sizes, error)
+    call get_attribute(file, '/', 'format', format_found, ignored)
+    if (allocated(ignored)) format_found = 1 ! files of format 1 do not tell it
     if (allocated(error)) then
       call refuse_file(path, error)
     else if (version /= print%version) then
       call fail(error, DECK_ERROR, ''''//path//''' was written by version '//version// &
                 ', this is '//print%version, hint='restart with the version that wrote it')
+    else if (format_found(1) /= FORMAT) then
+      call fail(error, DECK_ERROR, ''''//path//''' has checkpoint format ' &
+                //to_text(format_found(1))//', expected '//to_text(FORMAT), &
+                hint='start again from the deck, or restart with the program that wrote the file')
     else if (same_deck .and. deck_hash /= print%deck_hash) then
-      call fail(error, DECK_ERROR, ''''//path//''' belongs to another deck', &
-                hint='restart with the deck, the included files and the --set values of that run')
+      call fail(error, DECK_ERROR, ''''//path//''' belongs to another deck', hint=SAME)
     else if (any(sizes /= print%sizes)) then
-      call fail(error, DECK_ERROR, ''''//path//''' belongs to another mesh', &
-                hint='restart with the deck, the included files and the --set values of that run')
+      call fail(error, DECK_ERROR, ''''//path//''' belongs to another mesh', hint=SAME)
     end if
   end subroutine check_fingerprint
 
-  !> 16 hexadecimal digits that tell texts apart.
+  subroutine refuse_file(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+
+    call fail(error, SYSTEM_ERROR, ''''//path//''' is not a restart file, or it is damaged', &
+              hint='restart from a file <deck>.restart.h5 of this program')
+  end subroutine refuse_file
+
+  !> 16 hexadecimal digits that distinguish texts.
   pure function text_hash(text) result(digits)
     character(*), intent(in) :: text
     character(16) :: digits

@@ -1,11 +1,11 @@
-!> Fields of the steps that are to be seen: `<stem>.vtkhdf`, and `<stem>.pvd` with its `.vtu` files.
+!> Fields of selected steps: `<stem>.vtkhdf`, and `<stem>.pvd` with its `.vtu` files.
 module result_file
-  use base_kinds, only: wp
   use base_error, only: error_t
-  use program_version, only: VERSION
-  use model, only: model_t, state_t
-  use view, only: view_t, build_view, map_field
+  use base_kinds, only: wp
   use fields, only: field_t, known_fields, default_fields, collect_fields
+  use model, only: model_t, state_t
+  use program_version, only: VERSION
+  use view, only: view_t, build_view, map_field
   use vtkhdf_file, only: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf
   use vtu_file, only: vtu_series_t, open_series, append_series
   implicit none
@@ -16,20 +16,20 @@ module result_file
     type(view_t) :: view
     type(vtkhdf_t) :: hdf
     type(vtu_series_t) :: series
-    character(16), allocatable :: wanted(:) !! fields, in the order of known_fields
+    character(16), allocatable :: names(:) !! fields, in the order of known_fields
   end type result_file_t
 
 contains
 
-  !> Prepare the picture; the files come with the first step. Files of that name go; a run that
-  !! goes on keeps their steps up to number `keep`.
+  !> Build the view. The files are created with the first step. Old files of that name are removed; a
+  !! restarted run keeps their steps up to number `keep`.
   subroutine open_result(result, stem, model, deck_text, error, keep)
-    type(result_file_t), intent(inout) :: result !! fields may be chosen before
+    type(result_file_t), intent(inout) :: result !! its fields may be chosen already
     character(*), intent(in) :: stem             !! folder and name
     type(model_t), intent(in) :: model
     character(*), intent(in) :: deck_text
     type(error_t), allocatable, intent(out) :: error
-    integer, intent(in), optional :: keep        !! last step that stays
+    integer, intent(in), optional :: keep        !! last step that is kept
     type(run_info_t) :: info
     real(wp), allocatable :: xr(:, :)
 
@@ -43,19 +43,19 @@ contains
     call open_series(result%series, stem, keep)
     call open_vtkhdf(result%hdf, stem//'.vtkhdf', result%view, xr, info, error, keep)
     if (allocated(error)) return
-    if (allocated(result%hdf%names)) result%wanted = result%hdf%names
+    if (allocated(result%hdf%names)) result%names = result%hdf%names
   end subroutine open_result
 
-  !> OUTPut's fields; none: those of the model. To be said before the first step is written.
-  subroutine choose_fields(result, wanted)
+  !> Choose the fields of OUTPut; none: the default of the model. Must precede the first step.
+  subroutine choose_fields(result, chosen)
     type(result_file_t), intent(inout) :: result
-    logical, intent(in) :: wanted(:) !! of known_fields
+    logical, intent(in) :: chosen(:) !! as known_fields
 
-    if (allocated(result%wanted)) deallocate (result%wanted)
-    if (any(wanted)) result%wanted = pack(known_fields(), wanted)
+    if (allocated(result%names)) deallocate (result%names)
+    if (any(chosen)) result%names = pack(known_fields(), chosen)
   end subroutine choose_fields
 
-  !> Write a step to both kinds of file; steps of its number or later ones are replaced.
+  !> Write a step to both kinds of file. It replaces steps of the same or a higher number.
   subroutine write_result(result, model, state, error)
     type(result_file_t), intent(inout) :: result
     type(model_t), intent(in) :: model
@@ -63,21 +63,21 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(field_t), allocatable :: field(:)
 
-    if (.not. allocated(result%wanted)) then ! no OUTPut, or one that names none
+    if (.not. allocated(result%names)) then ! no OUTPut, or one without fields
       if (allocated(result%hdf%names)) then
-        result%wanted = result%hdf%names
+        result%names = result%hdf%names
       else
-        result%wanted = default_fields(model)
+        result%names = default_fields(model)
       end if
     end if
-    call collect_fields(model, state, result%view, result%wanted, field)
+    call collect_fields(model, state, result%view, result%names, field)
     call append_vtkhdf(result%hdf, result%view, state%step, state%time, field, error)
     if (allocated(error)) return
     call append_series(result%series, result%view, result%hdf%xr, state%step, state%time, field, &
                        error)
   end subroutine write_result
 
-  !> To be called once at the end of a run, however it ends.
+  !> Finish the files. Called once at the end of a run, however it ends.
   subroutine close_result(result, error)
     type(result_file_t), intent(inout) :: result
     type(error_t), allocatable, intent(out) :: error

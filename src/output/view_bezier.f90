@@ -1,17 +1,17 @@
-!> One element as a Bezier hexahedron, or a surface's as a Bezier quadrilateral, of VTK, exactly.
+!> An element as a Bezier hexahedron of VTK, or a surface element as a Bezier quadrilateral, exactly.
 !!
-!! The functions of every element of tensor kind are N_A = n_A / W with polynomials n_A and W:
+!! The functions of an element on a tensor grid are N_A = n_A / W with polynomials n_A and W:
 !!
 !!   N_A W = sum_i a_iA B_i,  W = sum_i W_i B_i,  P_i = sum_A (a_iA / W_i) x_A
 !!
-!! with Bernstein polynomials B_i, so the rational Bezier cell of points P_i and weights W_i is the
+!! with Bernstein polynomials B_i. The rational Bezier cell of points P_i and weights W_i is thus the
 !! element: positions, displacements and fields at nodes map by the coefficients a_iA / W_i.
-!! Degrees: those of the element. Where only the surface is rational (an enriched element of surface
-!! weights W(xi, eta)), the bulk functions times W have the degrees of W plus their own there:
-!! the cell is one or two degrees higher there and still exact, and its weights are positive because
-!! raising the degree of W takes means of its coefficients.
+!! The cell has the degrees of the element. Where only the surface is rational (an enriched element
+!! with surface weights W(xi, eta)), the product of the bulk functions and W has the degrees of W plus
+!! their own. The cell then is one or two degrees higher and still exact. Its weights are positive, as
+!! degree elevation takes means of the coefficients of W.
 !!
-!! a_iA is found by interpolation: nothing is asked of an element but its functions and degrees.
+!! The a_iA are found by interpolation, which needs only the functions and degrees of the element.
 module view_bezier
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t
@@ -21,7 +21,7 @@ module view_bezier
 
 contains
 
-  !> Points of the cell, in VTK's order, as combinations of the element's nodes.
+  !> Points of the cell in the order of VTK as combinations of the nodes of the element.
   subroutine bezier_cell(row, cell, nen, degree, coef, weight)
     type(element_t), intent(in) :: row
     type(cell_t), intent(in) :: cell
@@ -29,7 +29,7 @@ contains
     integer, intent(out) :: degree(3)                  !! of the Bezier cell
     real(wp), allocatable, intent(out) :: coef(:, :)   !! (nen, npoint)
     real(wp), allocatable, intent(out) :: weight(:)    !! (npoint)
-    real(wp), allocatable :: a(:, :, :, :) !! (nen+1, n1, n2, n3); last of the first index: W
+    real(wp), allocatable :: a(:, :, :, :) !! (nen+1, n1, n2, n3); last row: W
     integer :: i, j, k, n
 
     degree = cell%degree
@@ -50,7 +50,7 @@ contains
     if (.not. is_rational(cell)) weight = 1.0_wp
   end subroutine bezier_cell
 
-  !> Functions times the denominator, and the denominator, at a tensor grid of points.
+  !> Functions times the denominator, and the denominator, at a grid of points.
   subroutine sample(row, cell, degree, a)
     type(element_t), intent(in) :: row
     type(cell_t), intent(in) :: cell
@@ -86,7 +86,7 @@ contains
     end do
   end subroutine sample
 
-  !> Values at the grid to Bernstein coefficients, one direction after the other.
+  !> Values at the grid to Bernstein coefficients, in one direction after the other.
   subroutine to_bernstein(degree, a)
     integer, intent(in) :: degree(3)
     real(wp), intent(inout) :: a(:, :, :, :)
@@ -137,7 +137,7 @@ contains
     inverse = m(:, n + 1:)
   end subroutine inverse_transposed
 
-  !> Points of interpolation: both ends and Chebyshev's points between.
+  !> Interpolation points: both ends and Chebyshev points between them.
   pure function abscissa(degree, s) result(t)
     integer, intent(in) :: degree, s
     real(wp) :: t
@@ -185,8 +185,8 @@ contains
     if (allocated(cell%c)) on_surface = cell%degree(3) > 0
   end function on_surface
 
-  !> Place, from 1, of the Bezier point (i, j, k), each from 0, in VTK's list: corners, then edges,
-  !! faces and inside (the rule of vtkHigherOrderHexahedron::PointIndexFromIJK).
+  !> Position, from 1, of the Bezier point (i, j, k), each from 0, in the list of VTK: corners, then
+  !! edges, faces and interior (the rule of vtkHigherOrderHexahedron::PointIndexFromIJK).
   pure function vtk_position(i, j, k, degree) result(n)
     integer, intent(in) :: i, j, k
     integer, intent(in) :: degree(3)
@@ -226,7 +226,7 @@ contains
     n = n + 1
   end function vtk_position
 
-  !> The same in a quadrilateral, from 0.
+  !> The same in a quadrilateral, but from 0.
   pure function face_position(i, j, degree) result(n)
     integer, intent(in) :: i, j
     integer, intent(in) :: degree(3)

@@ -1,36 +1,36 @@
-!> Points of the picture as combinations of nodes; two equal combinations are one point.
+!> Points of the view as linear combinations of nodes. Equal combinations are one point.
 module view_points
   use base_kinds, only: wp, i8
   implicit none
   private
   public :: point_list_t, add_point, finish_points
 
-  real(wp), parameter :: SAME = 1.0e-10_wp  !! coefficients nearer than this are one [-]
-  real(wp), parameter :: NOTHING = 1.0e-12_wp !! share of the largest below which it is rounding [-]
+  real(wp), parameter :: SAME = 1.0e-10_wp !! largest difference of equal coefficients [-]
+  real(wp), parameter :: ROUNDING = 1.0e-12_wp !! of the largest coefficient: counts as zero [-]
 
   type :: point_list_t
     integer :: npoint = 0
-    integer, allocatable :: first(:)   !! (npoint+1) where a point's entries begin
-    integer, allocatable :: node(:)    !! ascending
-    real(wp), allocatable :: coef(:)   !! [-]
+    integer, allocatable :: first(:)   !! (npoint+1) where the entries of a point begin
+    integer, allocatable :: node(:)    !! ascending within a point
+    real(wp), allocatable :: coef(:)   !! coefficients of the nodes [-]
     real(wp), allocatable :: weight(:) !! (npoint) rational weight [-]
-    integer, allocatable, private :: next(:), head(:) !! chains of points of one hash number
+    integer, allocatable, private :: next(:), head(:) !! chains of points of one hash value
   end type point_list_t
 
 contains
 
-  !> Number of the point with this combination, made where it is new.
+  !> Number of the point with this combination, which is added where it is new.
   subroutine add_point(list, node, coef, weight, id)
     type(point_list_t), intent(inout) :: list
-    integer, intent(in) :: node(:)     !! may name a node twice
+    integer, intent(in) :: node(:)     !! a node may occur twice
     real(wp), intent(in) :: coef(:)
     real(wp), intent(in) :: weight
     integer, intent(out) :: id
-    integer :: n, slot
+    integer :: i, n, slot
     integer :: nodes(size(node))
     real(wp) :: coefs(size(node))
 
-    call tidy(node, coef, nodes, coefs, n)
+    call simplify(node, coef, nodes, coefs, n)
     if (.not. allocated(list%first)) call start(list)
     slot = hash(nodes(:n), size(list%head))
     id = list%head(slot)
@@ -39,11 +39,14 @@ contains
       id = list%next(id)
     end do
     if (list%npoint + 2 > size(list%first)) call grow_points(list)
-    if (list%first(list%npoint + 1) + n > size(list%node)) call grow_entries(list, n)
     slot = hash(nodes(:n), size(list%head))
     id = list%npoint + 1
     list%npoint = id
     list%first(id + 1) = list%first(id) + n
+    if (list%first(id + 1) > size(list%node)) then
+      list%node = [list%node(:list%first(id) - 1), (0, i=1, 2*n + list%first(id))]
+      list%coef = [list%coef(:list%first(id) - 1), (0.0_wp, i=1, 2*n + list%first(id))]
+    end if
     list%node(list%first(id):list%first(id + 1) - 1) = nodes(:n)
     list%coef(list%first(id):list%first(id + 1) - 1) = coefs(:n)
     list%weight(id) = weight
@@ -51,7 +54,7 @@ contains
     list%head(slot) = id
   end subroutine add_point
 
-  !> Cut the arrays to their contents.
+  !> Reduce the arrays to their contents.
   subroutine finish_points(list)
     type(point_list_t), intent(inout) :: list
 
@@ -63,8 +66,8 @@ contains
     deallocate (list%next, list%head)
   end subroutine finish_points
 
-  !> Ascending nodes, each once, without coefficients that are rounding.
-  pure subroutine tidy(node, coef, nodes, coefs, n)
+  !> Sort the nodes, add the coefficients of equal nodes, and drop those that are rounding.
+  pure subroutine simplify(node, coef, nodes, coefs, n)
     integer, intent(in) :: node(:)
     real(wp), intent(in) :: coef(:)
     integer, intent(out) :: nodes(:)
@@ -73,7 +76,7 @@ contains
     real(wp) :: limit
     integer :: i, j
 
-    limit = NOTHING*maxval(abs(coef))
+    limit = ROUNDING*maxval(abs(coef))
     n = 0
     do i = 1, size(node)
       if (abs(coef(i)) <= limit) cycle
@@ -94,7 +97,7 @@ contains
       coefs(j + 1) = coef(i)
       n = n + 1
     end do
-  end subroutine tidy
+  end subroutine simplify
 
   pure function hash(node, nslot) result(slot)
     integer, intent(in) :: node(:)
@@ -136,6 +139,7 @@ contains
     list%head = 0
   end subroutine start
 
+  !> Double the room for points, and the number of chains.
   subroutine grow_points(list)
     type(point_list_t), intent(inout) :: list
     integer :: id, slot, room
@@ -145,28 +149,12 @@ contains
     list%weight = [list%weight, list%weight]
     list%next = [list%next, list%next]
     deallocate (list%head)
-    allocate (list%head(room))
-    list%head = 0
+    allocate (list%head(room), source=0)
     do id = 1, list%npoint
       slot = hash(list%node(list%first(id):list%first(id + 1) - 1), room)
       list%next(id) = list%head(slot)
       list%head(slot) = id
     end do
   end subroutine grow_points
-
-  subroutine grow_entries(list, n)
-    type(point_list_t), intent(inout) :: list
-    integer, intent(in) :: n
-    integer, allocatable :: node(:)
-    real(wp), allocatable :: coef(:)
-    integer :: used
-
-    used = list%first(list%npoint + 1) - 1
-    allocate (node(2*(used + n)), coef(2*(used + n)))
-    node(:used) = list%node(:used)
-    coef(:used) = list%coef(:used)
-    call move_alloc(node, list%node)
-    call move_alloc(coef, list%coef)
-  end subroutine grow_entries
 
 end module view_points

@@ -1,17 +1,17 @@
-!> The result file `<stem>.vtkhdf`: fields of all steps over one geometry.
+!> The result file `<stem>.vtkhdf`: fields of all steps on one geometry.
 !!
-!! A step is written into room that is there, given to the operating system, and only then counted
-!! (NSteps), so a run killed at any moment leaves all earlier steps readable. Where the room is
-!! used up the file is made anew beside itself with twice the room, and renamed. Closing cuts the
-!! room to the steps; a restart keeps the steps up to its checkpoint.
+!! A step is written into space that the file has allocated, handed to the operating system, and only
+!! then counted (NSteps). A run that is killed at any moment leaves all earlier steps readable. When
+!! the room is used up, a file with twice the room is written beside the old one and takes its name.
+!! Closing reduces the room to the steps; a restart keeps the steps up to its checkpoint.
 module vtkhdf_file
-  use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: replace_file, remove_file
-  use hdf5_file, only: hdf5_t, create_file, open_file, close_file, flush_file, put, get, &
+  use base_kinds, only: wp, i8
+  use fields, only: field_t, describe_field, known_fields
+  use hdf5_file, only: hdf5_t, create_file, open_file, close_file, flush_file, has_object, put, get, &
                        put_attribute, get_attribute, set_length
   use view, only: view_t
-  use fields, only: field_t, describe_field
   use vtkhdf_layout, only: run_info_t, write_layout
   implicit none
   private
@@ -22,16 +22,16 @@ module vtkhdf_file
   type :: vtkhdf_t
     character(:), allocatable :: path
     type(run_info_t) :: info
-    real(wp), allocatable :: xr(:, :)           !! (3, npoint) reference points of the picture
+    real(wp), allocatable :: xr(:, :)           !! (3, npoint) reference positions of the points [L]
     character(16), allocatable :: names(:)      !! fields; set by the first step
-    integer :: nstep = 0, room = 0
+    integer :: nstep = 0, room = 0              !! steps in the file, and steps that fit in
     integer, allocatable :: number(:)           !! (nstep) of the steps in the analysis
   end type vtkhdf_t
 
 contains
 
-  !> Begin a result. The file is made with the first step; an old one goes, but for its steps up to
-  !! number `keep`.
+  !> Begin a result. The file is created with the first step. An old file is removed, or its steps
+  !! up to number `keep` are kept.
   subroutine open_vtkhdf(result, path, view, xr, info, error, keep)
     type(vtkhdf_t), intent(out) :: result
     character(*), intent(in) :: path
@@ -40,22 +40,62 @@ contains
     type(run_info_t), intent(in) :: info
     type(error_t), allocatable, intent(out) :: error
     integer, intent(in), optional :: keep
-    logical :: is_there
+    logical :: exists
 
     result%path = path
     result%info = info
     result%xr = xr
     allocate (result%number(0))
-    inquire (file=path, exist=is_there)
-    if (.not. is_there) return
+    inquire (file=path, exist=exists)
+    if (.not. exists) return
     if (present(keep)) then
-      call take_over(result, view, keep, error)
+      call continue_file(result, view, keep, error)
     else
       call remove_file(path)
     end if
   end subroutine open_vtkhdf
 
-  !> Write a step. Steps of its number or later ones (a run begun again) are replaced.
+  !> Continue an old file: find its fields and the steps to keep, and drop the others.
+  subroutine continue_file(result, view, keep, error)
+    type(vtkhdf_t), intent(inout) :: result
+    type(view_t), intent(in) :: view
+    integer, intent(in) :: keep
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: second
+    type(hdf5_t) :: file
+    character(16) :: known(size(known_fields()))
+    integer, allocatable :: number(:)
+    integer :: i, n(1), npoint(1)
+    logical :: stored(size(known))
+
+    call open_file(file, result%path, .false., error)
+    if (allocated(error)) return
+    call get(file, 'VTKHDF/NumberOfPoints', npoint, error)
+    call get_attribute(file, 'VTKHDF/Steps', 'NSteps', n, error)
+    allocate (number(n(1)))
+    call get(file, 'VTKHDF/Steps/StepNumber', number, error)
+    known = known_fields()
+    do i = 1, size(known)
+      stored(i) = has_object(file, 'VTKHDF/PointData/'//trim(known(i)))
+    end do
+    call close_file(file, second)
+    if (allocated(error)) return
+    if (npoint(1) /= view%npoint) then
+      call fail(error, SYSTEM_ERROR, ''''//result%path//''' belongs to another mesh', &
+                hint='restart with another --name, or in another folder')
+      return
+    end if
+    result%nstep = count(number <= keep)
+    result%number = number(:result%nstep)
+    if (result%nstep == 0) then
+      call remove_file(result%path)
+      return
+    end if
+    result%names = pack(known, stored)
+    call rebuild(result, view, max(FIRST_ROOM, 2*result%nstep), error)
+  end subroutine continue_file
+
+  !> Write a step. It replaces steps of the same or a higher number, which a repeated run wrote.
   subroutine append_vtkhdf(result, view, step, time, field, error)
     type(vtkhdf_t), intent(inout) :: result
     type(view_t), intent(in) :: view
@@ -66,14 +106,16 @@ contains
     type(error_t), allocatable :: second
     type(hdf5_t) :: file
     integer :: k
+    logical :: same
 
     if (.not. allocated(result%names)) result%names = field%name
-    if (size(field) /= size(result%names)) then
-      call refuse_change(error)
-    else if (any(field%name /= result%names)) then
-      call refuse_change(error)
+    same = size(field) == size(result%names)
+    if (same) same = all(field%name == result%names)
+    if (.not. same) then
+      call fail(error, DECK_ERROR, 'the fields of a result file cannot change after its first ' &
+                //'step', hint='give OUTPut its fields before the first PLOT')
+      return
     end if
-    if (allocated(error)) return
     k = count(result%number < step) + 1
     if (k > result%room) call rebuild(result, view, max(FIRST_ROOM, 2*result%room), error)
     if (.not. allocated(error)) call open_file(file, result%path, .true., error)
@@ -88,7 +130,7 @@ contains
     end if
   end subroutine append_vtkhdf
 
-  !> Give back the room that was not used; a failure here loses no step.
+  !> Release the room that was not used. A failure here loses no step.
   subroutine close_vtkhdf(result, view, error)
     type(vtkhdf_t), intent(inout) :: result
     type(view_t), intent(in) :: view
@@ -99,46 +141,7 @@ contains
     end if
   end subroutine close_vtkhdf
 
-  subroutine refuse_change(error)
-    type(error_t), allocatable, intent(out) :: error
-
-    call fail(error, DECK_ERROR, 'the fields of a result file cannot change after its first step', &
-              hint='give OUTPut its fields before the first PLOT')
-  end subroutine refuse_change
-
-  !> Values of one step into its place; then, as one write (see vtkhdf_layout), it is counted.
-  subroutine write_step(file, names, npoint, k, step, time, field, error)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: names(:)
-    integer, intent(in) :: npoint
-    integer, intent(in) :: k    !! place of the step, from 1
-    integer, intent(in) :: step
-    real(wp), intent(in) :: time
-    type(field_t), intent(in) :: field(:)
-    type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: GROUP = 'VTKHDF/Steps'
-    character(:), allocatable :: path
-    integer(i8) :: first
-    integer :: i
-
-    first = int(k - 1, i8)*npoint + 1
-    do i = 1, size(names)
-      path = 'VTKHDF/PointData/'//trim(names(i))
-      if (field(i)%ncomp == 1) then
-        call put(file, path, field(i)%values(1, :), error, first)
-      else
-        call put(file, path, field(i)%values, error, first)
-      end if
-      if (allocated(error)) return
-    end do
-    call put(file, 'VTKHDF/Steps/StepNumber', [step], error, int(k, i8))
-    if (.not. allocated(error)) call flush_file(file, error)
-    if (.not. allocated(error)) call put_attribute(file, GROUP, 'NSteps', [k], error)
-    if (.not. allocated(error)) call set_length(file, GROUP//'/Values', int(k, i8), error)
-    if (.not. allocated(error)) call put(file, GROUP//'/Values', [time], error, int(k, i8))
-  end subroutine write_step
-
-  !> The file anew with another room, and the steps it has.
+  !> Write a new file with room for `room` steps and copy the steps of the old one.
   subroutine rebuild(result, view, room, error)
     type(vtkhdf_t), intent(inout) :: result
     type(view_t), intent(in) :: view
@@ -171,7 +174,7 @@ contains
     type(hdf5_t), intent(in) :: old, new
     type(vtkhdf_t), intent(in) :: result
     integer, intent(in) :: npoint
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     type(field_t), allocatable :: field(:)
     real(wp) :: time(1)
     integer :: i, k, step(1)
@@ -192,62 +195,43 @@ contains
         else
           call get(old, path, field(i)%values, error, first)
         end if
-        if (allocated(error)) return
       end do
       call get(old, 'VTKHDF/Steps/Values', time, error, int(k, i8))
-      if (.not. allocated(error)) then
-        call get(old, 'VTKHDF/Steps/StepNumber', step, error, int(k, i8))
-      end if
-      if (.not. allocated(error)) then
-        call write_step(new, result%names, npoint, k, step(1), time(1), field, error)
-      end if
+      call get(old, 'VTKHDF/Steps/StepNumber', step, error, int(k, i8))
+      call write_step(new, result%names, npoint, k, step(1), time(1), field, error)
       if (allocated(error)) return
     end do
   end subroutine copy_steps
 
-  !> Go on with a file: find its fields and the steps that stay, and cut the others off.
-  subroutine take_over(result, view, keep, error)
-    use fields, only: known_fields
-    use hdf5_file, only: has_object
-    type(vtkhdf_t), intent(inout) :: result
-    type(view_t), intent(in) :: view
-    integer, intent(in) :: keep
-    type(error_t), allocatable, intent(out) :: error
-    type(error_t), allocatable :: second
-    type(hdf5_t) :: file
-    character(16) :: known(size(known_fields()))
-    integer, allocatable :: number(:)
-    integer :: i, n(1), npoint(1)
-    logical :: here(size(known))
+  !> Write the values of a step to its place. One write then counts it, see vtkhdf_layout.
+  subroutine write_step(file, names, npoint, k, step, time, field, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: names(:)
+    integer, intent(in) :: npoint
+    integer, intent(in) :: k    !! place of the step, from 1
+    integer, intent(in) :: step
+    real(wp), intent(in) :: time
+    type(field_t), intent(in) :: field(:)
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: GROUP = 'VTKHDF/Steps'
+    character(:), allocatable :: path
+    integer(i8) :: first
+    integer :: i
 
-    call open_file(file, result%path, .false., error)
-    if (allocated(error)) return
-    call get(file, 'VTKHDF/NumberOfPoints', npoint, error)
-    if (.not. allocated(error)) call get_attribute(file, 'VTKHDF/Steps', 'NSteps', n, error)
-    if (.not. allocated(error)) then
-      allocate (number(n(1)))
-      call get(file, 'VTKHDF/Steps/StepNumber', number, error)
-    end if
-    known = known_fields()
-    do i = 1, size(known)
-      here(i) = .false.
-      if (.not. allocated(error)) here(i) = has_object(file, 'VTKHDF/PointData/'//trim(known(i)))
+    first = int(k - 1, i8)*npoint + 1
+    do i = 1, size(names)
+      path = 'VTKHDF/PointData/'//trim(names(i))
+      if (field(i)%ncomp == 1) then
+        call put(file, path, field(i)%values(1, :), error, first)
+      else
+        call put(file, path, field(i)%values, error, first)
+      end if
     end do
-    call close_file(file, second)
-    if (allocated(error)) return
-    if (npoint(1) /= view%npoint) then
-      call fail(error, SYSTEM_ERROR, ''''//result%path//''' belongs to another mesh', &
-                hint='restart with another --name, or in another folder')
-      return
-    end if
-    result%nstep = count(number <= keep)
-    result%number = number(:result%nstep)
-    if (result%nstep == 0) then
-      call remove_file(result%path)
-      return
-    end if
-    result%names = pack(known, here)
-    call rebuild(result, view, max(FIRST_ROOM, 2*result%nstep), error)
-  end subroutine take_over
+    call put(file, GROUP//'/StepNumber', [step], error, int(k, i8))
+    call flush_file(file, error)
+    call put_attribute(file, GROUP, 'NSteps', [k], error)
+    call set_length(file, GROUP//'/Values', int(k, i8), error)
+    call put(file, GROUP//'/Values', [time], error, int(k, i8))
+  end subroutine write_step
 
 end module vtkhdf_file

@@ -1,20 +1,19 @@
-!> Groups, attributes and geometry of a `.vtkhdf` file: VTKHDF 2.6, UnstructuredGrid with steps.
+!> Structure of a `.vtkhdf` file: VTKHDF 2.6, UnstructuredGrid with steps.
 !!
-!! The geometry is stored once; the fields have room for a number of steps, taken when the file is
-!! made. The attribute NSteps says how many are there: it is the last thing a step writes.
+!! The geometry is stored once. The fields have room for a number of steps, which is allocated when
+!! the file is created. The attribute NSteps tells how many steps are complete: writing a step ends
+!! with it.
 module vtkhdf_layout
-  use base_kinds, only: wp, i8
   use base_error, only: error_t
+  use base_kinds, only: wp, i8
+  use fields, only: field_t, describe_field
   use hdf5_file, only: hdf5_t, make_group, reserve, put, put_attribute, AS_REAL, AS_INT64, AS_UINT8
   use view, only: view_t
-  use fields, only: field_t, describe_field
   implicit none
   private
   public :: run_info_t, write_layout
 
-  integer, parameter :: LONGEST = 60000 !! text of an attribute; HDF5 holds less than 64 kB there
-
-  !> What a result file says about its run.
+  !> What a result file tells about its analysis.
   type :: run_info_t
     character(:), allocatable :: version
     character(:), allocatable :: deck  !! text of the deck
@@ -27,242 +26,185 @@ contains
   subroutine write_layout(file, view, xr, info, names, room, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view
-    real(wp), intent(in) :: xr(:, :)        !! (3, npoint) reference points of the picture
+    real(wp), intent(in) :: xr(:, :)        !! (3, npoint) reference positions of the points [L]
     type(run_info_t), intent(in) :: info
     character(*), intent(in) :: names(:)    !! fields
     integer, intent(in) :: room             !! steps
     type(error_t), allocatable, intent(out) :: error
-
-    call write_root(file, info, error)
-    if (.not. allocated(error)) call write_geometry(file, view, xr, error)
-    if (.not. allocated(error)) call write_cell_data(file, view, error)
-    if (.not. allocated(error)) call make_point_data(file, view, names, room, error)
-    if (.not. allocated(error)) call write_offsets(file, view, names, room, error)
-  end subroutine write_layout
-
-  subroutine write_root(file, info, error)
-    type(hdf5_t), intent(in) :: file
-    type(run_info_t), intent(in) :: info
-    type(error_t), allocatable, intent(out) :: error
+    integer, parameter :: LONGEST = 60000 !! text of an attribute; HDF5 holds less than 64 kB there
     integer :: i
 
     call put_attribute(file, '/', 'program', 'bezel', error)
-    if (.not. allocated(error)) call put_attribute(file, '/', 'version', info%version, error)
-    if (.not. allocated(error)) call put_attribute(file, '/', 'title', info%title, error)
-    if (.not. allocated(error)) call put_attribute(file, '/', 'units', 'user', error)
-    if (allocated(error)) return
+    call put_attribute(file, '/', 'version', info%version, error)
+    call put_attribute(file, '/', 'title', info%title, error)
+    call put_attribute(file, '/', 'units', 'user', error)
     if (len(info%deck) <= LONGEST) then
       call put_attribute(file, '/', 'deck', info%deck, error)
     else
       call put_attribute(file, '/', 'deck', 'see dataset deck_text (bytes)', error)
-      if (.not. allocated(error)) then
-        call reserve(file, 'deck_text', AS_UINT8, 0, len(info%deck, i8), error)
-      end if
-      if (.not. allocated(error)) then
-        call put(file, 'deck_text', [(iachar(info%deck(i:i)), i=1, len(info%deck))], error)
-      end if
+      call reserve(file, 'deck_text', AS_UINT8, 0, len(info%deck, i8), error)
+      call put(file, 'deck_text', [(iachar(info%deck(i:i)), i=1, len(info%deck))], error)
     end if
-    if (.not. allocated(error)) call make_group(file, 'VTKHDF', error)
-    if (.not. allocated(error)) call put_attribute(file, 'VTKHDF', 'Version', [2, 6], error)
-    if (allocated(error)) return
+    call make_group(file, 'VTKHDF', error)
+    call put_attribute(file, 'VTKHDF', 'Version', [2, 6], error)
     call put_attribute(file, 'VTKHDF', 'Type', 'UnstructuredGrid', error)
-  end subroutine write_root
+    call write_geometry(file, view, xr, error)
+    call write_cell_data(file, view, error)
+    call reserve_fields(file, view, names, room, error)
+    call write_offsets(file, view, names, room, error)
+  end subroutine write_layout
 
   subroutine write_geometry(file, view, xr, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view
     real(wp), intent(in) :: xr(:, :)
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
 
     call write_list(file, 'VTKHDF/NumberOfPoints', [view%npoint], AS_INT64, 'points', error)
-    if (allocated(error)) return
     call write_list(file, 'VTKHDF/NumberOfCells', [view%ncell], AS_INT64, 'cells', error)
-    if (allocated(error)) return
     call write_list(file, 'VTKHDF/NumberOfConnectivityIds', [size(view%conn)], AS_INT64, &
                     'length of the connectivity', error)
-    if (allocated(error)) return
     call write_list(file, 'VTKHDF/Connectivity', view%conn - 1, AS_INT64, 'points of the cells', &
                     error)
-    if (allocated(error)) return
     call write_list(file, 'VTKHDF/Offsets', view%first - 1, AS_INT64, &
                     'where the points of a cell begin', error)
-    if (allocated(error)) return
     call write_list(file, 'VTKHDF/Types', view%vtk, AS_UINT8, 'VTK cell type', error)
-    if (allocated(error)) return
     call reserve(file, 'VTKHDF/Points', AS_REAL, 3, int(view%npoint, i8), error)
-    if (.not. allocated(error)) call put(file, 'VTKHDF/Points', xr, error)
-    if (.not. allocated(error)) then
-      call describe(file, 'VTKHDF/Points', 'reference position; of a Bezier cell: control point', &
-                    'L', 'point', error)
-    end if
+    call put(file, 'VTKHDF/Points', xr, error)
+    call describe(file, 'VTKHDF/Points', 'reference position; of a Bezier cell: control point', &
+                  'L', 'point', error)
   end subroutine write_geometry
 
   subroutine write_cell_data(file, view, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view
-    type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: GROUP = 'VTKHDF/CellData'
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: GROUP = 'VTKHDF/CellData', DEGREES = GROUP//'/HigherOrderDegrees'
 
     call make_group(file, GROUP, error)
-    if (.not. allocated(error)) then
-      call write_list(file, GROUP//'/material', view%material, AS_INT64, 'MATErial', error)
-    end if
-    if (.not. allocated(error)) then
-      call write_list(file, GROUP//'/body', view%body, AS_INT64, &
-                      'PATCh in the order of the deck; 0: FEAP mesh', error)
-    end if
-    if (.not. allocated(error)) then
-      call write_list(file, GROUP//'/type', view%block, AS_INT64, &
-                      'element type: '//view%type_names, error)
-    end if
-    if (.not. allocated(error)) then
-      call write_list(file, GROUP//'/element', view%element, AS_INT64, 'element number', error)
-    end if
-    if (allocated(error) .or. .not. view%has_bezier) return
-    call reserve(file, GROUP//'/HigherOrderDegrees', AS_REAL, 3, int(view%ncell, i8), error)
-    if (.not. allocated(error)) then
-      call put(file, GROUP//'/HigherOrderDegrees', real(view%degree, wp), error)
-    end if
-    if (.not. allocated(error)) then
-      call describe(file, GROUP//'/HigherOrderDegrees', 'degrees of the cell', '-', 'cell', error)
-    end if
-    if (.not. allocated(error)) then
-      call put_attribute(file, GROUP//'/HigherOrderDegrees', 'Attribute', 'HigherOrderDegrees', &
-                         error)
-    end if
+    call write_list(file, GROUP//'/material', view%material, AS_INT64, 'MATErial', error)
+    call write_list(file, GROUP//'/body', view%body, AS_INT64, &
+                    'PATCh in the order of the deck; 0: FEAP mesh', error)
+    call write_list(file, GROUP//'/type', view%block, AS_INT64, 'element type: '//view%type_names, &
+                    error)
+    call write_list(file, GROUP//'/element', view%element, AS_INT64, 'element number', error)
+    if (.not. view%has_bezier) return
+    call reserve(file, DEGREES, AS_REAL, 3, int(view%ncell, i8), error)
+    call put(file, DEGREES, real(view%degree, wp), error)
+    call describe(file, DEGREES, 'degrees of the cell', '-', 'cell', error)
+    call put_attribute(file, DEGREES, 'Attribute', 'HigherOrderDegrees', error)
   end subroutine write_cell_data
 
-  !> Room for the fields.
-  subroutine make_point_data(file, view, names, room, error)
+  !> Room for the fields of all steps.
+  subroutine reserve_fields(file, view, names, room, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view
     character(*), intent(in) :: names(:)
     integer, intent(in) :: room
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: GROUP = 'VTKHDF/PointData', WEIGHTS = GROUP//'/RationalWeights'
     type(field_t) :: field
     character(:), allocatable :: path
     integer :: i
 
-    call make_group(file, 'VTKHDF/PointData', error)
-    if (.not. allocated(error) .and. view%has_bezier) then
-      path = 'VTKHDF/PointData/RationalWeights'
-      call reserve(file, path, AS_REAL, 0, int(view%npoint, i8), error)
-      if (.not. allocated(error)) call put(file, path, view%point%weight, error)
-      if (.not. allocated(error)) then
-        call describe(file, path, 'weight of the control point', '-', 'point', error)
-      end if
-      if (allocated(error)) return
-      call put_attribute(file, path, 'Attribute', 'RationalWeights', error)
+    call make_group(file, GROUP, error)
+    if (view%has_bezier) then
+      call reserve(file, WEIGHTS, AS_REAL, 0, int(view%npoint, i8), error)
+      call put(file, WEIGHTS, view%point%weight, error)
+      call describe(file, WEIGHTS, 'weight of the control point', '-', 'point', error)
+      call put_attribute(file, WEIGHTS, 'Attribute', 'RationalWeights', error)
     end if
     do i = 1, size(names)
-      if (allocated(error)) return
       call describe_field(trim(names(i)), field)
-      path = 'VTKHDF/PointData/'//trim(names(i))
+      path = GROUP//'/'//trim(names(i))
       call reserve(file, path, AS_REAL, merge(field%ncomp, 0, field%ncomp > 1), &
                    int(room, i8)*view%npoint, error)
-      if (.not. allocated(error)) then
-        call describe(file, path, trim(field%description), trim(field%dimension), 'point', error)
-      end if
+      call describe(file, path, trim(field%description), trim(field%dimension), 'point', error)
     end do
-  end subroutine make_point_data
+  end subroutine reserve_fields
 
   !> Where the data of each step begin: geometry and cell data at 0, fields one after the other.
   !!
-  !! The readers of VTK want as many times (Values) as steps (NSteps). Values is made right after
-  !! the attribute and has none of its own: so both lie side by side in the file, and the library
-  !! changes them in one write. A kill between two writes would leave one without the other.
+  !! The readers of VTK require as many times (Values) as steps (NSteps). Values is created right
+  !! after the attribute and has none of its own, so that both lie side by side in the file and the
+  !! library changes them in one write. A kill between two writes would leave one without the other.
   subroutine write_offsets(file, view, names, room, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view
     character(*), intent(in) :: names(:)
     integer, intent(in) :: room
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: GROUP = 'VTKHDF/Steps'
     character(*), parameter :: CELLS(5) = &
                                ['material          ', 'body              ', &
                                 'type              ', 'element           ', 'HigherOrderDegrees']
-    character(*), parameter :: ALWAYS(5) = &
-                               ['PartOffsets          ', 'PointOffsets         ', &
-                                'CellOffsets          ', 'ConnectivityIdOffsets', &
-                                'NumberOfParts        ']
+    real(wp) :: zero(room)
     integer :: i, k
 
+    zero = 0.0_wp
     call make_group(file, GROUP, error)
-    if (.not. allocated(error)) call put_attribute(file, GROUP, 'NSteps', [0], error)
-    if (.not. allocated(error)) then
-      call reserve(file, GROUP//'/Values', AS_REAL, 0, 1_i8, error, most=int(room, i8))
-    end if
-    if (.not. allocated(error)) call make_group(file, GROUP//'/PointDataOffsets', error)
-    if (.not. allocated(error)) call make_group(file, GROUP//'/CellDataOffsets', error)
-    if (.not. allocated(error)) then
-      call write_list(file, GROUP//'/StepNumber', spread(0, 1, room), AS_INT64, &
-                      'number of the step in the analysis', error)
-    end if
-    if (allocated(error)) return
-    do i = 1, 5
-      if (allocated(error)) return
-      call write_starts(file, GROUP//'/'//trim(ALWAYS(i)), &
-                        spread(merge(1.0_wp, 0.0_wp, i == 5), 1, room), error, table=i == 3 &
-                        .or. i == 4)
-    end do
+    call put_attribute(file, GROUP, 'NSteps', [0], error)
+    call reserve(file, GROUP//'/Values', AS_REAL, 0, 1_i8, error, most=int(room, i8))
+    call make_group(file, GROUP//'/PointDataOffsets', error)
+    call make_group(file, GROUP//'/CellDataOffsets', error)
+    call write_list(file, GROUP//'/StepNumber', spread(0, 1, room), AS_INT64, &
+                    'number of the step in the analysis', error)
+    call write_starts(file, GROUP//'/PartOffsets', zero, error)
+    call write_starts(file, GROUP//'/PointOffsets', zero, error)
+    call write_starts(file, GROUP//'/CellOffsets', zero, error, column=.true.)
+    call write_starts(file, GROUP//'/ConnectivityIdOffsets', zero, error, column=.true.)
+    call write_starts(file, GROUP//'/NumberOfParts', zero + 1.0_wp, error)
     do i = 1, merge(5, 4, view%has_bezier)
-      if (allocated(error)) return
-      call write_starts(file, GROUP//'/CellDataOffsets/'//trim(CELLS(i)), &
-                        spread(0.0_wp, 1, room), error)
+      call write_starts(file, GROUP//'/CellDataOffsets/'//trim(CELLS(i)), zero, error)
     end do
-    if (view%has_bezier .and. .not. allocated(error)) then
-      call write_starts(file, GROUP//'/PointDataOffsets/RationalWeights', &
-                        spread(0.0_wp, 1, room), error)
+    if (view%has_bezier) then
+      call write_starts(file, GROUP//'/PointDataOffsets/RationalWeights', zero, error)
     end if
     do i = 1, size(names)
-      if (allocated(error)) return
       call write_starts(file, GROUP//'/PointDataOffsets/'//trim(names(i)), &
                         [(real(k, wp)*view%npoint, k=0, room - 1)], error)
     end do
   end subroutine write_offsets
 
-  !> Offsets: 64-bit integers, handed over as reals, which hold them exactly up to 2**53.
-  subroutine write_starts(file, path, values, error, table)
+  !> Offsets are integers of 64 bits. They are passed as reals, which hold them exactly to 2**53.
+  subroutine write_starts(file, path, values, error, column)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path
     real(wp), intent(in), contiguous :: values(:)
-    type(error_t), allocatable, intent(out) :: error
-    logical, intent(in), optional :: table !! a table of one column
-    integer :: ncol
+    type(error_t), allocatable, intent(inout) :: error
+    logical, intent(in), optional :: column !! store a two-dimensional dataset of one column
 
-    ncol = 0
-    if (present(table)) ncol = merge(1, 0, table)
-    call reserve(file, path, AS_INT64, ncol, size(values, kind=i8), error)
-    if (allocated(error)) return
-    if (ncol == 1) then
+    if (present(column)) then
+      call reserve(file, path, AS_INT64, 1, size(values, kind=i8), error)
       call put(file, path, reshape(values, [1, size(values)]), error)
     else
+      call reserve(file, path, AS_INT64, 0, size(values, kind=i8), error)
       call put(file, path, values, error)
     end if
-    if (.not. allocated(error)) call describe(file, path, 'first row of a step', '-', 'step', error)
+    call describe(file, path, 'first row of a step', '-', 'step', error)
   end subroutine write_starts
 
-  subroutine write_list(file, path, values, kind, description, error)
+  subroutine write_list(file, path, values, type, description, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path
     integer, intent(in), contiguous :: values(:)
-    integer, intent(in) :: kind
+    integer, intent(in) :: type !! on disk
     character(*), intent(in) :: description
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
 
-    call reserve(file, path, kind, 0, size(values, kind=i8), error)
-    if (.not. allocated(error)) call put(file, path, values, error)
-    if (.not. allocated(error)) call describe(file, path, description, '-', 'cell', error)
+    call reserve(file, path, type, 0, size(values, kind=i8), error)
+    call put(file, path, values, error)
+    call describe(file, path, description, '-', 'cell', error)
   end subroutine write_list
 
   subroutine describe(file, path, description, dimension, location, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path, description, dimension, location
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
 
     call put_attribute(file, path, 'description', description, error)
-    if (.not. allocated(error)) call put_attribute(file, path, 'dimension', dimension, error)
-    if (.not. allocated(error)) call put_attribute(file, path, 'location', location, error)
+    call put_attribute(file, path, 'dimension', dimension, error)
+    call put_attribute(file, path, 'location', location, error)
   end subroutine describe
 
 end module vtkhdf_layout

@@ -1,14 +1,16 @@
-!> One `.vtu` file a step and a `.pvd` list of them: what VTK from 9.3 on reads exactly.
+!> One `.vtu` file for each step and a `.pvd` list of them; VTK from version 9.3 on shows them exactly.
 !!
-!! XML with the numbers appended in binary; each file is written beside its name and renamed.
+!! The files are XML with the numbers appended in binary. Each is written under another name and
+!! renamed when it is complete.
 module vtu_file
   use, intrinsic :: iso_c_binding, only: c_loc, c_size_t, c_int8_t, c_ptr
-  use base_kinds, only: wp, i8
   use base_error, only: error_t
   use base_file, only: replace_file, remove_file
+  use base_kinds, only: wp, i8
+  use base_text, only: to_text
   use byte_file, only: byte_file_t, open_bytes, write_text, write_bytes, close_bytes, write_whole
-  use view, only: view_t
   use fields, only: field_t
+  use view, only: view_t
   implicit none
   private
   public :: vtu_series_t, open_series, append_series
@@ -16,14 +18,14 @@ module vtu_file
   type :: vtu_series_t
     character(:), allocatable :: stem     !! with the folder
     integer, allocatable :: step(:)       !! steps written
-    real(wp), allocatable :: time(:)
+    real(wp), allocatable :: time(:)      !! of these steps [T]
   end type vtu_series_t
 
   character(*), parameter :: LF = new_line('a')
 
 contains
 
-  !> Begin a series; an old one goes, but for its steps up to number `keep`.
+  !> Begin a series. An old one is removed, or its steps up to number `keep` are kept.
   subroutine open_series(series, stem, keep)
     type(vtu_series_t), intent(out) :: series
     character(*), intent(in) :: stem
@@ -54,12 +56,12 @@ contains
     if (size(series%step) == 0) call remove_file(stem//'.pvd')
   end subroutine open_series
 
-  !> Step and time of a line of a `.pvd` file of ours.
+  !> Step and time of a line of a `.pvd` file that this module wrote.
   subroutine read_entry(line, step, time, status)
     character(*), intent(in) :: line
     integer, intent(out) :: step
     real(wp), intent(out) :: time
-    integer, intent(out) :: status !! 0: it is one
+    integer, intent(out) :: status !! 0: the line names a step
     integer :: i, j
 
     status = 1
@@ -71,15 +73,15 @@ contains
     read (line(i + 10:i + 9 + index(line(i + 10:), '"') - 1), *, iostat=status) time
     if (status /= 0) return
     i = index(line(:j), '_', back=.true.)
-    ! allow(C181): for the caller
+    ! allow(C181): the caller looks at the status
     read (line(i + 1:j - 1), *, iostat=status) step
   end subroutine read_entry
 
-  !> Write a step and put it on the list. Steps of its number or later ones are replaced.
+  !> Write a step and add it to the list. It replaces steps of the same or a higher number.
   subroutine append_series(series, view, xr, step, time, field, error)
     type(vtu_series_t), intent(inout) :: series
     type(view_t), intent(in) :: view
-    real(wp), intent(in) :: xr(:, :)     !! (3, npoint) reference points of the picture
+    real(wp), intent(in) :: xr(:, :)     !! (3, npoint) reference positions of the points [L]
     integer, intent(in) :: step
     real(wp), intent(in) :: time
     type(field_t), intent(in) :: field(:)
@@ -107,10 +109,10 @@ contains
     end do
     series%time = [pack(series%time, series%step < step), time]
     series%step = [pack(series%step, series%step < step), step]
-    call write_whole(series%stem//'.pvd', list(series), error)
+    call write_list(series, error)
   end subroutine append_series
 
-  !> The XML part; the order of the arrays is that of write_numbers.
+  !> The XML part. The arrays have the order of write_numbers.
   function header(view, field) result(text)
     type(view_t), intent(in) :: view
     type(field_t), intent(in) :: field(:)
@@ -121,8 +123,8 @@ contains
     place = 0
     text = '<VTKFile type="UnstructuredGrid" version="2.2" byte_order="LittleEndian" '// &
            'header_type="UInt64">'//LF//'<UnstructuredGrid>'//LF//'<Piece NumberOfPoints="'// &
-           number_text(int(view%npoint, i8))//'" NumberOfCells="'// &
-           number_text(int(view%ncell, i8))//'">'//LF//'<Points>'//LF// &
+           to_text(view%npoint)//'" NumberOfCells="'// &
+           to_text(view%ncell)//'">'//LF//'<Points>'//LF// &
            array('Float64', 'Points', 3, 24_i8*view%npoint, place)// &
            '</Points>'//LF//'<Cells>'//LF// &
            array('Int32', 'connectivity', 1, 4_i8*size(view%conn), place)
@@ -149,7 +151,7 @@ contains
            '<AppendedData encoding="raw">'//LF//'_'
   end function header
 
-  !> One array of the header; `place` moves on by its length and the eight bytes that say it.
+  !> One array of the header. `place` advances by its bytes and the eight bytes of its length.
   function array(type, name, ncomp, bytes, place) result(text)
     character(*), intent(in) :: type, name
     integer, intent(in) :: ncomp
@@ -158,23 +160,27 @@ contains
     character(:), allocatable :: text
 
     text = '<DataArray type="'//type//'" Name="'//name//'" NumberOfComponents="'// &
-           number_text(int(ncomp, i8))//'" format="appended" offset="'//number_text(place)// &
+           to_text(ncomp)//'" format="appended" offset="'//to_text(place)// &
            '"/>'//LF
     place = place + bytes + 8
   end function array
 
+  !> The binary part.
   subroutine write_numbers(file, view, xr, field, error)
     type(byte_file_t), intent(in) :: file
     type(view_t), intent(in) :: view
     real(wp), intent(in) :: xr(:, :)
     type(field_t), intent(in) :: field(:)
     type(error_t), allocatable, intent(out) :: error
+    integer(c_int8_t), allocatable, target :: types(:)
     integer :: i
 
+    allocate (types(view%ncell))
+    types(:) = int(view%vtk, c_int8_t)
     call write_reals(file, reshape(xr, [size(xr)]), error)
     if (.not. allocated(error)) call write_integers(file, view%conn - 1, error)
     if (.not. allocated(error)) call write_integers(file, view%first(2:) - 1, error)
-    if (.not. allocated(error)) call write_short(file, int(view%vtk, c_int8_t), error)
+    if (.not. allocated(error)) call write_block(file, c_loc(types), size(types, kind=i8), error)
     if (view%has_bezier .and. .not. allocated(error)) then
       call write_reals(file, view%point%weight, error)
     end if
@@ -191,7 +197,7 @@ contains
     if (.not. allocated(error)) call write_integers(file, view%element, error)
   end subroutine write_numbers
 
-  !> An array and, before it, its length.
+  !> The length of an array in bytes, and the array.
   subroutine write_block(file, buffer, bytes, error)
     type(byte_file_t), intent(in) :: file
     type(c_ptr), intent(in) :: buffer
@@ -220,19 +226,11 @@ contains
     call write_block(file, c_loc(values), 4_i8*size(values), error)
   end subroutine write_integers
 
-  subroutine write_short(file, values, error)
-    type(byte_file_t), intent(in) :: file
-    integer(c_int8_t), intent(in), target, contiguous :: values(:)
-    type(error_t), allocatable, intent(out) :: error
-
-    call write_block(file, c_loc(values), size(values, kind=i8), error)
-  end subroutine write_short
-
-  !> The `.pvd` list. Files are named without their folder, so the results may be moved.
-  function list(series) result(text)
+  !> Write the `.pvd` list. It names the files without their folder, so that the results can be moved.
+  subroutine write_list(series, error)
     type(vtu_series_t), intent(in) :: series
-    character(:), allocatable :: text
-    character(:), allocatable :: name
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: name, text
     character(32) :: time
     integer :: i
 
@@ -246,7 +244,8 @@ contains
              escaped(name)//'"/>'//LF
     end do
     text = text//'</Collection>'//LF//'</VTKFile>'//LF
-  end function list
+    call write_whole(series%stem//'.pvd', text, error)
+  end subroutine write_list
 
   function file_name(stem, step) result(name)
     character(*), intent(in) :: stem
@@ -258,6 +257,7 @@ contains
     name = stem//'_'//trim(number)//'.vtu'
   end function file_name
 
+  !> Attribute that names the array in use; empty where there is none.
   pure function active(name, is_active) result(text)
     character(*), intent(in) :: name
     logical, intent(in) :: is_active
@@ -267,16 +267,7 @@ contains
     if (is_active) text = ' '//name//'="'//name//'"'
   end function active
 
-  pure function number_text(n) result(text)
-    integer(i8), intent(in) :: n
-    character(:), allocatable :: text
-    character(24) :: number
-
-    write (number, '(i0)') n
-    text = trim(number)
-  end function number_text
-
-  !> Text in XML.
+  !> Text with the characters replaced that XML reserves.
   pure function escaped(text) result(xml)
     character(*), intent(in) :: text
     character(:), allocatable :: xml

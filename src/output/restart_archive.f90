@@ -1,0 +1,259 @@
+!> Values on their way into a checkpoint or out of one, so that one list of names serves both.
+!!
+!! The rule for `error` is that of `hdf5_object`: a call that finds it allocated does nothing.
+module restart_archive
+  use base_kinds, only: wp, i8
+  use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_text, only: to_text
+  use hdf5_file, only: hdf5_t, has_object, make_group, reserve, put, get, get_shape, put_attribute, &
+                       get_attribute, AS_REAL, AS_INT32, AS_UINT8
+  use named_values, only: named_values_t, value_t, put_value => put, REAL_VALUE, INTEGER_VALUE, &
+                          TEXT_VALUE
+  implicit none
+  private
+  public :: archive_t, exchange, exchange_list, enter_group, numbered
+
+  type :: archive_t
+    type(hdf5_t) :: file
+    logical :: writes = .true.
+  end type archive_t
+
+  !> exchange(archive, path, value, error) writes a value, or reads it where the archive is read.
+  !! Arrays have the sizes of the model; another size in the file is a failure.
+  interface exchange
+    module procedure exchange_real, exchange_integer, exchange_logical, exchange_reals, &
+      exchange_integers, exchange_logicals, exchange_matrix, exchange_values
+  end interface exchange
+
+contains
+
+  !> Create a group where the archive is written.
+  subroutine enter_group(archive, path, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (archive%writes) call make_group(archive%file, path, error)
+  end subroutine enter_group
+
+  subroutine exchange_real(archive, path, value, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    real(wp), intent(inout) :: value
+    type(error_t), allocatable, intent(inout) :: error
+    real(wp) :: list(1)
+
+    list = value
+    call exchange_reals(archive, path, list, error)
+    value = list(1)
+  end subroutine exchange_real
+
+  subroutine exchange_integer(archive, path, value, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    integer, intent(inout) :: value
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: list(1)
+
+    list = value
+    call exchange_integers(archive, path, list, error)
+    value = list(1)
+  end subroutine exchange_integer
+
+  subroutine exchange_logical(archive, path, value, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    logical, intent(inout) :: value
+    type(error_t), allocatable, intent(inout) :: error
+    logical :: list(1)
+
+    list = value
+    call exchange_logicals(archive, path, list, error)
+    value = list(1)
+  end subroutine exchange_logical
+
+  subroutine exchange_reals(archive, path, values, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    real(wp), intent(inout), contiguous :: values(:)
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (size(values) == 0) return
+    call prepare(archive, path, AS_REAL, 0, size(values), error)
+    if (archive%writes) then
+      call put(archive%file, path, values, error)
+    else if (.not. allocated(error)) then
+      call get(archive%file, path, values, error)
+    end if
+  end subroutine exchange_reals
+
+  subroutine exchange_integers(archive, path, values, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    integer, intent(inout), contiguous :: values(:)
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (size(values) == 0) return
+    call prepare(archive, path, AS_INT32, 0, size(values), error)
+    if (archive%writes) then
+      call put(archive%file, path, values, error)
+    else if (.not. allocated(error)) then
+      call get(archive%file, path, values, error)
+    end if
+  end subroutine exchange_integers
+
+  subroutine exchange_logicals(archive, path, values, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    logical, intent(inout) :: values(:)
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: numbers(size(values))
+
+    numbers = merge(1, 0, values)
+    call exchange_integers(archive, path, numbers, error)
+    values = numbers == 1
+  end subroutine exchange_logicals
+
+  subroutine exchange_matrix(archive, path, values, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    real(wp), intent(inout), contiguous :: values(:, :)
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (size(values) == 0) return
+    call prepare(archive, path, AS_REAL, size(values, 1), size(values, 2), error)
+    if (archive%writes) then
+      call put(archive%file, path, values, error)
+    else if (.not. allocated(error)) then
+      call get(archive%file, path, values, error)
+    end if
+  end subroutine exchange_matrix
+
+  !> A list that has its length from the file; one that is not allocated is not stored.
+  subroutine exchange_list(archive, path, values, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    real(wp), allocatable, intent(inout) :: values(:)
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: ncol, nrow
+
+    if (archive%writes) then
+      if (.not. allocated(values)) return
+      call reserve(archive%file, path, AS_REAL, 0, size(values, kind=i8), error)
+      call put(archive%file, path, values, error)
+    else
+      if (allocated(values)) deallocate (values)
+      if (.not. has_object(archive%file, path)) return
+      call get_shape(archive%file, path, ncol, nrow, error)
+      allocate (values(nrow))
+      call get(archive%file, path, values, error)
+    end if
+  end subroutine exchange_list
+
+  !> Named values, which are numbered as their names are free text.
+  subroutine exchange_values(archive, path, values, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    type(named_values_t), intent(inout) :: values
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: k, count(1)
+
+    call enter_group(archive, path, error)
+    if (archive%writes) then
+      call put_attribute(archive%file, path, 'count', [values%n], error)
+      do k = 1, values%n
+        call write_value(archive%file, path//numbered('/value', k), values%value(k), error)
+      end do
+    else
+      call get_attribute(archive%file, path, 'count', count, error)
+      do k = 1, count(1)
+        call read_value(archive%file, path//numbered('/value', k), values, error)
+      end do
+    end if
+  end subroutine exchange_values
+
+  subroutine write_value(file, path, value, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: path
+    type(value_t), intent(in) :: value
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    select case (value%type)
+    case (REAL_VALUE)
+      call reserve(file, path, AS_REAL, 0, size(value%reals, kind=i8), error)
+      call put(file, path, value%reals, error)
+    case (INTEGER_VALUE)
+      call reserve(file, path, AS_INT32, 0, size(value%integers, kind=i8), error)
+      call put(file, path, value%integers, error)
+    case default
+      call reserve(file, path, AS_UINT8, 0, len(value%text, kind=i8), error)
+      call put(file, path, [(iachar(value%text(i:i)), i=1, len(value%text))], error)
+    end select
+    call put_attribute(file, path, 'name', value%name, error)
+    call put_attribute(file, path, 'type', [value%type], error)
+  end subroutine write_value
+
+  subroutine read_value(file, path, values, error)
+    type(hdf5_t), intent(in) :: file
+    character(*), intent(in) :: path
+    type(named_values_t), intent(inout) :: values
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: name, text
+    real(wp), allocatable :: reals(:)
+    integer, allocatable :: integers(:)
+    integer :: i, ncol, nrow, type(1)
+
+    call get_attribute(file, path, 'name', name, error)
+    call get_attribute(file, path, 'type', type, error)
+    call get_shape(file, path, ncol, nrow, error)
+    if (allocated(error)) return
+    if (type(1) == REAL_VALUE) then
+      allocate (reals(nrow))
+      call get(file, path, reals, error)
+      if (.not. allocated(error)) call put_value(values, name, reals)
+    else
+      allocate (integers(nrow))
+      call get(file, path, integers, error)
+      if (allocated(error)) return
+      if (type(1) == TEXT_VALUE) then
+        text = repeat(' ', nrow)
+        do i = 1, nrow
+          text(i:i) = achar(integers(i))
+        end do
+        call put_value(values, name, text)
+      else
+        call put_value(values, name, integers)
+      end if
+    end if
+  end subroutine read_value
+
+  !> Create a dataset, or check the shape of an existing one.
+  subroutine prepare(archive, path, type, ncol, nrow, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    integer, intent(in) :: type, ncol, nrow !! see reserve
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: found(2)
+
+    if (archive%writes) then
+      call reserve(archive%file, path, type, ncol, int(nrow, i8), error)
+    else
+      call get_shape(archive%file, path, found(1), found(2), error)
+      if (allocated(error)) return
+      if (any(found /= [ncol, nrow])) then
+        call fail(error, SYSTEM_ERROR, ''''//path//''' has another size than the model')
+      end if
+    end if
+  end subroutine prepare
+
+  !> `stem_k`
+  pure function numbered(stem, k) result(name)
+    character(*), intent(in) :: stem
+    integer, intent(in) :: k
+    character(:), allocatable :: name
+
+    name = stem//'_'//to_text(k)
+  end function numbered
+
+end module restart_archive
