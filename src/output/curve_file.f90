@@ -1,7 +1,7 @@
 !> Curves as tables of columns for gnuplot, numpy and pandas: `<stem>_<curve>.dat`.
 !!
-!! The first line is `# name name ...`. One row follows for each step, with numbers of 16 digits. Each
-!! row is handed to the operating system before the next step begins.
+!! The first line is `# name name ...`. One row follows for each step, with numbers of 16 digits.
+!! Each row is handed to the operating system before the next step begins.
 module curve_file
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_error, only: error_t, fail, BUG

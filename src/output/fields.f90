@@ -93,7 +93,7 @@ contains
     case ('contact_gap')
       call set(1, 'L', 'normal gap, smoothed; negative: penetration')
     case ('contact_slip')
-      call set(3, 'L', 'elastic part of the tangential displacement from the sliding point; smoothed')
+      call set(3, 'L', 'elastic part of the tangential displacement; smoothed')
     case ('contact_state')
       call set(1, '-', 'mean of 0 open, 1 stick or without friction, 2 slip; smoothed')
     case default

@@ -23,16 +23,16 @@ module hdf5_file
   public :: copy_object, put_attribute, get_attribute
   public :: reserve, set_length, put, get, get_shape
 
-  integer, parameter, public :: AS_REAL = 1, AS_INT64 = 2, AS_INT32 = 3, AS_UINT8 = 4 !! types on disk
+  integer, parameter, public :: AS_REAL = 1, AS_INT64 = 2, AS_INT32 = 3, AS_UINT8 = 4 !! on disk
 
   !> put(file, name, values, error[, first]) writes rows from row `first` on, which counts from 1.
   interface put
-    module procedure put_real_1, put_real_2, put_integer_1, put_integer_2
+    module procedure put_real_1, put_real_2, put_integer_1
   end interface put
 
   !> get(file, name, values, error[, first]) reads as many rows as `values` holds.
   interface get
-    module procedure get_real_1, get_real_2, get_integer_1, get_integer_2
+    module procedure get_real_1, get_real_2, get_integer_1
   end interface get
 
 contains
@@ -208,17 +208,6 @@ contains
                    size(values, 1), row(first), .true., error)
   end subroutine put_integer_1
 
-  subroutine put_integer_2(file, name, values, error, first)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: name
-    integer, intent(in), target, contiguous :: values(:, :)
-    type(error_t), allocatable, intent(inout) :: error
-    integer(i8), intent(in), optional :: first
-
-    call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), size(values, 1), &
-                   size(values, 2), row(first), .true., error)
-  end subroutine put_integer_2
-
   subroutine get_real_1(file, name, values, error, first)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
@@ -251,17 +240,6 @@ contains
     call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), 0, &
                    size(values, 1), row(first), .false., error)
   end subroutine get_integer_1
-
-  subroutine get_integer_2(file, name, values, error, first)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: name
-    integer, intent(out), target, contiguous :: values(:, :)
-    type(error_t), allocatable, intent(inout) :: error
-    integer(i8), intent(in), optional :: first
-
-    call move_rows(file, name, H5T_NATIVE_INTEGER, c_loc(values), size(values, 1), &
-                   size(values, 2), row(first), .false., error)
-  end subroutine get_integer_2
 
   !> First row; 1 where it is not given.
   pure function row(first)

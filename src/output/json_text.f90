@@ -1,5 +1,5 @@
-!> The part of JSON that a report needs. Numbers with 17 digits give the same bits when they are read.
-!! A number that is not finite becomes null.
+!> The part of JSON that a report needs. Numbers with 17 digits give the same bits when they are
+!! read. A number that is not finite becomes null.
 module json_text
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp

@@ -52,8 +52,8 @@ contains
       call list_contact(model%contact(m))
     end do
     if (any(is_rigid(model%mesh%block)) .and. size(model%contact) == 0) then
-      call log_line('rigid     the deck has no CONTact: rigid patches move only the nodes that are ' &
-                    //'tied to them')
+      call log_line('rigid     the deck has no CONTact: rigid patches move only the nodes tied ' &
+                    //'to them')
     end if
     call warn_contacts(model)
     call warn_loose(model)

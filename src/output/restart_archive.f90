@@ -5,10 +5,9 @@ module restart_archive
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_text, only: to_text
-  use hdf5_file, only: hdf5_t, has_object, make_group, reserve, put, get, get_shape, put_attribute, &
-                       get_attribute, AS_REAL, AS_INT32, AS_UINT8
-  use named_values, only: named_values_t, value_t, put_value => put, REAL_VALUE, INTEGER_VALUE, &
-                          TEXT_VALUE
+  use hdf5_file, only: hdf5_t, has_object, make_group, reserve, put, get, get_shape, &
+                       put_attribute, get_attribute, AS_REAL, AS_INT32, AS_UINT8
+  use named_values, only: named_values_t, put_value => put, REAL_VALUE, INTEGER_VALUE
   implicit none
   private
   public :: archive_t, exchange, exchange_list, enter_group, numbered
@@ -150,83 +149,69 @@ contains
     end if
   end subroutine exchange_list
 
-  !> Named values, which are numbered as their names are free text.
-  subroutine exchange_values(archive, path, values, error)
+  !> Named values. They are numbered in the file, as their names are free text.
+  subroutine exchange_values(archive, group, values, error)
     type(archive_t), intent(in) :: archive
-    character(*), intent(in) :: path
+    character(*), intent(in) :: group
     type(named_values_t), intent(inout) :: values
     type(error_t), allocatable, intent(inout) :: error
-    integer :: k, count(1)
-
-    call enter_group(archive, path, error)
-    if (archive%writes) then
-      call put_attribute(archive%file, path, 'count', [values%n], error)
-      do k = 1, values%n
-        call write_value(archive%file, path//numbered('/value', k), values%value(k), error)
-      end do
-    else
-      call get_attribute(archive%file, path, 'count', count, error)
-      do k = 1, count(1)
-        call read_value(archive%file, path//numbered('/value', k), values, error)
-      end do
-    end if
-  end subroutine exchange_values
-
-  subroutine write_value(file, path, value, error)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: path
-    type(value_t), intent(in) :: value
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    select case (value%type)
-    case (REAL_VALUE)
-      call reserve(file, path, AS_REAL, 0, size(value%reals, kind=i8), error)
-      call put(file, path, value%reals, error)
-    case (INTEGER_VALUE)
-      call reserve(file, path, AS_INT32, 0, size(value%integers, kind=i8), error)
-      call put(file, path, value%integers, error)
-    case default
-      call reserve(file, path, AS_UINT8, 0, len(value%text, kind=i8), error)
-      call put(file, path, [(iachar(value%text(i:i)), i=1, len(value%text))], error)
-    end select
-    call put_attribute(file, path, 'name', value%name, error)
-    call put_attribute(file, path, 'type', [value%type], error)
-  end subroutine write_value
-
-  subroutine read_value(file, path, values, error)
-    type(hdf5_t), intent(in) :: file
-    character(*), intent(in) :: path
-    type(named_values_t), intent(inout) :: values
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: name, text
+    character(:), allocatable :: path, name, text
     real(wp), allocatable :: reals(:)
     integer, allocatable :: integers(:)
-    integer :: i, ncol, nrow, type(1)
+    integer :: i, k, count(1), ncol, nrow, type(1)
 
-    call get_attribute(file, path, 'name', name, error)
-    call get_attribute(file, path, 'type', type, error)
-    call get_shape(file, path, ncol, nrow, error)
-    if (allocated(error)) return
-    if (type(1) == REAL_VALUE) then
-      allocate (reals(nrow))
-      call get(file, path, reals, error)
-      if (.not. allocated(error)) call put_value(values, name, reals)
+    call enter_group(archive, group, error)
+    count = values%n
+    if (archive%writes) then
+      call put_attribute(archive%file, group, 'count', count, error)
     else
-      allocate (integers(nrow))
-      call get(file, path, integers, error)
-      if (allocated(error)) return
-      if (type(1) == TEXT_VALUE) then
-        text = repeat(' ', nrow)
-        do i = 1, nrow
-          text(i:i) = achar(integers(i))
-        end do
-        call put_value(values, name, text)
-      else
-        call put_value(values, name, integers)
-      end if
+      call get_attribute(archive%file, group, 'count', count, error)
     end if
-  end subroutine read_value
+    do k = 1, count(1)
+      path = group//numbered('/value', k)
+      if (archive%writes) then
+        associate (value => values%value(k))
+          select case (value%type)
+          case (REAL_VALUE)
+            call reserve(archive%file, path, AS_REAL, 0, size(value%reals, kind=i8), error)
+            call put(archive%file, path, value%reals, error)
+          case (INTEGER_VALUE)
+            call reserve(archive%file, path, AS_INT32, 0, size(value%integers, kind=i8), error)
+            call put(archive%file, path, value%integers, error)
+          case default
+            integers = [(iachar(value%text(i:i)), i=1, len(value%text))]
+            call reserve(archive%file, path, AS_UINT8, 0, size(integers, kind=i8), error)
+            call put(archive%file, path, integers, error)
+          end select
+          call put_attribute(archive%file, path, 'name', value%name, error)
+          call put_attribute(archive%file, path, 'type', [value%type], error)
+        end associate
+      else
+        call get_attribute(archive%file, path, 'name', name, error)
+        call get_attribute(archive%file, path, 'type', type, error)
+        call get_shape(archive%file, path, ncol, nrow, error)
+        if (allocated(error)) return
+        select case (type(1))
+        case (REAL_VALUE)
+          reals = spread(0.0_wp, 1, nrow)
+          call get(archive%file, path, reals, error)
+          call put_value(values, name, reals)
+        case default
+          integers = spread(0, 1, nrow)
+          call get(archive%file, path, integers, error)
+          if (type(1) == INTEGER_VALUE) then
+            call put_value(values, name, integers)
+          else
+            text = repeat(' ', nrow)
+            do i = 1, nrow
+              text(i:i) = achar(integers(i))
+            end do
+            call put_value(values, name, text)
+          end if
+        end select
+      end if
+    end do
+  end subroutine exchange_values
 
   !> Create a dataset, or check the shape of an existing one.
   subroutine prepare(archive, path, type, ncol, nrow, error)

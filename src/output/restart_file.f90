@@ -1,8 +1,8 @@
 !> Checkpoints: `<stem>.restart.h5` holds the last two.
 !!
-!! A new file is written beside the old one and takes its name when it is complete, so that a kill at
-!! any moment leaves a complete file. Reals keep their bits. A file is read only by the version of
-!! the program that wrote it, and for the same deck and mesh.
+!! A new file is written beside the old one and takes its name when it is complete, so that a kill
+!! at any moment leaves a complete file. Reals keep their bits. A file is read only by the version
+!! of the program that wrote it, and for the same deck and mesh.
 module restart_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: file_t, inspect, replace_file, remove_file
@@ -98,8 +98,8 @@ contains
     group = trim(merge('last  ', 'before', old_step(1) < step))
     exists = has_object(old, group)
     if (old_step(1) <= step .and. exists) then
-      ! HDF5 1.10.8 crashes if the disk becomes full while it copies: claim the space first. The file
-      ! holds one state now, which is as large as the one to be copied.
+      ! HDF5 1.10.8 crashes if the disk becomes full while it copies: claim the space first. The
+      ! file holds one state now, which is as large as the one to be copied.
       call flush_file(file, error)
       call inspect(path//'.part', written)
       if (.not. allocated(error)) call take_room(path//'.part', written%size + MARGIN, error)

@@ -21,8 +21,8 @@ module result_file
 
 contains
 
-  !> Build the view. The files are created with the first step. Old files of that name are removed; a
-  !! restarted run keeps their steps up to number `keep`.
+  !> Build the view. The files are created with the first step. Old files of that name are removed;
+  !! a restarted run keeps their steps up to number `keep`.
   subroutine open_result(result, stem, model, deck_text, error, keep)
     type(result_file_t), intent(inout) :: result !! its fields may be chosen already
     character(*), intent(in) :: stem             !! folder and name

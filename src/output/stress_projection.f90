@@ -3,8 +3,8 @@
 !!   T_A = int N_A sigma dv / int N_A dv
 !!
 !! over the current volume (the volume form of the smoothing of Sauer 2013), a mean with positive
-!! weights where N_A >= 0. N_A^2 replaces N_A in elements where the integral of a function is zero or
-!! negative (quadratic tetrahedra). A constant stress is reproduced exactly.
+!! weights where N_A >= 0. N_A^2 replaces N_A in elements where the integral of a function is zero
+!! or negative (quadratic tetrahedra). A constant stress is reproduced exactly.
 module stress_projection
   use base_kinds, only: wp
   use mesh, only: is_rigid

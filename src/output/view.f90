@@ -28,7 +28,7 @@ module view
     integer, allocatable :: degree(:, :)    !! (3, ncell)
     integer, allocatable :: material(:)     !! (ncell) the user's number; 0: a rigid body
     integer, allocatable :: body(:)         !! (ncell) PATCh in the order of the deck; 0: FEAP mesh
-    integer, allocatable :: block(:)        !! (ncell) block of the mesh, which tells the element type
+    integer, allocatable :: block(:)        !! (ncell) block of the mesh: tells the element type
     integer, allocatable :: element(:)      !! (ncell) element number
     character(:), allocatable :: type_names !! '1 Q1N2.1, 2 Q1'
   end type view_t

@@ -1,15 +1,16 @@
-!> An element as a Bezier hexahedron of VTK, or a surface element as a Bezier quadrilateral, exactly.
+!> An element as a Bezier hexahedron of VTK, or a surface element as a Bezier quadrilateral,
+!! exactly.
 !!
 !! The functions of an element on a tensor grid are N_A = n_A / W with polynomials n_A and W:
 !!
 !!   N_A W = sum_i a_iA B_i,  W = sum_i W_i B_i,  P_i = sum_A (a_iA / W_i) x_A
 !!
-!! with Bernstein polynomials B_i. The rational Bezier cell of points P_i and weights W_i is thus the
-!! element: positions, displacements and fields at nodes map by the coefficients a_iA / W_i.
-!! The cell has the degrees of the element. Where only the surface is rational (an enriched element
-!! with surface weights W(xi, eta)), the product of the bulk functions and W has the degrees of W plus
-!! their own. The cell then is one or two degrees higher and still exact. Its weights are positive, as
-!! degree elevation takes means of the coefficients of W.
+!! with Bernstein polynomials B_i. The rational Bezier cell of points P_i and weights W_i is thus
+!! the element: positions, displacements and fields at nodes map by the coefficients a_iA / W_i. The
+!! cell has the degrees of the element. Where only the surface is rational (an enriched element with
+!! surface weights W(xi, eta)), the product of the bulk functions and W has the degrees of W plus
+!! their own. The cell then is one or two degrees higher and still exact. Its weights are positive,
+!! as degree elevation takes means of the coefficients of W.
 !!
 !! The a_iA are found by interpolation, which needs only the functions and degrees of the element.
 module view_bezier
@@ -30,13 +31,30 @@ contains
     real(wp), allocatable, intent(out) :: coef(:, :)   !! (nen, npoint)
     real(wp), allocatable, intent(out) :: weight(:)    !! (npoint)
     real(wp), allocatable :: a(:, :, :, :) !! (nen+1, n1, n2, n3); last row: W
+    real(wp), allocatable :: m1(:, :), m2(:, :), m3(:, :)
     integer :: i, j, k, n
 
     degree = cell%degree
     if (is_rational(cell) .and. on_surface(cell)) degree(1:2) = degree(1:2) + degree(3)
     allocate (a(nen + 1, degree(1) + 1, degree(2) + 1, degree(3) + 1))
     call sample(row, cell, degree, a)
-    call to_bernstein(degree, a)
+    ! Values at the grid to Bernstein coefficients, in one direction after the other.
+    call inverse_transposed(degree(1), m1)
+    call inverse_transposed(degree(2), m2)
+    call inverse_transposed(degree(3), m3)
+    do k = 1, size(a, 4)
+      do j = 1, size(a, 3)
+        a(:, :, j, k) = matmul(a(:, :, j, k), m1)
+      end do
+      do i = 1, size(a, 2)
+        a(:, i, :, k) = matmul(a(:, i, :, k), m2)
+      end do
+    end do
+    do j = 1, size(a, 3)
+      do i = 1, size(a, 2)
+        a(:, i, j, :) = matmul(a(:, i, j, :), m3)
+      end do
+    end do
     allocate (coef(nen, product(degree + 1)), weight(product(degree + 1)))
     do k = 0, degree(3)
       do j = 0, degree(2)
@@ -85,31 +103,6 @@ contains
       end do
     end do
   end subroutine sample
-
-  !> Values at the grid to Bernstein coefficients, in one direction after the other.
-  subroutine to_bernstein(degree, a)
-    integer, intent(in) :: degree(3)
-    real(wp), intent(inout) :: a(:, :, :, :)
-    real(wp), allocatable :: m1(:, :), m2(:, :), m3(:, :)
-    integer :: i, j, k
-
-    call inverse_transposed(degree(1), m1)
-    call inverse_transposed(degree(2), m2)
-    call inverse_transposed(degree(3), m3)
-    do k = 1, size(a, 4)
-      do j = 1, size(a, 3)
-        a(:, :, j, k) = matmul(a(:, :, j, k), m1)
-      end do
-      do i = 1, size(a, 2)
-        a(:, i, :, k) = matmul(a(:, i, :, k), m2)
-      end do
-    end do
-    do j = 1, size(a, 3)
-      do i = 1, size(a, 2)
-        a(:, i, j, :) = matmul(a(:, i, j, :), m3)
-      end do
-    end do
-  end subroutine to_bernstein
 
   !> Inverse of M(i, s) = B_i(t_s): coefficients b_i = sum_s v_s inverse(s, i).
   subroutine inverse_transposed(degree, inverse)
@@ -195,12 +188,18 @@ contains
     logical :: end_of(3)
 
     m = degree - 1
-    if (degree(3) == 0) then
-      n = face_position(i, j, degree) + 1
-      return
-    end if
     end_of = [i, j, k] == 0 .or. [i, j, k] == degree
-    if (count(end_of) == 3) then
+    if (degree(3) == 0) then ! a quadrilateral
+      if (end_of(1) .and. end_of(2)) then
+        n = corner(i, j)
+      else if (end_of(2)) then
+        n = 4 + i - 1 + merge(m(1) + m(2), 0, j > 0)
+      else if (end_of(1)) then
+        n = 4 + j - 1 + merge(m(1), 2*m(1) + m(2), i > 0)
+      else
+        n = 4 + 2*(m(1) + m(2)) + i - 1 + m(1)*(j - 1)
+      end if
+    else if (count(end_of) == 3) then
       n = corner(i, j) + merge(4, 0, k > 0)
     else if (count(end_of) == 2) then
       n = 8
@@ -225,27 +224,6 @@ contains
     end if
     n = n + 1
   end function vtk_position
-
-  !> The same in a quadrilateral, but from 0.
-  pure function face_position(i, j, degree) result(n)
-    integer, intent(in) :: i, j
-    integer, intent(in) :: degree(3)
-    integer :: n
-    integer :: m(2)
-    logical :: end_of(2)
-
-    m = degree(:2) - 1
-    end_of = [i, j] == 0 .or. [i, j] == degree(:2)
-    if (all(end_of)) then
-      n = corner(i, j)
-    else if (end_of(2)) then
-      n = 4 + i - 1 + merge(m(1) + m(2), 0, j > 0)
-    else if (end_of(1)) then
-      n = 4 + j - 1 + merge(m(1), 2*m(1) + m(2), i > 0)
-    else
-      n = 4 + 2*(m(1) + m(2)) + i - 1 + m(1)*(j - 1)
-    end if
-  end function face_position
 
   !> Corner of a quadrilateral, counter-clockwise from 0.
   pure function corner(i, j)

@@ -1,16 +1,16 @@
 !> The result file `<stem>.vtkhdf`: fields of all steps on one geometry.
 !!
-!! A step is written into space that the file has allocated, handed to the operating system, and only
-!! then counted (NSteps). A run that is killed at any moment leaves all earlier steps readable. When
-!! the room is used up, a file with twice the room is written beside the old one and takes its name.
-!! Closing reduces the room to the steps; a restart keeps the steps up to its checkpoint.
+!! A step is written into space that the file has allocated, handed to the operating system, and
+!! only then counted (NSteps). A run that is killed at any moment leaves all earlier steps readable.
+!! When the room is used up, a file with twice the room is written beside the old one and takes its
+!! name. Closing reduces the room to the steps; a restart keeps the steps up to its checkpoint.
 module vtkhdf_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: replace_file, remove_file
   use base_kinds, only: wp, i8
   use fields, only: field_t, describe_field, known_fields
-  use hdf5_file, only: hdf5_t, create_file, open_file, close_file, flush_file, has_object, put, get, &
-                       put_attribute, get_attribute, set_length
+  use hdf5_file, only: hdf5_t, create_file, open_file, close_file, flush_file, has_object, put, &
+                       get, put_attribute, get_attribute, set_length
   use view, only: view_t
   use vtkhdf_layout, only: run_info_t, write_layout
   implicit none
@@ -148,16 +148,39 @@ contains
     integer, intent(in) :: room
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: second
+    type(field_t), allocatable :: field(:)
     type(hdf5_t) :: old, new
-    character(:), allocatable :: part
+    character(:), allocatable :: part, path
+    integer(i8) :: first
+    integer :: i, k, step(1)
+    real(wp) :: time(1)
 
     part = result%path//'.part'
     call create_file(new, part, error)
     if (allocated(error)) return
     call write_layout(new, view, result%xr, result%info, result%names, room, error)
     if (result%nstep > 0 .and. .not. allocated(error)) then
+      allocate (field(size(result%names)))
+      do i = 1, size(field)
+        call describe_field(trim(result%names(i)), field(i))
+        allocate (field(i)%values(field(i)%ncomp, view%npoint))
+      end do
       call open_file(old, result%path, .false., error)
-      if (.not. allocated(error)) call copy_steps(old, new, result, view%npoint, error)
+      do k = 1, result%nstep
+        first = int(k - 1, i8)*view%npoint + 1
+        do i = 1, size(field)
+          path = 'VTKHDF/PointData/'//trim(field(i)%name)
+          if (field(i)%ncomp == 1) then
+            call get(old, path, field(i)%values(1, :), error, first)
+          else
+            call get(old, path, field(i)%values, error, first)
+          end if
+        end do
+        call get(old, 'VTKHDF/Steps/Values', time, error, int(k, i8))
+        call get(old, 'VTKHDF/Steps/StepNumber', step, error, int(k, i8))
+        call write_step(new, result%names, view%npoint, k, step(1), time(1), field, error)
+        if (allocated(error)) exit
+      end do
       call close_file(old, second)
     end if
     if (allocated(error)) then
@@ -169,39 +192,6 @@ contains
     if (allocated(error)) call remove_file(part)
     if (.not. allocated(error)) result%room = room
   end subroutine rebuild
-
-  subroutine copy_steps(old, new, result, npoint, error)
-    type(hdf5_t), intent(in) :: old, new
-    type(vtkhdf_t), intent(in) :: result
-    integer, intent(in) :: npoint
-    type(error_t), allocatable, intent(inout) :: error
-    type(field_t), allocatable :: field(:)
-    real(wp) :: time(1)
-    integer :: i, k, step(1)
-    integer(i8) :: first
-    character(:), allocatable :: path
-
-    allocate (field(size(result%names)))
-    do i = 1, size(field)
-      call describe_field(trim(result%names(i)), field(i))
-      allocate (field(i)%values(field(i)%ncomp, npoint))
-    end do
-    do k = 1, result%nstep
-      first = int(k - 1, i8)*npoint + 1
-      do i = 1, size(field)
-        path = 'VTKHDF/PointData/'//trim(field(i)%name)
-        if (field(i)%ncomp == 1) then
-          call get(old, path, field(i)%values(1, :), error, first)
-        else
-          call get(old, path, field(i)%values, error, first)
-        end if
-      end do
-      call get(old, 'VTKHDF/Steps/Values', time, error, int(k, i8))
-      call get(old, 'VTKHDF/Steps/StepNumber', step, error, int(k, i8))
-      call write_step(new, result%names, npoint, k, step(1), time(1), field, error)
-      if (allocated(error)) return
-    end do
-  end subroutine copy_steps
 
   !> Write the values of a step to its place. One write then counts it, see vtkhdf_layout.
   subroutine write_step(file, names, npoint, k, step, time, field, error)

@@ -32,6 +32,7 @@ contains
     integer, intent(in) :: room             !! steps
     type(error_t), allocatable, intent(out) :: error
     integer, parameter :: LONGEST = 60000 !! text of an attribute; HDF5 holds less than 64 kB there
+    character(*), parameter :: CELLS = 'VTKHDF/CellData', DEGREES = CELLS//'/HigherOrderDegrees'
     integer :: i
 
     call put_attribute(file, '/', 'program', 'bezel', error)
@@ -48,18 +49,6 @@ contains
     call make_group(file, 'VTKHDF', error)
     call put_attribute(file, 'VTKHDF', 'Version', [2, 6], error)
     call put_attribute(file, 'VTKHDF', 'Type', 'UnstructuredGrid', error)
-    call write_geometry(file, view, xr, error)
-    call write_cell_data(file, view, error)
-    call reserve_fields(file, view, names, room, error)
-    call write_offsets(file, view, names, room, error)
-  end subroutine write_layout
-
-  subroutine write_geometry(file, view, xr, error)
-    type(hdf5_t), intent(in) :: file
-    type(view_t), intent(in) :: view
-    real(wp), intent(in) :: xr(:, :)
-    type(error_t), allocatable, intent(inout) :: error
-
     call write_list(file, 'VTKHDF/NumberOfPoints', [view%npoint], AS_INT64, 'points', error)
     call write_list(file, 'VTKHDF/NumberOfCells', [view%ncell], AS_INT64, 'cells', error)
     call write_list(file, 'VTKHDF/NumberOfConnectivityIds', [size(view%conn)], AS_INT64, &
@@ -73,27 +62,22 @@ contains
     call put(file, 'VTKHDF/Points', xr, error)
     call describe(file, 'VTKHDF/Points', 'reference position; of a Bezier cell: control point', &
                   'L', 'point', error)
-  end subroutine write_geometry
-
-  subroutine write_cell_data(file, view, error)
-    type(hdf5_t), intent(in) :: file
-    type(view_t), intent(in) :: view
-    type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: GROUP = 'VTKHDF/CellData', DEGREES = GROUP//'/HigherOrderDegrees'
-
-    call make_group(file, GROUP, error)
-    call write_list(file, GROUP//'/material', view%material, AS_INT64, 'MATErial', error)
-    call write_list(file, GROUP//'/body', view%body, AS_INT64, &
+    call make_group(file, CELLS, error)
+    call write_list(file, CELLS//'/material', view%material, AS_INT64, 'MATErial', error)
+    call write_list(file, CELLS//'/body', view%body, AS_INT64, &
                     'PATCh in the order of the deck; 0: FEAP mesh', error)
-    call write_list(file, GROUP//'/type', view%block, AS_INT64, 'element type: '//view%type_names, &
+    call write_list(file, CELLS//'/type', view%block, AS_INT64, 'element type: '//view%type_names, &
                     error)
-    call write_list(file, GROUP//'/element', view%element, AS_INT64, 'element number', error)
-    if (.not. view%has_bezier) return
-    call reserve(file, DEGREES, AS_REAL, 3, int(view%ncell, i8), error)
-    call put(file, DEGREES, real(view%degree, wp), error)
-    call describe(file, DEGREES, 'degrees of the cell', '-', 'cell', error)
-    call put_attribute(file, DEGREES, 'Attribute', 'HigherOrderDegrees', error)
-  end subroutine write_cell_data
+    call write_list(file, CELLS//'/element', view%element, AS_INT64, 'element number', error)
+    if (view%has_bezier) then
+      call reserve(file, DEGREES, AS_REAL, 3, int(view%ncell, i8), error)
+      call put(file, DEGREES, real(view%degree, wp), error)
+      call describe(file, DEGREES, 'degrees of the cell', '-', 'cell', error)
+      call put_attribute(file, DEGREES, 'Attribute', 'HigherOrderDegrees', error)
+    end if
+    call reserve_fields(file, view, names, room, error)
+    call write_offsets(file, view, names, room, error)
+  end subroutine write_layout
 
   !> Room for the fields of all steps.
   subroutine reserve_fields(file, view, names, room, error)

@@ -1,4 +1,5 @@
-!> One `.vtu` file for each step and a `.pvd` list of them; VTK from version 9.3 on shows them exactly.
+!> One `.vtu` file for each step and a `.pvd` list of them; VTK from version 9.3 on shows them
+!! exactly.
 !!
 !! The files are XML with the numbers appended in binary. Each is written under another name and
 !! renamed when it is complete.
@@ -226,7 +227,8 @@ contains
     call write_block(file, c_loc(values), 4_i8*size(values), error)
   end subroutine write_integers
 
-  !> Write the `.pvd` list. It names the files without their folder, so that the results can be moved.
+  !> Write the `.pvd` list. It names the files without their folder, so that the results can be
+  !! moved.
   subroutine write_list(series, error)
     type(vtu_series_t), intent(in) :: series
     type(error_t), allocatable, intent(out) :: error
