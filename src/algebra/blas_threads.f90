@@ -1,8 +1,8 @@
-!> Threads of the BLAS.
+!> Threads of OpenBLAS and the processor that it is tuned for.
 module blas_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_ptr
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_kinds, only: wp
   use base_text, only: to_text
   use lapack, only: dgemm
   implicit none
@@ -25,41 +25,34 @@ module blas_threads
 contains
 
   !> Use n threads in factorisations.
+  !!
+  !! A first product lets OpenBLAS allocate its buffer, which it keeps, while there is memory. It
+  !! would retry for ever where there is none, so that the memory is tested before. Products of
+  !! small matrices need no buffer.
   subroutine set_threads(n, error)
     integer, intent(in) :: n
     type(error_t), allocatable, intent(out) :: error
-
-    call openblas_set_num_threads(int(max(n, 1), c_int))
-    call claim_buffer(error)
-  end subroutine set_threads
-
-  !> Let OpenBLAS take its buffer while there is memory: it keeps it, and asks for ever where there
-  !! is none, so we ask first. Products of small matrices need no buffer.
-  subroutine claim_buffer(error)
-    type(error_t), allocatable, intent(out) :: error
-    integer, parameter :: LARGE = 128, BUFFER_MB = 192 !! OpenBLAS takes 128, and some for itself
+    integer, parameter :: LARGE = 128, BUFFER_MB = 192 !! OpenBLAS takes 128 MB and some for itself
     real(wp), allocatable :: a(:, :), c(:, :)
-    character(:), allocatable :: room !! never touched, so it costs nothing
+    character(:), allocatable :: room !! never touched, so that it takes no memory
     integer :: status
 
+    call openblas_set_num_threads(int(max(n, 1), c_int))
     allocate (character(BUFFER_MB*2**20) :: room, stat=status)
     if (status /= 0) then
-      call fail(error, SYSTEM_ERROR, 'no memory for the linear algebra: it needs ' &
-                //to_text(BUFFER_MB)//' MB before any model is read', &
+      call fail(error, SYSTEM_ERROR, 'not enough memory for the linear algebra, which needs ' &
+                //to_text(BUFFER_MB)//' MB before a model is read', &
                 hint='see the limits that ulimit -a shows')
       return
     end if
     deallocate (room)
-    allocate (a(LARGE, LARGE), c(LARGE, LARGE))
-    a = 0.0_wp
-    c = 0.0_wp
+    allocate (a(LARGE, LARGE), c(LARGE, LARGE), source=0.0_wp)
     call dgemm('N', 'N', LARGE, LARGE, LARGE, 1.0_wp, a, LARGE, a, LARGE, 0.0_wp, c, LARGE)
-  end subroutine claim_buffer
+  end subroutine set_threads
 
-  !> The processor OpenBLAS was tuned for, to stand beside every measured time.
+  !> The processor that OpenBLAS is tuned for, to be given with measured times.
   function blas_kernel() result(name)
     character(:), allocatable :: name
-
     integer, parameter :: LONGEST = 64
     character(kind=c_char), pointer :: text(:)
     integer :: i

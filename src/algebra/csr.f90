@@ -1,14 +1,9 @@
-!> Sparse matrices of 3x3 blocks, one block row a node: pattern, values and element maps.
+!> Sparse matrices of 3x3 blocks with one block row for each node: pattern, values, products with
+!! vectors, and the addition of element matrices.
 !!
-!! A symmetric matrix stores the blocks on and above the diagonal (row node <= column node); its
-!! diagonal blocks are kept full, so that elements may add to them without looking.
+!! A symmetric matrix stores the blocks on and above the diagonal (row node <= column node). Its
+!! diagonal blocks are stored in full, so that elements are added without a distinction.
 !! Every node has a diagonal block. Columns ascend within a row.
-!!
-!! Products of a block matrix with vectors.
-!!
-!! Adds element matrices to a sparse matrix through precomputed block positions.
-!!
-!! Block matrices under one name, for the rest of the program.
 module csr
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
@@ -25,38 +20,36 @@ module csr
     module procedure map_all
   end interface element_map
 
-  !> Nodes that are all coupled with each other, one column a clique: the elements of a block, or
-  !! pairs in contact.
+  !> Groups of nodes that are all coupled with each other, one group in each column: the elements of
+  !! a block, or pairs in contact.
   type :: clique_t
-    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a node may stand twice
+    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a node may occur twice
   end type clique_t
 
-  !> The matrix.
   type :: block_matrix_t
     integer :: nnode = 0
-    logical :: symmetric = .true.          !! upper blocks only
+    logical :: symmetric = .true.          !! only the upper blocks are stored
     integer, allocatable :: row(:)         !! (nnode+1) first block of each row
     integer, allocatable :: col(:)         !! (nblock) column node of each block
     real(wp), allocatable :: val(:, :, :)  !! (3, 3, nblock) row dof, column dof, block
   end type block_matrix_t
 
-  !> Which cliques a node belongs to.
+  !> The cliques that each node belongs to.
   type :: incidence_t
-    integer, allocatable :: first(:)  !! (nnode+1)
+    integer, allocatable :: first(:)  !! (nnode+1) where the cliques of a node begin
     integer, allocatable :: group(:)  !! index into the array of cliques
     integer, allocatable :: elem(:)   !! column of its conn
   end type incidence_t
 
 contains
 
-  !> Pattern of a matrix that couples the nodes of each clique; values zero.
+  !> A matrix of zeros whose pattern couples the nodes of each clique.
   subroutine new_pattern(a, nnode, cliques, symmetric, error)
     type(block_matrix_t), intent(out) :: a
     integer, intent(in) :: nnode
     type(clique_t), intent(in) :: cliques(:)
     logical, intent(in) :: symmetric
     type(error_t), allocatable, intent(out) :: error
-
     type(incidence_t) :: inc
     integer, allocatable :: count(:)
     integer :: stat
@@ -73,14 +66,14 @@ contains
     allocate (a%col(a%row(nnode + 1) - 1), stat=stat)
     if (stat == 0) allocate (a%val(3, 3, size(a%col)), stat=stat)
     if (stat /= 0) then
-      call fail(error, SYSTEM_ERROR, 'no memory for the tangent matrix')
+      call fail(error, SYSTEM_ERROR, 'not enough memory for the tangent matrix')
       return
     end if
     call walk_columns(a, cliques, inc, count, counting=.false.)
     call set_zero(a)
   end subroutine new_pattern
 
-  !> Positions of scalar entries are default integers: 9 a block must fit.
+  !> Positions of scalar entries are default integers, so that 9 entries for each block must fit.
   subroutine check_size(nblock, error)
     integer(i8), intent(in) :: nblock
     type(error_t), allocatable, intent(out) :: error
@@ -90,13 +83,12 @@ contains
               //' entries, more than '//to_text(huge(1)), hint='use a coarser mesh')
   end subroutine check_size
 
-  !> Cliques of every node, by counting.
+  !> Find the cliques of every node by counting.
   subroutine find_incidence(nnode, cliques, inc, error)
     integer, intent(in) :: nnode
     type(clique_t), intent(in) :: cliques(:)
     type(incidence_t), intent(out) :: inc
     type(error_t), allocatable, intent(out) :: error
-
     integer, allocatable :: count(:)
     integer :: g, e, a, i
 
@@ -105,7 +97,8 @@ contains
     do g = 1, size(cliques)
       if (size(cliques(g)%conn) == 0) cycle
       if (minval(cliques(g)%conn) < 1 .or. maxval(cliques(g)%conn) > nnode) then
-        call fail(error, BUG, 'an element of the pattern refers to a node that does not exist')
+        call fail(error, BUG, 'an element of the pattern refers to a node outside 1 to ' &
+                  //to_text(nnode))
         return
       end if
       do e = 1, size(cliques(g)%conn, 2)
@@ -131,14 +124,13 @@ contains
     end do
   end subroutine find_incidence
 
-  !> Column after column, so that every row comes out sorted without sorting.
+  !> Visit the blocks column by column, so that the columns of every row ascend without sorting.
   subroutine walk_columns(a, cliques, inc, count, counting)
     type(block_matrix_t), intent(inout) :: a
     type(clique_t), intent(in) :: cliques(:)
     type(incidence_t), intent(in) :: inc
     integer, intent(inout) :: count(:) !! (nnode) blocks found so far in each row
     logical, intent(in) :: counting    !! .true.: first pass, no column is stored
-
     integer, allocatable :: mark(:)
     integer :: i, j, k, b
 
@@ -146,7 +138,7 @@ contains
     mark = 0
     count = 0
     do j = 1, a%nnode
-      ! The diagonal block leads its row, and is there even where no element touches the node.
+      ! The diagonal block leads its row, and exists even where no element has the node.
       if (a%symmetric .or. inc%first(j) == inc%first(j + 1)) call put(j)
       do k = inc%first(j), inc%first(j + 1) - 1
         associate (conn => cliques(inc%group(k))%conn)
@@ -171,11 +163,10 @@ contains
 
   end subroutine walk_columns
 
-  !> Running sum of counts.
+  !> First position of each row from the number of entries in the rows.
   subroutine set_row_starts(row, count)
     integer, allocatable, intent(out) :: row(:)
     integer, intent(in) :: count(:)
-
     integer :: i
 
     allocate (row(size(count) + 1))
@@ -191,7 +182,6 @@ contains
     integer, intent(in) :: conn(:, :)     !! (nen, nelem)
     integer, intent(out) :: map(:, :, :)  !! (nen, nen, nelem)
     type(error_t), allocatable, intent(out), optional :: error !! a pair is not in the pattern
-
     integer :: e
 
     do e = 1, size(conn, 2)
@@ -203,15 +193,14 @@ contains
 
   !> Block positions of the node pairs of one element.
   !!
-  !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2); 0 where a symmetric
-  !! matrix stores the transpose instead. Where b1 /= b2 are the same node, both pairs lead to its
+  !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2), or 0 where a symmetric
+  !! matrix stores the transpose instead. Where b1 /= b2 are the same node, both pairs map to its
   !! diagonal block.
   subroutine map_one(a, conn, map, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:)    !! (nen)
     integer, intent(out) :: map(:, :) !! (nen, nen)
     type(error_t), allocatable, intent(out), optional :: error
-
     integer :: b1, b2
     logical :: complete
 
@@ -225,7 +214,7 @@ contains
       end do
     end do
     if (complete .or. .not. present(error)) return
-    call fail(error, BUG, 'an element is not in the pattern of the tangent matrix')
+    call fail(error, BUG, 'an element is missing in the pattern of the tangent matrix')
   end subroutine map_one
 
   !> Position of the block (i, j); 0 where it is not stored.
@@ -233,7 +222,6 @@ contains
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: i !! row node
     integer, intent(in) :: j !! column node
-
     integer :: low, high
 
     low = a%row(i)
@@ -250,7 +238,7 @@ contains
     p = 0
   end function block_position
 
-  !> Make all values zero, keep the pattern.
+  !> Set all values to zero.
   pure subroutine set_zero(a)
     type(block_matrix_t), intent(inout) :: a
 
@@ -259,7 +247,8 @@ contains
 
   !> y = A x over all nodes, prescribed dofs included.
   !!
-  !! With x = 0 at the free dofs this is what prescribed motion asks of them: the tangent predictor.
+  !! With x = 0 at the free dofs these are the forces of prescribed motion on them, which the
+  !! tangent predictor uses.
   pure subroutine multiply(a, x, y)
     type(block_matrix_t), intent(in) :: a
     real(wp), intent(in) :: x(:, :)   !! (3, nnode)
@@ -272,19 +261,18 @@ contains
     end if
   end subroutine multiply
 
-  !> Both halves of a symmetric matrix from its upper one.
+  !> Product with a symmetric matrix of which the upper half is stored.
   pure subroutine multiply_symmetric(nnode, row, col, val, x, y)
     integer, intent(in) :: nnode
     integer, intent(in) :: row(:), col(:)
     real(wp), intent(in) :: val(:, :, :), x(:, :)
     real(wp), intent(out) :: y(:, :)
-
     real(wp) :: s1, s2, s3, x1, x2, x3
     integer :: i, j, p
 
     y = 0.0_wp
     do i = 1, nnode
-      p = row(i) ! the diagonal block leads its row; its upper triangle counts
+      p = row(i) ! the diagonal block leads its row; its upper triangle is used
       x1 = x(1, i); x2 = x(2, i); x3 = x(3, i)
       s1 = val(1, 1, p)*x1 + val(1, 2, p)*x2 + val(1, 3, p)*x3
       s2 = val(1, 2, p)*x1 + val(2, 2, p)*x2 + val(2, 3, p)*x3
@@ -310,7 +298,6 @@ contains
     integer, intent(in) :: row(:), col(:)
     real(wp), intent(in) :: val(:, :, :), x(:, :)
     real(wp), intent(out) :: y(:, :)
-
     real(wp) :: s1, s2, s3
     integer :: i, j, p
 
@@ -326,7 +313,7 @@ contains
     end do
   end subroutine multiply_full
 
-  !> y = A x over the free dofs only.
+  !> y = A x over the free dofs.
   pure subroutine multiply_free(a, eq, x, y, xn, yn)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
@@ -334,7 +321,6 @@ contains
     real(wp), intent(inout) :: y(:)      !! (neq)
     real(wp), intent(inout) :: xn(:, :)  !! (3, nnode) work
     real(wp), intent(inout) :: yn(:, :)  !! (3, nnode) work
-
     integer :: i, n
 
     do n = 1, a%nnode
@@ -351,12 +337,11 @@ contains
     end do
   end subroutine multiply_free
 
-  !> Sums of absolute values of each row, over free rows and columns.
+  !> Sum of the absolute values of each free row over the free columns.
   pure subroutine row_sums(a, eq, total)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)       !! (3, nnode)
     real(wp), intent(out) :: total(:)     !! (neq)
-
     integer :: i, j, n, m, p
 
     total = 0.0_wp
@@ -375,13 +360,12 @@ contains
     end do
   end subroutine row_sums
 
-  !> Add one element matrix. A symmetric matrix takes what lies on and above its diagonal: k must
-  !! then be symmetric.
+  !> Add one element matrix. To a symmetric matrix only the blocks on and above its diagonal are
+  !! added; k must then be symmetric.
   pure subroutine add_element(a, map, k)
     type(block_matrix_t), intent(inout) :: a
     integer, intent(in) :: map(:, :)  !! (nen, nen) block positions, 0: not stored (element_map)
     real(wp), intent(in) :: k(:, :)   !! (3*nen, 3*nen)
-
     integer :: b1, b2, j, p
 
     do b2 = 1, size(map, 2)
@@ -397,7 +381,7 @@ contains
     end do
   end subroutine add_element
 
-  !> Add a batch of elements, the last one perhaps not full.
+  !> Add a batch of elements; the last batch of a block may not be full.
   pure subroutine add_batch(a, map, k)
     type(block_matrix_t), intent(inout) :: a
     integer, intent(in) :: map(:, :, :)      !! (nen, nen, n) positions, n <= NB elements in use
@@ -406,13 +390,12 @@ contains
     call add_batch_to(size(map, 1), size(map, 3), size(a%val, 3), map, k, a%val)
   end subroutine add_batch
 
-  !> Explicit shapes: the addresses are then known to the compiler.
+  !> The same with explicit shapes, which let the compiler compute the addresses.
   pure subroutine add_batch_to(nen, n, nblock, map, k, val)
     integer, intent(in) :: nen, n, nblock
     integer, intent(in) :: map(nen, nen, n)
     real(wp), intent(in) :: k(NB, 3, 3, nen, nen)
     real(wp), intent(inout) :: val(3, 3, nblock)
-
     integer :: b1, b2, e, j, p
 
     do e = 1, n

@@ -1,6 +1,5 @@
-!> Rectangular couplings in a sparse matrix: rows of some nodes, columns of others (contact).
-!!
-!! A symmetric matrix takes the symmetric part of what is added.
+!> Rectangular blocks of a sparse matrix that couple rows of some nodes with columns of others, as
+!! contact does. Only the symmetric part is added to a symmetric matrix.
 module csr_coupling
   use base_kinds, only: wp
   use csr, only: block_matrix_t, block_position
@@ -10,8 +9,8 @@ module csr_coupling
 
 contains
 
-  !> Block positions of the pairs of a row node and a column node; negative: the transpose is stored
-  !! there; 0: not in the pattern.
+  !> Block positions of the pairs of a row node and a column node. Negative: the transpose is stored
+  !! at that position; 0: the pair is not in the pattern.
   pure subroutine coupling_map(a, rows, cols, map)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: rows(:), cols(:) !! nodes
@@ -29,7 +28,7 @@ contains
     end do
   end subroutine coupling_map
 
-  !> Add the derivatives of the forces on the row nodes against the column nodes.
+  !> Add the derivatives of the forces on the row nodes with respect to the column nodes.
   pure subroutine add_coupling(a, rows, cols, map, k)
     type(block_matrix_t), intent(inout) :: a
     integer, intent(in) :: rows(:), cols(:)

@@ -1,4 +1,4 @@
-!> The equations of a block matrix as a list of entries (row, column, value), for direct solvers.
+!> The entries of a block matrix at the free dofs as a list (row, column, value) for direct solvers.
 module csr_extract
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -7,24 +7,23 @@ module csr_extract
   private
   public :: entries_t, new_entries, gather
 
-  !> Where the entries of the free dofs are; a symmetric matrix lists its upper triangle by nodes.
+  !> Positions of the entries of the free dofs. Of a symmetric matrix the upper triangle is listed.
   type :: entries_t
     integer :: neq = 0
     logical :: symmetric = .true.
     integer, allocatable :: row(:)      !! (nnz) equation numbers
     integer, allocatable :: col(:)      !! (nnz)
-    integer, allocatable :: place(:)    !! (nnz) position in a%val taken as one row
+    integer, allocatable :: place(:)    !! (nnz) position in a%val taken as one vector
   end type entries_t
 
 contains
 
-  !> List the entries of the free dofs once for a pattern.
+  !> List the entries of the free dofs of a pattern.
   subroutine new_entries(entries, a, eq, error)
     type(entries_t), intent(out) :: entries
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)   !! (3, nnode) equation numbers, 0: prescribed
     type(error_t), allocatable, intent(out) :: error
-
     integer(i8) :: nnz
     integer :: stat
 
@@ -37,20 +36,19 @@ contains
     if (stat == 0) allocate (entries%col(nnz), stat=stat)
     if (stat == 0) allocate (entries%place(nnz), stat=stat)
     if (stat /= 0) then
-      call fail(error, SYSTEM_ERROR, 'no memory for the list of entries of the tangent matrix')
+      call fail(error, SYSTEM_ERROR, 'not enough memory for the entries of the tangent matrix')
       return
     end if
     call walk(entries, a, eq, nnz, counting=.false.)
   end subroutine new_entries
 
-  !> Visit the entries; the second time, write them down.
+  !> Visit the entries to count them or to store them.
   subroutine walk(entries, a, eq, nnz, counting)
     type(entries_t), intent(inout) :: entries
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
     integer(i8), intent(out) :: nnz
     logical, intent(in) :: counting
-
     integer :: n, p, i, j, last
 
     nnz = 0
@@ -82,13 +80,12 @@ contains
     call pick(size(a%val), a%val, entries%place, values)
   end subroutine gather
 
-  !> values = val(place), val taken as one long row.
+  !> values = val(place) with val taken as one vector.
   pure subroutine pick(n, val, place, values)
     integer, intent(in) :: n
     real(wp), intent(in) :: val(n)
     integer, intent(in) :: place(:)
     real(wp), intent(out) :: values(:)
-
     integer :: k
 
     do k = 1, size(place)

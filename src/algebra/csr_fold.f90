@@ -1,7 +1,8 @@
-!> Linear constraints in a block matrix: K becomes T^T K T, where T puts slaves on their masters.
+!> Linear constraints in a block matrix: K becomes T^T K T, where T expresses slaves by their
+!! masters.
 !!
-!! Everything is assembled as if slaves were free; then each block of a slave moves to its masters,
-!! and the slave's row and column become zero.
+!! The matrix is assembled as if slaves were free. Then each block of a slave is moved to its
+!! masters, and the row and the column of the slave become zero.
 module csr_fold
   use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG
@@ -11,10 +12,10 @@ module csr_fold
   private
   public :: fold_t, tied_cliques, new_fold, fold_matrix
 
-  !> Moves of blocks: block `to` grows by c times block `from`, as it is, transposed, or both.
+  !> Moves of blocks: c times block `from` is added to block `to`, plain, transposed, or both.
   type :: fold_t
     integer :: n = 0
-    integer, allocatable :: from(:), to(:), how(:) !! (>= n)
+    integer, allocatable :: from(:), to(:), how(:) !! (>= n); how: PLAIN, TRANSPOSED, BOTH
     real(wp), allocatable :: c(:)                  !! (>= n)
     integer, allocatable :: cleared(:)             !! blocks of slaves
   end type fold_t
@@ -23,30 +24,37 @@ module csr_fold
 
 contains
 
-  !> Couplings that constraints add: where a clique has slaves, its nodes and their masters.
+  !> Cliques that constraints add: of each clique with slaves, its nodes and their masters.
   subroutine tied_cliques(list, nnode, cliques, extra)
     type(constraint_t), intent(in) :: list
     integer, intent(in) :: nnode
     type(clique_t), intent(in) :: cliques(:)
     type(clique_t), intent(out) :: extra
     integer :: mark(nnode)
-    integer :: e, g, n, pass, width, m
+    integer :: a, e, g, i, m, n, pass, width
 
     mark = slave_marks(list, nnode)
     width = 0
-    do pass = 1, 2 ! count, then write
+    do pass = 1, 2 ! count, then store
       n = 0
       do g = 1, size(cliques)
         do e = 1, size(cliques(g)%conn, 2)
           associate (node => cliques(g)%conn(:, e))
             if (all(mark(node) == 0)) cycle
             n = n + 1
-            m = size(node) + count_masters(list, mark(node))
+            m = size(node)
+            if (pass == 2) then
+              extra%conn(:, n) = node(1)
+              extra%conn(:m, n) = node
+            end if
+            do a = 1, size(node)
+              if (mark(node(a)) == 0) cycle
+              do i = list%first(mark(node(a))), list%first(mark(node(a)) + 1) - 1
+                m = m + 1
+                if (pass == 2) extra%conn(m, n) = list%master(i)
+              end do
+            end do
             width = max(width, m)
-            if (pass == 1) cycle
-            extra%conn(:, n) = node(1)
-            extra%conn(:size(node), n) = node
-            call put_masters(list, mark(node), extra%conn(size(node) + 1:m, n))
           end associate
         end do
       end do
@@ -54,34 +62,7 @@ contains
     end do
   end subroutine tied_cliques
 
-  pure integer function count_masters(list, mark) result(n)
-    type(constraint_t), intent(in) :: list
-    integer, intent(in) :: mark(:)
-    integer :: a
-
-    n = 0
-    do a = 1, size(mark)
-      if (mark(a) > 0) n = n + list%first(mark(a) + 1) - list%first(mark(a))
-    end do
-  end function count_masters
-
-  pure subroutine put_masters(list, mark, node)
-    type(constraint_t), intent(in) :: list
-    integer, intent(in) :: mark(:)
-    integer, intent(out) :: node(:)
-    integer :: a, i, n
-
-    n = 0
-    do a = 1, size(mark)
-      if (mark(a) == 0) cycle
-      do i = list%first(mark(a)), list%first(mark(a) + 1) - 1
-        n = n + 1
-        node(n) = list%master(i)
-      end do
-    end do
-  end subroutine put_masters
-
-  !> Moves for a pattern that holds the tied cliques.
+  !> Moves for a pattern that has the tied cliques.
   subroutine new_fold(list, a, fold, error)
     type(constraint_t), intent(in) :: list
     type(block_matrix_t), intent(in) :: a
@@ -108,10 +89,11 @@ contains
       if (pass == 1) allocate (fold%from(fold%n), fold%to(fold%n), fold%how(fold%n), &
                                fold%c(fold%n), fold%cleared(ncleared))
     end do
-    if (.not. complete) call fail(error, BUG, 'a constraint is not in the pattern of the tangent')
+    if (.not. complete) call fail(error, BUG, 'a constraint is missing in the pattern of the ' &
+                                  //'tangent matrix')
   end subroutine new_fold
 
-  !> Where one block goes.
+  !> Moves of one block.
   subroutine plan_block(list, a, mark, i, j, p, writes, fold, complete)
     type(constraint_t), intent(in) :: list
     type(block_matrix_t), intent(in) :: a
@@ -128,7 +110,7 @@ contains
     do l = 1, size(col)
       do k = 1, size(row)
         how = PLAIN
-        if (a%symmetric) then ! the transpose of an off-diagonal block is there unsaid
+        if (a%symmetric) then ! an off-diagonal block stands for its transpose too
           if (i == j .and. row(k) > col(l)) cycle
           if (row(k) > col(l)) how = TRANSPOSED
           if (i /= j .and. row(k) == col(l)) how = BOTH
@@ -146,7 +128,7 @@ contains
     end do
   end subroutine plan_block
 
-  !> The nodes that stand for a node.
+  !> The masters of a node and their coefficients, or the node itself if it is not a slave.
   subroutine split(list, i, node, master, c)
     type(constraint_t), intent(in) :: list
     integer, intent(in) :: i           !! constraint of the node; 0: none
@@ -163,7 +145,7 @@ contains
     end if
   end subroutine split
 
-  !> Carry it out.
+  !> Move the blocks and clear those of the slaves.
   pure subroutine fold_matrix(fold, a)
     type(fold_t), intent(in) :: fold
     type(block_matrix_t), intent(inout) :: a

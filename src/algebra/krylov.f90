@@ -1,21 +1,20 @@
-!> Iterations for a linear system whose preconditioner is a factorisation: of an older matrix, in
-!! single precision or compressed. With exact factors of the same matrix they are iterative
-!! refinement.
+!> Krylov methods preconditioned by a factorisation of an older matrix, in single precision, or
+!! compressed. With exact factors of the same matrix they are iterative refinement.
 module krylov
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_kinds, only: wp
   use csr, only: block_matrix_t, multiply_free, row_sums
   use solver_type, only: solver_t
   implicit none
   private
   public :: krylov_report_t, conjugate_gradients, gmres
 
-  !> How an iteration went.
+  !> Result of an iteration.
   type :: krylov_report_t
     logical :: converged = .false.
-    logical :: indefinite = .false.    !! conjugate gradients met a negative direction and stopped
+    logical :: indefinite = .false.    !! conjugate gradients stopped at a negative direction
     integer :: iterations = 0          !! applications of the preconditioner
-    real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed, not estimated
+    real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed and not estimated
   end type krylov_report_t
 
   integer, parameter :: MOST_CYCLES = 5 !! restarts with the true residual
@@ -25,8 +24,8 @@ contains
 
   !> Preconditioned conjugate gradients for a symmetric matrix; x starts at zero.
   !!
-  !! The search direction is made conjugate explicitly to the last one (the flexible form), so that
-  !! a preconditioner that is symmetric but for rounding does no harm.
+  !! The search direction is made conjugate to the last one explicitly (the flexible form), so that
+  !! the preconditioner may be unsymmetric by rounding.
   !! Source: Golub and Ye 1999 [bib: golub1999]
   subroutine conjugate_gradients(a, eq, solver, b, x, limit, tolerance, report, error)
     type(block_matrix_t), intent(in) :: a
@@ -38,7 +37,6 @@ contains
     real(wp), intent(in) :: tolerance             !! of |b - A x| / |b|
     type(krylov_report_t), intent(out) :: report
     type(error_t), allocatable, intent(out) :: error
-
     real(wp), allocatable :: r(:), z(:, :), p(:), q(:), xn(:, :), yn(:, :)
     real(wp) :: rz, pq, alpha, goal, before
     integer :: cycle_number
@@ -62,7 +60,7 @@ contains
         p = z(:, 1) - (dot_product(z(:, 1), q)/pq)*p
         call multiply_free(a, eq, p, q, xn, yn)
         pq = dot_product(p, q)
-        report%indefinite = .not. (pq > 0.0_wp .and. rz > 0.0_wp) ! also where it is not a number
+        report%indefinite = .not. (pq > 0.0_wp .and. rz > 0.0_wp) ! also if they are not a number
         if (report%indefinite) exit
         alpha = dot_product(p, r)/pq
         x = x + alpha*p
@@ -74,9 +72,9 @@ contains
     end do
   end subroutine conjugate_gradients
 
-  !> Restarted GMRES with the preconditioner on the right; keeps the preconditioned vectors (the
-  !! flexible form), which saves a solve a cycle. x starts at zero.
-  !! Source: Saad 1993 [bib: saad1993]
+  !> Restarted GMRES with the preconditioner on the right; x starts at zero. It keeps the
+  !! preconditioned vectors (the flexible form), which saves a solve in each cycle. Source: Saad
+  !! 1993 [bib: saad1993]
   subroutine gmres(a, eq, solver, b, x, limit, tolerance, report, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
@@ -87,12 +85,11 @@ contains
     real(wp), intent(in) :: tolerance
     type(krylov_report_t), intent(out) :: report
     type(error_t), allocatable, intent(out) :: error
-
     integer, parameter :: RESTART = 30
     real(wp), allocatable :: v(:, :), z(:, :), r(:), xn(:, :), yn(:, :)
     real(wp) :: h(RESTART + 1, RESTART), rotation(2, RESTART), g(RESTART + 1), y(RESTART)
     real(wp) :: goal, before
-    integer :: m, j
+    integer :: i, j, m
 
     m = min(RESTART, limit, size(b))
     allocate (v(size(b), m + 1), z(size(b), m), r(size(b)), xn(3, a%nnode), yn(3, a%nnode))
@@ -110,40 +107,31 @@ contains
         if (allocated(error)) return
         report%iterations = report%iterations + 1
         call multiply_free(a, eq, z(:, j), v(:, j + 1), xn, yn)
-        call orthogonalise(v, h(:, j), j)
+        h(:, j) = 0.0_wp
+        do i = 1, j ! modified Gram-Schmidt
+          h(i, j) = dot_product(v(:, i), v(:, j + 1))
+          v(:, j + 1) = v(:, j + 1) - h(i, j)*v(:, i)
+        end do
+        h(j + 1, j) = norm2(v(:, j + 1))
+        if (h(j + 1, j) > 0.0_wp) v(:, j + 1) = v(:, j + 1)/h(j + 1, j)
         call rotate(h(:, j), rotation, g, j)
         if (report%iterations >= limit .or. .not. abs(g(j + 1)) > goal) exit
       end do
       j = min(j, m)
-      call back_substitute(h, g, y, j)
+      y = 0.0_wp
+      do i = j, 1, -1
+        if (h(i, i) > 0.0_wp) y(i) = (g(i) - dot_product(h(i, i + 1:j), y(i + 1:j)))/h(i, i)
+      end do
       x = x + matmul(z(:, 1:j), y(1:j))
       call true_residual(a, eq, b, x, r, xn, yn)
       if (stops(a, eq, b, x, r, goal, before, report%iterations >= limit, report)) return
     end do
   end subroutine gmres
 
-  !> Modified Gram-Schmidt: v(:, j+1) against the earlier ones, coefficients to h.
-  pure subroutine orthogonalise(v, h, j)
-    real(wp), intent(inout) :: v(:, :)
-    real(wp), intent(out) :: h(:)
-    integer, intent(in) :: j
-
-    integer :: i
-
-    h = 0.0_wp
-    do i = 1, j
-      h(i) = dot_product(v(:, i), v(:, j + 1))
-      v(:, j + 1) = v(:, j + 1) - h(i)*v(:, i)
-    end do
-    h(j + 1) = norm2(v(:, j + 1))
-    if (h(j + 1) > 0.0_wp) v(:, j + 1) = v(:, j + 1)/h(j + 1)
-  end subroutine orthogonalise
-
-  !> Givens rotations keep the Hessenberg matrix triangular; g carries the residual.
+  !> Givens rotations make column j of the Hessenberg matrix triangular; g carries the residual.
   pure subroutine rotate(h, rotation, g, j)
     real(wp), intent(inout) :: h(:), rotation(:, :), g(:)
     integer, intent(in) :: j
-
     real(wp) :: length
     integer :: i
 
@@ -158,20 +146,6 @@ contains
     g(j:j + 1) = [rotation(1, j)*g(j), -rotation(2, j)*g(j)]
   end subroutine rotate
 
-  !> Solve the triangular system of the first j coefficients.
-  pure subroutine back_substitute(h, g, y, j)
-    real(wp), intent(in) :: h(:, :), g(:)
-    real(wp), intent(out) :: y(:)
-    integer, intent(in) :: j
-
-    integer :: i
-
-    y = 0.0_wp
-    do i = j, 1, -1
-      if (h(i, i) > 0.0_wp) y(i) = (g(i) - dot_product(h(i, i + 1:j), y(i + 1:j)))/h(i, i)
-    end do
-  end subroutine back_substitute
-
   !> r = b - A x.
   subroutine true_residual(a, eq, b, x, r, xn, yn)
     type(block_matrix_t), intent(in) :: a
@@ -183,10 +157,11 @@ contains
     r = b - r
   end subroutine true_residual
 
-  !> End of a cycle: is the goal reached, is the limit, or does nothing move any more?
+  !> Does the iteration stop after this cycle, because it reached the goal or its limit or
+  !! stagnates?
   !!
-  !! Rounding alone leaves a residual of about eps |A| |x|, which may lie above the goal where |x|
-  !! is large (slender bodies): what cannot be improved counts as converged.
+  !! Rounding alone leaves a residual of about eps |A| |x|, which may be above the goal where |x| is
+  !! large (slender bodies). A residual that cannot be improved counts as converged.
   logical function stops(a, eq, b, x, r, goal, before, exhausted, report)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
@@ -194,9 +169,8 @@ contains
     real(wp), intent(in) :: goal, before
     logical, intent(in) :: exhausted
     type(krylov_report_t), intent(inout) :: report
-
     real(wp), parameter :: ROUNDING = 10*epsilon(1.0_wp)
-    real(wp), parameter :: WORST = 1e-6_wp !! beyond this the matrix is as good as singular
+    real(wp), parameter :: WORST = 1e-6_wp !! above this the matrix is practically singular
     real(wp) :: total(size(b))
 
     report%residual = norm2(r)/norm2(b)

@@ -1,51 +1,51 @@
-!> When to factorise again.
-!!
-!! A kept factorisation gets worse as the matrix moves away from it. The cost of one solve, averaged
-!! over the life of a factorisation, is least if it is replaced as soon as a solve costs more than
-!! that average so far. Costs are iteration counts; a factorisation is worth as many iterations as
-!! its operation count says. No clock is asked, so that runs repeat.
-!!
-!! Linear systems as Newton sees them: one call that solves to a tolerance.
+!> Linear systems for Newton's method: one call solves a system to a tolerance.
 !!
 !! FULL     factorises every matrix.
-!! REUSE    keeps a factorisation as preconditioner of conjugate gradients (GMRES where the matrix
-!!          is unsymmetric or has negative pivots) until iterating costs more than factorising.
-!! SINGLE   the same with factors in single precision: half the memory.
-!! LOWRANK  the same with compressed factors.
+!! REUSE    keeps a factorisation as preconditioner of conjugate gradients (of GMRES where the
+!! matrix
+!!          is unsymmetric or has negative pivots) until iterations cost more than a factorisation.
+!! SINGLE   does the same with factors in single precision, which need half the memory.
+!! LOWRANK  does the same with compressed factors.
 !!
-!! The answer meets the same tolerance in every mode.
+!! The solution meets the same tolerance in every mode.
+!!
+!! A kept factorisation gets worse as the matrix changes. The cost of a solve, averaged over the
+!! life of a factorisation, is least if the factorisation is replaced as soon as a solve costs more
+!! than the average so far. Costs are counted in iterations, and the operation count of a
+!! factorisation is converted to iterations. Times are not measured, so that runs repeat.
 module linear_system
-  use base_kinds, only: wp
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
+  use base_kinds, only: wp
   use base_system, only: wall_seconds
+  use base_text, only: to_text
   use csr, only: block_matrix_t
   use krylov, only: krylov_report_t, conjugate_gradients, gmres
   use tangent_factors, only: solve_report_t, factors_t, new_factors, take_equations, analyse, &
-      renew, look_for_motions, be_exact, start_anew, drop
+                             renew, look_for_motions, be_exact, start_anew, drop
   implicit none
   private
-  public :: reuse_policy_t, note_factorisation, note_solve, iteration_limit, linear_system_t, &
-            solve_report_t, new_linear_system, change_pattern
+  public :: linear_system_t, solve_report_t, new_linear_system, change_pattern
+  public :: reuse_policy_t, note_factorisation, note_solve, iteration_limit
 
-  integer, parameter :: EXACT_LIMIT = 10 !! iterations granted to exact factors of the same matrix
-  integer, parameter :: LEAST_LIMIT = 10 !! iterations granted at least to any factors
+  integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4
+
+  integer, parameter :: MOST_ATTEMPTS = 3 !! with existing factors, new ones, new exact ones
+  integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
+  integer, parameter :: LEAST_LIMIT = 10 !! smallest limit of iterations with other factors
   !> Operations of the elimination in the time in which a solve handles one entry of the factors:
-  !! one thread does about 45e9 operations and 6e8 entries a second.
+  !! one thread does about 45e9 operations or 6e8 entries in a second.
   real(wp), parameter :: OPERATIONS_AN_ENTRY = 72.0_wp
 
   !> The life of a factorisation.
   type :: reuse_policy_t
-    logical :: due = .true.         !! factorise at the next solve
+    logical :: due = .true.         !! the next solve factorises
     real(wp) :: worth = 0.0_wp      !! cost of the factorisation [iterations]
     real(wp) :: spent = 0.0_wp      !! cost so far, factorisation included [iterations]
     integer :: solves = 0           !! so far
   end type reuse_policy_t
 
-  integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4
-  integer, parameter :: MOST_ATTEMPTS = 3  !! factors at hand, fresh ones, fresh exact ones
-
-  !> A pattern, its factorisation and what was learnt about it.
+  !> A system with its pattern, its factors and their life.
   type :: linear_system_t
     integer :: neq = 0
     integer :: mode = FULL
@@ -62,39 +62,7 @@ module linear_system
 
 contains
 
-  !> A factorisation was made.
-  pure subroutine note_factorisation(policy, flops, entries)
-    type(reuse_policy_t), intent(inout) :: policy
-    real(wp), intent(in) :: flops   !! operations of the elimination
-    real(wp), intent(in) :: entries !! entries of the factors
-
-    policy%due = .false.
-    policy%worth = flops/max(entries, 1.0_wp)/OPERATIONS_AN_ENTRY
-    policy%spent = policy%worth
-    policy%solves = 0
-  end subroutine note_factorisation
-
-  !> A solve took that many iterations.
-  pure subroutine note_solve(policy, iterations)
-    type(reuse_policy_t), intent(inout) :: policy
-    integer, intent(in) :: iterations
-
-    if (policy%solves > 0) policy%due = iterations*policy%solves > policy%spent
-    policy%spent = policy%spent + iterations
-    policy%solves = policy%solves + 1
-  end subroutine note_solve
-
-  !> Iterations granted to a solve before it is given up.
-  pure integer function iteration_limit(policy, same_matrix, exact) result(limit)
-    type(reuse_policy_t), intent(in) :: policy
-    logical, intent(in) :: same_matrix !! the factors are those of this matrix
-    logical, intent(in) :: exact       !! they are in double precision, not compressed
-
-    limit = max(LEAST_LIMIT, ceiling(policy%worth))
-    if (same_matrix .and. exact) limit = EXACT_LIMIT
-  end function iteration_limit
-
-  !> A system of the free dofs of a: the analysis is done here, once.
+  !> A system of the free dofs of a matrix, whose pattern is analysed.
   subroutine new_linear_system(ls, a, eq, mode, eps, error, available_mb)
     type(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -102,14 +70,15 @@ contains
     integer, intent(in) :: mode       !! FULL, REUSE, SINGLE, LOWRANK
     real(wp), intent(in) :: eps       !! LOWRANK: relative error of compressed blocks, in (0, 1)
     type(error_t), allocatable, intent(out) :: error
-    real(wp), intent(in), optional :: available_mb !! memory there is [MB]; absent: ask the machine
+    real(wp), intent(in), optional :: available_mb !! memory [MB]; absent: that of the machine
 
     call ls%free()
     ls%mode = mode
     if (mode < FULL .or. mode > LOWRANK) then
-      call fail(error, BUG, 'unknown way to solve linear systems')
+      call fail(error, BUG, 'unknown mode '//to_text(mode)//' of a linear system')
     else if (mode == LOWRANK .and. .not. (eps > 0.0_wp .and. eps < 1.0_wp)) then
-      call fail(error, BUG, 'the error of low-rank factors must lie between 0 and 1')
+      call fail(error, BUG, 'expected an error of low-rank factors between 0 and 1, found ' &
+                //to_text(eps))
     end if
     if (allocated(error)) return
     call new_factors(ls%factors, mode == SINGLE, merge(eps, 0.0_wp, mode == LOWRANK), available_mb)
@@ -118,8 +87,8 @@ contains
     call analyse(ls%factors, a, error)
   end subroutine new_linear_system
 
-  !> The matrix has another pattern from now on (contact). Factors at hand go on as preconditioner
-  !! where the equations are the same ones.
+  !> Take a matrix of another pattern (contact). Existing factors stay the preconditioner where the
+  !! equations are the same.
   subroutine change_pattern(ls, a, eq, error)
     type(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -132,7 +101,7 @@ contains
     if (size(eq) > 0) ls%neq = maxval(eq)
   end subroutine change_pattern
 
-  !> Memory that a factorisation needs, by the analysis [MB].
+  !> Memory of a factorisation as the analysis estimates [MB].
   pure real(wp) function estimate_mb(self)
     class(linear_system_t), intent(in) :: self
 
@@ -149,8 +118,8 @@ contains
     type(solve_report_t), intent(out) :: report
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: same_matrix !! .true.: a has not changed since the last solve
-
     type(krylov_report_t) :: run
+    real(wp) :: start
     integer :: attempt
 
     x = 0.0_wp
@@ -158,7 +127,7 @@ contains
     report%converged = .true.
     if (ls%neq == 0) return
     if (.not. all(ieee_is_finite(rhs))) then
-      call fail(error, NO_SOLUTION, 'the residual holds a number that is not finite')
+      call fail(error, NO_SOLUTION, 'the residual contains a number that is not finite')
       return
     end if
     if (.not. present(same_matrix)) then
@@ -169,12 +138,21 @@ contains
     if (ls%mode == FULL .and. .not. ls%current) ls%policy%due = .true.
     do attempt = 1, MOST_ATTEMPTS
       if (ls%policy%due .or. .not. ls%factors%valid) then
-        call factorise(ls, a, report, error)
-        if (allocated(error) .or. report%singular) return
+        start = wall_seconds()
+        call renew(ls%factors, a, report, error)
+        if (allocated(error)) return
+        call note_factorisation(ls%policy, ls%factors%solver%info%flops, &
+                                ls%factors%solver%info%entries)
+        ls%current = ls%factors%valid
+        report%singular = .not. ls%factors%valid
+        report%converged = ls%factors%valid
+        call describe(ls, report)
+        report%seconds_factor = report%seconds_factor + wall_seconds() - start
+        if (report%singular) return
       end if
       call iterate(ls, a, rhs, x, tolerance, run, report, error)
       if (allocated(error) .or. run%converged) exit
-      if (ls%current .and. ls%factors%exact) then ! there is nothing better
+      if (ls%current .and. ls%factors%exact) then ! no better factors exist
         call look_for_motions(ls%factors, a, report%null, error)
         report%singular = size(report%null) > 0
         ls%factors%valid = .not. report%singular
@@ -190,30 +168,8 @@ contains
     call note_solve(ls%policy, run%iterations)
   end subroutine solve
 
-  !> Factors of the matrix itself.
-  subroutine factorise(ls, a, report, error)
-    class(linear_system_t), intent(inout) :: ls
-    type(block_matrix_t), intent(in) :: a
-    type(solve_report_t), intent(inout) :: report
-    type(error_t), allocatable, intent(out) :: error
-
-    real(wp) :: start
-
-    start = wall_seconds()
-    call renew(ls%factors, a, report, error)
-    if (allocated(error)) return
-    associate (info => ls%factors%solver%info)
-      call note_factorisation(ls%policy, info%flops, info%entries)
-    end associate
-    ls%current = ls%factors%valid
-    report%singular = .not. ls%factors%valid
-    report%converged = ls%factors%valid
-    call describe(ls, report)
-    report%seconds_factor = report%seconds_factor + wall_seconds() - start
-  end subroutine factorise
-
-  !> Iterate with the factors at hand: by conjugate gradients where all is positive definite as far
-  !! as known.
+  !> Iterate with the existing factors, by conjugate gradients where matrix and factors are positive
+  !! definite as far as is known.
   subroutine iterate(ls, a, rhs, x, tolerance, run, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -222,7 +178,6 @@ contains
     type(krylov_report_t), intent(out) :: run
     type(solve_report_t), intent(inout) :: report
     type(error_t), allocatable, intent(out) :: error
-
     real(wp) :: start
     integer :: limit
     logical :: definite
@@ -240,7 +195,7 @@ contains
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
     end if
-    ! Stale factors that met a negative direction are replaced first: fresh ones count it.
+    ! Old factors for which a negative direction was found are replaced first: new factors count it.
     if (.not. definite .or. (run%indefinite .and. ls%current .and. .not. run%converged)) then
       call gmres(a, ls%factors%eq, ls%factors%solver, rhs, x, limit, tolerance, run, error)
       if (allocated(error)) return
@@ -251,7 +206,7 @@ contains
     report%seconds_solve = report%seconds_solve + wall_seconds() - start
   end subroutine iterate
 
-  !> Copy what the solver knows.
+  !> Copy the information of the solver into the report.
   subroutine describe(ls, report)
     class(linear_system_t), intent(in) :: ls
     type(solve_report_t), intent(inout) :: report
@@ -264,8 +219,8 @@ contains
     report%used_single = .not. ls%factors%exact .and. ls%mode == SINGLE
   end subroutine describe
 
-  !> Factorise at the next solve and forget what was learnt: what follows then depends on the
-  !! matrices to come only (points of restart).
+  !> Factorise at the next solve and forget what was found out about the matrices. What follows then
+  !! depends only on the matrices to come, as a restart point requires.
   subroutine force_refactor(self)
     class(linear_system_t), intent(inout) :: self
 
@@ -273,7 +228,7 @@ contains
     call start_anew(self%factors)
   end subroutine force_refactor
 
-  !> The same, and give the memory of the factors back.
+  !> The same, and release the memory of the factors.
   subroutine forget(self)
     class(linear_system_t), intent(inout) :: self
 
@@ -281,7 +236,7 @@ contains
     call drop(self%factors)
   end subroutine forget
 
-  !> Give all memory back.
+  !> Release all memory.
   subroutine free(self)
     class(linear_system_t), intent(inout) :: self
 
@@ -289,5 +244,37 @@ contains
     self%neq = 0
     if (allocated(self%factors%eq)) deallocate (self%factors%eq)
   end subroutine free
+
+  !> Note a factorisation.
+  pure subroutine note_factorisation(policy, flops, entries)
+    type(reuse_policy_t), intent(inout) :: policy
+    real(wp), intent(in) :: flops   !! operations of the elimination
+    real(wp), intent(in) :: entries !! entries of the factors
+
+    policy%due = .false.
+    policy%worth = flops/max(entries, 1.0_wp)/OPERATIONS_AN_ENTRY
+    policy%spent = policy%worth
+    policy%solves = 0
+  end subroutine note_factorisation
+
+  !> Note a solve and its iterations.
+  pure subroutine note_solve(policy, iterations)
+    type(reuse_policy_t), intent(inout) :: policy
+    integer, intent(in) :: iterations
+
+    if (policy%solves > 0) policy%due = iterations*policy%solves > policy%spent
+    policy%spent = policy%spent + iterations
+    policy%solves = policy%solves + 1
+  end subroutine note_solve
+
+  !> Iterations after which a solve is given up.
+  pure integer function iteration_limit(policy, same_matrix, exact) result(limit)
+    type(reuse_policy_t), intent(in) :: policy
+    logical, intent(in) :: same_matrix !! the factors are those of this matrix
+    logical, intent(in) :: exact       !! they are in double precision and not compressed
+
+    limit = max(LEAST_LIMIT, ceiling(policy%worth))
+    if (same_matrix .and. exact) limit = EXACT_LIMIT
+  end function iteration_limit
 
 end module linear_system

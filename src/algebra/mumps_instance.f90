@@ -1,47 +1,43 @@
-!> Options of MUMPS, the same in both precisions. Numbers are those of the users' guide, 5.5.
+!> One instance of the library MUMPS in double or single precision, its options and its messages.
 !!
-!! What MUMPS has to say, in words.
-!!
-!! One instance of the library MUMPS, in double or in single precision. The only file that sees
-!! its structures; vectors and values are double precision outside.
+!! No other file sees the structures of MUMPS. The arguments are in double precision. Numbers of
+!! options and results are those of the users' guide of version 5.5.
 module mumps_instance
-  use base_kinds, only: wp, i8
-  use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
-  use base_text, only: to_text
   use, intrinsic :: ieee_arithmetic, only: ieee_get_underflow_mode, ieee_set_underflow_mode, &
-      ieee_support_underflow_control
+                                           ieee_support_underflow_control
+  use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
+  use base_kinds, only: wp, i8
+  use base_text, only: to_text
   implicit none
   private
-  public :: set_controls, set_fronts, set_panels, check_memory, describe_failure, mumps_t, start, &
-            runs, give_options, give_pattern, give_values, give_margin, narrow_panels, run, &
-            solve_with, null_pivots, finish
-
-  integer, parameter, public :: ORDER_AMD = 0, ORDER_GIVEN = 1, ORDER_PORD = 4 !! ICNTL(7)
-  integer, parameter, public :: FIRST_MARGIN = 20 !! work space beyond the estimate [%]
-
-  character(*), parameter :: COARSER = 'use a coarser mesh or a machine with more memory'
-  character(*), parameter :: HALF = 'FACTor,SINGle needs about half; else '//COARSER
+  public :: mumps_t, start, runs, give_options, give_pattern, give_values, give_margin, &
+            narrow_panels, run, solve_with, null_pivots, finish, check_memory
 
   include 'dmumps_struc.h'
   include 'smumps_struc.h'
 
-  integer, parameter, public :: ANALYSE_JOB = 1, FACTORISE_JOB = 2 !! values of JOB
+  integer, parameter, public :: ORDER_AMD = 0, ORDER_GIVEN = 1, ORDER_PORD = 4 !! ICNTL(7)
+  integer, parameter, public :: FIRST_MARGIN = 20 !! work space beyond the estimate [%]
+  integer, parameter, public :: ANALYSE_JOB = 1, FACTORISE_JOB = 2 !! JOB
   integer, parameter :: INITIALISE = -1, FINISH_JOB = -2, SOLVE_JOB = 3
-  integer, parameter :: sp = kind(1.0)        !! what SMUMPS computes in
-  integer, parameter :: SYMMETRIC_GENERAL = 2, UNSYMMETRIC = 0 !! values of SYM
-  !> Low-rank blocks are cut in the order of elimination: MUMPS 5.5 hands SCOTCH 7, which would
-  !! group them otherwise, a graph without initialising it, and crashes now and then.
+  integer, parameter :: sp = kind(1.0)        !! of SMUMPS
+  integer, parameter :: SYMMETRIC_GENERAL = 2, UNSYMMETRIC = 0 !! SYM
+  !> Low-rank blocks are formed in the order of elimination. Otherwise MUMPS 5.5 would pass a graph
+  !! to SCOTCH 7 without initialising it, which crashes now and then.
   integer, parameter :: CLUSTERING = 482, PLAIN = 3 !! an index and a value of KEEP
-  !> A pivot of the scaled matrix below this is an exact zero but for rounding (an equation without
-  !! stiffness). Free bodies leave larger ones: see null_space.
+  !> A smaller pivot of the scaled matrix is zero but for rounding (an equation without stiffness).
+  !! The pivots of free bodies are larger, see null_space.
   real(wp), parameter :: NULL_PIVOT = 1e-18_wp, NULL_PIVOT_SINGLE = 1e-12_wp
 
-  !> While it runs, either d or s is there.
+  character(*), parameter :: COARSER = 'use a coarser mesh or a machine with more memory'
+  character(*), parameter :: HALF = 'FACTor,SINGle needs about half; else '//COARSER
+
+  !> An instance. Between start and finish either d or s is associated.
   type :: mumps_t
     type(dmumps_struc), pointer, private :: d => null()
     type(smumps_struc), pointer, private :: s => null()
     integer, private :: neq = 0
-    real(wp), private :: scale = 1.0_wp !! power of two, divides the single matrix
+    real(wp), private :: scale = 1.0_wp !! power of two that divides the single matrix
     integer :: infog(80) = 0            !! of the last call
     real(wp) :: rinfog(40) = 0.0_wp
   end type mumps_t
@@ -62,143 +58,36 @@ module mumps_instance
 
 contains
 
-  !> Set ICNTL before the analysis.
-  pure subroutine set_controls(icntl, symmetric, compressed, ordering)
-    integer, intent(inout) :: icntl(:)
-    logical, intent(in) :: symmetric
-    logical, intent(in) :: compressed  !! low-rank blocks
-    integer, intent(in) :: ordering
-
-    icntl(1:4) = [-1, -1, -1, 0] ! silence
-    icntl(6) = 0   ! no permutation to the diagonal: it would need values in the analysis
-    icntl(7) = ordering
-    icntl(12) = 1  ! nor another symmetric preprocessing
-    icntl(13) = 1  ! root node as all others: the inertia is then exact
-    icntl(14) = FIRST_MARGIN
-    icntl(24) = 1  ! detect null pivots
-    icntl(28) = 1  ! sequential analysis
-    if (.not. symmetric) icntl(33) = 1 ! determinant
-    if (compressed) icntl(35) = 2
-  end subroutine set_controls
-
-  !> Smaller fronts than by default: nodes of the elimination tree are merged with fewer pivots. On
-  !! cubes of 26 and 82 thousand equations this saved 9 and 7 % of the operations and of the
-  !! entries. KEEP is not in the guide; these have stood in MUMPS's dini_defaults.F since 5.0.
-  !! Before the analysis.
-  pure subroutine set_fronts(keep)
-    integer, intent(inout) :: keep(:)
-
-    keep(1) = 2
-  end subroutine set_fronts
-
-  !> Narrower inner panels than by default (16 and 32 columns) for symmetric matrices: inside a
-  !! panel MUMPS updates column by column, which took a fifth of the time; the rest is dgemm. Saved
-  !! 15 % of a factorisation of 26 thousand equations. After the analysis.
-  pure subroutine set_panels(keep)
-    integer, intent(inout) :: keep(:)
-
-    keep(5:6) = 8
-  end subroutine set_panels
-
-  !> Refuse before the machine starts to swap.
-  subroutine check_memory(need_mb, available_mb, neq, single, error)
-    real(wp), intent(in) :: need_mb, available_mb
-    integer, intent(in) :: neq
-    logical, intent(in) :: single !! factors in single precision
-    type(error_t), allocatable, intent(out) :: error
-
-    if (need_mb <= available_mb) return
-    call fail(error, SYSTEM_ERROR, 'the factorisation of '//to_text(neq) &
-              //' equations needs about ' &
-              //to_text(nint(need_mb, i8))//' MB of memory, '//to_text(nint(available_mb, i8)) &
-              //' MB are available')
-    error%hint = HALF
-    if (single) error%hint = COARSER
-  end subroutine check_memory
-
-  !> Translate INFOG(1) and INFOG(2).
-  subroutine describe_failure(code, detail, neq, error)
-    integer, intent(in) :: code   !! INFOG(1) < 0
-    integer, intent(in) :: detail !! INFOG(2)
-    integer, intent(in) :: neq    !! equations
-    type(error_t), allocatable, intent(out) :: error
-
-    select case (code)
-    case (-6)
-      call fail(error, NO_SOLUTION, 'the tangent is singular: its pattern has rank ' &
-                //to_text(detail)//' of '//to_text(neq), &
-                hint='look for nodes without stiffness or support')
-    case (-10)
-      call fail(error, NO_SOLUTION, 'the tangent is singular', &
-                hint='look for free bodies and missing supports')
-    case (-5, -7)
-      call fail(error, SYSTEM_ERROR, 'no memory for the analysis of '//to_text(neq) &
-                //' equations ('//amount(detail)//' numbers could not be allocated)', hint=COARSER)
-    case (-13)
-      call fail(error, SYSTEM_ERROR, 'no memory for the factorisation of '//to_text(neq) &
-                //' equations ('//amount(detail)//' numbers could not be allocated)', hint=HALF)
-    case (-8, -9, -11, -14, -15, -19)
-      call fail(error, SYSTEM_ERROR, 'pivoting needs far more work space than foreseen (' &
-                //amount(detail)//' numbers short)', &
-                hint='the tangent may be close to singular; '//HALF)
-    case (-17, -20)
-      call fail(error, SYSTEM_ERROR, 'a message buffer of MUMPS is too small')
-    case (-51, -52)
-      call fail(error, SYSTEM_ERROR, to_text(neq) &
-                //' equations are too many for the 32-bit integers of MUMPS', &
-                hint='use a coarser mesh')
-    case (-90)
-      call fail(error, SYSTEM_ERROR, 'MUMPS could not use its files on disk')
-    case (-2, -3, -4, -16, -40:-21, -800)
-      call fail(error, BUG, 'MUMPS was called in a wrong way (code '//to_text(code)//', detail ' &
-                //to_text(detail)//')')
-    case default
-      call fail(error, SYSTEM_ERROR, 'MUMPS failed with code '//to_text(code)//', detail ' &
-                //to_text(detail), &
-                hint='see INFOG(1) in the users'' guide of MUMPS')
-    end select
-  end subroutine describe_failure
-
-  !> MUMPS gives large amounts as negative millions.
-  pure function amount(n) result(text)
-    integer, intent(in) :: n
-    character(:), allocatable :: text
-
-    text = to_text(abs(n))
-    if (n < 0) text = text//' million'
-  end function amount
-
-  !> A new instance.
+  !> Start an instance.
   subroutine start(m, single, symmetric, error)
     type(mumps_t), intent(out) :: m
     logical, intent(in) :: single, symmetric
     type(error_t), allocatable, intent(out) :: error
+    integer :: matrix_type
 
-    integer :: kind_of_matrix
-
-    kind_of_matrix = merge(SYMMETRIC_GENERAL, UNSYMMETRIC, symmetric)
+    matrix_type = merge(SYMMETRIC_GENERAL, UNSYMMETRIC, symmetric)
     if (single) then
       allocate (m%s)
-      m%s%comm = 0 ! libmpiseq does not look at it
+      m%s%comm = 0 ! libmpiseq ignores it
       m%s%par = 1
-      m%s%sym = kind_of_matrix
+      m%s%sym = matrix_type
     else
       allocate (m%d)
       m%d%comm = 0
       m%d%par = 1
-      m%d%sym = kind_of_matrix
+      m%d%sym = matrix_type
     end if
     call run(m, INITIALISE, error)
   end subroutine start
 
-  !> It was started and not finished.
+  !> Was the instance started and not yet finished?
   pure logical function runs(m)
     type(mumps_t), intent(in) :: m
 
     runs = associated(m%d) .or. associated(m%s)
   end function runs
 
-  !> What the analysis must know besides the pattern.
+  !> Set the options of the analysis.
   subroutine give_options(m, symmetric, low_rank, ordering)
     type(mumps_t), intent(inout) :: m
     logical, intent(in) :: symmetric
@@ -220,14 +109,42 @@ contains
     end if
   end subroutine give_options
 
-  !> Copy the pattern, and make room for its values.
+  !> Options of ICNTL, before the analysis.
+  pure subroutine set_controls(icntl, symmetric, compressed, ordering)
+    integer, intent(inout) :: icntl(:)
+    logical, intent(in) :: symmetric
+    logical, intent(in) :: compressed  !! low-rank blocks
+    integer, intent(in) :: ordering
+
+    icntl(1:4) = [-1, -1, -1, 0] ! silence
+    icntl(6) = 0   ! no permutation to the diagonal, which would need values in the analysis
+    icntl(7) = ordering
+    icntl(12) = 1  ! no other symmetric preprocessing
+    icntl(13) = 1  ! treat the root node as all others: the inertia is then exact
+    icntl(14) = FIRST_MARGIN
+    icntl(24) = 1  ! detect null pivots
+    icntl(28) = 1  ! sequential analysis
+    if (.not. symmetric) icntl(33) = 1 ! determinant
+    if (compressed) icntl(35) = 2
+  end subroutine set_controls
+
+  !> Smaller fronts than by default, before the analysis: nodes of the elimination tree are merged
+  !! up to fewer pivots. On cubes of 26 and 82 thousand equations this saved 9 and 7 % of the
+  !! operations and of the entries. KEEP is not in the guide; dini_defaults.F of MUMPS has these
+  !! values since 5.0.
+  pure subroutine set_fronts(keep)
+    integer, intent(inout) :: keep(:)
+
+    keep(1) = 2
+  end subroutine set_fronts
+
+  !> Copy the pattern and allocate room for its values.
   subroutine give_pattern(m, neq, row, col, order, error)
     type(mumps_t), intent(inout) :: m
     integer, intent(in) :: neq
     integer, intent(in) :: row(:), col(:) !! (nnz)
     integer, intent(in) :: order(:)       !! (neq) or empty
     type(error_t), allocatable, intent(out) :: error
-
     integer :: stat
 
     m%neq = neq
@@ -238,7 +155,8 @@ contains
       call copy(m%d%n, m%d%nnz, m%d%irn, m%d%jcn, m%d%perm_in)
       if (stat == 0) allocate (m%d%a(size(row)), stat=stat)
     end if
-    if (stat /= 0) call fail(error, SYSTEM_ERROR, 'no memory for the tangent of '//to_text(neq) &
+    if (stat /= 0) call fail(error, SYSTEM_ERROR, 'not enough memory for the tangent matrix of ' &
+                             //to_text(neq) &
                              //' equations', &
                              hint='use a coarser mesh or a machine with more memory')
 
@@ -275,7 +193,7 @@ contains
     end if
   end subroutine give_values
 
-  !> The power of two that takes a largest value to about 1; 1 for zero.
+  !> The power of two that scales the largest value to about 1; 1 for zero.
   pure real(wp) function power_of_two(largest)
     real(wp), intent(in) :: largest
 
@@ -283,7 +201,7 @@ contains
     if (largest > 0.0_wp) power_of_two = 2.0_wp**exponent(largest)
   end function power_of_two
 
-  !> Work space of the factorisation beyond the estimate [%].
+  !> Set the work space of the factorisation beyond the estimate [%].
   subroutine give_margin(m, margin)
     type(mumps_t), intent(inout) :: m
     integer, intent(in) :: margin
@@ -292,7 +210,7 @@ contains
     if (associated(m%d)) m%d%icntl(14) = margin
   end subroutine give_margin
 
-  !> Between analysis and factorisation.
+  !> Set the panels, between analysis and factorisation.
   subroutine narrow_panels(m)
     type(mumps_t), intent(inout) :: m
 
@@ -300,15 +218,34 @@ contains
     if (associated(m%d)) call set_panels(m%d%keep)
   end subroutine narrow_panels
 
+  !> Narrower inner panels than by default (16 and 32 columns), after the analysis of a symmetric
+  !! matrix: inside a panel MUMPS updates column by column, which took a fifth of the time; the rest
+  !! is dgemm. This saved 15 % of a factorisation of 26 thousand equations.
+  pure subroutine set_panels(keep)
+    integer, intent(inout) :: keep(:)
+
+    keep(5:6) = 8
+  end subroutine set_panels
+
   !> One call of the library.
   subroutine run(m, job, error)
     type(mumps_t), intent(inout) :: m
     integer, intent(in) :: job
     type(error_t), allocatable, intent(out) :: error
+    logical :: flush, gradual
 
     if (associated(m%s)) then
       m%s%job = job
-      call smumps_flushed(m%s)
+      ! Numbers below the normal range count as zero meanwhile: in single precision the factors of a
+      ! matrix with a strong diagonal decay into that range, where a factorisation took seven times
+      ! as long.
+      flush = ieee_support_underflow_control(1.0_sp)
+      if (flush) then
+        call ieee_get_underflow_mode(gradual)
+        call ieee_set_underflow_mode(.false.)
+      end if
+      call smumps(m%s)
+      if (flush) call ieee_set_underflow_mode(gradual)
       m%infog = m%s%infog
       m%rinfog = real(m%s%rinfog, wp)
     else
@@ -320,30 +257,11 @@ contains
     if (m%infog(1) < 0) call describe_failure(m%infog(1), m%infog(2), m%neq, error)
   end subroutine run
 
-  !> Numbers below the normal range count as zero meanwhile: factors of a matrix with a strong
-  !! diagonal decay into that range in single precision, where a factorisation took seven times as
-  !! long.
-  subroutine smumps_flushed(id)
-    type(smumps_struc), intent(inout) :: id
-
-    logical :: gradual
-
-    if (ieee_support_underflow_control(1.0_sp)) then
-      call ieee_get_underflow_mode(gradual)
-      call ieee_set_underflow_mode(.false.)
-      call smumps(id)
-      call ieee_set_underflow_mode(gradual)
-    else
-      call smumps(id)
-    end if
-  end subroutine smumps_flushed
-
   !> Right-hand sides in, solutions out.
   subroutine solve_with(m, x, error)
     type(mumps_t), intent(inout) :: m
     real(wp), intent(inout) :: x(:, :) !! (neq, nrhs)
     type(error_t), allocatable, intent(out) :: error
-
     real(wp) :: factor
 
     if (associated(m%s)) then
@@ -366,7 +284,7 @@ contains
     end if
   end subroutine solve_with
 
-  !> Equations whose pivot vanished in the last factorisation.
+  !> Equations of zero pivots in the last factorisation.
   function null_pivots(m) result(list)
     type(mumps_t), intent(in) :: m
     integer, allocatable :: list(:)
@@ -380,10 +298,9 @@ contains
     end if
   end function null_pivots
 
-  !> Give all memory back.
+  !> Finish the instance and release its memory.
   subroutine finish(m)
     type(mumps_t), intent(inout) :: m
-
     type(error_t), allocatable :: ignored
 
     if (associated(m%d)) then
@@ -409,5 +326,72 @@ contains
     end subroutine drop_pattern
 
   end subroutine finish
+
+  !> Refuse a factorisation for which the memory does not suffice, before the machine swaps.
+  subroutine check_memory(need_mb, available_mb, neq, single, error)
+    real(wp), intent(in) :: need_mb, available_mb
+    integer, intent(in) :: neq
+    logical, intent(in) :: single !! factors in single precision
+    type(error_t), allocatable, intent(out) :: error
+
+    if (need_mb <= available_mb) return
+    call fail(error, SYSTEM_ERROR, 'the factorisation of '//to_text(neq) &
+              //' equations needs about '//to_text(nint(need_mb, i8))//' MB of memory, ' &
+              //to_text(nint(available_mb, i8))//' MB are available')
+    error%hint = HALF
+    if (single) error%hint = COARSER
+  end subroutine check_memory
+
+  !> The message for INFOG(1) and INFOG(2).
+  subroutine describe_failure(code, detail, neq, error)
+    integer, intent(in) :: code   !! INFOG(1) < 0
+    integer, intent(in) :: detail !! INFOG(2)
+    integer, intent(in) :: neq    !! equations
+    type(error_t), allocatable, intent(out) :: error
+
+    select case (code)
+    case (-6)
+      call fail(error, NO_SOLUTION, 'the tangent is singular: its pattern has rank ' &
+                //to_text(detail)//' of '//to_text(neq), &
+                hint='look for nodes without stiffness or support')
+    case (-10)
+      call fail(error, NO_SOLUTION, 'the tangent is singular', &
+                hint='look for free bodies and missing supports')
+    case (-5, -7)
+      call fail(error, SYSTEM_ERROR, 'not enough memory for the analysis of '//to_text(neq) &
+                //' equations ('//amount(detail)//' numbers could not be allocated)', hint=COARSER)
+    case (-13)
+      call fail(error, SYSTEM_ERROR, 'not enough memory for the factorisation of '//to_text(neq) &
+                //' equations ('//amount(detail)//' numbers could not be allocated)', hint=HALF)
+    case (-8, -9, -11, -14, -15, -19)
+      call fail(error, SYSTEM_ERROR, 'pivoting needs much more work space than estimated (' &
+                //amount(detail)//' numbers are missing)', &
+                hint='the tangent may be close to singular; '//HALF)
+    case (-17, -20)
+      call fail(error, SYSTEM_ERROR, 'a message buffer of MUMPS is too small')
+    case (-51, -52)
+      call fail(error, SYSTEM_ERROR, to_text(neq) &
+                //' equations are too many for the 32-bit integers of MUMPS', &
+                hint='use a coarser mesh')
+    case (-90)
+      call fail(error, SYSTEM_ERROR, 'MUMPS could not use its files on disk')
+    case (-2, -3, -4, -16, -40:-21, -800)
+      call fail(error, BUG, 'MUMPS rejected its input with code '//to_text(code)//', detail ' &
+                //to_text(detail))
+    case default
+      call fail(error, SYSTEM_ERROR, 'MUMPS failed with code '//to_text(code)//', detail ' &
+                //to_text(detail), &
+                hint='see INFOG(1) in the users'' guide of MUMPS')
+    end select
+  end subroutine describe_failure
+
+  !> An amount of memory; MUMPS gives large amounts as negative millions.
+  pure function amount(n) result(text)
+    integer, intent(in) :: n
+    character(:), allocatable :: text
+
+    text = to_text(abs(n))
+    if (n < 0) text = text//' million'
+  end function amount
 
 end module mumps_instance

@@ -1,89 +1,62 @@
 !> Is a factorised matrix singular, and which motions are free?
 !!
-!! Pivots alone cannot tell: rounding leaves pivots of 1e-9 in a free slender body, and sound
+!! Pivots alone do not tell: rounding leaves pivots of 1e-9 in a free slender body, and supported
 !! slender bodies have pivots of 1e-10. Two steps of inverse iteration find the smallest eigenvalue
-!! itself: of the order of the rounding unit where the matrix is singular, far above it elsewhere.
-!! All is measured on the matrix scaled to rows of unit sums, so that units and stiff parts do not
-!! matter.
+!! itself, which is of the order of the rounding unit where the matrix is singular and far larger
+!! elsewhere. The matrix is scaled to rows of unit sums, so that units and stiff parts have no
+!! influence.
 module null_space
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_kinds, only: wp
   use csr, only: block_matrix_t, multiply_free, row_sums
   use solver_type, only: solver_t
   implicit none
   private
   public :: prove_regular, pick_dofs
 
-  !> Eigenvalues below this are zero. Free bodies of all shapes gave 6e-17 to 9e-17, a clamped bar
-  !! of 3000 cubes in a row 2e-15.
+  !> Smaller eigenvalues count as zero. Free bodies of all shapes gave 6e-17 to 9e-17, a clamped bar
+  !! of 3000 cubes in a row gave 2e-15.
   real(wp), parameter :: ZERO_EIGENVALUE = 2*epsilon(1.0_wp)
   real(wp), parameter :: DOUBT = 2*epsilon(1.0) !! the same for factors in single precision
-  integer, parameter :: MOST = 14  !! motions looked for at once: two free bodies and some
+  integer, parameter :: MOST = 14  !! motions found at once: of two free bodies and some more
   integer, parameter :: STEPS = 2  !! of inverse iteration
 
 contains
 
-  !> Is the matrix just factorised regular? Then `null` stays empty.
+  !> Find out whether the matrix that was just factorised is regular. Then `null` stays empty; else
+  !! it gets the equations whose support would stop the free motions, one for each motion.
   !!
-  !! Where approximate factors leave a doubt they count as singular: exact ones must decide.
+  !! Where approximate factors leave a doubt, the matrix counts as singular and exact factors must
+  !! decide.
   subroutine prove_regular(a, eq, solver, exact, null, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)              !! (3, nnode) equation numbers, 0: prescribed
     class(solver_t), intent(inout) :: solver     !! factorised
     logical, intent(in) :: exact                 !! factors in double precision, not compressed
-    integer, allocatable, intent(inout) :: null(:) !! equations: in the solver's, out all
+    integer, allocatable, intent(inout) :: null(:) !! equations: in those of the solver, out all
     type(error_t), allocatable, intent(out) :: error
-
+    real(wp), allocatable :: q(:, :), s(:), lambdas(:)
     integer, allocatable :: more(:)
-    real(wp) :: lambda
-
-    if (size(null) > 0 .and. .not. (exact .and. solver%pins_null_pivots)) return
-    call smallest_eigenvalue(a, eq, solver, lambda, error)
-    if (allocated(error)) return
-    if (lambda > merge(ZERO_EIGENVALUE, DOUBT, exact)) return
-    more = [1]
-    if (exact) call find_null_space(a, eq, solver, more, error)
-    if (allocated(error)) return
-    null = [null, more]
-  end subroutine prove_regular
-
-  !> Estimate of the smallest eigenvalue of the scaled matrix, by magnitude.
-  subroutine smallest_eigenvalue(a, eq, solver, lambda, error)
-    type(block_matrix_t), intent(in) :: a
-    integer, intent(in) :: eq(:, :)          !! (3, nnode) equation numbers, 0: prescribed
-    class(solver_t), intent(inout) :: solver !! factorised
-    real(wp), intent(out) :: lambda
-    type(error_t), allocatable, intent(out) :: error
-
-    real(wp), allocatable :: q(:, :), s(:), lambdas(:)
-
-    call iterate(a, eq, solver, 1, q, s, lambdas, error)
-    if (allocated(error)) return
-    lambda = lambdas(1)
-  end subroutine smallest_eigenvalue
-
-  !> Equations whose support would stop the free motions, one a motion; none where the matrix is
-  !! regular.
-  subroutine find_null_space(a, eq, solver, null, error)
-    type(block_matrix_t), intent(in) :: a
-    integer, intent(in) :: eq(:, :)
-    class(solver_t), intent(inout) :: solver !! factorised
-    integer, allocatable, intent(out) :: null(:)
-    type(error_t), allocatable, intent(out) :: error
-
-    real(wp), allocatable :: q(:, :), s(:), lambdas(:)
     integer :: k, n
 
-    call iterate(a, eq, solver, min(MOST, solver%neq), q, s, lambdas, error)
+    if (size(null) > 0 .and. .not. (exact .and. solver%pins_null_pivots)) return
+    call iterate(a, eq, solver, 1, q, s, lambdas, error)
     if (allocated(error)) return
-    n = 0
-    do k = 1, size(lambdas)
-      if (lambdas(k) > ZERO_EIGENVALUE) cycle
-      n = n + 1
-      q(:, n) = q(:, k)/s
-    end do
-    call pick_dofs(q(:, :n), null)
-  end subroutine find_null_space
+    if (lambdas(1) > merge(ZERO_EIGENVALUE, DOUBT, exact)) return
+    more = [1]
+    if (exact) then
+      call iterate(a, eq, solver, min(MOST, solver%neq), q, s, lambdas, error)
+      if (allocated(error)) return
+      n = 0
+      do k = 1, size(lambdas)
+        if (lambdas(k) > ZERO_EIGENVALUE) cycle
+        n = n + 1
+        q(:, n) = q(:, k)/s
+      end do
+      call pick_dofs(q(:, :n), more)
+    end if
+    null = [null, more]
+  end subroutine prove_regular
 
   !> Inverse iteration with m vectors.
   subroutine iterate(a, eq, solver, m, q, s, lambdas, error)
@@ -94,7 +67,6 @@ contains
     real(wp), allocatable, intent(out) :: s(:)       !! (neq) scale: displacements are q/s
     real(wp), allocatable, intent(out) :: lambdas(:) !! (m) |A q| of the scaled system
     type(error_t), allocatable, intent(out) :: error
-
     real(wp), allocatable :: y(:), xn(:, :), yn(:, :)
     integer :: i, k
 
@@ -107,7 +79,7 @@ contains
       s = 1.0_wp
     end where
     do k = 1, m
-      q(:, k) = [(sin(real(i, wp)*real(i + 7*k, wp)), i=1, solver%neq)] ! no pattern, yet repeatable
+      q(:, k) = [(sin(real(i, wp)*real(i + 7*k, wp)), i=1, solver%neq)] ! irregular but repeatable
     end do
     do i = 1, STEPS
       q = spread(s, 2, m)*q
@@ -122,10 +94,10 @@ contains
     end do
   end subroutine iterate
 
-  !> Gram-Schmidt, the longest column next; twice, as the columns are almost parallel.
+  !> Gram-Schmidt method that takes the longest column next. It is applied twice, as the columns are
+  !! almost parallel.
   pure subroutine orthonormalise(q)
     real(wp), intent(inout) :: q(:, :)
-
     real(wp) :: length(size(q, 2)), column(size(q, 1))
     integer :: j, k, longest, pass
 
@@ -147,11 +119,10 @@ contains
     end do
   end subroutine orthonormalise
 
-  !> From motions to dofs: as many, so that no motion is left that moves none of them.
+  !> As many dofs as motions, chosen such that every combination of the motions moves one of them.
   pure subroutine pick_dofs(motion, dof)
     real(wp), intent(in) :: motion(:, :)        !! (neq, m)
     integer, allocatable, intent(out) :: dof(:) !! (m)
-
     real(wp), allocatable :: w(:, :)
     integer :: at(2), j, k
 

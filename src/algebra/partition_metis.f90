@@ -1,9 +1,9 @@
 !> Fill-reducing order of the equations by METIS.
 !!
-!! The graph has one vertex a node with free dofs: three times smaller than that of the equations,
-!! and the dofs of a node stay together. MUMPS of several distributions is built without METIS, so
-!! its own option for it silently becomes another ordering: the order is found here and handed over.
-!! Source: Karypis and Kumar 1998 [bib: karypis1998], METIS_NodeND
+!! The graph has one vertex for each node with free dofs. It is three times smaller than the graph
+!! of the equations, and the dofs of a node stay together. Several distributions build MUMPS without
+!! METIS; its option for METIS then silently selects another ordering. The order is therefore found
+!! here and passed to MUMPS. Source: Karypis and Kumar 1998 [bib: karypis1998], METIS_NodeND
 module partition_metis
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -16,7 +16,7 @@ module partition_metis
 
   integer, parameter :: METIS_OK = 1
   integer, parameter :: NOPTION = 40   !! METIS_NOPTIONS
-  integer, parameter :: SMALLEST = 8   !! graphs below this keep their order
+  integer, parameter :: SMALLEST = 8   !! smaller graphs keep their order
 
   interface
     integer(c_int) function metis_nodend(nvtxs, xadj, adjncy, vwgt, options, perm, iperm) &
@@ -35,49 +35,48 @@ module partition_metis
 
 contains
 
-  !> Place of every equation in the order of elimination.
+  !> Position of every equation in the order of elimination.
   subroutine elimination_order(a, eq, order, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)               !! (3, nnode) equation numbers, 0: prescribed
-    integer, allocatable, intent(out) :: order(:) !! (neq) order(i): place of equation i, from 1
+    integer, allocatable, intent(out) :: order(:) !! (neq) order(i): position of equation i, from 1
     type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: vertex(:) !! (nnode) number of a node with free dofs, else 0
+    integer, allocatable :: first(:), neighbour(:), place(:), node(:)
+    integer :: i, n, next, nvertex, v
 
-    integer, allocatable :: vertex(:), first(:), neighbour(:), place(:)
-    integer :: nvertex
-
-    call find_vertices(eq, vertex, nvertex)
-    call build_graph(a, vertex, nvertex, first, neighbour)
-    call order_graph(nvertex, first, neighbour, place, error)
-    if (allocated(error)) return
-    call expand(eq, vertex, place, order)
-  end subroutine elimination_order
-
-  !> Number the nodes that have free dofs.
-  subroutine find_vertices(eq, vertex, nvertex)
-    integer, intent(in) :: eq(:, :)
-    integer, allocatable, intent(out) :: vertex(:) !! (nnode) 0: no free dof
-    integer, intent(out) :: nvertex
-
-    integer :: n
-
-    allocate (vertex(size(eq, 2)))
+    allocate (vertex(size(eq, 2)), source=0)
     nvertex = 0
     do n = 1, size(eq, 2)
-      vertex(n) = 0
       if (all(eq(:, n) == 0)) cycle
       nvertex = nvertex + 1
       vertex(n) = nvertex
     end do
-  end subroutine find_vertices
+    call build_graph(a, vertex, nvertex, first, neighbour)
+    call order_graph(nvertex, first, neighbour, place, error)
+    if (allocated(error)) return
+    allocate (node(nvertex))
+    do n = 1, size(vertex)
+      if (vertex(n) > 0) node(place(vertex(n)) + 1) = n
+    end do
+    allocate (order(count(eq > 0)))
+    next = 0
+    do v = 1, nvertex
+      do i = 1, 3 ! the dofs of a node follow each other
+        if (eq(i, node(v)) == 0) cycle
+        next = next + 1
+        order(eq(i, node(v))) = next
+      end do
+    end do
+  end subroutine elimination_order
 
-  !> Adjacency of the vertices, both directions, no loops; counted from 0 as METIS does.
+  !> Adjacency of the vertices in both directions and without loops, counted from 0 as in METIS.
   subroutine build_graph(a, vertex, nvertex, first, neighbour)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: vertex(:)
     integer, intent(in) :: nvertex
     integer, allocatable, intent(out) :: first(:)     !! (nvertex+1)
     integer, allocatable, intent(out) :: neighbour(:)
-
     integer, allocatable :: next(:)
     integer :: n, p, v, w
 
@@ -112,13 +111,12 @@ contains
     end do
   end subroutine build_graph
 
-  !> Place of each vertex in the order of elimination, from 0.
+  !> Position of each vertex in the order of elimination, from 0.
   subroutine order_graph(nvertex, first, neighbour, place, error)
     integer, intent(in) :: nvertex
     integer, intent(in) :: first(:), neighbour(:)
     integer, allocatable, intent(out) :: place(:) !! (nvertex)
     type(error_t), allocatable, intent(out) :: error
-
     integer :: v, status
 
     allocate (place(nvertex))
@@ -126,7 +124,7 @@ contains
       place = [(v - 1, v=1, nvertex)]
       return
     end if
-    call hold_signals() ! METIS takes a SIGTERM for its own, and returns an error
+    call hold_signals() ! METIS would catch a SIGTERM and return an error
     if (has_long_integers()) then
       call order_long(nvertex, first, neighbour, place, status)
     else
@@ -135,11 +133,11 @@ contains
     call let_signals_in()
     if (status == METIS_OK) return
     call fail(error, SYSTEM_ERROR, 'METIS_NodeND failed with status '//to_text(status), &
-              hint='memory may not suffice')
+              hint='there may be too little memory')
   end subroutine order_graph
 
-  !> METIS can be built with 32 or 64 bit integers and does not tell: see how much of a buffer it
-  !! fills.
+  !> METIS is built with integers of 32 or 64 bits and does not tell which. It fills a buffer of
+  !! options, whose end shows their size.
   logical function has_long_integers()
     integer(c_int32_t), target :: buffer(2*NOPTION)
     integer(c_int) :: status
@@ -152,7 +150,6 @@ contains
   subroutine order_short(nvertex, first, neighbour, place, status)
     integer, intent(in) :: nvertex, first(:), neighbour(:)
     integer, intent(out) :: place(:), status
-
     integer(c_int32_t), allocatable, target :: xadj(:), adjncy(:), perm(:), iperm(:)
     integer(c_int32_t), target :: n
 
@@ -168,7 +165,6 @@ contains
   subroutine order_long(nvertex, first, neighbour, place, status)
     integer, intent(in) :: nvertex, first(:), neighbour(:)
     integer, intent(out) :: place(:), status
-
     integer(c_int64_t), allocatable, target :: xadj(:), adjncy(:), perm(:), iperm(:)
     integer(c_int64_t), target :: n
 
@@ -180,28 +176,5 @@ contains
                           c_loc(perm), c_loc(iperm))
     place(:) = int(iperm)
   end subroutine order_long
-
-  !> From vertices to equations: the dofs of a node follow each other.
-  subroutine expand(eq, vertex, place, order)
-    integer, intent(in) :: eq(:, :), vertex(:), place(:)
-    integer, allocatable, intent(out) :: order(:)
-
-    integer, allocatable :: node(:)
-    integer :: n, i, v, next
-
-    allocate (node(size(place)))
-    do n = 1, size(vertex)
-      if (vertex(n) > 0) node(place(vertex(n)) + 1) = n
-    end do
-    allocate (order(count(eq > 0)))
-    next = 0
-    do v = 1, size(node)
-      do i = 1, 3
-        if (eq(i, node(v)) == 0) cycle
-        next = next + 1
-        order(eq(i, node(v))) = next
-      end do
-    end do
-  end subroutine expand
 
 end module partition_metis

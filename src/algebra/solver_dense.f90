@@ -1,12 +1,14 @@
-!> Dense solver by LAPACK, for tests and tiny decks.
+!> Dense solver by LAPACK for tests and tiny decks.
 !!
-!! Symmetric matrices go by eigenvalues: inertia and null space are then beyond doubt. Others by LU.
+!! Symmetric matrices are solved by their eigenvalues, which give the inertia and the null space
+!! reliably, other matrices by LU factors.
 module solver_dense
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
+  use base_kinds, only: wp
+  use base_text, only: to_text
   use lapack, only: dgetrf, dgetrs, dsyev
-  use solver_type, only: solver_t
   use null_space, only: pick_dofs
+  use solver_type, only: solver_t
   implicit none
   private
   public :: solver_dense_t
@@ -38,7 +40,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (neq > MOST_EQUATIONS .or. (size(order) /= 0 .and. size(order) /= neq)) then
-      call fail(error, BUG, 'the dense solver is for small systems')
+      call fail(error, BUG, 'expected at most '//to_text(MOST_EQUATIONS)//' equations for the ' &
+                //'dense solver, found '//to_text(neq))
       return
     end if
     self%neq = neq
@@ -53,18 +56,17 @@ contains
   subroutine factorise(self, values, available_mb, error)
     class(solver_dense_t), intent(inout) :: self
     real(wp), intent(in) :: values(:)
-    real(wp), intent(in) :: available_mb !! not looked at: the matrix is small
+    real(wp), intent(in) :: available_mb !! hardly used, as the matrix is small
     type(error_t), allocatable, intent(out) :: error
-
     integer :: k
 
     if (available_mb < 0.0_wp .or. size(values) /= size(self%row)) then
-      call fail(error, BUG, 'the dense solver got the values of another pattern')
+      call fail(error, BUG, 'expected '//to_text(size(self%row))//' values of the matrix, found ' &
+                //to_text(size(values)))
       return
     end if
     if (allocated(self%factor)) deallocate (self%factor)
-    allocate (self%factor(self%neq, self%neq))
-    self%factor = 0.0_wp
+    allocate (self%factor(self%neq, self%neq), source=0.0_wp)
     do k = 1, size(values)
       self%factor(self%row(k), self%col(k)) = self%factor(self%row(k), self%col(k)) + values(k)
       if (self%symmetric .and. self%row(k) /= self%col(k)) then
@@ -87,7 +89,6 @@ contains
   subroutine factorise_symmetric(self, error)
     type(solver_dense_t), intent(inout) :: self
     type(error_t), allocatable, intent(out) :: error
-
     real(wp), allocatable :: work(:)
     logical, allocatable :: is_null(:)
     integer :: status, i
@@ -96,7 +97,7 @@ contains
     allocate (self%eigenvalue(self%neq), work(3*self%neq))
     call dsyev('V', 'U', self%neq, self%factor, self%neq, self%eigenvalue, work, size(work), status)
     if (status /= 0) then
-      call fail(error, SYSTEM_ERROR, 'LAPACK found no eigenvalues of the tangent')
+      call fail(error, SYSTEM_ERROR, 'LAPACK did not find the eigenvalues of the tangent')
       return
     end if
     is_null = [(.false., i=1, self%neq)]
@@ -110,17 +111,16 @@ contains
     call pick_dofs(self%factor(:, pack([(i, i=1, self%neq)], is_null)), self%info%null)
   end subroutine factorise_symmetric
 
-  !> What counts as nothing beside the largest number.
+  !> A number smaller than this, relative to the largest one, counts as zero.
   pure real(wp) function relative_rounding(self)
     type(solver_dense_t), intent(in) :: self
 
     relative_rounding = 10*self%neq*epsilon(1.0_wp)
   end function relative_rounding
 
-  !> LU with row exchanges: a vanishing pivot stands in the column of the unknown to blame.
+  !> LU factors with row exchanges: a zero pivot is in the column of the unknown without stiffness.
   subroutine factorise_general(self)
     type(solver_dense_t), intent(inout) :: self
-
     real(wp) :: largest
     integer :: status, i
 
@@ -142,13 +142,12 @@ contains
     class(solver_dense_t), intent(inout) :: self
     real(wp), intent(inout) :: x(:, :)
     type(error_t), allocatable, intent(out) :: error
-
     real(wp), allocatable :: y(:, :)
     integer :: i, status
 
     if (self%neq == 0) return
     if (size(self%info%null) > 0) then
-      call fail(error, BUG, 'the dense solver was asked to solve with a singular matrix')
+      call fail(error, BUG, 'the dense solver cannot solve with a singular matrix')
       return
     end if
     if (self%symmetric) then

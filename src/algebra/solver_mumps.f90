@@ -2,25 +2,26 @@
 !! Source: Amestoy, Duff, L'Excellent and Koster 2001 [bib: amestoy2001]; users' guide of MUMPS 5.5
 module solver_mumps
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
+  use base_kinds, only: wp
+  use mumps_instance, only: mumps_t, start, runs, give_options, give_pattern, give_values, &
+                            give_margin, narrow_panels, run, solve_with, null_pivots, finish, &
+                            check_memory, ANALYSE_JOB, FACTORISE_JOB, ORDER_AMD, ORDER_GIVEN, &
+                            ORDER_PORD, FIRST_MARGIN
   use solver_type, only: solver_t
-  use mumps_instance, only: FIRST_MARGIN, ORDER_AMD, ORDER_GIVEN, ORDER_PORD, mumps_t, start, &
-      runs, give_options, give_pattern, give_values, give_margin, narrow_panels, run, solve_with, &
-      null_pivots, finish, ANALYSE_JOB, FACTORISE_JOB, check_memory
   implicit none
   private
   public :: solver_mumps_t, new_solver_mumps, ORDER_AMD, ORDER_PORD
 
   integer, parameter :: LAST_MARGIN = 1000    !! largest work space beyond the estimate [%]
-  !> Values of INFOG(1) that say that there was too little of it.
+  !> Values of INFOG(1) for too little work space.
   integer, parameter :: TOO_NARROW(4) = [-8, -9, -14, -15]
 
   type, extends(solver_t) :: solver_mumps_t
     private
     logical :: single = .false.
     real(wp) :: low_rank = 0.0_wp             !! relative error of compressed blocks; 0: none
-    integer :: ordering = ORDER_AMD           !! used where no order is given
+    integer :: ordering = ORDER_AMD           !! where `analyse` gets no order
     integer :: margin = FIRST_MARGIN
     type(mumps_t) :: mumps
   contains
@@ -97,7 +98,7 @@ contains
       return
     end if
     if (.not. all(ieee_is_finite(values))) then
-      call fail(error, NO_SOLUTION, 'the tangent holds a number that is not finite')
+      call fail(error, NO_SOLUTION, 'the tangent contains a number that is not finite')
       return
     end if
     if (available_mb > 0.0_wp) then
@@ -106,29 +107,13 @@ contains
       if (allocated(error)) return
     end if
     call give_values(self%mumps, values)
-    call factorise_with_margin(self, error)
-    if (allocated(error)) return
-    call read_info(self)
-  end subroutine factorise
-
-  !> Pivoting may need more room than the analysis foresaw: try again with more, within bounds.
-  subroutine factorise_with_margin(self, error)
-    type(solver_mumps_t), intent(inout) :: self
-    type(error_t), allocatable, intent(out) :: error
-
-    do
+    do ! pivoting may need more room than the analysis estimated: repeat with more, within bounds
       call give_margin(self%mumps, self%margin)
       call run(self%mumps, FACTORISE_JOB, error)
-      if (.not. allocated(error)) return
+      if (.not. allocated(error)) exit
       if (all(self%mumps%infog(1) /= TOO_NARROW) .or. 2*self%margin > LAST_MARGIN) return
       self%margin = 2*self%margin
     end do
-  end subroutine factorise_with_margin
-
-  !> Pivots and memory.
-  subroutine read_info(self)
-    type(solver_mumps_t), intent(inout) :: self
-
     associate (infog => self%mumps%infog, mantissa => self%mumps%rinfog(12))
       self%info%used_mb = real(infog(19), wp)
       if (self%symmetric) then
@@ -140,7 +125,7 @@ contains
     end associate
     self%info%null = null_pivots(self%mumps)
     if (size(self%info%null) > 0) self%info%determinant = 0
-  end subroutine read_info
+  end subroutine factorise
 
   subroutine solve(self, x, error)
     class(solver_mumps_t), intent(inout) :: self

@@ -1,12 +1,12 @@
-!> What a direct solver shows to the rest of the program.
+!> The interface of direct solvers.
 module solver_type
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_kinds, only: wp
   implicit none
   private
   public :: solver_t, factor_info_t
 
-  !> What is known of a factorisation.
+  !> Results of the analysis and the factorisation.
   type :: factor_info_t
     real(wp) :: flops = 0.0_wp        !! operations of the elimination, estimated by the analysis
     real(wp) :: entries = 0.0_wp      !! entries in the factors, estimated by the analysis
@@ -14,14 +14,15 @@ module solver_type
     real(wp) :: used_mb = 0.0_wp      !! memory held [MB]
     integer :: negative = 0           !! negative pivots (symmetric matrices)
     integer :: determinant = 0        !! sign of the determinant (unsymmetric matrices; 0: singular)
-    integer, allocatable :: null(:)   !! equations whose pivot vanished; not empty: singular
+    integer, allocatable :: null(:)   !! equations of zero pivots; not empty: singular
   end type factor_info_t
 
-  !> A solver: analyse once a pattern, factorise once a matrix, solve as often as wanted, free.
+  !> A solver analyses a pattern, factorises matrices of it, and solves any number of systems with
+  !! each.
   type, abstract :: solver_t
     integer :: neq = 0
     logical :: symmetric = .true.
-    logical :: pins_null_pivots = .false. !! solves with what is left of a singular matrix
+    logical :: pins_null_pivots = .false. !! solves also with a singular matrix
     type(factor_info_t) :: info
   contains
     procedure(analyse_i), deferred :: analyse
@@ -39,7 +40,7 @@ module solver_type
       integer, intent(in) :: neq
       logical, intent(in) :: symmetric
       integer, intent(in) :: row(:), col(:) !! (nnz)
-      integer, intent(in) :: order(:)       !! (neq) place of each in the elimination; empty: any
+      integer, intent(in) :: order(:)       !! (neq) position in the elimination; empty: any
       type(error_t), allocatable, intent(out) :: error
     end subroutine analyse_i
 
@@ -49,7 +50,7 @@ module solver_type
       implicit none
       class(solver_t), intent(inout) :: self
       real(wp), intent(in) :: values(:)     !! (nnz)
-      real(wp), intent(in) :: available_mb  !! memory there is, beyond what is held [MB]; 0: unknown
+      real(wp), intent(in) :: available_mb  !! memory beyond what is held [MB]; 0: unknown
       type(error_t), allocatable, intent(out) :: error
     end subroutine factorise_i
 
@@ -62,7 +63,7 @@ module solver_type
       type(error_t), allocatable, intent(out) :: error
     end subroutine solve_i
 
-    !> Give memory back.
+    !> Release all memory.
     subroutine free_i(self)
       import :: solver_t
       implicit none

@@ -1,63 +1,109 @@
-!> What the solution of a linear system reports.
-!!
-!! Which solver a system gets, with its pattern analysed.
-!!
-!! Factors of the tangent, as exact as was chosen or as turned out to be needed.
+!> Factors of the tangent matrix in the chosen precision, or exact ones where these turn out to be
+!! needed.
 module tangent_factors
-  use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
+  use base_kinds, only: wp
+  use base_system, only: available_memory_mb, return_memory
+  use base_text, only: to_text
   use csr, only: block_matrix_t
   use csr_extract, only: entries_t, new_entries, gather
+  use null_space, only: prove_regular
   use partition_metis, only: elimination_order
-  use solver_type, only: solver_t
   use solver_dense, only: solver_dense_t
   use solver_mumps, only: solver_mumps_t, new_solver_mumps
-  use base_system, only: available_memory_mb, return_memory
-  use null_space, only: prove_regular
+  use solver_type, only: solver_t
   implicit none
   private
-  public :: solve_report_t, new_solver, factors_t, new_factors, take_equations, analyse, renew, &
+  public :: solve_report_t, factors_t, new_factors, take_equations, analyse, renew, &
             look_for_motions, be_exact, start_anew, drop
 
-  !> What a solve did.
+  !> What one solve did.
   type :: solve_report_t
     logical :: factorised = .false.        !! in this call
-    logical :: converged = .false.         !! the tolerance, or all that rounding allows, is met
-    logical :: singular = .false.          !! no solution: x is zero, see null
+    logical :: converged = .false.         !! to the tolerance or as far as rounding allows
+    logical :: singular = .false.          !! there is no solution and x is zero, see null
     integer, allocatable :: null(:)        !! equations whose pivot vanished
-    integer :: iterations = 0              !! applications of the factors, failed attempts included
+    integer :: iterations = 0              !! solves with the factors, failed attempts included
     integer :: factorisations = 0          !! in this call
     logical :: used_single = .false.       !! the last factors are in single precision
     logical :: used_gmres = .false.
     integer :: negative = 0                !! negative pivots of the factors in use
-    integer :: determinant = 1             !! unsymmetric: sign of the determinant of the same
+    integer :: determinant = 1             !! sign of the determinant of an unsymmetric matrix
     real(wp) :: residual = 0.0_wp          !! |b - A x| / |b|
     real(wp) :: seconds_factor = 0.0_wp    !! wall time of analysis and factorisation
     real(wp) :: seconds_solve = 0.0_wp     !! wall time of the rest
     real(wp) :: memory_mb = 0.0_wp         !! held by the factors
   end type solve_report_t
 
-  integer, parameter :: SMALL = 24 !! equations up to which the dense solver does it
+  integer, parameter :: SMALL = 24 !! equations up to which the dense solver is used
 
   type :: factors_t
-    logical :: single = .false.          !! wanted in single precision
-    real(wp) :: eps = 0.0_wp             !! wanted relative error of compressed blocks; 0: none
-    real(wp) :: available_mb = 0.0_wp    !! memory there is [MB]; 0: ask the machine
-    real(wp) :: estimate_mb = 0.0_wp     !! memory a factorisation needs, by the analysis [MB]
+    logical :: single = .false.          !! chosen: single precision
+    real(wp) :: eps = 0.0_wp             !! chosen: relative error of compressed blocks; 0: none
+    real(wp) :: available_mb = 0.0_wp    !! available memory [MB]; 0: that of the machine
+    real(wp) :: estimate_mb = 0.0_wp     !! memory of a factorisation as the analysis estimates [MB]
     class(solver_t), allocatable :: solver
     integer, allocatable :: eq(:, :)     !! (3, nnode) equation numbers, 0: prescribed
-    logical :: valid = .false.           !! they are there, of a regular matrix
-    logical :: exact = .true.            !! they are in double precision, not compressed
+    logical :: valid = .false.           !! the factors exist and are those of a regular matrix
+    logical :: exact = .true.            !! they are in double precision and not compressed
     type(entries_t), private :: entries
-    logical, private :: analysed = .false.  !! the solver knows the present pattern
+    logical, private :: analysed = .false.  !! the solver knows the current pattern
     logical, private :: proved = .false.    !! a matrix of this system was regular
-    logical, private :: escalated = .false. !! what was wanted did not do for this problem
+    logical, private :: escalated = .false. !! the chosen precision did not suffice
   end type factors_t
 
 contains
 
-  !> A solver for the free dofs of a matrix: dense for a few equations, sparse with METIS's order
-  !! for more.
+  !> Choose precision and compression.
+  subroutine new_factors(factors, single, eps, available_mb)
+    type(factors_t), intent(out) :: factors
+    logical, intent(in) :: single
+    real(wp), intent(in) :: eps
+    real(wp), intent(in), optional :: available_mb
+
+    factors%single = single
+    factors%eps = eps
+    if (present(available_mb)) factors%available_mb = available_mb
+  end subroutine new_factors
+
+  !> Take a matrix of another pattern. Existing factors are kept where the equations are the same;
+  !! the new pattern is analysed with the next factorisation.
+  subroutine take_equations(factors, a, eq, error)
+    type(factors_t), intent(inout) :: factors
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: eq(:, :)
+    type(error_t), allocatable, intent(out) :: error
+
+    if (size(eq, 1) /= 3 .or. size(eq, 2) /= a%nnode) then
+      call fail(error, BUG, 'expected equation numbers of 3 dofs at '//to_text(a%nnode) &
+                //' nodes, found '//to_text(size(eq, 1))//' at '//to_text(size(eq, 2)))
+      return
+    end if
+    if (factors%valid) then
+      factors%valid = size(factors%eq) == size(eq)
+      if (factors%valid) factors%valid = all(factors%eq == eq)
+    end if
+    factors%eq = eq
+    factors%analysed = .false.
+  end subroutine take_equations
+
+  !> Analyse the pattern with a solver of the precision that is chosen or needed.
+  subroutine analyse(factors, a, error)
+    type(factors_t), intent(inout) :: factors
+    type(block_matrix_t), intent(in) :: a
+    type(error_t), allocatable, intent(out) :: error
+
+    call drop(factors)
+    call new_solver(factors%solver, factors%entries, a, factors%eq, &
+                    factors%single .and. .not. factors%escalated, &
+                    merge(0.0_wp, factors%eps, factors%escalated), factors%exact, error)
+    if (allocated(error)) return
+    factors%estimate_mb = factors%solver%info%estimate_mb
+    factors%analysed = .true.
+  end subroutine analyse
+
+  !> A solver for the free dofs of a matrix with its pattern analysed: dense for a few equations,
+  !! else sparse with the order of METIS.
   subroutine new_solver(solver, entries, a, eq, single, low_rank, exact, error)
     class(solver_t), allocatable, intent(out) :: solver
     type(entries_t), intent(out) :: entries
@@ -65,9 +111,8 @@ contains
     integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
     logical, intent(in) :: single        !! factors in single precision
     real(wp), intent(in) :: low_rank     !! relative error of compressed blocks; 0: none
-    logical, intent(out) :: exact        !! factors will be in double precision, not compressed
+    logical, intent(out) :: exact        !! factors will be in double precision and not compressed
     type(error_t), allocatable, intent(out) :: error
-
     type(solver_mumps_t), allocatable :: mumps
     integer, allocatable :: order(:)
 
@@ -87,65 +132,27 @@ contains
     call solver%analyse(entries%neq, a%symmetric, entries%row, entries%col, order, error)
   end subroutine new_solver
 
-  !> Choose precision and compression.
-  subroutine new_factors(factors, single, eps, available_mb)
-    type(factors_t), intent(out) :: factors
-    logical, intent(in) :: single
-    real(wp), intent(in) :: eps
-    real(wp), intent(in), optional :: available_mb
-
-    factors%single = single
-    factors%eps = eps
-    if (present(available_mb)) factors%available_mb = available_mb
-  end subroutine new_factors
-
-  !> The matrix has another pattern from now on. Factors at hand stay where the equations are the
-  !! same ones; the new pattern is analysed with the next factorisation.
-  subroutine take_equations(factors, a, eq, error)
-    type(factors_t), intent(inout) :: factors
-    type(block_matrix_t), intent(in) :: a
-    integer, intent(in) :: eq(:, :)
-    type(error_t), allocatable, intent(out) :: error
-
-    if (size(eq, 1) /= 3 .or. size(eq, 2) /= a%nnode) then
-      call fail(error, BUG, 'equation numbers and matrix do not belong together')
-      return
-    end if
-    if (factors%valid) then
-      factors%valid = size(factors%eq) == size(eq)
-      if (factors%valid) factors%valid = all(factors%eq == eq)
-    end if
-    factors%eq = eq
-    factors%analysed = .false.
-  end subroutine take_equations
-
-  !> Analyse the pattern with a solver of the precision wanted now.
-  subroutine analyse(factors, a, error)
-    type(factors_t), intent(inout) :: factors
-    type(block_matrix_t), intent(in) :: a
-    type(error_t), allocatable, intent(out) :: error
-
-    call drop(factors)
-    call new_solver(factors%solver, factors%entries, a, factors%eq, &
-                    factors%single .and. .not. factors%escalated, &
-                    merge(0.0_wp, factors%eps, factors%escalated), factors%exact, error)
-    if (allocated(error)) return
-    factors%estimate_mb = factors%solver%info%estimate_mb
-    factors%analysed = .true.
-  end subroutine analyse
-
-  !> Factorise the matrix; where approximate factors look singular, exact ones decide.
+  !> Factorise the matrix. Where approximate factors seem singular, exact factors decide.
   subroutine renew(factors, a, report, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
     type(solve_report_t), intent(inout) :: report
     type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: values(:)
+    integer :: stat
 
     factors%valid = .false.
     do
       if (.not. factors%analysed) call analyse(factors, a, error)
       if (allocated(error)) return
-      call factorise(factors, a, error)
+      allocate (values(size(factors%entries%row)), stat=stat)
+      if (stat /= 0) then
+        call fail(error, SYSTEM_ERROR, 'not enough memory for the values of the tangent matrix')
+        return
+      end if
+      call gather(factors%entries, a, values)
+      call factors%solver%factorise(values, memory_mb(factors), error)
+      deallocate (values)
       if (allocated(error)) return
       report%factorised = .true.
       report%factorisations = report%factorisations + 1
@@ -161,46 +168,30 @@ contains
     factors%proved = factors%valid
   end subroutine renew
 
-  subroutine factorise(factors, a, error)
-    type(factors_t), intent(inout) :: factors
-    type(block_matrix_t), intent(in) :: a
-    type(error_t), allocatable, intent(out) :: error
-
-    real(wp), allocatable :: values(:)
-    integer :: stat
-
-    allocate (values(size(factors%entries%row)), stat=stat)
-    if (stat /= 0) call fail(error, SYSTEM_ERROR, 'no memory for the values of the tangent')
-    if (allocated(error)) return
-    call gather(factors%entries, a, values)
-    call factors%solver%factorise(values, memory_mb(factors), error)
-  end subroutine factorise
-
-  !> Memory there is [MB].
+  !> Available memory [MB].
   real(wp) function memory_mb(factors)
     type(factors_t), intent(in) :: factors
-
     real(wp), parameter :: MEBIBYTE = 1.048576_wp
 
     memory_mb = factors%available_mb
     if (memory_mb > 0.0_wp) return
     memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
     if (memory_mb + factors%solver%info%used_mb >= factors%estimate_mb) return
-    call return_memory() ! what earlier solvers left
+    call return_memory() ! that earlier solvers have freed
     memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
   end function memory_mb
 
-  !> Is the matrix just factorised singular?
+  !> Look for free motions of the matrix that was just factorised.
   subroutine look_for_motions(factors, a, null, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
-    integer, allocatable, intent(inout) :: null(:) !! equations: in the solver's, out all
+    integer, allocatable, intent(inout) :: null(:) !! equations: in those of the solver, out all
     type(error_t), allocatable, intent(out) :: error
 
     call prove_regular(a, factors%eq, factors%solver, factors%exact, null, error)
   end subroutine look_for_motions
 
-  !> From now on in double precision, not compressed.
+  !> Use factors in double precision, not compressed, from the next factorisation on.
   subroutine be_exact(factors)
     type(factors_t), intent(inout) :: factors
 
@@ -208,7 +199,7 @@ contains
     factors%analysed = .false.
   end subroutine be_exact
 
-  !> Forget what was learnt of the matrices.
+  !> Forget what was found out about the matrices.
   subroutine start_anew(factors)
     type(factors_t), intent(inout) :: factors
 
@@ -217,7 +208,7 @@ contains
     factors%escalated = .false.
   end subroutine start_anew
 
-  !> Give their memory back.
+  !> Release the memory of the factors.
   subroutine drop(factors)
     type(factors_t), intent(inout) :: factors
 
