@@ -156,9 +156,7 @@ contains
       if (stat == 0) allocate (m%d%a(size(row)), stat=stat)
     end if
     if (stat /= 0) call fail(error, SYSTEM_ERROR, 'not enough memory for the tangent matrix of ' &
-                             //to_text(neq) &
-                             //' equations', &
-                             hint='use a coarser mesh or a machine with more memory')
+                             //to_text(neq)//' equations', hint=COARSER)
 
   contains
 
