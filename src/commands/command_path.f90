@@ -74,7 +74,7 @@ contains
         if (x >= 0.0_wp) return
         call fail(error, DECK_ERROR, 'expected a positive density, found '//to_text(x), &
                   record%place(3), 'leave it out: it is then chosen from the work done')
-      else if (.not. any(run%model%contact(:)%has_cohesive)) then
+      else if (.not. any(run%model%contact(:)%cohesive%given)) then
         call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
                   record%place(2), 'a CONTact with COHEsive has bonds; else use ' &
                   //'ARCLength,DYNAmic')

@@ -68,10 +68,8 @@ contains
     type(contact_t), intent(in) :: contact
     type(state_t), intent(in) :: state
 
-    acts = contact%has_friction
-    if (acts .and. contact%has_after) then
-      acts = state%time - state%dt >= contact%after - AT_ONCE*state%dt
-    end if
+    acts = contact%friction%given .and. &
+           state%time - state%dt >= contact%after - AT_ONCE*state%dt
   end function friction_acts
 
   !> Project all points; `grown`: the pattern must be made anew, as elements are coupled now that it
@@ -137,8 +135,8 @@ contains
         end if
         associate (foot => work%feet(k)%at(i))
           if (.not. touches(foot, contact%depth)) cycle
-          call contact%normal%normal(contact%normal_prop, foot%gap, points%multiplier(i), p, dp, &
-                                     energy)
+          call contact%normal%law%normal(contact%normal%prop, foot%gap, points%multiplier(i), p, &
+                                         dp, energy)
           if (.not. p > 0.0_wp) cycle
           call need_pair(work%pairs(k), e, foot%elem, step, grown)
           if (slides .and. points%slide(i) > 0) then
@@ -162,7 +160,7 @@ contains
         call prune_pairs(work(c)%pairs(k), step)
         associate (contact => model%contact(c))
           call pair_clique(work(c)%pairs(k), contact%side(k), contact%side(3 - k), &
-                           contact%balanced .and. contact%has_friction, clique(2*c - 2 + k))
+                           contact%balanced .and. contact%friction%given, clique(2*c - 2 + k))
         end associate
       end do
     end do

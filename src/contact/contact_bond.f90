@@ -50,7 +50,7 @@ contains
     type(grid_t) :: grid(2)
     integer :: k
 
-    if (.not. contact%has_cohesive) return
+    if (.not. contact%cohesive%given) return
     do k = 1, 2
       call update_shape(contact%side(k), xr, shape(k))
       call update_grid(contact%side(k), shape(k), grid(k))
@@ -129,15 +129,15 @@ contains
     g = at - partner
     n = 0.0_wp
     up = 0.0_wp
-    if (contact%cohesive%oriented .or. contact%on_pair) call tangents_on(other, points%bond(i), x, &
+    if (contact%cohesive%law%oriented .or. contact%on_pair) call tangents_on(other, points%bond(i), x, &
                                                                          work, n, up)
     lag = 0.0_wp
-    if (points%dt > 0.0_wp) lag = contact%tau/points%dt
-    call contact%cohesive%cohesive(contact%cohesive_prop, lag, g, n, points%past_step(:, i), &
+    if (points%dt > 0.0_wp) lag = contact%cohesive%tau/points%dt
+    call contact%cohesive%law%cohesive(contact%cohesive%prop, lag, g, n, points%past_step(:, i), &
                                    points%past(:, i), c)
     pull%t = c%t
     pull%dtdg = c%dtdg
-    if (contact%cohesive%oriented) then
+    if (contact%cohesive%law%oriented) then
       do j = 1, 2
         pull%dtda(:, :, j) = -outer(matmul(c%dtdn, up(:, j)), n)
       end do
@@ -164,7 +164,7 @@ contains
     call fade(contact, g, points%opening_step(i), pull%share, pull%slope)
     hold = 1.0_wp - pull%share
     dhold = -pull%slope
-    call contact%normal%normal(contact%normal_prop, pull%gap, points%multiplier(i), p, dp, energy)
+    call contact%normal%law%normal(contact%normal%prop, pull%gap, points%multiplier(i), p, dp, energy)
     if (.not. hold*p > 0.0_wp) return
     pull%p = hold*p
     pull%t = pull%t + pull%p*n

@@ -25,7 +25,7 @@ contains
 
     row%name = 'EXPOnential'
     row%role = COHESIVE
-    row%usage = 'COHEsive EXPOnential T0 g0 [IRREversible] [VISCous tau]'
+    row%usage = 'COHEsive EXPOnential T0 g0'
     row%source = 'exponential mixed mode, reversible; Corbett and Sauer 2015, eq. (31)'
     row%nprop = 2
     row%cohesive => reversible_law

@@ -26,7 +26,7 @@ contains
 
     row%name = 'MIXEd'
     row%role = COHESIVE
-    row%usage = 'COHEsive MIXEd Tn gn Tt gt [VISCous tau]'
+    row%usage = 'COHEsive MIXEd Tn gn Tt gt'
     row%source = 'exponential with two energies and damage; after van den Bosch et al. 2006'
     row%nprop = 4
     row%oriented = .true.

@@ -173,8 +173,8 @@ contains
     end if
     if (point%slides) call position_on(other, e, points%slide_xi(:, i), x, work, point%xs)
     call traction_at(contact, foot, point, dt)
-    if (point%state == OPEN .or. .not. contact%border > 0.0_wp) return
-    call fade_border(contact%border, is_outer(other, foot%elem), foot, point, dt)
+    if (point%state == OPEN .or. .not. contact%taper > 0.0_wp) return
+    call fade_border(contact%taper, is_outer(other, foot%elem), foot, point, dt)
   end subroutine find_traction
 
   !> Of bonded surfaces: points from beside, and with BORDer those that a faded pressure did not
@@ -185,9 +185,9 @@ contains
     type(point_t), intent(inout) :: point
 
     point%full = -1.0_wp
-    if (.not. contact%has_cohesive) return
+    if (.not. contact%cohesive%given) return
     point%last = LAST*contact%depth
-    if (contact%border > 0.0_wp) point%full = DEEP*contact%depth
+    if (contact%taper > 0.0_wp) point%full = DEEP*contact%depth
     if (beside) point%full = ASIDE*contact%depth
   end subroutine limit_depth
 

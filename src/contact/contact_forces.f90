@@ -160,7 +160,7 @@ contains
 
     area = 0.0_wp
     do c = 1, size(model%contact)
-      if (.not. model%contact(c)%has_cohesive) cycle
+      if (.not. model%contact(c)%cohesive%given) cycle
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
         associate (points => state%contact(c)%side(k))
@@ -184,7 +184,7 @@ contains
     slope = 0.0_wp
     allocate (x, source=model%mesh%xr + u)
     do c = 1, size(model%contact)
-      if (.not. model%contact(c)%has_cohesive) cycle
+      if (.not. model%contact(c)%cohesive%given) cycle
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
         call add_release(model%contact(c), k, x, model%contact(c)%released/OPENINGS, &

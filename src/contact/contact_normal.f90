@@ -18,7 +18,7 @@ contains
 
     row%name = 'PENAlty'
     row%role = NORMAL
-    row%usage = 'NORMal PENAlty eps | AUTO [factor] [PAIR] [SMOOth d] [BORDer w]'
+    row%usage = 'NORMal PENAlty eps | AUTO [factor]'
     row%source = 'penalty; Corbett and Sauer 2015, eq. (26)'
     row%nprop = 2
     row%normal => pressure

@@ -83,7 +83,7 @@ contains
 
     z = -1.0_wp
     if (point%full > 0.0_wp) z = -gap/point%full - 1.0_wp
-    call contact%normal%normal(contact%normal_prop, merge(-point%full, gap, z > 0.0_wp), &
+    call contact%normal%law%normal(contact%normal%prop, merge(-point%full, gap, z > 0.0_wp), &
                                point%multiplier, point%p, dp, point%energy)
     if (.not. z > 0.0_wp) return
     w = point%p*point%full
@@ -183,7 +183,7 @@ contains
     y = point%x - point%xs
     yn = dot_product(y, n)
     d = y - yn*n
-    call contact%friction%friction(contact%friction_prop, d, point%p, point%ahead, t, dtdd, &
+    call contact%friction%law%friction(contact%friction%prop, d, point%p, point%ahead, t, dtdd, &
                                    dtdp, point%elastic, point%state)
     point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
     point%friction = t

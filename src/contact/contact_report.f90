@@ -48,7 +48,7 @@ contains
     do c = 1, size(model%contact)
       associate (contact => model%contact(c))
         name = "contact '"//contact%name//"': "
-        if (contact%has_cohesive) then
+        if (contact%cohesive%given) then
           call new_contact_state(contact, state)
           call find_bonds(contact, model%mesh%xr, state)
           n = [(count(state%side(k)%bond > 0), k=1, 2)]

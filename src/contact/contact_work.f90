@@ -52,7 +52,7 @@ contains
     allocate (work%back(3, ml, 3*contact%nq), work%lk(3*ml, 3*mk, 3*contact%nq))
     allocate (work%ll(3*ml, 3*ml, 3*contact%nq))
     allocate (work%foot_shp(ml))
-    if (.not. contact%has_friction) return
+    if (.not. contact%friction%given) return
     allocate (work%pair(2, contact%nq), work%cross(3*ml, 3*ml, contact%nq))
   end subroutine new_work
 

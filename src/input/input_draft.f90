@@ -5,7 +5,7 @@ module input_draft
   use base_kinds, only: wp
   use base_text, only: to_text, quoted, key_of
   use boundary, only: motion_t, pressure_t
-  use contact_spec, only: contact_spec_t
+  use contact_pair, only: contact_t
   use curve_type, only: quantity_t
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: deck_t, get_real
@@ -18,8 +18,8 @@ module input_draft
   implicit none
   private
   public :: build_t, mesh_word_t, mesh_read_i, patch_entry_t, npatch_t, knot_vector_t, support_t, &
-            move_t, press_t, column_t, curve_entry_t, request_t, tie_t, next_data, next_line, &
-            skip_set, known_word, check_number, row_of
+            move_t, press_t, contact_entry_t, column_t, curve_entry_t, request_t, tie_t, &
+            next_data, next_line, skip_set, known_word, check_number, row_of
 
   integer, parameter :: MOST_RECORDS = 24 !! different words in a set
 
@@ -83,6 +83,13 @@ module input_draft
     type(place_t) :: contact_place
   end type column_t
 
+  !> CONTact: what its records give, and the places that only input needs.
+  type :: contact_entry_t
+    type(contact_t) :: contact
+    type(where_t) :: at(2)             !! SURFaces
+    type(place_t) :: bond_place, pair_place, refine_place !! of BONDed, PAIR, REFIne; no file: none
+  end type contact_entry_t
+
   !> A CURVe.
   type :: curve_entry_t
     character(:), allocatable :: name
@@ -145,7 +152,7 @@ module input_draft
     integer :: nmove = 0
     type(press_t), allocatable :: press(:)
     integer :: npress = 0
-    type(contact_spec_t), allocatable :: contact(:)
+    type(contact_entry_t), allocatable :: contact(:)
     type(curve_entry_t), allocatable :: curve(:)
     integer :: ncurve = 0
     integer :: nrequest = 0

@@ -1,15 +1,15 @@
-!> How thick a body is behind its faces.
+!> Thickness of a body behind its faces.
 module input_thickness
+  use base_error, only: error_t
   use base_kinds, only: wp
-  use base_error, only: error_t, fail, DECK_ERROR
+  use input_draft, only: build_t
+  use input_npatch, only: npatch_geometry, npatch_name
   use nurbs, only: nurbs_t, evaluate
   use patch_check, only: hemisphere_degree
   use patch_geometry, only: geometry_t, new_geometry
   use patch_spec, only: GEO_SPLINE
-  use input_draft, only: build_t
-  use word_patch, only: patch_named
-  use input_npatch, only: npatch_geometry, npatch_name
   use spline_check, only: spline_thickness
+  use word_patch, only: patch_named
   implicit none
   private
   public :: body_thickness
@@ -19,21 +19,38 @@ module input_thickness
 
 contains
 
-  !> Smallest distance [L] between corresponding points of the named faces and those opposite;
-  !! 0 where such faces meet.
+  !> Smallest distance [L] between corresponding points of the named faces and those opposite; 0
+  !! where such faces meet, and where there is no opposite face. The patch is measured before it is
+  !! refined; its placement does not change distances.
   function body_thickness(build, name, mask) result(thickness)
     type(build_t), intent(in) :: build
     character(*), intent(in) :: name  !! of a PATCh or NPATch
     integer, intent(in) :: mask       !! bits f-1 of its faces
     real(wp) :: thickness
     type(nurbs_t) :: patch
+    type(geometry_t) :: geo
     type(error_t), allocatable :: error
     real(wp) :: least, width
-    integer :: d
+    integer :: d, degree, k, p
 
-    thickness = spline_body_thickness(build, name)
-    if (thickness > 0.0_wp) return
-    call find_geometry(build, name, patch, error)
+    thickness = 0.0_wp
+    p = patch_named(build, name)
+    if (p > 0) then
+      associate (spec => build%patch(p)%spec)
+        if (spec%geometry == GEO_SPLINE) then ! a layer under a surface has a thickness of its own
+          if (spec%spline%has_layer) &
+            thickness = spline_thickness(spec%spline%surface, -1.0_wp) ! a_1 x a_2 points inwards
+          return
+        end if
+        call hemisphere_degree(spec, degree, error)
+        if (.not. allocated(error)) call new_geometry(spec, degree, geo, error)
+        if (.not. allocated(error)) patch = geo%coarse
+      end associate
+    else
+      do k = 1, size(build%npatch)
+        if (npatch_name(k) == name) call npatch_geometry(build, k, patch, error)
+      end do
+    end if
     if (allocated(error)) return
     least = huge(least)
     width = 0.0_wp
@@ -42,48 +59,6 @@ contains
     end do
     if (least > NOTHING*width) thickness = least
   end function body_thickness
-
-  !> Of the body that a layer under a spline surface belongs to; 0: it is no such body.
-  function spline_body_thickness(build, name) result(thickness)
-    type(build_t), intent(in) :: build
-    character(*), intent(in) :: name
-    real(wp) :: thickness
-    integer :: p
-
-    thickness = 0.0_wp
-    p = patch_named(build, name)
-    if (p == 0) return
-    associate (spec => build%patch(p)%spec)
-      if (spec%geometry == GEO_SPLINE .and. spec%spline%has_layer) then
-        thickness = spline_thickness(spec%spline%surface, -1.0_wp) ! a_1 x a_2 points inwards
-      end if
-    end associate
-  end function spline_body_thickness
-
-  !> The patch before refinement. Its placement does not change distances.
-  subroutine find_geometry(build, name, patch, error)
-    type(build_t), intent(in) :: build
-    character(*), intent(in) :: name
-    type(nurbs_t), intent(out) :: patch
-    type(error_t), allocatable, intent(out) :: error
-    type(geometry_t) :: geo
-    integer :: degree, k, p
-
-    p = patch_named(build, name)
-    if (p > 0) then
-      if (build%patch(p)%spec%geometry == GEO_SPLINE) then
-        call fail(error, DECK_ERROR, 'a spline surface has no opposite face') ! nothing to measure
-        return
-      end if
-      call hemisphere_degree(build%patch(p)%spec, degree, error)
-      if (.not. allocated(error)) call new_geometry(build%patch(p)%spec, degree, geo, error)
-      if (.not. allocated(error)) patch = geo%coarse
-      return
-    end if
-    do k = 1, size(build%npatch)
-      if (npatch_name(k) == name) call npatch_geometry(build, k, patch, error)
-    end do
-  end subroutine find_geometry
 
   !> Distances across direction d.
   subroutine measure(patch, d, least, width)

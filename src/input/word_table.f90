@@ -4,7 +4,7 @@ module word_table
   use input_draft, only: mesh_word_t, mesh_read_i
   use word_block, only: read_block, BLOCK_RECORDS
   use word_boundary, only: read_fix, read_move, read_pressure
-  use word_contact, only: read_contact, CONTACT_RECORDS => WORD
+  use word_contact, only: read_contact, CONTACT_RECORDS
   use word_curve, only: read_curve, CURVE_RECORDS
   use word_elements, only: read_elements
   use word_material, only: read_material, MATERIAL_RECORDS => WORD
@@ -60,7 +60,7 @@ contains
     call add(table, 'FIX', ALONE, read_fix)
     call add(table, 'MOVE', ALONE, read_move)
     call add(table, 'PRESsure', ALONE, read_pressure)
-    call add(table, 'CONTact', WORDS, read_contact, CONTACT_RECORDS)
+    call add(table, 'CONTact', WORDS, read_contact, CONTACT_RECORDS%name)
     call add(table, 'CURVe', WORDS, read_curve, CURVE_RECORDS%name)
   end subroutine load_mesh_words
 

@@ -8,6 +8,7 @@ module program_list
   use element_type, only: element_t
   use material_table, only: load_materials
   use material_type, only: material_t
+  use word_contact_law, only: law_usage
   implicit none
   private
   public :: print_list
@@ -42,7 +43,7 @@ contains
       print '(a)', 'contacts'
       do i = 1, size(contact)
         print '(2x,a,2x,a)', contact(i)%name, trim(contact(i)%source)
-        print '(20x,a)', trim(contact(i)%usage)
+        print '(20x,a)', law_usage(contact(i))
       end do
     end if
     if (name == 'commands' .or. name == '') then

@@ -1,18 +1,17 @@
-!> The log's account of a contact.
+!> What the log says of contacts: their description before the first step, and after each step the
+!! resultants of both sides, the balance with the supports, and the states of the points.
 !!
-!! What contacts say in the log after a step: resultants of both sides, balance with the supports,
-!! and how the points are.
-!!
-!! Two half passes: each side integrates its own tractions, so the two resultants differ by the
-!! error of the discretization: `sum` shows it. BALAnced, or with a rigid side: forces are opposite,
-!! moments are but for forces along the surface times penetration. With the supports and the loads
-!! they balance as well as the step converged.
+!! In the two-half-pass algorithm each side integrates its own tractions, so the two resultants
+!! differ by the discretization error, which `sum` shows. With BALAnced or a rigid side the forces are
+!! opposite; so are the moments, except for tangential forces times penetration. The sum with the
+!! supports and the loads is as small as the residual of the step.
 module listing_contact
   use base_kinds, only: wp
   use base_log, only: log_line
   use base_text, only: to_text
-  use contact_pair, only: contact_t, surface_t
+  use contact_pair, only: contact_t, surface_t, option_text
   use contact_resultant, only: resultant_t, side_resultant
+  use contact_type, only: PENALTY, MU, TANGENTIAL_PENALTY
   use model, only: model_t, state_t
   use tensor, only: cross
   implicit none
@@ -23,41 +22,40 @@ module listing_contact
 
 contains
 
-  !> Surfaces, points, laws with their numbers and sources.
+  !> Surfaces, points, and laws with their numbers and sources.
   subroutine list_contact(contact)
     type(contact_t), intent(in) :: contact
     character(:), allocatable :: text
     integer :: i
 
     call log_line('contact   '//contact_size(contact))
-    text = 'normal '//trim(contact%normal%name)//' '//to_text(contact%normal_prop(1))
-    if (allocated(contact%auto)) text = text//' ('//contact%auto//')'
-    if (contact%normal_prop(2) > 0.0_wp) text = text//', smooth to a penetration of ' &
-                                                //to_text(contact%normal_prop(2))
-    if (contact%on_pair) text = text//', bonded points against their partners'
-    if (contact%border > 0.0_wp) text = text//', fading to the borders over ' &
-                                        //to_text(contact%border)//' of an element'
-    if (contact%balanced) text = text//', every point loads both surfaces'
-    call log_line('          '//text)
-    call log_line('          '//trim(contact%normal%source))
-    if (contact%has_friction) then
-      text = 'friction '//trim(contact%friction%name)//' '//to_text(contact%friction_prop(1)) &
-             //', penalty '//to_text(contact%friction_prop(2))
-      if (contact%has_after) text = text//', in steps that start at '//to_text(contact%after) &
-                                    //' or later'
-      call log_line('          '//text)
-      call log_line('          '//trim(contact%friction%source))
+    associate (normal => contact%normal)
+      text = 'normal '//trim(normal%law%name)//' '//to_text(normal%prop(PENALTY))
+      if (allocated(normal%account)) text = text//' ('//normal%account//')'
+      call log_line('          '//text//option_text(contact))
+      call log_line('          '//trim(normal%law%source))
+    end associate
+    if (contact%friction%given) then
+      associate (friction => contact%friction)
+        text = 'friction '//trim(friction%law%name)//' '//to_text(friction%prop(MU)) &
+               //', penalty '//to_text(friction%prop(TANGENTIAL_PENALTY))
+        if (contact%after > -huge(1.0_wp)) text = text//', in steps that start at ' &
+                                                  //to_text(contact%after)//' or later'
+        call log_line('          '//text)
+        call log_line('          '//trim(friction%law%source))
+      end associate
     end if
-    if (contact%has_cohesive) then
-      text = 'cohesive '//trim(contact%cohesive%name)
-      do i = 1, contact%cohesive%nprop
-        text = text//' '//to_text(contact%cohesive_prop(i))
-      end do
-      if (contact%cohesive%option /= '') text = text//' '//trim(contact%cohesive%option)
-      if (contact%tau > 0.0_wp) text = text//', viscous, time '//to_text(contact%tau)
-      text = text//', released at '//to_text(contact%released)
-      call log_line('          '//text)
-      call log_line('          '//trim(contact%cohesive%source))
+    if (contact%cohesive%given) then
+      associate (cohesive => contact%cohesive)
+        text = 'cohesive '//trim(cohesive%law%name)
+        do i = 1, cohesive%law%nprop
+          text = text//' '//to_text(cohesive%prop(i))
+        end do
+        if (cohesive%law%option /= '') text = text//' '//trim(cohesive%law%option)
+        if (cohesive%tau > 0.0_wp) text = text//', viscous, time '//to_text(cohesive%tau)
+        call log_line('          '//text//', released at '//to_text(contact%released))
+        call log_line('          '//trim(cohesive%law%source))
+      end associate
     end if
     text = 'depth '//to_text(contact%depth)
     if (contact%default_depth) text = text//' (half of the thinner body)'
@@ -83,27 +81,38 @@ contains
       else
         part = part//to_text(s%nelem*contact%nplain)//' points'
         if (contact%ncell > 1) part = part//', '//to_text(contact%nq - contact%nplain) &
-                                      //' in an element that is cut'
+                                      //' in a refined element'
         part = part//')'
       end if
     end function side
   end function contact_size
 
-  !> Two lines a contact and one of the supports; nothing where there is no contact.
+  !> Two lines for each contact and one for the supports; nothing without contacts.
   subroutine list_contacts(model, state, f_ext)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     real(wp), intent(in) :: f_ext(:, :)         !! (3, nnode) loads [F]
-    type(resultant_t) :: side(2), all_sides
+    type(resultant_t) :: side(2), both, all_sides
     integer :: c, k
 
     if (size(model%contact) == 0) return
     do c = 1, size(model%contact)
+      both = resultant_t()
       do k = 1, 2
         call side_resultant(model, state, c, k, ORIGIN, side(k))
+        call add(side(k), both)
         call add(side(k), all_sides)
       end do
-      call list_sides(model%contact(c)%name, side)
+      associate (name => model%contact(c)%name)
+        call log_line('contact '//name//': force on 1'//vector(side(1)%force)//', on 2' &
+                      //vector(side(2)%force)//', sum'//ratio(both%force, both%force_size/2) &
+                      //'; moment'//vector(side(1)%moment)//','//vector(side(2)%moment)//', sum' &
+                      //ratio(both%moment, both%moment_size/2))
+        call log_line(repeat(' ', len('contact '//name))//'  in contact '//text_of(side%nclosed) &
+                      //' of '//text_of(side%npoint)//' points: stick '//text_of(side%nstick) &
+                      //', slip '//text_of(side%nslip)//', area'//number(side(1)%area) &
+                      //number(side(2)%area)//', deepest'//number(maxval(side%penetration)))
+      end associate
     end do
     call list_supports(model, state, f_ext, all_sides)
   end subroutine list_contacts
@@ -118,24 +127,7 @@ contains
     whole%moment_size = whole%moment_size + part%moment_size
   end subroutine add
 
-  subroutine list_sides(name, side)
-    character(*), intent(in) :: name
-    type(resultant_t), intent(in) :: side(2)
-    type(resultant_t) :: both
-
-    call add(side(1), both)
-    call add(side(2), both)
-    call log_line('contact '//name//': force on 1'//vector(side(1)%force)//', on 2' &
-                  //vector(side(2)%force)//', sum'//share(both%force, both%force_size/2) &
-                  //'; moment'//vector(side(1)%moment)//','//vector(side(2)%moment)//', sum' &
-                  //share(both%moment, both%moment_size/2))
-    call log_line(repeat(' ', len('contact '//name))//'  in contact '//text_of(side%nclosed)// &
-                  ' of '//text_of(side%npoint)//' points: stick '//text_of(side%nstick)//', slip ' &
-                  //text_of(side%nslip)//', area'//number(side(1)%area)//number(side(2)%area) &
-                  //', deepest'//number(maxval(side%penetration)))
-  end subroutine list_sides
-
-  !> Reactions of all prescribed dofs.
+  !> Reactions of all prescribed degrees of freedom, and their balance with contact and loads.
   subroutine list_supports(model, state, f_ext, contact)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -160,18 +152,18 @@ contains
     load = load + force + contact%force
     load_moment = load_moment + moment + contact%moment
     call log_line('supports: force'//vector(force)//', moment'//vector(moment) &
-                  //'; sum with contact and loads'//share(load, contact%force_size/2) &
-                  //', of moments'//share(load_moment, contact%moment_size/2))
+                  //'; sum with contact and loads'//ratio(load, contact%force_size/2) &
+                  //', of moments'//ratio(load_moment, contact%moment_size/2))
   end subroutine list_supports
 
-  !> Length of a sum over the size of what was summed up.
-  pure function share(total, size) result(text)
+  !> Length of a sum over the sum of the lengths.
+  pure function ratio(total, size) result(text)
     real(wp), intent(in) :: total(3), size
     character(:), allocatable :: text
 
     text = ' 0'
     if (size > 0.0_wp) text = number(norm2(total)/size)
-  end function share
+  end function ratio
 
   pure function vector(v) result(text)
     real(wp), intent(in) :: v(3)

@@ -119,9 +119,9 @@ contains
     !> There are bonds whose release a load can change and none that depends on the speed, and a
     !! load has worked on them: closed bonds do not say in which direction they open.
     logical function can_control_release() result(yes)
-      yes = step%continuation%method == PATH_RELEASE .and. any(model%contact(:)%has_cohesive) &
+      yes = step%continuation%method == PATH_RELEASE .and. any(model%contact(:)%cohesive%given) &
             .and. size(state%table) > 0
-      if (yes) yes = .not. any(model%contact(:)%tau > 0.0_wp)
+      if (yes) yes = .not. any(model%contact(:)%cohesive%tau > 0.0_wp)
       if (yes) yes = step%start_time > 0.0_wp .and. abs(state%energy%outer) > 0.0_wp
       if (yes) yes = .not. is_all_released(model, state)
     end function can_control_release

@@ -81,7 +81,7 @@ contains
 
     energy = 0.0_wp
     do c = 1, size(model%contact)
-      if (.not. model%contact(c)%has_cohesive) cycle
+      if (.not. model%contact(c)%cohesive%given) cycle
       associate (side => state%contact(c)%side, rigid => model%contact(c)%side%rigid)
         energy = energy + (of_side(side(1)) + of_side(side(2)))/count(.not. rigid)
       end associate
