@@ -1,6 +1,5 @@
-!> The functions that an expression may call. Angles of the ...d forms are in degrees, and exact
-!! where
-!! the answer is: cosd(90) is 0.
+!> The functions that an expression may call. The forms ...d take or give degrees, and are exact
+!! where the answer is: cosd(90) is 0.
 module deck_function
   use base_kinds, only: wp
   use base_text, only: to_text
@@ -43,7 +42,8 @@ contains
     integer :: least, most
 
     value = 0.0_wp
-    call argument_counts(f, least, most)
+    least = merge(2, 1, any(NAMES(f) == ['min  ', 'max  ', 'atan2']))
+    most = merge(MANY, least, any(NAMES(f) == ['min  ', 'max  ']))
     if (size(x) < least .or. size(x) > most) then
       trouble = "'"//trim(NAMES(f))//"' takes "//to_text(least)//merge(' or more', '        ', &
                                                                        most == MANY)
@@ -77,23 +77,6 @@ contains
     case default; trouble = 'unknown function'
     end select
   end subroutine apply_function
-
-  pure subroutine argument_counts(f, least, most)
-    integer, intent(in) :: f
-    integer, intent(out) :: least, most
-
-    select case (trim(NAMES(f)))
-    case ('min', 'max')
-      least = 2
-      most = MANY
-    case ('atan2')
-      least = 2
-      most = 2
-    case default
-      least = 1
-      most = 1
-    end select
-  end subroutine argument_counts
 
   !> Arguments for which there is no value.
   pure subroutine check_domain(f, x, trouble)

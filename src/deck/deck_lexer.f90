@@ -1,9 +1,8 @@
 !> Lines to fields.
 !!
-!! Blanks, a comma or = separate; two commas have an empty field between them; commas inside
-!! parentheses
-!! belong to the field. ! starts a comment, "..." is one field, & at the end goes on in the next
-!! line.
+!! Blanks, a comma or = separate fields; two commas have an empty field between them; commas inside
+!! parentheses belong to the field. ! starts a comment, "..." is one field, and a line that ends
+!! with & continues in the next one.
 module deck_lexer
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: key_of
@@ -16,22 +15,23 @@ module deck_lexer
   integer, parameter :: OTHER = 0, BLANK = 1, COMMA = 2, COMMENT = 3, QUOTE = 4, OPENING = 5, &
                         CLOSING = 6
   character(*), parameter :: QUOTES = 'quotes enclose a whole field: "..."'
+  character(*), parameter :: BLANKS = ' '//achar(9)
 
   !> State while the lines of a record are cut. Characters are counted in the text of the whole
   !! file.
   type :: cutter_t
-    integer :: at = 1            !! next character
-    integer :: last = 0          !! of the line
-    logical :: due = .true.      !! a field is due: a comma here makes an empty one
-    logical :: goes_on = .false. !! the line ends with &
+    integer :: at = 1              !! next character
+    integer :: last = 0            !! of the line
+    logical :: expects = .true.    !! expects a field: a comma here makes an empty one
+    logical :: continues = .false. !! the line ends with &
     logical :: commented = .false.
-    integer :: wrong = 0         !! a character that makes the record unreadable, and why
+    integer :: wrong = 0           !! a character that makes the record unreadable, and why
     character(:), allocatable :: why, hint
   end type cutter_t
 
 contains
 
-  !> The record that begins at `line`; afterwards `line` is the one behind it.
+  !> The record that begins at `line`; afterwards `line` is the one after it.
   subroutine read_record(source, line, record, error)
     type(source_t), intent(in) :: source
     integer, intent(inout) :: line
@@ -46,20 +46,20 @@ contains
     nline = 0
     do
       call append(record%start, nline, source%first(line) - shift)
-      cutter%goes_on = .false.
+      cutter%continues = .false.
       cutter%commented = .false.
       cutter%at = source%first(line)
       cutter%last = source%last(line)
       call cut_line(source%text, record, cutter)
       ! Comments may stand between the lines of a record.
-      if (nline > 1 .and. cutter%commented) cutter%goes_on = &
-        verify(source%text(source%first(line):cutter%at - 1), ' '//achar(9)) == 0
+      if (nline > 1 .and. cutter%commented) cutter%continues = &
+        verify(source%text(source%first(line):cutter%at - 1), BLANKS) == 0
       line = line + 1
-      if (cutter%wrong > 0 .or. .not. cutter%goes_on) exit
+      if (cutter%wrong > 0 .or. .not. cutter%continues) exit
       if (line <= source%nline) then
-        if (verify(source%text(source%first(line):source%last(line)), ' '//achar(9)) > 0) cycle
+        if (verify(source%text(source%first(line):source%last(line)), BLANKS) > 0) cycle
       end if
-      call complain(cutter, cutter%at, 'no line follows a record that ends with &', 'remove the &')
+      call reject(cutter, cutter%at, 'no line follows a record that ends with &', 'remove the &')
       exit
     end do
     record%file = source%path
@@ -78,30 +78,41 @@ contains
     character(*), intent(in) :: text
     type(record_t), intent(inout) :: record
     type(cutter_t), intent(inout) :: cutter
+    integer :: n
 
     associate (at => cutter%at)
-      do while (at <= cutter%last)
+      do while (at <= cutter%last .and. cutter%wrong == 0)
         select case (class_of(text(at:at)))
         case (BLANK)
           at = at + 1
         case (COMMA)
-          if (cutter%due) call add_field(record, at, at - 1)
-          cutter%due = .true.
+          if (cutter%expects) call add_field(record, at, at - 1)
+          cutter%expects = .true.
           at = at + 1
         case (COMMENT)
           cutter%commented = .true.
           return
         case (QUOTE)
-          call cut_quoted(text, record, cutter)
-          cutter%due = .false.
+          n = index(text(at + 1:cutter%last), '"')
+          if (n == 0) then
+            call reject(cutter, at, 'unclosed quote', QUOTES)
+            return
+          end if
+          call add_field(record, at + 1, at + n - 1)
+          at = at + n + 1
+          cutter%expects = .false.
+          if (at > cutter%last) return
+          if (any(class_of(text(at:at)) == [BLANK, COMMA, COMMENT])) cycle
+          if (.not. ends_line(text(at:cutter%last))) then
+            call reject(cutter, at, 'no separator after the quote', 'add a blank or a comma')
+          end if
         case default
-          cutter%goes_on = ends_line(text(at:cutter%last))
-          if (cutter%goes_on) return
+          cutter%continues = ends_line(text(at:cutter%last))
+          if (cutter%continues) return
           call cut_plain(text, record, cutter)
-          cutter%due = .false.
-          if (record%n == 1) call cut_title(text, record, cutter)
+          cutter%expects = .false.
+          if (record%n == 1 .and. cutter%wrong == 0) call cut_title(text, record, cutter)
         end select
-        if (cutter%wrong > 0) return
       end do
     end associate
   end subroutine cut_line
@@ -111,11 +122,10 @@ contains
     character(*), intent(in) :: text
     type(record_t), intent(inout) :: record
     type(cutter_t), intent(inout) :: cutter
-    integer :: first, depth, at
+    integer :: depth, at
 
-    first = cutter%at
     depth = 0
-    do at = first, cutter%last
+    do at = cutter%at, cutter%last
       select case (class_of(text(at:at)))
       case (BLANK, COMMENT)
         exit
@@ -126,41 +136,15 @@ contains
       case (CLOSING)
         depth = depth - 1
       case (QUOTE)
-        call complain(cutter, at, 'quote inside a word', QUOTES)
+        call reject(cutter, at, 'quote inside a word', QUOTES)
         return
       case default
         if (ends_line(text(at:cutter%last))) exit
       end select
     end do
-    call add_field(record, first, at - 1)
+    call add_field(record, cutter%at, at - 1)
     cutter%at = at
   end subroutine cut_plain
-
-  !> "...": one field, whatever is in it.
-  subroutine cut_quoted(text, record, cutter)
-    character(*), intent(in) :: text
-    type(record_t), intent(inout) :: record
-    type(cutter_t), intent(inout) :: cutter
-    integer :: first, n
-
-    first = cutter%at
-    n = index(text(first + 1:cutter%last), '"')
-    if (n == 0) then
-      call complain(cutter, first, 'unclosed quote', QUOTES)
-      return
-    end if
-    call add_field(record, first + 1, first + n - 1)
-    cutter%at = first + n + 1
-    if (cutter%at > cutter%last) return
-    select case (class_of(text(cutter%at:cutter%at)))
-    case (BLANK, COMMA, COMMENT)
-    case default
-      if (.not. ends_line(text(cutter%at:cutter%last))) then
-        call complain(cutter, cutter%at, 'no separator after the quote', &
-                      'add a blank or a comma')
-      end if
-    end select
-  end subroutine cut_quoted
 
   !> FEAP's title: what follows the word is one field, and nothing in it separates.
   subroutine cut_title(text, record, cutter)
@@ -175,13 +159,13 @@ contains
     first = verify(text(cutter%at:last), ' ,='//achar(9))
     if (first > 0) then
       first = cutter%at + first - 1
-      last = first - 1 + verify(text(first:last), ' '//achar(9), back=.true.)
+      last = first - 1 + verify(text(first:last), BLANKS, back=.true.)
       call add_field(record, first, last)
     end if
     cutter%at = cutter%last + 1
   end subroutine cut_title
 
-  !> The rest of a line is an & with nothing but a comment behind it.
+  !> The rest of a line is an & that nothing but a comment follows.
   pure function ends_line(rest) result(yes)
     character(*), intent(in) :: rest
     logical :: yes
@@ -189,12 +173,12 @@ contains
 
     yes = .false.
     if (rest(1:1) /= '&') return
-    next = verify(rest(2:), ' '//achar(9))
+    next = verify(rest(2:), BLANKS)
     yes = next == 0
     if (.not. yes) yes = rest(next + 1:next + 1) == '!'
   end function ends_line
 
-  subroutine complain(cutter, at, why, hint)
+  subroutine reject(cutter, at, why, hint)
     type(cutter_t), intent(inout) :: cutter
     integer, intent(in) :: at
     character(*), intent(in) :: why, hint
@@ -202,7 +186,7 @@ contains
     cutter%wrong = at
     cutter%why = why
     cutter%hint = hint
-  end subroutine complain
+  end subroutine reject
 
   subroutine add_field(record, first, last)
     type(record_t), intent(inout) :: record

@@ -1,9 +1,9 @@
-!> Numbers as they stand in a deck: 1 1. .5 1.0d0 1e-3.
+!> Numbers as a deck writes them: 1 1. .5 1.0d0 1e-3.
 module deck_number
   use base_kinds, only: wp, i8
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use, intrinsic :: ieee_exceptions, only: ieee_get_status, ieee_set_status, ieee_set_halting_mode
-  use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_usual
+  use, intrinsic :: ieee_exceptions, only: ieee_get_status, ieee_set_status, &
+                                           ieee_set_halting_mode, ieee_status_type, ieee_usual
   implicit none
   private
   public :: scan_number, whole_number
@@ -22,7 +22,7 @@ contains
     integer, intent(out) :: n     !! characters of the number, 0: there is none
     real(wp), intent(out) :: value
     character(:), allocatable, intent(out) :: trouble !! why the number has no value
-    integer :: whole, fraction, power
+    integer :: whole, fraction, power, at, i
     integer(i8) :: mantissa
 
     value = 0.0_wp
@@ -33,7 +33,14 @@ contains
       mantissa = 0
       call collect(text(:whole), mantissa)
       if (fraction > 0) call collect(text(whole + 2:whole + 1 + fraction), mantissa)
-      call read_power(text(:n), whole + fraction, power)
+      at = scan(text(:n), 'eEdD')
+      if (at > 0) then
+        do i = at + 1, n
+          if (scan(text(i:i), '+-') > 0) cycle
+          power = min(10*power + iachar(text(i:i)) - 48, 100000) ! an absurd exponent is cut
+        end do
+        if (text(at + 1:at + 1) == '-') power = -power
+      end if
       power = power - fraction
       ! Both factors are exact, so the result is correctly rounded.
       if (abs(power) <= ubound(TEN, 1)) then
@@ -45,8 +52,8 @@ contains
     call read_slowly(text(:n), value, trouble)
   end subroutine scan_number
 
-  !> A word that is one number with its sign: in files of others. .not. ok: it is none, or too
-  !! large.
+  !> A word of a foreign file that is one number with its sign; ok is .false. where it is not a
+  !! number or too large.
   subroutine whole_number(word, value, ok)
     character(*), intent(in) :: word
     real(wp), intent(out) :: value
@@ -67,7 +74,7 @@ contains
     if (sign == 1) value = merge(-value, value, word(1:1) == '-')
   end subroutine whole_number
 
-  !> Digits before and behind the point, and the length with the exponent.
+  !> Digits before and after the point, and the length with the exponent.
   pure subroutine measure(text, whole, fraction, n)
     character(*), intent(in) :: text
     integer, intent(out) :: whole, fraction, n
@@ -111,26 +118,7 @@ contains
     end do
   end subroutine collect
 
-  !> The exponent as written; an absurd one is cut.
-  pure subroutine read_power(text, ndigit, power)
-    character(*), intent(in) :: text
-    integer, intent(in) :: ndigit
-    integer, intent(out) :: power
-    integer :: at, i
-    logical :: negative
-
-    power = 0
-    if (ndigit == len(text)) return
-    at = scan(text, 'eEdD')
-    if (at == 0) return
-    negative = text(at + 1:at + 1) == '-'
-    do i = at + 1, len(text)
-      if (scan(text(i:i), '+-') > 0) cycle
-      power = min(10*power + iachar(text(i:i)) - 48, 100000)
-    end do
-    if (negative) power = -power
-  end subroutine read_power
-
+  !> By the reader of the Fortran library: correctly rounded, but slow.
   subroutine read_slowly(text, value, trouble)
     character(*), intent(in) :: text
     real(wp), intent(out) :: value
@@ -148,8 +136,8 @@ contains
       value = 0.0_wp
       trouble = 'the number is too large'
       if (index(text, '-') > 0) trouble = 'the number is too small'
-    else if (.not. abs(value) > 0.0_wp .and. scan(text(:merge(at - 1, scan(text//'e', 'eEdD') - 1, &
-                                                              at > 0)), '123456789') > 0) then
+    else if (.not. abs(value) > 0.0_wp &
+             .and. scan(text(:scan(text//'e', 'eEdD') - 1), '123456789') > 0) then
       trouble = 'the number is too small'
     end if
   end subroutine read_slowly

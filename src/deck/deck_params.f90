@@ -16,7 +16,7 @@ module deck_params
     integer :: n = 0
     type(name_t), allocatable :: name(:)
     real(wp), allocatable :: value(:)
-    integer, allocatable :: order(:) !! positions, so that the names rise
+    integer, allocatable :: order(:) !! positions in alphabetical order of the names
   end type params_t
 
 contains
@@ -26,20 +26,27 @@ contains
     type(params_t), intent(inout) :: params
     character(*), intent(in) :: name
     real(wp), intent(in) :: value
-    integer :: at
+    type(name_t), allocatable :: longer(:)
+    integer :: at, i
     logical :: known
 
+    if (.not. allocated(params%name)) allocate (params%name(16), params%value(0), params%order(0))
     call locate(params, lower(trim(name)), at, known)
     if (known) then
       params%value(params%order(at)) = value
       return
     end if
-    call make_room(params)
+    if (params%n == size(params%name)) then
+      allocate (longer(2*params%n))
+      do i = 1, params%n
+        call move_alloc(params%name(i)%text, longer(i)%text)
+      end do
+      call move_alloc(longer, params%name)
+    end if
     params%n = params%n + 1
     params%name(params%n)%text = lower(trim(name))
-    params%value(params%n) = value
-    params%order(at + 1:params%n) = params%order(at:params%n - 1)
-    params%order(at) = params%n
+    params%value = [params%value, value]
+    params%order = [params%order(:at - 1), params%n, params%order(at:)]
   end subroutine set_parameter
 
   !> Value of a parameter; pi is known unless the deck sets it.
@@ -83,7 +90,7 @@ contains
     yes = index(LETTERS, lower(text(1:1))) > 0 .and. verify(lower(text), MORE) == 0
   end function is_name
 
-  !> Position of a name among the sorted ones, or where it would be put.
+  !> Position of a name in `order`, or where it would be inserted.
   pure subroutine locate(params, name, at, known)
     type(params_t), intent(in) :: params
     character(*), intent(in) :: name
@@ -105,28 +112,5 @@ contains
     known = .false.
     if (at <= params%n) known = params%name(params%order(at))%text == name
   end subroutine locate
-
-  subroutine make_room(params)
-    type(params_t), intent(inout) :: params
-    type(name_t), allocatable :: name(:)
-    real(wp), allocatable :: value(:)
-    integer, allocatable :: order(:)
-    integer :: i, n
-
-    n = params%n
-    if (.not. allocated(params%name)) then
-      allocate (params%name(16), params%value(16), params%order(16))
-    else if (n == size(params%name)) then
-      allocate (name(2*n), value(2*n), order(2*n))
-      do i = 1, n
-        call move_alloc(params%name(i)%text, name(i)%text)
-      end do
-      value(:n) = params%value
-      order(:n) = params%order
-      call move_alloc(name, params%name)
-      call move_alloc(value, params%value)
-      call move_alloc(order, params%order)
-    end if
-  end subroutine make_room
 
 end module deck_params

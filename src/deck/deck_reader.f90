@@ -1,4 +1,4 @@
-!> Files to a stream of records: INCLude, LOOP and NEXT run as they are read.
+!> Files to a stream of records: INCLude, LOOP and NEXT are executed as they are read.
 module deck_reader
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_file, only: file_t, inspect, FILE_ABSENT
@@ -27,14 +27,14 @@ module deck_reader
   !> A loop being run.
   type :: loop_t
     integer :: frame = 0, line = 0 !! where its body begins
-    integer :: left = 0            !! passes to come after this one
+    integer :: left = 0            !! passes that follow this one
     integer :: nrecord = 0         !! records of its first pass
     type(place_t) :: place
   end type loop_t
 
   type :: reader_t
     private
-    type(source_list_t) :: files !! every one that was named, kept
+    type(source_list_t) :: files !! every file that was named; all are kept
     integer :: nframe = 0, nloop = 0
     integer :: repeated = 0      !! records read on a second or later pass
     type(frame_t) :: frame(MOST_FILES)
@@ -53,7 +53,7 @@ contains
     if (.not. allocated(error)) reader%nframe = 1
   end subroutine open_reader
 
-  !> All files as they were read, one behind the other.
+  !> All files as they were read, one after the other.
   pure function source_text(reader) result(text)
     type(reader_t), intent(in) :: reader
     character(:), allocatable :: text
@@ -69,7 +69,7 @@ contains
 
     do
       associate (frame => reader%frame(reader%nframe), &
-                 source => reader%files%item(reader%frame(reader%nframe)%source))
+                 source => reader%files%item(reader%frame(reader%nframe)%source)%file)
         if (frame%line <= source%nline) then
           call read_record(source, frame%line, record, error)
           return
@@ -95,7 +95,7 @@ contains
     end do
   end subroutine next_record
 
-  !> The next record that is no INCLude, LOOP or NEXT: those run.
+  !> The next record that is not INCLude, LOOP or NEXT: these are executed.
   subroutine next_unrolled(reader, params, record, error)
     type(reader_t), intent(inout) :: reader
     type(params_t), intent(in) :: params
@@ -134,7 +134,7 @@ contains
               'close it with NEXT in the same part of the deck')
   end subroutine check_loops
 
-  !> No pass after this one: once there is an error, repeating it helps nobody.
+  !> No pass after this one: repeating a record with an error would only repeat the message.
   subroutine cancel_loops(reader)
     type(reader_t), intent(inout) :: reader
 
@@ -146,9 +146,9 @@ contains
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: path
+    character(:), allocatable :: path, chain
     type(file_t) :: file
-    integer :: i
+    integer :: i, k
 
     call check_count(record, 2, 2, 'INCLude file', error)
     if (allocated(error)) return
@@ -160,9 +160,13 @@ contains
     call inspect(path, file)
     do i = 1, reader%nframe
       if (file%kind == FILE_ABSENT) exit
-      if (any(reader%files%item(reader%frame(i)%source)%identity /= file%identity)) cycle
-      call fail(error, DECK_ERROR, quoted(path)//' includes itself'//chain(reader, i + 1), &
-                record%place(2), &
+      if (any(reader%files%item(reader%frame(i)%source)%file%identity /= file%identity)) cycle
+      chain = ''
+      do k = i + 1, reader%nframe
+        chain = chain//trim(merge(' through ', ',        ', k == i + 1))//' ' &
+                //quoted(reader%files%item(reader%frame(k)%source)%file%path)
+      end do
+      call fail(error, DECK_ERROR, quoted(path)//' includes itself'//chain, record%place(2), &
                 'remove one of the INCLude records')
       return
     end do
@@ -178,24 +182,7 @@ contains
     reader%frame(reader%nframe) = frame_t(source=i, line=1)
   end subroutine include_file
 
-  !> The files on the way round: ' through a, b'.
-  pure function chain(reader, first) result(text)
-    type(reader_t), intent(in) :: reader
-    integer, intent(in) :: first
-    character(:), allocatable :: text
-    integer :: i
-
-    text = ''
-    do i = first, reader%nframe
-      if (i == first) text = ' through '
-      if (i > first) text = text//', '
-      text = text//quoted(reader%files%item(reader%frame(i)%source)%path)
-    end do
-  end function chain
-
-  ! --- loops -----------------------------------------------------------------------------------
-
-  !> LOOP,n. After an error its body is read once, so that its NEXT finds it.
+  !> LOOP,n. After an error the body is read once, so that NEXT still finds its LOOP.
   subroutine begin_loop(reader, params, record, error)
     type(reader_t), intent(inout) :: reader
     type(params_t), intent(in) :: params
@@ -226,7 +213,7 @@ contains
     reader%loop(reader%nloop)%left = nint(n) - 1
   end subroutine begin_loop
 
-  !> NEXT: the body again, or on.
+  !> NEXT: back to the body of the loop, or on behind it.
   subroutine end_pass(reader, record, error)
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(in) :: record
@@ -271,7 +258,7 @@ contains
               reader%loop(1)%place, 'use fewer passes')
     reader%nloop = 0
     reader%nframe = 1
-    reader%frame(1)%line = reader%files%item(1)%nline + 1
+    reader%frame(1)%line = reader%files%item(1)%file%nline + 1
   end subroutine count_record
 
 end module deck_reader

@@ -1,4 +1,4 @@
-!> A record of a deck: its fields and where they stand.
+!> A record of a deck: its fields and their places.
 module deck_record
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_file, only: folder_of
@@ -8,8 +8,8 @@ module deck_record
   public :: record_t, check_count, get_word, resolve_path
 
   integer, parameter, public :: RECORD_WORDS = 1   !! has fields
-  integer, parameter, public :: RECORD_BLANK = 2   !! nothing in it
-  integer, parameter, public :: RECORD_COMMENT = 3 !! nothing but a comment
+  integer, parameter, public :: RECORD_BLANK = 2   !! empty
+  integer, parameter, public :: RECORD_COMMENT = 3 !! only a comment
   integer, parameter, public :: RECORD_END = 4     !! end of the deck
 
   !> One logical record; it may run over several lines of the file.
@@ -34,7 +34,7 @@ module deck_record
 
 contains
 
-  !> What counts of field i as a word: four letters, lower case; blank where there is none.
+  !> The significant part of field i as a word: four letters, lower case; blank if it is empty.
   pure function key(record, i) result(four)
     class(record_t), intent(in) :: record
     integer, intent(in) :: i
@@ -44,7 +44,7 @@ contains
     if (.not. record%is_empty(i)) four = key_of(record%raw(record%first(i):record%last(i)))
   end function key
 
-  !> Field i as written, quotes left out; '' where there is none.
+  !> Field i as written, without quotes; '' if it is empty.
   pure function text(record, i) result(field)
     class(record_t), intent(in) :: record
     integer, intent(in) :: i
@@ -54,7 +54,7 @@ contains
     if (.not. record%is_empty(i)) field = record%raw(record%first(i):record%last(i))
   end function text
 
-  !> A field that is not there, or of which there is nothing (two commas).
+  !> A field that is missing, or has no characters (two commas).
   pure function is_empty(record, i) result(yes)
     class(record_t), intent(in) :: record
     integer, intent(in) :: i
@@ -64,7 +64,7 @@ contains
     if (.not. yes) yes = record%last(i) < record%first(i)
   end function is_empty
 
-  !> `name = ...`, as a record of PARAmeters.
+  !> It has the form `name = ...`, as a record of PARAmeters.
   pure function assigns(record) result(yes)
     class(record_t), intent(in) :: record
     logical :: yes
@@ -89,7 +89,7 @@ contains
     yes = record%kind == RECORD_BLANK .or. record%kind == RECORD_COMMENT
   end function is_blank
 
-  !> Where field i stands; for a missing one the end of the record, for a record without fields its
+  !> The place of field i; for a missing one the end of the record, for a record without fields its
   !! line.
   pure function place(record, i) result(at)
     class(record_t), intent(in) :: record

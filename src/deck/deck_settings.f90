@@ -17,49 +17,39 @@ module deck_settings
 
 contains
 
-  !> Those of the command line, in its order.
+  !> The settings of the command line, in its order. A value is an expression without parameters.
   subroutine read_settings(list, settings, error)
     type(setting_t), allocatable, intent(out) :: list(:)
     character(*), intent(in) :: settings(:) !! name=value, as --set gives them
     type(error_t), allocatable, intent(out) :: error
-    integer :: i
+    type(trouble_t), allocatable :: trouble
+    type(params_t) :: none
+    character(:), allocatable :: text, name
+    integer :: i, equal
 
     allocate (list(size(settings)))
     do i = 1, size(settings)
-      call read_setting(list, trim(settings(i)), i, error)
+      text = trim(settings(i))
+      equal = index(text, '=')
+      name = lower(trim(adjustl(text(:max(equal - 1, 0)))))
+      if (.not. is_name(name)) then
+        call fail(error, DECK_ERROR, quoted('--set '//text)//' does not set a parameter', &
+                  hint='write --set name=value')
+      else if (position(list(:i - 1), name) > 0) then
+        call fail(error, DECK_ERROR, 'duplicate --set of parameter '//quoted(name), &
+                  hint='keep one --set '//name//'=value')
+      end if
       if (allocated(error)) return
+      list(i)%name = name
+      call compute(none, text(equal + 1:), list(i)%value, trouble)
+      if (.not. allocated(trouble)) cycle
+      call fail(error, DECK_ERROR, 'in '//quoted('--set '//text)//': '//trouble%message, &
+                hint='write --set name=value')
+      return
     end do
   end subroutine read_settings
 
-  !> One name=value; the value is an expression without parameters.
-  subroutine read_setting(list, text, i, error)
-    type(setting_t), intent(inout) :: list(:)
-    character(*), intent(in) :: text
-    integer, intent(in) :: i
-    type(error_t), allocatable, intent(out) :: error
-    type(trouble_t), allocatable :: trouble
-    type(params_t) :: none
-    character(:), allocatable :: name
-    integer :: equal
-
-    equal = index(text, '=')
-    name = lower(trim(adjustl(text(:max(equal - 1, 0)))))
-    if (.not. is_name(name)) then
-      call fail(error, DECK_ERROR, quoted('--set '//text)//' does not set a parameter', &
-                hint='write --set name=value')
-    else if (position(list(:i - 1), name) > 0) then
-      call fail(error, DECK_ERROR, 'duplicate --set of parameter '//quoted(name), &
-                hint='give one --set '//name//'=value')
-    end if
-    if (allocated(error)) return
-    list(i)%name = name
-    call compute(none, text(equal + 1:), list(i)%value, trouble)
-    if (allocated(trouble)) call fail(error, DECK_ERROR, 'in '//quoted('--set '//text)//': ' &
-                                      //trouble%message, &
-                                      hint='write --set name=value')
-  end subroutine read_setting
-
-  !> Where a parameter stands in the list; 0: the command line does not set it.
+  !> Position of a parameter in the list; 0: the command line does not set it.
   pure integer function position(list, name) result(i)
     type(setting_t), intent(in) :: list(:)
     character(*), intent(in) :: name
@@ -73,7 +63,7 @@ contains
   subroutine use_setting(list, name, value, found)
     type(setting_t), intent(inout) :: list(:)
     character(*), intent(in) :: name
-    real(wp), intent(inout) :: value !! stays where there is none
+    real(wp), intent(inout) :: value !! unchanged where there is none
     logical, intent(out) :: found
     integer :: i
 
@@ -84,7 +74,7 @@ contains
     value = list(i)%value
   end subroutine use_setting
 
-  !> A parameter that the command line sets and the deck does not is a mistake.
+  !> A parameter that the command line sets and the deck does not is an error.
   subroutine check_used(list, params, error)
     type(setting_t), intent(in) :: list(:)
     type(params_t), intent(in) :: params !! when the deck has been read
@@ -106,7 +96,7 @@ contains
     end do
   end subroutine check_used
 
-  !> One line a setting, as comments of a deck.
+  !> One line for each setting, as comments of a deck.
   function settings_text(list) result(text)
     type(setting_t), intent(in) :: list(:)
     character(:), allocatable :: text
@@ -114,8 +104,7 @@ contains
 
     text = ''
     do i = 1, size(list)
-      text = text//new_line('a')//'! --set '//list(i)%name//'=' &
-             //to_text(list(i)%value, 17)
+      text = text//new_line('a')//'! --set '//list(i)%name//'='//to_text(list(i)%value, 17)
     end do
   end function settings_text
 

@@ -1,6 +1,4 @@
-!> A text file in memory, cut into lines.
-!!
-!! The files of a deck in memory, each once.
+!> Text files in memory, cut into lines.
 module deck_source
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_file, only: file_t, inspect, FILE_ABSENT, FILE_REGULAR, FILE_FOLDER, base_name
@@ -21,14 +19,19 @@ module deck_source
     integer, allocatable :: first(:), last(:) !! (nline) characters of each line, without its end
   end type source_t
 
+  type :: entry_t
+    type(source_t), allocatable :: file
+  end type entry_t
+
+  !> The files of a deck in memory, each once.
   type :: source_list_t
     integer :: n = 0
-    type(source_t), allocatable :: item(:) !! (>= n)
+    type(entry_t), allocatable :: item(:) !! (>= n)
   end type source_list_t
 
 contains
 
-  !> Read a file. Only regular text files are read; `place` names the record that asked for it.
+  !> Read a file. Only regular text files are read; `place` is that of the record that names it.
   subroutine load_source(path, source, error, place)
     character(*), intent(in) :: path
     type(source_t), intent(out) :: source
@@ -107,8 +110,8 @@ contains
     character(:), allocatable :: text
 
     text = ''
-    if (line >= 1 &
-        .and. line <= source%nline) text = source%text(source%first(line):source%last(line))
+    if (line < 1 .or. line > source%nline) return
+    text = source%text(source%first(line):source%last(line))
   end function source_line
 
   !> NUL characters, or more than one control character in fifty.
@@ -128,8 +131,7 @@ contains
     yes = 50*strange > len(text)
   end function is_binary
 
-  !> Lines end with LF, CR LF or CR; a byte order mark of UTF-8 at the start is no part of the
-  !! first.
+  !> Lines end with LF, CR LF or CR. A byte order mark of UTF-8 at the start is skipped.
   subroutine find_lines(source)
     type(source_t), intent(inout) :: source
     character, parameter :: LF = achar(10), CR = achar(13)
@@ -169,7 +171,7 @@ contains
     at = 0
     if (file%kind == FILE_ABSENT) return
     do at = list%n, 1, -1
-      if (all(list%item(at)%identity == file%identity)) return
+      if (all(list%item(at)%file%identity == file%identity)) return
     end do
   end function find_source
 
@@ -179,51 +181,39 @@ contains
     character(*), intent(in) :: path
     integer, intent(out) :: at                    !! its position
     type(error_t), allocatable, intent(out) :: error
-    type(place_t), intent(in), optional :: place  !! of the record that asked for it
+    type(place_t), intent(in), optional :: place  !! of the record that names it
 
-    call make_room(list)
-    at = list%n + 1
-    call load_source(path, list%item(at), error, place)
-    if (.not. allocated(error)) list%n = at
-  end subroutine add_source
-
-  !> For one file more; the texts move, nothing is copied.
-  subroutine make_room(list)
-    type(source_list_t), intent(inout) :: list
-    type(source_t), allocatable :: longer(:)
+    type(entry_t), allocatable :: longer(:)
     integer :: i
 
     if (.not. allocated(list%item)) allocate (list%item(4))
-    if (list%n < size(list%item)) return
-    allocate (longer(2*list%n))
-    do i = 1, list%n
-      call move_source(list%item(i), longer(i))
-    end do
-    call move_alloc(longer, list%item)
-  end subroutine make_room
+    if (list%n == size(list%item)) then
+      allocate (longer(2*list%n))
+      do i = 1, list%n ! the texts move, nothing is copied
+        call move_alloc(list%item(i)%file, longer(i)%file)
+      end do
+      call move_alloc(longer, list%item)
+    end if
+    at = list%n + 1
+    allocate (list%item(at)%file)
+    call load_source(path, list%item(at)%file, error, place)
+    if (allocated(error)) then
+      deallocate (list%item(at)%file)
+    else
+      list%n = at
+    end if
+  end subroutine add_source
 
-  subroutine move_source(from, to)
-    type(source_t), intent(inout) :: from
-    type(source_t), intent(inout) :: to
-
-    to%identity = from%identity
-    to%nline = from%nline
-    call move_alloc(from%path, to%path)
-    call move_alloc(from%text, to%text)
-    call move_alloc(from%first, to%first)
-    call move_alloc(from%last, to%last)
-  end subroutine move_source
-
-  !> All files as they were read, one behind the other.
+  !> All files as they were read, one after the other.
   pure function joined(list) result(text)
     type(source_list_t), intent(in) :: list
     character(:), allocatable :: text
     integer :: i
 
-    text = list%item(1)%text
+    text = list%item(1)%file%text
     do i = 2, list%n
-      text = text//new_line('a')//'! --- '//base_name(list%item(i)%path)//new_line('a') &
-             //list%item(i)%text
+      text = text//new_line('a')//'! --- '//base_name(list%item(i)%file%path)//new_line('a') &
+             //list%item(i)%file%text
     end do
   end function joined
 

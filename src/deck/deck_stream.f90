@@ -18,7 +18,7 @@ module deck_stream
             RECORD_COMMENT, RECORD_END
 
   type :: deck_t
-    type(params_t) :: params          !! parameters as they are now
+    type(params_t) :: params          !! current parameters
     integer :: consumed = 0           !! records handed out since the last END
     type(reader_t), private :: reader
     type(setting_t), allocatable, private :: setting(:)
@@ -37,7 +37,7 @@ module deck_stream
 
 contains
 
-  !> Open a deck and the files it includes as they come.
+  !> Open a deck. The files that it includes are opened when they are reached.
   subroutine open_deck(deck, path, settings, error)
     type(deck_t), intent(out) :: deck
     character(*), intent(in) :: path
@@ -49,7 +49,7 @@ contains
     call open_reader(deck%reader, path, error)
   end subroutine open_deck
 
-  !> To be called when the deck has been read: did it have the parameters that were set?
+  !> After the deck has been read: it must have the parameters that the command line sets.
   subroutine check_settings(deck, error)
     type(deck_t), intent(in) :: deck
     type(error_t), allocatable, intent(out) :: error
@@ -64,8 +64,6 @@ contains
 
     text = source_text(deck%reader)//settings_text(deck%setting)
   end function deck_text
-
-  ! --- records ---------------------------------------------------------------------------------
 
   !> The next record of any kind.
   subroutine next(deck, record, error)
@@ -86,7 +84,7 @@ contains
     call check_loops(deck%reader, error)
   end subroutine next
 
-  !> Give a record back: it is the next one again.
+  !> Return a record: it is the next one again.
   subroutine put_back(deck, record)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -96,7 +94,7 @@ contains
     deck%consumed = deck%consumed - 1
   end subroutine put_back
 
-  !> The next record of FEAP's data sets: a comment alone counts as blank.
+  !> The next record of a data set of FEAP: a comment alone counts as blank.
   subroutine next_of_set(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
@@ -118,8 +116,8 @@ contains
     end do
   end subroutine next_in_block
 
-  !> The next command of BATCh: blank records and comments are skipped, LOOP, NEXT and INCLude are
-  !! commands.
+  !> The next command of BATCh: blank records and comments are skipped, and LOOP, NEXT and INCLude
+  !! are commands.
   subroutine next_command(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
@@ -133,7 +131,7 @@ contains
     deck%consumed = 0
   end subroutine next_command
 
-  !> Go on in the file that an INCLude record names.
+  !> Continue in the file that a record INCLude names.
   subroutine include_in_deck(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -142,14 +140,14 @@ contains
     call include_file(deck%reader, record, error)
   end subroutine include_in_deck
 
-  !> Loops under way end with this pass: for whoever collects an error of one of their records.
+  !> Open loops end with this pass: to be called after an error in one of their records.
   subroutine stop_loops(deck)
     class(deck_t), intent(inout) :: deck
 
     call cancel_loops(deck%reader)
   end subroutine stop_loops
 
-  !> Pass over n records.
+  !> Skip n records.
   subroutine skip(deck, n, error)
     class(deck_t), intent(inout) :: deck
     integer, intent(in) :: n
@@ -163,10 +161,8 @@ contains
     end do
   end subroutine skip
 
-  ! --- numbers ---------------------------------------------------------------------------------
-
-  !> Field i as a number. An empty or missing field is `default`; where there is none, an empty
-  !! field between two commas is 0 and a missing one an error.
+  !> Field i as a number. An empty or missing field is `default`; without a default, an empty
+  !! field between two commas is 0, and a missing one an error.
   subroutine get_real(deck, record, i, x, error, default)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
@@ -252,7 +248,7 @@ contains
     call set_parameter(deck%params, name, value)
   end subroutine get_assignment
 
-  !> The records behind PARAmeter, up to a blank one; of several errors the first.
+  !> The records after PARAmeters, up to a blank one; the first of several errors is returned.
   subroutine read_parameters(deck, line, error)
     type(deck_t), intent(inout) :: deck
     integer, intent(out) :: line !! of the blank record
