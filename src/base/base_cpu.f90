@@ -1,4 +1,4 @@
-!> What the processor can do.
+!> Instruction set of the processor.
 module base_cpu
   implicit none
   private
@@ -13,7 +13,7 @@ module base_cpu
 contains
 
   !> Level of the x86-64 instruction set, as its ABI counts: 4 (AVX-512), 3 (AVX2 and FMA) or
-  !! 1 (any; other processors and systems without /proc too).
+  !! 1 (any other processor, and systems without /proc).
   function vector_level() result(level)
     integer :: level
 
@@ -35,7 +35,7 @@ contains
     close (unit)
   end function vector_level
 
-  !> All the words stand in the line.
+  !> The line contains all the words.
   pure function has(line, words) result(found)
     character(*), intent(in) :: line, words(:)
     logical :: found

@@ -1,6 +1,4 @@
 !> Failures as values: what went wrong, where in the deck, and what to do about it.
-!!
-!! Several independent errors of one deck.
 module base_error
   use base_text, only: to_text
   implicit none
@@ -15,10 +13,10 @@ module base_error
 
   integer, parameter :: WINDOW = 160 !! a source line longer than this is shown in part
 
-  !> A spot in a deck.
+  !> A place in a deck.
   type :: place_t
     character(:), allocatable :: file !! path as the user wrote it; not allocated: no place
-    character(:), allocatable :: text !! the line as it stands in the file
+    character(:), allocatable :: text !! the line as the file has it
     integer :: line = 0   !! line number, from 1
     integer :: column = 0 !! first character (byte of the text), from 1; 0: the whole line
     integer :: width = 0  !! characters to underline
@@ -34,6 +32,7 @@ module base_error
 
   integer, parameter :: MOST = 10 !! shown and kept; the others are counted
 
+  !> Independent errors of one deck.
   type :: error_list_t
     private
     type(error_t) :: kept(MOST)
@@ -62,7 +61,7 @@ contains
     if (present(place)) error%place = place
   end subroutine fail
 
-  !> An error as the user sees it: lines without a line end behind the last.
+  !> An error as the user sees it: lines, without a line end after the last.
   pure function render(error) result(text)
     type(error_t), intent(in) :: error
     character(:), allocatable :: text
@@ -71,7 +70,7 @@ contains
     if (allocated(error%hint)) text = text//new_line('a')//'hint: '//error%hint
   end function render
 
-  !> The same shape for what is no error: `kind` is 'warning' or 'note'.
+  !> A warning or a note in the same form; `kind` is the word it begins with.
   pure function render_note(kind, message, place, hint) result(text)
     character(*), intent(in) :: kind, message
     type(place_t), intent(in), optional :: place
@@ -90,9 +89,8 @@ contains
   pure function head(kind, message, place) result(text)
     character(*), intent(in) :: kind, message
     type(place_t), intent(in) :: place
-    character(:), allocatable :: text, source
-    character(12) :: number
-    integer :: margin, column, nchar
+    character(:), allocatable :: text, source, number
+    integer :: margin, column, nchar, i
 
     text = kind//': '//message
     if (.not. allocated(place%file)) return
@@ -100,27 +98,31 @@ contains
       text = place%file//': '//text
       return
     end if
-    write (number, '(i0)') place%line
+    number = to_text(place%line)
     if (.not. allocated(place%text)) then
-      text = place%file//':'//trim(number)//': '//text
+      text = place%file//':'//number//': '//text
       return
     end if
-    margin = max(5 - len_trim(number), 0)
+    margin = max(5 - len(number), 0)
     call cut_out(place, source, column)
+    do i = 1, len(source) ! control characters would disturb the terminal
+      if ((iachar(source(i:i)) < 32 .and. source(i:i) /= achar(9)) &
+          .or. iachar(source(i:i)) == 127) source(i:i) = '?'
+    end do
     nchar = 0
     if (place%column > 0) nchar = characters(place%text(:min(place%column - 1, len(place%text)))) &
                                   + max(place%column - 1 - len(place%text), 0) + 1
     if (place%column > 0) then
-      text = place%file//':'//trim(number)//':'//decimal(nchar)//': '//text
+      text = place%file//':'//number//':'//to_text(nchar)//': '//text
     else
-      text = place%file//':'//trim(number)//': '//text
+      text = place%file//':'//number//': '//text
     end if
-    text = text//new_line('a')//repeat(' ', margin)//trim(number)//' | '//printable(source)
-    if (place%column > 0) text = text//new_line('a')//repeat(' ', margin + len_trim(number)) &
+    text = text//new_line('a')//repeat(' ', margin)//number//' | '//source
+    if (place%column > 0) text = text//new_line('a')//repeat(' ', margin + len(number)) &
                                  //' | '//caret(source, column, place%width)
   end function head
 
-  !> The part of a source line that is shown, and the column of the spot in it.
+  !> The part of a source line that is shown, and the column of the place in it.
   pure subroutine cut_out(place, source, column)
     type(place_t), intent(in) :: place
     character(:), allocatable, intent(out) :: source
@@ -142,7 +144,7 @@ contains
     end if
   end subroutine cut_out
 
-  !> Blanks up to the column, then ^~~; tabs of the source stay tabs, so the caret stands right.
+  !> Blanks up to the column, then ^~~; tabs of the source stay tabs, so that the caret is in place.
   pure function caret(source, column, width) result(text)
     character(*), intent(in) :: source
     integer, intent(in) :: column, width
@@ -163,19 +165,6 @@ contains
     text = text//'^'//repeat('~', n - 1)
   end function caret
 
-  !> Control characters would disturb the terminal.
-  pure function printable(source) result(text)
-    character(*), intent(in) :: source
-    character(len(source)) :: text
-    integer :: i
-
-    text = source
-    do i = 1, len(text)
-      if ((iachar(text(i:i)) < 32 .and. text(i:i) /= achar(9)) &
-          .or. iachar(text(i:i)) == 127) text(i:i) = '?'
-    end do
-  end function printable
-
   !> Number of characters of UTF-8 text.
   pure function characters(text) result(n)
     character(*), intent(in) :: text
@@ -195,16 +184,7 @@ contains
     yes = iand(ichar(c), 192) == 128
   end function continues
 
-  pure function decimal(n) result(text)
-    integer, intent(in) :: n
-    character(:), allocatable :: text
-    character(12) :: number
-
-    write (number, '(i0)') n
-    text = trim(number)
-  end function decimal
-
-  !> Keep one more.
+  !> Add an error; only the first ones are kept, the others are counted.
   subroutine add_error(list, error)
     class(error_list_t), intent(inout) :: list
     type(error_t), intent(in) :: error
@@ -229,7 +209,7 @@ contains
     if (list%n > 0) code = list%kept(1)%code
   end function exit_code
 
-  !> As the user sees them, up to ten, and how many more there are.
+  !> The errors as the user sees them, up to ten, and the number of further ones.
   pure function render_list(list) result(text)
     class(error_list_t), intent(in) :: list
     character(:), allocatable :: text

@@ -1,25 +1,22 @@
-!> Files and folders: what a path is, making, replacing, locking.
+!> Files and folders: inspect, make, replace, remove and lock them.
 module base_file
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_kinds, only: i8
-  use base_system, only: c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, c_unlink, c_errno, &
-      c_strerror, c_strlen, statx_t, AT_FDCWD, AT_EMPTY_PATH, F_TLOCK, STATX_BASIC
   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_null_char, c_ptr, c_associated, &
-                                                                            c_f_pointer
+                                         c_f_pointer, c_int16_t, c_int32_t, c_int64_t
   implicit none
   private
   public :: file_t, inspect, make_folder, replace_file, remove_file, lock_file, unlock_file, &
-            lock_t, folder_of, base_name
-  public :: system_reason
+            lock_t, folder_of, base_name, system_reason
 
   integer, parameter, public :: FILE_ABSENT = 0, FILE_REGULAR = 1, FILE_FOLDER = 2, FILE_OTHER = 3
 
-  !> What stands at a path.
+  !> What a path leads to.
   type :: file_t
     integer :: kind = FILE_ABSENT
     integer(i8) :: size = 0         !! bytes
-    integer(i8) :: identity(2) = 0  !! device and number: equal for two names of one file
-    character(:), allocatable :: reason !! why it cannot be had, where it is absent
+    integer(i8) :: identity(2) = 0  !! device and inode: equal for two names of one file
+    character(:), allocatable :: reason !! why it is absent
   end type file_t
 
   !> A lock that is held.
@@ -28,6 +25,98 @@ module base_file
     character(:), allocatable :: path
     integer(c_int) :: fd = -1
   end type lock_t
+
+  integer(c_int), parameter :: AT_FDCWD = -100, AT_EMPTY_PATH = 4096, F_TLOCK = 2
+  integer(c_int), parameter :: STATX_BASIC = 2047
+
+  !> struct statx of the C library: the same on every architecture.
+  type, bind(C) :: statx_t
+    integer(c_int32_t) :: mask, blksize
+    integer(c_int64_t) :: attributes
+    integer(c_int32_t) :: nlink, uid, gid
+    integer(c_int16_t) :: mode, spare
+    integer(c_int64_t) :: ino, size, blocks, attributes_mask
+    integer(c_int64_t) :: times(8)
+    integer(c_int32_t) :: rdev_major, rdev_minor, dev_major, dev_minor
+    integer(c_int64_t) :: more(14)
+  end type statx_t
+
+  ! allow(assumed-size)
+  interface
+    function c_statx(folder, path, flags, mask, buffer) bind(C, name='statx') result(failed)
+      import :: c_int, c_char, statx_t
+      implicit none
+      integer(c_int), value :: folder, flags, mask
+      character(kind=c_char), intent(in) :: path(*)
+      type(statx_t), intent(out) :: buffer
+      integer(c_int) :: failed
+    end function c_statx
+
+    function c_mkdir(path, mode) bind(C, name='mkdir') result(failed)
+      import :: c_int, c_char
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int), value :: mode
+      integer(c_int) :: failed
+    end function c_mkdir
+
+    function c_rename(from, to) bind(C, name='rename') result(failed)
+      import :: c_int, c_char
+      implicit none
+      character(kind=c_char), intent(in) :: from(*), to(*)
+      integer(c_int) :: failed
+    end function c_rename
+
+    function c_creat(path, mode) bind(C, name='creat') result(fd)
+      import :: c_int, c_char
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int), value :: mode
+      integer(c_int) :: fd
+    end function c_creat
+
+    function c_close(fd) bind(C, name='close') result(failed)
+      import :: c_int
+      implicit none
+      integer(c_int), value :: fd
+      integer(c_int) :: failed
+    end function c_close
+
+    function c_lockf(fd, command, length) bind(C, name='lockf') result(failed)
+      import :: c_int, c_long
+      implicit none
+      integer(c_int), value :: fd, command
+      integer(c_long), value :: length
+      integer(c_int) :: failed
+    end function c_lockf
+
+    function c_unlink(path) bind(C, name='unlink') result(failed)
+      import :: c_int, c_char
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int) :: failed
+    end function c_unlink
+
+    function c_errno() bind(C, name='__errno_location') result(address)
+      import :: c_ptr
+      implicit none
+      type(c_ptr) :: address
+    end function c_errno
+
+    function c_strerror(number) bind(C, name='strerror') result(text)
+      import :: c_int, c_ptr
+      implicit none
+      integer(c_int), value :: number
+      type(c_ptr) :: text
+    end function c_strerror
+
+    function c_strlen(text) bind(C, name='strlen') result(n)
+      import :: c_ptr, c_long
+      implicit none
+      type(c_ptr), value :: text
+      integer(c_long) :: n
+    end function c_strlen
+  end interface
 
 contains
 
@@ -58,7 +147,7 @@ contains
                 int(buffer%ino, i8)]
   end function identity_of
 
-  !> Make a folder and those above it; one that is there already is fine.
+  !> Make a folder and those above it; it may exist already.
   subroutine make_folder(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
@@ -79,7 +168,7 @@ contains
     call fail(error, SYSTEM_ERROR, "cannot make the folder '"//path//"': "//reason)
   end subroutine make_folder
 
-  !> Rename; a file of the new name is replaced at once, so that one of the two always exists.
+  !> Rename; a file of the new name is replaced atomically, so that one of the two always exists.
   subroutine replace_file(from, to, error)
     character(*), intent(in) :: from, to
     type(error_t), allocatable, intent(out) :: error
@@ -98,8 +187,7 @@ contains
   end subroutine remove_file
 
   !> Take the lock `path`, which ends with the process or with unlock_file. Fails at once where
-  !! another
-  !! process holds it.
+  !! another process holds it.
   subroutine lock_file(path, lock, error)
     character(*), intent(in) :: path
     type(lock_t), intent(out) :: lock
@@ -131,7 +219,7 @@ contains
     lock%path = path
   end subroutine lock_file
 
-  !> Give a lock back.
+  !> Release a lock.
   subroutine unlock_file(lock)
     type(lock_t), intent(inout) :: lock
     integer(c_int) :: failed
@@ -142,7 +230,7 @@ contains
     lock%fd = -1
   end subroutine unlock_file
 
-  !> The path's folder with its last slash; blank where there is none.
+  !> The folder of a path with its last slash; blank where there is none.
   pure function folder_of(path) result(folder)
     character(*), intent(in) :: path
     character(:), allocatable :: folder
@@ -158,7 +246,7 @@ contains
     name = path(index(path, '/', back=.true.) + 1:)
   end function base_name
 
-  !> Why the last call of the C library failed, in its words.
+  !> Why the last call of the C library failed, in the words of the system.
   function system_reason() result(reason)
     character(:), allocatable :: reason
     integer(c_int), pointer :: number

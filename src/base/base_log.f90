@@ -1,6 +1,6 @@
 !> The log of a run, warnings, and the progress line.
 !!
-!! Lines are kept in memory until the log is opened, as a wrong deck may touch no file.
+!! Lines are kept in memory until the log is opened: a deck with errors must not touch any file.
 module base_log
   use base_error, only: error_t, place_t, render_note
   use base_system, only: stderr_is_terminal
@@ -13,7 +13,7 @@ module base_log
 
   type(byte_file_t) :: file
   logical :: opened = .false.
-  character(:), allocatable :: kept       !! lines before it is
+  character(:), allocatable :: kept       !! lines written before it is open
   type(error_t), allocatable :: trouble   !! the first line that could not be written
   integer :: nkept = 0
   integer :: nwarning = 0
@@ -29,7 +29,7 @@ contains
     quiet = yes
   end subroutine set_quiet
 
-  !> Open the log and write what has been kept.
+  !> Open the log and write the lines kept so far.
   subroutine open_log(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
@@ -42,7 +42,7 @@ contains
     if (allocated(kept)) deallocate (kept)
   end subroutine open_log
 
-  !> Close the log. A disk that was full meanwhile is an error.
+  !> Close the log; a disk that was full meanwhile is an error.
   subroutine close_log(error)
     type(error_t), allocatable, intent(out) :: error
 
@@ -72,7 +72,7 @@ contains
     nkept = nkept + len(text) + 1
   end subroutine log_line
 
-  !> Written at once, so that the log is whole where the process is killed.
+  !> Write at once, so that the log is complete if the process is killed.
   subroutine put(text)
     character(*), intent(in) :: text
     type(error_t), allocatable :: error
@@ -109,7 +109,7 @@ contains
     call show(text//new_line('a'))
   end subroutine tell
 
-  !> One line that the next one overwrites; only on a terminal.
+  !> A line that the next one overwrites; only on a terminal.
   subroutine progress(text)
     character(*), intent(in) :: text
     integer, parameter :: WIDTH = 79
@@ -123,14 +123,14 @@ contains
     shown = n
   end subroutine progress
 
-  !> Take the progress line off the screen.
+  !> Remove the progress line from the screen.
   subroutine clear_progress()
     if (shown == 0) return
     call show(achar(13)//repeat(' ', shown)//achar(13))
     shown = 0
   end subroutine clear_progress
 
-  !> A screen that is gone does not matter: the log has it all.
+  !> A closed screen is no error: the log has everything.
   subroutine show(text)
     character(*), intent(in) :: text
     integer :: io

@@ -5,7 +5,7 @@ module base_sort
   private
   public :: sort, sort_index, unique, find, hash
 
-  !> Positions that make the keys rise; equal keys keep their order.
+  !> Positions in the order of rising keys; equal keys keep their order.
   interface sort_index
     module procedure sort_index_integer, sort_index_long, sort_index_real
   end interface sort_index
@@ -24,7 +24,7 @@ contains
     call sort_index_long(int(key, i8), order)
   end subroutine sort_index_integer
 
-  !> Merge sort from the bottom.
+  !> Merge sort, bottom up.
   pure subroutine sort_index_long(key, order)
     integer(i8), intent(in) :: key(:)
     integer, intent(out) :: order(:)
@@ -67,7 +67,7 @@ contains
 
   end subroutine sort_index_long
 
-  !> Reals sort as the integers with their bits do, once the negative ones are turned round.
+  !> Reals sort like the integers of their bits, once the bits of negative ones are inverted.
   pure subroutine sort_index_real(key, order)
     real(wp), intent(in) :: key(:)
     integer, intent(out) :: order(:)
@@ -114,7 +114,7 @@ contains
     values = values(:n)
   end function unique
 
-  !> Position of a value in a rising list, 0: it is not there.
+  !> Position of a value in a rising list; 0: it is not in the list.
   pure function find(list, value) result(at)
     integer, intent(in) :: list(:), value
     integer :: at, low, high
@@ -130,7 +130,7 @@ contains
     at = 0
   end function find
 
-  !> The same number for the same list, mostly another one for another: a key to sort lists by.
+  !> A key to sort lists by: equal lists have equal numbers, different ones mostly different.
   pure integer(i8) function hash(list)
     integer, intent(in) :: list(:)
     integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8

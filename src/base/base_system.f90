@@ -1,46 +1,23 @@
-!> The C library's calls that we use, as they are (glibc, Linux). base_system gives them a Fortran
-!! face.
-!!
-!! What the operating system does for us: the end of the process, signals, terminal, time and
-!! memory.
+!> Services of the operating system (glibc, Linux): the end of the process, signals, terminal, time
+!! and memory.
 module base_system
-  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_ptr, c_funptr, c_int16_t, &
-      c_int32_t, c_int64_t, c_size_t, c_funloc, c_intptr_t
   use base_kinds, only: wp, i8
+  use, intrinsic :: iso_c_binding, only: c_int, c_funptr, c_int64_t, c_size_t, c_funloc, c_intptr_t
   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
   implicit none
   private
-  public :: c_exit, c_leave, c_isatty, c_statx, c_mkdir, c_rename, c_creat, c_close, c_lockf, &
-            c_unlink, c_signal, c_sigemptyset, c_sigaddset, c_sigprocmask, sigset_t, c_mallopt, &
-            c_malloc_trim, c_getpid, c_errno, c_strerror, c_strlen, statx_t, finish, finish_now, &
-            stderr_is_terminal, catch_signals, hold_signals, let_signals_in, stop_requested, &
-            stop_signal, start_clock, wall_seconds, cpu_seconds, process_id, peak_memory_mb, &
-            available_memory_mb, keep_memory, return_memory
+  public :: finish, finish_now, stderr_is_terminal, catch_signals, hold_signals, let_signals_in, &
+            stop_requested, stop_signal, start_clock, wall_seconds, cpu_seconds, process_id, &
+            peak_memory_mb, available_memory_mb, keep_memory, return_memory
 
-  integer(c_int), parameter, public :: AT_FDCWD = -100, AT_EMPTY_PATH = 4096, F_TLOCK = 2
-  integer(c_int), parameter, public :: M_TRIM_THRESHOLD = -1, M_MMAP_MAX = -4 !! mallopt
-  integer(c_int), parameter, public :: STATX_BASIC = 2047
-  integer(c_int), parameter, public :: SIGINT = 2, SIGUSR1 = 10, SIGPIPE = 13, SIGTERM = 15, &
-                                       SIGXFSZ = 25
-
-  integer(c_int), parameter, public :: SIG_BLOCK = 0, SIG_SETMASK = 2
+  integer(c_int), parameter :: M_TRIM_THRESHOLD = -1, M_MMAP_MAX = -4 ! mallopt
+  integer(c_int), parameter :: SIGINT = 2, SIGUSR1 = 10, SIGPIPE = 13, SIGTERM = 15, SIGXFSZ = 25
+  integer(c_int), parameter :: SIG_BLOCK = 0, SIG_SETMASK = 2
 
   !> A set of signals: 1024 bits.
   type, bind(C) :: sigset_t
     integer(c_int64_t) :: bits(16)
   end type sigset_t
-
-  !> struct statx: the same on every architecture.
-  type, bind(C) :: statx_t
-    integer(c_int32_t) :: mask, blksize
-    integer(c_int64_t) :: attributes
-    integer(c_int32_t) :: nlink, uid, gid
-    integer(c_int16_t) :: mode, spare
-    integer(c_int64_t) :: ino, size, blocks, attributes_mask
-    integer(c_int64_t) :: times(8)
-    integer(c_int32_t) :: rdev_major, rdev_minor, dev_major, dev_minor
-    integer(c_int64_t) :: more(14)
-  end type statx_t
 
   ! allow(assumed-size)
   interface
@@ -76,60 +53,6 @@ module base_system
       integer(c_int), value :: fd
       integer(c_int) :: yes
     end function c_isatty
-
-    function c_statx(folder, path, flags, mask, buffer) bind(C, name='statx') result(failed)
-      import :: c_int, c_char, statx_t
-      implicit none
-      integer(c_int), value :: folder, flags, mask
-      character(kind=c_char), intent(in) :: path(*)
-      type(statx_t), intent(out) :: buffer
-      integer(c_int) :: failed
-    end function c_statx
-
-    function c_mkdir(path, mode) bind(C, name='mkdir') result(failed)
-      import :: c_int, c_char
-      implicit none
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int), value :: mode
-      integer(c_int) :: failed
-    end function c_mkdir
-
-    function c_rename(from, to) bind(C, name='rename') result(failed)
-      import :: c_int, c_char
-      implicit none
-      character(kind=c_char), intent(in) :: from(*), to(*)
-      integer(c_int) :: failed
-    end function c_rename
-
-    function c_creat(path, mode) bind(C, name='creat') result(fd)
-      import :: c_int, c_char
-      implicit none
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int), value :: mode
-      integer(c_int) :: fd
-    end function c_creat
-
-    function c_close(fd) bind(C, name='close') result(failed)
-      import :: c_int
-      implicit none
-      integer(c_int), value :: fd
-      integer(c_int) :: failed
-    end function c_close
-
-    function c_lockf(fd, command, length) bind(C, name='lockf') result(failed)
-      import :: c_int, c_long
-      implicit none
-      integer(c_int), value :: fd, command
-      integer(c_long), value :: length
-      integer(c_int) :: failed
-    end function c_lockf
-
-    function c_unlink(path) bind(C, name='unlink') result(failed)
-      import :: c_int, c_char
-      implicit none
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int) :: failed
-    end function c_unlink
 
     function c_signal(number, handler) bind(C, name='signal') result(old)
       import :: c_int, c_funptr
@@ -168,30 +91,10 @@ module base_system
       implicit none
       integer(c_int) :: id
     end function c_getpid
-
-    function c_errno() bind(C, name='__errno_location') result(address)
-      import :: c_ptr
-      implicit none
-      type(c_ptr) :: address
-    end function c_errno
-
-    function c_strerror(number) bind(C, name='strerror') result(text)
-      import :: c_int, c_ptr
-      implicit none
-      integer(c_int), value :: number
-      type(c_ptr) :: text
-    end function c_strerror
-
-    function c_strlen(text) bind(C, name='strlen') result(n)
-      import :: c_ptr, c_long
-      implicit none
-      type(c_ptr), value :: text
-      integer(c_long) :: n
-    end function c_strlen
   end interface
 
-  type(sigset_t) :: before               !! hold_signals: the mask before it
-  integer(c_int), volatile :: caught = 0 !! number of the signal that asked us to stop
+  type(sigset_t) :: before               !! the mask before hold_signals
+  integer(c_int), volatile :: caught = 0 !! number of the signal that requested a stop
   integer(i8) :: origin = -huge(0_i8)    !! count of the clock when the run began
 
 contains
@@ -205,8 +108,8 @@ contains
     call c_exit(int(code, c_int))
   end subroutine finish
 
-  !> End the process without what libraries do at the end: a thread of OpenBLAS that waits for
-  !! memory is waited for there, for ever.
+  !> End the process without the clean-up of libraries, which would wait for ever for a thread of
+  !! OpenBLAS that waits for memory.
   subroutine finish_now(code)
     integer, intent(in) :: code
 
@@ -220,11 +123,8 @@ contains
     yes = c_isatty(2_c_int) == 1
   end function stderr_is_terminal
 
-  ! --- signals ---------------------------------------------------------------------------------
-
-  !> From now on SIGTERM, SIGINT and SIGUSR1 ask for a stop. A second SIGINT ends the process as
-  !! usual.
-  !! A closed pipe and a full file are then reported by the write that meets them.
+  !> From now on SIGTERM, SIGINT and SIGUSR1 request a stop; a second SIGINT ends the process.
+  !! A closed pipe and a full file are reported by the write that fails.
   subroutine catch_signals()
     type(c_funptr) :: old
 
@@ -244,7 +144,7 @@ contains
     if (number == SIGINT) old = c_signal(SIGINT, transfer(0_c_intptr_t, old)) ! SIG_DFL
   end subroutine note_signal
 
-  !> SIGTERM waits until it is let in again: for libraries that catch it for ends of their own.
+  !> Block SIGTERM until let_signals_in: for libraries that catch it for their own purposes.
   subroutine hold_signals()
     type(sigset_t) :: set
     integer(c_int) :: failed
@@ -254,7 +154,7 @@ contains
     failed = c_sigprocmask(SIG_BLOCK, set, before)
   end subroutine hold_signals
 
-  !> As it was before hold_signals; one that came meanwhile is heard now.
+  !> Restore the mask before hold_signals; a signal that came meanwhile is delivered now.
   subroutine let_signals_in()
     type(sigset_t) :: set
     integer(c_int) :: failed
@@ -268,7 +168,7 @@ contains
     yes = caught /= 0
   end function stop_requested
 
-  !> Name of the signal that asked for the stop, blank: none did.
+  !> Name of the signal that requested the stop; blank: none.
   function stop_signal() result(name)
     character(:), allocatable :: name
 
@@ -280,9 +180,7 @@ contains
     end select
   end function stop_signal
 
-  ! --- time and memory -------------------------------------------------------------------------
-
-  !> The run begins; without this call it begins with the first look at the clock.
+  !> The run begins; without this call it begins with the first reading of the clock.
   subroutine start_clock()
     call system_clock(origin)
   end subroutine start_clock
@@ -317,8 +215,8 @@ contains
     mb = value_of('/proc/self/status', 'VmHWM:')/1024.0_wp
   end function peak_memory_mb
 
-  !> Memory once had stays with the process: a factorisation that gets fresh pages each time has the
-  !! system zero them each time, 8 % of a run with 26,000 equations.
+  !> Keep freed memory in the process. Otherwise each factorisation gets fresh pages, which the
+  !! system zeroes: 8 % of a run with 26,000 equations.
   subroutine keep_memory()
     integer(c_int) :: done
 
@@ -326,14 +224,14 @@ contains
     done = c_mallopt(M_TRIM_THRESHOLD, huge(done))
   end subroutine keep_memory
 
-  !> Give what is not in use back to the system, as others, or its count of free memory, need it.
+  !> Return unused memory to the system: for other processes, and for its count of free memory.
   subroutine return_memory()
     integer(c_int) :: done
 
     done = c_malloc_trim(0_c_size_t)
   end subroutine return_memory
 
-  !> Memory that can still be had [MiB], the limits of a container and of `ulimit -v` included;
+  !> Memory that is still available [MiB], within the limits of a container and of `ulimit -v`;
   !! huge: unknown.
   function available_memory_mb() result(mb)
     real(wp) :: mb, limit, used, cache
@@ -354,7 +252,7 @@ contains
     if (limit > 0.0_wp) mb = min(mb, max(limit - used, 0.0_wp))
   end function available_memory_mb
 
-  !> The number behind a name at the start of a line of a system file; 0 where there is none.
+  !> The number that follows a name at the start of a line of a system file; 0 if there is none.
   function value_of(path, name) result(value)
     character(*), intent(in) :: path, name
     real(wp) :: value, found

@@ -8,8 +8,7 @@ module base_text
 
   integer, parameter :: LONGEST = 64 !! of a text quoted in a message
 
-  !> A number as short text: integers in full, reals with six significant digits or as many as
-  !! asked.
+  !> A number as short text: integers in full, reals with six significant digits or `digits`.
   interface to_text
     module procedure integer_text, long_text, real_text
   end interface to_text
@@ -34,7 +33,7 @@ contains
     end do
   end function lower
 
-  !> What counts of a word: its first four letters, lower case.
+  !> The significant part of a deck word: its first four letters, lower case.
   pure function key_of(word) result(key)
     character(*), intent(in) :: word
     character(4) :: key
@@ -43,7 +42,7 @@ contains
     key = lower(key)
   end function key_of
 
-  !> Can it be part of the name of a file or a column: letters, digits, _ and -?
+  !> It can be part of the name of a file or a column: letters, digits, _ and -.
   pure logical function fits_name(text, longest)
     character(*), intent(in) :: text
     integer, intent(in) :: longest !! characters
@@ -52,7 +51,7 @@ contains
                 .and. verify(lower(text), 'abcdefghijklmnopqrstuvwxyz0123456789_-') == 0
   end function fits_name
 
-  !> The user's text for a message: in quotes, cut where it is long.
+  !> Text of the user for a message: in quotes, cut where it is long.
   pure function quoted(text) result(with_quotes)
     character(*), intent(in) :: text
     character(:), allocatable :: with_quotes
@@ -80,7 +79,7 @@ contains
     text = trim(buffer)
   end function long_text
 
-  !> Like C's %g: plain where the exponent is small, zeros at the end left out.
+  !> Like %g of C: without exponent where it is small, without trailing zeros.
   pure function real_text(x, digits) result(text)
     real(wp), intent(in) :: x
     integer, intent(in), optional :: digits !! significant ones, default 6
@@ -89,10 +88,12 @@ contains
     character(16) :: form
     integer :: n, power, at
 
-    if (ieee_is_nan(x) .or. .not. ieee_is_finite(x) .or. .not. abs(x) > 0.0_wp) then
-      text = special_text(x)
-      return
-    end if
+    text = ''
+    if (ieee_is_nan(x)) text = 'NaN'
+    if (.not. (ieee_is_finite(x) .or. ieee_is_nan(x))) text = 'infinity'
+    if (text == 'infinity' .and. x < 0.0_wp) text = '-infinity'
+    if (text == '' .and. .not. abs(x) > 0.0_wp) text = '0'
+    if (text /= '') return
     n = 6
     if (present(digits)) n = max(1, min(digits, 17))
     write (form, '("(es40.", i0, "e3)")') n - 1
@@ -110,20 +111,6 @@ contains
     end if
   end function real_text
 
-  pure function special_text(x) result(text)
-    real(wp), intent(in) :: x
-    character(:), allocatable :: text
-
-    if (ieee_is_nan(x)) then
-      text = 'NaN'
-    else if (.not. ieee_is_finite(x)) then
-      text = 'infinity'
-      if (x < 0.0_wp) text = '-infinity'
-    else
-      text = '0'
-    end if
-  end function special_text
-
   !> 1.500 to 1.5, 2.000 to 2.
   pure function without_zeros(number) result(text)
     character(*), intent(in) :: number
@@ -138,9 +125,8 @@ contains
     text = number(:n)
   end function without_zeros
 
-  !> The word of a list that looks most like `word`; of equals the first. Letters' case does not
-  !! count,
-  !! and a list word may be met by its first four letters.
+  !> The word of a list that is most like `word`, the first of several. Upper and lower case are the
+  !! same, and the first four letters may stand for a word of the list.
   pure function nearest_word(word, list) result(found)
     character(*), intent(in) :: word
     character(*), intent(in) :: list(:)
@@ -161,7 +147,7 @@ contains
     end do
   end function nearest_word
 
-  !> Letters to insert, drop, change or swap to get from a to b.
+  !> Number of letters to insert, drop, change or swap to get from a to b.
   pure function distance(a, b) result(d)
     character(*), intent(in) :: a, b
     integer :: d, i, j

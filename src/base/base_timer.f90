@@ -1,4 +1,4 @@
-!> Named timers: where the time of a run went.
+!> Named timers of the parts of a run.
 module base_timer
   use base_kinds, only: wp
   use base_system, only: wall_seconds, cpu_seconds
@@ -32,14 +32,14 @@ module base_timer
 
 contains
 
-  !> All at zero; the total begins here.
+  !> Set all timers to zero; the total begins here.
   subroutine new_timers(timers)
     type(timers_t), intent(out) :: timers
 
     timers%born = wall_seconds()
   end subroutine new_timers
 
-  !> Start a timer; a new name makes one.
+  !> Start a timer; a new name makes a new timer.
   subroutine start(timers, name)
     class(timers_t), intent(inout) :: timers
     character(*), intent(in) :: name
@@ -57,7 +57,7 @@ contains
     timers%timer(i)%cpu_start = cpu_seconds()
   end subroutine start
 
-  !> Stop it and add what has passed.
+  !> Stop a timer and add the time since its start.
   subroutine stop_one(timers, name)
     class(timers_t), intent(inout) :: timers
     character(*), intent(in) :: name
@@ -74,7 +74,7 @@ contains
     end associate
   end subroutine stop_one
 
-  !> Add seconds that something else has measured.
+  !> Add seconds that were measured elsewhere.
   subroutine add(timers, name, wall)
     class(timers_t), intent(inout) :: timers
     character(*), intent(in) :: name
@@ -103,7 +103,7 @@ contains
     end if
   end function seconds
 
-  !> Their names, in the order in which they were first started.
+  !> Names of the timers, in the order of their first start.
   pure function names(timers) result(list)
     class(timers_t), intent(in) :: timers
     character(24), allocatable :: list(:)
@@ -111,7 +111,7 @@ contains
     list = timers%timer(:timers%n)%name
   end function names
 
-  !> One line a timer: calls, wall and processor seconds, share of the total.
+  !> One line for each timer: calls, wall and processor seconds, share of the total.
   function table(timers) result(text)
     class(timers_t), intent(in) :: timers
     character(:), allocatable :: text

@@ -1,4 +1,4 @@
-!> Files written through C's streams, because a Fortran write to a full disk fails in silence
+!> Files written through streams of C, because a Fortran write to a full disk fails silently
 !! (libgfortran 12 returns iostat 0 from write, flush and close).
 module byte_file
   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_ptr, c_null_ptr, c_null_char, &
@@ -51,7 +51,7 @@ module byte_file
 
 contains
 
-  !> Open for writing: anew, or at the end of what is there.
+  !> Open for writing: a new file, or at the end of an existing one.
   subroutine open_bytes(file, path, appends, error)
     type(byte_file_t), intent(out) :: file
     character(*), intent(in) :: path
@@ -83,7 +83,7 @@ contains
     end if
   end subroutine write_bytes
 
-  !> Give everything to the operating system: it survives the end of the program.
+  !> Pass everything to the operating system, so that it survives the end of the program.
   subroutine flush_bytes(file, error)
     type(byte_file_t), intent(in) :: file
     type(error_t), allocatable, intent(out) :: error
@@ -100,7 +100,7 @@ contains
     file%stream = c_null_ptr
   end subroutine close_bytes
 
-  !> A small file in one go, beside its name and renamed: it is there whole or not at all.
+  !> Write a small file under another name and rename it: it exists completely or not at all.
   subroutine write_whole(path, text, error)
     character(*), intent(in) :: path, text
     type(error_t), allocatable, intent(out) :: error
@@ -114,7 +114,7 @@ contains
     if (allocated(error)) call remove_file(path//'.part')
   end subroutine write_whole
 
-  !> Make a file longer by so many bytes, so that there is room for what comes.
+  !> Extend a file by `count` bytes, so that there is room for what follows.
   subroutine take_room(path, count, error)
     character(*), intent(in) :: path
     integer(i8), intent(in) :: count
@@ -137,7 +137,7 @@ contains
   end subroutine take_room
 
   !> Why a library could not write or read a file, found by trying: ': no space left on device',
-  !! or nothing where the system finds no fault.
+  !! or '' where the system reports no error.
   function reason(path, writes) result(text)
     character(*), intent(in) :: path
     logical, intent(in) :: writes
