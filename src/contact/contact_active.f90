@@ -1,44 +1,44 @@
-!> Which surface elements are coupled by contact, and where their couplings stand in the tangent.
-!!
-!! Feet of a side's points on the other one, of those that act and, when a step ends, of the others.
+!> Active contact pairs: projects the integration points of a side, and keeps the list of element
+!! pairs that contact couples, with the positions of their couplings in the tangent.
 module contact_active
+  use base_kinds, only: wp
+  use contact_element, only: form_element
+  use contact_history, only: side_positions
   use contact_pair, only: surface_t, contact_t, contact_points_t
+  use contact_work, only: work_t
   use csr, only: block_matrix_t, clique_t
   use csr_coupling, only: coupling_map
-  use base_kinds, only: wp
-  use subcell_quadrature, only: acting, begin_cuts, is_cut, silence
-  use contact_element, only: form_element
-  use projection_type, only: foot_t, shape_t
   use projection, only: project
   use projection_search, only: grid_t
-  use contact_history, only: side_positions
-  use contact_work, only: work_t
+  use projection_type, only: foot_t, shape_t
+  use subcell_quadrature, only: acting, begin_refinement, is_refined, silence
   implicit none
   private
-  public :: pairs_t, map_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, pair_clique, &
-            map_pairs, find_feet, follow_silent
+  public :: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, pair_clique, &
+            map_pairs, project_side, follow_silent
 
-  !> Block positions of one pair.
+  !> Positions of the blocks of one pair.
   type :: map_t
     integer, allocatable :: at(:, :)     !! (nk, nl)
     integer, allocatable :: back(:, :)   !! (nl, nk) BALAnced: rows of the partner
-    integer, allocatable :: there(:, :)  !! (nl, nl) its own
+    integer, allocatable :: there(:, :)  !! (nl, nl) and its diagonal block
   end type map_t
 
-  !> Pairs of an element of one side and one of the other. The list of an element is chained.
+  !> Pairs of an element of one side and one of the other. The pairs of an element are chained.
   type :: pairs_t
     integer :: n = 0
     integer, allocatable :: head(:)      !! (nelem) first pair of an element, 0: none
     integer, allocatable :: next(:)      !! (>= n) next pair of the same element
     integer, allocatable :: own(:)       !! (>= n) element of this side
     integer, allocatable :: partner(:)   !! (>= n) element of the other side
-    integer, allocatable :: used(:)      !! (>= n) step in which it was needed last
-    type(map_t), allocatable :: map(:)   !! (n) of the pattern as it stands
-    type(map_t), allocatable :: self(:)  !! (nelem) of an element with itself, where it has pairs
+    integer, allocatable :: used(:)      !! (>= n) last step in which it was needed
+    type(map_t), allocatable :: map(:)   !! (n) of the current pattern
+    type(map_t), allocatable :: self(:)  !! (nelem) of an element with itself, if it has pairs
   end type pairs_t
 
 contains
 
+  !> An empty list.
   subroutine new_pairs(pairs, nelem)
     type(pairs_t), intent(out) :: pairs
     integer, intent(in) :: nelem
@@ -60,7 +60,7 @@ contains
     end do
   end function find_pair
 
-  !> A pair is needed in a step; `grown` becomes true where it is new.
+  !> Mark a pair as needed in a step; `grown` becomes true if it is new.
   subroutine need_pair(pairs, e, partner, step, grown)
     type(pairs_t), intent(inout) :: pairs
     integer, intent(in) :: e, partner, step
@@ -71,7 +71,12 @@ contains
     if (i == 0) then
       grown = .true.
       i = pairs%n + 1
-      if (i > size(pairs%next)) call grow(pairs)
+      if (i > size(pairs%next)) then
+        pairs%next = [pairs%next, spread(0, 1, pairs%n)]
+        pairs%own = [pairs%own, spread(0, 1, pairs%n)]
+        pairs%partner = [pairs%partner, spread(0, 1, pairs%n)]
+        pairs%used = [pairs%used, spread(0, 1, pairs%n)]
+      end if
       pairs%n = i
       pairs%own(i) = e
       pairs%partner(i) = partner
@@ -81,18 +86,7 @@ contains
     pairs%used(i) = step
   end subroutine need_pair
 
-  subroutine grow(pairs)
-    type(pairs_t), intent(inout) :: pairs
-    integer :: n
-
-    n = pairs%n
-    pairs%next = [pairs%next, spread(0, 1, n)]
-    pairs%own = [pairs%own, spread(0, 1, n)]
-    pairs%partner = [pairs%partner, spread(0, 1, n)]
-    pairs%used = [pairs%used, spread(0, 1, n)]
-  end subroutine grow
-
-  !> There are pairs that were not needed since a step.
+  !> Are there pairs that have not been needed since a step?
   pure logical function has_idle(pairs, step)
     type(pairs_t), intent(in) :: pairs
     integer, intent(in) :: step
@@ -100,7 +94,7 @@ contains
     has_idle = any(pairs%used(:pairs%n) < step)
   end function has_idle
 
-  !> Forget the pairs that were not needed since a step.
+  !> Remove the pairs that have not been needed since a step.
   subroutine prune_pairs(pairs, step)
     type(pairs_t), intent(inout) :: pairs
     integer, intent(in) :: step
@@ -121,35 +115,12 @@ contains
     pairs%n = m
   end subroutine prune_pairs
 
-  !> Nodes of all pairs, for the pattern; shorter lists are filled with their first node.
+  !> Nodes that are coupled, for the pattern: one column for each pair, or for each element that has
+  !! pairs, if its partners are coupled too. Shorter lists are filled up with their first node.
   subroutine pair_clique(pairs, own, other, whole, clique)
     type(pairs_t), intent(in) :: pairs
     type(surface_t), intent(in) :: own, other
     logical, intent(in) :: whole         !! the partners of an element are coupled too
-    type(clique_t), intent(out) :: clique
-    integer :: i, nk, nl, most
-
-    if (whole) then
-      call whole_clique(pairs, own, other, clique)
-      return
-    end if
-    most = maxval(own%basis%nsf) + maxval(other%basis%nsf)
-    allocate (clique%conn(most, pairs%n))
-    do i = 1, pairs%n
-      associate (e => pairs%own(i), p => pairs%partner(i))
-        nk = own%first(e + 1) - own%first(e)
-        nl = other%first(p + 1) - other%first(p)
-        clique%conn(:, i) = own%node(own%first(e))
-        clique%conn(:nk, i) = own%node(own%first(e):own%first(e + 1) - 1)
-        clique%conn(nk + 1:nk + nl, i) = other%node(other%first(p):other%first(p + 1) - 1)
-      end associate
-    end do
-  end subroutine pair_clique
-
-  !> Nodes of each element that has pairs, and of all of its partners.
-  subroutine whole_clique(pairs, own, other, clique)
-    type(pairs_t), intent(in) :: pairs
-    type(surface_t), intent(in) :: own, other
     type(clique_t), intent(out) :: clique
     integer :: e, i, m, n, npair(size(pairs%head))
 
@@ -157,26 +128,51 @@ contains
     do i = 1, pairs%n
       npair(pairs%own(i)) = npair(pairs%own(i)) + 1
     end do
-    n = maxval(own%basis%nsf) + maxval(other%basis%nsf)*maxval([0, npair])
-    allocate (clique%conn(n, count(npair > 0)))
-    n = 0
-    do e = 1, size(npair)
-      if (npair(e) == 0) cycle
-      n = n + 1
-      clique%conn(:, n) = own%node(own%first(e))
-      m = own%first(e + 1) - own%first(e)
-      clique%conn(:m, n) = own%node(own%first(e):own%first(e + 1) - 1)
-      i = pairs%head(e)
-      do while (i > 0)
-        associate (theirs => other%node(other%first(pairs%partner(i)): &
-                                        other%first(pairs%partner(i) + 1) - 1))
-          clique%conn(m + 1:m + size(theirs), n) = theirs
-          m = m + size(theirs)
-        end associate
-        i = pairs%next(i)
+    n = maxval([0, npair])
+    if (.not. whole) n = 1
+    n = maxval(own%basis%nsf) + maxval(other%basis%nsf)*n
+    if (whole) then
+      allocate (clique%conn(n, count(npair > 0)))
+      n = 0
+      do e = 1, size(npair)
+        if (npair(e) == 0) cycle
+        n = n + 1
+        call start_column(e)
+        i = pairs%head(e)
+        do while (i > 0)
+          call add_partner(pairs%partner(i))
+          i = pairs%next(i)
+        end do
       end do
-    end do
-  end subroutine whole_clique
+    else
+      allocate (clique%conn(n, pairs%n))
+      do n = 1, pairs%n
+        call start_column(pairs%own(n))
+        call add_partner(pairs%partner(n))
+      end do
+    end if
+
+  contains
+
+    !> Nodes of element e in column n.
+    subroutine start_column(e)
+      integer, intent(in) :: e
+
+      m = own%first(e + 1) - own%first(e)
+      clique%conn(:, n) = own%node(own%first(e))
+      clique%conn(:m, n) = own%node(own%first(e):own%first(e + 1) - 1)
+    end subroutine start_column
+
+    !> Nodes of element p of the other side behind them.
+    subroutine add_partner(p)
+      integer, intent(in) :: p
+      integer :: nl
+
+      nl = other%first(p + 1) - other%first(p)
+      clique%conn(m + 1:m + nl, n) = other%node(other%first(p):other%first(p + 1) - 1)
+      m = m + nl
+    end subroutine add_partner
+  end subroutine pair_clique
 
   !> Positions of all pairs in a matrix.
   subroutine map_pairs(pairs, own, other, balanced, a)
@@ -212,72 +208,63 @@ contains
     end do
   end subroutine map_pairs
 
-  !> Project the points of side k that act; elements that have come to be cut are told by the way.
-  subroutine find_feet(contact, k, shape, grid, x, feet, points)
+  !> Project the active points of side k; an element may become refined on the way.
+  subroutine project_side(contact, k, shape, grid, x, feet, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(shape_t), intent(in) :: shape             !! of the other side
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
-    type(foot_t), intent(inout) :: feet(:)         !! (np)
+    type(foot_t), intent(inout) :: feet(:)         !! (np) projections
     type(contact_points_t), intent(inout) :: points
-    integer :: act(2), e, i
+    integer :: e, i
 
-    if (points%fresh) call begin_cuts(contact, points)
+    if (points%new_step) call begin_refinement(contact, points)
     do e = 1, contact%side(k)%nelem
-      act = acting(contact, points, e)
-      call project_points(contact, k, shape, grid, x, e, act, feet, points)
+      call project_points(contact, k, shape, grid, x, e, feet, points)
       if (contact%nq == contact%nplain) cycle
       i = (e - 1)*contact%nq
-      if (.not. points%cut(e)) then
-        points%cut(e) = is_cut(contact, feet(i + 1:i + contact%nplain))
-        act = acting(contact, points, e)
-        if (points%cut(e)) call project_points(contact, k, shape, grid, x, e, act, feet, points)
+      if (.not. points%refined(e)) then
+        points%refined(e) = is_refined(contact, feet(i + 1:i + contact%nplain))
+        if (points%refined(e)) call project_points(contact, k, shape, grid, x, e, feet, points)
       end if
-      act = silent(contact, points, e)
-      call silence(points, i + act(1), i + act(2))
+      if (points%refined(e)) then
+        call silence(points, i + 1, i + contact%nplain)
+      else
+        call silence(points, i + contact%nplain + 1, i + contact%nq)
+      end if
     end do
-  end subroutine find_feet
+  end subroutine project_side
 
-  !> First and last of the points of element e that do not act.
-  pure function silent(contact, points, e) result(q)
+  !> The active points of element e.
+  subroutine project_points(contact, k, shape, grid, x, e, feet, points)
     type(contact_t), intent(in) :: contact
-    type(contact_points_t), intent(in) :: points
-    integer, intent(in) :: e
-    integer :: q(2)
-
-    q = [contact%nplain + 1, contact%nq]
-    if (points%cut(e)) q = [1, contact%nplain]
-  end function silent
-
-  !> Points act(1) to act(2) of element e.
-  subroutine project_points(contact, k, shape, grid, x, e, act, feet, points)
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k, e, act(2)
+    integer, intent(in) :: k, e
     type(shape_t), intent(in) :: shape
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
     type(foot_t), intent(inout) :: feet(:)
     type(contact_points_t), intent(inout) :: points
-    real(wp) :: xp(3, act(2) - act(1) + 1)
-    integer :: i, q
+    real(wp) :: xp(3, contact%nq)
+    integer :: act(2), i, q
 
-    call side_positions(contact%side(k), e, x, xp, from=act(1) - 1)
+    act = acting(contact, points, e)
+    call side_positions(contact%side(k), e, x, xp(:, act(1):act(2)), from=act(1) - 1)
     do q = act(1), act(2)
       i = (e - 1)*contact%nq + q
       associate (foot => feet(i))
-        foot%elem = points%foot(i)
-        foot%xi = points%foot_xi(:, i)
-        call project(contact%side(3 - k), shape, grid, xp(:, q - act(1) + 1), foot, contact%depth)
-        points%foot(i) = foot%elem
-        points%foot_xi(:, i) = foot%xi
+        foot%elem = points%closest(i)
+        foot%xi = points%closest_xi(:, i)
+        call project(contact%side(3 - k), shape, grid, xp(:, q), foot, contact%depth)
+        points%closest(i) = foot%elem
+        points%closest_xi(:, i) = foot%xi
       end associate
     end do
   end subroutine project_points
 
-  !> A step ends: the points that did not act get the feet and states they would have, so that they
-  !! know where they stand when they do.
-  subroutine follow_silent(contact, k, shape, grid, x, slides, feet, points, part)
+  !> At the end of a step: the points that were not active get the projections and states that they
+  !! would have, so that they can become active later.
+  subroutine follow_silent(contact, k, shape, grid, x, slides, feet, points, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(shape_t), intent(in) :: shape
@@ -286,18 +273,18 @@ contains
     logical, intent(in) :: slides                  !! friction acts
     type(foot_t), intent(inout) :: feet(:)
     type(contact_points_t), intent(inout) :: points
-    type(work_t), intent(inout) :: part
+    type(work_t), intent(inout) :: work
     integer :: act(2), e, i
 
     if (contact%nq == contact%nplain) return
     do e = 1, contact%side(k)%nelem
-      points%cut(e) = .not. points%cut(e)
+      points%refined(e) = .not. points%refined(e)
       act = acting(contact, points, e)
       i = (e - 1)*contact%nq
-      call project_points(contact, k, shape, grid, x, e, act, feet, points)
-      call form_element(contact, k, e, x, feet(i + 1:i + contact%nq), slides, points, part)
+      call project_points(contact, k, shape, grid, x, e, feet, points)
+      call form_element(contact, k, e, x, feet(i + 1:i + contact%nq), slides, points, work)
       call silence(points, i + act(1), i + act(2))
-      points%cut(e) = .not. points%cut(e)
+      points%refined(e) = .not. points%refined(e)
     end do
   end subroutine follow_silent
 

@@ -1,40 +1,38 @@
-!> Contact in the global system: where every point stands, which elements that couples, and the sum
-!! of their forces and derivatives.
-!!
-!! Contact when a step is accepted: what its forces were made of, and what the next one starts with.
+!> Contact in the global system: projects all points, finds the element pairs that contact couples,
+!! and adds their forces and derivatives. When a step is accepted: moves the sliding points.
 module contact_assembly
   use base_kinds, only: wp
-  use contact_bond, only: ask_foot
-  use subcell_quadrature, only: acting
+  use contact_active, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
+      pair_clique, map_pairs, project_side, follow_silent
+  use contact_bond, only: needs_projection
   use contact_element, only: form_element
-  use contact_active, only: find_feet, pairs_t, new_pairs, need_pair, find_pair, has_idle, &
-      prune_pairs, pair_clique, map_pairs, follow_silent
-  use projection_type, only: foot_t, shape_t, touches
-  use contact_pair, only: contact_t, contact_points_t, surface_t
-  use projection_search, only: grid_t, update_grid
-  use surface_geometry, only: update_shape
+  use contact_forces, only: add_force_parts
   use contact_history, only: side_positions, look_aside, ASIDE, accept_slides
-  use rigid_surface, only: react
+  use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_work, only: work_t, new_work
   use csr, only: block_matrix_t, clique_t
   use csr_coupling, only: add_coupling, coupling_map
   use model, only: model_t, state_t
-  use contact_forces, only: add_shares
+  use projection_search, only: grid_t, update_grid
+  use projection_type, only: foot_t, shape_t, touches
+  use rigid_surface, only: react
+  use subcell_quadrature, only: acting
+  use surface_geometry, only: update_shape
   implicit none
   private
   public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
-            add_contact, friction_acts, share_contact, accept_contact
+            add_contact, friction_acts, split_contact_forces, accept_contact
 
-  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr reached
+  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr is reached
 
-  !> Feet of the points of one side on the other.
+  !> Projections of the points of one side on the other.
   type :: feet_t
     type(foot_t), allocatable :: at(:)   !! (np)
   end type feet_t
 
-  !> One contact under way.
+  !> Work space of one contact.
   type :: contact_work_t
-    integer :: step = -1                 !! of the last search
+    integer :: step = -1                 !! of the last projection
     type(shape_t) :: shape(2)
     type(grid_t) :: grid(2)
     type(feet_t) :: feet(2)
@@ -44,7 +42,7 @@ module contact_assembly
 
 contains
 
-  !> Room for all contacts of a model.
+  !> Work space of all contacts of a model.
   subroutine new_contact_work(model, work)
     type(model_t), intent(in) :: model
     type(contact_work_t), allocatable, intent(out) :: work(:)
@@ -63,7 +61,7 @@ contains
     end do
   end subroutine new_contact_work
 
-  !> Friction acts in steps that start at AFTEr or later.
+  !> Does friction act: in steps that start at AFTEr or later.
   pure logical function friction_acts(contact, state) result(acts)
     type(contact_t), intent(in) :: contact
     type(state_t), intent(in) :: state
@@ -72,9 +70,9 @@ contains
            state%time - state%dt >= contact%after - AT_ONCE*state%dt
   end function friction_acts
 
-  !> Project all points; `grown`: the pattern must be made anew, as elements are coupled now that it
-  !! does not couple, or as a step begins with fewer: its pattern may not tell of the steps before,
-  !! which a restarted run has not seen.
+  !> Project all points. `grown`: the pattern must be rebuilt, either because new elements are
+  !! coupled, or because a step begins with fewer couplings: its pattern must not depend on earlier
+  !! steps, which a restarted run does not know.
   subroutine find_contact(work, model, state, grown)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -98,8 +96,8 @@ contains
         end do
         do k = 1, 2
           if (contact%side(k)%rigid) cycle
-          call find_feet(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
-                         work(c)%feet(k)%at, state%contact(c)%side(k))
+          call project_side(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
+                            work(c)%feet(k)%at, state%contact(c)%side(k))
           call need_pairs(work(c), contact, k, x, state%contact(c)%side(k), slides, state%step, &
                           grown)
           if (work(c)%step /= state%step) grown = grown .or. has_idle(work(c)%pairs(k), state%step)
@@ -109,7 +107,7 @@ contains
     end do
   end subroutine find_contact
 
-  !> Pairs of elements that the points in contact couple.
+  !> Pairs of elements that are coupled by the points in contact.
   subroutine need_pairs(work, contact, k, x, points, slides, step, grown)
     type(contact_work_t), intent(inout) :: work
     type(contact_t), intent(in) :: contact
@@ -129,8 +127,8 @@ contains
         i = (e - 1)*contact%nq + q
         if (points%bond(i) > 0) then
           call need_pair(work%pairs(k), e, points%bond(i), step, grown)
-          call ask_foot(contact, contact%side(3 - k), x, i, xp(:, q), points, work%element(k), &
-                        needed)
+          call needs_projection(contact, contact%side(3 - k), x, i, xp(:, q), points, &
+                                work%element(k), needed)
           if (.not. needed) cycle
         end if
         associate (foot => work%feet(k)%at(i))
@@ -147,7 +145,8 @@ contains
     end do
   end subroutine need_pairs
 
-  !> Couplings for the pattern, two cliques a contact; pairs not needed in this step are dropped.
+  !> Couplings for the pattern, two cliques for each contact; pairs not needed in this step are
+  !! removed.
   subroutine contact_cliques(work, model, step, clique)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -166,7 +165,7 @@ contains
     end do
   end subroutine contact_cliques
 
-  !> Where the couplings stand in a new pattern.
+  !> Positions of the couplings in a new pattern.
   subroutine map_contact(work, model, a)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -183,7 +182,7 @@ contains
     end do
   end subroutine map_contact
 
-  !> Forces and derivatives of all contacts, at the feet that find_contact found.
+  !> Forces and derivatives of all contacts, at the projections of find_contact.
   subroutine add_contact(work, model, state, a, f, rounding, largest)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -216,9 +215,11 @@ contains
     type(contact_points_t), intent(inout) :: points
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :), rounding, largest
-    integer :: b, e, i, n
+    integer, allocatable :: at(:, :)
+    integer :: b, e, i, j, n
 
-    associate (own => contact%side(k), other => contact%side(3 - k), part => work%element(k))
+    associate (own => contact%side(k), other => contact%side(3 - k), part => work%element(k), &
+               pairs => work%pairs(k))
       do e = 1, own%nelem
         i = (e - 1)*contact%nq
         call form_element(contact, k, e, x, work%feet(k)%at(i + 1:i + contact%nq), slides, points, &
@@ -234,66 +235,39 @@ contains
             rounding = rounding + sum(abs(part%r(:, b)*u(:, n)))
             largest = max(largest, maxval(abs(part%r(:, b))))
           end do
-          call add_coupling(a, mine, mine, work%pairs(k)%self(e)%at, part%kk)
+          call add_coupling(a, mine, mine, pairs%self(e)%at, part%kk)
           do b = 1, part%npartner
             n = part%partner(b)
-            call add_coupling(a, mine, other%node(other%first(n):other%first(n + 1) - 1), &
-                              work%pairs(k)%map(find_pair(work%pairs(k), e, n))%at, &
-                              part%kl(:, :, b))
-            if (contact%balanced) call load_partner(work%pairs(k), other, mine, e, b, part, a, f)
+            associate (map => pairs%map(find_pair(pairs, e, n)), &
+                       theirs => other%node(other%first(n):other%first(n + 1) - 1))
+              call add_coupling(a, mine, theirs, map%at, part%kl(:, :, b))
+              if (.not. contact%balanced) cycle
+              do j = 1, size(theirs) ! the points load their partner too
+                f(:, theirs(j)) = f(:, theirs(j)) + part%back(:, j, b)
+              end do
+              call add_coupling(a, theirs, mine, map%back, part%lk(:, :, b))
+              call add_coupling(a, theirs, theirs, map%there, part%ll(:, :, b))
+            end associate
           end do
         end associate
-        call couple_partners(other, part, a)
+        do b = 1, part%ncross ! forces on a partner vary with another one: friction and BALAnced
+          i = part%partner(part%pair(1, b))
+          j = part%partner(part%pair(2, b))
+          associate (rows => other%node(other%first(i):other%first(i + 1) - 1), &
+                     cols => other%node(other%first(j):other%first(j + 1) - 1))
+            allocate (at(size(rows), size(cols)))
+            call coupling_map(a, rows, cols, at)
+            call add_coupling(a, rows, cols, at, part%cross(:, :, b))
+            deallocate (at)
+          end associate
+        end do
       end do
     end associate
-    points%fresh = .false.
+    points%new_step = .false.
   end subroutine add_side
 
-  !> Forces of the element's points on their partner of slot b, and their derivatives.
-  subroutine load_partner(pairs, other, mine, e, b, part, a, f)
-    type(pairs_t), intent(in) :: pairs
-    type(surface_t), intent(in) :: other
-    integer, intent(in) :: mine(:)                 !! nodes of the element
-    integer, intent(in) :: e, b
-    type(work_t), intent(in) :: part
-    type(block_matrix_t), intent(inout) :: a
-    real(wp), intent(inout) :: f(:, :)
-    integer :: j
-
-    associate (map => pairs%map(find_pair(pairs, e, part%partner(b))), p => part%partner(b))
-      associate (theirs => other%node(other%first(p):other%first(p + 1) - 1))
-        do j = 1, size(theirs)
-          f(:, theirs(j)) = f(:, theirs(j)) + part%back(:, j, b)
-        end do
-        call add_coupling(a, theirs, mine, map%back, part%lk(:, :, b))
-        call add_coupling(a, theirs, theirs, map%there, part%ll(:, :, b))
-      end associate
-    end associate
-  end subroutine load_partner
-
-  !> Derivatives of the forces on a partner against another one's nodes: friction, BALAnced.
-  subroutine couple_partners(other, part, a)
-    type(surface_t), intent(in) :: other
-    type(work_t), intent(in) :: part
-    type(block_matrix_t), intent(inout) :: a
-    integer, allocatable :: map(:, :)
-    integer :: i, m, n
-
-    do i = 1, part%ncross
-      m = part%partner(part%pair(1, i))
-      n = part%partner(part%pair(2, i))
-      associate (rows => other%node(other%first(m):other%first(m + 1) - 1), &
-                 cols => other%node(other%first(n):other%first(n + 1) - 1))
-        allocate (map(size(rows), size(cols)))
-        call coupling_map(a, rows, cols, map)
-        call add_coupling(a, rows, cols, map, part%cross(:, :, i))
-        deallocate (map)
-      end associate
-    end do
-  end subroutine couple_partners
-
-  !> Shares of the internal forces: pressure, friction and cohesion of all contacts.
-  subroutine share_contact(work, model, state, f)
+  !> Parts of the internal forces: pressure, friction and cohesion of all contacts.
+  subroutine split_contact_forces(work, model, state, f)
     type(contact_work_t), intent(in) :: work(:)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -304,12 +278,12 @@ contains
     do c = 1, size(work)
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
-        call add_shares(model%contact(c), k, work(c)%feet(k)%at, state%contact(c)%side(k), f)
+        call add_force_parts(model%contact(c), k, work(c)%feet(k)%at, state%contact(c)%side(k), f)
       end do
     end do
-  end subroutine share_contact
+  end subroutine split_contact_forces
 
-  !> The step is done: stored sliding points move.
+  !> Accept a step: the stored sliding points move.
   subroutine accept_contact(work, model, state)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model

@@ -52,16 +52,17 @@ contains
       associate (points => state%side(k))
         rise(k)%at = -points%multiplier
         do i = 1, size(rise(k)%at)
-          if (points%foot(i) == 0) cycle
+          if (points%closest(i) == 0) cycle
           e = (i - 1)/contact%nq + 1
           q = mod(i - 1, contact%nq) + 1
           d = value_at(contact, k, pressed(k), e, contact%xi(:, q))
           rise(k)%at(i) = d
           if (contact%side(3 - k)%rigid) cycle
-          d = 0.5_wp*(d + value_at(contact, 3 - k, pressed(3 - k), points%foot(i), &
-                                   points%foot_xi(:, i)))
+          d = 0.5_wp*(d + value_at(contact, 3 - k, pressed(3 - k), points%closest(i), &
+                                   points%closest_xi(:, i)))
           p = value_at(contact, k, pressure(k), e, contact%xi(:, q)) &
-              - value_at(contact, 3 - k, pressure(3 - k), points%foot(i), points%foot_xi(:, i))
+              - value_at(contact, 3 - k, pressure(3 - k), points%closest(i), &
+                         points%closest_xi(:, i))
           rise(k)%at(i) = d - 0.5_wp*p
         end do
       end associate

@@ -1,40 +1,41 @@
-!> Which points are bonded, and to what: the reference projection of a cohesive contact, eq. (30).
+!> Bonds: which points are bonded to which partners, and the tractions between them.
 !!
-!! What acts between a bonded point and its partner: the cohesive law, and with PAIR the penalty.
+!! The partner of a point is its projection in the reference configuration, eq. (30) of Corbett and
+!! Sauer 2015. Between them act the cohesive law and, with PAIR, the penalty.
 !!
 !! g is the vector from the partner x_p = x_l(xi_0) to the point x, n the outward unit normal of
-!! side l at xi_0. Both surfaces move; xi_0 does not, so that with the tangents a_1, a_2 there
+!! side l at xi_0. Both surfaces move, xi_0 does not, so that with the tangents a_1, a_2 there
 !!
 !!   dg = dx - dx_p,    dn = -sum_j a^j (n . da_j).
 !!
-!! Everything acts on the reference area.
+!! All tractions act on the reference area.
 module contact_bond
   use base_kinds, only: wp
-  use contact_work, only: work_t, new_work, measure, position_on, tangents_on
-  use projection_type, only: foot_t, shape_t
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, surface_t
-  use projection, only: project
-  use projection_search, only: grid_t, update_grid
-  use surface_geometry, only: update_shape
   use contact_point, only: outer
   use contact_type, only: cohesion_t
+  use contact_work, only: work_t, new_work, measure, position_on, tangents_on
+  use projection, only: project
+  use projection_search, only: grid_t, update_grid
+  use projection_type, only: foot_t, shape_t
+  use smooth_step, only: smoothstep
+  use surface_geometry, only: update_shape
   implicit none
   private
-  public :: find_bonds, bond_traction_t, find_pull, ask_foot
+  public :: find_bonds, bond_traction_t, find_bond_traction, needs_projection
 
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! of an element: the default of GAP
+  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! positions are computed in two ways
 
-  real(wp), parameter :: NEARLY = 1.0e-6_wp !! positions are found in two ways
-
-  !> Traction of a bonded point on its reference area, and how it varies.
+  !> Traction of a bonded point on its reference area, and its derivatives.
   type :: bond_traction_t
     real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
-    real(wp) :: bond(3) = 0.0_wp       !! the law's share of it [F/L^2]
-    real(wp) :: dtdg(3, 3) = 0.0_wp    !! [F/L^3] against g
-    real(wp) :: dtda(3, 3, 2) = 0.0_wp !! against the tangents of l at the partner
+    real(wp) :: law(3) = 0.0_wp        !! the part of the cohesive law [F/L^2]
+    real(wp) :: dtdg(3, 3) = 0.0_wp    !! [F/L^3] by g
+    real(wp) :: dtda(3, 3, 2) = 0.0_wp !! by the tangents of l at the partner
     real(wp) :: p = 0.0_wp             !! pressure of the penalty in t [F/L^2]
     real(wp) :: gap = 0.0_wp           !! n . g [L]
-    !> The penalty on the current foot acts with this share, which varies with g.
+    !> Fraction with which normal and friction law act at the current projection.
     real(wp) :: share = 1.0_wp
     real(wp) :: slope(3) = 0.0_wp      !! dshare/dg [1/L]
   end type bond_traction_t
@@ -48,7 +49,10 @@ contains
     type(contact_state_t), intent(inout) :: state
     type(shape_t) :: shape(2)
     type(grid_t) :: grid(2)
-    integer :: k
+    type(work_t) :: work
+    type(foot_t) :: foot
+    real(wp) :: x(3, contact%nq), up(3, 2), near
+    integer :: e, i, k, q
 
     if (.not. contact%cohesive%given) return
     do k = 1, 2
@@ -57,41 +61,28 @@ contains
     end do
     do k = 1, 2
       if (contact%side(k)%rigid) cycle
-      call bond_side(contact, k, xr, shape(3 - k), grid(3 - k), state%side(k))
+      call new_work(contact, k, work)
+      associate (points => state%side(k))
+        do e = 1, contact%side(k)%nelem
+          i = (e - 1)*contact%nq
+          do q = 1, contact%nq
+            call measure(contact%side(k), e, q, xr, work, x(:, q), up, points%area0(i + q))
+            points%area0(i + q) = points%area0(i + q)*contact%wgt(q)
+          end do
+          near = contact%bond_gap
+          if (near < 0.0_wp) near = CLOSE_BY*sqrt(sum(points%area0(i + 1:i + contact%nq)))
+          do q = 1, contact%nq
+            if (.not. is_inside(contact%bond, x(:, q))) cycle
+            foot%elem = 0
+            call project(contact%side(3 - k), shape(3 - k), grid(3 - k), x(:, q), foot, near)
+            if (foot%elem == 0 .or. abs(foot%gap) > near) cycle
+            points%bond(i + q) = foot%elem
+            points%bond_xi(:, i + q) = foot%xi
+          end do
+        end do
+      end associate
     end do
   end subroutine find_bonds
-
-  subroutine bond_side(contact, k, xr, shape, grid, points)
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k
-    real(wp), intent(in) :: xr(:, :)
-    type(shape_t), intent(in) :: shape     !! of the other side
-    type(grid_t), intent(in) :: grid
-    type(contact_points_t), intent(inout) :: points
-    type(work_t) :: work
-    type(foot_t) :: foot
-    real(wp) :: x(3, contact%nq), up(3, 2), near
-    integer :: e, i, q
-
-    call new_work(contact, k, work)
-    do e = 1, contact%side(k)%nelem
-      i = (e - 1)*contact%nq
-      do q = 1, contact%nq
-        call measure(contact%side(k), e, q, xr, work, x(:, q), up, points%area0(i + q))
-        points%area0(i + q) = points%area0(i + q)*contact%wgt(q)
-      end do
-      near = contact%bond_gap
-      if (near < 0.0_wp) near = CLOSE_BY*sqrt(sum(points%area0(i + 1:i + contact%nq)))
-      do q = 1, contact%nq
-        if (.not. is_inside(contact%bond, x(:, q))) cycle
-        foot%elem = 0
-        call project(contact%side(3 - k), shape, grid, x(:, q), foot, near)
-        if (foot%elem == 0 .or. abs(foot%gap) > near) cycle
-        points%bond(i + q) = foot%elem
-        points%bond_xi(:, i + q) = foot%xi
-      end do
-    end do
-  end subroutine bond_side
 
   !> A reference point lies in all regions, and in none of the excepted ones.
   pure logical function is_inside(bond, x)
@@ -111,8 +102,8 @@ contains
     end do
   end function is_inside
 
-  !> Law and penalty of the bonded point i at the position `at`.
-  pure subroutine find_pull(contact, other, x, i, at, points, work, pull)
+  !> Cohesive law and penalty of the bonded point i at the position `at`.
+  pure subroutine find_bond_traction(contact, other, x, i, at, points, work, bond)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: other
     real(wp), intent(in) :: x(:, :)            !! (3, nnode) current positions [L]
@@ -120,80 +111,64 @@ contains
     real(wp), intent(in) :: at(3)              !! [L]
     type(contact_points_t), intent(inout) :: points
     type(work_t), intent(inout) :: work
-    type(bond_traction_t), intent(out) :: pull
+    type(bond_traction_t), intent(out) :: bond
     type(cohesion_t) :: c
-    real(wp) :: g(3), partner(3), n(3), up(3, 2), lag
+    real(wp) :: g(3), partner(3), n(3), up(3, 2), lag, p, dp, energy, hold, dhold(3), r, z
     integer :: j
 
-    call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
-    g = at - partner
-    n = 0.0_wp
-    up = 0.0_wp
-    if (contact%cohesive%law%oriented .or. contact%on_pair) call tangents_on(other, points%bond(i), x, &
-                                                                         work, n, up)
-    lag = 0.0_wp
-    if (points%dt > 0.0_wp) lag = contact%cohesive%tau/points%dt
-    call contact%cohesive%law%cohesive(contact%cohesive%prop, lag, g, n, points%past_step(:, i), &
-                                   points%past(:, i), c)
-    pull%t = c%t
-    pull%dtdg = c%dtdg
-    if (contact%cohesive%law%oriented) then
-      do j = 1, 2
-        pull%dtda(:, :, j) = -outer(matmul(c%dtdn, up(:, j)), n)
-      end do
-    end if
+    associate (cohesive => contact%cohesive)
+      call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
+      g = at - partner
+      n = 0.0_wp
+      up = 0.0_wp
+      if (cohesive%law%oriented .or. contact%on_pair) call tangents_on(other, points%bond(i), x, &
+                                                                       work, n, up)
+      lag = 0.0_wp
+      if (points%dt > 0.0_wp) lag = cohesive%tau/points%dt
+      call cohesive%law%cohesive(cohesive%prop, lag, g, n, points%past_step(:, i), &
+                                 points%past(:, i), c)
+      bond%t = c%t
+      bond%law = c%t
+      bond%dtdg = c%dtdg
+      if (cohesive%law%oriented) then
+        do j = 1, 2
+          bond%dtda(:, :, j) = -outer(matmul(c%dtdn, up(:, j)), n)
+        end do
+      end if
+    end associate
     points%opening(i) = norm2(g)
     points%energy(:, i) = [c%stored, c%spent, c%viscous]
-    pull%bond = pull%t
-    if (contact%on_pair) call press(contact, i, g, n, up, points, pull)
-    points%pull(:, i) = pull%t
-  end subroutine find_pull
+    points%bond_traction(:, i) = bond%t
+    if (.not. contact%on_pair) return
 
-  !> The penalty along the partner's normal: it fades out as the bond is released, and the one on
-  !! the current foot comes in.
-  pure subroutine press(contact, i, g, n, up, points, pull)
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: i
-    real(wp), intent(in) :: g(3), n(3), up(3, 2)
-    type(contact_points_t), intent(in) :: points
-    type(bond_traction_t), intent(inout) :: pull
-    real(wp) :: p, dp, energy, hold, dhold(3)
-    integer :: j
-
-    pull%gap = dot_product(n, g)
-    call fade(contact, g, points%opening_step(i), pull%share, pull%slope)
-    hold = 1.0_wp - pull%share
-    dhold = -pull%slope
-    call contact%normal%law%normal(contact%normal%prop, pull%gap, points%multiplier(i), p, dp, energy)
+    ! The penalty acts along the partner's normal up to half of the opening at which the bond counts
+    ! as released; from there to that opening the one at the current projection replaces it. Where
+    ! points load both surfaces the opening is that at the start of the step, since the elements of
+    ! partner and projection are not coupled.
+    bond%gap = dot_product(n, g)
+    r = norm2(g)
+    if (contact%balanced) r = points%opening_step(i)
+    z = min(1.0_wp, max(0.0_wp, 2*r/contact%released - 1.0_wp))
+    bond%share = smoothstep(z)
+    if (z > 0.0_wp .and. .not. contact%balanced) bond%slope = 6*z*(1.0_wp - z) &
+                                                              *(2/contact%released)*g/r
+    hold = 1.0_wp - bond%share
+    dhold = -bond%slope
+    call contact%normal%law%normal(contact%normal%prop, bond%gap, points%multiplier(i), p, dp, &
+                                   energy)
     if (.not. hold*p > 0.0_wp) return
-    pull%p = hold*p
-    pull%t = pull%t + pull%p*n
-    pull%dtdg = pull%dtdg + outer(n, hold*dp*n + p*dhold)
+    bond%p = hold*p
+    bond%t = bond%t + bond%p*n
+    bond%dtdg = bond%dtdg + outer(n, hold*dp*n + p*dhold)
     do j = 1, 2
-      pull%dtda(:, :, j) = pull%dtda(:, :, j) &
+      bond%dtda(:, :, j) = bond%dtda(:, :, j) &
                            - hold*outer(p*up(:, j) + dp*dot_product(g, up(:, j))*n, n)
     end do
-  end subroutine press
+    points%bond_traction(:, i) = bond%t
+  end subroutine find_bond_traction
 
-  !> With which share the penalty on the current foot acts: 0 up to half of the opening at which the
-  !! bond counts as released, 1 from there on. Where points load both surfaces it is that of the
-  !! step's start: the partner's element and the foot's are not coupled.
-  pure subroutine fade(contact, g, before, share, slope)
-    type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: g(3), before       !! opening of now, and its length before [L]
-    real(wp), intent(out) :: share, slope(3)
-    real(wp) :: s, r
-
-    r = norm2(g)
-    if (contact%balanced) r = before
-    s = min(1.0_wp, max(0.0_wp, 2*r/contact%released - 1.0_wp))
-    share = s*s*(3.0_wp - 2*s)
-    slope = 0.0_wp
-    if (s > 0.0_wp .and. .not. contact%balanced) slope = 6*s*(1.0_wp - s)*(2/contact%released)*g/r
-  end subroutine fade
-
-  !> The bonded point i at the position `at` has need of its foot.
-  pure subroutine ask_foot(contact, other, x, i, at, points, work, needed)
+  !> The law at the projection of the bonded point i acts when the point is at the position `at`.
+  pure subroutine needs_projection(contact, other, x, i, at, points, work, needed)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: other
     real(wp), intent(in) :: x(:, :)            !! (3, nnode) current positions [L]
@@ -209,6 +184,6 @@ contains
     call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
     needed = 2*norm2(at - partner) > (1.0_wp - NEARLY)*contact%released
     if (contact%balanced) needed = 2*points%opening_step(i) > contact%released
-  end subroutine ask_foot
+  end subroutine needs_projection
 
 end module contact_bond

@@ -1,115 +1,87 @@
-!> Nodal forces of pressure, friction and cohesion apart, and the bonds' release.
-!!
-!! How much of the bonds of a model has been released: the measure that local control prescribes.
+!> Nodal forces of contact by their cause (pressure, friction, cohesion), and the release of bonds:
+!! the measure that the control of the release prescribes.
 module contact_forces
   use base_kinds, only: wp
-  use projection_type, only: foot_t
-  use surface_basis, only: make_rational
-  use contact_pair, only: contact_t, contact_points_t, surface_t
-  use rigid_surface, only: put_force
-  use contact_work, only: measure, own_share, position_on, work_t, new_work
   use constraint, only: fold_force
+  use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_type, only: NORMAL, FRICTION, COHESIVE
+  use contact_work, only: measure, own_share, position_on, work_t, new_work
   use model, only: model_t, state_t
+  use projection_type, only: foot_t
+  use rigid_surface, only: put_force
+  use surface_basis, only: make_rational
   implicit none
   private
-  public :: add_shares, add_release, bonded_area, find_release
+  public :: add_force_parts, add_release, bonded_area, find_release
 
-  !> A bond counts as released at so many openings d at its strength (`contact%released`).
+  !> A bond counts as released at this multiple of the opening d of its law (`contact%released`).
   real(wp), parameter :: OPENINGS = 8.0_wp
 
 contains
 
-  !> Shares of the internal forces of what the last sweep found on side k.
-  subroutine add_shares(contact, k, feet, points, f)
+  !> Parts of the internal forces on side k at the last assembly.
+  subroutine add_force_parts(contact, k, feet, points, f)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
-    type(foot_t), intent(in) :: feet(:)            !! (np)
+    type(foot_t), intent(in) :: feet(:)            !! (np) projections
     type(contact_points_t), intent(in) :: points
     real(wp), intent(inout) :: f(:, :, :)          !! (3, nnode, 3) pressure, friction, cohesion [F]
-    real(wp) :: t(3, contact%nq, 3)
-    real(wp), allocatable :: shp(:)
-    real(wp) :: weight
+    real(wp) :: t(3, 3, contact%nq), press(3), weight
+    real(wp), allocatable :: shp(:), dshp(:, :)
     integer :: e, i, j, n, q
 
     weight = own_share(contact)
     associate (own => contact%side(k), other => contact%side(3 - k))
       do e = 1, own%nelem
-        i = (e - 1)*contact%nq
         do q = 1, contact%nq
-          t(:, q, :) = weight*shares(points, i + q)
+          i = (e - 1)*contact%nq + q
+          t(:, FRICTION, q) = points%friction(:, i)*points%area(i)
+          t(:, COHESIVE, q) = points%cohesion(:, i)*points%area0(i)
+          t(:, NORMAL, q) = points%traction(:, i)*points%area(i) - t(:, FRICTION, q) &
+                            - t(:, COHESIVE, q)
+          t(:, :, q) = weight*t(:, :, q)
         end do
         if (.not. any(abs(t) > 0.0_wp)) cycle
         do q = 1, contact%nq
-          shp = own_functions(own, e, q)
+          shp = own%basis(own%ibasis(e))%shp(:, q)
+          if (allocated(own%w)) then
+            dshp = own%basis(own%ibasis(e))%dshp(:, :, q)
+            call make_rational(own%w(own%first(e):own%first(e + 1) - 1), shp, dshp)
+          end if
           do j = 1, size(shp)
             n = own%node(own%first(e) + j - 1)
-            f(:, n, :) = f(:, n, :) - shp(j)*t(:, q, :)
+            f(:, n, :) = f(:, n, :) - shp(j)*t(:, :, q)
           end do
         end do
         if (.not. (other%rigid .or. contact%balanced)) cycle
-        do q = 1, contact%nq
-          call share_other(other, feet(i + q), i + q, t(:, q, :), weight, points, f)
+        do q = 1, contact%nq ! on the other side: a bond at the partner, the rest at the projection
+          i = (e - 1)*contact%nq + q
+          press = t(:, NORMAL, q)
+          if (points%bond(i) > 0) then
+            press = weight*points%area0(i)*(points%bond_traction(:, i) - points%cohesion(:, i))
+            call put_force(other, points%bond(i), points%bond_xi(:, i), press, f(:, :, NORMAL))
+            call put_force(other, points%bond(i), points%bond_xi(:, i), t(:, COHESIVE, q), &
+                           f(:, :, COHESIVE))
+            press = t(:, NORMAL, q) - press
+          end if
+          if (feet(i)%elem == 0) cycle
+          call put_force(other, feet(i)%elem, feet(i)%xi, press, f(:, :, NORMAL))
+          call put_force(other, feet(i)%elem, feet(i)%xi, t(:, FRICTION, q), f(:, :, FRICTION))
         end do
       end do
     end associate
-  end subroutine add_shares
+  end subroutine add_force_parts
 
-  !> What the other side bears too: of a bond at the partner, all else at the foot.
-  subroutine share_other(other, foot, i, t, weight, points, f)
-    type(surface_t), intent(in) :: other
-    type(foot_t), intent(in) :: foot
-    integer, intent(in) :: i
-    real(wp), intent(in) :: t(3, 3)                !! of point i [F]
-    real(wp), intent(in) :: weight                 !! of its tractions that t has
-    type(contact_points_t), intent(in) :: points
-    real(wp), intent(inout) :: f(:, :, :)
-    real(wp) :: press(3)
-
-    press = t(:, 1)
-    if (points%bond(i) > 0) then
-      press = weight*points%area0(i)*(points%pull(:, i) - points%cohesion(:, i))
-      call put_force(other, points%bond(i), points%bond_xi(:, i), press, f(:, :, 1))
-      call put_force(other, points%bond(i), points%bond_xi(:, i), t(:, 3), f(:, :, 3))
-      press = t(:, 1) - press
-    end if
-    if (foot%elem == 0) return
-    call put_force(other, foot%elem, foot%xi, press, f(:, :, 1))
-    call put_force(other, foot%elem, foot%xi, t(:, 2), f(:, :, 2))
-  end subroutine share_other
-
-  !> Forces of point i: its tractions times the areas they act on.
-  pure function shares(points, i) result(t)
-    type(contact_points_t), intent(in) :: points
-    integer, intent(in) :: i
-    real(wp) :: t(3, 3)
-
-    t(:, 2) = points%friction(:, i)*points%area(i)
-    t(:, 3) = points%cohesion(:, i)*points%area0(i)
-    t(:, 1) = points%traction(:, i)*points%area(i) - t(:, 2) - t(:, 3)
-  end function shares
-
-  !> Functions of element e at its integration point q.
-  pure function own_functions(own, e, q) result(shp)
-    type(surface_t), intent(in) :: own
-    integer, intent(in) :: e, q
-    real(wp), allocatable :: shp(:)
-    real(wp), allocatable :: dshp(:, :)
-
-    shp = own%basis(own%ibasis(e))%shp(:, q)
-    if (.not. allocated(own%w)) return
-    dshp = own%basis(own%ibasis(e))%dshp(:, :, q)
-    call make_rational(own%w(own%first(e):own%first(e + 1) - 1), shp, dshp)
-  end function own_functions
-
-  !> Release of side k: each bonded point's area times 1 - (1 + r/d) exp(-r/d), and its derivative.
+  !> Release of side k: the area of each bonded point times 1 - (1 + r/d) exp(-r/d), and its
+  !! derivative.
   !!
-  !! It is what an exponential bond (eq. 31) has given off of its energy, a measure that grows while
-  !! a crack does, for bonds of every law.
+  !! This is the fraction of its energy that an exponential bond (eq. 31 of Corbett and Sauer 2015)
+  !! has released, and a measure that increases with a crack for bonds of every law.
   subroutine add_release(contact, k, x, scale, points, released, slope)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
-    real(wp), intent(in) :: scale                  !! d, the law's opening [L]
+    real(wp), intent(in) :: scale                  !! opening d of the law [L]
     type(contact_points_t), intent(in) :: points
     real(wp), intent(inout) :: released            !! [L^2]
     real(wp), intent(inout) :: slope(:, :)         !! (3, nnode) its derivative [L]
@@ -138,6 +110,7 @@ contains
     end associate
   end subroutine add_release
 
+  !> Add a vector to the nodes of an element, weighted with its functions.
   pure subroutine spread_slope(surface, e, shp, v, slope)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -151,8 +124,7 @@ contains
     end do
   end subroutine spread_slope
 
-  !> Reference area of all bonded points, of both sides [L^2]: the release of a model without bonds
-  !! left.
+  !> Reference area of all bonded points of both sides [L^2]: the release when all bonds are open.
   pure real(wp) function bonded_area(model, state) result(area)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

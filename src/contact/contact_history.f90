@@ -36,18 +36,18 @@ contains
       np = contact%side(k)%nelem*contact%nq
       if (contact%side(k)%rigid) np = 0
       associate (p => state%side(k))
-        allocate (p%foot(np), p%foot_step(np), p%slide(np), p%bond(np), source=0)
-        allocate (p%foot_xi(2, np), p%foot_xi_step(2, np), p%slide_xi(2, np), p%bond_xi(2, np), &
-                  source=0.0_wp)
+        allocate (p%closest(np), p%closest_step(np), p%slide(np), p%bond(np), source=0)
+        allocate (p%closest_xi(2, np), p%closest_xi_step(2, np), p%slide_xi(2, np), &
+                  p%bond_xi(2, np), source=0.0_wp)
         allocate (p%multiplier(np), p%multiplier_step(np), p%pressure(np), source=0.0_wp)
         allocate (p%area(np), p%area0(np), p%slip(np), p%slip_rate(np), source=0.0_wp)
         allocate (p%opening(np), p%opening_step(np), source=0.0_wp)
         allocate (p%traction(3, np), p%friction(3, np), p%cohesion(3, np), p%elastic(3, np), &
-                  p%pull(3, np), p%energy(3, np), source=0.0_wp)
+                  p%bond_traction(3, np), p%energy(3, np), source=0.0_wp)
         allocate (p%past(MAX_PAST, np), p%past_step(MAX_PAST, np), source=0.0_wp)
         allocate (p%gap(np), source=huge(1.0_wp))
         allocate (p%state(np), p%state_step(np), source=OPEN)
-        allocate (p%aside(np), p%cut(np/max(1, contact%nq)), source=.false.)
+        allocate (p%beside(np), p%refined(np/max(1, contact%nq)), source=.false.)
       end associate
     end do
   end subroutine new_contact_state
@@ -59,13 +59,13 @@ contains
 
     do k = 1, 2
       associate (points => state%side(k))
-        points%foot = points%foot_step
-        points%foot_xi = points%foot_xi_step
+        points%closest = points%closest_step
+        points%closest_xi = points%closest_xi_step
         points%multiplier = points%multiplier_step
         points%past = points%past_step
         points%opening = points%opening_step
         points%state = points%state_step
-        points%fresh = .true.
+        points%new_step = .true.
       end associate
     end do
   end subroutine restore_contact_step
@@ -77,15 +77,15 @@ contains
 
     do k = 1, 2
       associate (points => state%side(k))
-        points%foot_step = points%foot
-        points%foot_xi_step = points%foot_xi
+        points%closest_step = points%closest
+        points%closest_xi_step = points%closest_xi
         points%multiplier_step = points%multiplier
         points%past_step = points%past
         points%opening_step = points%opening
         points%state_step = points%state
         points%slip_rate = 0.0_wp
         if (points%dt > 0.0_wp) points%slip_rate = points%slip/points%dt
-        points%fresh = .true.
+        points%new_step = .true.
       end associate
     end do
   end subroutine keep_contact_step
@@ -100,9 +100,9 @@ contains
 
     do i = 1, size(feet)
       if (feet(i)%elem > 0) then
-        points%aside(i) = points%aside(i) .and. feet(i)%gap < -depth
+        points%beside(i) = points%beside(i) .and. feet(i)%gap < -depth
       else if (feet(i)%outer > 0) then
-        points%aside(i) = feet(i)%outer_gap < depth
+        points%beside(i) = feet(i)%outer_gap < depth
       end if
     end do
   end subroutine look_aside
@@ -161,9 +161,9 @@ contains
       do q = 1, size(xp, 2)
         i = (e - 1)*size(xp, 2) + q
         if (points%state(i) == STICK .and. points%slide(i) > 0) cycle
-        points%slide(i) = points%foot(i)
-        points%slide_xi(:, i) = points%foot_xi(:, i)
-        if (points%foot(i) == 0) then
+        points%slide(i) = points%closest(i)
+        points%slide_xi(:, i) = points%closest_xi(:, i)
+        if (points%closest(i) == 0) then
           points%slide(i) = feet(i)%outer
           points%slide_xi(:, i) = feet(i)%outer_xi
         else if (points%state(i) == SLIP) then

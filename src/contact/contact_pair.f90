@@ -1,7 +1,7 @@
 !> A contact: two surfaces, the laws between them, and the history of its integration points.
 !!
-!! `contact_t` carries a contact from the records of the deck to its use. The reader of CONTact fills
-!! in what the deck gives; `input_contact` resolves the surfaces, the integration points and the
+!! `contact_t` carries a contact from the records of the deck to its use: the reader of CONTact sets
+!! what the deck gives, and `input_contact` resolves the surfaces, the integration points and the
 !! numbers that are left to the program.
 module contact_pair
   use base_kinds, only: wp
@@ -105,10 +105,10 @@ module contact_pair
   !> History of the integration points of one side. Point q of element e is number (e-1)*nq + q.
   type :: contact_points_t
     !> Element of the closest point on the other surface, where the next projection starts; 0: none.
-    integer, allocatable :: foot(:)          !! (np)
-    real(wp), allocatable :: foot_xi(:, :)   !! (2, np)
-    integer, allocatable :: foot_step(:)     !! (np) the same at the start of the step
-    real(wp), allocatable :: foot_xi_step(:, :)
+    integer, allocatable :: closest(:)       !! (np)
+    real(wp), allocatable :: closest_xi(:, :) !! (2, np)
+    integer, allocatable :: closest_step(:)  !! (np) the same at the start of the step
+    real(wp), allocatable :: closest_xi_step(:, :)
     !> Element of the stored sliding point on the other surface, which moves only when a step is
     !! accepted; 0: none.
     integer, allocatable :: slide(:)         !! (np)
@@ -121,9 +121,9 @@ module contact_pair
     real(wp) :: dt = 0.0_wp                  !! of the current step [T]; 0: no time
     !> (np) At the end of the last step the point stood beside the other surface and not far above
     !! it: it enters the body through its flank and is not pressed out through the face.
-    logical, allocatable :: aside(:)
-    logical :: fresh = .false.               !! the step has not been assembled yet
-    logical, allocatable :: cut(:)           !! (nelem) the points of the cells act
+    logical, allocatable :: beside(:)
+    logical :: new_step = .false.            !! the step has not been assembled yet
+    logical, allocatable :: refined(:)       !! (nelem) the points of the cells act
     !> Element of the partner on the other surface, found in the reference configuration; 0: the
     !! point is not bonded.
     integer, allocatable :: bond(:)          !! (np)
@@ -134,7 +134,7 @@ module contact_pair
     real(wp), allocatable :: opening(:)      !! (np) current distance to the partner [L]
     real(wp), allocatable :: opening_step(:) !! (np) at the start of the step
     real(wp), allocatable :: energy(:, :)    !! (3, np) stored, spent, viscous per area0 [F/L]
-    real(wp), allocatable :: pull(:, :)      !! (3, np) traction of the bond on area0 [F/L^2]
+    real(wp), allocatable :: bond_traction(:, :) !! (3, np) on area0 [F/L^2]
     !> Results of the last assembly.
     integer, allocatable :: state(:)         !! (np) OPEN, STICK, SLIP, TOUCH
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no projection
@@ -151,7 +151,7 @@ module contact_pair
   !> History of one contact.
   type :: contact_state_t
     type(contact_points_t) :: side(2)
-    logical :: passed = .false.              !! the warning of points deeper than `depth` was issued
+    logical :: depth_warned = .false.        !! the warning of points deeper than `depth` was issued
   end type contact_state_t
 
 contains

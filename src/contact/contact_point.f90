@@ -1,46 +1,48 @@
-!> Traction at one point of a surface and its derivatives: the laws and the kinematics of the foot.
+!> Traction at one point of a surface and its derivatives: laws and kinematics of the projection.
 !!
-!! The point x belongs to side k, its foot x_p = x_l(xi_p) and its sliding point x_s = x_l(xi_s) to
-!! side l. What varies is x, x_p with xi_p held, the tangents of l at xi_p, and x_s with xi_s held;
-!! the way of xi_p itself follows from (x - x_p).a_alpha = 0 and is eliminated here. Where the foot
-!! stands on an interior edge of facets only the parameter along it moves, on a vertex none.
+!! The point x belongs to side k, its projection x_p = x_l(xi_p) and its sliding point
+!! x_s = x_l(xi_s) to side l. The independent variations are those of x, of x_p with xi_p held, of
+!! the tangents of l at xi_p, and of x_s with xi_s held; the variation of xi_p follows from
+!! (x - x_p).a_alpha = 0 and is eliminated here. If the projection lies on an interior edge of
+!! facets only the parameter along it varies, at a vertex none.
 module contact_point
   use base_kinds, only: wp
-  use projection_type, only: foot_t
   use contact_pair, only: contact_t
   use contact_type, only: OPEN, TOUCH
+  use projection_type, only: foot_t
+  use smooth_step, only: smoothstep
   implicit none
   private
-  public :: point_t, traction_derivatives_t, foot_way, traction_at, inverse, outer
+  public :: point_t, traction_derivatives_t, vary_projection, traction_at, inverse, outer
 
   !> A distance this small, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
 
-  !> Where a point stands and what acts on it.
+  !> Kinematics and tractions of a point.
   type :: point_t
     real(wp) :: x(3) = 0.0_wp          !! position [L]
     logical :: slides = .false.        !! friction acts, and there is a stored sliding point
     real(wp) :: xs(3) = 0.0_wp         !! its position [L]
     real(wp) :: ahead = -1.0_wp        !! [L] see friction_law_i
     real(wp) :: multiplier = 0.0_wp    !! of the augmentation [F/L^2]
-    real(wp) :: full = -1.0_wp         !! [L] depth where pressure begins to fall; negative: nowhere
-    real(wp) :: last = 0.0_wp          !! [L] depth where nothing is left, > 2*full
+    real(wp) :: full = -1.0_wp         !! [L] depth from which pressure decreases; negative: never
+    real(wp) :: last = 0.0_wp          !! [L] depth from which nothing acts, > 2*full
     integer :: state = OPEN
-    real(wp) :: n(3) = 0.0_wp          !! where it touches: normal of the other side
+    real(wp) :: n(3) = 0.0_wp          !! in contact: normal of the other side
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
     real(wp) :: energy = 0.0_wp        !! of the pressure, up to this gap [F/L]
     real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
-    real(wp) :: friction(3) = 0.0_wp   !! friction's share of t [F/L^2]
+    real(wp) :: friction(3) = 0.0_wp   !! part of t that is friction [F/L^2]
     real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i
-    real(wp) :: slip = 0.0_wp          !! [L] the rest of the tangential way
+    real(wp) :: slip = 0.0_wp          !! [L] length of the rest of the tangential displacement
   end type point_t
 
-  !> Derivatives of a vector against what varies.
+  !> Derivatives of a vector with respect to the independent variations.
   type :: traction_derivatives_t
-    real(wp) :: x(3, 3) = 0.0_wp       !! against x
-    real(wp) :: p(3, 3) = 0.0_wp       !! against x_p, xi_p held
-    real(wp) :: a(3, 3, 2) = 0.0_wp    !! against the tangents of l there
-    real(wp) :: s(3, 3) = 0.0_wp       !! against x_s, xi_s held
+    real(wp) :: x(3, 3) = 0.0_wp       !! by x
+    real(wp) :: p(3, 3) = 0.0_wp       !! by x_p, xi_p held
+    real(wp) :: a(3, 3, 2) = 0.0_wp    !! by the tangents of l there
+    real(wp) :: s(3, 3) = 0.0_wp       !! by x_s, xi_s held
   end type traction_derivatives_t
 
 contains
@@ -53,6 +55,8 @@ contains
     type(traction_derivatives_t), intent(out) :: dt
     type(traction_derivatives_t) :: dn
     real(wp) :: n(3), dp, dpdx(3)
+    real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
+    integer :: i
 
     point%t = 0.0_wp
     point%friction = 0.0_wp
@@ -69,122 +73,12 @@ contains
     dt%x = outer(n, dpdx) + point%p*dn%x
     dt%p = -outer(n, dpdx) + point%p*dn%p
     dt%a = point%p*dn%a
-    if (point%slides .and. point%p > 0.0_wp) call add_friction(contact, point, n, dn, dpdx, dt)
-  end subroutine traction_at
-
-  !> Pressure of the normal law. A point deeper than `full` is not pressed out through the face:
-  !! over the same depth again its pressure falls to zero, and then, until `last`, its energy does.
-  pure subroutine press(contact, gap, point, dp)
-    type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: gap            !! [L]
-    type(point_t), intent(inout) :: point
-    real(wp), intent(out) :: dp            !! [F/L^3]
-    real(wp) :: z, w, y, rest
-
-    z = -1.0_wp
-    if (point%full > 0.0_wp) z = -gap/point%full - 1.0_wp
-    call contact%normal%law%normal(contact%normal%prop, merge(-point%full, gap, z > 0.0_wp), &
-                               point%multiplier, point%p, dp, point%energy)
-    if (.not. z > 0.0_wp) return
-    w = point%p*point%full
-    if (z < 1.0_wp) then
-      dp = point%p*6*z*(1.0_wp - z)/point%full
-      point%p = point%p*(1.0_wp - z*z*(3.0_wp - 2*z))
-      point%energy = point%energy + w*z*(1.0_wp - z*z*(1.0_wp - 0.5_wp*z))
-    else
-      w = point%energy + 0.5_wp*w
-      rest = point%last - 2*point%full
-      y = min((z - 1.0_wp)*point%full/rest, 1.0_wp)
-      dp = w*6*(1.0_wp - 2*y)/rest**2
-      point%p = -w*6*y*(1.0_wp - y)/rest
-      point%energy = w*(1.0_wp - y*y*(3.0_wp - 2*y))
-    end if
-  end subroutine press
-
-  !> How the foot's parameters vary: dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b.
-  pure subroutine foot_way(foot, x, h, c, g)
-    type(foot_t), intent(in) :: foot
-    real(wp), intent(in) :: x(3)           !! the point
-    real(wp), intent(out) :: h(3, 2)       !! [1/L]
-    real(wp), intent(out) :: c(2, 2)       !! [1/L^2]
-    real(wp), intent(out) :: g(3)          !! x less the foot [L]
-    real(wp) :: metric(2, 2), hess(2, 2)
-
-    g = x - foot%x
-    call find_hessian(foot, g, metric, hess)
-    c = inverse(hess, foot%free)
-    h = matmul(foot%a, c)
-  end subroutine foot_way
-
-  !> Unit normal at the foot and how it varies.
-  pure subroutine vary_normal(foot, x, n, dn)
-    type(foot_t), intent(in) :: foot
-    real(wp), intent(in) :: x(3)       !! the point
-    real(wp), intent(out) :: n(3)
-    type(traction_derivatives_t), intent(out) :: dn
-    real(wp) :: g(3), h(3, 2), hess(2, 2), metric(2, 2), up(3, 2), c(2, 2)
-    integer :: i, j
-
-    n = foot%n
-    g = x - foot%x
-    call find_hessian(foot, g, metric, hess)
-    hess = inverse(hess, foot%free)
-    h = matmul(foot%a, hess)
-    if (all(foot%free)) then
-      up = matmul(foot%a, inverse(metric, foot%free))
-      c(1, 1) = dot_product(n, foot%b(:, 1))
-      c(2, 2) = dot_product(n, foot%b(:, 2))
-      c(1, 2) = dot_product(n, foot%b(:, 3))
-      c(2, 1) = c(1, 2)
-      c = matmul(c, hess)
-      h = matmul(up, c)
-      dn%x = -matmul(h, transpose(foot%a))
-      dn%p = -dn%x
-      do j = 1, 2
-        dn%a(:, :, j) = -outer(up(:, j), n) - outer(h(:, j), g)
-      end do
-    else if (abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) then
-      n = g/foot%gap                   ! along the shortest way, in the cone of the facets' normals
-      dn%x = -matmul(h, transpose(foot%a))
-      do i = 1, 3
-        dn%x(i, i) = dn%x(i, i) + 1.0_wp
-      end do
-      dn%x = (dn%x - outer(n, n))/foot%gap
-      dn%p = -dn%x
-      do j = 1, 2
-        dn%a(:, :, j) = -outer(h(:, j), g)/foot%gap
-      end do
-    end if
-  end subroutine vary_normal
-
-  !> Metric of the foot, and second derivative of half the squared distance.
-  pure subroutine find_hessian(foot, g, metric, hess)
-    type(foot_t), intent(in) :: foot
-    real(wp), intent(in) :: g(3)
-    real(wp), intent(out) :: metric(2, 2), hess(2, 2)
-
-    metric = matmul(transpose(foot%a), foot%a)
-    hess(1, 1) = metric(1, 1) - dot_product(g, foot%b(:, 1))
-    hess(2, 2) = metric(2, 2) - dot_product(g, foot%b(:, 2))
-    hess(1, 2) = metric(1, 2) - dot_product(g, foot%b(:, 3))
-    hess(2, 1) = hess(1, 2)
-  end subroutine find_hessian
-
-  !> Friction: d = (1 - n n)(x - x_s).
-  pure subroutine add_friction(contact, point, n, dn, dpdx, dt)
-    type(contact_t), intent(in) :: contact
-    type(point_t), intent(inout) :: point
-    real(wp), intent(in) :: n(3), dpdx(3)
-    type(traction_derivatives_t), intent(in) :: dn
-    type(traction_derivatives_t), intent(inout) :: dt
-    real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
-    integer :: i
-
-    y = point%x - point%xs
+    if (.not. (point%slides .and. point%p > 0.0_wp)) return
+    y = point%x - point%xs             ! friction: d = (1 - n n)(x - x_s)
     yn = dot_product(y, n)
     d = y - yn*n
     call contact%friction%law%friction(contact%friction%prop, d, point%p, point%ahead, t, dtdd, &
-                                   dtdp, point%elastic, point%state)
+                                       dtdp, point%elastic, point%state)
     point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
     point%friction = t
     point%t = point%t + t
@@ -202,9 +96,95 @@ contains
       dt%a(:, :, i) = dt%a(:, :, i) + matmul(dddn, dn%a(:, :, i))
     end do
     dt%s = -project
-  end subroutine add_friction
+  end subroutine traction_at
 
-  !> Inverse on the directions that are free, zero elsewhere.
+  !> Pressure of the normal law. A point deeper than `full` is not pressed out through the face:
+  !! over the same depth again its pressure decreases to zero, and from there to `last` its energy.
+  pure subroutine press(contact, gap, point, dp)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: gap            !! [L]
+    type(point_t), intent(inout) :: point
+    real(wp), intent(out) :: dp            !! [F/L^3]
+    real(wp) :: z, w, y, rest
+
+    z = -1.0_wp
+    if (point%full > 0.0_wp) z = -gap/point%full - 1.0_wp
+    call contact%normal%law%normal(contact%normal%prop, merge(-point%full, gap, z > 0.0_wp), &
+                                   point%multiplier, point%p, dp, point%energy)
+    if (.not. z > 0.0_wp) return
+    w = point%p*point%full
+    if (z < 1.0_wp) then
+      dp = point%p*6*z*(1.0_wp - z)/point%full
+      point%p = point%p*(1.0_wp - smoothstep(z))
+      point%energy = point%energy + w*z*(1.0_wp - z*z*(1.0_wp - 0.5_wp*z))
+    else
+      w = point%energy + 0.5_wp*w
+      rest = point%last - 2*point%full
+      y = min((z - 1.0_wp)*point%full/rest, 1.0_wp)
+      dp = w*6*(1.0_wp - 2*y)/rest**2
+      point%p = -w*6*y*(1.0_wp - y)/rest
+      point%energy = w*(1.0_wp - smoothstep(y))
+    end if
+  end subroutine press
+
+  !> Unit normal at the projection and its derivatives.
+  pure subroutine vary_normal(foot, x, n, dn)
+    type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: x(3)       !! the point
+    real(wp), intent(out) :: n(3)
+    type(traction_derivatives_t), intent(out) :: dn
+    real(wp) :: g(3), h(3, 2), up(3, 2), c(2, 2), curvature(2, 2)
+    integer :: i, j
+
+    n = foot%n
+    call vary_projection(foot, x, h, c, g)
+    if (all(foot%free)) then
+      up = matmul(foot%a, inverse(matmul(transpose(foot%a), foot%a), foot%free))
+      curvature(1, 1) = dot_product(n, foot%b(:, 1))
+      curvature(2, 2) = dot_product(n, foot%b(:, 2))
+      curvature(1, 2) = dot_product(n, foot%b(:, 3))
+      curvature(2, 1) = curvature(1, 2)
+      h = matmul(up, matmul(curvature, c))
+      dn%x = -matmul(h, transpose(foot%a))
+      dn%p = -dn%x
+      do j = 1, 2
+        dn%a(:, :, j) = -outer(up(:, j), n) - outer(h(:, j), g)
+      end do
+    else if (abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) then
+      n = g/foot%gap                   ! the shortest distance, in the cone of the facets' normals
+      dn%x = -matmul(h, transpose(foot%a))
+      do i = 1, 3
+        dn%x(i, i) = dn%x(i, i) + 1.0_wp
+      end do
+      dn%x = (dn%x - outer(n, n))/foot%gap
+      dn%p = -dn%x
+      do j = 1, 2
+        dn%a(:, :, j) = -outer(h(:, j), g)/foot%gap
+      end do
+    end if
+  end subroutine vary_normal
+
+  !> Variation of the projection's parameters: dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b, with c
+  !! the inverse of the second derivative of half the squared distance.
+  pure subroutine vary_projection(foot, x, h, c, g)
+    type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: x(3)           !! the point
+    real(wp), intent(out) :: h(3, 2)       !! [1/L]
+    real(wp), intent(out) :: c(2, 2)       !! [1/L^2]
+    real(wp), intent(out) :: g(3)          !! from the projection to the point [L]
+    real(wp) :: metric(2, 2), hess(2, 2)
+
+    g = x - foot%x
+    metric = matmul(transpose(foot%a), foot%a)
+    hess(1, 1) = metric(1, 1) - dot_product(g, foot%b(:, 1))
+    hess(2, 2) = metric(2, 2) - dot_product(g, foot%b(:, 2))
+    hess(1, 2) = metric(1, 2) - dot_product(g, foot%b(:, 3))
+    hess(2, 1) = hess(1, 2)
+    c = inverse(hess, foot%free)
+    h = matmul(foot%a, c)
+  end subroutine vary_projection
+
+  !> Inverse on the free directions, zero elsewhere.
   pure function inverse(m, free) result(mi)
     real(wp), intent(in) :: m(2, 2)
     logical, intent(in) :: free(2)
@@ -224,7 +204,7 @@ contains
     end if
   end function inverse
 
-  !> a b^T; here and not in tensor, so that it is compiled into the loops of a point.
+  !> a b^T; here and not in tensor, so that it is inlined into the loops of a point.
   pure function outer(a, b) result(c)
     real(wp), intent(in) :: a(3), b(3)
     real(wp) :: c(3, 3)

@@ -145,10 +145,10 @@ contains
       associate (contact => model%contact(c), side => state%contact(c)%side)
         do k = 1, 2
           n(k) = count(side(k)%state_step /= OPEN .and. side(k)%state == OPEN &
-                       .and. side(k)%foot > 0 .and. side(k)%gap < -contact%depth)
+                       .and. side(k)%closest > 0 .and. side(k)%gap < -contact%depth)
         end do
-        if (sum(n) > 0 .and. .not. state%contact(c)%passed) then
-          state%contact(c)%passed = .true.
+        if (sum(n) > 0 .and. .not. state%contact(c)%depth_warned) then
+          state%contact(c)%depth_warned = .true.
           call warn("contact '"//contact%name//"': "//to_text(sum(n))//' points in contact ' &
                     //'penetrate deeper than '//to_text(contact%depth)//' (DEPTh) and are no ' &
                     //'longer in contact: the bodies pass through each other', contact%place, &

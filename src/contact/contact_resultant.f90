@@ -74,8 +74,8 @@ contains
           moment = moment + cross(position_of(side, other%bond(i), other%bond_xi(:, i), x) &
                                   - about, at_partner)
         end if
-        if (other%state(i) == OPEN .or. other%foot(i) == 0) cycle
-        moment = moment + cross(position_of(side, other%foot(i), other%foot_xi(:, i), x) &
+        if (other%state(i) == OPEN .or. other%closest(i) == 0) cycle
+        moment = moment + cross(position_of(side, other%closest(i), other%closest_xi(:, i), x) &
                                 - about, at_projection)
       end do
     end associate

@@ -71,7 +71,7 @@ contains
         end associate
       end do
     end associate
-    far = maxval(points%gap, mask=points%foot > 0 .and. points%gap < huge(far))
+    far = maxval(points%gap, mask=points%closest > 0 .and. points%gap < huge(far))
     if (far < -0.5_wp*huge(far)) far = 0.0_wp   ! no point has a projection
     allocate (field%traction(3, n), field%friction(3, n), field%slip(3, n), source=0.0_wp)
     allocate (field%pressure(n), field%state(n), source=0.0_wp)
@@ -141,7 +141,7 @@ contains
       if (points%state(i) == SLIP) value(8) = 2.0_wp
       value(9:11) = friction_of(points%traction(:, i), points%pressure(i), points%elastic(:, i))
     end if
-    if (points%foot(i) > 0 .and. points%gap(i) < huge(1.0_wp)) then
+    if (points%closest(i) > 0 .and. points%gap(i) < huge(1.0_wp)) then
       value(GAP) = points%gap(i)
       value(GAP_AREA) = 1.0_wp
     end if

@@ -1,41 +1,52 @@
-!> What an integration point adds to its element's forces and to their derivatives.
+!> Contribution of an integration point to the forces of its element and to their derivatives.
+!!
+!! The point's own nodes b feel N_b t da. With BALAnced the partner's nodes c feel -M_c(xi) t da, M
+!! the functions of the partner's element. What varies is t, da, and at a projection xi:
+!!
+!!   dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b.
+!!
+!! The xi of a bond and of a sliding point is fixed.
 module contact_work
   use base_kinds, only: wp
-  use surface_basis, only: surface_functions_at, make_rational
   use contact_pair, only: contact_t, surface_t
+  use contact_point, only: vary_projection, outer
+  use projection_type, only: foot_t
+  use surface_basis, only: surface_functions_at, make_rational
+  use tensor, only: cross
   implicit none
   private
-  public :: work_t, new_work, clear, add_own, add_partner, measure, position_on, position_at, &
-            tangents_on, element_functions, own_share, spread_rows
+  public :: work_t, new_work, clear, add_own, add_partner, add_back, add_cross, measure, &
+            position_on, position_at, tangents_on, element_functions, own_share
 
-  !> Room for one element and the elements of the other side that its points see.
+  !> Work arrays of one element and of the elements of the other side that its points refer to, its
+  !! partners. A slot is the position of a partner in the list.
   type :: work_t
     integer :: nk = 0                          !! nodes of the element
     integer :: npartner = 0
     integer, allocatable :: partner(:)         !! elements of the other side
     real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]
-    real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/du of the own nodes [F/L]
-    real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) and of the partners' nodes
-    !> BALAnced: force on the partners' nodes, and its derivatives by the own nodes and by theirs.
+    real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr by the own nodes [F/L]
+    real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) by the partners' nodes
+    !> BALAnced: force on the partners' nodes, its derivatives by the own nodes and by theirs.
     real(wp), allocatable :: back(:, :, :)     !! (3, nl, npartner) [F]
     real(wp), allocatable :: lk(:, :, :)       !! (3*nl, 3*nk, npartner) [F/L]
     real(wp), allocatable :: ll(:, :, :)       !! (3*nl, 3*nl, npartner)
-    integer :: slot = 0                        !! partner that add_partner was asked for
-    !> And by those of another partner: of slot pair(1) by slot pair(2).
+    !> And by the nodes of another partner: of slot pair(1) by those of slot pair(2).
     integer :: ncross = 0
     integer, allocatable :: pair(:, :)         !! (2, ncross)
     real(wp), allocatable :: cross(:, :, :)    !! (3*nl, 3*nl, ncross)
-    integer :: foot = 0                        !! slot that add_back was asked for,
-    real(wp), allocatable :: foot_shp(:)       !! and the functions there
-    real(wp), allocatable :: own(:), down(:, :) !! own functions at a point
-    real(wp), allocatable :: shp(:), dshp(:, :) !! the partner's
-    !> (3, 3, n) derivatives of a point's traction by its own nodes, and by the partner's.
+    integer :: slot = 0                        !! of the last add_partner
+    integer :: back_slot = 0                   !! of the last add_back
+    real(wp), allocatable :: back_shp(:)       !! and the functions there
+    real(wp), allocatable :: own(:), down(:, :) !! own functions at a point and their derivatives
+    real(wp), allocatable :: shp(:), dshp(:, :) !! those of the partner
+    !> (3, 3, n) derivatives of a point's traction by its own nodes, and by those of the partner.
     real(wp), allocatable :: own_q(:, :, :), q(:, :, :)
   end type work_t
 
 contains
 
-  !> Room for side k of a contact.
+  !> Work arrays for the elements of side k of a contact.
   subroutine new_work(contact, k, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -51,12 +62,12 @@ contains
     if (.not. contact%balanced) return
     allocate (work%back(3, ml, 3*contact%nq), work%lk(3*ml, 3*mk, 3*contact%nq))
     allocate (work%ll(3*ml, 3*ml, 3*contact%nq))
-    allocate (work%foot_shp(ml))
+    allocate (work%back_shp(ml))
     if (.not. contact%friction%given) return
     allocate (work%pair(2, contact%nq), work%cross(3*ml, 3*ml, contact%nq))
   end subroutine new_work
 
-  !> Of its traction a point loads its own side with all, or where it loads both sides with half.
+  !> Fraction of its traction with which a point loads its own side: half where it loads both.
   pure real(wp) function own_share(contact)
     type(contact_t), intent(in) :: contact
 
@@ -88,7 +99,7 @@ contains
     call position_at(surface, e, xi, x, work%shp(:n), work%dshp(:, :n), at)
   end subroutine position_on
 
-  !> The same, the functions to a place of the caller's.
+  !> The same, with the functions returned to the caller.
   pure subroutine position_at(surface, e, xi, x, shp, dshp, at)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -104,7 +115,7 @@ contains
     end do
   end subroutine position_at
 
-  !> Unit normal and contravariant tangents at the point that position_on was asked for.
+  !> Unit normal and contravariant tangents at the point of the last position_on.
   pure subroutine tangents_on(surface, e, x, work, n, up)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -124,7 +135,7 @@ contains
     call raise(a, n, up, area)
   end subroutine tangents_on
 
-  !> Position of integration point q, contravariant tangents and area.
+  !> Position of integration point q, contravariant tangents, and area per parent area.
   pure subroutine measure(own, e, q, x, work, xq, up, area)
     type(surface_t), intent(in) :: own
     integer, intent(in) :: e, q
@@ -134,7 +145,8 @@ contains
     real(wp) :: a(3, 2), n(3)
     integer :: j
 
-    associate (basis => own%basis(own%ibasis(e)), node => own%node(own%first(e):own%first(e + 1) - 1))
+    associate (basis => own%basis(own%ibasis(e)), &
+               node => own%node(own%first(e):own%first(e + 1) - 1))
       work%own(:basis%nsf) = basis%shp(:, q)
       work%down(:, :basis%nsf) = basis%dshp(:, :, q)
       if (allocated(own%w)) call make_rational(own%w(own%first(e):own%first(e + 1) - 1), &
@@ -156,8 +168,7 @@ contains
     real(wp), intent(out) :: n(3), up(3, 2), area
     real(wp) :: m(2, 2)
 
-    n = [a(2, 1)*a(3, 2) - a(3, 1)*a(2, 2), a(3, 1)*a(1, 2) - a(1, 1)*a(3, 2), &
-         a(1, 1)*a(2, 2) - a(2, 1)*a(1, 2)]
+    n = cross(a(:, 1), a(:, 2))
     area = norm2(n)
     m = matmul(transpose(a), a)
     up = 0.0_wp
@@ -167,7 +178,7 @@ contains
     up(:, 2) = (m(1, 1)*a(:, 2) - m(1, 2)*a(:, 1))/area**2
   end subroutine raise
 
-  !> Before the first point of an element that acts.
+  !> Zero the sums of an element before its first active point.
   pure subroutine clear(work)
     type(work_t), intent(inout) :: work
 
@@ -177,9 +188,11 @@ contains
     work%kk(:, :3*work%nk) = 0.0_wp
   end subroutine clear
 
-  !> Force on the own nodes, its change with the point, and with the area the point stands for.
+  !> Force on the own nodes, and its change with the point and with the area of the point.
   pure subroutine add_own(t, dtdx, up, da, work)
-    real(wp), intent(in) :: t(3), dtdx(3, 3), up(3, 2), da
+    real(wp), intent(in) :: t(3)                 !! traction [F/L^2]
+    real(wp), intent(in) :: dtdx(3, 3)           !! by the point
+    real(wp), intent(in) :: up(3, 2), da         !! contravariant tangents, area [L^2]
     type(work_t), intent(inout) :: work
     real(wp) :: v(3)
     integer :: b, j, n
@@ -195,12 +208,13 @@ contains
     call spread_rows(n, n, work%own, work%own_q, da, size(work%kk, 1), work%kk)
   end subroutine add_own
 
-  !> Change with the nodes of an element of the other side, at a point of it.
+  !> Change of the force of add_own with the nodes of an element of the other side.
   pure subroutine add_partner(other, e, xi, dtdx, dtda, da, work)
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
-    real(wp), intent(in) :: dtdx(3, 3), dtda(3, 3, 2), da
+    real(wp), intent(in) :: dtdx(3, 3)           !! by the point xi of the element
+    real(wp), intent(in) :: dtda(3, 3, 2), da    !! by the tangents there; area [L^2]
     type(work_t), intent(inout) :: work
     integer :: b, n, slot
 
@@ -226,6 +240,73 @@ contains
     end do
     call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
   end subroutine add_partner
+
+  !> With BALAnced: the same force on the partner of the last add_partner, reversed. add_own and
+  !! add_partner were called for this traction before, and their columns are used.
+  pure subroutine add_back(other, e, t, da, work, foot, x)
+    type(surface_t), intent(in) :: other
+    integer, intent(in) :: e
+    real(wp), intent(in) :: t(3)                 !! traction on the own side [F/L^2]
+    real(wp), intent(in) :: da                   !! as of add_own
+    type(work_t), intent(inout) :: work
+    type(foot_t), intent(in), optional :: foot   !! where the force acts, if it moves on the surface
+    real(wp), intent(in), optional :: x(3)       !! the point [L]
+    real(wp) :: h(3, 2), c(2, 2), g(3), q(3, 3, size(work%shp)), slope(size(work%shp))
+    integer :: a, b, n
+
+    n = other%basis(other%ibasis(e))%nsf
+    associate (slot => work%slot)
+      do b = 1, n
+        work%back(:, b, slot) = work%back(:, b, slot) + work%shp(b)*da*t
+      end do
+      call spread_rows(n, work%nk, work%shp, work%own_q, -da, size(work%lk, 1), &
+                       work%lk(:, :, slot))
+      call spread_rows(n, n, work%shp, work%q, -da, size(work%ll, 1), work%ll(:, :, slot))
+      work%back_slot = slot
+      work%back_shp(:n) = work%shp(:n)
+      if (.not. present(foot)) return
+      call vary_projection(foot, x, h, c, g) ! sum_a M_c,a t dxi_a da
+      do a = 1, 2
+        slope(:n) = work%dshp(a, :n)
+        do b = 1, work%nk
+          q(:, :, b) = outer(t, work%own(b)*h(:, a))
+        end do
+        call spread_rows(n, work%nk, slope, q, -da, size(work%lk, 1), work%lk(:, :, slot))
+        do b = 1, n
+          q(:, :, b) = outer(t, (c(a, 1)*work%dshp(1, b) + c(a, 2)*work%dshp(2, b))*g &
+                             - work%shp(b)*h(:, a))
+        end do
+        call spread_rows(n, n, slope, q, -da, size(work%ll, 1), work%ll(:, :, slot))
+      end do
+    end associate
+  end subroutine add_back
+
+  !> With BALAnced and friction: the force of the last add_back varies with the sliding point, for
+  !! which add_partner was called since.
+  pure subroutine add_cross(other, da, work)
+    type(surface_t), intent(in) :: other
+    real(wp), intent(in) :: da
+    type(work_t), intent(inout) :: work
+    integer :: i
+
+    associate (slot => work%back_slot, &
+               n => other%basis(other%ibasis(work%partner(work%back_slot)))%nsf, &
+               m => other%basis(other%ibasis(work%partner(work%slot)))%nsf)
+      if (work%slot == slot) then
+        call spread_rows(n, m, work%back_shp, work%q, -da, size(work%ll, 1), work%ll(:, :, slot))
+        return
+      end if
+      do i = 1, work%ncross
+        if (all(work%pair(:, i) == [slot, work%slot])) exit
+      end do
+      if (i > work%ncross) then
+        work%ncross = i
+        work%pair(:, i) = [slot, work%slot]
+        work%cross(:, :, i) = 0.0_wp
+      end if
+      call spread_rows(n, m, work%back_shp, work%q, -da, size(work%cross, 1), work%cross(:, :, i))
+    end associate
+  end subroutine add_cross
 
   !> k(i a, j b) = k(i a, j b) - N_a q(i, j, b) da.
   pure subroutine spread_rows(na, nb, shp, q, da, ld, k)

@@ -1,22 +1,22 @@
-!> Finer integration of elements that are cut by the border of the contact (QUADrature, REFIne).
+!> Subcell quadrature (REFIne of QUADrature): finer integration of elements partly in contact.
 !!
-!! The points of an element are those of the plain rule and, behind them, those of m x m cells with
-!! the plain rule each. One of both acts: the cells where a step begins, or comes to, an element
-!! with plain points in and out of contact. An element comes to its cells once a step at most and
-!! goes back between steps only, so that Newton's iteration cannot switch to and fro. Both have
-!! histories: when a step is accepted the points that did not act follow.
+!! The points of an element are those of the plain rule, followed by those of m x m cells with the
+!! plain rule in each. One of the two sets is active: the cells if at the start of the step, or
+!! later in it, some plain points are in contact and others are not. An element is refined at most
+!! once in a step and coarsened only between steps, so that Newton's iteration cannot switch to and
+!! fro. Both sets have histories: when a step is accepted the inactive points follow.
 module subcell_quadrature
   use base_kinds, only: wp
-  use projection_type, only: foot_t, touches
   use contact_pair, only: contact_t, contact_points_t
   use contact_type, only: OPEN
+  use projection_type, only: foot_t, touches
   implicit none
   private
-  public :: acting, begin_cuts, is_cut, silence
+  public :: acting, begin_refinement, is_refined, silence
 
 contains
 
-  !> First and last of the points of element e that act.
+  !> First and last active point of element e.
   pure function acting(contact, points, e) result(q)
     type(contact_t), intent(in) :: contact
     type(contact_points_t), intent(in) :: points
@@ -24,40 +24,40 @@ contains
     integer :: q(2)
 
     q = [1, contact%nplain]
-    if (points%cut(e)) q = [contact%nplain + 1, contact%nq]
+    if (points%refined(e)) q = [contact%nplain + 1, contact%nq]
   end function acting
 
-  !> A step begins: which elements are cut, by the states at the end of the last one.
-  pure subroutine begin_cuts(contact, points)
+  !> At the start of a step: which elements are refined, by the states at the end of the last one.
+  pure subroutine begin_refinement(contact, points)
     type(contact_t), intent(in) :: contact
     type(contact_points_t), intent(inout) :: points
     integer :: e, i
 
     if (contact%nplain == contact%nq) return
-    do e = 1, size(points%cut)
+    do e = 1, size(points%refined)
       i = (e - 1)*contact%nq
       associate (state => points%state_step(i + 1:i + contact%nplain))
-        points%cut(e) = any(state == OPEN) .and. any(state /= OPEN)
+        points%refined(e) = any(state == OPEN) .and. any(state /= OPEN)
       end associate
     end do
-  end subroutine begin_cuts
+  end subroutine begin_refinement
 
-  !> The feet of the plain points say that the border of the contact runs through the element.
-  pure logical function is_cut(contact, feet)
+  !> Does the edge of the contact area run through the element? Decided by its plain points.
+  pure logical function is_refined(contact, feet)
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: feet(:)    !! (nplain or more)
     integer :: n, q
 
-    is_cut = .false.
+    is_refined = .false.
     if (contact%nplain == contact%nq) return
     n = 0
     do q = 1, contact%nplain
       if (touches(feet(q), contact%depth) .and. feet(q)%gap < 0.0_wp) n = n + 1
     end do
-    is_cut = n > 0 .and. n < contact%nplain
-  end function is_cut
+    is_refined = n > 0 .and. n < contact%nplain
+  end function is_refined
 
-  !> Points i to j bear nothing and stand for no area; their states and ways stay.
+  !> Points i to j bear no traction and have no area; their states and elastic displacements stay.
   pure subroutine silence(points, i, j)
     type(contact_points_t), intent(inout) :: points
     integer, intent(in) :: i, j

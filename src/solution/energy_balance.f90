@@ -2,7 +2,7 @@
 module energy_balance
   use assembly, only: assembler_t
   use base_kinds, only: wp
-  use contact_assembly, only: accept_contact, share_contact
+  use contact_assembly, only: accept_contact, split_contact_forces
   use contact_pair, only: contact_points_t
   use curve_type, only: B_WORK, B_STORED, B_KINETIC, B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, &
                         B_BONDS, B_DAMAGE, B_VISCOUS
@@ -29,7 +29,7 @@ contains
     allocate (du, source=state%u - state%u_step)
     if (state%energy%on) then
       allocate (contact(3, model%mesh%nnode, 3))
-      call share_contact(asm%contact, model, state, contact)
+      call split_contact_forces(asm%contact, model, state, contact)
       allocate (outer, source=asm%f_ext)
       where (model%eq == 0) outer = outer + state%reaction
       call book_work(state%energy, du, outer, asm%f_inert, contact)
