@@ -1,12 +1,12 @@
 !> COULomb: stick by a tangential penalty, slip at mu times the pressure.
 !!
-!! prop(1)  coefficient of friction mu [-]
-!! prop(2)  tangential penalty parameter eps_t [F/L^3]
+!! prop(MU)                  coefficient of friction mu [-]
+!! prop(TANGENTIAL_PENALTY)  tangential penalty parameter eps_t [F/L^3]
 !! Source:  Corbett and Sauer 2015, eqs (27) to (29), predictor and corrector; sliding points as in
 !!          Sauer and De Lorenzis 2015
 module contact_fric
   use base_kinds, only: wp
-  use contact_type, only: contact_law_t, FRICTION, STICK, SLIP
+  use contact_type, only: contact_law_t, FRICTION, STICK, SLIP, MU, TANGENTIAL_PENALTY
   implicit none
   private
   public :: describe, coulomb
@@ -34,10 +34,11 @@ contains
     real(wp), intent(in) :: d(3), p, ahead
     real(wp), intent(out) :: t(3), dtdd(3, 3), dtdp(3), elastic(3)
     integer, intent(out) :: state
-    real(wp) :: most, size, across, e(3)
+    real(wp) :: most, eps, size, across, e(3)
     integer :: i
 
-    most = prop(1)*p
+    most = prop(MU)*p
+    eps = prop(TANGENTIAL_PENALTY)
     size = norm2(d)
     dtdd = 0.0_wp
     dtdp = 0.0_wp
@@ -47,20 +48,20 @@ contains
       elastic = 0.0_wp
       return
     end if
-    if (prop(2)*size <= most .and. .not. (ahead >= 0.0_wp .and. size > 0.0_wp)) then
+    if (eps*size <= most .and. .not. (ahead >= 0.0_wp .and. size > 0.0_wp)) then
       state = STICK
-      t = -prop(2)*d
+      t = -eps*d
       elastic = d
       do i = 1, 3
-        dtdd(i, i) = -prop(2)
+        dtdd(i, i) = -eps
       end do
       return
     end if
     state = SLIP
     e = d/size
     t = -most*e
-    elastic = (most/prop(2))*e
-    dtdp = -prop(1)*e
+    elastic = (most/eps)*e
+    dtdp = -prop(MU)*e
     across = most/(size + max(ahead, 0.0_wp))
     do i = 1, 3
       dtdd(:, i) = across*e*e(i)

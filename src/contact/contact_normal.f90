@@ -1,11 +1,11 @@
 !> PENAlty: pressure proportional to the penetration; with SMOOth, to its square while it is small.
 !!
-!! prop(1)  penalty parameter eps_n [F/L^3]
-!! prop(2)  d of SMOOth [L]: the penetration below which the pressure is quadratic; 0: none
+!! prop(PENALTY)    penalty parameter eps_n [F/L^3]
+!! prop(SMOOTHING)  d of SMOOth [L]: the penetration below which the pressure is quadratic; 0: none
 !! Source:  Corbett and Sauer 2015, eq. (26)
 module contact_normal
   use base_kinds, only: wp
-  use contact_type, only: contact_law_t, NORMAL
+  use contact_type, only: contact_law_t, NORMAL, PENALTY, SMOOTHING
   implicit none
   private
   public :: describe, pressure
@@ -32,20 +32,22 @@ contains
     real(wp), intent(in) :: gap, multiplier
     real(wp), intent(out) :: p, dp, energy
 
-    p = multiplier - prop(1)*gap
-    dp = -prop(1)
-    if (.not. p > 0.0_wp) then
-      p = 0.0_wp
-      dp = 0.0_wp
-      energy = 0.0_wp
-    else if (p < prop(1)*prop(2)) then
-      dp = -p/prop(2)
-      energy = p**3/(6*prop(1)**2*prop(2))
-      p = 0.5_wp*p*p/(prop(1)*prop(2))
-    else
-      p = p - 0.5_wp*prop(1)*prop(2)
-      energy = 0.5_wp*p*p/prop(1) + prop(1)*prop(2)**2/24
-    end if
+    associate (eps => prop(PENALTY), d => prop(SMOOTHING))
+      p = multiplier - eps*gap
+      dp = -eps
+      if (.not. p > 0.0_wp) then
+        p = 0.0_wp
+        dp = 0.0_wp
+        energy = 0.0_wp
+      else if (p < eps*d) then
+        dp = -p/d
+        energy = p**3/(6*eps**2*d)
+        p = 0.5_wp*p*p/(eps*d)
+      else
+        p = p - 0.5_wp*eps*d
+        energy = 0.5_wp*p*p/eps + eps*d**2/24
+      end if
+    end associate
   end subroutine pressure
 
 end module contact_normal
