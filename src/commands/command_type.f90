@@ -2,7 +2,7 @@
 module command_type
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_text, only: key_of, quoted
+  use base_text, only: key_of, quoted, to_text
   use base_timer, only: timers_t
   use byte_file, only: byte_file_t
   use curve_file, only: curve_file_t
@@ -16,8 +16,7 @@ module command_type
   use step, only: step_t
   implicit none
   private
-  public :: run_t, program_t, position_t, loop_t, command_t, command_row_t, data_t, files_t, &
-            plan_t, restart_point_t, new_row, whole_field
+  public :: run_t, program_t, loop_t, command_t, command_row_t, data_t, new_row, whole_field
 
   !> Data records that a command owns, read before the run starts.
   type :: data_t
@@ -173,8 +172,8 @@ contains
     n = 0
     if (allocated(error)) return
     if (abs(command%x(i)) > huge(n) .or. abs(command%x(i) - anint(command%x(i))) > 0) then
-      call fail(error, DECK_ERROR, 'expected a whole number of at most '//'2147483647, found ' &
-                //quoted(command%record%text(i + 2)), command%record%place(i + 2))
+      call fail(error, DECK_ERROR, 'expected a whole number of at most '//to_text(huge(n)) &
+                //', found '//quoted(command%record%text(i + 2)), command%record%place(i + 2))
     else
       n = nint(command%x(i))
     end if

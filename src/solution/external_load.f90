@@ -11,7 +11,7 @@ module external_load
   use model, only: model_t, state_t
   implicit none
   private
-  public :: map_t, external_force, load_rates, scatter_force, dead_forces, follower_face
+  public :: map_t, external_force, load_rates, scatter_force, follower_face
 
   !> Where the blocks of an element matrix go, for one block of elements.
   type :: map_t

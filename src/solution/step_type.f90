@@ -6,7 +6,7 @@ module step_type
   use step_control, only: step_control_t
   implicit none
   private
-  public :: step_t, step_totals_t
+  public :: step_t
 
   !> What has become of a step.
   integer, parameter, public :: STEP_IDLE = 0      !! there was none, or nothing was solved in it
