@@ -1,6 +1,6 @@
 !> Checkpoints: what they keep beside the state, when they are written, and how a run goes on.
 module command_checkpoint
-  use base_error, only: error_t, fail, DECK_ERROR, SYSTEM_ERROR, STOPPED
+  use base_error, only: error_t, fail, SYSTEM_ERROR, STOPPED
   use base_kinds, only: wp
   use base_log, only: log_line
   use base_system, only: stop_requested, wall_seconds
@@ -21,8 +21,7 @@ module command_checkpoint
   private
   public :: write_checkpoint, set_restart_point, restore_run, stop_wanted, stop_run
 
-  !> Increased whenever the names or the meaning of the values change.
-  integer, parameter :: FORMAT = 2
+  ! FORMAT of restart_file grows whenever the names or the meaning of the values here change.
 
   !> Named values on their way into a checkpoint or out of one, so that one list of names does both.
   type :: exchange_t
@@ -68,20 +67,10 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(fingerprint_t) :: print
     type(exchange_t) :: exchanged
-    integer :: found
-    logical :: there
 
     call make_fingerprint(VERSION, run%files%deck_text, run%model, print)
     call read_checkpoint(path, print, run%state, exchanged%values, error)
     if (allocated(error)) return
-    found = 1                          ! had no number
-    call get(exchanged%values, 'format', found, there)
-    if (found /= FORMAT) then
-      call fail(error, DECK_ERROR, quoted(path)//' has checkpoint format '//to_text(found) &
-                //', expected '//to_text(FORMAT), hint='start again from the deck, or restart ' &
-                //'with the program that wrote it')
-      return
-    end if
     exchanged%writes = .false.
     call exchange_run(exchanged, run)
     if (.not. exchanged%whole) then
@@ -146,7 +135,6 @@ contains
     type(exchange_t), intent(inout) :: x
     type(run_t), intent(inout) :: run
 
-    if (x%writes) call put(x%values, 'format', FORMAT)
     call exchange_program(x, run%program)
     call exchange_parameters(x, run%deck%params)
     call exchange_step(x, run%step)
