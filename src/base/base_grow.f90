@@ -3,8 +3,8 @@
 !! The size doubles at least, so that n single additions copy each entry about once. The caller
 !! counts what it uses. Arrays that are filled together grow alike.
 module base_grow
-  use base_kinds, only: wp
   use base_error, only: place_t
+  use base_kinds, only: wp
   implicit none
   private
   public :: grow

@@ -1,11 +1,11 @@
 !> Files written through streams of C, because a Fortran write to a full disk fails silently
 !! (libgfortran 12 returns iostat 0 from write, flush and close).
 module byte_file
-  use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_ptr, c_null_ptr, c_null_char, &
-                                                                            c_loc, c_associated
   use base_error, only: error_t, fail, SYSTEM_ERROR
-  use base_kinds, only: i8
   use base_file, only: replace_file, remove_file, system_reason
+  use base_kinds, only: i8
+  use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_ptr, c_null_ptr, c_null_char, &
+                                         c_loc, c_associated
   implicit none
   private
   public :: byte_file_t, open_bytes, write_text, write_bytes, flush_bytes, close_bytes

@@ -224,7 +224,8 @@ contains
     value = 0.0_wp
     name = lower(record%text(1))
     if (.not. is_name(name)) then
-      call fail(error, DECK_ERROR, quoted(record%text(1))//' is not a valid name', record%place(1), &
+      call fail(error, DECK_ERROR, quoted(record%text(1))//' is not a valid name', &
+                record%place(1), &
                 'a name begins with a letter, then letters, digits and underscores')
       return
     end if

@@ -1,12 +1,12 @@
-!> Tetrahedra and triangles as collapsed cubes and squares, so that all elements share one parent
-!! and all their faces are squares: rules, loads and contact know nothing else.
+!> Tetrahedra and triangles as collapsed cubes and squares. All elements then share one parent, and
+!! all their faces are squares: rules, loads and contact need no other case.
 !!
 !! With s = (1 + xi)/2 a point of the tetrahedron is t = (s1 (1-s2) (1-s3), s2 (1-s3), s3): face xi-
 !! is t1 = 0, xi+ is t1 + t2 + t3 = 1, eta- is t2 = 0, zeta- is t3 = 0; eta+ is an edge, zeta+ a
 !! point. Without the third direction it is the triangle; its eta+ is a point.
 !!
-!! Integrands are polynomials of the tetrahedron: points and weights of a rule there go to the cube
-!! with the weight over the determinant of the fold.
+!! Integrands are polynomials on the tetrahedron: the points of its rules are mapped to the cube,
+!! their weights divided by the determinant of the map.
 module collapsed_shape
   use base_kinds, only: wp
   use element_type, only: cell_t, rule_t

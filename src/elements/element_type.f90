@@ -1,4 +1,4 @@
-!> What an element shows to the rest of the program: one row of the table of elements.
+!> Interface of an element: one row of the table of elements.
 module element_type
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -10,7 +10,7 @@ module element_type
   public :: element_batch_i, element_modes_i
   public :: NB
 
-  !> The member of a family: degrees and, for spline functions, Bezier extraction and weights.
+  !> A member of a family of elements: degrees and, for splines, Bezier extraction and weights.
   type :: cell_t
     integer :: degree(3) = 1            !! degrees in the element's own directions
     !> Extraction operators (p+1, p+1) of the directions, N = C B; not allocated: Lagrange.
@@ -18,7 +18,7 @@ module element_type
     real(wp), allocatable :: c2(:, :)   !! direction 2
     real(wp), allocatable :: c3(:, :)   !! direction 3 (tri-variate elements only)
     !> Extraction operator (functions, Bernstein polynomials of directions 1 and 2) of a surface
-    !! that is no tensor product: any number of functions. It stands for c1 and c2.
+    !! that is not a tensor product: any number of functions. It replaces c1 and c2.
     real(wp), allocatable :: c(:, :)
     real(wp), allocatable :: w(:)       !! weights of the control points; not allocated: all one
   end type cell_t
@@ -47,7 +47,7 @@ module element_type
     integer, allocatable :: gmsh_node(:) !! local node of each Gmsh node; not allocated: same order
   end type topology_t
 
-  !> What happened in an element.
+  !> Outcome of `form` in an element.
   type :: form_report_t
     logical :: ok = .true.          !! .false.: inverted, or condensation singular: cut the step
     integer :: negative = 0         !! negative eigenvalues of the condensed block
@@ -58,7 +58,7 @@ module element_type
   type :: element_t
     character(16) :: name = ''       !! e.g. Q1E9
     character(100) :: source = ''    !! formulation and reference, for the log
-    logical :: spline = .false.      !! functions need extraction (cell%c1, ...)
+    logical :: spline = .false.      !! functions need Bezier extraction (cell%c1, ...)
     integer :: nmode = 0             !! enhanced modes; three parameters each, condensed
     integer :: deck_nodes = 0        !! nodes of a record of ELEMents; 0: not an element of ELEM
     integer :: degree = 0            !! of its faces; 0: the block tells
@@ -67,7 +67,7 @@ module element_type
     procedure(element_functions_i), pointer, nopass :: functions => null()
     procedure(element_topology_i), pointer, nopass :: topology => null()
     procedure(element_modes_i), pointer, nopass :: modes => null()
-    !> One of the two; the batch wins where both are there.
+    !> One of the two; the batch is used where both are given.
     procedure(element_form_i), pointer, nopass :: form => null()
     procedure(element_batch_i), pointer, nopass :: form_batch => null()
   end type element_t
@@ -123,7 +123,7 @@ module element_type
       real(wp), intent(in) :: xr(:, :)    !! (3, nen) reference positions [L]
       real(wp), intent(in) :: u(:, :)     !! (3, nen) trial displacements [L]
       real(wp), intent(in) :: du(:, :)    !! (3, nen) u minus the displacements h_old belongs to
-      !> Share of the Newton step in du: 0 at the start of a step, 1 full, less in a line search.
+      !> Fraction of the Newton step in du: 0 at the start of a step, 1 full, less in a line search.
       real(wp), intent(in) :: scale
       real(wp), intent(in) :: h_old(:)    !! (nhist)
       real(wp), intent(out) :: h_new(:)   !! (nhist)

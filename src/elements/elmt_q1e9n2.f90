@@ -4,7 +4,7 @@
 !! centre; tapered: the first two times (1 + zeta)/2, so that they vanish on the enriched face.
 !!
 !! Nodes, functions: as Q1N
-!! Rule:    (p+1) x (p+1) x 2; collapsed prisms want 3 points in zeta
+!! Rule:    (p+1) x (p+1) x 2; collapsed prisms need 3 points in zeta
 !! History: nine parameters, then m and L (element_form_i)
 !! Source:  modes as Simo and Armero 1992; the element is new here
 module elmt_q1e9n2

@@ -1,4 +1,4 @@
-!> SURFACE: an element of a spline surface alone. It is not solved for: rigid tools have it.
+!> SURFACE: an element of a spline surface without a body, for rigid surfaces. It has no unknowns.
 !!
 !! Nodes:  control points, in the order of the operator of the element
 !! Faces:  only zeta+ (6): a_1 x a_2 is its outward normal
@@ -16,7 +16,7 @@ module elmt_surface
 
 contains
 
-  !> A row like those of the table of elements, but without a form.
+  !> A row like those of the table of elements, but without `form`.
   function describe() result(row)
     type(element_t) :: row
 
@@ -24,7 +24,7 @@ contains
                     spline=.true., rule=set_rule, functions=functions, topology=set_topology)
   end function describe
 
-  !> One point: it serves no integral.
+  !> One point, as nothing is integrated.
   subroutine set_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz

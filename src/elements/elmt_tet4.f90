@@ -1,10 +1,10 @@
 !> TET4: four-node tetrahedron, linear functions.
 !!
-!! Nodes:  4 sees 1, 2, 3 go counter-clockwise from inside (FEAP, VTK and Gmsh order)
+!! Nodes:  1, 2, 3 counter-clockwise seen from 4 (FEAP, VTK and Gmsh order)
 !! Parent: cube, see collapsed_shape
 !! Rule:   one point; QUADrature q > 1: q x q x q points of the cube
 !! Source: Zienkiewicz and Taylor 2005
-!! Limits: locks in bending and above nu = 0.4; TET10 does not
+!! Limits: locks in bending and above nu = 0.4, unlike TET10
 module elmt_tet4
   use base_kinds, only: wp
   use collapsed_shape, only: fold_tetrahedron, unfold_rule, collapsed_rule

@@ -47,7 +47,7 @@ contains
     end do
   end subroutine functions
 
-  !> Three quadrilaterals, an edge and two triangles. VTK's triangles turn the other way.
+  !> Three quadrilaterals, an edge and two triangles. Those of VTK have the opposite orientation.
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology

@@ -1,4 +1,4 @@
-!> What hexahedral elements share: functions of one direction, tensor products, rules and faces.
+!> Functions of one direction, tensor products, rules and faces of hexahedral elements.
 module hexa_shape
   use base_kinds, only: wp
   use bspline, only: bernstein
@@ -17,12 +17,12 @@ module hexa_shape
   integer, parameter :: CORNER(3, 8) = reshape([-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, &
                                                 -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
 
-  !> Which corners lie on the faces xi-, xi+, eta-, eta+, zeta-, zeta+.
+  !> The corners on the faces xi-, xi+, eta-, eta+, zeta-, zeta+.
   logical, parameter :: CORNER_MARKS(8, 6) = &
                         reshape([CORNER(1, :) < 0, CORNER(1, :) > 0, CORNER(2, :) < 0, &
                                  CORNER(2, :) > 0, CORNER(3, :) < 0, CORNER(3, :) > 0], [8, 6])
 
-  !> Functions below this share of the largest are rounding of an extraction operator's zero.
+  !> Entries of an extraction operator below this fraction of the largest are zero up to rounding.
   real(wp), parameter :: ZERO_SHARE = 1.0e-12_wp
 
 contains
@@ -160,7 +160,7 @@ contains
     call gauss_hex(n(1), n(2), n(3), rule%xi, rule%wgt)
   end subroutine tensor_rule
 
-  !> Which functions of one direction are not zero at its two ends.
+  !> The functions of one direction that are not zero at its two ends.
   pure subroutine touches(p, c, low, high)
     integer, intent(in) :: p
     real(wp), allocatable, intent(in) :: c(:, :)
@@ -177,7 +177,7 @@ contains
     end if
   end subroutine touches
 
-  !> Which nodes of a tensor product lie on which face, first direction fastest.
+  !> The nodes of a tensor product on each face, first direction fastest.
   pure function tensor_marks(cell) result(on)
     type(cell_t), intent(in) :: cell
     logical :: on(product(cell%degree + 1), 6)

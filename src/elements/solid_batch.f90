@@ -1,8 +1,8 @@
 !> solid_form for NB eight-node elements at a time, side by side in the vector registers.
 !!
-!! The same formulas; the first index of every array is the element. A loop over it is straight-line
-!! code or holds one inner loop: what the compiler turns into vectors. Points come in groups of at
-!! most NC, whose gradients stay in the first-level cache.
+!! The formulas are the same; the first index of every array is the element. A loop over it is
+!! straight-line code or contains one inner loop, so that the compiler vectorises it. Points are
+!! processed in groups of at most NC, whose gradients stay in the first-level cache.
 module solid_batch
   use base_kinds, only: wp
   use basis_type, only: basis_t

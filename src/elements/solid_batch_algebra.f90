@@ -8,7 +8,7 @@ module solid_batch_algebra
 
   integer, parameter, public :: NEN = 8 !! nodes
   integer, parameter, public :: NM = 3  !! enhanced modes, if any
-  integer, parameter, public :: NC = 8  !! points in a group; constant, or it costs the vectors
+  integer, parameter, public :: NC = 8  !! points in a group; a constant: vectorised loops
 
 contains
 
@@ -88,7 +88,7 @@ contains
     end do
   end subroutine set_column
 
-  !> What set_column needs of its function b: y g_b, lam g_b, mus g_b, and the sum of these two.
+  !> Products of function b for set_column: y g_b, lam g_b, mus g_b, and the sum of the last two.
   pure subroutine weigh(gb, y, lam, mus, t, gl, gm, gs)
     real(wp), intent(in) :: gb(NB, 3, NC), y(NB, 6, NC), lam(NB, NC), mus(NB, NC)
     real(wp), intent(out), dimension(NB, 3, NC) :: t, gl, gm, gs
@@ -183,8 +183,8 @@ contains
     end do
   end subroutine set_map
 
-  !> Inverses in place; where a determinant is not positive and finite, ok becomes .false.
-  !! and the numbers stay harmless.
+  !> Inverses in place. Where a determinant is not positive and finite, ok becomes .false. and the
+  !! numbers stay finite.
   pure subroutine invert(a, det, ok)
     real(wp), intent(inout) :: a(NB, 3, 3)
     real(wp), intent(out) :: det(NB)
@@ -255,7 +255,7 @@ contains
     end do
   end subroutine mirror
 
-  !> Nothing but zeros for elements that are not ok.
+  !> Zeros for elements that are not ok.
   pure subroutine clear_failed(ok, r, k)
     logical, intent(in) :: ok(NB)
     real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)

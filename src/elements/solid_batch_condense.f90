@@ -1,4 +1,4 @@
-!> Enhanced parameters of NB elements side by side: what solid_condense does for one.
+!> Elimination of the enhanced parameters of NB elements side by side, as in solid_condense.
 module solid_batch_condense
   use base_kinds, only: wp
   use element_type, only: form_report_t, NB
@@ -76,7 +76,7 @@ contains
     call keep_history(a, x, h_new)
   end subroutine condense_batch
 
-  !> What advance_batch reads: a, m and L.
+  !> Write the history that advance_batch reads: a, m and L.
   pure subroutine keep_history(a, x, h_new)
     real(wp), intent(in) :: a(NB, NP)
     real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L, and last m
@@ -96,8 +96,8 @@ contains
     end do
   end subroutine keep_history
 
-  !> Inverse by Gauss and Jordan without pivoting: its pivots are the D of L D L^T (ldl_factor).
-  !! A factorisation would need loops of varying length, which do not become vectors.
+  !> Inverse by Gauss-Jordan elimination without pivoting: its pivots are the D of L D L^T
+  !! (ldl_factor). A factorisation needs loops of varying length, which are not vectorised.
   pure subroutine invert_block(f, negative, ok)
     real(wp), intent(inout) :: f(NB, NP, NP)
     integer, intent(out) :: negative(NB)

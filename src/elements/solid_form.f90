@@ -1,7 +1,7 @@
 !> Residual and consistent tangent of any solid element.
 !!
-!! Of the functions it knows a table at the integration points (basis_t), of the law stress and
-!! tangent at a point. With g spatial (small strain: reference) gradients, w0 reference volumes,
+!! It takes the functions from a table at the integration points (basis_t), stress and tangent at a
+!! point from the law. With g spatial (small strain: reference) gradients, w0 reference volumes,
 !!
 !!   r_a  = sum_q w0 tau g_a
 !!   K_ab = sum_q w0 [(g_a . (tau + mus 1) g_b) 1 + lam g_a x g_b + mus g_b x g_a]

@@ -6,7 +6,7 @@ module solid_panel
   private
   public :: add_moduli, add_general, add_symmetric, fold
 
-  integer, parameter, public :: CHUNK = 27 !! points a panel: so that panels stay in the cache
+  integer, parameter, public :: CHUNK = 27 !! points of a panel, which must stay in the cache
 
 contains
 
@@ -97,7 +97,7 @@ contains
   !> Element matrix, dofs of a function together, from blocks p and the diagonal part s.
   pure subroutine fold(n, upper, p, s, k)
     integer, intent(in) :: n
-    logical, intent(in) :: upper !! only p_ij with i <= j are there; the result is symmetric
+    logical, intent(in) :: upper !! only p_ij with i <= j are set; the result is symmetric
     real(wp), intent(in) :: p(n, 3, n, 3), s(n, n)
     real(wp), intent(out) :: k(:, :) !! (3n, 3n)
 

@@ -1,4 +1,4 @@
-!> What a solid element knows at points: positions, deformation, stress, energy.
+!> Results of a solid element at points: positions, deformation, stress, energy.
 module solid_recover
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -17,12 +17,12 @@ module solid_recover
     real(wp) :: sig(6) = 0.0_wp   !! Cauchy stress, Voigt order 11 22 33 12 23 31 [F/L^2]
     real(wp) :: mises = 0.0_wp    !! von Mises stress [F/L^2]
     real(wp) :: energy = 0.0_wp   !! stored energy per reference volume [F/L^2]
-    real(wp) :: volume = 0.0_wp   !! weight times det J: its share of the reference volume [L^3]
+    real(wp) :: volume = 0.0_wp   !! weight times det J: its part of the reference volume [L^3]
   end type recovered_t
 
 contains
 
-  !> State at the points at which `basis` is tabulated: the element's own or any others.
+  !> State at the points of `basis`: the integration points, or any others.
   !! The energy of an element is sum(point%energy*point%volume) over its integration points.
   pure subroutine recover(basis, material, prop, xr, u, param, point, ok)
     type(basis_t), intent(in) :: basis

@@ -1,5 +1,5 @@
-!> The batch kernel for this processor. The Makefile compiles solid_batch three times: as it stands,
-!! and as solid_batch_v3 and solid_batch_v4 for the vector registers of AVX2 and AVX-512.
+!> The batch kernel for this processor. The Makefile compiles solid_batch three times: for any
+!! processor, and as solid_batch_v3 and solid_batch_v4 for AVX2 and AVX-512.
 module solid_simd
   use base_cpu, only: vector_level
   use element_type, only: element_batch_i
@@ -12,7 +12,7 @@ module solid_simd
 
 contains
 
-  !> The widest kernel that runs here.
+  !> The kernel for the widest vector registers of this processor.
   subroutine choose_batch(batch)
     procedure(element_batch_i), pointer, intent(out) :: batch
 

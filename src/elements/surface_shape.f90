@@ -1,5 +1,5 @@
-!> Functions of the isogeometric surface of an element, a tensor product or with an operator of its
-!! own: any number of functions, as elements at extraordinary points and T-junctions have.
+!> Functions of the isogeometric surface of an element: a tensor product, or any number of functions
+!! with an extraction operator of their own (extraordinary points, T-junctions).
 module surface_shape
   use base_kinds, only: wp
   use bspline, only: bernstein
@@ -10,12 +10,12 @@ module surface_shape
   private
   public :: surface_functions, surface_count, surface_touches, layer_functions, layer_faces
 
-  !> Entries of an operator below this are rounding: a largest one is about one.
+  !> Entries of an operator below this are zero up to rounding; the largest is about one.
   real(wp), parameter :: NOTHING = 1.0e-12_wp
 
 contains
 
-  !> How many functions an isogeometric surface has.
+  !> Number of functions of an isogeometric surface.
   pure integer function surface_count(cell) result(n)
     type(cell_t), intent(in) :: cell
 
@@ -57,7 +57,7 @@ contains
     if (allocated(cell%w)) call make_rational(cell%w(:a), f(:a), df(:, :a))
   end subroutine surface_functions
 
-  !> The same times a function of the third direction: the isogeometric face of an element.
+  !> Surface functions times one of the third direction: the isogeometric layer of an element.
   pure subroutine layer_functions(cell, xi, f3, d3, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)
@@ -98,7 +98,7 @@ contains
     end do
   end subroutine extracted
 
-  !> Which functions of a surface live on its edges xi-, xi+, eta-, eta+.
+  !> The functions of a surface that are not zero on its edges xi-, xi+, eta-, eta+.
   pure subroutine surface_touches(cell, on)
     type(cell_t), intent(in) :: cell
     logical, intent(out) :: on(:, :) !! (nf, 4)
@@ -139,7 +139,7 @@ contains
     topology%vtk = VTK_BEZIER_HEXAHEDRON
   end subroutine layer_faces
 
-  !> Some Bernstein polynomial of an edge has a share in the function.
+  !> Some Bernstein polynomial of the edge contributes to the function.
   pure logical function lives(c)
     real(wp), intent(in) :: c(:)
 

@@ -290,7 +290,8 @@ contains
     if (draft%strain /= 0 .and. (draft%strain == FINITE .neqv. set%row%finite)) then
       call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of ' &
                 //trim(merge('finite', 'small ', set%row%finite))//' strains', draft%strain_place, &
-                'write '//trim(merge('FINIte', 'SMALl ', set%row%finite))//', or choose another law')
+                'write '//trim(merge('FINIte', 'SMALl ', set%row%finite)) &
+                //', or choose another law')
       return
     end if
     if (draft%volume_given) then

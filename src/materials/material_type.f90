@@ -42,7 +42,7 @@ module material_type
     pure subroutine material_set_i(value, prop, error)
       import :: wp, constant_error_t
       implicit none
-      !> The nvalue numbers behind the name; then, if the deck gives it, k of VOLUme k.
+      !> The nvalue numbers after the name; then, if the deck gives it, k of VOLUme k.
       real(wp), intent(in) :: value(:)
       real(wp), intent(out) :: prop(:)  !! (nprop or more) zero where unused
       type(constant_error_t), intent(out) :: error

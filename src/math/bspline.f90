@@ -1,15 +1,11 @@
-!> B-splines in one direction: functions and Bezier extraction.
+!> B-splines in one direction: functions, Bezier extraction, knot insertion, degree elevation,
+!! interpolation.
 !!
-!! Everything rests on the blossom (polar form) of a polynomial piece: `blossom` gives the
+!! Everything follows from the blossom (polar form) of a polynomial segment: `blossom` gives the
 !! weights of the p+1 local control points in f(t_1, ..., t_p). Equal arguments evaluate the
 !! spline; new knots as arguments insert them or raise the degree; the ends of a span as
 !! arguments give its Bezier points. All of these are exact.
 !! Source: Ramshaw 1989; Goldman and Lyche 1993; Borden et al. 2011 (Bezier extraction).
-!!
-!! B-splines in one direction: more knots, a higher degree.
-!! Source: Goldman and Lyche 1993: new control points are values of the blossom.
-!!
-!! Splines through given points.
 module bspline
   use base_kinds, only: wp
   use lapack, only: dgbsv
@@ -22,7 +18,7 @@ module bspline
   !> A spline space in one direction.
   type :: spline_t
     integer :: degree = 0              !! 0: direction not used, one function
-    real(wp), allocatable :: knots(:)  !! non-decreasing; each end stands degree+1 times
+    real(wp), allocatable :: knots(:)  !! non-decreasing; each end is repeated degree+1 times
   end type spline_t
 
 contains
@@ -81,7 +77,7 @@ contains
         high = mid
       end if
     end do
-    ! At the upper end, and behind interior knots that are repeated, an empty span can be found.
+    ! At the upper end, and after repeated interior knots, the span found may be empty.
     do while (k > s%degree + 1 .and. s%knots(k + 1) <= s%knots(k))
       k = k - 1
     end do
@@ -93,16 +89,16 @@ contains
     integer, intent(in) :: p, k    !! degree, span (not empty)
     real(wp), intent(in) :: t(p)   !! arguments
     real(wp), intent(out) :: n(p + 1)
-    real(wp) :: saved, share
+    real(wp) :: saved, quotient
     integer :: j, r
 
     n(1) = 1.0_wp
     do j = 1, p
       saved = 0.0_wp
       do r = 1, j
-        share = n(r)/(knots(k + r) - knots(k + r - j))
-        n(r) = saved + (knots(k + r) - t(j))*share
-        saved = (t(j) - knots(k + r - j))*share
+        quotient = n(r)/(knots(k + r) - knots(k + r - j))
+        n(r) = saved + (knots(k + r) - t(j))*quotient
+        saved = (t(j) - knots(k + r - j))*quotient
       end do
       n(j + 1) = saved
     end do
@@ -126,7 +122,7 @@ contains
     integer, intent(in) :: k
     real(wp), intent(in) :: u
     real(wp), intent(out) :: n(:), dn(:) !! (p+1)
-    real(wp) :: t(s%degree), low(s%degree), share
+    real(wp) :: t(s%degree), low(s%degree), quotient
     integer :: r, p
 
     p = s%degree
@@ -136,9 +132,9 @@ contains
     t = u
     call blossom(s%knots, p - 1, k, t(:p - 1), low)
     do r = 1, p
-      share = p*low(r)/(s%knots(k + r) - s%knots(k + r - p))
-      dn(r) = dn(r) - share
-      dn(r + 1) = dn(r + 1) + share
+      quotient = p*low(r)/(s%knots(k + r) - s%knots(k + r - p))
+      dn(r) = dn(r) - quotient
+      dn(r + 1) = dn(r + 1) + quotient
     end do
   end subroutine basis_derivatives
 
@@ -184,7 +180,7 @@ contains
     end do
   end subroutine second_differences
 
-  !> Greville abscissae: where the control points of the identity stand.
+  !> Greville abscissae: the control points of the identity.
   pure function greville(s) result(g)
     type(spline_t), intent(in) :: s
     real(wp) :: g(size(s%knots) - s%degree - 1)
@@ -244,7 +240,7 @@ contains
     end do
   end function with_knots
 
-  !> The space of one degree more and the same continuity.
+  !> The space of the next degree with the same continuity.
   pure function elevated(s) result(high)
     type(spline_t), intent(in) :: s
     type(spline_t) :: high
@@ -264,7 +260,7 @@ contains
     end do
   end function elevated
 
-  !> Control point i of the space `fine` as a combination of those of `s`, whose knots it holds.
+  !> Control point i of the space `fine` as a combination of those of `s`, whose knots it contains.
   pure subroutine insertion_row(s, fine, i, first, w)
     type(spline_t), intent(in) :: s, fine
     integer, intent(in) :: i
@@ -272,7 +268,7 @@ contains
     real(wp), intent(out) :: w(:)  !! (p+1)
     integer :: k
 
-    ! The arguments rise from the span of knot i on: the order in which all factors stay positive.
+    ! The arguments rise from the span of knot i: in this order all factors are positive.
     k = find_span(s, fine%knots(i))
     first = k - s%degree
     call blossom(s%knots, s%degree, k, fine%knots(i + 1:i + s%degree), w)
@@ -303,7 +299,7 @@ contains
   subroutine interpolate(s, v, ok)
     type(spline_t), intent(in) :: s
     real(wp), intent(inout) :: v(:, :) !! (n, m) values of m quantities; out: coefficients
-    logical, intent(out) :: ok         !! .false.: no such spline
+    logical, intent(out) :: ok         !! .false.: there is no such spline
     real(wp), allocatable :: band(:, :)
     real(wp) :: g(nfunction(s)), b(s%degree + 1)
     integer :: pivot(nfunction(s)), i, k, a, p, info

@@ -2,7 +2,7 @@
 module nurbs
   use base_kinds, only: wp
   use bspline, only: spline_t, nfunction, nspan, find_span, basis_derivatives, with_knots, &
-      elevated, insertion_row, elevation_row
+                     elevated, insertion_row, elevation_row
   implicit none
   private
   public :: nurbs_t, spline_t, new_nurbs, elevate, insert_knots, evaluate, face_of, &
@@ -55,7 +55,7 @@ contains
     patch%cp = reshape(h, [4, n(1), n(2), n(3)])
   end subroutine new_nurbs
 
-  !> Are the weights not all equal?
+  !> The weights are not all equal.
   pure logical function is_rational(patch)
     type(nurbs_t), intent(in) :: patch
 
@@ -63,7 +63,7 @@ contains
                       > 4*epsilon(1.0_wp)*abs(patch%cp(4, 1, 1, 1)))
   end function is_rational
 
-  !> Raise the degree of direction d by t; spans and continuity stay.
+  !> Raise the degree of direction d by t; spans and continuity are kept.
   subroutine elevate(patch, d, t)
     type(nurbs_t), intent(inout) :: patch
     integer, intent(in) :: d, t
@@ -88,7 +88,7 @@ contains
     call change_space(patch, d, to, insertion_row)
   end subroutine insert_knots
 
-  !> Write the patch in a space of direction d that holds the old one.
+  !> Represent the patch in a space of direction d that contains the old one.
   subroutine change_space(patch, d, to, row)
     type(nurbs_t), intent(inout) :: patch
     integer, intent(in) :: d

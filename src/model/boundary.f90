@@ -1,16 +1,17 @@
 !> Supports, prescribed motion and loads, as the deck gives them.
+!!
 !! A load number 0 means: the sum of all load tables (FEAP); k > 0: table k.
 module boundary
-  use base_kinds, only: wp
   use base_error, only: place_t
+  use base_kinds, only: wp
   implicit none
   private
   public :: boundary_t, motion_t, pressure_t, dead_load_t, load_number_t
   public :: note_load_number, place_of_number
 
-  !> Rigid motion of a set of nodes: MOVE. Acts on reference positions; all moves of one node add up
-  !! in deck order (rotations about their axes first applied to the reference position, then the
-  !! translations).
+  !> Rigid motion of a set of nodes: MOVE. It acts on reference positions. The moves of a node are
+  !! added in the order of the deck: first the rotations of the reference position, then the
+  !! translations.
   type :: motion_t
     integer, allocatable :: node(:)
     logical :: rotates = .false.
@@ -27,7 +28,7 @@ module boundary
     integer, allocatable :: block(:), elem(:), side(:)
     real(wp) :: value = 0.0_wp       !! [F/L^2]
     integer :: table = 0
-    logical :: follower = .false.    !! on the current area along the current normal; else reference
+    logical :: follower = .false.    !! current area and normal; otherwise those of the reference
     type(place_t) :: place
   end type pressure_t
 
@@ -57,30 +58,26 @@ module boundary
     type(dead_load_t), allocatable :: dead(:) !! body forces, CSURf and dead pressures, once
     !! integrated
     type(load_number_t), allocatable :: number(:) !! of FPRO and EPRO, each once
-    type(place_t), allocatable :: loose(:) !! records of displacements where nothing is restrained
+    type(place_t), allocatable :: loose(:) !! records of displacements without a restraint
   end type boundary_t
 
 contains
 
-  !> Keep the place of a load number that is new.
+  !> Keep the place of a load number when it occurs first.
   subroutine note_load_number(bc, table, place)
     type(boundary_t), intent(inout) :: bc
     integer, intent(in) :: table
     type(place_t), intent(in) :: place
-    type(load_number_t), allocatable :: longer(:)
-    integer :: n
+    type(load_number_t) :: new
 
     if (.not. allocated(bc%number)) allocate (bc%number(0))
-    n = size(bc%number)
     if (table == 0 .or. any(bc%number%table == table)) return
-    allocate (longer(n + 1))
-    longer(:n) = bc%number
-    longer(n + 1)%table = table
-    longer(n + 1)%place = place
-    call move_alloc(longer, bc%number)
+    new%table = table
+    new%place = place
+    bc%number = [bc%number, new]
   end subroutine note_load_number
 
-  !> Where nodes get a load number first; no place where none does.
+  !> The place where a load number of nodes occurs first; no place if it does not occur.
   subroutine place_of_number(bc, table, place)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: table

@@ -1,14 +1,15 @@
 !> Linear constraints of nodes: x_s = sum_i c_i x_i, in the reference and in the current
-!! configuration (hanging nodes). The slave s is no unknown: its displacement follows, its forces go
-!! to the masters.
+!! configuration (hanging nodes). The slave s is not an unknown: its displacement follows from its
+!! masters, on which its forces act.
 module constraint
-  use base_kinds, only: wp
   use base_error, only: place_t
+  use base_grow, only: grow
+  use base_kinds, only: wp
   implicit none
   private
   public :: constraint_t, add_constraint, follow, fold_force, slave_marks
 
-  !> All constraints of a mesh. Masters of constraint i stand at first(i) to first(i+1)-1.
+  !> All constraints of a mesh. The masters of constraint i are master(first(i):first(i+1)-1).
   !! Once the mesh is closed no master is a slave and the coefficients of a slave sum up to one.
   type :: constraint_t
     integer :: n = 0
@@ -21,35 +22,24 @@ module constraint
 
 contains
 
-  !> One more constraint.
+  !> Add a constraint.
   subroutine add_constraint(list, slave, master, c, place)
     type(constraint_t), intent(inout) :: list
     integer, intent(in) :: slave
     integer, intent(in) :: master(:)  !! (m)
     real(wp), intent(in) :: c(:)      !! (m)
     type(place_t), intent(in) :: place
-    type(place_t), allocatable :: places(:)
     integer :: last, m
 
-    if (list%n == 0) then
-      allocate (list%slave(8), list%first(9), list%master(32), list%place(8))
-      allocate (list%c(32))
-      list%first(1) = 1
-    end if
-    if (list%n == size(list%slave)) then
-      list%slave = [list%slave, list%slave]
-      list%first = [list%first, list%first]
-      allocate (places(2*list%n))
-      places(:list%n) = list%place
-      call move_alloc(places, list%place)
-    end if
     m = size(master)
+    call grow(list%first, list%n + 2)
+    if (list%n == 0) list%first(1) = 1
     last = list%first(list%n + 1) + m - 1
-    do while (last > size(list%master))
-      list%master = [list%master, list%master]
-      list%c = [list%c, list%c]
-    end do
     list%n = list%n + 1
+    call grow(list%slave, list%n)
+    call grow(list%place, list%n)
+    call grow(list%master, last)
+    call grow(list%c, last)
     list%slave(list%n) = slave
     list%master(last - m + 1:last) = master
     list%c(last - m + 1:last) = c
@@ -57,7 +47,7 @@ contains
     list%place(list%n) = place
   end subroutine add_constraint
 
-  !> Slaves are where their masters put them.
+  !> Displacements or positions of the slaves from those of their masters.
   pure subroutine follow(list, u)
     type(constraint_t), intent(in) :: list
     real(wp), intent(inout) :: u(:, :) !! (3, nnode) displacements or positions
@@ -87,7 +77,7 @@ contains
     end do
   end subroutine fold_force
 
-  !> Constraint of each node; 0: the node is no slave.
+  !> Constraint of each node; 0: the node is not a slave.
   pure function slave_marks(list, nnode) result(mark)
     type(constraint_t), intent(in) :: list
     integer, intent(in) :: nnode

@@ -1,7 +1,7 @@
-!> What a CURVe asks for: one quantity a column.
+!> The quantities of a CURVe: one for each column.
 module curve_type
-  use base_kinds, only: wp
   use base_error, only: place_t
+  use base_kinds, only: wp
   implicit none
   private
   public :: curve_t, quantity_t
@@ -9,14 +9,15 @@ module curve_type
   integer, parameter, public :: Q_FORCE = 1, Q_TORQUE = 2, Q_DISP = 3, Q_STRESS = 4, &
                                 Q_ENERGY = 5, Q_MAX_DISP = 6, Q_MAX_MISES = 7
   integer, parameter, public :: Q_NODAL = 8 !! FEAP's reactions
-  !> Of one side of a contact. Shares (STICK, SLIP, DEBONDED) lie between 0 and 1.
+  !> Of one side of a contact. STICK, SLIP and DEBONDED are fractions of the area, 0 to 1.
   integer, parameter, public :: Q_CONTACT_FORCE = 9, Q_CONTACT_TORQUE = 10, &
                                 Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, &
                                 Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, Q_CONTACT_AREA = 15, &
                                 Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
-  !> An entry of the book of energies, `component`: work done on the bodies; strain and kinetic
-  !! energy; work against pressure, friction and bonds of contacts; what the time integration took;
-  !! what is missing; and by the laws of the bonds what these hold, and damage and VISCous took.
+  !> A term of the energy balance (BOOK), `component`: work done on the bodies; strain and kinetic
+  !! energy; work of contact against pressure, friction and bonds; dissipation of the time
+  !! integration; the error of the balance; and by the laws of the bonds their stored energy and the
+  !! dissipation of damage and of VISCous.
   integer, parameter, public :: Q_BOOK = 18
   integer, parameter, public :: B_WORK = 1, B_STORED = 2, B_KINETIC = 3, B_NORMAL = 4, &
                                 B_FRICTION = 5, B_COHESIVE = 6, B_INERTIA = 7, B_IMBALANCE = 8, &
@@ -28,7 +29,7 @@ module curve_type
     character(:), allocatable :: column  !! its name in the table
     integer, allocatable :: node(:)      !! nodes summed or averaged over
     !> 1 to 3; stress: Voigt 1 to 6 (11 22 33 12 23 31); tractions of a contact: 0 the magnitude;
-    !! the entry of the book
+    !! the term of the energy balance
     integer :: component = 0
     real(wp) :: point(3) = 0.0_wp        !! on the axis of a torque; of a stress
     real(wp) :: axis(3) = 0.0_wp

@@ -1,7 +1,8 @@
 !> Equation numbers of the free degrees of freedom.
 module dof_map
-  use mesh, only: mesh_t, solid_nodes
+  use base_text, only: to_text
   use boundary, only: boundary_t
+  use mesh, only: mesh_t, solid_nodes
   implicit none
   private
   public :: number_equations, dof_name
@@ -47,27 +48,15 @@ contains
     integer, intent(in) :: eq(:, :) !! (3, nnode)
     integer, intent(in) :: equation
     character(:), allocatable :: name
-    character(12) :: digits
-    integer :: at(2)
+    integer :: i, n
 
-    at = findloc2(eq, equation)
-    write (digits, '(i0)') at(2)
-    name = 'dof u'//'xyz' (max(at(1), 1):max(at(1), 1))//' of node '//trim(digits)
-  end function dof_name
-
-  !> Place of a value in a table; zero where it is not there.
-  pure function findloc2(table, value) result(at)
-    integer, intent(in) :: table(:, :), value
-    integer :: at(2)
-    integer :: j
-
-    at = 0
-    do j = 1, size(table, 2)
-      if (any(table(:, j) == value)) then
-        at = [maxloc(merge(1, 0, table(:, j) == value), 1), j]
-        return
-      end if
+    do n = 1, size(eq, 2)
+      if (any(eq(:, n) == equation)) exit
     end do
-  end function findloc2
+    n = merge(n, 0, n <= size(eq, 2))
+    i = 1
+    if (n > 0) i = maxloc(merge(1, 0, eq(:, n) == equation), 1)
+    name = 'dof u'//'xyz' (i:i)//' of node '//to_text(n)
+  end function dof_name
 
 end module dof_map

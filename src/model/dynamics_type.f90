@@ -1,4 +1,4 @@
-!> Motion in time: how accelerations follow from displacements, and the rates when a step began.
+!> Time integration: accelerations from displacements, and the rates at the beginning of a step.
 module dynamics_type
   use base_kinds, only: wp
   implicit none
@@ -16,16 +16,16 @@ module dynamics_type
     logical :: lumped = .false.
     !> Density of every body in place of the materials' own [M/L^3]; negative: their own.
     real(wp) :: density = -1.0_wp
-    !> a = c(1) (u - u_step) - c(2) v - c(3) a_step in the step under way
+    !> a = c(1) (u - u_step) - c(2) v - c(3) a_step in the current step
     real(wp) :: c(3) = 0.0_wp
     real(wp), allocatable :: v(:, :)             !! (3, nnode) velocity when the step began [L/T]
-    real(wp), allocatable :: a(:, :)             !! (3, nnode) acceleration then [L/T^2]
-    real(wp), allocatable :: held(:, :)          !! (3, nnode) force kept from then (HHT) [F]
+    real(wp), allocatable :: a(:, :)             !! (3, nnode) acceleration at that time [L/T^2]
+    real(wp), allocatable :: held(:, :)          !! (3, nnode) force at that time (HHT) [F]
   end type dynamics_t
 
 contains
 
-  !> At rest and off: from now on rates are kept.
+  !> Start from rest: rates of nnode nodes are kept from now on.
   pure subroutine new_dynamics(dynamics, nnode)
     type(dynamics_t), intent(inout) :: dynamics
     integer, intent(in) :: nnode
@@ -34,7 +34,7 @@ contains
     allocate (dynamics%v(3, nnode), dynamics%a(3, nnode), dynamics%held(3, nnode), source=0.0_wp)
   end subroutine new_dynamics
 
-  !> A step of length dt opens.
+  !> Begin a step of length dt.
   pure subroutine set_rates(dynamics, dt)
     type(dynamics_t), intent(inout) :: dynamics
     real(wp), intent(in) :: dt
@@ -51,7 +51,7 @@ contains
     end if
   end subroutine set_rates
 
-  !> Acceleration of nodes that have moved by du since the step began.
+  !> Acceleration of nodes that have moved by du since the beginning of the step.
   pure function acceleration(dynamics, du, node) result(a)
     type(dynamics_t), intent(in) :: dynamics
     real(wp), intent(in) :: du(:, :)             !! (3, n) [L]
@@ -61,7 +61,7 @@ contains
     a = dynamics%c(1)*du - dynamics%c(2)*dynamics%v(:, node) - dynamics%c(3)*dynamics%a(:, node)
   end function acceleration
 
-  !> The step is done: rates at its end.
+  !> End of a step: rates at its end.
   pure subroutine advance(dynamics, du, dt, static)
     type(dynamics_t), intent(inout) :: dynamics
     real(wp), intent(in) :: du(:, :)             !! (3, nnode) [L]

@@ -1,16 +1,16 @@
-!> The book of energies: what was done on the bodies since the start, and what took it.
+!> Energy balance since the start: work done on the bodies, and the energies it went into.
 module energy_type
   use base_kinds, only: wp
   implicit none
   private
   public :: energy_t, open_book, book_work
 
-  !> Works are sums over the steps of mean force times way (trapezoidal rule).
+  !> Works are sums over the steps of mean force times displacement increment (trapezoidal rule).
   type :: energy_t
     logical :: on = .false.
-    real(wp) :: outer = 0.0_wp        !! of loads and of supports that move [F L]
-    real(wp) :: inertia = 0.0_wp      !! against inertia: kinetic, and taken by the time integration
-    real(wp) :: kinetic = 0.0_wp      !! energy of now [F L]
+    real(wp) :: outer = 0.0_wp        !! of loads and of moving supports [F L]
+    real(wp) :: inertia = 0.0_wp      !! against inertia: kinetic, and dissipation in time
+    real(wp) :: kinetic = 0.0_wp      !! current kinetic energy [F L]
     real(wp) :: contact(3) = 0.0_wp   !! against pressure, friction and cohesion of contacts
     !> Forces at the end of the last step.
     real(wp), allocatable :: f_outer(:, :), f_inert(:, :) !! (3, nnode) [F]
@@ -19,7 +19,7 @@ module energy_type
 
 contains
 
-  !> Nothing is booked yet.
+  !> Set all works and forces to zero.
   pure subroutine open_book(energy, nnode)
     type(energy_t), intent(out) :: energy
     integer, intent(in) :: nnode
@@ -29,7 +29,7 @@ contains
     energy%on = .true.
   end subroutine open_book
 
-  !> The step is done: the forces at its end worked along du.
+  !> End of a step: add the work of its mean forces along du.
   pure subroutine book_work(energy, du, f_outer, f_inert, f_contact)
     type(energy_t), intent(inout) :: energy
     real(wp), intent(in) :: du(:, :)               !! (3, nnode) [L]

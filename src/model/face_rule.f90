@@ -10,8 +10,8 @@ module face_rule
 contains
 
   !> Gauss points of local face `side` (xi-, xi+, eta-, eta+, zeta-, zeta+), exact for the pressure
-  !! integral of a polynomial face: degree 3p - 1 in each direction; as many as the element's own
-  !! rule has where that is more (rational faces, QUADrature).
+  !! integral of a polynomial face: degree 3p - 1 in each direction; or as many as the rule of the
+  !! element has, if these are more (rational faces, QUADrature).
   subroutine face_points(degree, inner, side, xi, w)
     integer, intent(in) :: degree(3)               !! of the cell
     real(wp), intent(in) :: inner(:, :)            !! (3, n) points of the element's rule
@@ -31,7 +31,7 @@ contains
     xi(b, :) = plane(2, :)
   end subroutine face_points
 
-  !> How many different coordinates there are in [-1,1].
+  !> Number of different coordinates in [-1,1].
   pure integer function levels(x)
     real(wp), intent(in) :: x(:)
     real(wp), parameter :: SAME = 1.0e-6_wp

@@ -55,7 +55,7 @@ contains
   pure function table_slope(table, time, ahead) result(slope)
     type(load_table_t), intent(in) :: table
     real(wp), intent(in) :: time
-    logical, intent(in) :: ahead !! at a corner: of the line behind it, not of the one before
+    logical, intent(in) :: ahead !! at a corner: of the line that follows it
     real(wp) :: slope
     real(wp) :: gap, s
     integer :: i, k
@@ -84,7 +84,7 @@ contains
 
   !> Factor of a load number: 0 takes the sum of all tables (FEAP); without any table it is 1.
   pure function load_factor(factor, number) result(f)
-    real(wp), intent(in) :: factor(:)  !! (ntable) factors now
+    real(wp), intent(in) :: factor(:)  !! (ntable) current factors
     integer, intent(in) :: number
     real(wp) :: f
 

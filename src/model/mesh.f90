@@ -1,9 +1,9 @@
 !> The mesh: nodes, blocks of elements, spline patches and named surfaces.
 !!
-!! Blocks of rigid bodies: they have faces and a picture, but no stiffness, and no material.
+!! The blocks of rigid bodies have faces and a picture, but neither stiffness nor material.
 module mesh
-  use base_kinds, only: wp
   use base_error, only: place_t
+  use base_kinds, only: wp
   use basis_type, only: basis_t
   use constraint, only: constraint_t
   use element_type, only: element_t, cell_t, rule_t
@@ -35,7 +35,7 @@ module mesh
     integer :: material = 0        !! index into the model's materials
     integer :: body = 0            !! index into mesh%body; 0: FEAP mesh
     integer :: nen = 0, nelem = 0
-    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a node may stand twice (collapsed
+    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; one may occur twice (collapsed
     !! prisms)
     integer, allocatable :: number(:)    !! (nelem) element number shown to the user
     type(extraction_t) :: ext
@@ -72,7 +72,7 @@ module mesh
     character(:), allocatable :: note  !! of a mesh: what its file held
   end type body_t
 
-  !> Nodes and everything that stands on them.
+  !> Nodes, and everything that refers to them.
   type :: mesh_t
     integer :: nnode = 0
     real(wp), allocatable :: xr(:, :) !! (3, nnode) reference positions of nodes and control points
@@ -86,7 +86,7 @@ module mesh
 
 contains
 
-  !> The member of the family that element e of a block is.
+  !> Degrees, operators and weights of element e of a block.
   subroutine block_cell(block, e, cell)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e
@@ -104,7 +104,7 @@ contains
     if (allocated(block%ext%w)) cell%w = block%ext%w(:, e)
   end subroutine block_cell
 
-  !> Nodes of elements behind those that the mesh has.
+  !> Append nodes of elements to those of the mesh.
   subroutine append_nodes(mesh, xr, is_control)
     type(mesh_t), intent(inout) :: mesh
     real(wp), intent(in) :: xr(:, :)       !! (3, n) [L]
@@ -130,7 +130,7 @@ contains
     mesh%nnode = n + m
   end subroutine append_nodes
 
-  !> Blocks behind those that a list has, if any.
+  !> Append blocks to a list, which may be unallocated.
   subroutine append_blocks(list, block)
     type(block_t), allocatable, intent(inout) :: list(:)
     type(block_t), intent(in) :: block(:)
@@ -152,27 +152,19 @@ contains
   subroutine append_body(mesh, body)
     type(mesh_t), intent(inout) :: mesh
     type(body_t), intent(in) :: body
-    type(body_t), allocatable :: longer(:)
-    integer :: i, n
 
-    n = 0
-    if (allocated(mesh%body)) n = size(mesh%body)
-    allocate (longer(n + 1))
-    do i = 1, n
-      longer(i) = mesh%body(i)
-    end do
-    longer(n + 1) = body
-    call move_alloc(longer, mesh%body)
+    if (.not. allocated(mesh%body)) allocate (mesh%body(0))
+    mesh%body = [mesh%body, body]
   end subroutine append_body
 
-  !> The elements of the block are not solved for.
+  !> The elements of the block have no unknowns.
   elemental logical function is_rigid(block)
     type(block_t), intent(in) :: block
 
     is_rigid = .not. (associated(block%row%form) .or. associated(block%row%form_batch))
   end function is_rigid
 
-  !> Nodes of elements that are solved for.
+  !> Nodes of elements with unknowns.
   pure subroutine solid_nodes(mesh, solid)
     type(mesh_t), intent(in) :: mesh
     logical, allocatable, intent(out) :: solid(:) !! (nnode)

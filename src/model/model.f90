@@ -1,15 +1,15 @@
-!> The two aggregates: what is analysed (fixed once built) and where it is now.
+!> The two aggregates: the model (fixed once built) and its current state.
 module model
-  use base_kinds, only: wp, i8
   use base_error, only: place_t
-  use material_type, only: material_t, MAX_PROP
-  use mesh, only: mesh_t
+  use base_kinds, only: wp, i8
   use boundary, only: boundary_t
   use contact_pair, only: contact_t, contact_state_t
   use curve_type, only: curve_t
   use dynamics_type, only: dynamics_t
   use energy_type, only: energy_t
   use load_curve, only: load_table_t
+  use material_type, only: material_t, MAX_PROP
+  use mesh, only: mesh_t
   implicit none
   private
   public :: model_t, state_t, material_set_t, unread_t
@@ -23,13 +23,13 @@ module model
     real(wp) :: body_force(3) = 0.0_wp   !! [F/L^3] at factor 1
     integer :: body_table = 0
     logical :: enhanced = .false.        !! ENHAnced (ELEM and BLOC meshes)
-    logical :: given_formulation = .false. !! DISPlacement or ENHAnced was said (an error in a
+    logical :: given_formulation = .false. !! DISPlacement or ENHAnced is given (an error for a
     !! PATCh)
     integer :: nurbs_points(3) = 0       !! NURB interp q1 q2 q3
     type(place_t) :: place
   end type material_set_t
 
-  !> A file that stands beside one of the deck's and is not read, for a warning.
+  !> A file beside one of the deck that is not read: the text of a warning.
   type :: unread_t
     integer(i8) :: identity(2) = 0
     character(:), allocatable :: text
@@ -58,7 +58,7 @@ module model
     real(wp), allocatable :: trial(:, :) !! (nhist, nelem) at the trial
   end type history_t
 
-  !> Where the analysis is.
+  !> State of the analysis.
   type :: state_t
     integer :: step = 0
     real(wp) :: time = 0.0_wp, dt = 0.0_wp
@@ -66,7 +66,7 @@ module model
     real(wp), allocatable :: u_step(:, :) !! at the start of the step
     real(wp), allocatable :: last_increment(:, :) !! (3, nnode) of the last accepted step [L]
     real(wp), allocatable :: u_base(:, :) !! where history%iter belongs: the last iteration
-    real(wp) :: scale = 0.0_wp            !! share of the Newton step in u - u_base
+    real(wp) :: scale = 0.0_wp            !! fraction of the Newton step in u - u_base
     real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; free
     !! dofs: the residual
     real(wp), allocatable :: factor(:)    !! factor of each load table

@@ -9,7 +9,7 @@ module model_basis
   private
   public :: tabulate_basis, tabulate_block, tabulate_points
 
-  !> The cube of their number is an integer; beyond, every element is a class of its own.
+  !> The cube of their number must be an integer; above it every element is a class of its own.
   integer, parameter :: MOST_OPERATORS = 1290
 
 contains
