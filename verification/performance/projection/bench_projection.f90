@@ -53,7 +53,7 @@ contains
       call build_surface(mesh, face%block, face%elem, face%side, 'box 3+', surface, error)
     end associate
     if (allocated(error)) error stop 'no surface'
-    call time_points(trim(type)//' degree '//achar(48 + surface%kind(1)%degree(1)), mesh%xr, surface)
+    call time_points(trim(type)//' degree '//achar(48 + surface%basis(1)%degree(1)), mesh%xr, surface)
   end subroutine time_surface
 
   subroutine time_points(name, xr, surface)
