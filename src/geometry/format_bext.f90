@@ -5,8 +5,9 @@
 !! blanks, `$` starts a comment. `etype` is ignored: files of tensor-product elements have 0 or 1.
 !! Source: LS-DYNA keyword manual, *IGA_INCLUDE_BEZIER
 module format_bext
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_grow, only: grow
+  use base_kinds, only: wp
   use base_text, only: to_text
   use format_text, only: text_t, fail_in_file, next_integer, next_count, next_real, next_reals, &
                          words_left, next_line
@@ -198,22 +199,13 @@ contains
   subroutine new_vector(list, length)
     type(vectors_t), intent(inout) :: list
     integer, intent(in) :: length
-    real(wp), allocatable :: longer(:)
     integer :: last
 
-    if (.not. allocated(list%first)) then
-      allocate (list%first(64), list%value(1024))
-      list%first(1) = 1
-    else if (list%n + 1 == size(list%first)) then
-      list%first = [list%first, list%first]
-    end if
+    if (list%n == 0) list%first = [1]
     last = list%first(list%n + 1) + length - 1
-    if (last > size(list%value)) then
-      allocate (longer(2*last), source=0.0_wp)
-      longer(:list%first(list%n + 1) - 1) = list%value(:list%first(list%n + 1) - 1)
-      call move_alloc(longer, list%value)
-    end if
     list%n = list%n + 1
+    call grow(list%first, list%n + 1)
+    call grow(list%value, last)
     list%first(list%n + 1) = last + 1
     list%value(list%first(list%n):last) = 0.0_wp
   end subroutine new_vector
@@ -222,27 +214,16 @@ contains
   subroutine new_element(list, degree, nf, at)
     type(elements_t), intent(inout) :: list
     integer, intent(in) :: degree(2), nf, at
-    integer, allocatable :: twice(:, :)
-    integer :: last, n
+    integer :: last
 
-    if (.not. allocated(list%first)) then
-      allocate (list%first(64), list%degree(2, 64), list%at(64), list%node(1024), &
-                list%vector(1024))
-      list%first(1) = 1
-    else if (list%n + 1 == size(list%first)) then
-      n = size(list%first)
-      allocate (twice(2, 2*n))
-      twice(:, :n) = list%degree
-      call move_alloc(twice, list%degree)
-      list%first = [list%first, list%first]
-      list%at = [list%at, list%at]
-    end if
+    if (list%n == 0) list%first = [1]
     last = list%first(list%n + 1) + nf - 1
-    do while (last > size(list%node))
-      list%node = [list%node, list%node]
-      list%vector = [list%vector, list%vector]
-    end do
     list%n = list%n + 1
+    call grow(list%first, list%n + 1)
+    call grow(list%degree, 2, list%n)
+    call grow(list%at, list%n)
+    call grow(list%node, last)
+    call grow(list%vector, last)
     list%first(list%n + 1) = last + 1
     list%degree(:, list%n) = degree
     list%at(list%n) = at

@@ -5,8 +5,9 @@
 !! Elements of material m are the group `m`. Records with an increment of generation are rejected.
 !! Source: FEAPpv's manual
 module format_feap
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_grow, only: grow
+  use base_kinds, only: wp
   use base_text, only: to_text, quoted, lower
   use mesh_file, only: mesh_file_t, start_mesh, add_element, add_member, sort_nodes
   use mesh_shape, only: solid_shape, node_counts
@@ -74,16 +75,14 @@ contains
       call read_head(text, n, 5, 5, 'n 0 x y z', number, error)
       if (.not. allocated(error)) call next_reals(text, 'a coordinate', x, error)
       if (allocated(error)) return
-      n = file%nnode
-      if (n == size(file%number)) then
-        file%number = [file%number, spread(0, 1, n + 64)]
-        file%node_spot = [file%node_spot, spread(0, 1, n + 64)]
-        file%x = reshape(file%x, [3, 2*n + 64], pad=[0.0_wp])
-      end if
-      file%nnode = n + 1
-      file%number(n + 1) = number
-      file%x(:, n + 1) = x
-      file%node_spot(n + 1) = text%at
+      n = file%nnode + 1
+      call grow(file%number, n)
+      call grow(file%x, 3, n)
+      call grow(file%node_spot, n)
+      file%nnode = n
+      file%number(n) = number
+      file%x(:, n) = x
+      file%node_spot(n) = text%at
     end do
     file%number = file%number(:file%nnode)
     file%x = file%x(:, :file%nnode)

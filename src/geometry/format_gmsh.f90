@@ -6,8 +6,9 @@
 !! the element (mesh_shape).
 !! Source: Geuzaine and Remacle 2009; Gmsh reference manual, section MSH file format
 module format_gmsh
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_grow, only: grow
+  use base_kinds, only: wp
   use base_text, only: to_text, quoted
   use format_text, only: text_t, fail_in_file, next_word, next_integer, next_integers, next_count, &
                          next_reals
@@ -167,8 +168,8 @@ contains
             call next_integer(text, 'a tag', value, error)
             if (allocated(error)) return
             if (part == 2) cycle
-            if (m == size(entity, 2)) entity = reshape([entity, entity], [3, 2*m])
             m = m + 1
+            call grow(entity, 3, m)
             entity(:, m) = [d, tag, value]
           end do
         end do

@@ -5,8 +5,9 @@
 !! bounded.
 !! Source: RFC 8259
 module format_json
-  use base_kinds, only: wp
   use base_error, only: error_t
+  use base_grow, only: grow
+  use base_kinds, only: wp
   use base_text, only: to_text, quoted
   use deck_number, only: whole_number
   use format_text, only: text_t, fail_in_file
@@ -40,8 +41,6 @@ contains
     integer :: i
 
     text%at = 1
-    allocate (json%type(1024), json%at(1024), json%key(1024), json%next(1024), &
-              json%length(1024), json%number(1024))
     call read_value(text, json, 0, i, error)
     if (allocated(error)) return
     call look(text, c)
@@ -86,16 +85,14 @@ contains
     integer, intent(in) :: type, at
     integer, intent(out) :: i
 
-    if (json%n == size(json%type)) then
-      json%type = [json%type, json%type]
-      json%at = [json%at, json%at]
-      json%key = [json%key, json%key]
-      json%next = [json%next, json%next]
-      json%length = [json%length, json%length]
-      json%number = [json%number, json%number]
-    end if
-    json%n = json%n + 1
-    i = json%n
+    i = json%n + 1
+    json%n = i
+    call grow(json%type, i)
+    call grow(json%at, i)
+    call grow(json%key, i)
+    call grow(json%next, i)
+    call grow(json%length, i)
+    call grow(json%number, i)
     json%type(i) = type
     json%at(i) = at
     json%key(i) = 0

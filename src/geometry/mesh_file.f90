@@ -1,7 +1,8 @@
 !> A mesh as its file gives it: numbered nodes, elements of several shapes, named groups.
 module mesh_file
-  use base_kinds, only: wp, i8
   use base_error, only: error_t
+  use base_grow, only: grow
+  use base_kinds, only: wp, i8
   use base_sort, only: sort, sort_index, find
   use base_text, only: to_text
   use format_text, only: text_t, fail_in_file
@@ -43,9 +44,8 @@ contains
     type(mesh_file_t), intent(out) :: file
 
     call load_shapes(file%shapes)
-    allocate (file%shape(64), file%label(64), file%spot(64), file%first(65), file%node(256), &
-              file%member(2, 64))
-    file%first(1) = 1
+    allocate (file%member(2, 0))
+    file%first = [1]
   end subroutine start_mesh
 
   !> Append an element.
@@ -57,17 +57,13 @@ contains
     integer, intent(in) :: spot    !! place in the text
     integer :: e, last
 
-    if (file%nelem == size(file%shape)) then
-      file%shape = [file%shape, file%shape]
-      file%label = [file%label, file%label]
-      file%spot = [file%spot, file%spot]
-      file%first = [file%first, file%first]
-    end if
     e = file%nelem + 1
     last = file%first(e) + size(node) - 1
-    do while (last > size(file%node))
-      file%node = [file%node, file%node]
-    end do
+    call grow(file%shape, e)
+    call grow(file%label, e)
+    call grow(file%spot, e)
+    call grow(file%first, e + 1)
+    call grow(file%node, last)
     file%nelem = e
     file%shape(e) = shape
     file%label(e) = label
@@ -97,12 +93,10 @@ contains
       longer(g)%name = to_text(abs(tag))
       call move_alloc(longer, file%group)
     end if
-    n = file%nmember
-    if (n == size(file%member, 2)) then
-      file%member = reshape([file%member, file%member], [2, 2*n])
-    end if
-    file%nmember = n + 1
-    file%member(:, n + 1) = [file%nelem, g]
+    n = file%nmember + 1
+    file%nmember = n
+    call grow(file%member, 2, n)
+    file%member(:, n) = [file%nelem, g]
   end subroutine add_member
 
   !> Sort the nodes by their numbers; elements then refer to positions. Node numbers must be unique,

@@ -2,6 +2,7 @@
 !! puts at the end of the mesh.
 module patch_draft
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_grow, only: grow
   use base_kinds, only: wp
   use bspline, only: spline_t, extraction
   use element_table, only: load_elements
@@ -41,15 +42,11 @@ contains
     integer, intent(in) :: mask  !! bit f-1: lies on face f
     integer, intent(out) :: node !! its number in the draft
 
-    if (.not. allocated(draft%xr)) then
-      allocate (draft%xr(3, 64), draft%is_control(64), draft%mask(64))
-    else if (draft%nnode == size(draft%mask)) then
-      draft%xr = reshape([draft%xr, draft%xr], [3, 2*draft%nnode])
-      draft%is_control = [draft%is_control, draft%is_control]
-      draft%mask = [draft%mask, draft%mask]
-    end if
     draft%nnode = draft%nnode + 1
     node = draft%nnode
+    call grow(draft%xr, 3, node)
+    call grow(draft%is_control, node)
+    call grow(draft%mask, node)
     draft%xr(:, node) = x
     draft%is_control(node) = is_control
     draft%mask(node) = mask
@@ -85,15 +82,11 @@ contains
     integer :: n
 
     associate (list => draft%face(f))
-      if (.not. allocated(list%block)) then
-        allocate (list%block(16), list%elem(16), list%side(16))
-      else if (draft%nface(f) == size(list%block)) then
-        list%block = [list%block, list%block]
-        list%elem = [list%elem, list%elem]
-        list%side = [list%side, list%side]
-      end if
       n = draft%nface(f) + 1
       draft%nface(f) = n
+      call grow(list%block, n)
+      call grow(list%elem, n)
+      call grow(list%side, n)
       list%block(n) = ib
       list%elem(n) = e
       list%side(n) = side

@@ -1,6 +1,7 @@
 !> A surface of spline functions, element by element, as files of extracted splines give it.
 module spline_surface
   use base_error, only: error_t
+  use base_grow, only: grow
   use base_kinds, only: wp, i8
   use base_text, only: to_text
   use format_text, only: text_t, fail_in_file
@@ -77,7 +78,6 @@ contains
     real(wp), intent(in) :: c(:, :)      !! (nf, nb)
     type(spline_surface_t), intent(inout) :: s
     type(error_t), allocatable, intent(out) :: error
-    integer, allocatable :: longer(:)
     integer :: a, b, e, first, last
 
     e = s%nelem + 1
@@ -98,11 +98,7 @@ contains
     end do
     first = s%first(e)
     last = first + size(node) - 1
-    if (last > size(s%node)) then
-      allocate (longer(2*last))
-      longer(:first - 1) = s%node(:first - 1)
-      call move_alloc(longer, s%node)
-    end if
+    call grow(s%node, last)
     s%node(first:last) = node
     s%first(e + 1) = last + 1
     s%degree(:, e) = degree
