@@ -4,7 +4,7 @@
 !! options and results are those of the users' guide of version 5.5.
 module mumps_instance
   use, intrinsic :: ieee_arithmetic, only: ieee_get_underflow_mode, ieee_set_underflow_mode, &
-                                           ieee_support_underflow_control
+                                                                      ieee_support_underflow_control
   use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
   use base_kinds, only: wp, i8
   use base_text, only: to_text

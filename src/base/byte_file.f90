@@ -5,7 +5,7 @@ module byte_file
   use base_file, only: replace_file, remove_file, system_reason
   use base_kinds, only: i8
   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_ptr, c_null_ptr, c_null_char, &
-                                         c_loc, c_associated
+                                                                            c_loc, c_associated
   implicit none
   private
   public :: byte_file_t, open_bytes, write_text, write_bytes, flush_bytes, close_bytes

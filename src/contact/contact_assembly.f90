@@ -3,11 +3,11 @@
 module contact_assembly
   use base_kinds, only: wp
   use contact_active, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
-      pair_clique, map_pairs, project_side, follow_silent
+                            pair_clique, map_pairs, project_side, follow_silent
   use contact_bond, only: needs_projection
   use contact_element, only: form_element
   use contact_forces, only: add_force_parts
-  use contact_history, only: side_positions, look_aside, ASIDE, accept_slides
+  use contact_history, only: side_positions, mark_beside, BESIDE, accept_slides
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_work, only: work_t, new_work
   use csr, only: block_matrix_t, clique_t
@@ -300,7 +300,7 @@ contains
           call follow_silent(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
                              friction_acts(contact, state), work(c)%feet(k)%at, point(k), &
                              work(c)%element(k))
-          call look_aside(work(c)%feet(k)%at, ASIDE*contact%depth, point(k))
+          call mark_beside(work(c)%feet(k)%at, BESIDE*contact%depth, point(k))
           call accept_slides(contact%side(k), contact%side(3 - k), work(c)%shape(3 - k), x, &
                              work(c)%feet(k)%at, point(k))
         end do

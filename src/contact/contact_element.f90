@@ -2,12 +2,12 @@
 module contact_element
   use base_kinds, only: wp
   use contact_bond, only: bond_traction_t, find_bond_traction
-  use contact_history, only: ASIDE
+  use contact_history, only: BESIDE
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_point, only: point_t, traction_derivatives_t, traction_at
   use contact_type, only: OPEN, SLIP, TOUCH
   use contact_work, only: work_t, own_share, clear, add_own, add_partner, add_back, add_cross, &
-      measure, position_on
+                          measure, position_on
   use edge_taper, only: taper_edge
   use projection_type, only: foot_t, touches
   use subcell_quadrature, only: acting
@@ -117,7 +117,7 @@ contains
     if (contact%cohesive%given) then
       point%last = LAST*contact%depth
       if (contact%taper > 0.0_wp) point%full = DEEP*contact%depth
-      if (points%beside(i)) point%full = ASIDE*contact%depth
+      if (points%beside(i)) point%full = BESIDE*contact%depth
     end if
     e = points%slide(i)
     point%slides = slides .and. e > 0

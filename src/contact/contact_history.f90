@@ -14,11 +14,11 @@ module contact_history
   use surface_traversal, only: walk
   implicit none
   private
-  public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, look_aside, &
+  public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
             side_positions, accept_slides
 
   !> Fraction of DEPTh: a point this close to a surface is at it.
-  real(wp), parameter, public :: ASIDE = 0.1_wp
+  real(wp), parameter, public :: BESIDE = 0.1_wp
 
   integer, parameter :: MOST_STEPS = 20
   !> A gap this small, relative to the tangents, has no direction.
@@ -92,7 +92,7 @@ contains
 
   !> Mark the points of an accepted step that are beside the other surface, less than `depth` above
   !! its tangent plane, or that were and are deeper than that now.
-  pure subroutine look_aside(feet, depth, points)
+  pure subroutine mark_beside(feet, depth, points)
     type(foot_t), intent(in) :: feet(:)    !! (np)
     real(wp), intent(in) :: depth          !! [L]
     type(contact_points_t), intent(inout) :: points
@@ -105,7 +105,7 @@ contains
         points%beside(i) = feet(i)%outer_gap < depth
       end if
     end do
-  end subroutine look_aside
+  end subroutine mark_beside
 
   !> Was a point in contact when the last step ended?
   pure logical function had_touched(state)

@@ -15,8 +15,8 @@ module contact_resultant
   use contact_type, only: OPEN, STICK, SLIP
   use contact_work, only: own_share, position_at
   use curve_type, only: quantity_t, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, &
-      Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, &
-      Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED
+                        Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, &
+                        Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED
   use model, only: model_t, state_t
   use rigid_surface, only: split_force
   use tensor, only: cross

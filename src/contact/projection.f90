@@ -13,7 +13,7 @@ module projection
   use base_kinds, only: wp
   use contact_pair, only: surface_t
   use projection_iterate, only: iterate_t, evaluate, find_step, find_active, take_step, &
-      take_last_step, is_rounding
+                                take_last_step, is_rounding
   use projection_search, only: grid_t, nearest_start, is_near
   use projection_type, only: foot_t, shape_t
   use surface_traversal, only: step_across, corner_at, corner_xi

@@ -95,7 +95,7 @@ contains
 
     call get_list(text, json, 'elements', 'element_block_info', info, error)
     if (.not. allocated(error)) call get_list(text, json, 'elements', 'element_blocks', list, &
-                                                error)
+                                              error)
     if (allocated(error)) return
     e = first_of(json, list)
     b = first_of(json, info)

@@ -273,7 +273,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     character(9), parameter :: NAMES(JSON_NULL:JSON_OBJECT) = &
                                [character(9) :: 'null', 'false', 'true', 'a number', 'a string', &
-                                                                              'a list', 'an object']
+                                                 'a list', 'an object']
 
     found = member(text, json, i, name)
     text%at = json%at(i)

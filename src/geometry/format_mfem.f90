@@ -181,7 +181,7 @@ contains
       call fail_in_file(text, 'an element has a vertex twice', error)
     else if (maxval(mfem%edge(1, :)) >= size(mfem%dir)) then
       call fail_in_file(text, 'an edge has a knot vector that is not among the ' &
-                    //to_text(size(mfem%dir))//' of the file', error)
+                        //to_text(size(mfem%dir))//' of the file', error)
     end if
   end subroutine read_topology
 

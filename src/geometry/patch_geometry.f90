@@ -248,7 +248,7 @@ contains
         breaks(i) = old(e)
         is_old(i) = .true.
       end do
-      insert = pack(breaks, .not. is_old)
+      insert = pack(breaks,.not. is_old)
       return
     end if
     m = spec%nelem(d)/size(k)

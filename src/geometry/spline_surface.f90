@@ -62,7 +62,7 @@ contains
 
     if (.not. x(4) > 0.0_wp) then
       call fail_in_file(text, 'control point '//to_text(s%nnode + 1)//' has the weight ' &
-                    //to_text(x(4)), error, 'weights are positive')
+                        //to_text(x(4)), error, 'weights are positive')
       return
     end if
     s%nnode = s%nnode + 1

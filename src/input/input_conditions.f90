@@ -7,7 +7,7 @@ module input_conditions
   use base_kinds, only: wp
   use base_text, only: to_text
   use boundary, only: boundary_t, note_load_number
-  use input_draft, only: build_t, request_t
+  use input_draft, only: draft_t, condition_entry_t
   use input_surface, only: mark_surface, load_surface
   use mesh, only: mesh_t, solid_nodes
   use word_position, only: R_EBOU, R_EDIS, R_EFOR, R_EPRO, R_CBOU, R_CFOR, R_CDIS, R_CSUR
@@ -21,8 +21,8 @@ module input_conditions
 contains
 
   !> Fill bc; errors go to the list.
-  subroutine apply_conditions(build, mesh, bc)
-    type(build_t), intent(inout) :: build
+  subroutine apply_conditions(draft, mesh, bc)
+    type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(inout) :: bc
     logical, allocatable :: active(:)
@@ -31,49 +31,49 @@ contains
 
     allocate (bc%fixed(3, mesh%nnode), bc%table(3, mesh%nnode), source=0)
     allocate (bc%value(3, mesh%nnode), bc%force(3, mesh%nnode), source=0.0_wp)
-    if (allocated(build%nodes%given)) then
-      n = min(mesh%nnode, size(build%nodes%given))
-      bc%fixed(:, :n) = abs(build%nodes%code(:, :n))
-      bc%table(:, :n) = build%nodes%table(:, :n)
-      bc%value(:, :n) = build%nodes%value(:, :n)
-      bc%force(:, :n) = build%nodes%force(:, :n)
+    if (allocated(draft%nodes%given)) then
+      n = min(mesh%nnode, size(draft%nodes%given))
+      bc%fixed(:, :n) = abs(draft%nodes%code(:, :n))
+      bc%table(:, :n) = draft%nodes%table(:, :n)
+      bc%value(:, :n) = draft%nodes%value(:, :n)
+      bc%force(:, :n) = draft%nodes%force(:, :n)
     end if
-    do i = 1, build%mention%place%n ! nodes that records referred to before they were defined
-      n = build%mention%node(i)
-      if (n > build%nodes%top .and. n <= mesh%nnode) cycle ! of a patch
-      if (n <= build%nodes%top) then
-        if (build%nodes%given(n)) cycle
+    do i = 1, draft%named_nodes%place%n ! nodes that records referred to before they were defined
+      n = draft%named_nodes%node(i)
+      if (n > draft%nodes%top .and. n <= mesh%nnode) cycle ! of a patch
+      if (n <= draft%nodes%top) then
+        if (draft%nodes%given(n)) cycle
       end if
       call fail(error, DECK_ERROR, 'node '//to_text(n)//' is not defined', &
-                build%mention%place%at(i), 'the mesh has nodes 1 to '//to_text(mesh%nnode))
-      call build%errors%add(error)
+                draft%named_nodes%place%at(i), 'the mesh has nodes 1 to '//to_text(mesh%nnode))
+      call draft%errors%add(error)
     end do
-    call mark_active(build, mesh, active)
+    call mark_active(draft, mesh, active)
     do word = R_EBOU, R_CSUR
-      do i = 1, build%nrequest
-        if (build%request(i)%kind /= word) cycle
-        call apply(build%request(i), mesh, active, bc, error)
-        if (allocated(error)) call build%errors%add(error)
+      do i = 1, draft%ncondition
+        if (draft%condition(i)%word /= word) cycle
+        call apply(draft%condition(i), mesh, active, bc, error)
+        if (allocated(error)) call draft%errors%add(error)
       end do
     end do
   end subroutine apply_conditions
 
   !> Nodes that FEAP would find: all with a position, except control points that are geometry only
   !! and those of rigid patches, which MOVE moves.
-  subroutine mark_active(build, mesh, active)
-    type(build_t), intent(in) :: build
+  subroutine mark_active(draft, mesh, active)
+    type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     logical, allocatable, intent(out) :: active(:)
     integer :: n
 
     call solid_nodes(mesh, active)
-    n = build%nodes%top
-    if (n > 0) active(:n) = active(:n) .or. (build%nodes%given(:n) .and. .not. mesh%is_control(:n))
+    n = draft%nodes%top
+    if (n > 0) active(:n) = active(:n) .or. (draft%nodes%given(:n) .and. .not. mesh%is_control(:n))
   end subroutine mark_active
 
   !> Apply one record to the nodes that it finds.
   subroutine apply(r, mesh, active, bc, error)
-    type(request_t), intent(in) :: r
+    type(condition_entry_t), intent(in) :: r
     type(mesh_t), intent(in) :: mesh
     logical, intent(in) :: active(:)
     type(boundary_t), intent(inout) :: bc
@@ -98,18 +98,18 @@ contains
                 'widen the search with GAP d')
       return
     end if
-    if (r%kind == R_CSUR .and. allocated(r%surface)) then
+    if (r%word == R_CSUR .and. allocated(r%surface)) then
       call load_surface(mesh, r, on, bc, error)
       return
     end if
-    if (r%kind == R_EPRO) then
+    if (r%word == R_EPRO) then
       do n = 1, size(r%value)
         call note_load_number(bc, abs(nint(r%value(n))), r%place)
       end do
     end if
     do n = 1, mesh%nnode
       if (.not. on(n)) cycle
-      select case (r%kind)
+      select case (r%word)
       case (R_EBOU, R_CBOU)
         if (allocated(r%surface)) then
           bc%fixed(:, n) = bc%fixed(:, n) + abs(nint(r%value))
@@ -119,7 +119,7 @@ contains
           bc%fixed(:, n) = abs(nint(r%value))
         end if
       case (R_EDIS, R_CDIS)
-        bc%value(:, n) = r%value + merge(bc%value(:, n), 0.0_wp, r%adds .and. r%kind == R_EDIS)
+        bc%value(:, n) = r%value + merge(bc%value(:, n), 0.0_wp, r%adds .and. r%word == R_EDIS)
       case (R_EFOR, R_CFOR, R_CSUR)
         bc%force(:, n) = r%value + merge(bc%force(:, n), 0.0_wp, r%adds)
       case default
@@ -133,7 +133,7 @@ contains
   !! equally near.
   subroutine mark(mesh, r, active, on)
     type(mesh_t), intent(in) :: mesh
-    type(request_t), intent(in) :: r
+    type(condition_entry_t), intent(in) :: r
     logical, intent(in) :: active(:)
     logical, allocatable, intent(out) :: on(:)
     real(wp), allocatable :: d(:)
@@ -149,7 +149,7 @@ contains
         associate (x => mesh%xr(r%direction, :))
           gap = PLANE_GAP*(maxval(x, active) - minval(x, active))
         end associate
-        if (r%kind == R_EBOU .or. r%kind == R_EPRO) gap = gap/sqrt(real(max(1, mesh%nnode), wp))
+        if (r%word == R_EBOU .or. r%word == R_EPRO) gap = gap/sqrt(real(max(1, mesh%nnode), wp))
       end if
       on = active .and. abs(mesh%xr(r%direction, :) - r%at(1)) <= gap
       return
@@ -165,7 +165,7 @@ contains
       d(i) = norm2(mesh%xr(:, i) - r%at)
     end do
     least = minval(d, active)
-    if (r%kind /= R_CBOU .and. r%kind /= R_CDIS) then
+    if (r%word /= R_CBOU .and. r%word /= R_CDIS) then
       on(minloc(d, 1, active)) = .true.
     else if (r%gap >= 0.0_wp) then
       on = active .and. d <= least + r%gap
@@ -176,8 +176,8 @@ contains
 
   !> A prescribed displacement acts where the node is restrained (FEAP). Keeps the records that
   !! prescribe one elsewhere, for a warning; all restraints must be known.
-  subroutine note_loose(build, mesh, bc)
-    type(build_t), intent(in) :: build
+  subroutine note_loose(draft, mesh, bc)
+    type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(inout) :: bc
     logical, allocatable :: loose(:, :), active(:), on(:)
@@ -186,12 +186,12 @@ contains
 
     loose = abs(bc%value) > 0.0_wp .and. bc%fixed == 0 .and. spread(mesh%used, 1, 3)
     if (.not. any(loose)) return
-    allocate (found(build%nrequest + 1))
+    allocate (found(draft%ncondition + 1))
     n = 0
-    call mark_active(build, mesh, active)
-    do i = 1, build%nrequest
-      associate (r => build%request(i))
-        if (all(r%kind /= [R_EDIS, R_CDIS])) cycle
+    call mark_active(draft, mesh, active)
+    do i = 1, draft%ncondition
+      associate (r => draft%condition(i))
+        if (all(r%word /= [R_EDIS, R_CDIS])) cycle
         call mark(mesh, r, active, on)
         if (.not. any([(abs(r%value(d)) > 0.0_wp .and. any(on .and. loose(d, :)), d=1, 3)])) cycle
         n = n + 1
@@ -203,7 +203,7 @@ contains
     end do
     if (any(loose)) then
       n = n + 1
-      found(n) = build%nodes%disp
+      found(n) = draft%nodes%disp
     end if
     bc%loose = found(:n)
   end subroutine note_loose

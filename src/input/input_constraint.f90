@@ -6,7 +6,7 @@ module input_constraint
   use base_text, only: to_text, quoted
   use boundary, only: boundary_t
   use constraint, only: constraint_t, add_constraint, follow, slave_marks
-  use input_draft, only: build_t
+  use input_draft, only: draft_t
   use mesh, only: mesh_t
   implicit none
   private
@@ -20,8 +20,8 @@ contains
 
   !> Keep the slaves that elements use, with masters that are free, and move them exactly to where
   !! their masters put them. A node is the slave of one constraint.
-  subroutine close_constraints(build, mesh)
-    type(build_t), intent(inout) :: build
+  subroutine close_constraints(draft, mesh)
+    type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(inout) :: mesh
     type(constraint_t) :: closed
     type(error_t), allocatable :: error
@@ -35,7 +35,7 @@ contains
       if (mark(s) == i) cycle
       call fail(error, DECK_ERROR, named(mesh, s)//' is the slave of two constraints', &
                 mesh%constraint%place(mark(s)), 'keep one of them')
-      call build%errors%add(error)
+      call draft%errors%add(error)
       return
     end do
     do i = 1, mesh%constraint%n
@@ -43,7 +43,7 @@ contains
       call close_one(mesh, mark, i, closed, error)
       if (.not. allocated(error)) call check_place(mesh, closed, error)
       if (.not. allocated(error)) cycle
-      call build%errors%add(error)
+      call draft%errors%add(error)
       return
     end do
     mesh%constraint = closed
@@ -132,8 +132,8 @@ contains
 
   !> Remove the supports of slaves, which follow their masters. Fails unless the displacement
   !! prescribed at a slave follows from those of its masters.
-  subroutine release_slaves(build, mesh, bc)
-    type(build_t), intent(inout) :: build
+  subroutine release_slaves(draft, mesh, bc)
+    type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable :: error
@@ -172,7 +172,7 @@ contains
           exit directions
         end do directions
         if (allocated(error)) then
-          call build%errors%add(error)
+          call draft%errors%add(error)
           deallocate (error)
         end if
         bc%fixed(:, s) = 0

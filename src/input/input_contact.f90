@@ -15,7 +15,7 @@ module input_contact
   use contact_surface, only: build_surface, tabulate_contact
   use contact_type, only: PENALTY, TANGENTIAL_PENALTY
   use curve_type, only: Q_CONTACT_DEBONDED
-  use input_draft, only: build_t, contact_entry_t
+  use input_draft, only: draft_t, contact_entry_t
   use input_rigid, only: is_rigid_patch
   use input_thickness, only: body_thickness
   use input_where, only: find_faces, where_t, body_index
@@ -35,24 +35,24 @@ module input_contact
 contains
 
   !> Contacts of the model, on a tabulated mesh whose nodes are tied. Errors go to the list.
-  subroutine build_contacts(build, model)
-    type(build_t), intent(inout) :: build
+  subroutine build_contacts(draft, model)
+    type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
     type(error_t), allocatable :: error
     integer :: i
 
     deallocate (model%contact)
-    allocate (model%contact(size(build%contact)))
-    do i = 1, size(build%contact)
-      model%contact(i) = build%contact(i)%contact
-      call resolve_contact(build, build%contact(i)%at, model, model%contact(i), error)
-      if (allocated(error)) call build%errors%add(error)
+    allocate (model%contact(size(draft%contact)))
+    do i = 1, size(draft%contact)
+      model%contact(i) = draft%contact(i)%contact
+      call resolve_contact(draft, draft%contact(i)%at, model, model%contact(i), error)
+      if (allocated(error)) call draft%errors%add(error)
     end do
   end subroutine build_contacts
 
   !> What the deck does not give itself: surfaces, integration points, default depth, penalties.
-  subroutine resolve_contact(build, at, model, contact, error)
-    type(build_t), intent(in) :: build
+  subroutine resolve_contact(draft, at, model, contact, error)
+    type(draft_t), intent(in) :: draft
     type(where_t), intent(in) :: at(2)
     type(model_t), intent(in) :: model
     type(contact_t), intent(inout) :: contact
@@ -62,7 +62,7 @@ contains
     integer :: k
 
     do k = 1, 2
-      call make_side(build, at(k), model%mesh, contact%side(k), error)
+      call make_side(draft, at(k), model%mesh, contact%side(k), error)
       if (allocated(error)) return
     end do
     n = real(product(contact%ngauss), wp)*maxval(contact%side%nelem)
@@ -101,8 +101,8 @@ contains
   end subroutine resolve_contact
 
   !> The surface of a WHERE.
-  subroutine make_side(build, at, mesh, s, error)
-    type(build_t), intent(in) :: build
+  subroutine make_side(draft, at, mesh, s, error)
+    type(draft_t), intent(in) :: draft
     type(where_t), intent(in) :: at
     type(mesh_t), intent(in) :: mesh
     type(surface_t), intent(inout) :: s
@@ -127,10 +127,10 @@ contains
       if (.not. allocated(error%place%file)) error%place = at%face_place
       return
     end if
-    s%rigid = is_rigid_patch(build, at%body)
+    s%rigid = is_rigid_patch(draft, at%body)
     if (s%rigid) return
     s%thickness = mesh%body(body_index(mesh, at%body))%thickness
-    if (.not. s%thickness > 0.0_wp) s%thickness = body_thickness(build, at%body, at%mask)
+    if (.not. s%thickness > 0.0_wp) s%thickness = body_thickness(draft, at%body, at%mask)
   end subroutine make_side
 
   !> Reference areas of the elements of a side, and the diagonals of their nodes' boxes.
@@ -227,42 +227,42 @@ contains
 
   !> Before anything is meshed: surfaces of contacts, and contacts of curves. Errors go to the list;
   !! the names of patches were checked before.
-  subroutine check_contacts(build)
-    type(build_t), intent(inout) :: build
+  subroutine check_contacts(draft)
+    type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error
     integer :: c, i, j
 
-    do i = 1, size(build%contact)
-      if (build%contact(i)%at(2)%kind == 0) cycle ! its own error is in the list
-      call check_surfaces(build, build%contact(i), error)
-      if (allocated(error)) call build%errors%add(error)
+    do i = 1, size(draft%contact)
+      if (draft%contact(i)%at(2)%type == 0) cycle ! its own error is in the list
+      call check_surfaces(draft, draft%contact(i), error)
+      if (allocated(error)) call draft%errors%add(error)
     end do
-    do i = 1, build%ncurve
-      do j = 1, size(build%curve(i)%column)
-        associate (column => build%curve(i)%column(j))
+    do i = 1, draft%ncurve
+      do j = 1, size(draft%curve(i)%column)
+        associate (column => draft%curve(i)%column(j))
           if (.not. allocated(column%contact)) cycle
-          c = contact_named(build, column%contact)
+          c = contact_named(draft, column%contact)
           if (c == 0) then
             call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' is not defined', &
-                      column%contact_place, known_contacts(build, column%contact))
-          else if (build%contact(c)%at(2)%kind == 0) then
+                      column%contact_place, known_contacts(draft, column%contact))
+          else if (draft%contact(c)%at(2)%type == 0) then
             cycle ! its own error is in the list
           else if (column%quantity%id == Q_CONTACT_DEBONDED .and. &
-                   .not. build%contact(c)%contact%cohesive%given) then
+                   .not. draft%contact(c)%contact%cohesive%given) then
             call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' has no COHEsive', &
                       column%contact_place, 'DEBOnded is the released fraction of its bonds')
           else
             cycle
           end if
         end associate
-        call build%errors%add(error)
+        call draft%errors%add(error)
       end do
     end do
   end subroutine check_contacts
 
   !> Two surfaces without a common face, at least one of which can be deformed.
-  subroutine check_surfaces(build, entry, error)
-    type(build_t), intent(in) :: build
+  subroutine check_surfaces(draft, entry, error)
+    type(draft_t), intent(in) :: draft
     type(contact_entry_t), intent(in) :: entry
     type(error_t), allocatable, intent(out) :: error
 
@@ -272,7 +272,7 @@ contains
         call fail(error, DECK_ERROR, 'a face of patch '//quoted(b%body) &
                   //' is on both sides of contact '//quoted(name), b%face_place, &
                   'give two surfaces without a common face')
-      else if (is_rigid_patch(build, a%body) .and. is_rigid_patch(build, b%body)) then
+      else if (is_rigid_patch(draft, a%body) .and. is_rigid_patch(draft, b%body)) then
         call fail(error, DECK_ERROR, 'both bodies of contact '//quoted(name)//' are rigid', &
                   b%place, 'give one of them a TYPE of solid elements')
       end if
@@ -280,18 +280,18 @@ contains
   end subroutine check_surfaces
 
   !> The contact with the most similar name.
-  function known_contacts(build, name) result(hint)
-    type(build_t), intent(in) :: build
+  function known_contacts(draft, name) result(hint)
+    type(draft_t), intent(in) :: draft
     character(*), intent(in) :: name
     character(:), allocatable :: hint
     character(32), allocatable :: names(:)
     integer :: i
 
     hint = 'the deck has no CONTact'
-    if (size(build%contact) == 0) return
-    allocate (names(size(build%contact)))
+    if (size(draft%contact) == 0) return
+    allocate (names(size(draft%contact)))
     do i = 1, size(names)
-      names(i) = build%contact(i)%contact%name
+      names(i) = draft%contact(i)%contact%name
     end do
     hint = 'nearest known: '//trim(nearest(name, names))
   end function known_contacts

@@ -9,7 +9,7 @@ module input_draft
   use curve_type, only: quantity_t
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: deck_t, get_real
-  use input_lists, only: node_list_t, element_list_t, mention_list_t, place_list_t, MAX_NUMBER
+  use input_lists, only: node_list_t, element_list_t, named_nodes_t, place_list_t, MAX_NUMBER
   use input_where, only: where_t
   use mesh_body, only: mesh_spec_t
   use model, only: model_t
@@ -17,9 +17,10 @@ module input_draft
   use unread_constraints, only: unread_constraints_t
   implicit none
   private
-  public :: build_t, mesh_word_t, mesh_read_i, patch_entry_t, npatch_t, knot_vector_t, support_t, &
-            move_t, press_t, contact_entry_t, column_t, curve_entry_t, request_t, tie_t, &
-            next_data, next_line, skip_set, known_word, check_number, row_of
+  public :: draft_t, mesh_word_t, mesh_read_i, patch_entry_t, npatch_entry_t, knot_vector_t, &
+            support_entry_t, motion_entry_t, pressure_entry_t, contact_entry_t, column_entry_t, &
+            curve_entry_t, condition_entry_t, tie_entry_t, next_data, next_line, skip_set, &
+            known_word, check_number, row_of
 
   integer, parameter :: MOST_RECORDS = 24 !! different words in a set
 
@@ -39,14 +40,14 @@ module input_draft
   end type patch_entry_t
 
   !> NPATch: a trivariate patch, given by the numbers of its knot vectors and control points.
-  type :: npatch_t
+  type :: npatch_entry_t
     integer :: material = 0            !! the user's number
     integer :: n(3) = 0                !! control points
     integer :: knot(3) = 0             !! numbers of the knot vectors
     integer, allocatable :: node(:, :, :) !! (n1, n2, n3)
     logical :: is_geometry = .false.   !! of a PATCh, and no body of its own
     type(place_t) :: place
-  end type npatch_t
+  end type npatch_entry_t
 
   !> A knot vector of KNOTs.
   type :: knot_vector_t
@@ -56,32 +57,32 @@ module input_draft
   end type knot_vector_t
 
   !> A FIX record.
-  type :: support_t
+  type :: support_entry_t
     type(where_t) :: at
     integer :: code(3) = 0
-  end type support_t
+  end type support_entry_t
 
   !> A MOVE record.
-  type :: move_t
+  type :: motion_entry_t
     type(where_t) :: at
     type(motion_t) :: motion
-  end type move_t
+  end type motion_entry_t
 
   !> A PRESsure record.
-  type :: press_t
+  type :: pressure_entry_t
     type(where_t) :: at
     type(pressure_t) :: pressure
-  end type press_t
+  end type pressure_entry_t
 
   !> One record of a CURVe.
-  type :: column_t
-    type(where_t) :: at                !! kind 0: the quantity has no place
+  type :: column_entry_t
+    type(where_t) :: at                !! type 0: the quantity has no place
     type(quantity_t) :: quantity
     character(:), allocatable :: body  !! name of a patch; not allocated: the whole model
     type(place_t) :: body_place
     character(:), allocatable :: contact !! name of a contact; not allocated: none
     type(place_t) :: contact_place
-  end type column_t
+  end type column_entry_t
 
   !> CONTact: what its records give, and the places that only input needs.
   type :: contact_entry_t
@@ -94,13 +95,13 @@ module input_draft
   type :: curve_entry_t
     character(:), allocatable :: name
     type(place_t) :: place
-    type(column_t), allocatable :: column(:)
+    type(column_entry_t), allocatable :: column(:)
   end type curve_entry_t
 
   !> A record of EBOU EDIS EFOR EPRO CBOU CDIS CFOR CSUR: a condition by position, applied at the
   !! END of the mesh.
-  type :: request_t
-    integer :: kind = 0                !! its word: R_EBOU and the like
+  type :: condition_entry_t
+    integer :: word = 0                !! its word: R_EBOU and the like
     logical :: adds = .false.          !! to what other records gave
     integer :: direction = 0           !! normal of a plane; 0: a point or a surface
     real(wp) :: at(3) = 0.0_wp         !! point, or coordinate of a plane in at(1) [L]
@@ -108,17 +109,17 @@ module input_draft
     real(wp) :: value(3) = 0.0_wp
     real(wp), allocatable :: surface(:, :) !! (4, 9) points [L] and pressures [F/L^2]
     type(place_t) :: place
-  end type request_t
+  end type condition_entry_t
 
   !> A TIE record.
-  type :: tie_t
+  type :: tie_entry_t
     integer :: from = 1, to = huge(1)  !! range of nodes
     integer :: material(2) = 0         !! the user's numbers; 0: all materials
     integer :: direction = 0           !! normal of a plane; 0: the whole mesh
     real(wp) :: coordinate = 0.0_wp    !! [L]
     real(wp) :: tolerance = 0.0_wp     !! fraction of the mesh's extent; 0: FEAP's default
     type(place_t) :: place
-  end type tie_t
+  end type tie_entry_t
 
   !> A mesh word: its spelling, what follows it, and its reader.
   type :: mesh_word_t
@@ -130,51 +131,51 @@ module input_draft
   end type mesh_word_t
 
   !> Everything that the readers of the mesh part fill.
-  type :: build_t
+  type :: draft_t
     type(model_t), allocatable :: model
     type(error_list_t) :: errors
     type(mesh_word_t), allocatable :: row(:)
     type(control_t) :: control
     type(node_list_t) :: nodes
     type(element_list_t) :: elements
-    type(mention_list_t) :: mention
+    type(named_nodes_t) :: named_nodes
     type(place_list_t) :: places
-    type(unread_constraints_t) :: aside !! constraint tables beside the files of meshes
+    type(unread_constraints_t) :: tables !! constraint tables beside the files of meshes
     real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3]) !! TRAN
     real(wp) :: shift(3) = 0.0_wp
     integer :: last_node = 0, last_element = 0, last_material = 0 !! of the last BLOCk
     type(patch_entry_t), allocatable :: patch(:)
-    type(npatch_t), allocatable :: npatch(:)
+    type(npatch_entry_t), allocatable :: npatch(:)
     type(knot_vector_t), allocatable :: knots(:)
-    type(support_t), allocatable :: support(:)
+    type(support_entry_t), allocatable :: support(:)
     integer :: nsupport = 0
-    type(move_t), allocatable :: move(:)
-    integer :: nmove = 0
-    type(press_t), allocatable :: press(:)
-    integer :: npress = 0
+    type(motion_entry_t), allocatable :: motion(:)
+    integer :: nmotion = 0
+    type(pressure_entry_t), allocatable :: pressure(:)
+    integer :: npressure = 0
     type(contact_entry_t), allocatable :: contact(:)
     type(curve_entry_t), allocatable :: curve(:)
     integer :: ncurve = 0
-    integer :: nrequest = 0
-    type(request_t), allocatable :: request(:) !! (>= nrequest)
-    type(tie_t), allocatable :: tie(:)
+    integer :: ncondition = 0
+    type(condition_entry_t), allocatable :: condition(:) !! (>= ncondition)
+    type(tie_entry_t), allocatable :: tie(:)
     logical :: ended = .false.         !! the deck ended inside a set
     logical :: incomplete = .false.    !! an unknown word was skipped: definitions may be missing
     logical :: in_set = .false.        !! between a word and the blank record of its set
-    logical :: keeps_comments = .false. !! comments in the set are skipped; else they close it
+    logical :: skips_comments = .false. !! comments in the set are skipped; else they close it
     integer :: closed = 0              !! row of the word of this set, or of the last one
     type(place_t) :: closed_place      !! where that set begins
     integer :: closed_line = 0         !! and where it ends
     logical :: has_pending = .false.
     type(record_t) :: pending          !! a word that closed a set without a blank record
-  end type build_t
+  end type draft_t
 
   abstract interface
     !> Read a mesh word from its first record on; the records of its set come from the deck.
-    subroutine mesh_read_i(build, deck, record, error)
-      import :: build_t, deck_t, record_t, error_t
+    subroutine mesh_read_i(draft, deck, record, error)
+      import :: draft_t, deck_t, record_t, error_t
       implicit none
-      type(build_t), intent(inout) :: build
+      type(draft_t), intent(inout) :: draft
       type(deck_t), intent(inout) :: deck
       type(record_t), intent(in) :: record
       type(error_t), allocatable, intent(out) :: error
@@ -184,50 +185,50 @@ module input_draft
 contains
 
   !> Row of a word; 0: it is unknown.
-  pure integer function row_of(build, text) result(r)
-    type(build_t), intent(in) :: build
+  pure integer function row_of(draft, text) result(r)
+    type(draft_t), intent(in) :: draft
     character(*), intent(in) :: text
 
-    do r = size(build%row), 1, -1
-      if (key_of(build%row(r)%name) == key_of(text)) return
+    do r = size(draft%row), 1, -1
+      if (key_of(draft%row(r)%name) == key_of(text)) return
     end do
   end function row_of
 
-  pure logical function known_word(build, text) result(known)
-    type(build_t), intent(in) :: build
+  pure logical function known_word(draft, text) result(known)
+    type(draft_t), intent(in) :: draft
     character(*), intent(in) :: text
 
-    known = row_of(build, text) > 0 .or. key_of(text) == 'end' .or. key_of(text) == 'batc'
+    known = row_of(draft, text) > 0 .or. key_of(text) == 'end' .or. key_of(text) == 'batc'
   end function known_word
 
   !> Next record of a FEAP data set; `more` is false at its blank record.
-  subroutine next_data(build, deck, record, more, error)
-    type(build_t), intent(inout) :: build
+  subroutine next_data(draft, deck, record, more, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
     logical, intent(out) :: more
     type(error_t), allocatable, intent(out) :: error
 
-    build%keeps_comments = .false.
-    call next_in_set(build, deck, record, more, error)
+    draft%skips_comments = .false.
+    call next_in_set(draft, deck, record, more, error)
   end subroutine next_data
 
   !> Next record of a set that FEAP does not have; comments in it are skipped.
-  subroutine next_line(build, deck, record, more, error)
-    type(build_t), intent(inout) :: build
+  subroutine next_line(draft, deck, record, more, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
     logical, intent(out) :: more
     type(error_t), allocatable, intent(out) :: error
 
-    build%keeps_comments = .true.
-    call next_in_set(build, deck, record, more, error)
+    draft%skips_comments = .true.
+    call next_in_set(draft, deck, record, more, error)
   end subroutine next_line
 
   !> Read a record and decide whether it belongs to the set, closes it, or shows that its blank
   !! record is missing.
-  subroutine next_in_set(build, deck, record, more, error)
-    type(build_t), intent(inout) :: build
+  subroutine next_in_set(draft, deck, record, more, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
     logical, intent(out) :: more
@@ -237,40 +238,40 @@ contains
     real(wp) :: x
 
     more = .false.
-    call read_record(build, deck, record, error)
+    call read_record(draft, deck, record, error)
     if (allocated(error)) return
     if (record%is_blank()) then
-      build%in_set = .false.
-      build%closed_line = record%line
+      draft%in_set = .false.
+      draft%closed_line = record%line
     else if (record%is_end()) then
-      build%in_set = .false.
-      build%ended = .true.
-      build%incomplete = .true.
-      call fail(error, DECK_ERROR, 'the deck ends inside '//trim(build%row(build%closed)%name), &
-                build%closed_place, 'close it with a blank record, and the mesh with END')
+      draft%in_set = .false.
+      draft%ended = .true.
+      draft%incomplete = .true.
+      call fail(error, DECK_ERROR, 'the deck ends inside '//trim(draft%row(draft%closed)%name), &
+                draft%closed_place, 'close it with a blank record, and the mesh with END')
     else
       more = .true.
-      if (.not. ends_set(build, record)) return
+      if (.not. ends_set(draft, record)) return
       call get_real(deck, record, 1, x, not_a_number) ! a parameter may be named like a word
       if (.not. allocated(not_a_number)) return
       more = .false.
-      build%in_set = .false.
-      build%has_pending = .true.
-      build%pending = record
-      name = trim(build%row(build%closed)%name)
+      draft%in_set = .false.
+      draft%has_pending = .true.
+      draft%pending = record
+      name = trim(draft%row(draft%closed)%name)
       call fail(error, DECK_ERROR, 'expected a record of '//name//', which begins in line ' &
-                //to_text(build%closed_place%line)//', found '//quoted(record%text(1)), &
+                //to_text(draft%closed_place%line)//', found '//quoted(record%text(1)), &
                 record%place(1), 'close '//name//' with a blank record')
     end if
   end subroutine next_in_set
 
-  subroutine read_record(build, deck, record, error)
-    type(build_t), intent(in) :: build
+  subroutine read_record(draft, deck, record, error)
+    type(draft_t), intent(in) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
     type(error_t), allocatable, intent(out) :: error
 
-    if (build%keeps_comments) then
+    if (draft%skips_comments) then
       call deck%next_in_block(record, error)
     else
       call deck%next_of_set(record, error)
@@ -278,15 +279,15 @@ contains
   end subroutine read_record
 
   !> Is it a word that cannot be a record of the set, so that the blank record is missing?
-  pure logical function ends_set(build, record) result(ends)
-    type(build_t), intent(in) :: build
+  pure logical function ends_set(draft, record) result(ends)
+    type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record
 
     ends = .false.
-    if (record%n < 1 .or. build%closed == 0) return
-    associate (row => build%row(build%closed))
+    if (record%n < 1 .or. draft%closed == 0) return
+    associate (row => draft%row(draft%closed))
       if (row%has_numbers) then
-        ends = known_word(build, record%text(1))
+        ends = known_word(draft, record%text(1))
       else
         ends = any(record%key(1) == [character(4) :: 'end', 'batc', 'patc', 'spli', 'mesh', &
                                      'curv', 'fix', 'move'])
@@ -296,21 +297,21 @@ contains
   end function ends_set
 
   !> After an error: skip the rest of the set.
-  subroutine skip_set(build, deck, error)
-    type(build_t), intent(inout) :: build
+  subroutine skip_set(draft, deck, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
 
-    do while (build%in_set)
-      call read_record(build, deck, record, error)
+    do while (draft%in_set)
+      call read_record(draft, deck, record, error)
       if (allocated(error)) return
       if (record%kind == RECORD_WORDS) then
-        if (.not. ends_set(build, record)) cycle
-        build%has_pending = .true.
-        build%pending = record
+        if (.not. ends_set(draft, record)) cycle
+        draft%has_pending = .true.
+        draft%pending = record
       end if
-      build%in_set = .false.
+      draft%in_set = .false.
     end do
   end subroutine skip_set
 

@@ -7,8 +7,8 @@ module input_lists
   use base_kinds, only: wp
   implicit none
   private
-  public :: node_list_t, element_list_t, mention_list_t, place_list_t, grow_nodes, grow_elements, &
-            add_place, add_mention
+  public :: node_list_t, element_list_t, named_nodes_t, place_list_t, grow_nodes, grow_elements, &
+            add_place, add_named_node
 
   integer, parameter, public :: MAX_NUMBER = 50000000 !! nodes or elements of one mesh
 
@@ -41,10 +41,10 @@ module input_lists
   end type place_list_t
 
   !> Nodes that records refer to before they are defined.
-  type :: mention_list_t
+  type :: named_nodes_t
     integer, allocatable :: node(:) !! (>= place%n)
     type(place_list_t) :: place
-  end type mention_list_t
+  end type named_nodes_t
 
 contains
 
@@ -84,14 +84,14 @@ contains
   end subroutine add_place
 
   !> Append a node; whether it exists is checked at the END of the mesh.
-  subroutine add_mention(list, node, place)
-    type(mention_list_t), intent(inout) :: list
+  subroutine add_named_node(list, node, place)
+    type(named_nodes_t), intent(inout) :: list
     integer, intent(in) :: node
     type(place_t), intent(in) :: place
 
     call add_place(list%place, place)
     call grow(list%node, list%place%n)
     list%node(list%place%n) = node
-  end subroutine add_mention
+  end subroutine add_named_node
 
 end module input_lists

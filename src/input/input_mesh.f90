@@ -8,7 +8,7 @@ module input_mesh
   use constraint, only: constraint_t, add_constraint
   use element_table, only: load_elements
   use element_type, only: element_t
-  use input_draft, only: build_t
+  use input_draft, only: draft_t
   use input_npatch, only: npatch_geometry, append_npatch
   use input_where, only: body_index
   use mesh, only: mesh_t, block_t
@@ -25,23 +25,23 @@ contains
 
   !> Compare with the counts of the control record; more than it says is an error, as in FEAP's
   !! manual.
-  subroutine count_mesh(build)
-    type(build_t), intent(inout) :: build
+  subroutine count_mesh(draft)
+    type(draft_t), intent(inout) :: draft
 
-    associate (c => build%control)
-      call compare(build, c%numnp, build%nodes%top, 'numnp', 'nodes')
-      call compare(build, c%numel, build%elements%top, 'numel', 'elements')
-      if (size(build%model%material) > 0) then
-        call compare(build, c%nummat, maxval(build%model%material%number), 'nummat', 'materials')
+    associate (c => draft%control)
+      call compare(draft, c%numnp, draft%nodes%top, 'numnp', 'nodes')
+      call compare(draft, c%numel, draft%elements%top, 'numel', 'elements')
+      if (size(draft%model%material) > 0) then
+        call compare(draft, c%nummat, maxval(draft%model%material%number), 'nummat', 'materials')
       end if
-      if (build%elements%top > 0) then
-        call compare(build, c%nen, maxval(build%elements%nen), 'nen', 'nodes per element')
+      if (draft%elements%top > 0) then
+        call compare(draft, c%nen, maxval(draft%elements%nen), 'nen', 'nodes per element')
       end if
     end associate
   end subroutine count_mesh
 
-  subroutine compare(build, announced, found, name, what)
-    type(build_t), intent(inout) :: build
+  subroutine compare(draft, announced, found, name, what)
+    type(draft_t), intent(inout) :: draft
     integer, intent(in) :: announced, found
     character(*), intent(in) :: name !! in the control record
     character(*), intent(in) :: what !! in plural
@@ -49,15 +49,15 @@ contains
 
     if (announced == 0 .or. found <= announced) return
     call fail(error, DECK_ERROR, 'the deck has '//to_text(found)//' '//what//', but '//name &
-              //' of its control record is '//to_text(announced), build%control%place, &
+              //' of its control record is '//to_text(announced), draft%control%place, &
               'correct '//name//', or write '//name//' = 0 and let the program count')
-    call build%errors%add(error)
+    call draft%errors%add(error)
   end subroutine compare
 
   !> Nodes, then a block for each material and number of nodes, in order of appearance; errors go to
   !! the list.
-  subroutine make_mesh(build, mesh)
-    type(build_t), intent(inout) :: build
+  subroutine make_mesh(draft, mesh)
+    type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable :: error
     integer, allocatable :: group(:)    ! (nelem) of each element; 0: no element has this number
@@ -66,7 +66,7 @@ contains
     type(element_t), allocatable :: rows(:)
     integer :: n, e, a, g, m
 
-    associate (list => build%elements, nodes => build%nodes)
+    associate (list => draft%elements, nodes => draft%nodes)
       n = nodes%top
       mesh%nnode = n
       allocate (mesh%xr(3, n), mesh%is_control(n), mesh%body(0))
@@ -82,9 +82,9 @@ contains
           end if
           call fail(error, DECK_ERROR, 'element '//to_text(e)//' refers to node ' &
                     //to_text(list%node(a, e))//', which is not defined', &
-                    build%places%at(list%place(e)), 'define it by COORdinates or BLOCk; the ' &
+                    draft%places%at(list%place(e)), 'define it by COORdinates or BLOCk; the ' &
                     //'largest node number is '//to_text(nodes%top))
-          call build%errors%add(error)
+          call draft%errors%add(error)
           exit
         end do
       end do
@@ -92,7 +92,7 @@ contains
       allocate (material(0), nen(0))
       do e = 1, list%top
         if (list%nen(e) == 0) cycle
-        m = material_index(build, list%material(e))
+        m = material_index(draft, list%material(e))
         do g = size(nen), 1, -1
           if (material(g) == m .and. nen(g) == list%nen(e)) exit
         end do
@@ -105,19 +105,19 @@ contains
       end do
     end associate
     allocate (mesh%block(size(nen)))
-    if (build%errors%count() > 0) return
+    if (draft%errors%count() > 0) return
     call load_elements(rows)
     do g = 1, size(nen)
-      call make_block(build, pack([(e, e=1, size(group))], group == g), material(g), nen(g), rows, &
+      call make_block(draft, pack([(e, e=1, size(group))], group == g), material(g), nen(g), rows, &
                       mesh%block(g))
-      if (build%errors%count() > 0) return
+      if (draft%errors%count() > 0) return
     end do
   end subroutine make_mesh
 
   !> A block: the number of nodes decides the cell, and DISPlacement or ENHAnced of the material the
   !! formulation.
-  subroutine make_block(build, list, material, nen, rows, block)
-    type(build_t), intent(inout) :: build
+  subroutine make_block(draft, list, material, nen, rows, block)
+    type(draft_t), intent(inout) :: draft
     integer, intent(in) :: list(:)      !! (nelem) numbers of the elements
     integer, intent(in) :: material     !! index into the model's materials
     integer, intent(in) :: nen
@@ -126,7 +126,7 @@ contains
     type(error_t), allocatable :: error
     integer :: e, found
 
-    associate (set => build%model%material(material))
+    associate (set => draft%model%material(material))
       found = 0
       do e = size(rows), 1, -1 ! the first of the table counts
         if (rows(e)%deck_nodes == nen .and. (rows(e)%nmode > 0 .eqv. set%enhanced)) found = e
@@ -140,7 +140,7 @@ contains
                   //' has NURB interp, but its elements are bricks', &
                   set%place, 'remove the record: it applies to an NPATch')
       end if
-      if (allocated(error)) call build%errors%add(error)
+      if (allocated(error)) call draft%errors%add(error)
       if (found == 0) return
       block%row = rows(found)
       block%name = block%row%name
@@ -153,49 +153,49 @@ contains
     allocate (block%conn(nen, size(list)))
     do e = 1, size(list)
       if (block%row%deck_order(1) > 0) then
-        block%conn(block%row%deck_order(:nen), e) = build%elements%node(:nen, list(e))
+        block%conn(block%row%deck_order(:nen), e) = draft%elements%node(:nen, list(e))
       else
-        block%conn(:, e) = build%elements%node(:nen, list(e))
+        block%conn(:, e) = draft%elements%node(:nen, list(e))
       end if
     end do
   end subroutine make_block
 
   !> Append NPATch bodies on the given control points, then the patches in deck order; errors go to
   !! the list. Then mark the nodes that elements use.
-  subroutine make_bodies(build, mesh)
-    type(build_t), intent(inout) :: build
+  subroutine make_bodies(draft, mesh)
+    type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable :: error
     integer :: i, j, b, e
 
-    do i = 1, size(build%npatch)
-      if (build%npatch(i)%is_geometry) cycle
-      call append_npatch(build, i, mesh, error)
-      if (allocated(error)) call build%errors%add(error)
+    do i = 1, size(draft%npatch)
+      if (draft%npatch(i)%is_geometry) cycle
+      call append_npatch(draft, i, mesh, error)
+      if (allocated(error)) call draft%errors%add(error)
     end do
-    do i = 1, size(build%patch)
-      associate (p => build%patch(i))
-        p%spec%material = material_index(build, p%material)
+    do i = 1, size(draft%patch)
+      associate (p => draft%patch(i))
+        p%spec%material = material_index(draft, p%material)
         select case (p%spec%geometry)
         case (GEO_SPLINE)
-          call make_spline(build, p%spec, mesh, error)
+          call make_spline(draft, p%spec, mesh, error)
         case (GEO_MESH)
           do j = 1, size(p%mesh%material)
-            p%mesh%material(j)%index = material_index(build, p%mesh%material(j)%number)
+            p%mesh%material(j)%index = material_index(draft, p%mesh%material(j)%number)
           end do
           call build_mesh(p%mesh, mesh, error)
           if (.not. allocated(error)) then
-            call add_constraints(build, p%mesh%spec, p%mesh%constraint, p%mesh%constraint_place, &
+            call add_constraints(draft, p%mesh%spec, p%mesh%constraint, p%mesh%constraint_place, &
                                  mesh, error)
           end if
         case default
-          if (p%npatch > 0) call npatch_geometry(build, p%npatch, p%spec%nurbs, error)
+          if (p%npatch > 0) call npatch_geometry(draft, p%npatch, p%spec%nurbs, error)
           if (.not. allocated(error)) call build_body(p%spec, mesh, error)
         end select
       end associate
-      if (allocated(error)) call build%errors%add(error)
+      if (allocated(error)) call draft%errors%add(error)
     end do
-    if (build%errors%count() > 0) return
+    if (draft%errors%count() > 0) return
     mesh%used = .false.
     do b = 1, size(mesh%block)
       do e = 1, mesh%block(b)%nelem
@@ -205,8 +205,8 @@ contains
   end subroutine make_bodies
 
   !> Append the body of a SPLIne and its hanging nodes.
-  subroutine make_spline(build, spec, mesh, error)
-    type(build_t), intent(in) :: build
+  subroutine make_spline(draft, spec, mesh, error)
+    type(draft_t), intent(in) :: draft
     type(patch_spec_t), intent(inout) :: spec
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable, intent(out) :: error
@@ -218,21 +218,21 @@ contains
       inner = spec%spline%inner
       do e = 1, size(inner, 2)
         do c = 1, 4
-          call resolve_node(build, mesh, spec, spec%spline%layer_place, inner(c, e), error)
+          call resolve_node(draft, mesh, spec, spec%spline%layer_place, inner(c, e), error)
           if (allocated(error)) return
         end do
       end do
     end if
     call build_spline(spec, inner, mesh, error)
     if (allocated(error)) return
-    call add_constraints(build, spec, spec%spline%constraint, spec%spline%constraint_place, mesh, &
+    call add_constraints(draft, spec, spec%spline%constraint, spec%spline%constraint_place, mesh, &
                          error)
   end subroutine make_spline
 
   !> Append the constraints of the last body. In the table of a SPLIne the master -k is control
   !! point k of its surface.
-  subroutine add_constraints(build, spec, list, place, mesh, error)
-    type(build_t), intent(in) :: build
+  subroutine add_constraints(draft, spec, list, place, mesh, error)
+    type(draft_t), intent(in) :: draft
     type(patch_spec_t), intent(in) :: spec   !! of the body
     type(constraint_t), intent(in) :: list   !! nodes by their numbers in the table
     type(place_t), intent(in) :: place       !! of the table
@@ -246,7 +246,7 @@ contains
       node = [list%slave(i), list%master(list%first(i):list%first(i + 1) - 1)]
       do j = 1, size(node)
         if (node(j) >= 0 .or. spec%geometry == GEO_MESH) then
-          call resolve_node(build, mesh, spec, place, node(j), error)
+          call resolve_node(draft, mesh, spec, place, node(j), error)
           if (allocated(error)) return
           cycle
         end if
@@ -271,8 +271,8 @@ contains
 
   !> From the number of a node in a table to the node: the number is that of a mesh file, or of the
   !! deck.
-  subroutine resolve_node(build, mesh, spec, place, node, error)
-    type(build_t), intent(in) :: build
+  subroutine resolve_node(draft, mesh, spec, place, node, error)
+    type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     type(patch_spec_t), intent(in) :: spec   !! of the body that the table belongs to
     type(place_t), intent(in) :: place       !! of the table
@@ -286,12 +286,12 @@ contains
     else if (allocated(spec%spline%mesh)) then
       name = spec%spline%mesh
     else
-      if (node <= build%nodes%top) then
-        if (build%nodes%given(node)) return
+      if (node <= draft%nodes%top) then
+        if (draft%nodes%given(node)) return
       end if
       call fail(error, DECK_ERROR, 'a table of spline '//quoted(spec%name)//' refers to node ' &
                 //to_text(node)//', which is not defined', place, &
-                'the deck has nodes 1 to '//to_text(build%nodes%top))
+                'the deck has nodes 1 to '//to_text(draft%nodes%top))
       return
     end if
     b = body_index(mesh, name)

@@ -8,7 +8,7 @@ module input_model
   use input_conditions, only: apply_conditions, note_loose
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
-  use input_draft, only: build_t, mesh_read_i, skip_set, row_of, known_word
+  use input_draft, only: draft_t, mesh_read_i, skip_set, row_of, known_word
   use input_loads, only: integrate_loads
   use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
@@ -34,68 +34,68 @@ contains
     type(model_t), allocatable, intent(out) :: model
     type(error_list_t), intent(inout) :: errors      !! independent errors of the deck
     type(error_t), allocatable, intent(out) :: error !! one after which reading cannot go on
-    type(build_t) :: build
+    type(draft_t) :: draft
 
-    call load_mesh_words(build%row)
-    allocate (build%model)
-    allocate (build%model%material(0), build%model%contact(0), build%patch(0), build%npatch(0))
-    allocate (build%knots(0), build%support(0), build%contact(0))
-    allocate (build%move(0), build%press(0), build%curve(0), build%tie(0))
-    call read_mesh_part(build, deck, error)
+    call load_mesh_words(draft%row)
+    allocate (draft%model)
+    allocate (draft%model%material(0), draft%model%contact(0), draft%patch(0), draft%npatch(0))
+    allocate (draft%knots(0), draft%support(0), draft%contact(0))
+    allocate (draft%motion(0), draft%pressure(0), draft%curve(0), draft%tie(0))
+    call read_mesh_part(draft, deck, error)
     stages: block ! each needs the one before; one that has errors is the last
       if (allocated(error)) exit stages
-      call check_references(build)
-      if (.not. build%incomplete) call count_mesh(build)
-      if (build%errors%count() > 0) exit stages
-      associate (mesh => build%model%mesh, bc => build%model%bc)
-        call make_mesh(build, mesh)
-        if (build%errors%count() == 0) call make_bodies(build, mesh)
-        if (build%errors%count() == 0) call check_size(build, mesh)
-        if (build%errors%count() > 0) exit stages
+      call check_references(draft)
+      if (.not. draft%incomplete) call count_mesh(draft)
+      if (draft%errors%count() > 0) exit stages
+      associate (mesh => draft%model%mesh, bc => draft%model%bc)
+        call make_mesh(draft, mesh)
+        if (draft%errors%count() == 0) call make_bodies(draft, mesh)
+        if (draft%errors%count() == 0) call check_size(draft, mesh)
+        if (draft%errors%count() > 0) exit stages
         call tabulate_basis(mesh) ! surface loads need its rules
-        call apply_conditions(build, mesh, bc)
-        call tie_nodes(build, mesh, bc)
-        call close_constraints(build, mesh)
-        if (build%errors%count() > 0) exit stages
-        call resolve_supports(build, build%model)
-        call hold_rigid(build, build%model)
-        call release_slaves(build, mesh, bc)
-        call resolve_loads(build, build%model)
-        call note_loose(build, mesh, bc)
-        call find_unread(build%aside, build%model%unread)
-        call resolve_curves(build, build%model)
-        if (build%errors%count() > 0) exit stages
-        call check_jacobians(build, mesh)
-        if (build%errors%count() > 0) exit stages
-        call build_contacts(build, build%model)
-        if (build%errors%count() > 0) exit stages
-        call integrate_loads(build%model)
+        call apply_conditions(draft, mesh, bc)
+        call tie_nodes(draft, mesh, bc)
+        call close_constraints(draft, mesh)
+        if (draft%errors%count() > 0) exit stages
+        call resolve_supports(draft, draft%model)
+        call hold_rigid(draft, draft%model)
+        call release_slaves(draft, mesh, bc)
+        call resolve_loads(draft, draft%model)
+        call note_loose(draft, mesh, bc)
+        call find_unread(draft%tables, draft%model%unread)
+        call resolve_curves(draft, draft%model)
+        if (draft%errors%count() > 0) exit stages
+        call check_jacobians(draft, mesh)
+        if (draft%errors%count() > 0) exit stages
+        call build_contacts(draft, draft%model)
+        if (draft%errors%count() > 0) exit stages
+        call integrate_loads(draft%model)
       end associate
     end block stages
-    errors = build%errors
-    call move_alloc(build%model, model)
+    errors = draft%errors
+    call move_alloc(draft%model, model)
   end subroutine build_model
 
   !> Title, control record, and word after word up to END.
-  subroutine read_mesh_part(build, deck, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_mesh_part(draft, deck, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
     integer :: r
 
-    call read_title(build, deck, error)
+    call read_title(draft, deck, error)
     if (allocated(error)) return
-    call read_control(build, deck, error)
+    call read_control(draft, deck, error)
     if (allocated(error)) then
       if (error%code /= DECK_ERROR) return
-      call build%errors%add(error)
+      call draft%errors%add(error)
       deallocate (error)
     end if
     do
-      if (build%has_pending) then
-        record = build%pending
-        build%has_pending = .false.
+      if (draft%has_pending) then
+        record = draft%pending
+        draft%has_pending = .false.
       else
         call deck%next(record, error)
         if (allocated(error)) return
@@ -107,28 +107,28 @@ contains
         return
       end if
       if (record%key(1) == 'end') exit
-      r = row_of(build, record%text(1))
+      r = row_of(draft, record%text(1))
       if (r == 0) then
-        call skip_unknown(build, deck, record, error)
+        call skip_unknown(draft, deck, record, error)
       else
-        call read_word(build, deck, record, r, error)
+        call read_word(draft, deck, record, r, error)
       end if
-      if (allocated(error) .or. build%ended) return
+      if (allocated(error) .or. draft%ended) return
     end do
     do ! FEAP has TIE, and PARAmeters, also between END and BATCh
       call deck%next(record, error)
       if (allocated(error)) return
       if (record%is_blank()) cycle
       if (record%key(1) /= 'tie' .and. record%key(1) /= 'para') exit
-      call read_word(build, deck, record, row_of(build, record%text(1)), error)
+      call read_word(draft, deck, record, row_of(draft, record%text(1)), error)
       if (allocated(error)) return
     end do
     call deck%put_back(record)
   end subroutine read_mesh_part
 
   !> Read a known word; after an error go on behind its set.
-  subroutine read_word(build, deck, record, r, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_word(draft, deck, record, r, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     integer, intent(in) :: r !! its row
@@ -140,13 +140,13 @@ contains
     logical :: explained
     integer :: i
 
-    belongs = closed_hint(build, record)
-    build%in_set = build%row(r)%has_set
-    build%keeps_comments = any(build%row(r)%name == OURS)
-    if (build%in_set) then
-      build%closed = r
-      build%closed_place = record%place(1)
-      build%closed_line = 0
+    belongs = closed_hint(draft, record)
+    draft%in_set = draft%row(r)%has_set
+    draft%skips_comments = any(draft%row(r)%name == OURS)
+    if (draft%in_set) then
+      draft%closed = r
+      draft%closed_place = record%place(1)
+      draft%closed_line = 0
     end if
     explained = any(record%key(1) == ['coor', 'boun', 'forc', 'disp', 'fpro', 'bloc'])
     do i = 2, record%n
@@ -155,22 +155,22 @@ contains
     end do
     plain = record
     if (explained) plain%n = 1 ! words of explanation, as in FEAP's `BOUNdary conditions`
-    read => build%row(r)%read
-    call read (build, deck, plain, found)
+    read => draft%row(r)%read
+    call read (draft, deck, plain, found)
     if (.not. allocated(found)) return
     if (len(belongs) > 0 .and. found%place%line == record%line) found%hint = belongs
-    if (build%row(r)%name == 'PARAmeters' .or. record%assigns() .or. found%code /= DECK_ERROR) then
+    if (draft%row(r)%name == 'PARAmeters' .or. record%assigns() .or. found%code /= DECK_ERROR) then
       call move_alloc(found, error) ! records that follow would fail without the parameters
       return
     end if
-    call build%errors%add(found)
+    call draft%errors%add(found)
     call deck%stop_loops()
-    call skip_set(build, deck, error)
+    call skip_set(draft, deck, error)
   end subroutine read_word
 
   !> Hint for a record that could belong to the set closed last; else empty.
-  function closed_hint(build, record) result(hint)
-    type(build_t), intent(in) :: build
+  function closed_hint(draft, record) result(hint)
+    type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record
     character(:), allocatable :: hint
     logical :: belongs
@@ -178,20 +178,20 @@ contains
 
     hint = ''
     key = record%key(1)
-    if (build%closed == 0 .or. build%in_set .or. build%closed_line == 0) return
-    associate (row => build%row(build%closed))
+    if (draft%closed == 0 .or. draft%in_set .or. draft%closed_line == 0) return
+    associate (row => draft%row(draft%closed))
       belongs = any(row%records == key .and. row%records /= '')
       if (row%has_numbers) belongs = belongs .or. scan(key, '0123456789') == 1
       if (row%name == 'PARAmeters') belongs = record%assigns()
       if (belongs) hint = quoted(record%text(1))//' may belong to '//trim(row%name) &
                           //', which the blank record in line ' &
-                          //to_text(build%closed_line)//' closed'
+                          //to_text(draft%closed_line)//' closed'
     end associate
   end function closed_hint
 
   !> Report an unknown word with the nearest known one, and skip its records.
-  subroutine skip_unknown(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine skip_unknown(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -201,10 +201,10 @@ contains
     integer :: r
     logical :: to_blank
 
-    word = nearest(record%text(1), build%row%name)
-    r = row_of(build, word)
-    to_blank = build%row(r)%has_set .and. .not. build%row(r)%has_numbers
-    hint = closed_hint(build, record)
+    word = nearest(record%text(1), draft%row%name)
+    r = row_of(draft, word)
+    to_blank = draft%row(r)%has_set .and. .not. draft%row(r)%has_numbers
+    hint = closed_hint(draft, record)
     if (len(hint) == 0) then
       hint = 'nearest known: '//word
     else
@@ -215,9 +215,9 @@ contains
       call move_alloc(found, error) ! records that follow would fail without the parameter
       return
     end if
-    call build%errors%add(found)
+    call draft%errors%add(found)
     call deck%stop_loops()
-    build%incomplete = .true.
+    draft%incomplete = .true.
     do
       if (any(word == OURS)) then
         call deck%next_in_block(next, error)
@@ -227,9 +227,9 @@ contains
       if (allocated(error) .or. next%is_blank()) return
       if (to_blank .and. .not. (next%is_end() .or. next%key(1) == 'end' &
                                 .or. next%key(1) == 'batc')) cycle
-      if (next%kind == RECORD_WORDS .and. .not. known_word(build, next%text(1))) cycle
-      build%has_pending = .true.
-      build%pending = next
+      if (next%kind == RECORD_WORDS .and. .not. known_word(draft, next%text(1))) cycle
+      draft%has_pending = .true.
+      draft%pending = next
       return
     end do
   end subroutine skip_unknown

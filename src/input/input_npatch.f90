@@ -7,7 +7,7 @@ module input_npatch
   use element_table, only: load_elements
   use element_type, only: element_t, cell_t
   use hexa_shape, only: tensor_rule
-  use input_draft, only: build_t, npatch_t
+  use input_draft, only: draft_t, npatch_entry_t
   use mesh, only: mesh_t, block_t, body_t, operator_t, append_blocks, append_body
   use nurbs, only: nurbs_t, is_rational
   use patch_nurbs, only: check_nurbs, check_orientation
@@ -28,18 +28,18 @@ contains
 
   !> Knot vectors and control points of an NPATch. The multiplicity of the first knot tells the
   !! degree.
-  subroutine npatch_geometry(build, k, patch, error)
-    type(build_t), intent(in) :: build
+  subroutine npatch_geometry(draft, k, patch, error)
+    type(draft_t), intent(in) :: draft
     integer, intent(in) :: k
     type(nurbs_t), intent(out) :: patch
     type(error_t), allocatable, intent(out) :: error
     integer :: d, i, j, l, n
     real(wp) :: w
 
-    associate (p => build%npatch(k), nodes => build%nodes)
+    associate (p => draft%npatch(k), nodes => draft%nodes)
       do d = 1, 3
-        do i = size(build%knots), 1, -1
-          if (build%knots(i)%number == p%knot(d) .and. p%knot(d) > 0) exit
+        do i = size(draft%knots), 1, -1
+          if (draft%knots(i)%number == p%knot(d) .and. p%knot(d) > 0) exit
         end do
         if (i == 0) then
           call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d)) &
@@ -47,7 +47,7 @@ contains
                     'define it by KNOTs: open id len k1 k2 ...')
           return
         end if
-        patch%dir(d)%knots = build%knots(i)%u
+        patch%dir(d)%knots = draft%knots(i)%u
         patch%dir(d)%degree = count(patch%dir(d)%knots <= patch%dir(d)%knots(1)) - 1
       end do
       allocate (patch%cp(4, p%n(1), p%n(2), p%n(3)))
@@ -75,8 +75,8 @@ contains
   end subroutine npatch_geometry
 
   !> A body and a block of the given control points.
-  subroutine append_npatch(build, k, mesh, error)
-    type(build_t), intent(in) :: build
+  subroutine append_npatch(draft, k, mesh, error)
+    type(draft_t), intent(in) :: draft
     integer, intent(in) :: k
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable, intent(out) :: error
@@ -85,28 +85,28 @@ contains
     type(body_t) :: body
     integer :: b, last
 
-    call npatch_geometry(build, k, patch, error)
+    call npatch_geometry(draft, k, patch, error)
     if (allocated(error)) return
-    call check_orientation(patch, npatch_name(k), build%npatch(k)%place, error)
+    call check_orientation(patch, npatch_name(k), draft%npatch(k)%place, error)
     if (allocated(error)) return
     block%body = size(mesh%body) + 1
     body%name = npatch_name(k)
-    body%place = build%npatch(k)%place
-    call fill_block(build, k, patch, block)
+    body%place = draft%npatch(k)%place
+    call fill_block(draft, k, patch, block)
     last = 0
     do b = 1, size(mesh%block)
       last = max(last, maxval(mesh%block(b)%number))
     end do
     block%number = block%number + last
-    call fill_body(build%npatch(k), patch, size(mesh%block) + 1, block, body)
+    call fill_body(draft%npatch(k), patch, size(mesh%block) + 1, block, body)
     call append_blocks(mesh%block, [block])
     call append_body(mesh, body)
     mesh%is_control(body%node) = .true.
   end subroutine append_npatch
 
   !> One element for each knot span box, direction 1 fastest.
-  subroutine fill_block(build, k, patch, block)
-    type(build_t), intent(in) :: build
+  subroutine fill_block(draft, k, patch, block)
+    type(draft_t), intent(in) :: draft
     integer, intent(in) :: k
     type(nurbs_t), intent(in) :: patch
     type(block_t), intent(inout) :: block
@@ -125,7 +125,7 @@ contains
     call add_operators(patch%dir(2), block%ext%op, first2, iop2)
     call add_operators(patch%dir(3), block%ext%op, first3, iop3)
     block%name = 'IGA'//to_text(maxval(p))
-    block%material = material_index(build, build%npatch(k)%material)
+    block%material = material_index(draft, draft%npatch(k)%material)
     block%ext%degree = p
     block%nen = product(p + 1)
     block%nelem = size(iop1)*size(iop2)*size(iop3)
@@ -138,7 +138,7 @@ contains
           e = e + 1
           block%ext%iop(:, e) = [iop1(i), iop2(j), iop3(l)]
           associate (a => first1(i), b => first2(j), c => first3(l))
-            block%conn(:, e) = reshape(build%npatch(k)%node(a:a + p(1), b:b + p(2), c:c + p(3)), &
+            block%conn(:, e) = reshape(draft%npatch(k)%node(a:a + p(1), b:b + p(2), c:c + p(3)), &
                                        [block%nen])
             if (allocated(block%ext%w)) block%ext%w(:, e) = &
               reshape(patch%cp(4, a:a + p(1), b:b + p(2), c:c + p(3)), [block%nen])
@@ -147,7 +147,7 @@ contains
       end do
     end do
     block%number = [(e, e=1, block%nelem)]
-    associate (q => build%model%material(block%material)%nurbs_points)
+    associate (q => draft%model%material(block%material)%nurbs_points)
       cell%degree = p
       if (all(q > 0)) then
         call tensor_rule(q, 0, 0, block%rule)
@@ -188,7 +188,7 @@ contains
 
   !> Control points with the faces they lie on, and the element faces of each face.
   subroutine fill_body(p, patch, at, block, body)
-    type(npatch_t), intent(in) :: p
+    type(npatch_entry_t), intent(in) :: p
     type(nurbs_t), intent(in) :: patch
     integer, intent(in) :: at !! number of the block
     type(block_t), intent(in) :: block

@@ -48,7 +48,7 @@ contains
     character(4), intent(in) :: key
 
     do o = size(option), 1, -1
-      if (key_of(option(o)(:index(option(o)//' ', ' ') - 1)) == key) return
+      if (key_of(option(o) (:index(option(o)//' ', ' ') - 1)) == key) return
     end do
   end function option_row
 

@@ -5,7 +5,7 @@ module input_resolve
   use base_text, only: quoted
   use curve_type, only: Q_STRESS, Q_MAX_DISP
   use element_type, only: cell_t
-  use input_draft, only: build_t
+  use input_draft, only: draft_t
   use input_where, only: find_faces, find_nodes, body_index
   use mesh, only: mesh_t, block_t, block_cell, is_rigid
   use model, only: model_t
@@ -25,70 +25,70 @@ module input_resolve
 contains
 
   !> FIX adds restraints; MOVE becomes a motion.
-  subroutine resolve_supports(build, model)
-    type(build_t), intent(inout) :: build
+  subroutine resolve_supports(draft, model)
+    type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
     type(error_t), allocatable :: error
     integer, allocatable :: node(:)
     integer :: i, j
 
-    do i = 1, build%nsupport
-      call find_nodes(model%mesh, build%support(i)%at, node, error)
-      if (allocated(error)) call build%errors%add(error)
+    do i = 1, draft%nsupport
+      call find_nodes(model%mesh, draft%support(i)%at, node, error)
+      if (allocated(error)) call draft%errors%add(error)
       do j = 1, size(node)
         associate (fixed => model%bc%fixed(:, node(j)))
-          fixed = max(fixed, abs(build%support(i)%code))
+          fixed = max(fixed, abs(draft%support(i)%code))
         end associate
       end do
     end do
-    allocate (model%bc%motion(build%nmove))
-    do i = 1, build%nmove
-      model%bc%motion(i) = build%move(i)%motion
-      call find_nodes(model%mesh, build%move(i)%at, model%bc%motion(i)%node, error)
-      if (allocated(error)) call build%errors%add(error)
+    allocate (model%bc%motion(draft%nmotion))
+    do i = 1, draft%nmotion
+      model%bc%motion(i) = draft%motion(i)%motion
+      call find_nodes(model%mesh, draft%motion(i)%at, model%bc%motion(i)%node, error)
+      if (allocated(error)) call draft%errors%add(error)
     end do
   end subroutine resolve_supports
 
   !> Faces of the pressures.
-  subroutine resolve_loads(build, model)
-    type(build_t), intent(inout) :: build
+  subroutine resolve_loads(draft, model)
+    type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
     type(error_t), allocatable :: error
     integer :: i
 
-    allocate (model%bc%pressure(build%npress))
-    do i = 1, build%npress
+    allocate (model%bc%pressure(draft%npressure))
+    do i = 1, draft%npressure
       associate (p => model%bc%pressure(i))
-        p = build%press(i)%pressure
-        call find_faces(model%mesh, build%press(i)%at, p%block, p%elem, p%side, error)
+        p = draft%pressure(i)%pressure
+        call find_faces(model%mesh, draft%pressure(i)%at, p%block, p%elem, p%side, error)
       end associate
-      if (allocated(error)) call build%errors%add(error)
+      if (allocated(error)) call draft%errors%add(error)
     end do
   end subroutine resolve_loads
 
   !> Nodes, bodies, contacts and elements of the curves.
-  subroutine resolve_curves(build, model)
-    type(build_t), intent(inout) :: build
+  subroutine resolve_curves(draft, model)
+    type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
     type(error_t), allocatable :: error
     character(:), allocatable :: body
     logical, allocatable :: on(:)
     integer :: i, j, n
 
-    allocate (model%curve(build%ncurve))
-    do i = 1, build%ncurve
-      model%curve(i)%name = build%curve(i)%name
-      model%curve(i)%place = build%curve(i)%place
-      allocate (model%curve(i)%quantity(size(build%curve(i)%column)))
-      do j = 1, size(build%curve(i)%column)
-        associate (column => build%curve(i)%column(j), quantity => model%curve(i)%quantity(j), &
+    allocate (model%curve(draft%ncurve))
+    do i = 1, draft%ncurve
+      model%curve(i)%name = draft%curve(i)%name
+      model%curve(i)%place = draft%curve(i)%place
+      allocate (model%curve(i)%quantity(size(draft%curve(i)%column)))
+      do j = 1, size(draft%curve(i)%column)
+        associate (column => draft%curve(i)%column(j), quantity => model%curve(i)%quantity(j), &
                    mesh => model%mesh)
           quantity = column%quantity
           if (allocated(column%body)) quantity%body = body_index(mesh, column%body)
-          if (allocated(column%contact)) quantity%contact = contact_named(build, column%contact)
-          if (column%at%kind /= 0) then
+          if (allocated(column%contact)) quantity%contact = contact_named(draft, column%contact)
+          if (column%at%type /= 0) then
             call find_nodes(mesh, column%at, quantity%node, error)
-            if (allocated(error)) call build%errors%add(error)
+            if (allocated(error)) call draft%errors%add(error)
           end if
           if (quantity%id == Q_STRESS) then
             call locate_point(mesh, quantity%body, quantity%point, quantity%block, quantity%elem, &
@@ -98,7 +98,7 @@ contains
             if (allocated(column%body)) body = 'patch '//quoted(column%body)
             call fail(error, DECK_ERROR, 'the point lies outside '//body, quantity%place, &
                       'give its coordinates in the reference configuration')
-            call build%errors%add(error)
+            call draft%errors%add(error)
           else if (quantity%id == Q_MAX_DISP) then
             on = mesh%used
             if (quantity%body > 0) then

@@ -10,7 +10,7 @@ module input_surface
   use boundary, only: boundary_t
   use element_type, only: cell_t, topology_t
   use face_rule, only: face_points, face_normal, face_directions
-  use input_draft, only: request_t
+  use input_draft, only: condition_entry_t
   use mesh, only: mesh_t, block_t, block_cell
   use tensor, only: cross
   implicit none
@@ -31,7 +31,7 @@ contains
   !> Nodes on the surface.
   subroutine mark_surface(mesh, r, active, on)
     type(mesh_t), intent(in) :: mesh
-    type(request_t), intent(in) :: r
+    type(condition_entry_t), intent(in) :: r
     logical, intent(in) :: active(:)
     logical, allocatable, intent(out) :: on(:)
     real(wp) :: low(3), high(3), gap, xi(2), normal(3)
@@ -48,7 +48,7 @@ contains
 
   !> The box of the surface, widened, and FEAP's gap.
   pure subroutine search_box(r, nnode, low, high, gap)
-    type(request_t), intent(in) :: r
+    type(condition_entry_t), intent(in) :: r
     integer, intent(in) :: nnode
     real(wp), intent(out) :: low(3), high(3), gap
 
@@ -116,7 +116,7 @@ contains
   !> Forces of the pressure on the element faces whose four corners lie on the surface.
   subroutine load_surface(mesh, r, on, bc, error)
     type(mesh_t), intent(in) :: mesh
-    type(request_t), intent(in) :: r
+    type(condition_entry_t), intent(in) :: r
     logical, intent(in) :: on(:) !! (nnode) nodes on the surface
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable, intent(out) :: error
@@ -150,7 +150,7 @@ contains
     type(block_t), intent(in) :: block
     integer, intent(in) :: e, f
     type(cell_t), intent(in) :: cell
-    type(request_t), intent(in) :: r
+    type(condition_entry_t), intent(in) :: r
     type(boundary_t), intent(inout) :: bc
     logical, intent(inout) :: found
     real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :), x(:, :)

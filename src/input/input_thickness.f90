@@ -2,7 +2,7 @@
 module input_thickness
   use base_error, only: error_t
   use base_kinds, only: wp
-  use input_draft, only: build_t
+  use input_draft, only: draft_t
   use input_npatch, only: npatch_geometry, npatch_name
   use nurbs, only: nurbs_t, evaluate
   use patch_check, only: hemisphere_degree
@@ -22,8 +22,8 @@ contains
   !> Smallest distance [L] between corresponding points of the named faces and those opposite; 0
   !! where such faces meet, and where there is no opposite face. The patch is measured before it is
   !! refined; its placement does not change distances.
-  function body_thickness(build, name, mask) result(thickness)
-    type(build_t), intent(in) :: build
+  function body_thickness(draft, name, mask) result(thickness)
+    type(draft_t), intent(in) :: draft
     character(*), intent(in) :: name  !! of a PATCh or NPATch
     integer, intent(in) :: mask       !! bits f-1 of its faces
     real(wp) :: thickness
@@ -34,9 +34,9 @@ contains
     integer :: d, degree, k, p
 
     thickness = 0.0_wp
-    p = patch_named(build, name)
+    p = patch_named(draft, name)
     if (p > 0) then
-      associate (spec => build%patch(p)%spec)
+      associate (spec => draft%patch(p)%spec)
         if (spec%geometry == GEO_SPLINE) then ! a layer under a surface has a thickness of its own
           if (spec%spline%has_layer) &
             thickness = spline_thickness(spec%spline%surface, -1.0_wp) ! a_1 x a_2 points inwards
@@ -47,8 +47,8 @@ contains
         if (.not. allocated(error)) patch = geo%coarse
       end associate
     else
-      do k = 1, size(build%npatch)
-        if (npatch_name(k) == name) call npatch_geometry(build, k, patch, error)
+      do k = 1, size(draft%npatch)
+        if (npatch_name(k) == name) call npatch_geometry(draft, k, patch, error)
       end do
     end if
     if (allocated(error)) return

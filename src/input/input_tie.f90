@@ -8,7 +8,7 @@ module input_tie
   use base_kinds, only: wp
   use base_sort, only: sort_index, unique
   use boundary, only: boundary_t
-  use input_draft, only: build_t, tie_t
+  use input_draft, only: draft_t, tie_entry_t
   use mesh, only: mesh_t, body_t, is_rigid
   implicit none
   private
@@ -29,17 +29,17 @@ module input_tie
 contains
 
   !> Carry out all TIE records; `used` is set anew.
-  subroutine tie_nodes(build, mesh, bc)
-    type(build_t), intent(in) :: build
+  subroutine tie_nodes(draft, mesh, bc)
+    type(draft_t), intent(in) :: draft
     type(mesh_t), intent(inout) :: mesh
     type(boundary_t), intent(inout) :: bc
     integer, allocatable :: new(:)
     integer :: i, n, b
 
-    if (all(build%tie%from == 0)) return
+    if (all(draft%tie%from == 0)) return
     new = [(n, n=1, mesh%nnode)]
-    do i = 1, count(build%tie%from > 0)
-      call find_pairs(build, build%tie(i), mesh, new)
+    do i = 1, count(draft%tie%from > 0)
+      call find_pairs(draft, draft%tie(i), mesh, new)
     end do
     do n = 1, mesh%nnode
       new(n) = new(new(n)) ! numbers fall, so the target is final
@@ -71,9 +71,9 @@ contains
   end subroutine tie_nodes
 
   !> For each node the one that it becomes.
-  subroutine find_pairs(build, tie, mesh, new)
-    type(build_t), intent(in) :: build
-    type(tie_t), intent(in) :: tie
+  subroutine find_pairs(draft, tie, mesh, new)
+    type(draft_t), intent(in) :: draft
+    type(tie_entry_t), intent(in) :: tie
     type(mesh_t), intent(in) :: mesh
     integer, intent(inout) :: new(:) !! (nnode)
     type(grid_t) :: grid
@@ -96,7 +96,7 @@ contains
     end where
     allocate (grid%head(grid%cells(1), grid%cells(2), grid%cells(3)), source=0)
     allocate (grid%next(mesh%nnode), source=0)
-    call classify(build, tie, mesh, grid%tol, class)
+    call classify(draft, tie, mesh, grid%tol, class)
     do n = 1, mesh%nnode
       if (class(n) == 0 .or. new(n) /= n) cycle
       at = max(1, min(grid%cells, int((mesh%xr(:, n) - grid%low)/grid%width) + 1))
@@ -113,7 +113,7 @@ contains
   !> A node kept so far to which node n of cell `at` is tied; 0: none.
   pure integer function partner(grid, tie, mesh, class, n, at) result(m)
     type(grid_t), intent(in) :: grid
-    type(tie_t), intent(in) :: tie
+    type(tie_entry_t), intent(in) :: tie
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: class(:)    !! (nnode)
     integer, intent(in) :: n, at(3)
@@ -136,9 +136,9 @@ contains
   end function partner
 
   !> Nodes that take part: 0 for those that do not; bits 0 and 1 tell two materials apart.
-  subroutine classify(build, tie, mesh, tol, class)
-    type(build_t), intent(in) :: build
-    type(tie_t), intent(in) :: tie
+  subroutine classify(draft, tie, mesh, tol, class)
+    type(draft_t), intent(in) :: draft
+    type(tie_entry_t), intent(in) :: tie
     type(mesh_t), intent(in) :: mesh
     real(wp), intent(in) :: tol(3)
     integer, allocatable, intent(out) :: class(:)
@@ -148,7 +148,7 @@ contains
     do b = 1, size(mesh%block)
       number = 0 ! of rigid bodies
       if (.not. is_rigid(mesh%block(b))) then
-        number = build%model%material(mesh%block(b)%material)%number
+        number = draft%model%material(mesh%block(b)%material)%number
       end if
       if (tie%material(1) > 0 .and. all(tie%material /= number)) cycle
       do i = 1, mesh%block(b)%nelem

@@ -21,7 +21,7 @@ module input_where
   !> A place in the reference mesh, resolved after TIE. W_GROUP is a name that is not one of a face:
   !! the body must be a MESH or a SPLIne.
   type :: where_t
-    integer :: kind = 0                !! W_FACES to W_GROUP
+    integer :: type = 0                !! W_FACES to W_GROUP
     character(:), allocatable :: body  !! name as written
     character(:), allocatable :: face  !! face or group as written
     integer :: mask = 0                !! bit f-1 of each face f
@@ -47,18 +47,18 @@ contains
     place%place = record%place(i)
     select case (record%key(i))
     case ('node')
-      place%kind = W_NODE
+      place%type = W_NODE
       call get_integer(deck, record, i + 1, place%node, error)
       i = i + 2
     case ('poin')
-      place%kind = W_POINT
+      place%type = W_POINT
       do d = 1, 3
         call get_real(deck, record, i + d, place%x(d), error)
         if (allocated(error)) return
       end do
       i = i + 4
     case ('plan')
-      place%kind = W_PLANE
+      place%type = W_PLANE
       call get_integer(deck, record, i + 1, place%direction, error)
       if (allocated(error)) return
       if (place%direction < 1 .or. place%direction > 3) then
@@ -86,7 +86,7 @@ contains
                 record%place(i + 1), FACE_HINT)
       return
     end if
-    place%kind = W_FACES
+    place%type = W_FACES
     place%face_place = record%place(i + 1)
     place%face = record%text(i + 1)
     select case (record%key(i + 1))
@@ -97,7 +97,7 @@ contains
     case default
       f = face_number(place%face)
       if (f == 0) then
-        place%kind = W_GROUP
+        place%type = W_GROUP
         i = i + 2
         return
       end if
@@ -110,7 +110,7 @@ contains
                       //' have no common edge', record%place(i + 2), FACE_HINT)
             return
           end if
-          place%kind = W_EDGE
+          place%type = W_EDGE
           place%mask = ibset(place%mask, second - 1)
           i = i + 1
         end if
@@ -172,7 +172,7 @@ contains
     integer :: g, i, n
 
     allocate (on(mesh%nnode), source=.false.)
-    select case (place%kind)
+    select case (place%type)
     case (W_FACES, W_EDGE, W_GROUP)
       associate (body => mesh%body(body_index(mesh, place%body)))
         g = group_index(body, place%face)
@@ -182,7 +182,7 @@ contains
           do i = 1, size(body%node)
             n = iand(body%mask(i), place%mask)
             if (n == 0) cycle
-            if (n == place%mask .or. place%kind == W_FACES) on(body%node(i)) = .true.
+            if (n == place%mask .or. place%type == W_FACES) on(body%node(i)) = .true.
           end do
         end if
       end associate
@@ -232,7 +232,7 @@ contains
     integer :: b, f, g
 
     allocate (block(0), elem(0), side(0))
-    if (place%kind /= W_FACES .and. place%kind /= W_GROUP) then
+    if (place%type /= W_FACES .and. place%type /= W_GROUP) then
       call fail(error, DECK_ERROR, 'expected a face of a patch', place%place, FACE_HINT)
       return
     end if

@@ -15,7 +15,7 @@ module word_block
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
   use elmt_q2, only: FEAP27
-  use input_draft, only: build_t, next_data
+  use input_draft, only: draft_t, next_data
   use input_fields, only: get_numbers
   use input_lists, only: add_place, MAX_NUMBER, grow_nodes, grow_elements
   use tensor, only: det3
@@ -44,8 +44,8 @@ module word_block
 contains
 
   !> BLOCk and its records; a master node 0 ends them as a blank record does (FEAP).
-  subroutine read_block(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_block(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -55,7 +55,7 @@ contains
     integer :: i
 
     call check_count(record, 1, 1, 'BLOCk has no options; CARTesian r s t follows', error)
-    if (.not. allocated(error)) call next_data(build, deck, line, more, error)
+    if (.not. allocated(error)) call next_data(draft, deck, line, more, error)
     if (allocated(error)) return
     if (.not. more) then
       call fail(error, DECK_ERROR, 'BLOCk has no records', record%place(1), &
@@ -65,7 +65,7 @@ contains
     call read_sizes(deck, line, spec, error)
     if (allocated(error)) return
     do
-      call next_data(build, deck, line, more, error)
+      call next_data(draft, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
       select case (line%key(1))
@@ -85,7 +85,7 @@ contains
         if (allocated(error)) error%hint = 'write a master node as i x y z; other records are ' &
                                            //'BRICk n and MATErial m'
         if (allocated(error)) return
-        build%in_set = i /= 0
+        draft%in_set = i /= 0
         if (i == 0) exit
         call check_count(line, 2, 4, 'write a master node as i x y z', error)
         if (allocated(error)) return
@@ -102,12 +102,12 @@ contains
       end select
       if (allocated(error)) return
     end do
-    call check_block(build, record, spec, error)
+    call check_block(draft, record, spec, error)
     if (allocated(error)) return
-    call make_nodes(build, spec)
+    call make_nodes(draft, spec)
     if (spec%element < 0) return
-    call add_place(build%places, record%place(1))
-    call make_elements(build, spec)
+    call add_place(draft%places, record%place(1))
+    call make_elements(draft, spec)
   end subroutine read_block
 
   !> CARTesian r s t [node1 elmt1 mat type].
@@ -150,8 +150,8 @@ contains
   end subroutine read_sizes
 
   !> Checks corners, increments and size; sets FEAP's defaults of the numbers.
-  subroutine check_block(build, record, spec, error)
-    type(build_t), intent(inout) :: build
+  subroutine check_block(draft, record, spec, error)
+    type(draft_t), intent(inout) :: draft
     type(record_t), intent(in) :: record
     type(block_spec_t), intent(inout) :: spec
     type(error_t), allocatable, intent(out) :: error
@@ -173,9 +173,9 @@ contains
         return
       end do
     end if
-    if (spec%node == 0) spec%node = build%last_node + 1
-    if (spec%element == 0) spec%element = build%last_element + 1
-    if (spec%material == 0) spec%material = max(build%last_material, 1)
+    if (spec%node == 0) spec%node = draft%last_node + 1
+    if (spec%element == 0) spec%element = draft%last_element + 1
+    if (spec%material == 0) spec%material = max(draft%last_material, 1)
     nnode = spec%node - 1_i8
     nelem = max(spec%element - 1_i8, 0_i8)
     if (product(real(spec%n, wp) + 1.0_wp) <= real(MAX_NUMBER, wp)) then
@@ -193,8 +193,8 @@ contains
 
   !> Nodes at equal steps of the parameters of the master brick, r fastest. Missing master nodes
   !! follow FEAP's rules: edges are straight, faces and the middle interpolate edges and corners.
-  subroutine make_nodes(build, spec)
-    type(build_t), intent(inout) :: build
+  subroutine make_nodes(draft, spec)
+    type(draft_t), intent(inout) :: draft
     type(block_spec_t), intent(in) :: spec
     real(wp) :: list(3, 27), x(3, 3, 3, 3), edges(3), corners(3), f1(3), f2(3), f3(3), p(3)
     logical :: given(27)
@@ -225,7 +225,7 @@ contains
       corners = sum(sum(sum(x(:, 1:3:2, 1:3:2, 1:3:2), 4), 3), 2)
       x(:, 2, 2, 2) = 0.25_wp*(edges - corners)
     end if
-    call grow_nodes(build%nodes, spec%node + product(spec%n + 1) - 1)
+    call grow_nodes(draft%nodes, spec%node + product(spec%n + 1) - 1)
     n = spec%node - 1
     do k = 0, spec%n(3)
       f3 = functions(k, spec%n(3))
@@ -242,14 +242,14 @@ contains
             end do
           end do
           n = n + 1
-          build%nodes%x(:, n) = matmul(build%turn, p) + build%shift
-          build%nodes%given(n) = .true.
-          build%nodes%weight(n) = 0.0_wp
+          draft%nodes%x(:, n) = matmul(draft%turn, p) + draft%shift
+          draft%nodes%given(n) = .true.
+          draft%nodes%weight(n) = 0.0_wp
         end do
       end do
     end do
-    build%nodes%top = max(build%nodes%top, n)
-    build%last_node = n
+    draft%nodes%top = max(draft%nodes%top, n)
+    draft%last_node = n
   end subroutine make_nodes
 
   !> Middle of a face: half the sum of its edges' middles less a quarter of that of its corners.
@@ -270,14 +270,14 @@ contains
   end function functions
 
   !> Elements, r fastest. Where TRANsform mirrors, their lower and upper faces are exchanged.
-  subroutine make_elements(build, spec)
-    type(build_t), intent(inout) :: build
+  subroutine make_elements(draft, spec)
+    type(draft_t), intent(inout) :: draft
     type(block_spec_t), intent(in) :: spec
     integer :: m, nen, i, j, k, a, b, c, e, at, box(27), node(27)
 
     m = merge(1, 2, spec%type == BRICK_8)
     nen = merge(8, 27, m == 1)
-    call grow_elements(build%elements, spec%element + product(spec%n/m) - 1, nen)
+    call grow_elements(draft%elements, spec%element + product(spec%n/m) - 1, nen)
     e = spec%element - 1
     do k = 0, spec%n(3) - m, m
       do j = 0, spec%n(2) - m, m
@@ -296,21 +296,21 @@ contains
           else
             node = box(FEAP27)
           end if
-          if (det3(build%turn) < 0.0_wp) node(:nen) = node(MIRRORED(:nen))
+          if (det3(draft%turn) < 0.0_wp) node(:nen) = node(MIRRORED(:nen))
           e = e + 1
-          associate (list => build%elements)
+          associate (list => draft%elements)
             list%node(:, e) = 0
             list%node(:nen, e) = node(:nen)
             list%nen(e) = nen
             list%material(e) = spec%material
-            list%place(e) = build%places%n
+            list%place(e) = draft%places%n
           end associate
         end do
       end do
     end do
-    build%elements%top = max(build%elements%top, e)
-    build%last_element = e
-    build%last_material = spec%material
+    draft%elements%top = max(draft%elements%top, e)
+    draft%last_element = e
+    draft%last_material = spec%material
   end subroutine make_elements
 
 end module word_block

@@ -5,7 +5,7 @@ module word_boundary
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: build_t, support_t, move_t, press_t
+  use input_draft, only: draft_t, support_entry_t, motion_entry_t, pressure_entry_t
   use input_fields, only: get_numbers, get_axis
   use input_where, only: read_where, W_FACES, W_GROUP
   implicit none
@@ -17,13 +17,13 @@ module word_boundary
 contains
 
   !> FIX,WHERE c1 c2 c3.
-  subroutine read_fix(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_fix(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
-    type(support_t) :: s
-    type(support_t), allocatable :: longer(:)
+    type(support_entry_t) :: s
+    type(support_entry_t), allocatable :: longer(:)
     integer :: i
 
     i = 2
@@ -32,25 +32,25 @@ contains
                                                  'FIX,WHERE code1 code2 code3', error)
     if (.not. allocated(error)) call get_numbers(deck, record, i, s%code, error, 0)
     if (allocated(error)) return
-    if (build%nsupport == size(build%support)) then
-      allocate (longer(2*build%nsupport + 8))
-      longer(:build%nsupport) = build%support
-      call move_alloc(longer, build%support)
+    if (draft%nsupport == size(draft%support)) then
+      allocate (longer(2*draft%nsupport + 8))
+      longer(:draft%nsupport) = draft%support
+      call move_alloc(longer, draft%support)
     end if
-    build%nsupport = build%nsupport + 1
-    build%support(build%nsupport) = s
+    draft%nsupport = draft%nsupport + 1
+    draft%support(draft%nsupport) = s
   end subroutine read_fix
 
   !> MOVE,WHERE TRANslate dx dy dz, or ROTAte px py pz  ax ay az  degrees, then [PROP k].
-  subroutine read_move(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_move(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: USAGE = 'MOVE,WHERE TRANslate dx dy dz [PROP k], or ROTAte px ' &
                                //'py pz  ax ay az  degrees [PROP k]'
-    type(move_t) :: m
-    type(move_t), allocatable :: longer(:)
+    type(motion_entry_t) :: m
+    type(motion_entry_t), allocatable :: longer(:)
     integer :: i, d, first
 
     i = 2
@@ -93,13 +93,13 @@ contains
     end associate
     if (.not. allocated(error)) call check_count(record, i - 1, i - 1, USAGE, error)
     if (allocated(error)) return
-    if (build%nmove == size(build%move)) then
-      allocate (longer(2*build%nmove + 8))
-      longer(:build%nmove) = build%move
-      call move_alloc(longer, build%move)
+    if (draft%nmotion == size(draft%motion)) then
+      allocate (longer(2*draft%nmotion + 8))
+      longer(:draft%nmotion) = draft%motion
+      call move_alloc(longer, draft%motion)
     end if
-    build%nmove = build%nmove + 1
-    build%move(build%nmove) = m
+    draft%nmotion = draft%nmotion + 1
+    draft%motion(draft%nmotion) = m
   end subroutine read_move
 
   !> [PROP k] in field i; i then is the field behind it.
@@ -127,20 +127,20 @@ contains
   end subroutine read_table
 
   !> PRESsure,WHERE p [PROP k] [FOLLower].
-  subroutine read_pressure(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_pressure(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: USAGE = 'PRESsure,patch,face p [PROP k] [FOLLower]'
-    type(press_t) :: p
-    type(press_t), allocatable :: longer(:)
+    type(pressure_entry_t) :: p
+    type(pressure_entry_t), allocatable :: longer(:)
     integer :: i
 
     i = 2
     call read_where(deck, record, i, p%at, error)
     if (allocated(error)) return
-    if (p%at%kind /= W_FACES .and. p%at%kind /= W_GROUP) then
+    if (p%at%type /= W_FACES .and. p%at%type /= W_GROUP) then
       call fail(error, DECK_ERROR, 'a pressure needs a face of a patch or a group of a mesh', &
                 p%at%place, USAGE//'; for elements of ELEMents use CSURface')
       return
@@ -165,13 +165,13 @@ contains
     end if
     call check_count(record, i - 1, i - 1, USAGE, error)
     if (allocated(error)) return
-    if (build%npress == size(build%press)) then
-      allocate (longer(2*build%npress + 8))
-      longer(:build%npress) = build%press
-      call move_alloc(longer, build%press)
+    if (draft%npressure == size(draft%pressure)) then
+      allocate (longer(2*draft%npressure + 8))
+      longer(:draft%npressure) = draft%pressure
+      call move_alloc(longer, draft%pressure)
     end if
-    build%npress = build%npress + 1
-    build%press(build%npress) = p
+    draft%npressure = draft%npressure + 1
+    draft%pressure(draft%npressure) = p
   end subroutine read_pressure
 
 end module word_boundary

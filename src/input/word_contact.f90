@@ -9,7 +9,7 @@ module word_contact
   use contact_pair, only: bond_t
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: build_t, contact_entry_t, next_line
+  use input_draft, only: draft_t, contact_entry_t, next_line
   use input_option, only: next_option, read_positive, with_options
   use input_record, only: check_record, record_word_t
   use input_where, only: read_where, W_FACES, W_GROUP
@@ -26,25 +26,25 @@ module word_contact
   integer, parameter :: LONGEST = 32   !! of a name, which becomes part of column names
 
   type(record_word_t), parameter, public :: CONTACT_RECORDS(8) = [ &
-      record_word_t('SURFaces'), record_word_t('NORMal'), record_word_t('FRICtion'), &
-      record_word_t('COHEsive'), record_word_t('BONDed', .true.), record_word_t('DEPTh'), &
-      record_word_t('QUADrature'), record_word_t('BALAnced')]
+                    record_word_t('SURFaces'), record_word_t('NORMal'), record_word_t('FRICtion'), &
+               record_word_t('COHEsive'), record_word_t('BONDed', .true.), record_word_t('DEPTh'), &
+                                            record_word_t('QUADrature'), record_word_t('BALAnced')]
 
 contains
 
   !> Index of a contact by its name; 0: there is none.
-  pure integer function contact_named(build, name) result(c)
-    type(build_t), intent(in) :: build
+  pure integer function contact_named(draft, name) result(c)
+    type(draft_t), intent(in) :: draft
     character(*), intent(in) :: name
 
-    do c = size(build%contact), 1, -1
-      if (lower(build%contact(c)%contact%name) == lower(name)) return
+    do c = size(draft%contact), 1, -1
+      if (lower(draft%contact(c)%contact%name) == lower(name)) return
     end do
   end function contact_named
 
   !> CONTact,name and its records.
-  subroutine read_contact(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_contact(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -55,23 +55,23 @@ contains
 
     call check_count(record, 2, 2, 'CONTact,name', error)
     if (allocated(error)) return
-    i = contact_named(build, record%text(2))
+    i = contact_named(draft, record%text(2))
     if (.not. fits_name(record%text(2), LONGEST)) then
       call fail(error, DECK_ERROR, quoted(record%text(2))//' is not a valid name of a contact', &
                 record%place(2), 'columns are named after the contact: use up to ' &
                 //to_text(LONGEST)//' letters, digits, _ and -')
     else if (i > 0) then
       call fail(error, DECK_ERROR, 'duplicate contact '//quoted(record%text(2)), record%place(2), &
-                'the first one is in line '//to_text(build%contact(i)%contact%place%line))
+                'the first one is in line '//to_text(draft%contact(i)%contact%place%line))
     end if
     if (allocated(error)) return
     entry%contact%name = record%text(2)
     entry%contact%place = record%place(2)
     allocate (entry%contact%bond(0))
-    build%contact = [build%contact, entry] ! an error in its records must not make it unknown
+    draft%contact = [draft%contact, entry] ! an error in its records must not make it unknown
     seen = .false.
     do
-      call next_line(build, deck, line, more, error)
+      call next_line(draft, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
       call check_record(line, CONTACT_RECORDS, 'CONTact', &
@@ -80,7 +80,7 @@ contains
       if (allocated(error)) return
     end do
     call check_complete(entry, error)
-    build%contact(size(build%contact)) = entry
+    draft%contact(size(draft%contact)) = entry
   end subroutine read_contact
 
   !> One record, whose word is known.
@@ -119,7 +119,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     associate (contact => entry%contact)
-      if (entry%at(1)%kind == 0) then
+      if (entry%at(1)%type == 0) then
         call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has no SURFaces', &
                   contact%place, 'give '//SURFACE_USAGE)
       else if (.not. contact%normal%given) then
@@ -151,7 +151,7 @@ contains
       if (i > line%n) call check_count(line, 5, 5, SURFACE_USAGE, error)
       if (.not. allocated(error)) call read_where(deck, line, i, entry%at(k), error)
       if (allocated(error)) return
-      if (entry%at(k)%kind /= W_FACES .and. entry%at(k)%kind /= W_GROUP) then
+      if (entry%at(k)%type /= W_FACES .and. entry%at(k)%type /= W_GROUP) then
         call fail(error, DECK_ERROR, 'a contact acts between faces of patches', &
                   entry%at(k)%place, SURFACE_USAGE//'; SIDEs and ALL stand for several faces')
         return

@@ -9,7 +9,7 @@ module word_contact_law
   use contact_pair, only: assigned_law_t
   use contact_table, only: load_contact_laws
   use contact_type, only: contact_law_t, NORMAL, FRICTION, COHESIVE, PENALTY, SMOOTHING, MU, &
-      TANGENTIAL_PENALTY
+                          TANGENTIAL_PENALTY
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_real
   use input_draft, only: contact_entry_t

@@ -4,7 +4,7 @@ module word_control
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count, RECORD_WORDS, RECORD_END
   use deck_stream, only: deck_t, get_integer
-  use input_draft, only: build_t, known_word
+  use input_draft, only: draft_t, known_word
   use input_fields, only: get_numbers
   implicit none
   private
@@ -18,8 +18,8 @@ module word_control
 contains
 
   !> FEAP ** title.
-  subroutine read_title(build, deck, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_title(draft, deck, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
@@ -43,13 +43,13 @@ contains
         if (verify(at%text(first:first), ' *'//achar(9)) /= 0) exit
         first = first + 1
       end do
-      build%model%title = at%text(first:last)
+      draft%model%title = at%text(first:last)
     end if
   end subroutine read_title
 
   !> Six numbers, or records such as `ndm = 3` up to a blank record or another word.
-  subroutine read_control(build, deck, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_control(draft, deck, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
@@ -61,15 +61,15 @@ contains
       call fail(error, DECK_ERROR, 'the deck ends after its title', record%place(1), USAGE)
       return
     end if
-    build%control%place = record%place(1)
+    draft%control%place = record%place(1)
     n = 0
     n(NDF) = 3
     if (size_index(record) > 0) then
       do while (record%kind == RECORD_WORDS)
         i = size_index(record)
         if (i == 0) then
-          build%has_pending = .true.
-          build%pending = record
+          draft%has_pending = .true.
+          draft%pending = record
           exit
         end if
         call check_count(record, 2, 2, USAGE, error)
@@ -78,13 +78,13 @@ contains
         if (n(i) < 0) call fail(error, DECK_ERROR, record%text(1)//' is '//to_text(n(i)), &
                                 record%place(2), 'give a positive number, or 0 for the program ' &
                                 //'to count')
-        if (i == NDM) build%control%place = record%place(2)
+        if (i == NDM) draft%control%place = record%place(2)
         if (.not. allocated(error)) call deck%next_of_set(record, error)
         if (allocated(error)) return
       end do
-    else if (known_word(build, record%text(1))) then
-      build%has_pending = .true.
-      build%pending = record
+    else if (known_word(draft, record%text(1))) then
+      draft%has_pending = .true.
+      draft%pending = record
       call fail(error, DECK_ERROR, 'the control record is missing', record%place(1), USAGE)
     else
       call check_count(record, 6, 9, USAGE, error)
@@ -96,7 +96,7 @@ contains
                            //'the program to count')
     end if
     if (allocated(error)) return
-    associate (c => build%control)
+    associate (c => draft%control)
       c%numnp = n(NUMNP)
       c%numel = n(NUMEL)
       c%nummat = n(NUMMAT)

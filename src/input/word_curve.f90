@@ -3,13 +3,13 @@ module word_curve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, nearest, lower, key_of, fits_name
   use curve_type, only: Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, Q_MAX_MISES, &
-      Q_BOOK, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, Q_CONTACT_TANGENTIAL, &
-      Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED, &
-      B_WORK, B_STORED, B_KINETIC, B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, B_IMBALANCE, &
-      B_BONDS, B_DAMAGE, B_VISCOUS
+              Q_BOOK, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, Q_CONTACT_TANGENTIAL, &
+       Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED, &
+            B_WORK, B_STORED, B_KINETIC, B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, B_IMBALANCE, &
+                        B_BONDS, B_DAMAGE, B_VISCOUS
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
-  use input_draft, only: build_t, curve_entry_t, column_t, next_line
+  use input_draft, only: draft_t, curve_entry_t, column_entry_t, next_line
   use input_fields, only: get_numbers, get_direction, get_axis
   use input_record, only: record_word_t, word_index, word_list
   use input_where, only: read_where
@@ -18,10 +18,10 @@ module word_curve
   public :: read_curve
 
   type(record_word_t), parameter, public :: CURVE_RECORDS(8) = [ &
-      record_word_t('FORCe', .true.), record_word_t('TORQue', .true.), &
-      record_word_t('DISP', .true.), record_word_t('CONTact', .true.), &
-      record_word_t('STREss', .true.), record_word_t('ENERgy', .true.), &
-      record_word_t('MAXImum', .true.), record_word_t('BOOK', .true.)]
+                                  record_word_t('FORCe', .true.), record_word_t('TORQue', .true.), &
+                                  record_word_t('DISP', .true.), record_word_t('CONTact', .true.), &
+                                 record_word_t('STREss', .true.), record_word_t('ENERgy', .true.), &
+                                    record_word_t('MAXImum', .true.), record_word_t('BOOK', .true.)]
 
   !> A quantity of BOOK or CONTact: its word, what it is and the name of its column.
   type :: quantity_word_t
@@ -32,28 +32,28 @@ module word_curve
 
   !> Terms of the energy balance.
   type(quantity_word_t), parameter :: ENERGIES(11) = [ &
-      quantity_word_t('WORK', B_WORK, 'work'), &
-      quantity_word_t('STORed', B_STORED, 'stored'), &
-      quantity_word_t('KINEtic', B_KINETIC, 'kinetic'), &
-      quantity_word_t('NORMal', B_NORMAL, 'normal'), &
-      quantity_word_t('FRICtion', B_FRICTION, 'friction'), &
-      quantity_word_t('COHEsive', B_COHESIVE, 'cohesive'), &
-      quantity_word_t('INERtia', B_INERTIA, 'inertia'), &
-      quantity_word_t('IMBAlance', B_IMBALANCE, 'imbalance'), &
-      quantity_word_t('BONDs', B_BONDS, 'bonds'), &
-      quantity_word_t('DAMAge', B_DAMAGE, 'damage'), &
-      quantity_word_t('VISCous', B_VISCOUS, 'viscous')]
+                                      quantity_word_t('WORK', B_WORK, 'work'), &
+                                      quantity_word_t('STORed', B_STORED, 'stored'), &
+                                      quantity_word_t('KINEtic', B_KINETIC, 'kinetic'), &
+                                      quantity_word_t('NORMal', B_NORMAL, 'normal'), &
+                                      quantity_word_t('FRICtion', B_FRICTION, 'friction'), &
+                                      quantity_word_t('COHEsive', B_COHESIVE, 'cohesive'), &
+                                      quantity_word_t('INERtia', B_INERTIA, 'inertia'), &
+                                      quantity_word_t('IMBAlance', B_IMBALANCE, 'imbalance'), &
+                                      quantity_word_t('BONDs', B_BONDS, 'bonds'), &
+                                      quantity_word_t('DAMAge', B_DAMAGE, 'damage'), &
+                                      quantity_word_t('VISCous', B_VISCOUS, 'viscous')]
 
   type(quantity_word_t), parameter :: OF_CONTACT(9) = [ &
-      quantity_word_t('FORCe', Q_CONTACT_FORCE, 'force'), &
-      quantity_word_t('TORQue', Q_CONTACT_TORQUE, 'torque'), &
-      quantity_word_t('PRESsure', Q_CONTACT_PRESSURE, 'pressure'), &
-      quantity_word_t('TANGential', Q_CONTACT_TANGENTIAL, 'tangential'), &
-      quantity_word_t('STICk', Q_CONTACT_STICK, 'stick'), &
-      quantity_word_t('SLIP', Q_CONTACT_SLIP, 'slip'), &
-      quantity_word_t('AREA', Q_CONTACT_AREA, 'area'), &
-      quantity_word_t('PENEtration', Q_CONTACT_PENETRATION, 'penetration'), &
-      quantity_word_t('DEBOnded', Q_CONTACT_DEBONDED, 'debonded')]
+                                      quantity_word_t('FORCe', Q_CONTACT_FORCE, 'force'), &
+                                      quantity_word_t('TORQue', Q_CONTACT_TORQUE, 'torque'), &
+                                      quantity_word_t('PRESsure', Q_CONTACT_PRESSURE, 'pressure'), &
+                                quantity_word_t('TANGential', Q_CONTACT_TANGENTIAL, 'tangential'), &
+                                      quantity_word_t('STICk', Q_CONTACT_STICK, 'stick'), &
+                                      quantity_word_t('SLIP', Q_CONTACT_SLIP, 'slip'), &
+                                      quantity_word_t('AREA', Q_CONTACT_AREA, 'area'), &
+                             quantity_word_t('PENEtration', Q_CONTACT_PENETRATION, 'penetration'), &
+                                      quantity_word_t('DEBOnded', Q_CONTACT_DEBONDED, 'debonded')]
 
   !> Components of a stress as the deck names them, and their places in Voigt's order.
   character(2), parameter :: COMPONENT(9) = ['11', '22', '33', '12', '23', '31', '21', '32', '13']
@@ -63,13 +63,13 @@ module word_curve
 contains
 
   !> CURVe,name and its records.
-  subroutine read_curve(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_curve(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
     type(curve_entry_t) :: curve
-    type(column_t) :: column
+    type(column_entry_t) :: column
     type(record_t) :: line
     logical :: more
     integer :: i
@@ -88,16 +88,16 @@ contains
                 'TPLOt writes a file of this name')
       return
     end if
-    do i = 1, build%ncurve
-      if (lower(build%curve(i)%name) /= lower(curve%name)) cycle
+    do i = 1, draft%ncurve
+      if (lower(draft%curve(i)%name) /= lower(curve%name)) cycle
       call fail(error, DECK_ERROR, 'duplicate curve '//quoted(curve%name), curve%place, &
-                'the first one is in line '//to_text(build%curve(i)%place%line) &
+                'the first one is in line '//to_text(draft%curve(i)%place%line) &
                 //'; one CURVe may have many records')
       return
     end do
     allocate (curve%column(0))
     do
-      call next_line(build, deck, line, more, error)
+      call next_line(draft, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
       call read_column(deck, line, column, error)
@@ -109,15 +109,15 @@ contains
                 'records are '//word_list(CURVE_RECORDS%name, ' '))
       return
     end if
-    build%curve = [build%curve, curve]
-    build%ncurve = size(build%curve)
+    draft%curve = [draft%curve, curve]
+    draft%ncurve = size(draft%curve)
   end subroutine read_curve
 
   !> One record.
   subroutine read_column(deck, line, column, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
-    type(column_t), intent(out) :: column
+    type(column_entry_t), intent(out) :: column
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: TORQUE = 'TORQue WHERE px py pz  ax ay az', &
                                MAXIMUM = 'MAXImum displacement|mises [patch]'
@@ -203,7 +203,7 @@ contains
   subroutine read_stress(deck, line, column, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
-    type(column_t), intent(inout) :: column
+    type(column_entry_t), intent(inout) :: column
     type(error_t), allocatable, intent(out) :: error
     integer :: d
 
@@ -226,7 +226,7 @@ contains
   subroutine read_body(line, i, column)
     type(record_t), intent(in) :: line
     integer, intent(in) :: i
-    type(column_t), intent(inout) :: column
+    type(column_entry_t), intent(inout) :: column
 
     if (line%is_empty(i)) return
     column%body = line%text(i)
@@ -237,7 +237,7 @@ contains
   subroutine read_contact_quantity(deck, line, column, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
-    type(column_t), intent(inout) :: column
+    type(column_entry_t), intent(inout) :: column
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: usage
     integer :: w

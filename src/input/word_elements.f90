@@ -13,7 +13,7 @@ module word_elements
   use deck_stream, only: deck_t, get_integer
   use element_table, only: load_elements
   use element_type, only: element_t
-  use input_draft, only: build_t, next_data, check_number
+  use input_draft, only: draft_t, next_data, check_number
   use input_lists, only: grow_elements, add_place
   use mesh_shape, only: node_counts
   implicit none
@@ -31,8 +31,8 @@ module word_elements
 contains
 
   !> ELEMents [OLD] [MATErial m].
-  subroutine read_elements(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_elements(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -62,9 +62,9 @@ contains
       i = i + 1
     end do
     do
-      call next_data(build, deck, line, more, error)
+      call next_data(draft, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
-      call read_entry(build, deck, line, old, pack(rows%deck_nodes, rows%deck_nodes > 0), e, error)
+      call read_entry(draft, deck, line, old, pack(rows%deck_nodes, rows%deck_nodes > 0), e, error)
       if (allocated(error) .or. e%number == 0) return
       if (material > 0) e%material = material
       if (e%number <= last%number) then
@@ -75,18 +75,18 @@ contains
       do while (last%number > 0 .and. last%number < e%number - 1) ! generate those between
         last%number = last%number + 1
         where (last%node > 0) last%node = last%node + last%increment
-        call store(build, last, line, error)
+        call store(draft, last, line, error)
         if (allocated(error)) return
       end do
-      call store(build, e, line, error)
+      call store(draft, e, line, error)
       if (allocated(error)) return
       last = e
     end do
   end subroutine read_elements
 
   !> One element; number 0 ends the data as a blank record does (FEAP).
-  subroutine read_entry(build, deck, record, old, counts, e, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_entry(draft, deck, record, old, counts, e, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     logical, intent(in) :: old
@@ -100,19 +100,19 @@ contains
     call get_integer(deck, record, 1, e%number, error)
     if (allocated(error)) return
     if (e%number == 0) then
-      build%in_set = .false.
+      draft%in_set = .false.
       return
     end if
     call check_number('element', e%number, record%place(1), error)
     if (allocated(error)) return
     usage = 'an element is: n g m and its '//node_counts(counts)//' nodes'
-    call collect_numbers(build, deck, record, merge(2, 3, old) + minval(counts), &
+    call collect_numbers(draft, deck, record, merge(2, 3, old) + minval(counts), &
                          4 + maxval(counts), usage, field, error)
     if (allocated(error)) return
     if (old) then ! n m nodes [g]: is the last number the increment?
       e%material = field(2)
       n = size(field) - 2
-      nen = build%control%nen ! 0: the control record does not say
+      nen = draft%control%nen ! 0: the control record does not say
       if (any(counts == n - 1) .and. (n == nen + 1 .or. .not. any(counts == n))) then
         e%increment = field(n + 2)
         n = n - 1
@@ -139,8 +139,8 @@ contains
   end subroutine read_entry
 
   !> All numbers of an element: those of its first record, and of a second where FEAP needs one.
-  subroutine collect_numbers(build, deck, first, least, most, usage, field, error)
-    type(build_t), intent(inout) :: build
+  subroutine collect_numbers(draft, deck, first, least, most, usage, field, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: first
     integer, intent(in) :: least, most !! fields of a record
@@ -159,11 +159,11 @@ contains
       if (allocated(error)) return
     end do
     continues = first%n == FEAP_FIELDS
-    if (build%control%nen > FEAP_FIELDS - 3) continues = first%n <= FEAP_FIELDS
+    if (draft%control%nen > FEAP_FIELDS - 3) continues = first%n <= FEAP_FIELDS
     if (.not. continues) return
-    call next_data(build, deck, second, more, error)
+    call next_data(draft, deck, second, more, error)
     if (allocated(error)) return
-    build%in_set = .true. ! a blank second record is one of zeros
+    draft%in_set = .true. ! a blank second record is one of zeros
     if (.not. more) return
     call check_count(second, 1, FEAP_FIELDS, &
                      'the second record of an element holds its other nodes', error)
@@ -176,8 +176,8 @@ contains
   end subroutine collect_numbers
 
   !> Put an element into the list of the model under construction.
-  subroutine store(build, e, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine store(draft, e, record, error)
+    type(draft_t), intent(inout) :: draft
     type(entry_t), intent(inout) :: e
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -191,11 +191,11 @@ contains
       return
     end do
     if (e%place == 0) then
-      call add_place(build%places, record%place(1))
-      e%place = build%places%n
+      call add_place(draft%places, record%place(1))
+      e%place = draft%places%n
     end if
-    call grow_elements(build%elements, e%number, nen)
-    associate (list => build%elements)
+    call grow_elements(draft%elements, e%number, nen)
+    associate (list => draft%elements)
       list%node(:, e%number) = 0
       list%node(:nen, e%number) = e%node
       list%nen(e%number) = nen
@@ -203,7 +203,7 @@ contains
       list%place(e%number) = e%place
       list%top = max(list%top, e%number)
     end associate
-    build%last_element = max(build%last_element, e%number)
+    draft%last_element = max(draft%last_element, e%number)
   end subroutine store
 
 end module word_elements

@@ -15,7 +15,7 @@ module word_material
   use base_text, only: to_text, quoted, nearest, key_of
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: build_t, next_data
+  use input_draft, only: draft_t, next_data
   use material_table, only: load_materials
   use material_type, only: material_t, material_usage, constant_error_t, MAX_PROP
   use model, only: material_set_t
@@ -24,7 +24,7 @@ module word_material
   public :: read_material, material_index
 
   !> The records of a law and its strains, before they are combined: their order is free.
-  type :: draft_t
+  type :: law_entry_t
     type(material_t) :: law                !! the name is empty until ELAStic is read
     integer :: strain = 0                  !! SMALL or FINITE
     integer :: nvalue = 0                  !! the numbers of ELAStic, then k of VOLUme k
@@ -33,28 +33,28 @@ module word_material
     integer :: volume = 0                  !! k of VOLUme k
     logical :: volume_given = .false.
     type(place_t) :: strain_place, volume_place
-  end type draft_t
+  end type law_entry_t
 
   integer, parameter :: SMALL = 1, FINITE = 2
   character(12), parameter, public :: WORD(8) = &
-                              ['ELAStic     ', 'SMALl       ', 'FINIte      ', 'DISPlacement', &
-                               'ENHAnced    ', 'DENSity     ', 'BODY        ', 'NURB        ']
+                                  ['ELAStic     ', 'SMALl       ', 'FINIte      ', 'DISPlacement', &
+                                     'ENHAnced    ', 'DENSity     ', 'BODY        ', 'NURB        ']
   integer, parameter :: MAX_POINT = 16 !! integration points in a direction
 
 contains
 
   !> Index of a material by the user's number; 0: there is none.
-  pure integer function material_index(build, number) result(i)
-    type(build_t), intent(in) :: build
+  pure integer function material_index(draft, number) result(i)
+    type(draft_t), intent(in) :: draft
     integer, intent(in) :: number
 
-    do i = size(build%model%material), 1, -1
-      if (build%model%material(i)%number == number) return
+    do i = size(draft%model%material), 1, -1
+      if (draft%model%material(i)%number == number) return
     end do
   end function material_index
 
-  subroutine read_material(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_material(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -71,15 +71,15 @@ contains
                 'material numbers are positive')
       return
     end if
-    i = material_index(build, set%number)
+    i = material_index(draft, set%number)
     if (i > 0) then
       call fail(error, DECK_ERROR, 'duplicate material '//to_text(set%number), set%place, &
-                'it is already defined in line '//to_text(build%model%material(i)%place%line))
+                'it is already defined in line '//to_text(draft%model%material(i)%place%line))
       return
     end if
     ! It is added before its records are read: an error in them must not make it unknown.
-    build%model%material = [build%model%material, set]
-    call next_data(build, deck, line, more, error)
+    draft%model%material = [draft%model%material, set]
+    call next_data(draft, deck, line, more, error)
     if (allocated(error)) return
     if (.not. more) then
       call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' is empty', set%place, &
@@ -93,18 +93,18 @@ contains
     end if
     call check_count(line, 1, 1, 'SOLId takes no further fields', error)
     if (allocated(error)) return
-    call read_properties(build, deck, set, error)
-    build%model%material(size(build%model%material)) = set
+    call read_properties(draft, deck, set, error)
+    draft%model%material(size(draft%model%material)) = set
   end subroutine read_material
 
   !> Records up to the blank one.
-  subroutine read_properties(build, deck, set, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_properties(draft, deck, set, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(material_set_t), intent(inout) :: set
     type(error_t), allocatable, intent(out) :: error
     type(material_t), allocatable :: laws(:)
-    type(draft_t) :: draft
+    type(law_entry_t) :: given
     type(record_t) :: line
     logical :: more, seen(size(WORD))
     integer :: w
@@ -112,7 +112,7 @@ contains
     call load_materials(laws)
     seen = .false.
     do
-      call next_data(build, deck, line, more, error)
+      call next_data(draft, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
       do w = size(WORD), 1, -1
@@ -131,9 +131,9 @@ contains
       seen(w) = .true.
       select case (line%key(1))
       case ('elas')
-        call read_law(deck, line, laws, draft, error)
+        call read_law(deck, line, laws, given, error)
       case ('smal', 'fini')
-        call read_strain(deck, line, draft, error)
+        call read_strain(deck, line, given, error)
       case ('disp', 'enha')
         call check_count(line, 1, 1, 'DISPlacement and ENHAnced take no further fields', error)
         if (allocated(error)) return
@@ -158,7 +158,7 @@ contains
       end select
       if (allocated(error)) return
     end do
-    call set_law(draft, set, error)
+    call set_law(given, set, error)
   end subroutine read_properties
 
   !> BODY [FORCe] b1 b2 b3. FEAP ignores the field after BODY.
@@ -213,11 +213,11 @@ contains
   end subroutine read_points
 
   !> ELAStic law numbers.
-  subroutine read_law(deck, line, laws, draft, error)
+  subroutine read_law(deck, line, laws, given, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
     type(material_t), intent(in) :: laws(:)
-    type(draft_t), intent(inout) :: draft
+    type(law_entry_t), intent(inout) :: given
     type(error_t), allocatable, intent(out) :: error
     real(wp) :: prop(MAX_PROP)
     character(:), allocatable :: names
@@ -226,42 +226,42 @@ contains
     names = ''
     do i = 1, size(laws)
       names = names//' '//trim(laws(i)%name)
-      if (key_of(laws(i)%name) == line%key(2)) draft%law = laws(i)
+      if (key_of(laws(i)%name) == line%key(2)) given%law = laws(i)
     end do
-    if (draft%law%name == '') then
+    if (given%law%name == '') then
       call fail(error, DECK_ERROR, 'unknown law '//quoted(line%text(2)), line%place(2), &
                 'known laws:'//names)
       return
     end if
-    draft%nvalue = draft%law%nvalue
-    call check_count(line, draft%nvalue + 2, draft%nvalue + 2, material_usage(draft%law), error)
+    given%nvalue = given%law%nvalue
+    call check_count(line, given%nvalue + 2, given%nvalue + 2, material_usage(given%law), error)
     if (allocated(error)) return
-    do i = 1, draft%nvalue
-      call get_real(deck, line, i + 2, draft%value(i), error)
+    do i = 1, given%nvalue
+      call get_real(deck, line, i + 2, given%value(i), error)
       if (allocated(error)) return
-      draft%place(i) = line%place(i + 2)
+      given%place(i) = line%place(i + 2)
     end do
-    call set_properties(draft, prop, error) ! so that the first error of the material is reported
+    call set_properties(given, prop, error) ! so that the first error of the material is reported
   end subroutine read_law
 
   !> SMALl, or FINIte [VOLUme k].
-  subroutine read_strain(deck, line, draft, error)
+  subroutine read_strain(deck, line, given, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
-    type(draft_t), intent(inout) :: draft
+    type(law_entry_t), intent(inout) :: given
     type(error_t), allocatable, intent(out) :: error
     integer :: strain
 
     strain = merge(SMALL, FINITE, line%key(1) == 'smal')
     if (strain == SMALL) call check_count(line, 1, 1, 'SMALl takes no further fields', error)
     if (allocated(error)) return
-    if (draft%strain /= 0) then
+    if (given%strain /= 0) then
       call fail(error, DECK_ERROR, 'the material is both SMALl and FINIte', line%place(1), &
                 'keep one of them')
       return
     end if
-    draft%strain = strain
-    draft%strain_place = line%place(1)
+    given%strain = strain
+    given%strain_place = line%place(1)
     if (line%n == 1) return
     if (line%key(2) /= 'volu') then
       call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(2))//' of FINIte', &
@@ -270,53 +270,53 @@ contains
     end if
     call check_count(line, 3, 3, 'FINIte [VOLUme k]', error)
     if (allocated(error)) return
-    call get_integer(deck, line, 3, draft%volume, error)
-    draft%volume_given = .true.
-    draft%volume_place = line%place(3)
+    call get_integer(deck, line, 3, given%volume, error)
+    given%volume_given = .true.
+    given%volume_place = line%place(3)
   end subroutine read_strain
 
   !> The law with its properties; ELAStic, SMALl, FINIte and VOLUme must agree.
-  subroutine set_law(draft, set, error)
-    type(draft_t), intent(inout) :: draft
+  subroutine set_law(given, set, error)
+    type(law_entry_t), intent(inout) :: given
     type(material_set_t), intent(inout) :: set
     type(error_t), allocatable, intent(out) :: error
 
-    if (draft%law%name == '') then
+    if (given%law%name == '') then
       call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' has no law', set%place, &
                 'add ELAStic, the name of a law and its numbers')
       return
     end if
-    set%row = draft%law
-    if (draft%strain /= 0 .and. (draft%strain == FINITE .neqv. set%row%finite)) then
+    set%row = given%law
+    if (given%strain /= 0 .and. (given%strain == FINITE .neqv. set%row%finite)) then
       call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of ' &
-                //trim(merge('finite', 'small ', set%row%finite))//' strains', draft%strain_place, &
+                //trim(merge('finite', 'small ', set%row%finite))//' strains', given%strain_place, &
                 'write '//trim(merge('FINIte', 'SMALl ', set%row%finite)) &
                 //', or choose another law')
       return
     end if
-    if (draft%volume_given) then
+    if (given%volume_given) then
       if (.not. set%row%volumetric) then
         call fail(error, DECK_ERROR, trim(set%row%name)//' has no choice of volumetric functions', &
-                  draft%volume_place, 'remove VOLUme')
+                  given%volume_place, 'remove VOLUme')
         return
       end if
-      draft%nvalue = draft%nvalue + 1
-      draft%value(draft%nvalue) = draft%volume
-      draft%place(draft%nvalue) = draft%volume_place
+      given%nvalue = given%nvalue + 1
+      given%value(given%nvalue) = given%volume
+      given%place(given%nvalue) = given%volume_place
     end if
-    call set_properties(draft, set%prop, error)
+    call set_properties(given, set%prop, error)
   end subroutine set_law
 
   !> Properties of the numbers read so far; the place of an error is that of the rejected number.
-  subroutine set_properties(draft, prop, error)
-    type(draft_t), intent(in) :: draft
+  subroutine set_properties(given, prop, error)
+    type(law_entry_t), intent(in) :: given
     real(wp), intent(out) :: prop(:)
     type(error_t), allocatable, intent(out) :: error
     type(constant_error_t) :: wrong
 
-    call draft%law%set(draft%value(:draft%nvalue), prop, wrong)
+    call given%law%set(given%value(:given%nvalue), prop, wrong)
     if (wrong%value == 0) return
-    call fail(error, DECK_ERROR, trim(wrong%message), draft%place(wrong%value), trim(wrong%hint))
+    call fail(error, DECK_ERROR, trim(wrong%message), given%place(wrong%value), trim(wrong%hint))
   end subroutine set_properties
 
 end module word_material

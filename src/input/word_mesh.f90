@@ -8,7 +8,7 @@ module word_mesh
   use format_feap, only: read_feap
   use format_gmsh, only: read_gmsh
   use format_text, only: load_text, fail_in_file
-  use input_draft, only: build_t, patch_entry_t, next_line
+  use input_draft, only: draft_t, patch_entry_t, next_line
   use input_record, only: check_record, record_word_t
   use mesh_body, only: mesh_spec_t, mesh_material_t
   use patch_spec, only: placement_t, GEO_MESH
@@ -20,15 +20,15 @@ module word_mesh
   public :: read_mesh
 
   type(record_word_t), parameter, public :: MESH_RECORDS(6) = [ &
-      record_word_t('ROTAte', .true.), record_word_t('TRANslate', .true.), &
-      record_word_t('SCALe', .true.), record_word_t('TYPE'), record_word_t('MATErial', .true.), &
-      record_word_t('CONStraint', .true.)]
+                              record_word_t('ROTAte', .true.), record_word_t('TRANslate', .true.), &
+         record_word_t('SCALe', .true.), record_word_t('TYPE'), record_word_t('MATErial', .true.), &
+                                            record_word_t('CONStraint', .true.)]
 
 contains
 
   !> MESH,name FILE path and its records.
-  subroutine read_mesh(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_mesh(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -39,29 +39,29 @@ contains
     logical :: more, seen(size(MESH_RECORDS))
 
     call check_count(record, 4, 4, USAGE, error)
-    if (.not. allocated(error)) call check_patch_name(build, record, error)
+    if (.not. allocated(error)) call check_patch_name(draft, record, error)
     if (allocated(error)) return
     patch%spec%name = record%text(2)
     patch%spec%place = record%place(2)
     patch%spec%geometry = GEO_MESH
     allocate (patch%spec%enrich(0), patch%spec%placement(0), patch%mesh%material(0))
-    call append_patch(build, patch) ! now: its name is known even if one of its records fails
+    call append_patch(draft, patch) ! now: its name is known even if one of its records fails
     if (record%key(3) /= 'file') then
       call fail(error, DECK_ERROR, 'expected FILE, found '//quoted(record%text(3)), &
                 record%place(3), USAGE)
       return
     end if
     call read_file(record, patch%mesh, broken)
-    call expect_table(build%aside, resolve_path(record, 4), record%place(4))
+    call expect_table(draft%tables, resolve_path(record, 4), record%place(4))
     seen = .false.
     do
-      call next_line(build, deck, line, more, error)
+      call next_line(draft, deck, line, more, error)
       if (allocated(error) .or. .not. more) exit
       call check_record(line, MESH_RECORDS, 'MESH', 'mesh '//quoted(patch%spec%name), seen, error)
-      if (.not. allocated(error)) call read_record(build, deck, line, patch, error)
+      if (.not. allocated(error)) call read_record(draft, deck, line, patch, error)
       if (allocated(error)) exit
     end do
-    if (allocated(broken)) call build%errors%add(broken)
+    if (allocated(broken)) call draft%errors%add(broken)
     if (allocated(error)) return
     if (size(patch%mesh%material) == 0) then
       call fail(error, DECK_ERROR, 'mesh '//quoted(patch%spec%name)//' has no MATErial', &
@@ -69,7 +69,7 @@ contains
       return
     end if
     patch%mesh%spec = patch%spec
-    build%patch(size(build%patch)) = patch
+    draft%patch(size(draft%patch)) = patch
   end subroutine read_mesh
 
   !> The first word of the file tells its format.
@@ -99,8 +99,8 @@ contains
   end subroutine read_file
 
   !> One record, whose word is known.
-  subroutine read_record(build, deck, line, patch, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_record(draft, deck, line, patch, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
     type(patch_entry_t), intent(inout) :: patch
@@ -147,7 +147,7 @@ contains
       if (allocated(error)) return
       patch%mesh%constraint_place = line%place(2)
       call read_constraints(resolve_path(line, 2), patch%mesh%constraint, line%place(2), error)
-      call note_table(build%aside, resolve_path(line, 2))
+      call note_table(draft%tables, resolve_path(line, 2))
     end select
   end subroutine read_record
 

@@ -10,9 +10,9 @@ module word_nodal
   use boundary, only: note_load_number
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
-  use input_draft, only: build_t, next_data, check_number
+  use input_draft, only: draft_t, next_data, check_number
   use input_fields, only: get_numbers
-  use input_lists, only: grow_nodes, add_mention
+  use input_lists, only: grow_nodes, add_named_node
   implicit none
   private
   public :: read_boundary, read_load_numbers, read_vectors
@@ -20,8 +20,8 @@ module word_nodal
 contains
 
   !> BOUNdary: `n g code1 code2 code3`.
-  subroutine read_boundary(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_boundary(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -35,11 +35,11 @@ contains
     do
       last = n
       last_step = step
-      call read_head(build, deck, 'write restraints as n g code1 code2 code3', line, n, step, error)
+      call read_head(draft, deck, 'write restraints as n g code1 code2 code3', line, n, step, error)
       if (allocated(error) .or. n == 0) return
       call get_numbers(deck, line, 3, code, error, 0)
       if (allocated(error)) return
-      associate (codes => build%nodes%code)
+      associate (codes => draft%nodes%code)
         if (last > 0) where (code == 0 .and. codes(:, last) < 0) code = -1
         codes(:, n) = code
         if (last == 0 .or. last_step == 0) cycle
@@ -53,8 +53,8 @@ contains
   end subroutine read_boundary
 
   !> FPROportional: `n g k1 k2 k3`.
-  subroutine read_load_numbers(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_load_numbers(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -68,14 +68,14 @@ contains
     do
       last = n
       last_step = step
-      call read_head(build, deck, 'write load numbers as n g k1 k2 k3', line, n, step, error)
+      call read_head(draft, deck, 'write load numbers as n g k1 k2 k3', line, n, step, error)
       if (allocated(error) .or. n == 0) return
       call get_numbers(deck, line, 3, number, error, 0)
       if (allocated(error)) return
       do i = 1, 3
-        call note_load_number(build%model%bc, abs(number(i)), line%place(1))
+        call note_load_number(draft%model%bc, abs(number(i)), line%place(1))
       end do
-      associate (table => build%nodes%table)
+      associate (table => draft%nodes%table)
         table(:, n) = abs(number)
         if (last == 0 .or. last_step == 0) cycle
         last_step = sign(last_step, n - last)
@@ -87,8 +87,8 @@ contains
   end subroutine read_load_numbers
 
   !> FORCe: `n g f1 f2 f3`, and DISPlacement: `n g u1 u2 u3`; TRANsform turns them.
-  subroutine read_vectors(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_vectors(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -108,27 +108,27 @@ contains
     do
       last = n
       last_step = step
-      call read_head(build, deck, 'write a vector as '//fields, line, n, step, error)
+      call read_head(draft, deck, 'write a vector as '//fields, line, n, step, error)
       if (allocated(error) .or. n == 0) return
       call get_numbers(deck, line, 3, x, error, 0.0_wp)
       if (allocated(error)) return
-      x = matmul(build%turn, x)
+      x = matmul(draft%turn, x)
       if (last == n) last_step = 0
       if (is_force) then
-        build%nodes%force(:, n) = x
-        call interpolate_between(build%nodes%force, last, n, last_step)
+        draft%nodes%force(:, n) = x
+        call interpolate_between(draft%nodes%force, last, n, last_step)
       else
-        build%nodes%value(:, n) = x
-        if (.not. allocated(build%nodes%disp%file)) build%nodes%disp = line%place(1)
-        call interpolate_between(build%nodes%value, last, n, last_step)
+        draft%nodes%value(:, n) = x
+        if (.not. allocated(draft%nodes%disp%file)) draft%nodes%disp = line%place(1)
+        call interpolate_between(draft%nodes%value, last, n, last_step)
       end if
     end do
   end subroutine read_vectors
 
   !> Next record with its number and increment; n = 0 at the end of the data (a blank record, or a
   !! node 0 as in FEAP).
-  subroutine read_head(build, deck, usage, record, n, step, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_head(draft, deck, usage, record, n, step, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     character(*), intent(in) :: usage
     type(record_t), intent(out) :: record
@@ -138,20 +138,20 @@ contains
 
     n = 0
     step = 0
-    call next_data(build, deck, record, more, error)
+    call next_data(draft, deck, record, more, error)
     if (allocated(error) .or. .not. more) return
     call get_integer(deck, record, 1, n, error)
     if (allocated(error)) return
     if (n == 0) then
-      build%in_set = .false.
+      draft%in_set = .false.
       return
     end if
     call check_count(record, 3, 5, usage, error)
     if (.not. allocated(error)) call check_number('node', n, record%place(1), error)
     if (.not. allocated(error)) call get_integer(deck, record, 2, step, error, 0)
     if (allocated(error)) return
-    call grow_nodes(build%nodes, n)
-    if (.not. build%nodes%given(n)) call add_mention(build%mention, n, record%place(1))
+    call grow_nodes(draft%nodes, n)
+    if (.not. draft%nodes%given(n)) call add_named_node(draft%named_nodes, n, record%place(1))
   end subroutine read_head
 
   !> Columns between a and b on a straight line; none where a or the increment is 0.

@@ -8,7 +8,7 @@ module word_nodes
   use base_text, only: to_text
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: build_t, next_data, check_number
+  use input_draft, only: draft_t, next_data, check_number
   use input_fields, only: get_numbers
   use input_lists, only: grow_nodes
   use tensor, only: det3
@@ -20,8 +20,8 @@ contains
 
   !> COORdinates: `n g x y z`, and NURBs: `n g x y z w`; n = 0 ends the data as a blank record does
   !! (FEAP).
-  subroutine read_points(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_points(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -39,13 +39,13 @@ contains
     n = 0
     step = 0
     do
-      call next_data(build, deck, line, more, error)
+      call next_data(draft, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
       last = n
       last_step = step
       call get_integer(deck, line, 1, n, error)
       if (allocated(error)) return
-      build%in_set = n /= 0
+      draft%in_set = n /= 0
       if (n == 0) return
       call check_count(line, 3, merge(6, 5, weighted), 'write a point as '//fields, error)
       if (.not. allocated(error)) call check_number('node', n, line%place(1), error)
@@ -59,8 +59,8 @@ contains
                   line%place(6), 'give a positive weight')
         return
       end if
-      call grow_nodes(build%nodes, n)
-      call set_point(n, matmul(build%turn, x) + build%shift, w)
+      call grow_nodes(draft%nodes, n)
+      call set_point(n, matmul(draft%turn, x) + draft%shift, w)
       if (n == last) then
         call fail(error, DECK_ERROR, 'node '//to_text(n)//' is given twice in succession', &
                   line%place(1), 'keep one of the two records')
@@ -68,13 +68,13 @@ contains
       end if
       if (last_step == 0) cycle
       last_step = sign(last_step, n - last)
-      dx = (build%nodes%x(:, n) - build%nodes%x(:, last)) &
+      dx = (draft%nodes%x(:, n) - draft%nodes%x(:, last)) &
            /real((abs(n - last + last_step) - 1)/abs(last_step), wp)
       do i = last + last_step, n, last_step
         if (i == n) exit
         w = 0.0_wp
-        if (weighted) w = merge(build%nodes%weight(i), 1.0_wp, build%nodes%weight(i) > 0.0_wp)
-        call set_point(i, build%nodes%x(:, i - last_step) + dx, w) ! FEAP adds increments up
+        if (weighted) w = merge(draft%nodes%weight(i), 1.0_wp, draft%nodes%weight(i) > 0.0_wp)
+        call set_point(i, draft%nodes%x(:, i - last_step) + dx, w) ! FEAP adds increments up
       end do
     end do
 
@@ -84,17 +84,17 @@ contains
       integer, intent(in) :: number
       real(wp), intent(in) :: position(3), weight
 
-      build%nodes%x(:, number) = position
-      build%nodes%given(number) = .true.
-      build%nodes%weight(number) = weight
-      build%nodes%top = max(build%nodes%top, number)
-      build%last_node = max(build%last_node, number)
+      draft%nodes%x(:, number) = position
+      draft%nodes%given(number) = .true.
+      draft%nodes%weight(number) = weight
+      draft%nodes%top = max(draft%nodes%top, number)
+      draft%last_node = max(draft%last_node, number)
     end subroutine set_point
   end subroutine read_points
 
   !> TRANsform: three rows of a matrix and a vector; x -> T x + s for what is read after it.
-  subroutine read_transform(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_transform(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -108,7 +108,7 @@ contains
     if (allocated(error)) return
     t = 0.0_wp
     do i = 1, 4
-      call next_data(build, deck, row, more, error)
+      call next_data(draft, deck, row, more, error)
       if (allocated(error)) return
       if (.not. more) then
         if (i == 4) exit ! a blank vector is zero (FEAP)
@@ -120,10 +120,10 @@ contains
       if (.not. allocated(error)) call get_numbers(deck, row, 1, t(:, i), error, 0.0_wp)
       if (allocated(error)) return
     end do
-    build%in_set = .false.
-    build%turn = transpose(t(:, :3))
-    build%shift = t(:, 4)
-    if (.not. abs(det3(build%turn)) > 1.0e-12_wp*norm2(build%turn)**3) then
+    draft%in_set = .false.
+    draft%turn = transpose(t(:, :3))
+    draft%shift = t(:, 4)
+    if (.not. abs(det3(draft%turn)) > 1.0e-12_wp*norm2(draft%turn)**3) then
       call fail(error, DECK_ERROR, 'the matrix of TRANsform is singular', record%place(1), &
                 'give three rows that do not lie in one plane')
     end if

@@ -12,7 +12,7 @@ module word_npatch
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: build_t, npatch_t, knot_vector_t, next_data, check_number
+  use input_draft, only: draft_t, npatch_entry_t, knot_vector_t, next_data, check_number
   use input_fields, only: get_numbers
   use input_lists, only: MAX_NUMBER
   use input_record, only: word_index
@@ -27,8 +27,8 @@ module word_npatch
 contains
 
   !> KNOTs: one vector after the other; its numbers may continue in further records.
-  subroutine read_knots(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_knots(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -41,7 +41,7 @@ contains
     call check_count(record, 1, 1, 'KNOTs has no options; '//USAGE//' follows', error)
     if (allocated(error)) return
     do
-      call next_data(build, deck, line, more, error)
+      call next_data(draft, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
       if (word_index(KNOT_RECORDS, line%key(1)) == 0) then
         call fail(error, DECK_ERROR, 'expected open, found '//quoted(line%text(1)), &
@@ -59,7 +59,7 @@ contains
         return
       end if
       v%place = line%place(2)
-      if (any(build%knots%number == v%number)) then
+      if (any(draft%knots%number == v%number)) then
         call fail(error, DECK_ERROR, 'duplicate knot vector '//to_text(v%number), v%place, &
                   'give each knot vector a number of its own')
         return
@@ -70,7 +70,7 @@ contains
       do i = 1, n
         at = at + 1
         if (at > line%n) then
-          call next_data(build, deck, line, more, error)
+          call next_data(draft, deck, line, more, error)
           if (allocated(error)) return
           at = 1
         end if
@@ -87,27 +87,27 @@ contains
                   line%place(at + 1), USAGE)
         return
       end if
-      build%knots = [build%knots, v]
+      draft%knots = [draft%knots, v]
     end do
   end subroutine read_knots
 
   !> NPATch: solids.
-  subroutine read_npatch(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_npatch(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: USAGE = 'solid ma n1 n2 n3 k1 k2 k3'
     type(record_t) :: line
-    type(npatch_t) :: p
-    type(npatch_t), allocatable :: longer(:)
+    type(npatch_entry_t) :: p
+    type(npatch_entry_t), allocatable :: longer(:)
     logical :: more
     integer :: d, n
 
     call check_count(record, 1, 1, 'NPATch has no options; '//USAGE//' follows', error)
     if (allocated(error)) return
     do
-      call next_data(build, deck, line, more, error)
+      call next_data(draft, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
       if (word_index(NPATCH_RECORDS, line%key(1)) == 0) then
         call fail(error, DECK_ERROR, 'expected solid, found '//quoted(line%text(1)), &
@@ -131,21 +131,21 @@ contains
                   'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
         return
       end if
-      call read_rows(build, deck, p, error)
+      call read_rows(draft, deck, p, error)
       if (allocated(error)) return
-      n = size(build%npatch)
+      n = size(draft%npatch)
       allocate (longer(n + 1))
-      longer(:n) = build%npatch
+      longer(:n) = draft%npatch
       longer(n + 1) = p
-      call move_alloc(longer, build%npatch)
+      call move_alloc(longer, draft%npatch)
     end do
   end subroutine read_npatch
 
   !> Control point numbers; each row begins a record.
-  subroutine read_rows(build, deck, p, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_rows(draft, deck, p, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
-    type(npatch_t), intent(inout) :: p
+    type(npatch_entry_t), intent(inout) :: p
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
     integer :: i, j, k, at
@@ -158,7 +158,7 @@ contains
         at = 0
         do k = 1, p%n(3)
           if (k == 1 .or. at >= line%n) then
-            call next_data(build, deck, line, more, error)
+            call next_data(draft, deck, line, more, error)
             if (allocated(error)) return
             if (.not. more) then
               call fail(error, DECK_ERROR, 'row '//to_text(i + p%n(1)*(j - 1))//' of ' &

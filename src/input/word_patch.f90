@@ -6,12 +6,12 @@ module word_patch
   use base_text, only: to_text, quoted, lower
   use deck_record, only: record_t, check_count, resolve_path
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: build_t, patch_entry_t, next_line
+  use input_draft, only: draft_t, patch_entry_t, next_line
   use input_fields, only: get_numbers, get_direction, get_axis
   use input_record, only: check_record, record_word_t, word_index, word_list
   use input_where, only: read_face
   use patch_spec, only: patch_spec_t, enrich_t, placement_t, GEO_NONE, GEO_BOX, GEO_HEMISPHERE, &
-      GEO_NURBS
+                        GEO_NURBS
   use spline_file, only: read_patch_file
   implicit none
   private
@@ -19,10 +19,10 @@ module word_patch
             read_placement
 
   type(record_word_t), parameter, public :: PATCH_RECORDS(12) = [ &
-      record_word_t('BOX'), record_word_t('HEMIsphere'), record_word_t('NPATch'), &
-      record_word_t('FILE'), record_word_t('ROTAte', .true.), record_word_t('TRANslate', .true.), &
-      record_word_t('ELEMents'), record_word_t('KNOTs', .true.), record_word_t('TYPE'), &
-      record_word_t('ENRIch', .true.), record_word_t('QUADrature'), record_word_t('MATErial')]
+                       record_word_t('BOX'), record_word_t('HEMIsphere'), record_word_t('NPATch'), &
+       record_word_t('FILE'), record_word_t('ROTAte', .true.), record_word_t('TRANslate', .true.), &
+                 record_word_t('ELEMents'), record_word_t('KNOTs', .true.), record_word_t('TYPE'), &
+            record_word_t('ENRIch', .true.), record_word_t('QUADrature'), record_word_t('MATErial')]
 
   character(5), parameter :: TYPES(5) = ['Q1   ', 'Q1E9 ', 'Q2   ', 'IGA  ', 'RIGId']
   character(4), parameter :: RESERVED(3) = ['node', 'poin', 'plan'] !! other words of WHERE
@@ -32,18 +32,18 @@ module word_patch
 contains
 
   !> Index of a patch by its name; 0: there is none.
-  pure integer function patch_named(build, name) result(p)
-    type(build_t), intent(in) :: build
+  pure integer function patch_named(draft, name) result(p)
+    type(draft_t), intent(in) :: draft
     character(*), intent(in) :: name
 
-    do p = size(build%patch), 1, -1
-      if (lower(build%patch(p)%spec%name) == lower(name)) return
+    do p = size(draft%patch), 1, -1
+      if (lower(draft%patch(p)%spec%name) == lower(name)) return
     end do
   end function patch_named
 
   !> PATCh,name and its records.
-  subroutine read_patch(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_patch(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -52,15 +52,15 @@ contains
     logical :: more, seen(size(PATCH_RECORDS))
 
     call check_count(record, 2, 2, 'PATCh,name', error)
-    if (.not. allocated(error)) call check_patch_name(build, record, error)
+    if (.not. allocated(error)) call check_patch_name(draft, record, error)
     if (allocated(error)) return
     patch%spec%name = record%text(2)
     patch%spec%place = record%place(2)
     allocate (patch%spec%enrich(0), patch%spec%placement(0))
-    call append_patch(build, patch) ! now: its name is known even if one of its records fails
+    call append_patch(draft, patch) ! now: its name is known even if one of its records fails
     seen = .false.
     do
-      call next_line(build, deck, line, more, error)
+      call next_line(draft, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
       call check_record(line, PATCH_RECORDS, 'PATCh', 'patch '//quoted(patch%spec%name), seen, &
@@ -69,38 +69,38 @@ contains
       if (allocated(error)) return
     end do
     call check_complete(patch, error)
-    build%patch(size(build%patch)) = patch
+    draft%patch(size(draft%patch)) = patch
   end subroutine read_patch
 
   !> The name in field 2 must be new and no word of WHERE.
-  subroutine check_patch_name(build, record, error)
-    type(build_t), intent(in) :: build
+  subroutine check_patch_name(draft, record, error)
+    type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
     integer :: first
 
-    first = patch_named(build, record%text(2))
+    first = patch_named(draft, record%text(2))
     if (any(record%key(2) == RESERVED) .or. record%is_empty(2)) then
       call fail(error, DECK_ERROR, 'a patch cannot be named '//quoted(record%text(2)), &
                 record%place(2), &
                 'choose another name: NODE, POINt and PLANe are reserved words')
     else if (first > 0) then
       call fail(error, DECK_ERROR, 'duplicate patch '//quoted(record%text(2)), record%place(2), &
-                'the first one is in line '//to_text(build%patch(first)%spec%place%line))
+                'the first one is in line '//to_text(draft%patch(first)%spec%place%line))
     end if
   end subroutine check_patch_name
 
-  subroutine append_patch(build, patch)
-    type(build_t), intent(inout) :: build
+  subroutine append_patch(draft, patch)
+    type(draft_t), intent(inout) :: draft
     type(patch_entry_t), intent(in) :: patch
     type(patch_entry_t), allocatable :: longer(:)
     integer :: n
 
-    n = size(build%patch)
+    n = size(draft%patch)
     allocate (longer(n + 1))
-    longer(:n) = build%patch
+    longer(:n) = draft%patch
     longer(n + 1) = patch
-    call move_alloc(longer, build%patch)
+    call move_alloc(longer, draft%patch)
   end subroutine append_patch
 
   !> A deformable patch needs more records than a rigid one, which is only a surface.

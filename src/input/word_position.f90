@@ -9,7 +9,7 @@ module word_position
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: build_t, request_t, next_data
+  use input_draft, only: draft_t, condition_entry_t, next_data
   use input_fields, only: get_numbers
   use input_record, only: word_index, word_list
   implicit none
@@ -35,11 +35,11 @@ contains
   !! planes except EPROportional add.
   subroutine begin_requests(record, r, error)
     type(record_t), intent(in) :: record
-    type(request_t), intent(out) :: r
+    type(condition_entry_t), intent(out) :: r
     type(error_t), allocatable, intent(out) :: error
 
-    r%kind = findloc(WORD, record%key(1), 1)
-    r%adds = any(r%kind == [R_EBOU, R_EDIS, R_EFOR])
+    r%word = findloc(WORD, record%key(1), 1)
+    r%adds = any(r%word == [R_EBOU, R_EDIS, R_EFOR])
     call check_count(record, 1, 2, record%text(1)//' [ADD or SET]; its data follow', error)
     if (allocated(error) .or. record%is_empty(2)) return
     select case (record%key(2))
@@ -54,19 +54,19 @@ contains
   end subroutine begin_requests
 
   !> A word of planes and its records: `direction coordinate` and three values, and GAP.
-  subroutine read_planes(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_planes(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
-    type(request_t) :: r
+    type(condition_entry_t) :: r
     logical :: more
 
     call begin_requests(record, r, error)
     if (allocated(error)) return
     do
-      call next_data(build, deck, line, more, error)
+      call next_data(draft, deck, line, more, error)
       if (allocated(error) .or. .not. more) return
       if (line%key(1) == 'gap') then
         call read_gap(deck, line, r%gap, error)
@@ -76,7 +76,7 @@ contains
       call get_integer(deck, line, 1, r%direction, error)
       if (allocated(error)) return
       if (r%direction == 0) exit ! as a blank record (FEAP)
-      call check_count(line, 2, 5, 'direction coordinate '//value_names(r%kind), error)
+      call check_count(line, 2, 5, 'direction coordinate '//value_names(r%word), error)
       if (allocated(error)) return
       if (r%direction < 1 .or. r%direction > 3) then
         call fail(error, DECK_ERROR, 'unknown direction '//to_text(r%direction), line%place(1), &
@@ -87,9 +87,9 @@ contains
       if (.not. allocated(error)) call get_values(deck, line, 3, r, error)
       if (allocated(error)) return
       r%place = line%place(1)
-      call append_request(build, r)
+      call append_request(draft, r)
     end do
-    build%in_set = .false.
+    draft%in_set = .false.
   end subroutine read_planes
 
   !> What the three values of a record are called.
@@ -114,11 +114,11 @@ contains
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
     integer, intent(in) :: first
-    type(request_t), intent(inout) :: r
+    type(condition_entry_t), intent(inout) :: r
     type(error_t), allocatable, intent(out) :: error
     integer :: n(3)
 
-    if (any(r%kind == [R_EBOU, R_EPRO, R_CBOU])) then
+    if (any(r%word == [R_EBOU, R_EPRO, R_CBOU])) then
       call get_numbers(deck, record, first, n, error, 0)
       if (.not. allocated(error)) r%value = real(n, wp)
     else
@@ -141,43 +141,43 @@ contains
                                       'give the distance within which nodes are found')
   end subroutine read_gap
 
-  subroutine append_request(build, r)
-    type(build_t), intent(inout) :: build
-    type(request_t), intent(in) :: r
-    type(request_t), allocatable :: longer(:)
+  subroutine append_request(draft, r)
+    type(draft_t), intent(inout) :: draft
+    type(condition_entry_t), intent(in) :: r
+    type(condition_entry_t), allocatable :: longer(:)
     integer :: n
 
-    n = build%nrequest
-    if (.not. allocated(build%request)) allocate (build%request(8))
-    if (n == size(build%request)) then
+    n = draft%ncondition
+    if (.not. allocated(draft%condition)) allocate (draft%condition(8))
+    if (n == size(draft%condition)) then
       allocate (longer(2*n))
-      longer(:n) = build%request
-      call move_alloc(longer, build%request)
+      longer(:n) = draft%condition
+      call move_alloc(longer, draft%condition)
     end if
-    build%request(n + 1) = r
-    build%nrequest = n + 1
+    draft%condition(n + 1) = r
+    draft%ncondition = n + 1
   end subroutine append_request
 
   !> A word of points and surfaces and its records.
-  subroutine read_places(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_places(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
     character(12), allocatable :: words(:)
     type(record_t) :: line
-    type(request_t) :: r
+    type(condition_entry_t) :: r
     logical :: more, has_line
 
     call begin_requests(record, r, error)
     if (allocated(error)) return
     words = POINT_RECORDS
-    if (r%kind == R_CBOU) words = CBOU_RECORDS
-    if (r%kind == R_CSUR) words = CSUR_RECORDS
+    if (r%word == R_CBOU) words = CBOU_RECORDS
+    if (r%word == R_CSUR) words = CSUR_RECORDS
     has_line = .false.
     do
       if (.not. has_line) then
-        call next_data(build, deck, line, more, error)
+        call next_data(draft, deck, line, more, error)
         if (allocated(error) .or. .not. more) return
       end if
       has_line = .false.
@@ -191,29 +191,29 @@ contains
       case ('gap')
         call read_gap(deck, line, r%gap, error)
       case ('node')
-        call check_count(line, 5, 7, 'NODE x y z '//value_names(r%kind), error)
+        call check_count(line, 5, 7, 'NODE x y z '//value_names(r%word), error)
         if (.not. allocated(error)) call get_numbers(deck, line, 2, r%at, error, 0.0_wp)
         if (.not. allocated(error)) call get_values(deck, line, 5, r, error)
         r%direction = 0
-        if (.not. allocated(error)) call append_request(build, r)
+        if (.not. allocated(error)) call append_request(draft, r)
       case ('surf')
-        call read_surface(build, deck, r, line, has_line, error)
+        call read_surface(draft, deck, r, line, has_line, error)
       case default ! CARTesian, NORMal: the only choice
         call check_count(line, 1, 1, line%text(1)//' has no options', error)
       end select
-      if (allocated(error) .or. .not. build%in_set) return
+      if (allocated(error) .or. .not. draft%in_set) return
     end do
   end subroutine read_places
 
   !> SURFace [codes], then its points `i x y z [p]`. `line` is the record behind them if `has_line`.
-  subroutine read_surface(build, deck, request, line, has_line, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_surface(draft, deck, request, line, has_line, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
-    type(request_t), intent(in) :: request
+    type(condition_entry_t), intent(in) :: request
     type(record_t), intent(inout) :: line
     logical, intent(out) :: has_line
     type(error_t), allocatable, intent(out) :: error
-    type(request_t) :: r
+    type(condition_entry_t) :: r
     character(:), allocatable :: fields
     logical :: given(9), more
     integer :: i
@@ -221,7 +221,7 @@ contains
     has_line = .false.
     r = request
     fields = 'i x y z p'
-    if (r%kind == R_CBOU) then
+    if (r%word == R_CBOU) then
       fields = 'i x y z'
       call get_values(deck, line, 2, r, error)
     else
@@ -231,16 +231,16 @@ contains
     allocate (r%surface(4, 9), source=0.0_wp)
     given = .false.
     do
-      call next_data(build, deck, line, more, error)
+      call next_data(draft, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
       has_line = word_index(CSUR_RECORDS, line%key(1)) > 0
       if (has_line) exit
       call get_integer(deck, line, 1, i, error)
       if (allocated(error)) return
-      build%in_set = i /= 0
+      draft%in_set = i /= 0
       if (i == 0) exit
-      call check_count(line, 4, merge(5, 4, r%kind == R_CSUR), 'write a point as '//fields, error)
+      call check_count(line, 4, merge(5, 4, r%word == R_CSUR), 'write a point as '//fields, error)
       if (allocated(error)) return
       if (i < 1 .or. i > 9) then
         call fail(error, DECK_ERROR, 'unknown point '//to_text(i)//' of a surface', &
@@ -263,7 +263,7 @@ contains
       end do
       if (.not. given(9)) x(:, 9) = 0.5_wp*sum(x(:, 5:8), 2) - 0.25_wp*sum(x(:, 1:4), 2)
     end associate
-    call append_request(build, r)
+    call append_request(draft, r)
   end subroutine read_surface
 
 end module word_position

@@ -5,7 +5,7 @@ module word_settings
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real, read_parameters
-  use input_draft, only: build_t, tie_t
+  use input_draft, only: draft_t, tie_entry_t
   use input_fields, only: get_numbers
   implicit none
   private
@@ -14,38 +14,38 @@ module word_settings
 contains
 
   !> PARAmeters.
-  subroutine read_para(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_para(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
 
     call check_count(record, 1, 1, 'PARAmeters has no options; name = expression follows', error)
     if (allocated(error)) return
-    call read_parameters(deck, build%closed_line, error)
-    if (.not. allocated(error)) build%in_set = .false.
+    call read_parameters(deck, draft%closed_line, error)
+    if (.not. allocated(error)) draft%in_set = .false.
   end subroutine read_para
 
   !> PRINt and NOPRint have no effect: the log always has what was read.
-  subroutine read_print(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_print(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
 
-    associate (unused => build%in_set, none => deck%consumed); end associate
+    associate (unused => draft%in_set, none => deck%consumed); end associate
     call check_count(record, 1, 1, record%text(1)//' has no options', error)
   end subroutine read_print
 
   !> TIE [,,direction,coordinate | NODE,n1,n2 | MATErial,m1,m2] [tolerance].
-  subroutine read_tie(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_tie(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: USAGE = 'TIE, or TIE,,direction,coordinate, TIE,NODE,n1,n2, ' &
                                //'TIE,MATErial,m1,m2'
-    type(tie_t) :: t
+    type(tie_entry_t) :: t
 
     call check_count(record, 1, 5, USAGE, error)
     if (allocated(error)) return
@@ -80,7 +80,7 @@ contains
                 record%place(5), 'give a fraction of the size of the mesh, or 0 for the default')
       return
     end if
-    build%tie = [build%tie, t]
+    draft%tie = [draft%tie, t]
   end subroutine read_tie
 
 end module word_settings

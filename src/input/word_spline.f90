@@ -5,7 +5,7 @@ module word_spline
   use base_text, only: quoted, lower
   use deck_record, only: record_t, check_count, resolve_path
   use deck_stream, only: deck_t
-  use input_draft, only: build_t, patch_entry_t, next_line
+  use input_draft, only: draft_t, patch_entry_t, next_line
   use input_record, only: check_record, record_word_t
   use patch_spec, only: GEO_SPLINE
   use spline_file, only: read_spline_file
@@ -17,16 +17,16 @@ module word_spline
   public :: read_spline
 
   type(record_word_t), parameter, public :: SPLINE_RECORDS(8) = [ &
-      record_word_t('LAYEr'), record_word_t('CONStraint'), record_word_t('QUADrature'), &
-      record_word_t('TYPE'), record_word_t('REVErse'), record_word_t('ROTAte', .true.), &
-      record_word_t('TRANslate', .true.), record_word_t('MATErial')]
+                 record_word_t('LAYEr'), record_word_t('CONStraint'), record_word_t('QUADrature'), &
+                 record_word_t('TYPE'), record_word_t('REVErse'), record_word_t('ROTAte', .true.), &
+                                      record_word_t('TRANslate', .true.), record_word_t('MATErial')]
   character(*), parameter :: TYPES = 'known types: Q1, Q1E9 [TAPEred] and RIGId'
 
 contains
 
   !> SPLIne,name FILE path [surface] and its records.
-  subroutine read_spline(build, deck, record, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_spline(draft, deck, record, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
@@ -36,14 +36,14 @@ contains
     logical :: more, seen(size(SPLINE_RECORDS))
 
     call check_count(record, 4, 5, USAGE, error)
-    if (.not. allocated(error)) call check_patch_name(build, record, error)
+    if (.not. allocated(error)) call check_patch_name(draft, record, error)
     if (allocated(error)) return
     patch%spec%name = record%text(2)
     patch%spec%place = record%place(2)
     patch%spec%geometry = GEO_SPLINE
     patch%spec%type = 'LAYER'
     allocate (patch%spec%enrich(0), patch%spec%placement(0))
-    call append_patch(build, patch) ! now: its name is known even if one of its records fails
+    call append_patch(draft, patch) ! now: its name is known even if one of its records fails
     if (record%key(3) /= 'file') then
       call fail(error, DECK_ERROR, 'expected FILE, found '//quoted(record%text(3)), &
                 record%place(3), USAGE)
@@ -54,21 +54,21 @@ contains
     if (allocated(error)) return
     seen = .false.
     do
-      call next_line(build, deck, line, more, error)
+      call next_line(draft, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
       call check_record(line, SPLINE_RECORDS, 'SPLIne', 'spline '//quoted(patch%spec%name), &
                         seen, error)
-      if (.not. allocated(error)) call read_record(build, deck, line, patch, error)
+      if (.not. allocated(error)) call read_record(draft, deck, line, patch, error)
       if (allocated(error)) return
     end do
     call check_complete(patch, error)
-    build%patch(size(build%patch)) = patch
+    draft%patch(size(draft%patch)) = patch
   end subroutine read_spline
 
   !> One record, whose word is known.
-  subroutine read_record(build, deck, line, patch, error)
-    type(build_t), intent(inout) :: build
+  subroutine read_record(draft, deck, line, patch, error)
+    type(draft_t), intent(inout) :: draft
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
     type(patch_entry_t), intent(inout) :: patch
@@ -84,13 +84,13 @@ contains
         if (line%n > 2) s%mesh = line%text(3)
         s%mesh_place = line%place(3)
         call read_layer(resolve_path(line, 2), s%surface%nelem, s%inner, line%place(2), error)
-        call expect_table(build%aside, resolve_path(line, 2), line%place(2))
+        call expect_table(draft%tables, resolve_path(line, 2), line%place(2))
       case ('cons')
         call check_count(line, 2, 2, 'CONStraint path', error)
         if (allocated(error)) return
         s%constraint_place = line%place(1)
         call read_constraints(resolve_path(line, 2), s%constraint, line%place(2), error)
-        call note_table(build%aside, resolve_path(line, 2))
+        call note_table(draft%tables, resolve_path(line, 2))
       case ('type')
         call check_count(line, 2, 3, 'TYPE Q1, Q1E9 [TAPEred] or RIGId', error)
         if (allocated(error)) return

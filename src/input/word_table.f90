@@ -14,7 +14,7 @@ module word_table
   use word_npatch, only: read_knots, read_npatch, KNOT_RECORDS, NPATCH_RECORDS
   use word_patch, only: read_patch, PATCH_RECORDS
   use word_position, only: read_places, read_planes, PLANE_RECORDS, POINT_RECORDS, CBOU_RECORDS, &
-      CSUR_RECORDS
+                           CSUR_RECORDS
   use word_settings, only: read_para, read_print, read_tie
   use word_spline, only: read_spline, SPLINE_RECORDS
   implicit none

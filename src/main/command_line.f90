@@ -142,7 +142,7 @@ contains
     end do
     if (row == 0) then
       call fail_usage(error, 'unknown option '//quoted(name), &
-                    'nearest known: '//nearest(name, TABLE%name)//'; '//MORE)
+                      'nearest known: '//nearest(name, TABLE%name)//'; '//MORE)
     else if (TABLE(row)%value == '') then
       if (allocated(value)) call fail_usage(error, quoted(name)//' takes no value', MORE)
     else if (name == '--list') then
@@ -181,7 +181,7 @@ contains
     case ('--name')
       if (index(value, '/') > 0) then
         call fail_usage(error, 'expected a name without folder, found '//quoted(value), &
-                      'choose the folder with -o')
+                        'choose the folder with -o')
       end if
       options%stem = value
     case ('--set')
@@ -193,7 +193,7 @@ contains
       if (allocated(error)) return
       if (x < 1.0_wp .or. x > 1024.0_wp .or. abs(x - anint(x)) > 0.0_wp) then
         call fail_usage(error, quoted(name//' '//value)//' is not a valid number of threads', &
-                      'use a whole number from 1 to 1024')
+                        'use a whole number from 1 to 1024')
       end if
       if (.not. allocated(error)) options%threads = nint(x)
     case ('--time-limit')
@@ -201,13 +201,13 @@ contains
       if (allocated(error)) return
       if (.not. options%time_limit > 0.0_wp) then
         call fail_usage(error, quoted(name//' '//value)//' is not a valid time', &
-                      'use a number of seconds greater than 0')
+                        'use a number of seconds greater than 0')
       end if
     case ('--list')
       options%list = value
       if (value /= '' .and. all(LISTS /= value)) then
         call fail_usage(error, 'unknown list '//quoted(value), &
-                      'nearest known: '//nearest(value, LISTS))
+                        'nearest known: '//nearest(value, LISTS))
       end if
     case ('--check'); options%check = .true.
     case ('--quiet'); options%quiet = .true.
@@ -225,7 +225,7 @@ contains
 
     call compute(none, value, x, trouble)
     if (allocated(trouble)) call fail_usage(error, 'in '//quoted(name//' '//value)//': ' &
-                                          //trouble%message, 'use a number')
+                                            //trouble%message, 'use a number')
   end subroutine number_of
 
   subroutine fail_usage(error, message, hint)

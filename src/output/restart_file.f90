@@ -153,7 +153,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: any_deck
     character(*), parameter :: SAME = 'restart with the deck, the included files and the --set ' &
-                                      //'values of that analysis'
+                               //'values of that analysis'
     type(error_t), allocatable :: ignored
     character(:), allocatable :: content, version, deck_hash
     integer :: format_found(1), sizes(4)
