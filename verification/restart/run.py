@@ -113,7 +113,7 @@ def stop_behind(bezel, deck, folder):
     with h5py.File(checkpoint, "r+") as file:
         del file["last"]
         file.move("before", "last")
-        step = int(file["last"].attrs["step"])
+        step = int(file["last/step"][0])
     code = run(bezel, deck, folder, "--time-limit", "1e-9", "--restart", str(checkpoint))
     if code != 4:
         return f"exit code {code}"
