@@ -91,10 +91,10 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     call enter_group(archive, group, error)
-    call exchange(archive, group//'/foot', points%closest, error)
-    call exchange(archive, group//'/foot_xi', points%closest_xi, error)
-    call exchange(archive, group//'/foot_step', points%closest_step, error)
-    call exchange(archive, group//'/foot_xi_step', points%closest_xi_step, error)
+    call exchange(archive, group//'/closest', points%closest, error)
+    call exchange(archive, group//'/closest_xi', points%closest_xi, error)
+    call exchange(archive, group//'/closest_step', points%closest_step, error)
+    call exchange(archive, group//'/closest_xi_step', points%closest_xi_step, error)
     call exchange(archive, group//'/slide', points%slide, error)
     call exchange(archive, group//'/slide_xi', points%slide_xi, error)
     call exchange(archive, group//'/multiplier', points%multiplier, error)
@@ -108,9 +108,9 @@ contains
     call exchange(archive, group//'/area', points%area, error)
     call exchange(archive, group//'/opening', points%opening, error)
     call exchange(archive, group//'/energy', points%energy, error)
-    call exchange(archive, group//'/pull', points%bond_traction, error)
+    call exchange(archive, group//'/bond_traction', points%bond_traction, error)
     call exchange(archive, group//'/slip_rate', points%slip_rate, error)
-    call exchange(archive, group//'/aside', points%beside, error)
+    call exchange(archive, group//'/beside', points%beside, error)
     call exchange(archive, group//'/past', points%past, error)
     call exchange(archive, group//'/past_step', points%past_step, error)
     if (archive%writes) return
