@@ -214,7 +214,7 @@ contains
       end do
     end do
     if (complete .or. .not. present(error)) return
-    call fail(error, BUG, 'an element is missing in the pattern of the tangent matrix')
+    call fail(error, BUG, 'an element is missing from the pattern of the tangent matrix')
   end subroutine map_one
 
   !> Position of the block (i, j); 0 where it is not stored.

@@ -89,7 +89,7 @@ contains
       if (pass == 1) allocate (fold%from(fold%n), fold%to(fold%n), fold%how(fold%n), &
                                fold%c(fold%n), fold%cleared(ncleared))
     end do
-    if (.not. complete) call fail(error, BUG, 'a constraint is missing in the pattern of the ' &
+    if (.not. complete) call fail(error, BUG, 'a constraint is missing from the pattern of the ' &
                                   //'tangent matrix')
   end subroutine new_fold
 

@@ -205,7 +205,7 @@ contains
       end if
       if (c_lockf(lock%fd, F_TLOCK, 0_c_long) /= 0) then
         failed = c_close(lock%fd)
-        call fail(error, SYSTEM_ERROR, "another run holds '"//path//"'", &
+        call fail(error, SYSTEM_ERROR, "another run is using '"//path//"'", &
                   hint='wait for it, or give this run another folder (-o) or name (--name)')
         return
       end if

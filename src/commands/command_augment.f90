@@ -69,8 +69,8 @@ contains
       if (change <= tolerance) then
         call leave_loop(run%program)
       else if (is_last_pass(run%program)) then
-        call log_line('  last augmentation: a pressure would still change by '//to_text(change) &
-                      //' of the largest one')
+        call log_line('  last augmentation: pressures would still change by up to ' &
+                      //to_text(change)//' times the largest one')
       else
         do c = 1, size(contact)
           do k = 1, 2
@@ -80,7 +80,8 @@ contains
         ! the balance of the step has changed: its iteration goes on
         run%step%newton%converged = .false.
         run%step%newton%before = run%step%newton%iterations
-        call log_line('  augmented: a pressure changed by '//to_text(change)//' of the largest one')
+        call log_line('  augmented: pressures changed by up to '//to_text(change) &
+                      //' times the largest one')
       end if
     end associate
   end subroutine run_augment

@@ -74,7 +74,7 @@ contains
     exchanged%writes = .false.
     call exchange_run(exchanged, run)
     if (.not. exchanged%whole) then
-      call fail(error, SYSTEM_ERROR, quoted(path)//' does not hold a whole checkpoint', &
+      call fail(error, SYSTEM_ERROR, quoted(path)//' does not hold a complete checkpoint', &
                 hint='start again from the deck')
       return
     end if
@@ -111,7 +111,7 @@ contains
     if (allocated(error)) return
     call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step) &
               //'; the checkpoint is of step '//to_text(run%restart_point%state%step), &
-              hint='go on with --restart '//restart_path(run))
+              hint='continue with --restart '//restart_path(run))
   end subroutine stop_run
 
   subroutine store_restart_point(run, error)

@@ -165,7 +165,7 @@ contains
         done = .not. (abs(t) + abs(p) > 0.0_wp)
         if (done) return
         if (t <= table%t(size(table%t))) then
-          call fail(error, DECK_ERROR, 'times of a table must increase', record%place(i))
+          call fail(error, DECK_ERROR, 'the times of a table must increase', record%place(i))
           return
         end if
       end if

@@ -60,7 +60,7 @@ contains
       if (allocated(error)) return
       if (n < 1) then
         call fail(error, DECK_ERROR, 'OUTPut needs the number of steps between fields', &
-                  record%place(1), 'write OUTPut,,every n with n of at least 1')
+                  record%place(1), 'write OUTPut,,every n, where n is at least 1')
         return
       end if
       do i = 5, record%n
@@ -80,7 +80,7 @@ contains
         associate (other => run%program%command(i)%record)
           if (other%key(1) /= 'outp') cycle
           if (all(wanted_fields(other) .eqv. wanted_fields(record))) cycle
-          call fail(error, DECK_ERROR, 'OUTPut names other fields than the one in line ' &
+          call fail(error, DECK_ERROR, 'OUTPut does not name the fields of the one in line ' &
                     //to_text(other%line), record%place(1), &
                     'a result file has the same fields in all steps: name all of them in both')
         end associate

@@ -68,19 +68,19 @@ contains
                   //'| LENGth,[multiple] | OFF')
       else if (command%option == 'leng') then
         if (x >= 1.0_wp .or. .not. abs(x) > 0.0_wp) return
-        call fail(error, DECK_ERROR, 'expected a longest step of at least 1 times the first, ' &
-                  //'found '//to_text(x), record%place(3), 'leave it out: four times the first')
+        call fail(error, DECK_ERROR, 'expected a multiple of at least 1, found '//to_text(x), &
+                  record%place(3), 'it is the longest step over the first one; the default is 4')
       else if (command%option /= 'loca') then
         if (x >= 0.0_wp) return
         call fail(error, DECK_ERROR, 'expected a positive density, found '//to_text(x), &
-                  record%place(3), 'leave it out: it is then chosen from the work done')
+                  record%place(3), 'leave it out, and it is chosen from the work done')
       else if (.not. any(run%model%contact(:)%cohesive%given)) then
         call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
                   record%place(2), 'a CONTact with COHEsive has bonds; else use ' &
                   //'ARCLength,DYNAmic')
       else if (x < 0.0_wp .or. x >= 1.0_wp) then
         call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &
-                  //to_text(x), record%place(3), 'leave it out: 0.01')
+                  //to_text(x), record%place(3), 'leave it out for the default, 0.01')
       end if
     end associate
   end subroutine check_method

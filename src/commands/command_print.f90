@@ -90,7 +90,7 @@ contains
     last = most
     step = 1
     if (command%option == 'coor' .and. all(abs(command%x(1) - [1, 2, 3]) > 0)) then
-      call fail(error, DECK_ERROR, 'expected a direction of 1, 2 or 3', &
+      call fail(error, DECK_ERROR, 'expected direction 1, 2 or 3', &
                 command%record%place(min(3, command%record%n)), &
                 trim(run%program%row(command%row)%usage))
     end if
@@ -102,7 +102,7 @@ contains
     last = max(first, last)
     step = max(1, step)
     if (last > most) then
-      call fail(error, DECK_ERROR, 'the range ends at '//to_text(last)//', the mesh at ' &
+      call fail(error, DECK_ERROR, 'the range ends at '//to_text(last)//', but the mesh at ' &
                 //to_text(most), command%record%place(4), trim(run%program%row(command%row)%usage))
     end if
   end subroutine read_range

@@ -43,8 +43,8 @@ contains
         call fail(error, DECK_ERROR, "unexpected '"//record%text(1)//"'", record%place(1), &
                   'after the mesh come BATCh ... END, the data of its commands and STOP')
         if (scan(record%text(1)//' ', '0123456789.+-') == 1) then
-          error%hint = 'no command is left that reads it; a blank record is the table p = t ' &
-                       //'where a PROP reads one'
+          error%hint = 'no remaining command reads it; where a PROP expects its table, a ' &
+                       //'blank record means p = t'
         end if
         return
       end if
@@ -155,7 +155,7 @@ contains
           end if
           associate (opening => program%command(loop(depth))%record)
             if (loop(depth) == i - 1) then
-              call fail(error, DECK_ERROR, 'this loop does nothing', opening%place(1), &
+              call fail(error, DECK_ERROR, 'empty loop', opening%place(1), &
                         'put commands between LOOP and NEXT, or remove both')
             else if (next%n > 1 .and. opening%n > 1) then
               if (next%key(2) /= opening%key(2)) then

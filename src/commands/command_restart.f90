@@ -57,7 +57,7 @@ contains
       if (control%dt > 0) call set_dt(control, run%state%time, control%dt)
     end associate
     run%files%kept = run%state%step
-    call log_line('goes on after step '//to_text(run%state%step)//' of '//path_of(run, command))
+    call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
   end subroutine run_restart
 
   !> The state in the file that the command names.
@@ -73,7 +73,7 @@ contains
     call read_checkpoint(path_of(run, command), print, state, values, error, any_deck=.true.)
     if (.not. allocated(error)) return
     error%place = command%record%place(1)
-    if (error%code == DECK_ERROR) error%hint = 'the file must be of the same mesh and version'
+    if (error%code == DECK_ERROR) error%hint = 'the file must come from the same mesh and version'
   end subroutine read_state
 
   function path_of(run, command) result(path)

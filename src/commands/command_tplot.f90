@@ -88,7 +88,7 @@ contains
     case ('reac')
       quantity%id = Q_NODAL
     case default
-      call fail(error, DECK_ERROR, "no history of '"//record%text(1)//"'", record%place(1), &
+      call fail(error, DECK_ERROR, "unknown history '"//record%text(1)//"'", record%place(1), &
                 USAGE//'; stresses: CURVe with STREss')
       return
     end select
@@ -105,7 +105,7 @@ contains
       call fail(error, DECK_ERROR, 'the mesh has no node '//to_text(node), record%place(2), &
                 'nodes are numbered from 1 to '//to_text(run%model%mesh%nnode))
     else if (quantity%component < 1 .or. quantity%component > 3) then
-      call fail(error, DECK_ERROR, 'expected a direction of 1, 2 or 3, found ' &
+      call fail(error, DECK_ERROR, 'expected direction 1, 2 or 3, found ' &
                 //to_text(quantity%component), record%place(3), USAGE)
     end if
     quantity%node = [node]

@@ -224,7 +224,7 @@ contains
     if (paired) paired = reader%loop(reader%nloop)%frame == reader%nframe
     if (.not. paired) then
       call fail(error, DECK_ERROR, 'NEXT without LOOP', record%place(1), &
-                'remove it, or put LOOP,n before, in the same file')
+                'remove it, or put LOOP,n before it in the same file')
       return
     end if
     call check_count(record, 1, 2, 'NEXT', error)

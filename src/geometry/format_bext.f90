@@ -249,7 +249,7 @@ contains
         v = list%vector(first + a - 1)
         if (v < 1 .or. v > vectors%n) then
           call fail_in_file(text, 'element '//to_text(e)//' refers to coefficient vector ' &
-                            //to_text(v)//' of '//to_text(vectors%n), error, &
+                            //to_text(v)//', but there are '//to_text(vectors%n), error, &
                             'this message counts vectors from 1, the dense ones first')
           return
         end if
@@ -257,7 +257,7 @@ contains
         if (length > nb .or. (length < nb .and. v <= vectors%ndense)) then
           call fail_in_file(text, 'element '//to_text(e)//' refers to coefficient vector ' &
                             //to_text(v)//', which has '//to_text(length)//' numbers', error, &
-                            'elements of its degrees need '//to_text(nb))
+                            'elements of these degrees need '//to_text(nb))
           return
         end if
         c(a, :length) = vectors%value(vectors%first(v):vectors%first(v + 1) - 1)

@@ -108,7 +108,7 @@ contains
     if (allocated(error)) return
     if (number < 1) then
       call fail_in_file(text, 'number '//to_text(number)//' is not positive', error, &
-                        'numbers are positive')
+                        'nodes and elements are numbered from 1')
       return
     end if
     call next_integer(text, 'the increment of generation', increment, error)

@@ -118,8 +118,8 @@ contains
       call fail_in_file(text, 'the file has no '//what//' '//quoted(trim(name)), error, &
                         'it has'//found)
     else if (n > 1 .and. len_trim(name) == 0) then
-      call fail_in_file(text, 'the file has '//to_text(n)//plural//', and none is named', error, &
-                        'name one by its id:'//found)
+      call fail_in_file(text, 'the file has '//to_text(n)//plural//', and the deck names none', &
+                        error, 'name one by its id:'//found)
     else
       length = index(text%all(first:), '</Geometry>')
       text%at = first

@@ -98,7 +98,7 @@ contains
     if (word == key) return
     if (len(word) == 0) then
       call fail_in_file(text, 'expected '//quoted(key)//', found the end of the file', error, &
-                        'its counts may be wrong, or it is truncated')
+                        'counts in the file may be wrong, or the file is truncated')
     else
       call fail_in_file(text, 'expected '//quoted(key)//', found '//quoted(word), error, &
                         'counts of control points, elements or functions may be wrong')

@@ -67,7 +67,8 @@ contains
     if (status /= 0 .or. e < 1 .or. e > nelem) then
       text%at = 0
       if (len_trim(name) == 0) then
-        call fail_in_file(text, 'the file has '//to_text(nelem)//' patches, and none is named', &
+        call fail_in_file(text, 'the file has '//to_text(nelem) &
+                          //' patches, and the deck names none', &
                           error, 'name one by its number: FILE path 1')
       else
         call fail_in_file(text, 'the file has no patch '//quoted(trim(name)), error, &

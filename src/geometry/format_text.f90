@@ -165,7 +165,7 @@ contains
     if (allocated(error)) return
     if (n >= 0 .and. n <= len(text%all)) return
     call fail_in_file(text, 'expected '//what//' between 0 and '//to_text(len(text%all)) &
-                      //' (the bytes of the file), found '//to_text(n), error)
+                      //' (the size of the file in bytes), found '//to_text(n), error)
   end subroutine next_count
 
   !> Next word as a real number.

@@ -291,7 +291,7 @@ contains
     body%note = to_text(count(file%solid))//' elements, '//to_text(count(used))//' nodes, ' &
                 //to_text(count(faces%bounds))//' faces on the boundary'
     if (.not. all(used)) body%note = body%note//'; '//to_text(count(.not. used)) &
-                                     //' nodes of the file belong to no element of it'
+                                     //' nodes of the file belong to no element'
   end subroutine set_boundary
 
 end module mesh_body

@@ -203,8 +203,9 @@ contains
                 'give at least 2 elements in direction '//to_text(axis))
     else if (a%degree /= b%degree .or. a%raise /= b%raise) then
       call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
-                //' share an edge but have orders '//to_text(a%degree)//'.' &
-                //to_text(a%raise)//' and '//to_text(b%degree)//'.'//to_text(b%raise), b%place, &
+                //' share an edge but have orders '//to_text(a%degree)//' RAISe ' &
+                //to_text(a%raise)//' and '//to_text(b%degree)//' RAISe '//to_text(b%raise), &
+                b%place, &
                 'their edge is one curve: give both the same order and RAISe')
     end if
   end subroutine check_pair

@@ -241,7 +241,7 @@ contains
         i = minloc(abs(breaks - old(e)), 1)
         if (abs(breaks(i) - old(e)) > SAME*(old(size(old)) - old(1))) then
           call fail(error, DECK_ERROR, "patch '"//spec%name//"' has a knot at "//to_text(old(e)) &
-                    //' in direction '//to_text(d)//' that is missing in KNOTs', spec%place, &
+                    //' in direction '//to_text(d)//' that is missing from KNOTs', spec%place, &
                     'knots cannot be removed: add it to the list')
           return
         end if

@@ -43,10 +43,10 @@ contains
         if (last /= n + p + 1 .or. n < p + 1) then
           call fail(error, DECK_ERROR, of//': '//to_text(last)//' knots for '//to_text(n) &
                     //' control points of degree '//to_text(p), place, &
-                    'there are as many knots as control points plus degree plus one')
+                    'the number of knots is control points + degree + 1')
         else if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
           call fail(error, DECK_ERROR, of//': the knots do not increase', place, &
-                    'list them in rising order')
+                    'list them in increasing order')
         else if (s%knots(p + 1) > s%knots(1) .or. s%knots(last - p) < s%knots(last) &
                  .or. .not. s%knots(last) > s%knots(1)) then
           call fail(error, DECK_ERROR, of//': the knot vector is not open', place, &

@@ -50,8 +50,8 @@ contains
         if (set(n)%elem(i) < 1 .or. set(n)%elem(i) > surface%nelem) then
           text%at = json%at(e)
           call fail_in_file(text, 'set '//quoted(set(n)%name)//' has element ' &
-                            //to_text(set(n)%elem(i) - 1)//' of '//to_text(surface%nelem), error, &
-                            'elements are counted from 0')
+                            //to_text(set(n)%elem(i) - 1)//', but the elements are 0 to ' &
+                            //to_text(surface%nelem - 1), error, 'elements are counted from 0')
           return
         end if
         e = json%next(e)

@@ -84,7 +84,7 @@ contains
     do a = 1, size(node)
       if (node(a) >= 1 .and. node(a) <= s%nnode) cycle
       call fail_in_file(text, 'element '//to_text(e)//' refers to control point ' &
-                        //to_text(node(a))//' of '//to_text(s%nnode), error, &
+                        //to_text(node(a))//', but there are '//to_text(s%nnode), error, &
                         'this message counts control points from 1')
       return
     end do

@@ -102,7 +102,7 @@ contains
       end if
       if (record%is_blank()) cycle
       if (record%is_end() .or. any(record%key(1) == ['batc', 'inte', 'stop'])) then
-        call fail(error, DECK_ERROR, 'END of the mesh is missing', record%place(1), &
+        call fail(error, DECK_ERROR, 'the mesh has no END', record%place(1), &
                   'close the mesh with END, before BATCh')
         return
       end if

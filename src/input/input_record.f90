@@ -56,7 +56,7 @@ contains
       call fail(error, DECK_ERROR, 'unknown record '//quoted(line%text(1))//' of a '//block, &
                 line%place(1), 'nearest known: '//nearest(line%text(1), words))
     else if (seen(w) .and. index(repeated, key_of(words(w))) == 0) then
-      call fail(error, DECK_ERROR, trim(words(w))//' stands twice in '//name, line%place(1), &
+      call fail(error, DECK_ERROR, 'duplicate '//trim(words(w))//' in '//name, line%place(1), &
                 'keep one of them')
     else
       seen(w) = .true.

@@ -74,7 +74,7 @@ contains
         if (.not. allocated(error)) call get_integer(deck, line, 2, i, error, 8)
         if (allocated(error)) return
         spec%type = merge(BRICK_8, BRICK_27, i == 8)
-        if (i /= 8 .and. i /= 27) call fail(error, DECK_ERROR, 'BRICk with '//to_text(i) &
+        if (i /= 8 .and. i /= 27) call fail(error, DECK_ERROR, 'BRICk has '//to_text(i) &
                                             //' nodes', line%place(2), &
                                             'give BRICk 8 or BRICk 27')
       case ('mate')

@@ -57,7 +57,7 @@ contains
     if (allocated(error)) return
     i = contact_named(draft, record%text(2))
     if (.not. fits_name(record%text(2), LONGEST)) then
-      call fail(error, DECK_ERROR, quoted(record%text(2))//' is not a valid name of a contact', &
+      call fail(error, DECK_ERROR, 'a contact cannot be named '//quoted(record%text(2)), &
                 record%place(2), 'columns are named after the contact: use up to ' &
                 //to_text(LONGEST)//' letters, digits, _ and -')
     else if (i > 0) then
@@ -200,7 +200,7 @@ contains
       entry%contact%bond = [entry%contact%bond, bond]
       i = i + 6
     else if (bond%is_except) then
-      call fail(error, DECK_ERROR, 'missing region after EXCEpt', line%place(i), usage)
+      call fail(error, DECK_ERROR, 'the region after EXCEpt is missing', line%place(i), usage)
       return
     else
       i = 1 ! GAP alone: everywhere

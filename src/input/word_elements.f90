@@ -69,7 +69,7 @@ contains
       if (material > 0) e%material = material
       if (e%number <= last%number) then
         call fail(error, DECK_ERROR, 'element '//to_text(e%number)//' follows element ' &
-                  //to_text(last%number), line%place(1), 'list the elements in rising order')
+                  //to_text(last%number), line%place(1), 'list the elements in increasing order')
         return
       end if
       do while (last%number > 0 .and. last%number < e%number - 1) ! generate those between

@@ -203,8 +203,8 @@ contains
       call get_integer(deck, line, d + 2, set%nurbs_points(d), error, 0)
       if (allocated(error)) return
       if (set%nurbs_points(d) < 0 .or. set%nurbs_points(d) > MAX_POINT) then
-        call fail(error, DECK_ERROR, to_text(set%nurbs_points(d))//' integration points', &
-                  line%place(d + 2), &
+        call fail(error, DECK_ERROR, 'found '//to_text(set%nurbs_points(d)) &
+                  //' integration points', line%place(d + 2), &
                   '1 to '//to_text(MAX_POINT)//' points in each direction')
         return
       end if

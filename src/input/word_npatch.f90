@@ -54,7 +54,7 @@ contains
       if (.not. allocated(error)) call get_integer(deck, line, 3, n, error)
       if (allocated(error)) return
       if (n < 4 .or. n > MAX_KNOT) then
-        call fail(error, DECK_ERROR, 'a knot vector of '//to_text(n)//' knots', line%place(3), &
+        call fail(error, DECK_ERROR, 'the knot vector has '//to_text(n)//' knots', line%place(3), &
                   'give 4 to '//to_text(MAX_KNOT)//' knots')
         return
       end if
@@ -122,7 +122,7 @@ contains
       if (allocated(error)) return
       d = findloc(p%n < 2, .true., 1)
       if (d > 0) then
-        call fail(error, DECK_ERROR, 'number of control points in direction ' &
+        call fail(error, DECK_ERROR, 'the number of control points in direction ' &
                   //to_text(d)//' is '//to_text(p%n(d)), line%place(d + 2), 'give at least 2')
         return
       end if

@@ -153,7 +153,7 @@ contains
         if (.not. allocated(error)) call get_numbers(deck, line, 2, n, error)
         do d = 1, 3
           if (allocated(error)) return
-          if (n(d) < 1) call fail(error, DECK_ERROR, to_text(n(d)) &
+          if (n(d) < 1) call fail(error, DECK_ERROR, 'found '//to_text(n(d)) &
                                   //' elements in direction '//to_text(d), line%place(d + 1), &
                                   'give at least 1 element')
           if (.not. allocated(error)) call set_number(line, d + 1, n(d), d, spec, error)
@@ -169,7 +169,7 @@ contains
         if (.not. allocated(error)) call get_numbers(deck, line, 2, n(:line%n - 1), error)
         if (allocated(error)) return
         d = findloc(n(:line%n - 1) < 1 .or. n(:line%n - 1) > MAX_POINT, .true., 1)
-        if (d > 0) call fail(error, DECK_ERROR, 'QUADrature of '//to_text(n(d))//' points', &
+        if (d > 0) call fail(error, DECK_ERROR, 'QUADrature has '//to_text(n(d))//' points', &
                              line%place(d + 1), 'give 1 to '//to_text(MAX_POINT) &
                              //' points in each direction')
         spec%q = n(1)
@@ -281,7 +281,7 @@ contains
         call get_integer(deck, line, i, e%raise, error)
         if (allocated(error)) return
         if (e%raise < 0) call fail(error, DECK_ERROR, 'RAISe '//to_text(e%raise)//' is negative', &
-                                   line%place(i), 'give by how much to raise the order, 0 or more')
+                                   line%place(i), 'RAISe t raises the order by t, 0 or more')
       case ('eas')
         e%eas = .true.
       case ('tape')

@@ -64,8 +64,8 @@ contains
       if (.not. allocated(error)) call get_integer(deck, record, 4, t%to, error)
       if (allocated(error)) return
       if (t%from < 1 .or. t%to < t%from) then
-        call fail(error, DECK_ERROR, 'nodes '//to_text(t%from)//' to '//to_text(t%to)//' are no ' &
-                  //'range', record%place(3), 'TIE,NODE,first,last')
+        call fail(error, DECK_ERROR, 'nodes '//to_text(t%from)//' to '//to_text(t%to)//' are not ' &
+                  //'a range', record%place(3), 'TIE,NODE,first,last')
       end if
     case ('mate')
       call get_numbers(deck, record, 3, t%material, error)

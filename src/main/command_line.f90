@@ -180,7 +180,7 @@ contains
       options%outdir = value
     case ('--name')
       if (index(value, '/') > 0) then
-        call fail_usage(error, 'expected a name without folder, found '//quoted(value), &
+        call fail_usage(error, 'expected a name without a folder, found '//quoted(value), &
                         'choose the folder with -o')
       end if
       options%stem = value

@@ -171,7 +171,7 @@ contains
       call refuse_file(path, error)
     else if (version /= print%version) then
       call fail(error, DECK_ERROR, ''''//path//''' was written by version '//version// &
-                ', this is '//print%version, hint='restart with the version that wrote it')
+                ', but this is '//print%version, hint='restart with the version that wrote it')
     else if (format_found(1) /= FORMAT) then
       call fail(error, DECK_ERROR, ''''//path//''' has checkpoint format ' &
                 //to_text(format_found(1))//', expected '//to_text(FORMAT), &

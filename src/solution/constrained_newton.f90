@@ -51,7 +51,7 @@ contains
     call find_time(newton%constraint, state%time, measure, sum(slope*a), sum(slope*b), dt, &
                    arrived, pass%ok)
     if (.not. pass%ok) then
-      pass%trouble = 'no load since time 0 opens the bonds so far'
+      pass%trouble = 'no load since time 0 opens the bonds that far'
       if (allocated(newton%constraint%direction)) pass%trouble = 'the path leads to times before 0'
       return
     end if

@@ -69,8 +69,8 @@ contains
       if (path%trial) then
         call fail_trial(path)
         state%dynamics%on = path%active == BY_INERTIA
-        call log_line('  load control fails: '//why//'; the method before it goes on, next trial ' &
-                      //'after '//to_text(path%wait)//' steps')
+        call log_line('  load control fails: '//why//'; the previous method continues, next ' &
+                      //'trial after '//to_text(path%wait)//' steps')
       else if (path%active == BY_RELEASE) then
         if (cut_release(path)) then
           call log_cut('releases '//to_text(100*path%release)//' % of the bonds')
@@ -97,7 +97,7 @@ contains
         if (can_control_release()) then
           call leave_load_control(path, BY_RELEASE)
           call log_line('path: load control ends at time '//to_text(step%start_time)//': '//why)
-          call log_line('path: control of the release goes on, at most ' &
+          call log_line('path: control of the release takes over, at most ' &
                         //to_text(100*path%largest_release)//' % of the bonds in a step')
         else
           changed = adds_inertia(step, model, state, 'load control ends', why)
@@ -202,7 +202,7 @@ contains
     length = norm2(state%last_increment)
     call begin_arc(step%continuation, length)
     call log_line('path: '//what)
-    call log_line('path: arc length control goes on, first length '//to_text(length))
+    call log_line('path: arc length control takes over, first length '//to_text(length))
   end subroutine follow_arc
 
   !> The next steps have inertia, with the density of the deck or with one that gives the mean
@@ -297,8 +297,8 @@ contains
     path%warned_energy = .true.
     hint = 'use smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
     if (size(model%contact) > 0) then
-      hint = 'contact has produced energy, and later results mean little; if bonds are peeled to ' &
-             //'their end, use NORMal ... BORDer 0.2 and BALAnced; see BOOK NORMal'
+      hint = 'contact has produced energy, and later results mean little; if the bonds are ' &
+             //'peeled off completely, use NORMal ... BORDer 0.2 and BALAnced; see BOOK NORMal'
     end if
     call warn('step '//to_text(state%step)//': the kinetic energy is ' &
               //to_text(state%energy%kinetic)//', but the work done is only ' &

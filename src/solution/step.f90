@@ -165,8 +165,8 @@ contains
       hint = hint//'smaller steps may help: AUTO,,dtmin,dtmax'
       if (step%control%automatic) hint = hint//' with a smaller dtmin'
       if (size(model%contact) > 0 .and. ncut > 2) then
-        hint = hint//'; if contact points alternate at an edge or in a gap of zero, no step is ' &
-               //'small enough: use CONTact with BALAnced, or NORMal ... BORDer 0.2'
+        hint = hint//'; if contact points alternate at an edge or where the gap is zero, no step ' &
+               //'is small enough: use CONTact with BALAnced, or NORMal ... BORDer 0.2'
       end if
       if (turns_back(step%newton)) then
         hint = 'Newton alternates between two states of contact whose tangents have ' &
@@ -279,7 +279,7 @@ contains
         if (total%unstable) then
           call log_line(text)
         else
-          call warn(text//'; the log names later ones', hint='hourglassing (ENHAnced in ' &
+          call warn(text//'; later ones are only in the log', hint='hourglassing (ENHAnced in ' &
                     //'compression), buckling or a limit point; look at the deformed shape')
         end if
         total%unstable = .true.
