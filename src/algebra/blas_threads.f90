@@ -27,8 +27,8 @@ contains
   !> Use n threads in factorisations.
   !!
   !! A first product lets OpenBLAS allocate its buffer, which it keeps, while there is memory. It
-  !! would retry for ever where there is none, so that the memory is tested before. Products of
-  !! small matrices need no buffer.
+  !! would retry forever where there is none, so the memory is tested before. Products of small
+  !! matrices need no buffer.
   subroutine set_threads(n, error)
     integer, intent(in) :: n
     type(error_t), allocatable, intent(out) :: error

@@ -26,7 +26,7 @@ contains
   !> Find out whether the matrix that was just factorised is regular. Then `null` stays empty; else
   !! it gets the equations whose support would stop the free motions, one for each motion.
   !!
-  !! Where approximate factors leave a doubt, the matrix counts as singular and exact factors must
+  !! Where approximate factors leave doubt, the matrix counts as singular and exact factors must
   !! decide.
   subroutine prove_regular(a, eq, solver, exact, null, error)
     type(block_matrix_t), intent(in) :: a

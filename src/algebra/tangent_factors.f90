@@ -41,7 +41,7 @@ module tangent_factors
     logical :: single = .false.          !! chosen: single precision
     real(wp) :: eps = 0.0_wp             !! chosen: relative error of compressed blocks; 0: none
     real(wp) :: available_mb = 0.0_wp    !! available memory [MB]; 0: that of the machine
-    real(wp) :: estimate_mb = 0.0_wp     !! memory of a factorisation as the analysis estimates [MB]
+    real(wp) :: estimate_mb = 0.0_wp     !! memory of a factorisation, from the analysis [MB]
     class(solver_t), allocatable :: solver
     integer, allocatable :: eq(:, :)     !! (3, nnode) equation numbers, 0: prescribed
     logical :: valid = .false.           !! the factors exist and are those of a regular matrix

@@ -130,7 +130,7 @@ contains
     shown = 0
   end subroutine clear_progress
 
-  !> A closed screen is no error: the log has everything.
+  !> A closed screen is not an error: the log has everything.
   subroutine show(text)
     character(*), intent(in) :: text
     integer :: io

@@ -109,7 +109,7 @@ contains
     call c_exit(int(code, c_int))
   end subroutine finish
 
-  !> End the process without the clean-up of libraries, which would wait for ever for a thread of
+  !> End the process without the clean-up of libraries, which would wait forever for a thread of
   !! OpenBLAS that waits for memory.
   subroutine finish_now(code)
     integer, intent(in) :: code

@@ -125,7 +125,7 @@ contains
     text = number(:n)
   end function without_zeros
 
-  !> The word of a list that is most like `word`, the first of several. Upper and lower case are the
+  !> The word of a list that is most like `word`; the first of equals. Upper and lower case are the
   !! same, and the first four letters may stand for a word of the list.
   pure function nearest_word(word, list) result(found)
     character(*), intent(in) :: word

@@ -77,7 +77,7 @@ contains
             call take_rise(rise(k, c), contact(c)%side(k))
           end do
         end do
-        ! the balance of the step has changed: its iteration goes on
+        ! the balance of the step has changed: its iteration continues
         run%step%newton%converged = .false.
         run%step%newton%before = run%step%newton%iterations
         call log_line('  augmented: pressures changed by up to '//to_text(change) &

@@ -1,4 +1,4 @@
-!> Checkpoints: what they keep beside the state, when they are written, and how a run goes on.
+!> Checkpoints: what they keep besides the state, when they are written, and how a run continues.
 module command_checkpoint
   use base_error, only: error_t, fail, SYSTEM_ERROR, STOPPED
   use base_kinds, only: wp
@@ -60,7 +60,7 @@ contains
     run%restart_point%set = .true.
   end subroutine set_restart_point
 
-  !> Go on from a checkpoint; no file is touched yet.
+  !> Continue from a checkpoint; no file is touched yet.
   subroutine restore_run(run, path, error)
     type(run_t), intent(inout) :: run
     character(*), intent(in) :: path
@@ -130,7 +130,7 @@ contains
     path = run%files%stem//'.restart.h5'
   end function restart_path
 
-  !> Everything beside the state that a restarted run needs, between two steps.
+  !> Everything besides the state that a restarted run needs, between two steps.
   subroutine exchange_run(x, run)
     type(exchange_t), intent(inout) :: x
     type(run_t), intent(inout) :: run

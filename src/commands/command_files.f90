@@ -44,7 +44,7 @@ contains
     end associate
   end subroutine open_files
 
-  !> A row of every curve.
+  !> Write a row of every curve.
   subroutine write_rows(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error

@@ -1,4 +1,4 @@
-!> RESTart: go on from the state in a checkpoint, with the commands of this deck.
+!> RESTart: continue from the state in a checkpoint, with the commands of this deck.
 module command_restart
   use base_error, only: error_t, fail, DECK_ERROR
   use base_log, only: log_line

@@ -34,7 +34,7 @@ module command_type
     logical :: solves = .false.                 !! LOOP: so for a command that solves
     character(4) :: option = ''
     real(wp) :: x(4) = 0.0_wp                   !! numbers after the option, evaluated at each visit
-    type(data_t), allocatable :: data(:)        !! one a visit, in the order of the visits
+    type(data_t), allocatable :: data(:)        !! one per visit, in the order of the visits
     integer :: visit = 0
   end type command_t
 

@@ -60,7 +60,7 @@ contains
     end associate
   end function targets_left
 
-  !> The innermost loop is no loop over time, and in its last pass.
+  !> Is the innermost loop in its last pass, and not a loop over time?
   pure logical function is_last_pass(program) result(yes)
     type(program_t), intent(in) :: program
     integer :: top

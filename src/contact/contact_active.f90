@@ -94,7 +94,7 @@ contains
     has_idle = any(pairs%used(:pairs%n) < step)
   end function has_idle
 
-  !> Remove the pairs that have not been needed since a step.
+  !> Remove the pairs that were last needed before `step`.
   subroutine prune_pairs(pairs, step)
     type(pairs_t), intent(inout) :: pairs
     integer, intent(in) :: step

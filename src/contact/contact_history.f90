@@ -107,7 +107,7 @@ contains
     end do
   end subroutine mark_beside
 
-  !> Was a point in contact when the last step ended?
+  !> Was any point in contact when the last step ended?
   pure logical function had_touched(state)
     type(contact_state_t), intent(in) :: state
 

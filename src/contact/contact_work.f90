@@ -5,7 +5,7 @@
 !!
 !!   dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b.
 !!
-!! The xi of a bond and of a sliding point is fixed.
+!! The xi of a bond and that of a sliding point are fixed.
 module contact_work
   use base_kinds, only: wp
   use contact_pair, only: contact_t, surface_t

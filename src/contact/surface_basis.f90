@@ -2,7 +2,7 @@
 !!
 !! The extraction C is found by collocation of the functions that the row of the element gives, so
 !! every element type is served. Weights are usually kept apart (surface%w), so that C gives the
-!! functions without weights. The exception are lateral faces of rational enriched elements, where
+!! functions without weights. The exceptions are lateral faces of rational enriched elements, where
 !! the nodes of both bases share the denominator W of the surface: there C contains the weights,
 !! W N_b for the Lagrange nodes, and surface%w is one.
 module surface_basis

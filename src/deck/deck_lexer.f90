@@ -165,7 +165,7 @@ contains
     cutter%at = cutter%last + 1
   end subroutine cut_title
 
-  !> The rest of a line is an & that nothing but a comment follows.
+  !> Is the rest of a line an & that is followed by nothing but a comment?
   pure function ends_line(rest) result(yes)
     character(*), intent(in) :: rest
     logical :: yes

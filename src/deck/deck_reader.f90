@@ -213,7 +213,7 @@ contains
     reader%loop(reader%nloop)%left = nint(n) - 1
   end subroutine begin_loop
 
-  !> NEXT: back to the body of the loop, or on behind it.
+  !> NEXT: back to the body of the loop, or on after it.
   subroutine end_pass(reader, record, error)
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(in) :: record

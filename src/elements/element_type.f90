@@ -39,7 +39,7 @@ module element_type
     integer, allocatable :: node(:)   !! local nodes of the faces, one after the other
     integer :: vtk = 0                !! VTK cell type (12 Q1, 79 Bezier, 10 tetrahedron)
     integer, allocatable :: vtk_node(:) !! local node of each VTK point; spline cells: none
-    !> What readers of mesh files need to know of an element with deck_nodes > 0; others leave it.
+    !> What readers of mesh files need to know of an element with deck_nodes > 0; unset in others.
     character(12) :: shape = ''         !! tetrahedron, pyramid, wedge or hexahedron
     integer, allocatable :: corner(:)   !! local nodes at the corners
     real(wp), allocatable :: xr(:, :)   !! (3, nen) nodes of the reference element [-]
@@ -107,7 +107,7 @@ module element_type
       real(wp), intent(out) :: mode(:, :) !! (3, nmode)
     end subroutine element_modes_i
 
-    !> Residual and consistent tangent of one element, enhanced modes condensed.
+    !> Residual and consistent tangent of one element, with its enhanced modes condensed.
     !!
     !! History of an element with nmode > 0 (length history_length(nen, nmode) of solid_form):
     !! the parameters a at (u - du), the vector m = K_aa^-1 r_a and the matrix L = K_aa^-1 K_au

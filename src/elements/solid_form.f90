@@ -1,7 +1,8 @@
 !> Residual and consistent tangent of any solid element.
 !!
-!! It takes the functions from a table at the integration points (basis_t), stress and tangent at a
-!! point from the law. With g spatial (small strain: reference) gradients, w0 reference volumes,
+!! It takes the functions from a table at the integration points (basis_t), and the stress and the
+!! tangent at a point from the law. With g spatial (small strain: reference) gradients, w0 reference
+!! volumes,
 !!
 !!   r_a  = sum_q w0 tau g_a
 !!   K_ab = sum_q w0 [(g_a . (tau + mus 1) g_b) 1 + lam g_a x g_b + mus g_b x g_a]
@@ -24,7 +25,7 @@ module solid_form
 
 contains
 
-  !> Reals of history an element needs: parameters first, then m and L (see element_form_i).
+  !> Number of reals in an element's history: parameters, then m and L (see element_form_i).
   pure integer function history_length(nen, nmode) result(n)
     integer, intent(in) :: nen, nmode
 

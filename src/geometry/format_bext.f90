@@ -1,8 +1,9 @@
 !> BEXT 2.0 text files of extracted surfaces, as *IGA_INCLUDE_BEZIER of LS-DYNA reads them.
 !!
-!! Read are the sizes, the control points, the elements in groups of the same sizes, and the dense
-!! and sparse coefficient vectors that they share; what follows is ignored. Numbers are separated by
-!! blanks, `$` starts a comment. `etype` is ignored: files of tensor-product elements have 0 or 1.
+!! The reader takes the sizes, the control points, the elements in groups of the same sizes, and the
+!! dense and sparse coefficient vectors that they share; what follows is ignored. Numbers are
+!! separated by blanks, and `$` starts a comment. `etype` is ignored: files of tensor-product
+!! elements have 0 or 1.
 !! Source: LS-DYNA keyword manual, *IGA_INCLUDE_BEZIER
 module format_bext
   use base_error, only: error_t

@@ -1,7 +1,7 @@
 !> G+Smo XML files: one geometry TensorNurbs3 or TensorBSpline3, or a surface of the same with 2.
 !!
-!! Read are the knot vectors with their degrees, the weights and the coefficients, of which the
-!! first direction runs fastest. Other geometries of the file and other tags are skipped.
+!! The reader takes the knot vectors with their degrees, the weights and the coefficients, of which
+!! the first direction runs fastest. Other geometries of the file and other tags are skipped.
 !! Source: the files of G+Smo (gismo/filedata)
 module format_gismo
   use base_kinds, only: wp

@@ -1,7 +1,8 @@
 !> Files `MFEM NURBS mesh v1.0`: blocks of NURBS with a common numbering of control points.
 !!
-!! Read are dimension, elements (cubes), edges, vertices, knotvectors, weights and the positions,
-!! which are Euclidean; the boundary is skipped. A knot vector runs as its edge is written.
+!! The reader takes dimension, elements (cubes), edges, vertices, knotvectors, weights and the
+!! positions, which are Euclidean; the boundary is skipped. A knot vector runs as its edge is
+!! written.
 !!
 !! Numbering of the control points: vertices; the inner points of the edges, in the order of the
 !! section `edges`, each from its lower vertex to its higher; those of the faces, in the order in

@@ -16,7 +16,7 @@ module patch_surface
   type :: surface_t
     integer :: face = 0, axis = 0, side = 0 !! side 0: minimum, 1: maximum
     integer :: xi = 0, eta = 0        !! patch directions of the element's first two
-    integer :: dir(2) = 0             !! the same two in rising order: those of `space`
+    integer :: dir(2) = 0             !! the same two in increasing order: those of `space`
     integer :: degree(3) = 0          !! by patch direction
     logical :: rational = .false.
     type(nurbs_t) :: space

@@ -33,7 +33,7 @@ contains
     type(deck_t), intent(inout) :: deck
     type(model_t), allocatable, intent(out) :: model
     type(error_list_t), intent(inout) :: errors      !! independent errors of the deck
-    type(error_t), allocatable, intent(out) :: error !! one after which reading cannot go on
+    type(error_t), allocatable, intent(out) :: error !! one after which reading cannot continue
     type(draft_t) :: draft
 
     call load_mesh_words(draft%row)
@@ -126,7 +126,7 @@ contains
     call deck%put_back(record)
   end subroutine read_mesh_part
 
-  !> Read a known word; after an error go on behind its set.
+  !> Read a known word; after an error continue after its set.
   subroutine read_word(draft, deck, record, r, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

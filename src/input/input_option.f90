@@ -1,4 +1,4 @@
-!> Options behind the required fields of a record: words in any order, each given once.
+!> Options after the required fields of a record: words in any order, each given once.
 !!
 !! A record has one list of its options, such as ['PAIR', 'SMOOth d']: a word, and the value that
 !! follows it. Reading, checks and hints use that list.

@@ -160,7 +160,7 @@ contains
     end do
   end function body_index
 
-  !> The nodes of a place, each once, in rising order.
+  !> The nodes of a place, each once, in increasing order.
   subroutine find_nodes(mesh, place, node, error)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place

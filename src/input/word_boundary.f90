@@ -102,7 +102,7 @@ contains
     draft%motion(draft%nmotion) = m
   end subroutine read_move
 
-  !> [PROP k] in field i; i then is the field behind it.
+  !> [PROP k] in field i, which then moves to the field after it.
   subroutine read_table(deck, record, i, table, usage, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record

@@ -31,7 +31,7 @@ module word_position
 
 contains
 
-  !> What a word and ADD or SET behind it say about all its requests. Without ADD and SET, words of
+  !> What a word and ADD or SET after it say about all its requests. Without ADD and SET, words of
   !! planes except EPROportional add.
   subroutine begin_requests(record, r, error)
     type(record_t), intent(in) :: record

@@ -1,7 +1,7 @@
 !> A whole analysis on one page: read the deck, execute its commands, say how it ended.
 !!
-!! TIME begins a step and closes the one before; TANG and its kin iterate in it; where a step is cut
-!! back, the counter of the commands goes back to its TIME (step, command_step).
+!! TIME begins a step and closes the previous one; TANG and the like iterate in it; where a step is
+!! cut back, the counter of the commands goes back to its TIME (step, command_step).
 module run
   use base_error, only: error_t, fail, NO_SOLUTION, error_list_t
   use command_checkpoint, only: set_restart_point, stop_wanted, stop_run

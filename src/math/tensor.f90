@@ -74,7 +74,7 @@ contains
       scale(j) = abs(a(j, j))
     end do
     do j = 1, n
-      if (.not. abs(a(j, j)) > n*epsilon(1.0_wp)*scale(j)) then ! also where it is no number
+      if (.not. abs(a(j, j)) > n*epsilon(1.0_wp)*scale(j)) then ! also where it is not a number
         ok = .false.
         return
       end if

@@ -33,7 +33,7 @@ module curve_type
     integer :: component = 0
     real(wp) :: point(3) = 0.0_wp        !! on the axis of a torque; of a stress
     real(wp) :: axis(3) = 0.0_wp
-    integer :: body = 0                  !! ENERgy, MAXImum: 0 for all
+    integer :: body = 0                  !! ENERgy, MAXImum; 0: all bodies
     integer :: block = 0, elem = 0       !! STREss: where the reference point was found
     real(wp) :: xi(3) = 0.0_wp           !! and its parent coordinates there
     integer :: contact = 0, side = 0     !! quantities of a contact: index in the model, side 1 or 2

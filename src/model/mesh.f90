@@ -56,7 +56,7 @@ module mesh
     character(:), allocatable :: name
     integer, allocatable :: node(:)    !! rising
     type(body_face_t) :: face          !! on the boundary; none: of points, lines, volumes
-    integer :: inner = 0               !! its surface elements that are no boundary of the body
+    integer :: inner = 0               !! its surface elements that are not on the boundary
   end type group_t
 
   !> A body made by PATCh or MESH. Face f = 1 to 6 is 1- 1+ 2- 2+ 3- 3+.

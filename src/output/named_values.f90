@@ -1,4 +1,4 @@
-!> Named values: what the commands keep in a checkpoint beside the state.
+!> Named values: what the commands keep in a checkpoint besides the state.
 module named_values
   use base_kinds, only: wp
   implicit none

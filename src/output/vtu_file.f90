@@ -269,7 +269,7 @@ contains
     if (is_active) text = ' '//name//'="'//name//'"'
   end function active
 
-  !> Text with the characters replaced that XML reserves.
+  !> Text in which the characters that XML reserves are replaced.
   pure function escaped(text) result(xml)
     character(*), intent(in) :: text
     character(:), allocatable :: xml

@@ -60,7 +60,7 @@ module continuation_type
     integer :: opening = 0               !! consecutive such steps that have released bonds
     integer :: patience = FIRST_WAIT     !! of them before the release is controlled again
     logical :: warned = .false.          !! the warning that load control ended was issued
-    logical :: warned_energy = .false.   !! so was the one that motion has too much energy
+    logical :: warned_energy = .false.   !! and the one that the motion has too much energy
   end type continuation_t
 
   !> A step whose measure is prescribed: the release of the bonds, or the arc length in the tangent
@@ -133,7 +133,7 @@ contains
     is_forward = path%steps >= path%wait
   end function is_forward
 
-  !> Release of the next step, after one that took so many iterations.
+  !> Release of the next step, after one that took this many iterations.
   pure subroutine adapt_release(path, iterations)
     type(continuation_t), intent(inout) :: path
     integer, intent(in) :: iterations
@@ -220,7 +220,7 @@ contains
     path%trial = .true.
   end subroutine begin_trial
 
-  !> The trial has converged: load control goes on.
+  !> The trial has converged: load control continues.
   pure subroutine end_trial(path)
     type(continuation_t), intent(inout) :: path
 
@@ -228,7 +228,7 @@ contains
     path%active = BY_LOAD
   end subroutine end_trial
 
-  !> The trial has failed: the method before it goes on.
+  !> The trial has failed: the previous method continues.
   pure subroutine fail_trial(path)
     type(continuation_t), intent(inout) :: path
 

@@ -243,8 +243,8 @@ contains
   end subroutine close_step
 
   !> Has a node of a model with contact gone farther than twice the size of the model and the
-  !! longest prescribed displacement? A body that neither contact nor bonds hold has equilibria
-  !! anywhere; inertia finds a better one.
+  !! longest prescribed displacement? A body that neither contact nor bonds hold is in
+  !! equilibrium anywhere; inertia finds a better place.
   pure logical function flies_off(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
