@@ -3,8 +3,8 @@
 !! No other file sees the structures of MUMPS. The arguments are in double precision. Numbers of
 !! options and results are those of the users' guide of version 5.5.
 module mumps_instance
-  use, intrinsic :: ieee_arithmetic, only: ieee_get_underflow_mode, ieee_set_underflow_mode, &
-                                                                      ieee_support_underflow_control
+  use, intrinsic :: ieee_arithmetic, only: ieee_get_underflow_mode, ieee_set_underflow_mode
+  use, intrinsic :: ieee_arithmetic, only: ieee_support_underflow_control
   use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
   use base_kinds, only: wp, i8
   use base_text, only: to_text

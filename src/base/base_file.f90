@@ -2,8 +2,8 @@
 module base_file
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_kinds, only: i8
-  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_null_char, c_ptr, c_associated, &
-                                                        c_f_pointer, c_int16_t, c_int32_t, c_int64_t
+  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_null_char, c_ptr, c_associated
+  use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int16_t, c_int32_t, c_int64_t
   implicit none
   private
   public :: file_t, inspect, make_folder, replace_file, remove_file, lock_file, unlock_file, &

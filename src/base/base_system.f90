@@ -20,7 +20,6 @@ module base_system
     integer(c_int64_t) :: bits(16)
   end type sigset_t
 
-  ! allow(assumed-size)
   interface
     subroutine c_exit(code) bind(C, name='exit')
       import :: c_int

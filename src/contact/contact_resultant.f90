@@ -165,6 +165,7 @@ contains
                             .and. points%opening >= contact%released), &
                         sum(points%area0, mask=points%bond > 0))
           return
+        case default             ! the others need the sums over the points
         end select
       end associate
     end associate

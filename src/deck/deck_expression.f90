@@ -13,8 +13,8 @@ module deck_expression
   use deck_number, only: scan_number
   use deck_params, only: params_t, set_parameter, find_parameter, parameter_names
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use, intrinsic :: ieee_exceptions, only: ieee_get_status, ieee_set_status, &
-                                                 ieee_set_halting_mode, ieee_status_type, ieee_usual
+  use, intrinsic :: ieee_exceptions, only: ieee_get_status, ieee_set_status, ieee_status_type
+  use, intrinsic :: ieee_exceptions, only: ieee_set_halting_mode, ieee_usual
   implicit none
   private
   public :: evaluate, compute, trouble_t, params_t, set_parameter

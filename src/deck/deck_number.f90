@@ -2,8 +2,8 @@
 module deck_number
   use base_kinds, only: wp, i8
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use, intrinsic :: ieee_exceptions, only: ieee_get_status, ieee_set_status, &
-                                                 ieee_set_halting_mode, ieee_status_type, ieee_usual
+  use, intrinsic :: ieee_exceptions, only: ieee_get_status, ieee_set_status, ieee_status_type
+  use, intrinsic :: ieee_exceptions, only: ieee_set_halting_mode, ieee_usual
   implicit none
   private
   public :: scan_number, whole_number

@@ -21,9 +21,10 @@ module mesh_shape
 
   !> Gmsh types that need no row, as they bound a body, and two that are rejected by their name
   !! as long as no row has them (Gmsh reference manual, section MSH file format).
-  character(12), parameter :: OTHER_NAME(10) = [character(12) :: 'point', 'line', 'triangle', &
-                                                   'quadrangle', 'line', 'triangle', 'quadrangle', &
-                                                                'quadrangle', 'wedge', 'hexahedron']
+  character(10), parameter :: OTHER_NAME(10) = [ &
+                              'point     ', 'line      ', 'triangle  ', 'quadrangle', &
+                              'line      ', 'triangle  ', 'quadrangle', 'quadrangle', &
+                              'wedge     ', 'hexahedron']
   !> Their types, dimensions, nodes and corners.
   integer, parameter :: OTHER(4, 10) = reshape([15, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 2, 4, 4, &
                                                 8, 1, 3, 2, 9, 2, 6, 3, 10, 2, 9, 4, 16, 2, 8, 4, &

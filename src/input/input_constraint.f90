@@ -151,7 +151,7 @@ contains
     do i = 1, mesh%constraint%n
       associate (list => mesh%constraint, s => mesh%constraint%slave(i))
         directions: do d = 1, 3
-          if (.not. held(d, s)) cycle
+          if (.not. held(d, s)) cycle directions
           value = 0.0_wp
           largest = abs(bc%value(d, s))
           do j = list%first(i), list%first(i + 1) - 1
@@ -165,7 +165,7 @@ contains
             value = value + list%c(j)*bc%value(d, m)
             largest = max(largest, abs(bc%value(d, m)))
           end do
-          if (abs(value - bc%value(d, s)) <= ROUNDING*largest) cycle
+          if (abs(value - bc%value(d, s)) <= ROUNDING*largest) cycle directions
           call fail(error, DECK_ERROR, 'the displacement prescribed at '//named(mesh, s) &
                     //' does not follow from those of its masters', list%place(i), &
                     'prescribe it at the masters only')

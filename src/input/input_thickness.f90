@@ -38,8 +38,9 @@ contains
     if (p > 0) then
       associate (spec => draft%patch(p)%spec)
         if (spec%geometry == GEO_SPLINE) then ! a layer under a surface has a thickness of its own
-          if (spec%spline%has_layer) &
+          if (spec%spline%has_layer) then
             thickness = spline_thickness(spec%spline%surface, -1.0_wp) ! a_1 x a_2 points inwards
+          end if
           return
         end if
         call hemisphere_degree(spec, degree, error)

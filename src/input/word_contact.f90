@@ -26,9 +26,11 @@ module word_contact
   integer, parameter :: LONGEST = 32   !! of a name, which becomes part of column names
 
   type(record_word_t), parameter, public :: CONTACT_RECORDS(8) = [ &
-                    record_word_t('SURFaces'), record_word_t('NORMal'), record_word_t('FRICtion'), &
-               record_word_t('COHEsive'), record_word_t('BONDed', .true.), record_word_t('DEPTh'), &
-                                            record_word_t('QUADrature'), record_word_t('BALAnced')]
+                                            record_word_t('SURFaces'), record_word_t('NORMal'), &
+                                            record_word_t('FRICtion'), record_word_t('COHEsive'), &
+                                            record_word_t('BONDed', .true.), &
+                                            record_word_t('DEPTh'), record_word_t('QUADrature'), &
+                                            record_word_t('BALAnced')]
 
 contains
 
@@ -110,6 +112,7 @@ contains
       call check_count(line, 2, 2, 'DEPTh d', error)
       if (.not. allocated(error)) call read_positive(deck, line, 2, 'depth', &
                                                      entry%contact%depth, error)
+    case default               ! the caller has rejected every other word
     end select
   end subroutine read_contact_record
 

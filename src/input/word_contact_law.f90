@@ -50,8 +50,10 @@ contains
     call load_contact_laws(table)
     allocate (option(0))
     do i = 1, size(table)
-      if (table(i)%role == law%role .and. table(i)%name == law%name .and. table(i)%option /= '') &
+      if (table(i)%role == law%role .and. table(i)%name == law%name &
+          .and. table(i)%option /= '') then
         option = [option, table(i)%option]
+      end if
     end do
     do i = 1, size(COHESIVE_OPTION)
       option = [character(16) :: option, COHESIVE_OPTION(i)]

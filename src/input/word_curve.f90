@@ -3,10 +3,11 @@ module word_curve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, nearest, lower, key_of, fits_name
   use curve_type, only: Q_FORCE, Q_TORQUE, Q_DISP, Q_STRESS, Q_ENERGY, Q_MAX_DISP, Q_MAX_MISES, &
-              Q_BOOK, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, Q_CONTACT_TANGENTIAL, &
-       Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED, &
-            B_WORK, B_STORED, B_KINETIC, B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, B_IMBALANCE, &
-                        B_BONDS, B_DAMAGE, B_VISCOUS
+                        Q_BOOK, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, &
+                        Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, &
+                        Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED, B_WORK, B_STORED, B_KINETIC, &
+                        B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, B_IMBALANCE, B_BONDS, &
+                        B_DAMAGE, B_VISCOUS
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
   use input_draft, only: draft_t, curve_entry_t, column_entry_t, next_line
@@ -18,42 +19,45 @@ module word_curve
   public :: read_curve
 
   type(record_word_t), parameter, public :: CURVE_RECORDS(8) = [ &
-                                  record_word_t('FORCe', .true.), record_word_t('TORQue', .true.), &
-                                  record_word_t('DISP', .true.), record_word_t('CONTact', .true.), &
-                                 record_word_t('STREss', .true.), record_word_t('ENERgy', .true.), &
-                                    record_word_t('MAXImum', .true.), record_word_t('BOOK', .true.)]
+                                            record_word_t('FORCe', .true.), &
+                                            record_word_t('TORQue', .true.), &
+                                            record_word_t('DISP', .true.), &
+                                            record_word_t('CONTact', .true.), &
+                                            record_word_t('STREss', .true.), &
+                                            record_word_t('ENERgy', .true.), &
+                                            record_word_t('MAXImum', .true.), &
+                                            record_word_t('BOOK', .true.)]
 
-  !> A quantity of BOOK or CONTact: its word, what it is and the name of its column.
+  !> A quantity of BOOK or CONTact. Its word in lower case is part of the name of its column.
   type :: quantity_word_t
     character(12) :: word
-    integer :: id            !! B_... of BOOK, Q_CONTACT_... of CONTact
-    character(12) :: column
+    integer :: id          !! B_... of BOOK, Q_CONTACT_... of CONTact
   end type quantity_word_t
 
   !> Terms of the energy balance.
   type(quantity_word_t), parameter :: ENERGIES(11) = [ &
-                                      quantity_word_t('WORK', B_WORK, 'work'), &
-                                      quantity_word_t('STORed', B_STORED, 'stored'), &
-                                      quantity_word_t('KINEtic', B_KINETIC, 'kinetic'), &
-                                      quantity_word_t('NORMal', B_NORMAL, 'normal'), &
-                                      quantity_word_t('FRICtion', B_FRICTION, 'friction'), &
-                                      quantity_word_t('COHEsive', B_COHESIVE, 'cohesive'), &
-                                      quantity_word_t('INERtia', B_INERTIA, 'inertia'), &
-                                      quantity_word_t('IMBAlance', B_IMBALANCE, 'imbalance'), &
-                                      quantity_word_t('BONDs', B_BONDS, 'bonds'), &
-                                      quantity_word_t('DAMAge', B_DAMAGE, 'damage'), &
-                                      quantity_word_t('VISCous', B_VISCOUS, 'viscous')]
+                                      quantity_word_t('WORK', B_WORK), &
+                                      quantity_word_t('STORed', B_STORED), &
+                                      quantity_word_t('KINEtic', B_KINETIC), &
+                                      quantity_word_t('NORMal', B_NORMAL), &
+                                      quantity_word_t('FRICtion', B_FRICTION), &
+                                      quantity_word_t('COHEsive', B_COHESIVE), &
+                                      quantity_word_t('INERtia', B_INERTIA), &
+                                      quantity_word_t('IMBAlance', B_IMBALANCE), &
+                                      quantity_word_t('BONDs', B_BONDS), &
+                                      quantity_word_t('DAMAge', B_DAMAGE), &
+                                      quantity_word_t('VISCous', B_VISCOUS)]
 
   type(quantity_word_t), parameter :: OF_CONTACT(9) = [ &
-                                      quantity_word_t('FORCe', Q_CONTACT_FORCE, 'force'), &
-                                      quantity_word_t('TORQue', Q_CONTACT_TORQUE, 'torque'), &
-                                      quantity_word_t('PRESsure', Q_CONTACT_PRESSURE, 'pressure'), &
-                                quantity_word_t('TANGential', Q_CONTACT_TANGENTIAL, 'tangential'), &
-                                      quantity_word_t('STICk', Q_CONTACT_STICK, 'stick'), &
-                                      quantity_word_t('SLIP', Q_CONTACT_SLIP, 'slip'), &
-                                      quantity_word_t('AREA', Q_CONTACT_AREA, 'area'), &
-                             quantity_word_t('PENEtration', Q_CONTACT_PENETRATION, 'penetration'), &
-                                      quantity_word_t('DEBOnded', Q_CONTACT_DEBONDED, 'debonded')]
+                                      quantity_word_t('FORCe', Q_CONTACT_FORCE), &
+                                      quantity_word_t('TORQue', Q_CONTACT_TORQUE), &
+                                      quantity_word_t('PRESsure', Q_CONTACT_PRESSURE), &
+                                      quantity_word_t('TANGential', Q_CONTACT_TANGENTIAL), &
+                                      quantity_word_t('STICk', Q_CONTACT_STICK), &
+                                      quantity_word_t('SLIP', Q_CONTACT_SLIP), &
+                                      quantity_word_t('AREA', Q_CONTACT_AREA), &
+                                      quantity_word_t('PENEtration', Q_CONTACT_PENETRATION), &
+                                      quantity_word_t('DEBOnded', Q_CONTACT_DEBONDED)]
 
   !> Components of a stress as the deck names them, and their places in Voigt's order.
   character(2), parameter :: COMPONENT(9) = ['11', '22', '33', '12', '23', '31', '21', '32', '13']
@@ -175,7 +179,7 @@ contains
         end if
         q%id = Q_BOOK
         q%component = ENERGIES(i)%id
-        q%column = 'book_'//trim(ENERGIES(i)%column)
+        q%column = 'book_'//lower(trim(ENERGIES(i)%word))
       case default
         call fail(error, DECK_ERROR, 'unknown quantity '//quoted(line%text(1))//' of a CURVe', &
                   line%place(1), 'nearest known: '//nearest(line%text(1), CURVE_RECORDS%name))
@@ -262,7 +266,7 @@ contains
       end if
       q%id = OF_CONTACT(w)%id
       q%column = 'contact_'//lower(column%contact)//'_'//to_text(q%side)//'_' &
-                 //trim(OF_CONTACT(w)%column)
+                 //lower(trim(OF_CONTACT(w)%word))
       usage = usage//trim(OF_CONTACT(w)%word)
       select case (q%id)
       case (Q_CONTACT_FORCE, Q_CONTACT_PRESSURE, Q_CONTACT_TANGENTIAL)

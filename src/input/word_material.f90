@@ -36,9 +36,10 @@ module word_material
   end type law_entry_t
 
   integer, parameter :: SMALL = 1, FINITE = 2
-  character(12), parameter, public :: WORD(8) = &
-                                  ['ELAStic     ', 'SMALl       ', 'FINIte      ', 'DISPlacement', &
-                                     'ENHAnced    ', 'DENSity     ', 'BODY        ', 'NURB        ']
+  character(12), parameter, public :: WORD(8) = [ &
+                                      'ELAStic     ', 'SMALl       ', 'FINIte      ', &
+                                      'DISPlacement', 'ENHAnced    ', 'DENSity     ', &
+                                      'BODY        ', 'NURB        ']
   integer, parameter :: MAX_POINT = 16 !! integration points in a direction
 
 contains

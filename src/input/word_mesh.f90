@@ -20,8 +20,10 @@ module word_mesh
   public :: read_mesh
 
   type(record_word_t), parameter, public :: MESH_RECORDS(6) = [ &
-                              record_word_t('ROTAte', .true.), record_word_t('TRANslate', .true.), &
-         record_word_t('SCALe', .true.), record_word_t('TYPE'), record_word_t('MATErial', .true.), &
+                                            record_word_t('ROTAte', .true.), &
+                                            record_word_t('TRANslate', .true.), &
+                                            record_word_t('SCALe', .true.), record_word_t('TYPE'), &
+                                            record_word_t('MATErial', .true.), &
                                             record_word_t('CONStraint', .true.)]
 
 contains

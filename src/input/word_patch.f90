@@ -19,10 +19,14 @@ module word_patch
             read_placement
 
   type(record_word_t), parameter, public :: PATCH_RECORDS(12) = [ &
-                       record_word_t('BOX'), record_word_t('HEMIsphere'), record_word_t('NPATch'), &
-       record_word_t('FILE'), record_word_t('ROTAte', .true.), record_word_t('TRANslate', .true.), &
-                 record_word_t('ELEMents'), record_word_t('KNOTs', .true.), record_word_t('TYPE'), &
-            record_word_t('ENRIch', .true.), record_word_t('QUADrature'), record_word_t('MATErial')]
+                                            record_word_t('BOX'), record_word_t('HEMIsphere'), &
+                                            record_word_t('NPATch'), record_word_t('FILE'), &
+                                            record_word_t('ROTAte', .true.), &
+                                            record_word_t('TRANslate', .true.), &
+                                            record_word_t('ELEMents'), &
+                                            record_word_t('KNOTs', .true.), record_word_t('TYPE'), &
+                                            record_word_t('ENRIch', .true.), &
+                                            record_word_t('QUADrature'), record_word_t('MATErial')]
 
   character(5), parameter :: TYPES(5) = ['Q1   ', 'Q1E9 ', 'Q2   ', 'IGA  ', 'RIGId']
   character(4), parameter :: RESERVED(3) = ['node', 'poin', 'plan'] !! other words of WHERE

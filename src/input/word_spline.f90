@@ -17,9 +17,12 @@ module word_spline
   public :: read_spline
 
   type(record_word_t), parameter, public :: SPLINE_RECORDS(8) = [ &
-                 record_word_t('LAYEr'), record_word_t('CONStraint'), record_word_t('QUADrature'), &
-                 record_word_t('TYPE'), record_word_t('REVErse'), record_word_t('ROTAte', .true.), &
-                                      record_word_t('TRANslate', .true.), record_word_t('MATErial')]
+                                            record_word_t('LAYEr'), record_word_t('CONStraint'), &
+                                            record_word_t('QUADrature'), record_word_t('TYPE'), &
+                                            record_word_t('REVErse'), &
+                                            record_word_t('ROTAte', .true.), &
+                                            record_word_t('TRANslate', .true.), &
+                                            record_word_t('MATErial')]
   character(*), parameter :: TYPES = 'known types: Q1, Q1E9 [TAPEred] and RIGId'
 
 contains

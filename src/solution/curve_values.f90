@@ -51,6 +51,7 @@ contains
       value = contact_value(model, state, quantity)
     case (Q_BOOK)
       value = energy_entry(model, state, quantity%component)
+    case default               ! there are no other quantities
     end select
   end function quantity_value
 
