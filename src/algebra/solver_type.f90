@@ -4,7 +4,7 @@ module solver_type
   use base_kinds, only: wp
   implicit none
   private
-  public :: solver_t, factor_info_t
+  public :: solver_t
 
   !> Results of the analysis and the factorisation.
   type :: factor_info_t

@@ -8,8 +8,7 @@ module base_log
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
   private
-  public :: open_log, close_log, log_line, warn, warning_count, progress, clear_progress, tell, &
-            set_quiet
+  public :: open_log, close_log, log_line, warn, warning_count, progress, set_quiet
 
   type(byte_file_t) :: file
   logical :: opened = .false.

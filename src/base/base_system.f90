@@ -2,8 +2,8 @@
 !! and memory.
 module base_system
   use base_kinds, only: wp, i8
-  use, intrinsic :: iso_c_binding, only: c_int, c_funptr, c_int64_t, c_size_t, c_funloc, &
-                                                                            c_intptr_t
+  use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_intptr_t, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_funptr, c_funloc
   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
   implicit none
   private

@@ -6,8 +6,8 @@ module command_load
   use boundary, only: boundary_t, place_of_number
   use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field
   use deck_expression, only: set_parameter
-  use deck_record, only: record_t, RECORD_WORDS
-  use deck_stream, only: deck_t, check_count, get_integer, get_real, get_assignment
+  use deck_record, only: record_t, check_count, RECORD_WORDS
+  use deck_stream, only: deck_t, get_integer, get_real, get_assignment
   use load_curve, only: load_table_t
   use solution_state, only: set_factors
   implicit none

@@ -9,8 +9,8 @@ module command_program
   use command_table, only: load_commands
   use command_type, only: run_t, program_t, command_t, command_row_t, data_t
   use deck_expression, only: params_t
-  use deck_record, only: record_t, RECORD_WORDS, RECORD_END
-  use deck_stream, only: check_count, get_real
+  use deck_record, only: record_t, check_count, RECORD_WORDS, RECORD_END
+  use deck_stream, only: get_real
   use step_control, only: step_control_t
   implicit none
   private

@@ -5,8 +5,8 @@ module command_tplot
   use base_text, only: to_text
   use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field
   use curve_type, only: curve_t, quantity_t, Q_NODAL, Q_DISP
-  use deck_record, only: record_t, RECORD_WORDS
-  use deck_stream, only: check_count, get_integer, get_real
+  use deck_record, only: record_t, check_count, RECORD_WORDS
+  use deck_stream, only: get_integer, get_real
   use model, only: model_t
   implicit none
   private

@@ -8,7 +8,7 @@ module contact_assembly
   use contact_element, only: form_element
   use contact_forces, only: add_force_parts
   use contact_history, only: side_positions, mark_beside, BESIDE, accept_slides
-  use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_pair, only: contact_t, contact_points_t
   use contact_work, only: work_t, new_work
   use csr, only: block_matrix_t, clique_t
   use csr_coupling, only: add_coupling, coupling_map
@@ -21,7 +21,7 @@ module contact_assembly
   implicit none
   private
   public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
-            add_contact, friction_acts, split_contact_forces, accept_contact
+            add_contact, split_contact_forces, accept_contact
 
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr is reached
 

@@ -5,7 +5,7 @@ module contact_type
   use base_kinds, only: wp
   implicit none
   private
-  public :: contact_law_t, cohesion_t, normal_law_i, friction_law_i, cohesive_law_i
+  public :: contact_law_t, cohesion_t
 
   integer, parameter, public :: MAX_LAW_PROP = 16 !! length of a row of properties
   integer, parameter, public :: MAX_PAST = 7      !! history variables of a bonded point

@@ -6,8 +6,7 @@ module deck_source
   use base_text, only: to_text
   implicit none
   private
-  public :: source_t, load_source, source_of_text, source_line, source_list_t, find_source, &
-            add_source, joined
+  public :: source_t, source_of_text, source_line, source_list_t, find_source, add_source, joined
 
   integer(i8), parameter :: LARGEST = 2_i8**30 !! bytes of a file
 

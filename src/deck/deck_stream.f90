@@ -7,15 +7,12 @@ module deck_stream
   use deck_params, only: is_name
   use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, &
                          cancel_loops, check_loops, source_text
-  use deck_record, only: record_t, check_count, get_word, resolve_path, RECORD_WORDS, &
-                         RECORD_BLANK, RECORD_COMMENT, RECORD_END
+  use deck_record, only: record_t, check_count, RECORD_WORDS, RECORD_BLANK, RECORD_COMMENT
   use deck_settings, only: setting_t, read_settings, use_setting, check_used, settings_text
   implicit none
   private
   public :: deck_t, open_deck, check_settings, deck_text
   public :: get_real, get_integer, get_assignment, read_parameters
-  public :: record_t, check_count, get_word, resolve_path, RECORD_WORDS, RECORD_BLANK, &
-            RECORD_COMMENT, RECORD_END
 
   type :: deck_t
     type(params_t) :: params          !! current parameters

@@ -6,8 +6,7 @@ module element_type
   implicit none
   private
   public :: element_t, cell_t, topology_t, rule_t, form_report_t
-  public :: element_rule_i, element_functions_i, element_topology_i, element_form_i
-  public :: element_batch_i, element_modes_i
+  public :: element_batch_i
   public :: NB
 
   !> A member of a family of elements: degrees and, for splines, Bezier extraction and weights.

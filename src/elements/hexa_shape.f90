@@ -7,7 +7,7 @@ module hexa_shape
   implicit none
   private
   public :: linear, quadratic, spline, corner_functions, tensor_functions, make_rational, nine_modes
-  public :: tensor_rule, touches, tensor_marks, join_faces
+  public :: tensor_rule, tensor_marks, join_faces
   public :: CORNER_MARKS
 
   integer, parameter, public :: MAX_DEGREE = 15 !! of a direction: gauss gives as many points

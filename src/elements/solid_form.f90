@@ -21,7 +21,7 @@ module solid_form
   use solid_point, only: deform, centre_map, invert_map
   implicit none
   private
-  public :: form, history_length, advance
+  public :: form, history_length
 
 contains
 

@@ -8,7 +8,7 @@ module patch_spec
   use spline_surface, only: spline_surface_t
   implicit none
   private
-  public :: patch_spec_t, enrich_t, placement_t, spline_spec_t, compose, rotation
+  public :: patch_spec_t, enrich_t, placement_t, compose
 
   !> What a SPLIne block has besides a PATCh.
   type :: spline_spec_t

@@ -6,7 +6,7 @@ module spline_body
   use base_text, only: to_text
   use element_type, only: element_t, cell_t
   use elmt_surface, only: describe_surface => describe
-  use mesh, only: mesh_t, block_t
+  use mesh, only: mesh_t
   use patch_draft, only: draft_t, add_node, new_block, add_face, append_draft, find_row
   use patch_spec, only: compose, patch_spec_t
   use spline_check, only: check_layer, orient_layer, orient_tool

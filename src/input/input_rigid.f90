@@ -3,7 +3,7 @@
 !! Their control points are prescribed: by the MOVEs that name the patch, and fixed otherwise. A
 !! rigid patch moves as a whole: any of its faces stands for the whole patch.
 module input_rigid
-  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: quoted
   use curve_type, only: Q_MAX_DISP

@@ -5,7 +5,7 @@
 !!
 !! Source: FEAPpv's manual
 module word_nodal
-  use base_error, only: error_t, place_t
+  use base_error, only: error_t
   use base_kinds, only: wp
   use boundary, only: note_load_number
   use deck_record, only: record_t, check_count

@@ -11,9 +11,9 @@ module bspline
   use lapack, only: dgbsv
   implicit none
   private
-  public :: spline_t, new_spline, nfunction, nspan, span_list, find_span, blossom, &
-            basis_functions, basis_derivatives, bernstein, greville, extraction, with_knots, &
-            elevated, insertion_row, elevation_row, interpolate
+  public :: spline_t, new_spline, nfunction, nspan, span_list, find_span, basis_functions, &
+            basis_derivatives, bernstein, greville, extraction, with_knots, elevated, &
+            insertion_row, elevation_row, interpolate
 
   !> A spline space in one direction.
   type :: spline_t

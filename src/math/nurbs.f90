@@ -1,12 +1,11 @@
 !> NURBS patches of one, two or three directions in homogeneous coordinates.
 module nurbs
   use base_kinds, only: wp
-  use bspline, only: spline_t, nfunction, nspan, find_span, basis_derivatives, with_knots, &
+  use bspline, only: spline_t, nfunction, find_span, basis_derivatives, with_knots, &
                      elevated, insertion_row, elevation_row
   implicit none
   private
-  public :: nurbs_t, spline_t, new_nurbs, elevate, insert_knots, evaluate, face_of, &
-            is_rational
+  public :: nurbs_t, new_nurbs, elevate, insert_knots, evaluate, face_of, is_rational
 
   !> A patch. A direction that is not used has degree 0 and one function.
   type :: nurbs_t

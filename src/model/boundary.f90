@@ -6,7 +6,7 @@ module boundary
   use base_kinds, only: wp
   implicit none
   private
-  public :: boundary_t, motion_t, pressure_t, dead_load_t, load_number_t
+  public :: boundary_t, motion_t, pressure_t
   public :: note_load_number, place_of_number
 
   !> Rigid motion of a set of nodes: MOVE. It acts on reference positions. The moves of a node are

@@ -9,8 +9,8 @@ module mesh
   use element_type, only: element_t, cell_t, rule_t
   implicit none
   private
-  public :: mesh_t, block_t, extraction_t, operator_t, body_t, body_face_t, group_t, block_cell, &
-            append_nodes, append_blocks, append_body, is_rigid, solid_nodes
+  public :: mesh_t, block_t, operator_t, body_t, body_face_t, group_t, block_cell, append_nodes, &
+            append_blocks, append_body, is_rigid, solid_nodes
 
   !> Bezier extraction operator of one knot span, or of a whole surface element.
   type :: operator_t

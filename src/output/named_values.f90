@@ -3,7 +3,7 @@ module named_values
   use base_kinds, only: wp
   implicit none
   private
-  public :: named_values_t, value_t, put, get
+  public :: named_values_t, put, get
 
   integer, parameter, public :: REAL_VALUE = 1, INTEGER_VALUE = 2, TEXT_VALUE = 3
 

@@ -6,8 +6,7 @@ module report_file
   use json_text, only: json_string, json_number, json_member, json_object
   implicit none
   private
-  public :: report_t, named_count_t, named_real_t, curve_row_t, contact_row_t, write_report, &
-            add_count, add_real, add_curve
+  public :: report_t, write_report, add_count, add_real, add_curve
 
   type :: named_count_t
     character(:), allocatable :: name

@@ -15,7 +15,7 @@ module view
   private
   public :: view_t, build_view, map_field
 
-  integer, parameter, public :: VTK_BEZIER = 79 !! VTK_BEZIER_HEXAHEDRON
+  integer, parameter :: VTK_BEZIER = 79         !! VTK_BEZIER_HEXAHEDRON
   integer, parameter :: VTK_BEZIER_FACE = 77    !! VTK_BEZIER_QUADRILATERAL
 
   type :: view_t
