@@ -90,7 +90,7 @@ contains
     character(*), intent(in) :: kind, message
     type(place_t), intent(in) :: place
     character(:), allocatable :: text, source, number
-    integer :: margin, column, nchar, i
+    integer :: margin, column, nchar, first, last, i, n
 
     text = kind//': '//message
     if (.not. allocated(place%file)) return
@@ -104,7 +104,20 @@ contains
       return
     end if
     margin = max(5 - len(number), 0)
-    call cut_out(place, source, column)
+    n = len(place%text)
+    column = min(place%column, n + 1)
+    source = place%text
+    if (n > WINDOW) then ! the part around the place is shown
+      first = max(1, column - WINDOW/2)
+      last = min(n, first + WINDOW - 1)
+      source = place%text(first:last)
+      column = merge(column - first + 1, 0, column > 0)
+      if (last < n) source = source//' ...'
+      if (first > 1) then
+        source = '... '//source
+        if (column > 0) column = column + 4
+      end if
+    end if
     do i = 1, len(source) ! control characters would disturb the terminal
       if ((iachar(source(i:i)) < 32 .and. source(i:i) /= achar(9)) &
           .or. iachar(source(i:i)) == 127) source(i:i) = '?'
@@ -118,52 +131,20 @@ contains
       text = place%file//':'//number//': '//text
     end if
     text = text//new_line('a')//repeat(' ', margin)//number//' | '//source
-    if (place%column > 0) text = text//new_line('a')//repeat(' ', margin + len(number)) &
-                                 //' | '//caret(source, column, place%width)
-  end function head
-
-  !> The part of a source line that is shown, and the column of the place in it.
-  pure subroutine cut_out(place, source, column)
-    type(place_t), intent(in) :: place
-    character(:), allocatable, intent(out) :: source
-    integer, intent(out) :: column
-    integer :: first, last, n
-
-    n = len(place%text)
-    column = min(place%column, n + 1)
-    source = place%text
-    if (n <= WINDOW) return
-    first = max(1, column - WINDOW/2)
-    last = min(n, first + WINDOW - 1)
-    source = place%text(first:last)
-    column = merge(column - first + 1, 0, column > 0)
-    if (last < n) source = source//' ...'
-    if (first > 1) then
-      source = '... '//source
-      if (column > 0) column = column + 4
-    end if
-  end subroutine cut_out
-
-  !> Blanks up to the column, then ^~~; tabs of the source stay tabs, so that the caret is in place.
-  pure function caret(source, column, width) result(text)
-    character(*), intent(in) :: source
-    integer, intent(in) :: column, width
-    character(:), allocatable :: text
-    integer :: i, last, n
-
-    text = ''
-    do i = 1, min(column - 1, len(source))
+    if (place%column <= 0) return
+    text = text//new_line('a')//repeat(' ', margin + len(number))//' | '
+    do i = 1, min(column - 1, len(source)) ! tabs stay tabs, so that the caret is in place
       if (source(i:i) == achar(9)) then
         text = text//achar(9)
       else if (.not. continues(source(i:i))) then
         text = text//' '
       end if
     end do
-    last = min(column + max(width, 1) - 1, len(source))
+    last = min(column + max(place%width, 1) - 1, len(source))
     n = 1
     if (last > column) n = max(characters(source(column:last)), 1)
     text = text//'^'//repeat('~', n - 1)
-  end function caret
+  end function head
 
   !> Number of characters of UTF-8 text.
   pure function characters(text) result(n)

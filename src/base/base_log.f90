@@ -91,7 +91,9 @@ contains
     nwarning = nwarning + 1
     text = render_note('warning', message, place, hint)
     call log_line(text)
-    if (.not. quiet) call tell(text)
+    if (quiet) return
+    call clear_progress()
+    call show(text//new_line('a'))
   end subroutine warn
 
   function warning_count() result(n)
@@ -99,14 +101,6 @@ contains
 
     n = nwarning
   end function warning_count
-
-  !> Text on the screen (standard error), quiet or not.
-  subroutine tell(text)
-    character(*), intent(in) :: text
-
-    call clear_progress()
-    call show(text//new_line('a'))
-  end subroutine tell
 
   !> A line that the next one overwrites; only on a terminal.
   subroutine progress(text)

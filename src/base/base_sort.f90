@@ -30,6 +30,7 @@ contains
     integer, intent(out) :: order(:)
     integer, allocatable :: other(:)
     integer :: n, width, left, middle, right, a, b, i
+    logical :: take_left
 
     n = size(key)
     order = [(i, i=1, n)]
@@ -43,7 +44,9 @@ contains
         a = left
         b = middle
         do i = left, right - 1
-          if (take_left()) then
+          take_left = a < middle
+          if (take_left .and. b < right) take_left = key(order(a)) <= key(order(b))
+          if (take_left) then
             other(i) = order(a)
             a = a + 1
           else
@@ -55,16 +58,6 @@ contains
       order = other
       width = 2*width
     end do
-
-  contains
-
-    pure function take_left() result(yes)
-      logical :: yes
-
-      yes = a < middle
-      if (yes .and. b < right) yes = key(order(a)) <= key(order(b))
-    end function take_left
-
   end subroutine sort_index_long
 
   !> Reals sort like the integers of their bits, once the bits of negative ones are inverted.

@@ -152,7 +152,7 @@ contains
     real(wp), intent(out) :: value
     real(wp) :: exponent
     integer :: operator
-    logical :: negative
+    logical :: negative, whole, even
 
     negative = .false.
     do while (scan(next_character(p), '+-') > 0)
@@ -169,7 +169,20 @@ contains
       call parse_factor(p, params, exponent)
       if (allocated(p%trouble)) return
       p%depth = p%depth - 1
-      call raise(p, value, exponent, operator)
+      whole = abs(exponent - anint(exponent)) <= 0.0_wp
+      if (.not. abs(value) > 0.0_wp .and. exponent < 0.0_wp) then
+        call reject(p, 'division by zero: 0 to a negative power', operator, 1)
+      else if (value < 0.0_wp .and. .not. whole) then
+        call reject(p, 'fractional power of a negative number', operator, 1)
+      else if (whole .and. abs(exponent) <= 64.0_wp) then ! a product
+        value = value**nint(exponent)
+      else if (value < 0.0_wp) then
+        even = .not. abs(mod(exponent, 2.0_wp)) > 0.0_wp
+        value = sign(abs(value)**exponent, merge(1.0_wp, -1.0_wp, even))
+      else
+        value = value**exponent
+      end if
+      call check_size(p, value, operator, 1)
       if (allocated(p%trouble)) return
     end if
     if (negative) value = -value
@@ -285,30 +298,6 @@ contains
       call check_size(p, value, first, p%at - first)
     end if
   end subroutine parse_call
-
-  !> base ^ exponent. Small whole powers are products, and negative numbers have whole powers only.
-  subroutine raise(p, base, exponent, operator)
-    type(parser_t), intent(inout) :: p
-    real(wp), intent(inout) :: base
-    real(wp), intent(in) :: exponent
-    integer, intent(in) :: operator
-    logical :: whole, even
-
-    whole = abs(exponent - anint(exponent)) <= 0.0_wp
-    if (.not. abs(base) > 0.0_wp .and. exponent < 0.0_wp) then
-      call reject(p, 'division by zero: 0 to a negative power', operator, 1)
-    else if (base < 0.0_wp .and. .not. whole) then
-      call reject(p, 'fractional power of a negative number', operator, 1)
-    else if (whole .and. abs(exponent) <= 64.0_wp) then
-      base = base**nint(exponent)
-    else if (base < 0.0_wp) then
-      even = .not. abs(mod(exponent, 2.0_wp)) > 0.0_wp
-      base = sign(abs(base)**exponent, merge(1.0_wp, -1.0_wp, even))
-    else
-      base = base**exponent
-    end if
-    call check_size(p, base, operator, 1)
-  end subroutine raise
 
   !> The next character, blanks skipped; a blank at the end of the text.
   function next_character(p) result(c)

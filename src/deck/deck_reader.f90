@@ -106,8 +106,20 @@ contains
       call next_record(reader, record, error)
       if (allocated(error)) exit
       if (record%kind == RECORD_END) return
-      if (reader%nloop > 0) call count_record(reader, record, error)
-      if (allocated(error)) exit
+      if (reader%nloop > 0) then
+        associate (n => reader%loop(reader%nloop)%nrecord)
+          if (record%kind == RECORD_WORDS) n = min(n, 5) + 1
+        end associate
+        reader%repeated = reader%repeated + 1
+        if (reader%repeated > MOST_REPEATED) then
+          call fail(error, DECK_ERROR, 'loops repeat more than '//to_text(MOST_REPEATED) &
+                    //' records', reader%loop(1)%place, 'use fewer passes')
+          reader%nloop = 0
+          reader%nframe = 1
+          reader%frame(1)%line = reader%files%item(1)%file%nline + 1
+          exit
+        end if
+      end if
       if (record%kind /= RECORD_WORDS) return
       select case (record%key(1))
       case ('incl')
@@ -242,23 +254,5 @@ contains
       end if
     end associate
   end subroutine end_pass
-
-  !> A record inside a loop.
-  subroutine count_record(reader, record, error)
-    type(reader_t), intent(inout) :: reader
-    type(record_t), intent(in) :: record
-    type(error_t), allocatable, intent(out) :: error
-
-    associate (n => reader%loop(reader%nloop)%nrecord)
-      if (record%kind == RECORD_WORDS) n = min(n, 5) + 1
-    end associate
-    reader%repeated = reader%repeated + 1
-    if (reader%repeated <= MOST_REPEATED) return
-    call fail(error, DECK_ERROR, 'loops repeat more than '//to_text(MOST_REPEATED)//' records', &
-              reader%loop(1)%place, 'use fewer passes')
-    reader%nloop = 0
-    reader%nframe = 1
-    reader%frame(1)%line = reader%files%item(1)%file%nline + 1
-  end subroutine count_record
 
 end module deck_reader

@@ -37,7 +37,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(place_t), intent(in), optional :: place
     type(file_t) :: file
-    character(:), allocatable :: reason
+    character(200) :: message
+    integer :: unit, io
 
     call inspect(path, file)
     select case (file%kind)
@@ -54,9 +55,15 @@ contains
     if (allocated(error)) return
     source%path = path
     source%identity = file%identity
-    call read_text(path, int(file%size), source%text, reason)
-    if (allocated(reason)) then
-      call refuse('cannot be read: '//reason)
+    allocate (character(file%size) :: source%text)
+    open (newunit=unit, file=path, status='old', action='read', access='stream', &
+          form='unformatted', iostat=io, iomsg=message)
+    if (io == 0) then
+      read (unit, iostat=io, iomsg=message) source%text
+      close (unit)
+    end if
+    if (io /= 0) then
+      call refuse('cannot be read: '//trim(message(index(message, ': ', back=.true.) + 1:)))
     else if (is_binary(source%text)) then
       call refuse('is not a text file', 'a deck is plain text: ASCII or UTF-8')
     else
@@ -73,24 +80,6 @@ contains
     end subroutine refuse
 
   end subroutine load_source
-
-  !> The bytes of a file; where that fails, the system's reason.
-  subroutine read_text(path, size, text, reason)
-    character(*), intent(in) :: path
-    integer, intent(in) :: size               !! bytes
-    character(:), allocatable, intent(out) :: text, reason
-    character(200) :: message
-    integer :: unit, io
-
-    allocate (character(size) :: text)
-    open (newunit=unit, file=path, status='old', action='read', access='stream', &
-          form='unformatted', iostat=io, iomsg=message)
-    if (io == 0) then
-      read (unit, iostat=io, iomsg=message) text
-      close (unit)
-    end if
-    if (io /= 0) reason = trim(message(index(message, ': ', back=.true.) + 1:))
-  end subroutine read_text
 
   !> A text as if it stood in a file.
   subroutine source_of_text(path, text, source)
