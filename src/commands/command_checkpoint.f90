@@ -16,7 +16,6 @@ module command_checkpoint
   use restart_file, only: fingerprint_t, make_fingerprint, store => write_checkpoint, &
                           read_checkpoint
   use step, only: rewind_step
-  use step_type, only: step_t
   implicit none
   private
   public :: write_checkpoint, set_restart_point, restore_run, stop_wanted, stop_run
@@ -137,7 +136,53 @@ contains
 
     call exchange_program(x, run%program)
     call exchange_parameters(x, run%deck%params)
-    call exchange_step(x, run%step)
+    call exchange(x, 'step_retry', run%step%retry)
+    call exchange(x, 'step_cutbacks', run%step%cutbacks)
+    associate (total => run%step%total)
+      call exchange(x, 'total_iterations', total%iterations)
+      call exchange(x, 'total_cutbacks', total%cutbacks)
+      call exchange(x, 'total_negative_pivots', total%negative_pivots)
+      call exchange(x, 'total_unconverged', total%unconverged)
+    end associate
+    associate (newton => run%step%newton)
+      call exchange(x, 'newton_tolerance', newton%tolerance)
+      call exchange(x, 'newton_mode', newton%mode)
+      call exchange(x, 'newton_eps', newton%eps)
+      call exchange(x, 'newton_symmetric', newton%symmetric)
+    end associate
+    associate (control => run%step%control)
+      call exchange(x, 'control_dt', control%dt)
+      call exchange(x, 'control_origin', control%origin)
+      call exchange(x, 'control_target', control%target)
+      call exchange(x, 'control_size', control%size)
+      call exchange(x, 'control_automatic', control%automatic)
+      call exchange(x, 'control_dtmin', control%dtmin)
+      call exchange(x, 'control_dtmax', control%dtmax)
+      call exchange(x, 'control_from', control%from)
+      call exchange(x, 'control_to', control%to)
+      call exchange(x, 'control_passed', control%passed)
+      call exchange(x, 'control_accepted', control%accepted)
+      call exchange(x, 'control_cuts', control%cuts)
+    end associate
+    associate (path => run%step%continuation)
+      call exchange(x, 'path_method', path%method)
+      call exchange(x, 'path_given', path%given)
+      call exchange(x, 'path_active', path%active)
+      call exchange(x, 'path_trial', path%trial)
+      call exchange(x, 'path_steps', path%steps)
+      call exchange(x, 'path_wait', path%wait)
+      call exchange(x, 'path_next_wait', path%next_wait)
+      call exchange(x, 'path_density', path%density)
+      call exchange(x, 'path_release', path%release)
+      call exchange(x, 'path_largest_release', path%largest_release)
+      call exchange(x, 'path_length', path%length)
+      call exchange(x, 'path_shortest', path%shortest)
+      call exchange(x, 'path_longest', path%longest)
+      call exchange(x, 'path_multiple', path%multiple)
+      call exchange(x, 'path_released', path%released)
+      call exchange(x, 'path_opening', path%opening)
+      call exchange(x, 'path_patience', path%patience)
+    end associate
     call exchange(x, 'output_every', run%plan%every)
   end subroutine exchange_run
 
@@ -199,59 +244,6 @@ contains
       call set_parameter(params, trim(names(len(name)*(i - 1) + 1:len(name)*i)), value(i))
     end do
   end subroutine exchange_parameters
-
-  subroutine exchange_step(x, step)
-    type(exchange_t), intent(inout) :: x
-    type(step_t), intent(inout) :: step
-
-    call exchange(x, 'step_retry', step%retry)
-    call exchange(x, 'step_cutbacks', step%cutbacks)
-    associate (total => step%total)
-      call exchange(x, 'total_iterations', total%iterations)
-      call exchange(x, 'total_cutbacks', total%cutbacks)
-      call exchange(x, 'total_negative_pivots', total%negative_pivots)
-      call exchange(x, 'total_unconverged', total%unconverged)
-    end associate
-    associate (newton => step%newton)
-      call exchange(x, 'newton_tolerance', newton%tolerance)
-      call exchange(x, 'newton_mode', newton%mode)
-      call exchange(x, 'newton_eps', newton%eps)
-      call exchange(x, 'newton_symmetric', newton%symmetric)
-    end associate
-    associate (control => step%control)
-      call exchange(x, 'control_dt', control%dt)
-      call exchange(x, 'control_origin', control%origin)
-      call exchange(x, 'control_target', control%target)
-      call exchange(x, 'control_size', control%size)
-      call exchange(x, 'control_automatic', control%automatic)
-      call exchange(x, 'control_dtmin', control%dtmin)
-      call exchange(x, 'control_dtmax', control%dtmax)
-      call exchange(x, 'control_from', control%from)
-      call exchange(x, 'control_to', control%to)
-      call exchange(x, 'control_passed', control%passed)
-      call exchange(x, 'control_accepted', control%accepted)
-      call exchange(x, 'control_cuts', control%cuts)
-    end associate
-    associate (path => step%continuation)
-      call exchange(x, 'path_method', path%method)
-      call exchange(x, 'path_given', path%given)
-      call exchange(x, 'path_active', path%active)
-      call exchange(x, 'path_trial', path%trial)
-      call exchange(x, 'path_steps', path%steps)
-      call exchange(x, 'path_wait', path%wait)
-      call exchange(x, 'path_next_wait', path%next_wait)
-      call exchange(x, 'path_density', path%density)
-      call exchange(x, 'path_release', path%release)
-      call exchange(x, 'path_largest_release', path%largest_release)
-      call exchange(x, 'path_length', path%length)
-      call exchange(x, 'path_shortest', path%shortest)
-      call exchange(x, 'path_longest', path%longest)
-      call exchange(x, 'path_multiple', path%multiple)
-      call exchange(x, 'path_released', path%released)
-      call exchange(x, 'path_opening', path%opening)
-      call exchange(x, 'path_patience', path%patience)
-    end associate
-  end subroutine exchange_step
 
   !> A number or a logical.
   subroutine exchange_scalar(x, name, value)

@@ -44,67 +44,57 @@ contains
     end if
   end subroutine table_range
 
+  !> Tables: a blank record alone, `1 k tmin tmax a1 a2 a3 a4 a5`, or `2 n` and its pairs.
   subroutine read_tables(run, command, data, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(data_t), intent(out) :: data
     type(error_t), allocatable, intent(out) :: error
-    integer :: i, first, last
+    type(record_t) :: record
+    integer :: i, j, first, last
 
     call table_range(command, first, last, error)
     if (allocated(error)) return
     allocate (data%table(last - first + 1))
     do i = 1, size(data%table)
-      call read_table(run, command, data%table(i), error)
+      call run%deck%next_of_set(record, error)
+      if (allocated(error)) return
+      if (record%kind /= RECORD_WORDS) then
+        if (.not. record%is_end()) cycle
+        call fail(error, DECK_ERROR, 'the data of this PROP are missing', command%record%place(1), &
+                  'after the END of BATCh put a table, or a blank record for p = t')
+        return
+      end if
+      associate (table => data%table(i))
+        call get_integer(run%deck, record, 1, table%kind, error)
+        if (allocated(error)) return
+        select case (table%kind)
+        case (1)
+          call check_count(record, 1, 9, '1 k tmin tmax a1 a2 a3 a4 a5', error)
+          if (.not. allocated(error)) call get_integer(run%deck, record, 2, table%power, error, 0)
+          if (.not. allocated(error)) call get_real(run%deck, record, 3, table%tmin, error, 0.0_wp)
+          if (.not. allocated(error)) call get_real(run%deck, record, 4, table%tmax, error, 0.0_wp)
+          do j = 1, 5
+            if (allocated(error)) return
+            call get_real(run%deck, record, 4 + j, table%a(j), error, 0.0_wp)
+          end do
+          if (.not. allocated(error) .and. table%tmax <= table%tmin) then
+            call fail(error, DECK_ERROR, 'tmax must be larger than tmin', record%place(4), &
+                      '1 k tmin tmax a1 a2 a3 a4 a5')
+          end if
+        case (2)
+          call check_count(record, 1, 2, '2 n, then pairs t p, one in a record, and a blank ' &
+                           //'record', error)
+          if (.not. allocated(error)) call read_pairs(run, record, table, error)
+        case default
+          call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of a load table", &
+                    record%place(1), 'types: 1 (formula), 2 (pairs)')
+        end select
+      end associate
       if (allocated(error)) return
     end do
     run%program%ntable = max(run%program%ntable, last)
   end subroutine read_tables
-
-  !> One table: a blank record alone, `1 k tmin tmax a1 a2 a3 a4 a5`, or `2 n` and its pairs.
-  subroutine read_table(run, command, table, error)
-    type(run_t), intent(inout) :: run
-    type(command_t), intent(in) :: command
-    type(load_table_t), intent(out) :: table
-    type(error_t), allocatable, intent(out) :: error
-    type(record_t) :: record
-    integer :: i
-
-    call run%deck%next_of_set(record, error)
-    if (allocated(error)) return
-    if (record%kind /= RECORD_WORDS) then
-      if (record%is_end()) then
-        call fail(error, DECK_ERROR, 'the data of this PROP are missing', command%record%place(1), &
-                  'after the END of BATCh put a table, or a blank record for p = t')
-      end if
-      return
-    end if
-    call get_integer(run%deck, record, 1, table%kind, error)
-    if (allocated(error)) return
-    select case (table%kind)
-    case (1)
-      call check_count(record, 1, 9, '1 k tmin tmax a1 a2 a3 a4 a5', error)
-      if (.not. allocated(error)) call get_integer(run%deck, record, 2, table%power, error, 0)
-      if (.not. allocated(error)) call get_real(run%deck, record, 3, table%tmin, error, 0.0_wp)
-      if (.not. allocated(error)) call get_real(run%deck, record, 4, table%tmax, error, 0.0_wp)
-      do i = 1, 5
-        if (.not. allocated(error)) then
-          call get_real(run%deck, record, 4 + i, table%a(i), error, 0.0_wp)
-        end if
-      end do
-      if (.not. allocated(error) .and. table%tmax <= table%tmin) then
-        call fail(error, DECK_ERROR, 'tmax must be larger than tmin', record%place(4), &
-                  '1 k tmin tmax a1 a2 a3 a4 a5')
-      end if
-    case (2)
-      call check_count(record, 1, 2, '2 n, then pairs t p, one in a record, and a blank record', &
-                       error)
-      if (.not. allocated(error)) call read_pairs(run, record, table, error)
-    case default
-      call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of a load table", &
-                record%place(1), 'types: 1 (formula), 2 (pairs)')
-    end select
-  end subroutine read_table
 
   !> `2 n`: records of n pairs (t, p) up to a blank record; a pair 0 0 or a record that is not full
   !! is the last one, and the blank record after it may be missing (FEAP).

@@ -31,7 +31,30 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(continuation_t) :: default
 
-    call check_method(run, command, error)
+    associate (record => command%record, x => command%x(1))
+      if (all(command%option /= ['    ', 'dyna', 'leng', 'loca', 'off '])) then
+        call fail(error, DECK_ERROR, 'unknown method of continuation '//quoted(record%text(2)), &
+                  record%place(2), 'ARCLength,DYNAmic,[density] | LOCAl,[fraction] ' &
+                  //'| LENGth,[multiple] | OFF')
+      else if (command%option == 'leng') then
+        if (abs(x) > 0.0_wp .and. .not. x >= 1.0_wp) then
+          call fail(error, DECK_ERROR, 'expected a multiple of at least 1, found '//to_text(x), &
+                    record%place(3), 'it is the longest step over the first one; the default is 4')
+        end if
+      else if (command%option /= 'loca') then
+        if (.not. x >= 0.0_wp) then
+          call fail(error, DECK_ERROR, 'expected a positive density, found '//to_text(x), &
+                    record%place(3), 'leave it out, and it is chosen from the work done')
+        end if
+      else if (.not. any(run%model%contact(:)%cohesive%given)) then
+        call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
+                  record%place(2), 'a CONTact with COHEsive has bonds; else use ' &
+                  //'ARCLength,DYNAmic')
+      else if (x < 0.0_wp .or. x >= 1.0_wp) then
+        call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &
+                  //to_text(x), record%place(3), 'leave it out for the default, 0.01')
+      end if
+    end associate
     if (allocated(error) .or. run%program%dry) return
     associate (path => run%step%continuation, x => command%x(1))
       path%given = .true.
@@ -56,66 +79,16 @@ contains
     if (.not. run%state%energy%on) call open_book(run%state%energy, run%model%mesh%nnode)
   end subroutine run_arcl
 
-  subroutine check_method(run, command, error)
-    type(run_t), intent(in) :: run
-    type(command_t), intent(in) :: command
-    type(error_t), allocatable, intent(out) :: error
-
-    associate (record => command%record, x => command%x(1))
-      if (all(command%option /= ['    ', 'dyna', 'leng', 'loca', 'off '])) then
-        call fail(error, DECK_ERROR, 'unknown method of continuation '//quoted(record%text(2)), &
-                  record%place(2), 'ARCLength,DYNAmic,[density] | LOCAl,[fraction] ' &
-                  //'| LENGth,[multiple] | OFF')
-      else if (command%option == 'leng') then
-        if (x >= 1.0_wp .or. .not. abs(x) > 0.0_wp) return
-        call fail(error, DECK_ERROR, 'expected a multiple of at least 1, found '//to_text(x), &
-                  record%place(3), 'it is the longest step over the first one; the default is 4')
-      else if (command%option /= 'loca') then
-        if (x >= 0.0_wp) return
-        call fail(error, DECK_ERROR, 'expected a positive density, found '//to_text(x), &
-                  record%place(3), 'leave it out, and it is chosen from the work done')
-      else if (.not. any(run%model%contact(:)%cohesive%given)) then
-        call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
-                  record%place(2), 'a CONTact with COHEsive has bonds; else use ' &
-                  //'ARCLength,DYNAmic')
-      else if (x < 0.0_wp .or. x >= 1.0_wp) then
-        call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &
-                  //to_text(x), record%place(3), 'leave it out for the default, 0.01')
-      end if
-    end associate
-  end subroutine check_method
-
   !> Bodies move in time, from rest, with the densities of their materials (FEAP).
   subroutine run_tran(run, command, error)
     type(run_t), intent(inout) :: run
-    type(command_t), intent(in) :: command
-    type(error_t), allocatable, intent(out) :: error
-
-    call check_scheme(run, command, error)
-    if (allocated(error) .or. run%program%dry) return
-    associate (dynamics => run%state%dynamics)
-      if (any(command%option == ['off ', 'stat'])) then
-        dynamics%on = .false.
-        return
-      end if
-      if (.not. allocated(dynamics%v)) call new_dynamics(dynamics, run%model%mesh%nnode)
-      dynamics%on = .true.
-      dynamics%density = -1.0_wp
-      run%step%continuation%given = .true. ! nothing but this scheme moves the bodies
-      run%step%continuation%method = PATH_OFF
-      if (allocated(run%step%newton%asm%mass)) deallocate (run%step%newton%asm%mass)
-      call set_scheme(command, dynamics%method, dynamics%beta, dynamics%gamma, dynamics%alpha)
-    end associate
-  end subroutine run_tran
-
-  subroutine check_scheme(run, command, error)
-    type(run_t), intent(in) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: USAGE = &
                                'TRANsient,BACK | NEWMark,beta,gamma | HHT,beta,gamma,alpha | OFF'
     real(wp) :: beta, gamma, alpha
     integer :: method
+    logical :: off
 
     if (all(command%option /= ['back', 'newm', 'hht ', 'off ', 'stat'])) then
       call fail(error, DECK_ERROR, 'unknown time integration '//quoted(command%record%text(2)), &
@@ -123,17 +96,30 @@ contains
       return
     end if
     call set_scheme(command, method, beta, gamma, alpha)
+    off = any(command%option == ['off ', 'stat'])
     if (.not. (beta > 0.0_wp .and. gamma >= 0.5_wp .and. alpha <= 0.0_wp &
                .and. alpha > -1.0_wp)) then
       call fail(error, DECK_ERROR, 'the time integration needs beta > 0, gamma >= 1/2, ' &
                 //'-1 < alpha <= 0', command%record%place(3), USAGE)
-      return
+    else if (.not. (off .or. any(run%model%material(:)%density > 0.0_wp))) then
+      call fail(error, DECK_ERROR, 'no material has a density', command%record%place(1), &
+                'write DENSity,,rho in the MATErial')
     end if
-    if (any(command%option == ['off ', 'stat'])) return
-    if (any(run%model%material(:)%density > 0.0_wp)) return
-    call fail(error, DECK_ERROR, 'no material has a density', command%record%place(1), &
-              'write DENSity,,rho in the MATErial')
-  end subroutine check_scheme
+    if (allocated(error) .or. run%program%dry) return
+    associate (dynamics => run%state%dynamics)
+      dynamics%on = .not. off
+      if (off) return
+      if (.not. allocated(dynamics%v)) call new_dynamics(dynamics, run%model%mesh%nnode)
+      dynamics%density = -1.0_wp
+      run%step%continuation%given = .true. ! nothing but this scheme moves the bodies
+      run%step%continuation%method = PATH_OFF
+      if (allocated(run%step%newton%asm%mass)) deallocate (run%step%newton%asm%mass)
+      dynamics%method = method
+      dynamics%beta = beta
+      dynamics%gamma = gamma
+      dynamics%alpha = alpha
+    end associate
+  end subroutine run_tran
 
   !> Parameters of the deck, else those of FEAP: 1/4 and 1/2; for HHT they follow from alpha, -0.05.
   pure subroutine set_scheme(command, method, beta, gamma, alpha)

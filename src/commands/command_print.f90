@@ -39,7 +39,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(pass_t) :: pass
     integer, allocatable :: list(:)
-    integer :: first, last, step
+    integer :: first, last, step, i, d
+    real(wp) :: gap
 
     call read_range(run, command, first, last, step, error)
     if (allocated(error) .or. run%program%dry .or. .not. run%plan%prints) return
@@ -57,7 +58,14 @@ contains
         call print_stresses(out, model, state, first, last, step, error)
         return
       end if
-      list = chosen_nodes(run, command, first, last, step)
+      list = pack([(i, i=first, last, step)], model%mesh%used(first:last:step))
+      if (command%option == 'coor') then ! those of a plane
+        d = nint(command%x(1))
+        associate (x => model%mesh%xr)
+          gap = 1.0e-3_wp/sqrt(real(size(x, 2), wp))*(maxval(x(d, list)) - minval(x(d, list)))
+          list = pack(list, [(abs(x(d, list(i)) - command%x(2)) <= gap, i=1, size(list))])
+        end associate
+      end if
       select case (command%record%key(1))
       case ('disp')
         call print_displacements(out, model, state, list, error)
@@ -106,23 +114,5 @@ contains
                 //to_text(most), command%record%place(4), trim(run%program%row(command%row)%usage))
     end if
   end subroutine read_range
-
-  !> The nodes of a range, or those of a plane (COOR).
-  pure function chosen_nodes(run, command, first, last, step) result(list)
-    type(run_t), intent(in) :: run
-    type(command_t), intent(in) :: command
-    integer, intent(in) :: first, last, step
-    integer, allocatable :: list(:)
-    real(wp) :: gap
-    integer :: i, d
-
-    list = pack([(i, i=first, last, step)], run%model%mesh%used(first:last:step))
-    if (command%option /= 'coor') return
-    d = nint(command%x(1))
-    associate (x => run%model%mesh%xr)
-      gap = 1.0e-3_wp/sqrt(real(size(x, 2), wp))*(maxval(x(d, list)) - minval(x(d, list)))
-      list = pack(list, [(abs(x(d, list(i)) - command%x(2)) <= gap, i=1, size(list))])
-    end associate
-  end function chosen_nodes
 
 end module command_print

@@ -68,8 +68,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
     type(error_t), allocatable :: found
-    type(command_t), allocatable :: list(:)
-    integer :: first, n
+    type(command_t), allocatable :: list(:), longer(:) !! may be longer than its n commands
+    integer :: first, n, i
 
     n = size(run%program%command)
     first = n + 1
@@ -88,8 +88,30 @@ contains
         if (allocated(error)) return
         cycle
       end if
-      call add_command(run%program%row, record, list, n, found)
-      if (allocated(found)) call errors%add(found)
+      associate (row => run%program%row)
+        do i = size(row), 1, -1
+          if (row(i)%key == record%key(1)) exit
+        end do
+        if (i == 0) then
+          call fail(found, DECK_ERROR, "unknown command '"//record%text(1)//"'", record%place(1), &
+                    'nearest known: '//nearest(record%text(1), row(:)%word))
+        else
+          call check_count(record, 1, row(i)%nmax + 1, trim(row(i)%usage), found)
+        end if
+      end associate
+      if (allocated(found)) then
+        call errors%add(found)
+        cycle
+      end if
+      if (n == size(list)) then
+        allocate (longer(2*n + 32))
+        longer(:n) = list
+        call move_alloc(longer, list)
+      end if
+      n = n + 1
+      list(n)%row = i
+      list(n)%record = record
+      allocate (list(n)%data(0))
     end do
     run%program%command = list(:n)
     if (errors%count() > 0) return
@@ -97,37 +119,6 @@ contains
     if (allocated(error)) return
     call run_dry(run, first, error)
   end subroutine read_batch
-
-  !> Append one command to the first n of a list that may be longer.
-  subroutine add_command(row, record, list, n, error)
-    type(command_row_t), intent(in) :: row(:)
-    type(record_t), intent(in) :: record
-    type(command_t), allocatable, intent(inout) :: list(:)
-    integer, intent(inout) :: n
-    type(error_t), allocatable, intent(out) :: error
-    type(command_t), allocatable :: longer(:)
-    integer :: i
-
-    do i = size(row), 1, -1
-      if (row(i)%key == record%key(1)) exit
-    end do
-    if (i == 0) then
-      call fail(error, DECK_ERROR, "unknown command '"//record%text(1)//"'", record%place(1), &
-                'nearest known: '//nearest(record%text(1), row(:)%word))
-      return
-    end if
-    call check_count(record, 1, row(i)%nmax + 1, trim(row(i)%usage), error)
-    if (allocated(error)) return
-    if (n == size(list)) then
-      allocate (longer(2*n + 32))
-      longer(:n) = list
-      call move_alloc(longer, list)
-    end if
-    n = n + 1
-    list(n)%row = i
-    list(n)%record = record
-    allocate (list(n)%data(0))
-  end subroutine add_command
 
   !> Pair LOOP and NEXT from the command `first` on.
   subroutine match_loops(program, first, error)
@@ -189,7 +180,8 @@ contains
     type(run_t), intent(inout) :: run
     integer, intent(in) :: first
     type(error_t), allocatable, intent(out) :: error
-    integer :: top
+    integer :: top, at, i
+    logical :: has_data
 
     associate (program => run%program)
       program%counter = first
@@ -199,9 +191,13 @@ contains
         if (program%command(program%counter)%record%key(1) == 'next') then
           top = size(program%loop)
           program%loop(top)%count = program%loop(top)%count + 1
-          if (program%loop(top)%count <= program%loop(top)%limit &
-              .and. has_data(program, program%loop(top)%at)) then
-            program%counter = program%loop(top)%at
+          at = program%loop(top)%at
+          has_data = .false.
+          do i = at, program%command(at)%matching
+            has_data = has_data .or. associated(program%row(program%command(i)%row)%data)
+          end do
+          if (program%loop(top)%count <= program%loop(top)%limit .and. has_data) then
+            program%counter = at
           else
             program%loop = program%loop(:top - 1)
           end if
@@ -210,19 +206,6 @@ contains
       end do
     end associate
   end subroutine run_dry
-
-  !> A loop in which some command reads data.
-  pure function has_data(program, at) result(yes)
-    type(program_t), intent(in) :: program
-    integer, intent(in) :: at
-    logical :: yes
-    integer :: i
-
-    yes = .false.
-    do i = at, program%command(at)%matching
-      yes = yes .or. associated(program%row(program%command(i)%row)%data)
-    end do
-  end function has_data
 
   !> Execute the command at the counter: evaluate its fields now, find its data, run it.
   subroutine execute_next(run, error)

@@ -118,7 +118,9 @@ contains
   subroutine show_iteration(run)
     type(run_t), intent(in) :: run
     character(160) :: line
-    real(wp) :: load
+    character(:), allocatable :: left
+    real(wp) :: load, done
+    integer :: i, seconds
 
     associate (state => run%state, iterations => run%step%newton%iterations, pass => run%step%pass)
       write (line, '(a,i6,a,es12.5,a,i3,3(a,es10.3))') 'step', state%step, '  time', &
@@ -127,34 +129,25 @@ contains
       if (pass%solve%iterations > 1) line = trim(line)//'  krylov '//to_text(pass%solve%iterations)
       if (pass%line < 1.0_wp) line = trim(line)//'  line '//to_text(pass%line)
       call log_line(trim(line))
+      left = '' ! wall time that the loops over time still need at the same pace
+      done = 0.0_wp
+      do i = 1, size(run%program%loop)
+        associate (loop => run%program%loop(i))
+          if (run%program%command(loop%at)%holds_time) done = real(loop%count - 1, wp)/loop%limit
+        end associate
+      end do
+      if (done > 0.0_wp) then
+        seconds = nint(min(wall_seconds()*(1.0_wp - done)/done, 1.0e9_wp))
+        left = '  left '//to_text(seconds)//' s'
+        if (seconds > 600) left = '  left '//to_text(seconds/60)//' min'
+      end if
       load = state%time
       if (size(state%factor) > 0) load = sum(state%factor)
       write (line, '(a,i0,a,f0.4,a,i0,a,es8.1,a)') 'step ', state%step, '  load ', load, &
-        '  iteration ', iterations, '  residual ', pass%residual, time_left(run)
+        '  iteration ', iterations, '  residual ', pass%residual, left
       call progress(trim(line))
     end associate
   end subroutine show_iteration
-
-  !> Wall time that the loops over time still need at the same pace.
-  function time_left(run) result(text)
-    type(run_t), intent(in) :: run
-    character(:), allocatable :: text
-    real(wp) :: done
-    integer :: i, seconds
-
-    text = ''
-    done = 0.0_wp
-    do i = 1, size(run%program%loop)
-      associate (loop => run%program%loop(i))
-        if (.not. run%program%command(loop%at)%holds_time) cycle
-        done = real(loop%count - 1, wp)/loop%limit
-      end associate
-    end do
-    if (done <= 0.0_wp) return
-    seconds = nint(min(wall_seconds()*(1.0_wp - done)/done, 1.0e9_wp))
-    text = '  left '//to_text(seconds)//' s'
-    if (seconds > 600) text = '  left '//to_text(seconds/60)//' min'
-  end function time_left
 
   !> The tangent of the model is not symmetric.
   pure function is_unsymmetric(model) result(yes)

@@ -23,17 +23,12 @@ contains
     type(command_row_t), allocatable, intent(out) :: table(:)
 
     table = [time_rows(), loop_rows(), solve_rows(), augment_rows(), load_rows(), print_rows(), &
-             tplot_rows(), output_rows(), restart_rows(), path_rows(), note_rows()]
+             tplot_rows(), output_rows(), restart_rows(), path_rows(), &
+             new_row('OPTImize', 'OPTImize: accepted, does nothing here', 16, run_note), &
+             new_row('OPTS', 'OPTS: accepted, does nothing here', 16, run_note)]
   end subroutine load_commands
 
   !> Commands of FEAP that have no effect here.
-  function note_rows() result(row)
-    type(command_row_t) :: row(2)
-
-    row(1) = new_row('OPTImize', 'OPTImize: accepted, does nothing here', 16, run_note)
-    row(2) = new_row('OPTS', 'OPTS: accepted, does nothing here', 16, run_note)
-  end function note_rows
-
   subroutine run_note(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

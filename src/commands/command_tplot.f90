@@ -78,7 +78,7 @@ contains
     type(quantity_t), intent(out) :: quantity
     type(error_t), allocatable, intent(out) :: error
     integer :: i, node
-    real(wp) :: x(3)
+    real(wp) :: x(3), distance, nearest
 
     call check_count(record, 3, 6, USAGE, error)
     if (allocated(error)) return
@@ -100,7 +100,16 @@ contains
       call get_real(run%deck, record, 3 + i, x(i), error, 0.0_wp)
       if (allocated(error)) return
     end do
-    if (node == 0) node = nearest_node(run%model, x)
+    if (node == 0) then ! the nearest one
+      nearest = huge(nearest)
+      do i = 1, run%model%mesh%nnode
+        if (.not. run%model%mesh%used(i)) cycle
+        distance = norm2(run%model%mesh%xr(:, i) - x)
+        if (distance >= nearest) cycle
+        nearest = distance
+        node = i
+      end do
+    end if
     if (node < 1 .or. node > run%model%mesh%nnode) then
       call fail(error, DECK_ERROR, 'the mesh has no node '//to_text(node), record%place(2), &
                 'nodes are numbered from 1 to '//to_text(run%model%mesh%nnode))
@@ -113,23 +122,5 @@ contains
                       //to_text(quantity%component)
     quantity%place = record%place(1)
   end subroutine read_history
-
-  pure function nearest_node(model, x) result(node)
-    type(model_t), intent(in) :: model
-    real(wp), intent(in) :: x(3)
-    integer :: node
-    integer :: n
-    real(wp) :: best, d
-
-    node = 0
-    best = huge(best)
-    do n = 1, model%mesh%nnode
-      if (.not. model%mesh%used(n)) cycle
-      d = norm2(model%mesh%xr(:, n) - x)
-      if (d >= best) cycle
-      best = d
-      node = n
-    end do
-  end function nearest_node
 
 end module command_tplot
