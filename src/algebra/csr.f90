@@ -52,13 +52,40 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(incidence_t) :: inc
     integer, allocatable :: count(:)
-    integer :: stat
+    integer :: e, g, i, n, stat
 
     a%nnode = nnode
     a%symmetric = symmetric
-    call find_incidence(nnode, cliques, inc, error)
+    allocate (count(nnode)) ! first of the cliques of every node
+    count = 0
+    do g = 1, size(cliques)
+      if (size(cliques(g)%conn) == 0) cycle
+      if (minval(cliques(g)%conn) < 1 .or. maxval(cliques(g)%conn) > nnode) then
+        call fail(error, BUG, 'an element of the pattern refers to a node outside 1 to ' &
+                  //to_text(nnode))
+        return
+      end if
+      do e = 1, size(cliques(g)%conn, 2)
+        do n = 1, size(cliques(g)%conn, 1)
+          count(cliques(g)%conn(n, e)) = count(cliques(g)%conn(n, e)) + 1
+        end do
+      end do
+    end do
+    call check_size(sum(int(count, i8)), error)
     if (allocated(error)) return
-    allocate (count(nnode))
+    call set_row_starts(inc%first, count)
+    allocate (inc%group(inc%first(nnode + 1) - 1), inc%elem(inc%first(nnode + 1) - 1))
+    count = inc%first(1:nnode)
+    do g = 1, size(cliques)
+      do e = 1, size(cliques(g)%conn, 2)
+        do n = 1, size(cliques(g)%conn, 1)
+          i = cliques(g)%conn(n, e)
+          inc%group(count(i)) = g
+          inc%elem(count(i)) = e
+          count(i) = count(i) + 1
+        end do
+      end do
+    end do
     call walk_columns(a, cliques, inc, count, counting=.true.)
     call check_size(sum(int(count, i8)), error)
     if (allocated(error)) return
@@ -82,47 +109,6 @@ contains
     call fail(error, SYSTEM_ERROR, 'the tangent matrix would have '//to_text(9*nblock) &
               //' entries, more than '//to_text(huge(1)), hint='use a coarser mesh')
   end subroutine check_size
-
-  !> Find the cliques of every node by counting.
-  subroutine find_incidence(nnode, cliques, inc, error)
-    integer, intent(in) :: nnode
-    type(clique_t), intent(in) :: cliques(:)
-    type(incidence_t), intent(out) :: inc
-    type(error_t), allocatable, intent(out) :: error
-    integer, allocatable :: count(:)
-    integer :: g, e, a, i
-
-    allocate (count(nnode))
-    count = 0
-    do g = 1, size(cliques)
-      if (size(cliques(g)%conn) == 0) cycle
-      if (minval(cliques(g)%conn) < 1 .or. maxval(cliques(g)%conn) > nnode) then
-        call fail(error, BUG, 'an element of the pattern refers to a node outside 1 to ' &
-                  //to_text(nnode))
-        return
-      end if
-      do e = 1, size(cliques(g)%conn, 2)
-        do a = 1, size(cliques(g)%conn, 1)
-          count(cliques(g)%conn(a, e)) = count(cliques(g)%conn(a, e)) + 1
-        end do
-      end do
-    end do
-    call check_size(sum(int(count, i8)), error)
-    if (allocated(error)) return
-    call set_row_starts(inc%first, count)
-    allocate (inc%group(inc%first(nnode + 1) - 1), inc%elem(inc%first(nnode + 1) - 1))
-    count = inc%first(1:nnode)
-    do g = 1, size(cliques)
-      do e = 1, size(cliques(g)%conn, 2)
-        do a = 1, size(cliques(g)%conn, 1)
-          i = cliques(g)%conn(a, e)
-          inc%group(count(i)) = g
-          inc%elem(count(i)) = e
-          count(i) = count(i) + 1
-        end do
-      end do
-    end do
-  end subroutine find_incidence
 
   !> Visit the blocks column by column, so that the columns of every row ascend without sorting.
   subroutine walk_columns(a, cliques, inc, count, counting)

@@ -58,7 +58,10 @@ contains
     real(wp), intent(in) :: values(:)
     real(wp), intent(in) :: available_mb !! hardly used, as the matrix is small
     type(error_t), allocatable, intent(out) :: error
-    integer :: k
+    real(wp), allocatable :: work(:)
+    logical, allocatable :: is_null(:)
+    real(wp) :: largest
+    integer :: status, k
 
     if (available_mb < 0.0_wp .or. size(values) /= size(self%row)) then
       call fail(error, BUG, 'expected '//to_text(size(self%row))//' values of the matrix, found ' &
@@ -78,38 +81,39 @@ contains
     self%info%determinant = 0
     self%info%null = [integer ::]
     if (self%neq == 0) return
-    if (self%symmetric) then
-      call factorise_symmetric(self, error)
-    else
-      call factorise_general(self)
+    if (self%symmetric) then ! eigenvalues and eigenvectors
+      if (allocated(self%eigenvalue)) deallocate (self%eigenvalue)
+      allocate (self%eigenvalue(self%neq), work(3*self%neq))
+      call dsyev('V', 'U', self%neq, self%factor, self%neq, self%eigenvalue, work, size(work), &
+                 status)
+      if (status /= 0) then
+        call fail(error, SYSTEM_ERROR, 'LAPACK did not find the eigenvalues of the tangent')
+        return
+      end if
+      is_null = [(.false., k=1, self%neq)]
+      do k = 1, self%neq
+        if (abs(self%eigenvalue(k)) <= relative_rounding(self)*maxval(abs(self%eigenvalue))) then
+          is_null(k) = .true.
+        else if (self%eigenvalue(k) < 0.0_wp) then
+          self%info%negative = self%info%negative + 1
+        end if
+      end do
+      call pick_dofs(self%factor(:, pack([(k, k=1, self%neq)], is_null)), self%info%null)
+    else ! LU with row exchanges: a zero pivot is in the column of the unknown without stiffness
+      largest = maxval(abs(self%factor))
+      if (allocated(self%pivot)) deallocate (self%pivot)
+      allocate (self%pivot(self%neq))
+      call dgetrf(self%neq, self%neq, self%factor, self%neq, self%pivot, status)
+      self%info%determinant = 1
+      do k = 1, self%neq
+        associate (pivot => self%factor(k, k), det => self%info%determinant)
+          if (abs(pivot) <= relative_rounding(self)*largest) self%info%null = [self%info%null, k]
+          if (pivot < 0.0_wp .neqv. self%pivot(k) /= k) det = -det
+        end associate
+      end do
+      if (size(self%info%null) > 0) self%info%determinant = 0
     end if
   end subroutine factorise
-
-  !> Eigenvalues and eigenvectors.
-  subroutine factorise_symmetric(self, error)
-    type(solver_dense_t), intent(inout) :: self
-    type(error_t), allocatable, intent(out) :: error
-    real(wp), allocatable :: work(:)
-    logical, allocatable :: is_null(:)
-    integer :: status, i
-
-    if (allocated(self%eigenvalue)) deallocate (self%eigenvalue)
-    allocate (self%eigenvalue(self%neq), work(3*self%neq))
-    call dsyev('V', 'U', self%neq, self%factor, self%neq, self%eigenvalue, work, size(work), status)
-    if (status /= 0) then
-      call fail(error, SYSTEM_ERROR, 'LAPACK did not find the eigenvalues of the tangent')
-      return
-    end if
-    is_null = [(.false., i=1, self%neq)]
-    do i = 1, self%neq
-      if (abs(self%eigenvalue(i)) <= relative_rounding(self)*maxval(abs(self%eigenvalue))) then
-        is_null(i) = .true.
-      else if (self%eigenvalue(i) < 0.0_wp) then
-        self%info%negative = self%info%negative + 1
-      end if
-    end do
-    call pick_dofs(self%factor(:, pack([(i, i=1, self%neq)], is_null)), self%info%null)
-  end subroutine factorise_symmetric
 
   !> A number smaller than this, relative to the largest one, counts as zero.
   pure real(wp) function relative_rounding(self)
@@ -117,26 +121,6 @@ contains
 
     relative_rounding = 10*self%neq*epsilon(1.0_wp)
   end function relative_rounding
-
-  !> LU factors with row exchanges: a zero pivot is in the column of the unknown without stiffness.
-  subroutine factorise_general(self)
-    type(solver_dense_t), intent(inout) :: self
-    real(wp) :: largest
-    integer :: status, i
-
-    largest = maxval(abs(self%factor))
-    if (allocated(self%pivot)) deallocate (self%pivot)
-    allocate (self%pivot(self%neq))
-    call dgetrf(self%neq, self%neq, self%factor, self%neq, self%pivot, status)
-    self%info%determinant = 1
-    do i = 1, self%neq
-      associate (pivot => self%factor(i, i))
-        if (abs(pivot) <= relative_rounding(self)*largest) self%info%null = [self%info%null, i]
-        if (pivot < 0.0_wp .neqv. self%pivot(i) /= i) self%info%determinant = -self%info%determinant
-      end associate
-    end do
-    if (size(self%info%null) > 0) self%info%determinant = 0
-  end subroutine factorise_general
 
   subroutine solve(self, x, error)
     class(solver_dense_t), intent(inout) :: self

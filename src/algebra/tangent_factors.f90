@@ -87,50 +87,40 @@ contains
     factors%analysed = .false.
   end subroutine take_equations
 
-  !> Analyse the pattern with a solver of the precision that is chosen or needed.
+  !> Analyse the pattern of the free dofs with a solver of the precision that is chosen or needed:
+  !! dense for a few equations, else sparse with the order of METIS.
   subroutine analyse(factors, a, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
     type(error_t), allocatable, intent(out) :: error
+    type(solver_mumps_t), allocatable :: mumps
+    integer, allocatable :: order(:)
+    real(wp) :: low_rank !! relative error of compressed blocks; 0: none
+    logical :: single    !! factors in single precision
 
     call drop(factors)
-    call new_solver(factors%solver, factors%entries, a, factors%eq, &
-                    factors%single .and. .not. factors%escalated, &
-                    merge(0.0_wp, factors%eps, factors%escalated), factors%exact, error)
+    call new_entries(factors%entries, a, factors%eq, error)
+    if (allocated(error)) return
+    single = factors%single .and. .not. factors%escalated
+    low_rank = merge(0.0_wp, factors%eps, factors%escalated)
+    associate (entries => factors%entries)
+      factors%exact = entries%neq <= SMALL .or. .not. (single .or. low_rank > 0.0_wp)
+      if (entries%neq <= SMALL) then
+        allocate (solver_dense_t :: factors%solver)
+        order = [integer ::]
+      else
+        allocate (mumps)
+        call new_solver_mumps(mumps, single, low_rank)
+        call move_alloc(mumps, factors%solver)
+        call elimination_order(a, factors%eq, order, error)
+        if (allocated(error)) return
+      end if
+      call factors%solver%analyse(entries%neq, a%symmetric, entries%row, entries%col, order, error)
+    end associate
     if (allocated(error)) return
     factors%estimate_mb = factors%solver%info%estimate_mb
     factors%analysed = .true.
   end subroutine analyse
-
-  !> A solver for the free dofs of a matrix with its pattern analysed: dense for a few equations,
-  !! else sparse with the order of METIS.
-  subroutine new_solver(solver, entries, a, eq, single, low_rank, exact, error)
-    class(solver_t), allocatable, intent(out) :: solver
-    type(entries_t), intent(out) :: entries
-    type(block_matrix_t), intent(in) :: a
-    integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
-    logical, intent(in) :: single        !! factors in single precision
-    real(wp), intent(in) :: low_rank     !! relative error of compressed blocks; 0: none
-    logical, intent(out) :: exact        !! factors will be in double precision and not compressed
-    type(error_t), allocatable, intent(out) :: error
-    type(solver_mumps_t), allocatable :: mumps
-    integer, allocatable :: order(:)
-
-    call new_entries(entries, a, eq, error)
-    if (allocated(error)) return
-    exact = entries%neq <= SMALL .or. .not. (single .or. low_rank > 0.0_wp)
-    if (entries%neq <= SMALL) then
-      allocate (solver_dense_t :: solver)
-      order = [integer ::]
-    else
-      allocate (mumps)
-      call new_solver_mumps(mumps, single, low_rank)
-      call move_alloc(mumps, solver)
-      call elimination_order(a, eq, order, error)
-      if (allocated(error)) return
-    end if
-    call solver%analyse(entries%neq, a%symmetric, entries%row, entries%col, order, error)
-  end subroutine new_solver
 
   !> Factorise the matrix. Where approximate factors seem singular, exact factors decide.
   subroutine renew(factors, a, report, error)
