@@ -26,12 +26,41 @@ contains
   !> Names and numbers that records refer to; errors go to the list.
   subroutine check_references(draft)
     type(draft_t), intent(inout) :: draft
+    type(error_t), allocatable :: error
     integer, allocatable :: missing(:)
+    real(wp) :: n
     integer :: i, j, e, last
 
     if (draft%incomplete) return ! an unknown word may have been the definition
     do i = 1, size(draft%patch)
-      call check_patch(draft, i)
+      associate (p => draft%patch(i))
+        if (p%spec%type /= 'RIGID') then
+          if (p%spec%geometry == GEO_MESH) then
+            do j = 1, size(p%mesh%material)
+              call check_material(draft, p%mesh%material(j)%number, p%mesh%material(j)%place)
+              call check_words(draft, p%mesh%material(j)%number, .false.)
+            end do
+            cycle ! its nodes are counted at the end, as those of a spline
+          end if
+          if (.not. allocated(p%material_place%file)) cycle ! its own error is in the list
+          call check_material(draft, p%material, p%material_place)
+          call check_words(draft, p%material, .false.)
+        end if
+        n = product(real(p%spec%nelem, wp)*merge(2.0_wp, 1.0_wp, p%spec%type == 'Q2') + 1.0_wp)
+        if (n > MAX_NUMBER) then ! nothing is meshed that a mesh cannot hold
+          call fail(error, DECK_ERROR, 'patch '//quoted(p%spec%name)//' has '//to_text(n) &
+                    //' nodes', p%spec%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+          call draft%errors%add(error)
+        end if
+        if (p%npatch == 0) cycle
+        if (p%npatch > size(draft%npatch)) then
+          call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', &
+                    p%npatch_place, 'the deck has '//to_text(size(draft%npatch))//' NPATch solids')
+          call draft%errors%add(error)
+        else
+          draft%npatch(p%npatch)%is_geometry = .true.
+        end if
+      end associate
     end do
     do i = 1, size(draft%npatch)
       call check_material(draft, draft%npatch(i)%material, draft%npatch(i)%place)
@@ -74,45 +103,6 @@ contains
     call check_contacts(draft)
     call check_rigid(draft)
   end subroutine check_references
-
-  !> Materials, size and NPATch geometry of patch i. Nothing is meshed that a mesh cannot hold; the
-  !! nodes of meshes and splines are counted at the end.
-  subroutine check_patch(draft, i)
-    type(draft_t), intent(inout) :: draft
-    integer, intent(in) :: i
-    type(error_t), allocatable :: error
-    real(wp) :: n
-    integer :: j
-
-    associate (p => draft%patch(i))
-      if (p%spec%type /= 'RIGID') then
-        if (p%spec%geometry == GEO_MESH) then
-          do j = 1, size(p%mesh%material)
-            call check_material(draft, p%mesh%material(j)%number, p%mesh%material(j)%place)
-            call check_words(draft, p%mesh%material(j)%number, .false.)
-          end do
-          return
-        end if
-        if (.not. allocated(p%material_place%file)) return ! its own error is in the list
-        call check_material(draft, p%material, p%material_place)
-        call check_words(draft, p%material, .false.)
-      end if
-      n = product(real(p%spec%nelem, wp)*merge(2.0_wp, 1.0_wp, p%spec%type == 'Q2') + 1.0_wp)
-      if (n > MAX_NUMBER) then
-        call fail(error, DECK_ERROR, 'patch '//quoted(p%spec%name)//' has '//to_text(n)//' nodes', &
-                  p%spec%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
-        call draft%errors%add(error)
-      end if
-      if (p%npatch == 0) return
-      if (p%npatch > size(draft%npatch)) then
-        call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', &
-                  p%npatch_place, 'the deck has '//to_text(size(draft%npatch))//' NPATch solids')
-        call draft%errors%add(error)
-      else
-        draft%npatch(p%npatch)%is_geometry = .true.
-      end if
-    end associate
-  end subroutine check_patch
 
   subroutine check_material(draft, number, place)
     type(draft_t), intent(inout) :: draft

@@ -58,7 +58,7 @@ contains
     type(contact_t), intent(inout) :: contact
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: area(:), width(:)
-    real(wp) :: n
+    real(wp) :: n, stiffness, h, eps
     integer :: k
 
     do k = 1, 2
@@ -92,7 +92,22 @@ contains
         return
       end if
     end associate
-    if (contact%normal%auto) call auto_penalty(model, contact)
+    if (contact%normal%auto) then
+      eps = huge(eps)
+      do k = 1, 2
+        associate (s => contact%side(k), factor => contact%normal%factor)
+          if (s%rigid) cycle
+          call element_areas(model%mesh, contact, k, area, width)
+          h = sqrt(sum(area)/s%nelem)
+          stiffness = softest(model, s)
+          if (.not. factor*STIFF*stiffness/h < eps) cycle
+          eps = factor*STIFF*stiffness/h
+          contact%normal%account = 'AUTO: '//to_text(factor*STIFF)//' E/h of '//s%name &
+                                   //', E = '//to_text(stiffness)//', h = '//to_text(h)
+        end associate
+      end do
+      contact%normal%prop(PENALTY) = eps
+    end if
     if (contact%friction%auto) contact%friction%prop(TANGENTIAL_PENALTY) &
       = contact%normal%prop(PENALTY)
     if (any(contact%side%rigid)) contact%balanced = .false. ! a rigid side bears all forces anyway
@@ -187,30 +202,6 @@ contains
     stretch = norm2(cross(t(:, 1), t(:, 2)))
   end function stretch
 
-  !> The penalty [F/L^3] and how it was found.
-  subroutine auto_penalty(model, contact)
-    type(model_t), intent(in) :: model
-    type(contact_t), intent(inout) :: contact
-    real(wp), allocatable :: area(:), width(:)
-    real(wp) :: stiffness, h, eps
-    integer :: k
-
-    eps = huge(eps)
-    do k = 1, 2
-      associate (s => contact%side(k), factor => contact%normal%factor)
-        if (s%rigid) cycle
-        call element_areas(model%mesh, contact, k, area, width)
-        h = sqrt(sum(area)/s%nelem)
-        stiffness = softest(model, s)
-        if (.not. factor*STIFF*stiffness/h < eps) cycle
-        eps = factor*STIFF*stiffness/h
-        contact%normal%account = 'AUTO: '//to_text(factor*STIFF)//' E/h of '//s%name//', E = ' &
-                                 //to_text(stiffness)//', h = '//to_text(h)
-      end associate
-    end do
-    contact%normal%prop(PENALTY) = eps
-  end subroutine auto_penalty
-
   !> The smallest Young's modulus of the elements behind a surface [F/L^2].
   pure real(wp) function softest(model, s)
     type(model_t), intent(in) :: model
@@ -230,12 +221,31 @@ contains
   subroutine check_contacts(draft)
     type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error
+    character(32), allocatable :: names(:)
+    character(:), allocatable :: hint
     integer :: c, i, j
 
     do i = 1, size(draft%contact)
       if (draft%contact(i)%at(2)%type == 0) cycle ! its own error is in the list
-      call check_surfaces(draft, draft%contact(i), error)
-      if (allocated(error)) call draft%errors%add(error)
+      associate (a => draft%contact(i)%at(1), b => draft%contact(i)%at(2), &
+                 name => draft%contact(i)%contact%name)
+        if (lower(a%body) == lower(b%body) .and. &
+            (iand(a%mask, b%mask) /= 0 .or. lower(a%face) == lower(b%face))) then
+          call fail(error, DECK_ERROR, 'a face of patch '//quoted(b%body) &
+                    //' is on both sides of contact '//quoted(name), b%face_place, &
+                    'give two surfaces without a common face')
+        else if (is_rigid_patch(draft, a%body) .and. is_rigid_patch(draft, b%body)) then
+          call fail(error, DECK_ERROR, 'both bodies of contact '//quoted(name)//' are rigid', &
+                    b%place, 'give one of them a TYPE of solid elements')
+        else
+          cycle
+        end if
+      end associate
+      call draft%errors%add(error)
+    end do
+    allocate (names(size(draft%contact)))
+    do i = 1, size(names)
+      names(i) = draft%contact(i)%contact%name
     end do
     do i = 1, draft%ncurve
       do j = 1, size(draft%curve(i)%column)
@@ -243,8 +253,10 @@ contains
           if (.not. allocated(column%contact)) cycle
           c = contact_named(draft, column%contact)
           if (c == 0) then
+            hint = 'the deck has no CONTact'
+            if (size(names) > 0) hint = 'nearest known: '//trim(nearest(column%contact, names))
             call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' is not defined', &
-                      column%contact_place, known_contacts(draft, column%contact))
+                      column%contact_place, hint)
           else if (draft%contact(c)%at(2)%type == 0) then
             cycle ! its own error is in the list
           else if (column%quantity%id == Q_CONTACT_DEBONDED .and. &
@@ -259,41 +271,5 @@ contains
       end do
     end do
   end subroutine check_contacts
-
-  !> Two surfaces without a common face, at least one of which can be deformed.
-  subroutine check_surfaces(draft, entry, error)
-    type(draft_t), intent(in) :: draft
-    type(contact_entry_t), intent(in) :: entry
-    type(error_t), allocatable, intent(out) :: error
-
-    associate (a => entry%at(1), b => entry%at(2), name => entry%contact%name)
-      if (lower(a%body) == lower(b%body) .and. &
-          (iand(a%mask, b%mask) /= 0 .or. lower(a%face) == lower(b%face))) then
-        call fail(error, DECK_ERROR, 'a face of patch '//quoted(b%body) &
-                  //' is on both sides of contact '//quoted(name), b%face_place, &
-                  'give two surfaces without a common face')
-      else if (is_rigid_patch(draft, a%body) .and. is_rigid_patch(draft, b%body)) then
-        call fail(error, DECK_ERROR, 'both bodies of contact '//quoted(name)//' are rigid', &
-                  b%place, 'give one of them a TYPE of solid elements')
-      end if
-    end associate
-  end subroutine check_surfaces
-
-  !> The contact with the most similar name.
-  function known_contacts(draft, name) result(hint)
-    type(draft_t), intent(in) :: draft
-    character(*), intent(in) :: name
-    character(:), allocatable :: hint
-    character(32), allocatable :: names(:)
-    integer :: i
-
-    hint = 'the deck has no CONTact'
-    if (size(draft%contact) == 0) return
-    allocate (names(size(draft%contact)))
-    do i = 1, size(names)
-      names(i) = draft%contact(i)%contact%name
-    end do
-    hint = 'nearest known: '//trim(nearest(name, names))
-  end function known_contacts
 
 end module input_contact

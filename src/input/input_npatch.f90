@@ -83,7 +83,8 @@ contains
     type(nurbs_t) :: patch
     type(block_t) :: block
     type(body_t) :: body
-    integer :: b, last
+    integer, allocatable :: mask(:, :, :), elem(:, :, :)
+    integer :: n(3), b, d, e, f, last
 
     call npatch_geometry(draft, k, patch, error)
     if (allocated(error)) return
@@ -98,7 +99,36 @@ contains
       last = max(last, maxval(mesh%block(b)%number))
     end do
     block%number = block%number + last
-    call fill_body(draft%npatch(k), patch, size(mesh%block) + 1, block, body)
+    associate (node => draft%npatch(k)%node)
+      n = shape(node)
+      allocate (mask(n(1), n(2), n(3)), source=0) ! faces on which a control point lies
+      mask(1, :, :) = ibset(mask(1, :, :), 0)
+      mask(n(1), :, :) = ibset(mask(n(1), :, :), 1)
+      mask(:, 1, :) = ibset(mask(:, 1, :), 2)
+      mask(:, n(2), :) = ibset(mask(:, n(2), :), 3)
+      mask(:, :, 1) = ibset(mask(:, :, 1), 4)
+      mask(:, :, n(3)) = ibset(mask(:, :, n(3)), 5)
+      body%node = reshape(node, [size(node)])
+      body%mask = reshape(mask, [size(mask)])
+    end associate
+    do d = 1, 3
+      associate (u => patch%dir(d)%knots)
+        n(d) = count(u(2:) > u(:size(u) - 1)) ! elements
+      end associate
+    end do
+    elem = reshape([(e, e=1, block%nelem)], n)
+    body%face(1)%elem = reshape(elem(1, :, :), [n(2)*n(3)])
+    body%face(2)%elem = reshape(elem(n(1), :, :), [n(2)*n(3)])
+    body%face(3)%elem = reshape(elem(:, 1, :), [n(1)*n(3)])
+    body%face(4)%elem = reshape(elem(:, n(2), :), [n(1)*n(3)])
+    body%face(5)%elem = reshape(elem(:, :, 1), [n(1)*n(2)])
+    body%face(6)%elem = reshape(elem(:, :, n(3)), [n(1)*n(2)])
+    do f = 1, 6
+      associate (face => body%face(f))
+        allocate (face%block(size(face%elem)), source=size(mesh%block) + 1)
+        allocate (face%side(size(face%elem)), source=f)
+      end associate
+    end do
     call append_blocks(mesh%block, [block])
     call append_body(mesh, body)
     mesh%is_control(body%node) = .true.
@@ -185,44 +215,5 @@ contains
       iop(e) = i
     end do
   end subroutine add_operators
-
-  !> Control points with the faces they lie on, and the element faces of each face.
-  subroutine fill_body(p, patch, at, block, body)
-    type(npatch_entry_t), intent(in) :: p
-    type(nurbs_t), intent(in) :: patch
-    integer, intent(in) :: at !! number of the block
-    type(block_t), intent(in) :: block
-    type(body_t), intent(inout) :: body
-    integer, allocatable :: mask(:, :, :), elem(:, :, :)
-    integer :: n(3), d, e, f
-
-    allocate (mask(p%n(1), p%n(2), p%n(3)), source=0)
-    mask(1, :, :) = ibset(mask(1, :, :), 0)
-    mask(p%n(1), :, :) = ibset(mask(p%n(1), :, :), 1)
-    mask(:, 1, :) = ibset(mask(:, 1, :), 2)
-    mask(:, p%n(2), :) = ibset(mask(:, p%n(2), :), 3)
-    mask(:, :, 1) = ibset(mask(:, :, 1), 4)
-    mask(:, :, p%n(3)) = ibset(mask(:, :, p%n(3)), 5)
-    body%node = reshape(p%node, [size(p%node)])
-    body%mask = reshape(mask, [size(mask)])
-    do d = 1, 3
-      associate (u => patch%dir(d)%knots)
-        n(d) = count(u(2:) > u(:size(u) - 1))
-      end associate
-    end do
-    elem = reshape([(e, e=1, block%nelem)], n)
-    body%face(1)%elem = reshape(elem(1, :, :), [n(2)*n(3)])
-    body%face(2)%elem = reshape(elem(n(1), :, :), [n(2)*n(3)])
-    body%face(3)%elem = reshape(elem(:, 1, :), [n(1)*n(3)])
-    body%face(4)%elem = reshape(elem(:, n(2), :), [n(1)*n(3)])
-    body%face(5)%elem = reshape(elem(:, :, 1), [n(1)*n(2)])
-    body%face(6)%elem = reshape(elem(:, :, n(3)), [n(1)*n(2)])
-    do f = 1, 6
-      associate (face => body%face(f))
-        allocate (face%block(size(face%elem)), source=at)
-        allocate (face%side(size(face%elem)), source=f)
-      end associate
-    end do
-  end subroutine fill_body
 
 end module input_npatch

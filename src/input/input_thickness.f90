@@ -30,8 +30,8 @@ contains
     type(nurbs_t) :: patch
     type(geometry_t) :: geo
     type(error_t), allocatable :: error
-    real(wp) :: least, width
-    integer :: d, degree, k, p
+    real(wp) :: low(3), high(3), u(3), from(3), to(3), least, width
+    integer :: a, b, d, degree, i, j, k, p
 
     thickness = 0.0_wp
     p = patch_named(draft, name)
@@ -56,39 +56,29 @@ contains
     least = huge(least)
     width = 0.0_wp
     do d = 1, 3
-      if (iand(mask, 3*4**(d - 1)) /= 0) call measure(patch, d, least, width)
+      if (iand(mask, 3*4**(d - 1)) == 0) cycle
+      a = mod(d, 3) + 1
+      b = mod(d + 1, 3) + 1
+      do i = 1, 3
+        associate (knots => patch%dir(i)%knots)
+          low(i) = knots(1)
+          high(i) = knots(size(knots))
+        end associate
+      end do
+      do j = 0, NSAMPLE - 1
+        do i = 0, NSAMPLE - 1
+          u(a) = low(a) + (high(a) - low(a))*i/(NSAMPLE - 1)
+          u(b) = low(b) + (high(b) - low(b))*j/(NSAMPLE - 1)
+          u(d) = low(d)
+          call evaluate(patch, u, from)
+          u(d) = high(d)
+          call evaluate(patch, u, to)
+          least = min(least, norm2(to - from))
+          width = max(width, norm2(to - from))
+        end do
+      end do
     end do
     if (least > NOTHING*width) thickness = least
   end function body_thickness
-
-  !> Distances across direction d.
-  subroutine measure(patch, d, least, width)
-    type(nurbs_t), intent(in) :: patch
-    integer, intent(in) :: d
-    real(wp), intent(inout) :: least, width
-    real(wp) :: low(3), high(3), u(3), from(3), to(3)
-    integer :: i, j, a, b
-
-    a = mod(d, 3) + 1
-    b = mod(d + 1, 3) + 1
-    do i = 1, 3
-      associate (knots => patch%dir(i)%knots)
-        low(i) = knots(1)
-        high(i) = knots(size(knots))
-      end associate
-    end do
-    do j = 0, NSAMPLE - 1
-      do i = 0, NSAMPLE - 1
-        u(a) = low(a) + (high(a) - low(a))*i/(NSAMPLE - 1)
-        u(b) = low(b) + (high(b) - low(b))*j/(NSAMPLE - 1)
-        u(d) = low(d)
-        call evaluate(patch, u, from)
-        u(d) = high(d)
-        call evaluate(patch, u, to)
-        least = min(least, norm2(to - from))
-        width = max(width, norm2(to - from))
-      end do
-    end do
-  end subroutine measure
 
 end module input_thickness

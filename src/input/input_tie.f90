@@ -33,7 +33,7 @@ contains
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(inout) :: mesh
     type(boundary_t), intent(inout) :: bc
-    integer, allocatable :: new(:)
+    integer, allocatable :: new(:), order(:)
     integer :: i, n, b
 
     if (all(draft%tie%from == 0)) return
@@ -66,7 +66,32 @@ contains
       mesh%constraint%master(:n) = new(mesh%constraint%master(:n))
     end do
     do b = 1, size(mesh%body)
-      call renumber_body(new, mesh%body(b))
+      associate (body => mesh%body(b)) ! each node once, with the faces of all that it replaces
+        if (allocated(body%group)) then
+          do i = 1, size(body%group)
+            body%group(i)%node = unique(new(body%group(i)%node))
+          end do
+        end if
+        if (allocated(body%label)) deallocate (body%label)
+        body%node = new(body%node)
+        if (allocated(order)) deallocate (order)
+        allocate (order(size(body%node)))
+        call sort_index(body%node, order)
+        body%mask = body%mask(order)
+        body%node = body%node(order)
+        n = min(1, size(order))
+        do i = 2, size(order)
+          if (body%node(i) == body%node(n)) then
+            body%mask(n) = ior(body%mask(n), body%mask(i))
+          else
+            n = n + 1
+            body%node(n) = body%node(i)
+            body%mask(n) = body%mask(i)
+          end if
+        end do
+        body%node = body%node(:n)
+        body%mask = body%mask(:n)
+      end associate
     end do
   end subroutine tie_nodes
 
@@ -77,9 +102,9 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(inout) :: new(:) !! (nnode)
     type(grid_t) :: grid
-    integer, allocatable :: class(:)
+    integer, allocatable :: class(:) ! (nnode) 0: takes no part; bits 0 and 1: two materials
     real(wp) :: high(3)
-    integer :: n, m, d, at(3)
+    integer :: b, d, e, m, n, number, at(3)
 
     if (.not. any(mesh%used)) return
     do d = 1, 3
@@ -96,7 +121,22 @@ contains
     end where
     allocate (grid%head(grid%cells(1), grid%cells(2), grid%cells(3)), source=0)
     allocate (grid%next(mesh%nnode), source=0)
-    call classify(draft, tie, mesh, grid%tol, class)
+    allocate (class(mesh%nnode), source=0)
+    do b = 1, size(mesh%block)
+      number = 0 ! of rigid bodies
+      if (.not. is_rigid(mesh%block(b))) then
+        number = draft%model%material(mesh%block(b)%material)%number
+      end if
+      if (tie%material(1) > 0 .and. all(tie%material /= number)) cycle
+      do e = 1, mesh%block(b)%nelem
+        class(mesh%block(b)%conn(:, e)) = merge(2, 1, number == tie%material(2))
+      end do
+    end do
+    where ([(n < tie%from .or. n > tie%to, n=1, mesh%nnode)]) class = 0
+    d = tie%direction
+    if (d > 0) then
+      where (abs(mesh%xr(d, :) - tie%coordinate) > grid%tol(d)) class = 0
+    end if
     do n = 1, mesh%nnode
       if (class(n) == 0 .or. new(n) /= n) cycle
       at = max(1, min(grid%cells, int((mesh%xr(:, n) - grid%low)/grid%width) + 1))
@@ -134,62 +174,5 @@ contains
     end do
     m = 0
   end function partner
-
-  !> Nodes that take part: 0 for those that do not; bits 0 and 1 tell two materials apart.
-  subroutine classify(draft, tie, mesh, tol, class)
-    type(draft_t), intent(in) :: draft
-    type(tie_entry_t), intent(in) :: tie
-    type(mesh_t), intent(in) :: mesh
-    real(wp), intent(in) :: tol(3)
-    integer, allocatable, intent(out) :: class(:)
-    integer :: b, i, number
-
-    allocate (class(mesh%nnode), source=0)
-    do b = 1, size(mesh%block)
-      number = 0 ! of rigid bodies
-      if (.not. is_rigid(mesh%block(b))) then
-        number = draft%model%material(mesh%block(b)%material)%number
-      end if
-      if (tie%material(1) > 0 .and. all(tie%material /= number)) cycle
-      do i = 1, mesh%block(b)%nelem
-        class(mesh%block(b)%conn(:, i)) = merge(2, 1, number == tie%material(2))
-      end do
-    end do
-    where ([(i < tie%from .or. i > tie%to, i=1, mesh%nnode)]) class = 0
-    if (tie%direction == 0) return
-    where (abs(mesh%xr(tie%direction, :) - tie%coordinate) > tol(tie%direction)) class = 0
-  end subroutine classify
-
-  !> Each node of a body once, with the faces of all nodes that it replaces.
-  subroutine renumber_body(new, body)
-    integer, intent(in) :: new(:)
-    type(body_t), intent(inout) :: body
-    integer, allocatable :: order(:)
-    integer :: i, n
-
-    if (allocated(body%group)) then
-      do i = 1, size(body%group)
-        body%group(i)%node = unique(new(body%group(i)%node))
-      end do
-    end if
-    if (allocated(body%label)) deallocate (body%label)
-    body%node = new(body%node)
-    allocate (order(size(body%node)))
-    call sort_index(body%node, order)
-    body%mask = body%mask(order)
-    body%node = body%node(order)
-    n = min(1, size(order))
-    do i = 2, size(order)
-      if (body%node(i) == body%node(n)) then
-        body%mask(n) = ior(body%mask(n), body%mask(i))
-      else
-        n = n + 1
-        body%node(n) = body%node(i)
-        body%mask(n) = body%mask(i)
-      end if
-    end do
-    body%node = body%node(:n)
-    body%mask = body%mask(:n)
-  end subroutine renumber_body
 
 end module input_tie

@@ -40,7 +40,7 @@ contains
     integer, intent(inout) :: i
     type(where_t), intent(out) :: place
     type(error_t), allocatable, intent(out) :: error
-    integer :: d
+    integer :: d, f, second
 
     call get_word(record, i, place%body, error)
     if (allocated(error)) return
@@ -68,56 +68,46 @@ contains
       end if
       call get_real(deck, record, i + 2, place%x(1), error)
       i = i + 3
-    case default
-      call read_faces(record, i, place, error)
-    end select
-  end subroutine read_where
-
-  !> `patch face` or `patch face,face`.
-  subroutine read_faces(record, i, place, error)
-    type(record_t), intent(in) :: record
-    integer, intent(inout) :: i
-    type(where_t), intent(inout) :: place
-    type(error_t), allocatable, intent(out) :: error
-    integer :: f, second
-
-    if (record%is_empty(i + 1)) then
-      call fail(error, DECK_ERROR, 'the face of '//quoted(place%body)//' is missing', &
-                record%place(i + 1), FACE_HINT)
-      return
-    end if
-    place%type = W_FACES
-    place%face_place = record%place(i + 1)
-    place%face = record%text(i + 1)
-    select case (record%key(i + 1))
-    case ('side')
-      place%mask = 15
-    case ('all')
-      place%mask = 63
-    case default
-      f = face_number(place%face)
-      if (f == 0) then
-        place%type = W_GROUP
-        i = i + 2
+    case default ! `patch face` or `patch face,face`
+      if (record%is_empty(i + 1)) then
+        call fail(error, DECK_ERROR, 'the face of '//quoted(place%body)//' is missing', &
+                  record%place(i + 1), FACE_HINT)
         return
       end if
-      place%mask = ibset(0, f - 1)
-      if (i + 2 <= record%n) then
-        second = face_number(record%text(i + 2))
-        if (second > 0) then
-          if ((second + 1)/2 == (f + 1)/2) then
-            call fail(error, DECK_ERROR, 'faces '//record%text(i + 1)//' and '//record%text(i + 2) &
-                      //' have no common edge', record%place(i + 2), FACE_HINT)
-            return
-          end if
-          place%type = W_EDGE
-          place%mask = ibset(place%mask, second - 1)
-          i = i + 1
+      place%type = W_FACES
+      place%face_place = record%place(i + 1)
+      place%face = record%text(i + 1)
+      select case (record%key(i + 1))
+      case ('side')
+        place%mask = 15
+      case ('all')
+        place%mask = 63
+      case default
+        f = face_number(place%face)
+        if (f == 0) then
+          place%type = W_GROUP
+          i = i + 2
+          return
         end if
-      end if
+        place%mask = ibset(0, f - 1)
+        if (i + 2 <= record%n) then
+          second = face_number(record%text(i + 2))
+          if (second > 0) then
+            if ((second + 1)/2 == (f + 1)/2) then
+              call fail(error, DECK_ERROR, 'faces '//record%text(i + 1)//' and ' &
+                        //record%text(i + 2)//' have no common edge', record%place(i + 2), &
+                        FACE_HINT)
+              return
+            end if
+            place%type = W_EDGE
+            place%mask = ibset(place%mask, second - 1)
+            i = i + 1
+          end if
+        end if
+      end select
+      i = i + 2
     end select
-    i = i + 2
-  end subroutine read_faces
+  end subroutine read_where
 
   !> Number of the face in field i: 1 to 6 for 1- 1+ 2- 2+ 3- 3+.
   subroutine read_face(record, i, f, error)

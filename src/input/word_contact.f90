@@ -78,43 +78,34 @@ contains
       if (.not. more) exit
       call check_record(line, CONTACT_RECORDS, 'CONTact', &
                         'contact '//quoted(entry%contact%name), seen, error)
-      if (.not. allocated(error)) call read_contact_record(deck, line, entry, error)
+      if (allocated(error)) return
+      select case (line%key(1))
+      case ('surf')
+        call read_surfaces(deck, line, entry, error)
+      case ('norm')
+        call read_normal(deck, line, entry, error)
+      case ('fric')
+        call read_friction(deck, line, entry, error)
+      case ('cohe')
+        call read_cohesive(deck, line, entry, error)
+      case ('bond')
+        call read_bond(deck, line, entry, error)
+      case ('quad')
+        call read_quadrature(deck, line, entry, error)
+      case ('bala')
+        call check_count(line, 1, 1, 'BALAnced', error)
+        entry%contact%balanced = .true.
+      case ('dept')
+        call check_count(line, 2, 2, 'DEPTh d', error)
+        if (.not. allocated(error)) call read_positive(deck, line, 2, 'depth', &
+                                                       entry%contact%depth, error)
+      case default          ! check_record has rejected every other word
+      end select
       if (allocated(error)) return
     end do
     call check_complete(entry, error)
     draft%contact(size(draft%contact)) = entry
   end subroutine read_contact
-
-  !> One record, whose word is known.
-  subroutine read_contact_record(deck, line, entry, error)
-    type(deck_t), intent(inout) :: deck
-    type(record_t), intent(in) :: line
-    type(contact_entry_t), intent(inout) :: entry
-    type(error_t), allocatable, intent(out) :: error
-
-    select case (line%key(1))
-    case ('surf')
-      call read_surfaces(deck, line, entry, error)
-    case ('norm')
-      call read_normal(deck, line, entry, error)
-    case ('fric')
-      call read_friction(deck, line, entry, error)
-    case ('cohe')
-      call read_cohesive(deck, line, entry, error)
-    case ('bond')
-      call read_bond(deck, line, entry, error)
-    case ('quad')
-      call read_quadrature(deck, line, entry, error)
-    case ('bala')
-      call check_count(line, 1, 1, 'BALAnced', error)
-      entry%contact%balanced = .true.
-    case ('dept')
-      call check_count(line, 2, 2, 'DEPTh d', error)
-      if (.not. allocated(error)) call read_positive(deck, line, 2, 'depth', &
-                                                     entry%contact%depth, error)
-    case default               ! the caller has rejected every other word
-    end select
-  end subroutine read_contact_record
 
   !> Records that are required, and records that need or exclude each other.
   subroutine check_complete(entry, error)
