@@ -93,7 +93,8 @@ contains
     type(state_t), intent(in) :: state
     real(wp), intent(in) :: f_ext(:, :)         !! (3, nnode) loads [F]
     type(resultant_t) :: side(2), both, all_sides
-    integer :: c, k
+    real(wp) :: force(3), moment(3), load(3), load_moment(3), r(3), x(3)
+    integer :: c, k, n
 
     if (size(model%contact) == 0) return
     do c = 1, size(model%contact)
@@ -114,28 +115,6 @@ contains
                       //number(side(2)%area)//', deepest'//number(maxval(side%penetration)))
       end associate
     end do
-    call list_supports(model, state, f_ext, all_sides)
-  end subroutine list_contacts
-
-  pure subroutine add(part, whole)
-    type(resultant_t), intent(in) :: part
-    type(resultant_t), intent(inout) :: whole
-
-    whole%force = whole%force + part%force
-    whole%moment = whole%moment + part%moment
-    whole%force_size = whole%force_size + part%force_size
-    whole%moment_size = whole%moment_size + part%moment_size
-  end subroutine add
-
-  !> Reactions of all prescribed degrees of freedom, and their balance with contact and loads.
-  subroutine list_supports(model, state, f_ext, contact)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    real(wp), intent(in) :: f_ext(:, :)
-    type(resultant_t), intent(in) :: contact
-    real(wp) :: force(3), moment(3), load(3), load_moment(3), r(3), x(3)
-    integer :: n
-
     force = 0.0_wp
     moment = 0.0_wp
     load = 0.0_wp
@@ -149,12 +128,22 @@ contains
       load = load + f_ext(:, n)
       load_moment = load_moment + cross(x, f_ext(:, n))
     end do
-    load = load + force + contact%force
-    load_moment = load_moment + moment + contact%moment
+    load = load + force + all_sides%force
+    load_moment = load_moment + moment + all_sides%moment
     call log_line('supports: force'//vector(force)//', moment'//vector(moment) &
-                  //'; sum with contact and loads'//ratio(load, contact%force_size/2) &
-                  //', of moments'//ratio(load_moment, contact%moment_size/2))
-  end subroutine list_supports
+                  //'; sum with contact and loads'//ratio(load, all_sides%force_size/2) &
+                  //', of moments'//ratio(load_moment, all_sides%moment_size/2))
+  end subroutine list_contacts
+
+  pure subroutine add(part, whole)
+    type(resultant_t), intent(in) :: part
+    type(resultant_t), intent(inout) :: whole
+
+    whole%force = whole%force + part%force
+    whole%moment = whole%moment + part%moment
+    whole%force_size = whole%force_size + part%force_size
+    whole%moment_size = whole%moment_size + part%moment_size
+  end subroutine add
 
   !> Length of a sum over the sum of the lengths.
   pure function ratio(total, size) result(text)

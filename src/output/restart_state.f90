@@ -22,6 +22,7 @@ contains
     type(state_t), intent(inout) :: state
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: path
+    logical :: stored
     integer :: b, c, k
 
     call enter_group(archive, group, error)
@@ -49,8 +50,43 @@ contains
         call exchange_points(archive, path//numbered('/side', k), state%contact(c)%side(k), error)
       end do
     end do
-    call exchange_dynamics(archive, group//'/dynamics', size(state%u, 2), state%dynamics, error)
-    call exchange_energy(archive, group//'/energy', size(state%u, 2), state%energy, error)
+    associate (dynamics => state%dynamics)
+      path = group//'/dynamics'
+      stored = allocated(dynamics%v) ! only where the analysis has rates
+      call enter_group(archive, path, error)
+      call exchange(archive, path//'/stored', stored, error)
+      if (stored) then
+        if (.not. archive%writes) call new_dynamics(dynamics, size(state%u, 2))
+        call exchange(archive, path//'/on', dynamics%on, error)
+        call exchange(archive, path//'/method', dynamics%method, error)
+        call exchange(archive, path//'/lumped', dynamics%lumped, error)
+        call exchange(archive, path//'/beta', dynamics%beta, error)
+        call exchange(archive, path//'/gamma', dynamics%gamma, error)
+        call exchange(archive, path//'/alpha', dynamics%alpha, error)
+        call exchange(archive, path//'/density', dynamics%density, error)
+        call exchange(archive, path//'/v', dynamics%v, error)
+        call exchange(archive, path//'/a', dynamics%a, error)
+        call exchange(archive, path//'/held', dynamics%held, error)
+      end if
+    end associate
+    associate (energy => state%energy)
+      path = group//'/energy'
+      stored = energy%on
+      call enter_group(archive, path, error)
+      call exchange(archive, path//'/stored', stored, error)
+      if (stored) then
+        if (.not. archive%writes) call open_book(energy, size(state%u, 2))
+        call exchange(archive, path//'/outer', energy%outer, error)
+        call exchange(archive, path//'/inertia', energy%inertia, error)
+        call exchange(archive, path//'/kinetic', energy%kinetic, error)
+        call exchange(archive, path//'/contact', energy%contact, error)
+        call exchange(archive, path//'/f_outer', energy%f_outer, error)
+        call exchange(archive, path//'/f_inert', energy%f_inert, error)
+        do k = 1, 3
+          call exchange(archive, path//numbered('/f_contact', k), energy%f_contact(:, :, k), error)
+        end do
+      end if
+    end associate
   end subroutine exchange_state
 
   !> Load tables; their number comes from the file.
@@ -117,57 +153,5 @@ contains
     points%opening_step = points%opening
     points%new_step = .true.
   end subroutine exchange_points
-
-  !> Rates are stored only where the analysis has them.
-  subroutine exchange_dynamics(archive, group, nnode, dynamics, error)
-    type(archive_t), intent(in) :: archive
-    character(*), intent(in) :: group
-    integer, intent(in) :: nnode
-    type(dynamics_t), intent(inout) :: dynamics
-    type(error_t), allocatable, intent(inout) :: error
-    logical :: stored
-
-    stored = allocated(dynamics%v)
-    call enter_group(archive, group, error)
-    call exchange(archive, group//'/stored', stored, error)
-    if (.not. stored) return
-    if (.not. archive%writes) call new_dynamics(dynamics, nnode)
-    call exchange(archive, group//'/on', dynamics%on, error)
-    call exchange(archive, group//'/method', dynamics%method, error)
-    call exchange(archive, group//'/lumped', dynamics%lumped, error)
-    call exchange(archive, group//'/beta', dynamics%beta, error)
-    call exchange(archive, group//'/gamma', dynamics%gamma, error)
-    call exchange(archive, group//'/alpha', dynamics%alpha, error)
-    call exchange(archive, group//'/density', dynamics%density, error)
-    call exchange(archive, group//'/v', dynamics%v, error)
-    call exchange(archive, group//'/a', dynamics%a, error)
-    call exchange(archive, group//'/held', dynamics%held, error)
-  end subroutine exchange_dynamics
-
-  !> The energy balance is stored only where the analysis has it.
-  subroutine exchange_energy(archive, group, nnode, energy, error)
-    type(archive_t), intent(in) :: archive
-    character(*), intent(in) :: group
-    integer, intent(in) :: nnode
-    type(energy_t), intent(inout) :: energy
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-    logical :: stored
-
-    stored = energy%on
-    call enter_group(archive, group, error)
-    call exchange(archive, group//'/stored', stored, error)
-    if (.not. stored) return
-    if (.not. archive%writes) call open_book(energy, nnode)
-    call exchange(archive, group//'/outer', energy%outer, error)
-    call exchange(archive, group//'/inertia', energy%inertia, error)
-    call exchange(archive, group//'/kinetic', energy%kinetic, error)
-    call exchange(archive, group//'/contact', energy%contact, error)
-    call exchange(archive, group//'/f_outer', energy%f_outer, error)
-    call exchange(archive, group//'/f_inert', energy%f_inert, error)
-    do i = 1, 3
-      call exchange(archive, group//numbered('/f_contact', i), energy%f_contact(:, :, i), error)
-    end do
-  end subroutine exchange_energy
 
 end module restart_state

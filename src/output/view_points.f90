@@ -26,7 +26,7 @@ contains
     real(wp), intent(in) :: coef(:)
     real(wp), intent(in) :: weight
     integer, intent(out) :: id
-    integer :: i, n, slot
+    integer :: i, n, slot, room
     integer :: nodes(size(node))
     real(wp) :: coefs(size(node))
 
@@ -38,7 +38,19 @@ contains
       if (is_same(list, id, nodes(:n), coefs(:n), weight)) return
       id = list%next(id)
     end do
-    if (list%npoint + 2 > size(list%first)) call grow_points(list)
+    if (list%npoint + 2 > size(list%first)) then ! double the room, and the number of chains
+      room = 2*size(list%first)
+      list%first = [list%first, list%first]
+      list%weight = [list%weight, list%weight]
+      list%next = [list%next, list%next]
+      deallocate (list%head)
+      allocate (list%head(room), source=0)
+      do id = 1, list%npoint
+        slot = hash(list%node(list%first(id):list%first(id + 1) - 1), room)
+        list%next(id) = list%head(slot)
+        list%head(slot) = id
+      end do
+    end if
     slot = hash(nodes(:n), size(list%head))
     id = list%npoint + 1
     list%npoint = id
@@ -138,23 +150,5 @@ contains
     list%first(1) = 1
     list%head = 0
   end subroutine start
-
-  !> Double the room for points, and the number of chains.
-  subroutine grow_points(list)
-    type(point_list_t), intent(inout) :: list
-    integer :: id, slot, room
-
-    room = 2*size(list%first)
-    list%first = [list%first, list%first]
-    list%weight = [list%weight, list%weight]
-    list%next = [list%next, list%next]
-    deallocate (list%head)
-    allocate (list%head(room), source=0)
-    do id = 1, list%npoint
-      slot = hash(list%node(list%first(id):list%first(id + 1) - 1), room)
-      list%next(id) = list%head(slot)
-      list%head(slot) = id
-    end do
-  end subroutine grow_points
 
 end module view_points

@@ -33,6 +33,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer, parameter :: LONGEST = 60000 !! text of an attribute; HDF5 holds less than 64 kB there
     character(*), parameter :: CELLS = 'VTKHDF/CellData', DEGREES = CELLS//'/HigherOrderDegrees'
+    character(*), parameter :: FIELDS = 'VTKHDF/PointData', WEIGHTS = FIELDS//'/RationalWeights'
+    type(field_t) :: field
+    character(:), allocatable :: path
     integer :: i
 
     call put_attribute(file, '/', 'program', 'bezel', error)
@@ -75,23 +78,7 @@ contains
       call describe(file, DEGREES, 'degrees of the cell', '-', 'cell', error)
       call put_attribute(file, DEGREES, 'Attribute', 'HigherOrderDegrees', error)
     end if
-    call reserve_fields(file, view, names, room, error)
-    call write_offsets(file, view, names, room, error)
-  end subroutine write_layout
-
-  !> Room for the fields of all steps.
-  subroutine reserve_fields(file, view, names, room, error)
-    type(hdf5_t), intent(in) :: file
-    type(view_t), intent(in) :: view
-    character(*), intent(in) :: names(:)
-    integer, intent(in) :: room
-    type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: GROUP = 'VTKHDF/PointData', WEIGHTS = GROUP//'/RationalWeights'
-    type(field_t) :: field
-    character(:), allocatable :: path
-    integer :: i
-
-    call make_group(file, GROUP, error)
+    call make_group(file, FIELDS, error)
     if (view%has_bezier) then
       call reserve(file, WEIGHTS, AS_REAL, 0, int(view%npoint, i8), error)
       call put(file, WEIGHTS, view%point%weight, error)
@@ -100,12 +87,13 @@ contains
     end if
     do i = 1, size(names)
       call describe_field(trim(names(i)), field)
-      path = GROUP//'/'//trim(names(i))
+      path = FIELDS//'/'//trim(names(i))
       call reserve(file, path, AS_REAL, merge(field%ncomp, 0, field%ncomp > 1), &
                    int(room, i8)*view%npoint, error)
       call describe(file, path, trim(field%description), trim(field%dimension), 'point', error)
     end do
-  end subroutine reserve_fields
+    call write_offsets(file, view, names, room, error)
+  end subroutine write_layout
 
   !> Where the data of each step begin: geometry and cell data at 0, fields one after the other.
   !!

@@ -88,7 +88,8 @@ contains
     type(field_t), intent(in) :: field(:)
     type(error_t), allocatable, intent(out) :: error
     type(byte_file_t) :: file
-    character(:), allocatable :: path
+    character(:), allocatable :: path, text
+    character(32) :: number
     integer :: i
 
     path = file_name(series%stem, step)
@@ -110,7 +111,17 @@ contains
     end do
     series%time = [pack(series%time, series%step < step), time]
     series%step = [pack(series%step, series%step < step), step]
-    call write_list(series, error)
+    ! The list names the files without their folder, so that the results can be moved.
+    text = '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">'//LF// &
+           '<Collection>'//LF
+    do i = 1, size(series%step)
+      path = file_name(series%stem, series%step(i))
+      write (number, '(es23.16)') series%time(i)
+      text = text//'<DataSet timestep="'//trim(adjustl(number))//'" part="0" file="'// &
+             escaped(path(index(path, '/', back=.true.) + 1:))//'"/>'//LF
+    end do
+    text = text//'</Collection>'//LF//'</VTKFile>'//LF
+    call write_whole(series%stem//'.pvd', text, error)
   end subroutine append_series
 
   !> The XML part. The arrays have the order of write_numbers.
@@ -226,28 +237,6 @@ contains
 
     call write_block(file, c_loc(values), 4_i8*size(values), error)
   end subroutine write_integers
-
-  !> Write the `.pvd` list. It names the files without their folder, so that the results can be
-  !! moved.
-  subroutine write_list(series, error)
-    type(vtu_series_t), intent(in) :: series
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: name, text
-    character(32) :: time
-    integer :: i
-
-    text = '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">'//LF// &
-           '<Collection>'//LF
-    do i = 1, size(series%step)
-      name = file_name(series%stem, series%step(i))
-      name = name(index(name, '/', back=.true.) + 1:)
-      write (time, '(es23.16)') series%time(i)
-      text = text//'<DataSet timestep="'//trim(adjustl(time))//'" part="0" file="'// &
-             escaped(name)//'"/>'//LF
-    end do
-    text = text//'</Collection>'//LF//'</VTKFile>'//LF
-    call write_whole(series%stem//'.pvd', text, error)
-  end subroutine write_list
 
   function file_name(stem, step) result(name)
     character(*), intent(in) :: stem
