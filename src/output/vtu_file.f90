@@ -138,8 +138,8 @@ contains
            to_text(view%npoint)//'" NumberOfCells="'// &
            to_text(view%ncell)//'">'//LF//'<Points>'//LF// &
            array('Float64', 'Points', 3, 24_i8*view%npoint, place)// &
-           '</Points>'//LF//'<Cells>'//LF// &
-           array('Int32', 'connectivity', 1, 4_i8*size(view%conn), place)
+           '</Points>'//LF//'<Cells>'//LF
+    text = text//array('Int32', 'connectivity', 1, 4_i8*size(view%conn), place)
     text = text//array('Int32', 'offsets', 1, 4_i8*view%ncell, place)
     text = text//array('UInt8', 'types', 1, int(view%ncell, i8), place)//'</Cells>'//LF
     text = text//'<PointData'//active('RationalWeights', view%has_bezier)//'>'//LF
