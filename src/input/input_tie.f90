@@ -60,11 +60,13 @@ contains
         mesh%used(mesh%block(b)%conn(:, i)) = .true.
       end do
     end do
-    do i = 1, mesh%constraint%n
-      mesh%constraint%slave(i) = new(mesh%constraint%slave(i))
-      n = mesh%constraint%first(i + 1) - 1
-      mesh%constraint%master(:n) = new(mesh%constraint%master(:n))
-    end do
+    associate (list => mesh%constraint)
+      if (list%n > 0) then
+        n = list%first(list%n + 1) - 1
+        list%slave(:list%n) = new(list%slave(:list%n))
+        list%master(:n) = new(list%master(:n))
+      end if
+    end associate
     do b = 1, size(mesh%body)
       associate (body => mesh%body(b)) ! each node once, with the faces of all that it replaces
         if (allocated(body%group)) then
