@@ -7,7 +7,7 @@ module command_program
   use base_kinds, only: wp
   use base_text, only: nearest
   use command_table, only: load_commands
-  use command_type, only: run_t, program_t, command_t, command_row_t, data_t
+  use command_type, only: run_t, program_t, command_t, data_t
   use deck_expression, only: params_t
   use deck_record, only: record_t, check_count, RECORD_WORDS, RECORD_END
   use deck_stream, only: get_real

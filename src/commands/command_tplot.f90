@@ -7,7 +7,6 @@ module command_tplot
   use curve_type, only: curve_t, quantity_t, Q_NODAL, Q_DISP
   use deck_record, only: record_t, check_count, RECORD_WORDS
   use deck_stream, only: get_integer, get_real
-  use model, only: model_t
   implicit none
   private
   public :: tplot_rows

@@ -15,7 +15,7 @@ module input_contact
   use contact_surface, only: build_surface, tabulate_contact
   use contact_type, only: PENALTY, TANGENTIAL_PENALTY
   use curve_type, only: Q_CONTACT_DEBONDED
-  use input_draft, only: draft_t, contact_entry_t
+  use input_draft, only: draft_t
   use input_rigid, only: is_rigid_patch
   use input_thickness, only: body_thickness
   use input_where, only: find_faces, where_t, body_index

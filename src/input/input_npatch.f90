@@ -7,7 +7,7 @@ module input_npatch
   use element_table, only: load_elements
   use element_type, only: element_t, cell_t
   use hexa_shape, only: tensor_rule
-  use input_draft, only: draft_t, npatch_entry_t
+  use input_draft, only: draft_t
   use mesh, only: mesh_t, block_t, body_t, operator_t, append_blocks, append_body
   use nurbs, only: nurbs_t, is_rational
   use patch_nurbs, only: check_nurbs, check_orientation

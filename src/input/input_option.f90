@@ -14,7 +14,7 @@ module input_option
 
 contains
 
-  !> The next option behind field i, which becomes the field of its word. Its value is there.
+  !> The next option after field i, which becomes the field of its word; its value is present.
   subroutine next_option(line, i, option, usage, seen, key, error)
     type(record_t), intent(in) :: line
     integer, intent(inout) :: i

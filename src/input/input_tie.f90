@@ -9,7 +9,7 @@ module input_tie
   use base_sort, only: sort_index, unique
   use boundary, only: boundary_t
   use input_draft, only: draft_t, tie_entry_t
-  use mesh, only: mesh_t, body_t, is_rigid
+  use mesh, only: mesh_t, is_rigid
   implicit none
   private
   public :: tie_nodes

@@ -205,7 +205,7 @@ contains
     end do
   end subroutine read_places
 
-  !> SURFace [codes], then its points `i x y z [p]`. `line` is the record behind them if `has_line`.
+  !> SURFace [codes], then its points `i x y z [p]`. `line` is the record after them if `has_line`.
   subroutine read_surface(draft, deck, request, line, has_line, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

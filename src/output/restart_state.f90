@@ -5,8 +5,8 @@
 module restart_state
   use base_error, only: error_t
   use contact_pair, only: contact_points_t
-  use dynamics_type, only: dynamics_t, new_dynamics
-  use energy_type, only: energy_t, open_book
+  use dynamics_type, only: new_dynamics
+  use energy_type, only: open_book
   use load_curve, only: load_table_t
   use model, only: state_t
   use restart_archive, only: archive_t, exchange, exchange_list, enter_group, numbered

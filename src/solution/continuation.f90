@@ -285,8 +285,8 @@ contains
     end associate
   end subroutine adapt_arc_control
 
-  !> More kinetic energy than work was done: contact has produced energy, which its two half passes
-  !! can.
+  !> Warn if there is more kinetic energy than work was done: contact has produced energy, which is
+  !! possible with the two-half-pass algorithm.
   subroutine check_energy(path, model, state)
     type(continuation_t), intent(inout) :: path
     type(model_t), intent(in) :: model

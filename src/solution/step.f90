@@ -3,8 +3,8 @@
 !!     begin_step -> form_pass, solve_pass (Newton's iteration, until STEP_CONVERGED) -> close_step
 !!
 !! A pass or the last test may fail. Then cut_step restores the state at the start of the step and
-!! chooses another method of continuation or a smaller step; the caller, told by STEP_REWOUND, goes
-!! back to where the step began. Where nothing is left to try, cut_step fails.
+!! chooses another method of continuation or a smaller step; the outcome STEP_REWOUND tells the
+!! caller to go back to where the step began. Where nothing is left to try, cut_step fails.
 module step
   use base_error, only: error_t, place_t, fail, NO_SOLUTION
   use base_kinds, only: wp
