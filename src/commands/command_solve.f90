@@ -101,13 +101,13 @@ contains
       if (outcome == STEP_GOES_ON) then
         call solve_pass(run%step, run%model, run%state, command%option == 'line', &
                         command%record%place(1), outcome, error)
-        if (allocated(error)) return
       end if
       associate (pass => run%step%pass)
         call run%timers%add('assembly', pass%sweep%seconds - pass%sweep%contact_seconds)
         if (size(run%model%contact) > 0) call run%timers%add('contact', pass%sweep%contact_seconds)
         call run%timers%add('factorise', pass%solve%seconds_factor)
         call run%timers%add('solve', pass%solve%seconds_solve)
+        if (allocated(error)) return ! the report has the times of a pass that failed, too
         if (pass%ok) call show_iteration(run)
       end associate
     end if
