@@ -63,7 +63,8 @@ contains
       call fail_in_file(text, 'the geometry has no coefs', error)
     else if (attribute(text, tag, 'geoDim') /= '3') then
       call fail_in_file(text, "expected geoDim '3', found " &
-                        //quoted(attribute(text, tag, 'geoDim')), error)
+                        //quoted(attribute(text, tag, 'geoDim')), error, &
+                        'a body has coordinates in three dimensions')
     else
       call read_all(part, 'a coordinate', x, error)
     end if

@@ -200,6 +200,7 @@ contains
       n = total
       if (is_new) then
         call next_integers(text, 'dimension, tag and type of elements', head, error)
+        if (.not. allocated(error)) call check_type(text, head(3), file, error)
         if (.not. allocated(error)) call next_count(text, 'the number of elements', n, error)
       end if
       do i = 1, n
@@ -214,6 +215,7 @@ contains
         else
           group = 0
           if (.not. allocated(error)) call next_integer(text, 'an element type', head(3), error)
+          if (.not. allocated(error)) call check_type(text, head(3), file, error)
           if (.not. allocated(error)) call next_count(text, 'a number of tags', ntag, error)
           do j = 1, ntag
             if (allocated(error)) return
@@ -232,6 +234,18 @@ contains
                                       //'blocks, found '//to_text(n), error)
   end subroutine read_elements
 
+  !> An error where the type of an element stands, if no row of the table of elements has it.
+  subroutine check_type(text, gmsh, file, error)
+    type(text_t), intent(in) :: text
+    integer, intent(in) :: gmsh
+    type(mesh_file_t), intent(in) :: file
+    type(error_t), allocatable, intent(out) :: error
+
+    if (gmsh_shape(file%shapes, gmsh) > 0) return
+    call fail_in_file(text, 'unknown Gmsh element type '//to_text(gmsh), error, &
+                      shape_hint(file%shapes))
+  end subroutine check_type
+
   !> Nodes of an element, brought into the order of its row.
   subroutine read_element(text, gmsh, label, file, error)
     type(text_t), intent(inout) :: text
@@ -243,11 +257,6 @@ contains
     integer :: s, spot
 
     s = gmsh_shape(file%shapes, gmsh)
-    if (s == 0) then
-      call fail_in_file(text, 'unknown Gmsh element type '//to_text(gmsh), error, &
-                        shape_hint(file%shapes))
-      return
-    end if
     spot = text%at
     allocate (node(file%shapes(s)%nen))
     call next_integers(text, 'a node of element '//to_text(label), node, error)
@@ -324,7 +333,8 @@ contains
     if (allocated(error)) return
     file%node_spot(i) = text%at
     if (file%number(i) < 1) then
-      call fail_in_file(text, 'node number '//to_text(file%number(i))//' is not positive', error)
+      call fail_in_file(text, 'node number '//to_text(file%number(i))//' is not positive', error, &
+                        'node numbers begin at 1')
     end if
   end subroutine read_number
 
