@@ -284,7 +284,7 @@ contains
 
     if (given%law%name == '') then
       call fail(error, DECK_ERROR, 'material '//to_text(set%number)//' has no law', set%place, &
-                'add ELAStic, the name of a law and its numbers')
+                'add '//laws_of([.true., .false.]))
       return
     end if
     set%row = given%law
@@ -292,7 +292,7 @@ contains
       call fail(error, DECK_ERROR, trim(set%row%name)//' is a law of ' &
                 //trim(merge('finite', 'small ', set%row%finite))//' strains', given%strain_place, &
                 'write '//trim(merge('FINIte', 'SMALl ', set%row%finite)) &
-                //', or choose another law')
+                //', or use '//laws_of([.not. set%row%finite]))
       return
     end if
     if (given%volume_given) then
@@ -307,6 +307,22 @@ contains
     end if
     call set_properties(given, set%prop, error)
   end subroutine set_law
+
+  !> The records of the laws of finite strains, of small strains, or of both, for a hint.
+  function laws_of(finite) result(text)
+    logical, intent(in) :: finite(:)
+    character(:), allocatable :: text
+    type(material_t), allocatable :: law(:)
+    integer :: i
+
+    text = ''
+    call load_materials(law)
+    do i = 1, size(law)
+      if (.not. any(finite .eqv. law(i)%finite)) cycle
+      if (text /= '') text = text//', or '
+      text = text//material_usage(law(i))
+    end do
+  end function laws_of
 
   !> Properties of the numbers read so far; the place of an error is that of the rejected number.
   subroutine set_properties(given, prop, error)

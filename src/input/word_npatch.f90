@@ -7,7 +7,7 @@
 !!
 !! Long lists continue in further records, as FEAP's limit of 16 numbers a record requires.
 module word_npatch
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
@@ -35,6 +35,7 @@ contains
     character(*), parameter :: USAGE = 'open id len k1 k2 ...'
     type(record_t) :: line
     type(knot_vector_t) :: v
+    type(place_t) :: place_of_count
     logical :: more
     integer :: n, i, at
 
@@ -59,6 +60,7 @@ contains
         return
       end if
       v%place = line%place(2)
+      place_of_count = line%place(3)
       if (any(draft%knots%number == v%number)) then
         call fail(error, DECK_ERROR, 'duplicate knot vector '//to_text(v%number), v%place, &
                   'give each knot vector a number of its own')
@@ -78,7 +80,7 @@ contains
           call get_real(deck, line, at, v%u(i), error)
         else
           call fail(error, DECK_ERROR, 'expected '//to_text(n)//' knots, found '//to_text(i - 1), &
-                    v%place, USAGE)
+                    place_of_count, USAGE)
         end if
         if (allocated(error)) return
       end do
