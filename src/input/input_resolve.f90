@@ -13,7 +13,7 @@ module input_resolve
   use word_contact, only: contact_named
   implicit none
   private
-  public :: resolve_supports, resolve_loads, resolve_curves
+  public :: resolve_supports, resolve_loads, resolve_curves, locate_point
 
   integer, parameter :: MAX_ITER = 50
   real(wp), parameter :: OUTSIDE = 1.0e-6_wp    !! distance outside an element that still counts as
