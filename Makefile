@@ -76,7 +76,9 @@ settings:
 $(B)/flags: FORCE
 	@mkdir -p $(B); echo '$(FC) $(WARN) $(OPT) $(INCLUDE)' > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+# Objects and modules whose source is gone are removed: a stale module would still be found.
 $(B)/depend.mk: FORCE $(COPIES)
+	@rm -f $(foreach o,$(filter-out $(OBJECTS),$(wildcard $(B)/*.o)),$o $(o:.o=.mod))
 	@mkdir -p $(B); awk -v b=$(B) -v u='$$(U)' -f src/depend.awk $(SOURCES) $(COPIES) $(wildcard verification/unit/*/*.pf) > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 FORCE:
