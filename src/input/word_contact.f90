@@ -3,7 +3,7 @@
 !! Checks and hints of its records follow from CONTACT_RECORDS, those of their options from one list
 !! for each record.
 module word_contact
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t, fail, DECK_ERROR, BUG
   use base_kinds, only: wp
   use base_text, only: to_text, quoted, lower, fits_name
   use contact_pair, only: bond_t
@@ -99,7 +99,9 @@ contains
         call check_count(line, 2, 2, 'DEPTh d', error)
         if (.not. allocated(error)) call read_positive(deck, line, 2, 'depth', &
                                                        entry%contact%depth, error)
-      case default          ! check_record has rejected every other word
+      case default
+        call fail(error, BUG, 'the record '//line%text(1)//' of CONTact has no reader', &
+                  line%place(1))
       end select
       if (allocated(error)) return
     end do
