@@ -158,8 +158,13 @@ def curvature(surface, xi, eta):
     e, f, g = dot(a, a), dot(a, b), dot(b, b)
     l2, m2, n2 = dot(aa, n), dot(ab, n), dot(bb, n)
     det = e * g - f * f
-    det = np.where(det <= 1e-12 * (e * g), np.inf, det)
-    mean = 0.5 * (l2 * g - 2 * m2 * f + n2 * e) / det
-    gaussian = (l2 * n2 - m2 * m2) / det
-    root = np.sqrt(np.maximum(mean**2 - gaussian, 0))
+    flat = det <= 1e-12 * (e * g)  # parallel tangents: no curvature is known
+    det, e = np.where(flat, np.inf, det), np.where(flat, 1, e)
+    # The second form in the orthonormal frame along a: no difference of nearly equal numbers.
+    ratio = f / e
+    along = np.where(flat, 0, l2 / e)
+    mixed = (m2 - ratio * l2) / np.sqrt(det)
+    across = (n2 - 2 * ratio * m2 + ratio**2 * l2) / (det / e)
+    mean = 0.5 * (along + across)
+    root = np.hypot(0.5 * (along - across), mixed)
     return np.stack([mean + root, mean - root], axis=-1)

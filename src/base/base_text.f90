@@ -89,10 +89,13 @@ contains
     integer :: n, power, at
 
     text = ''
-    if (ieee_is_nan(x)) text = 'NaN'
-    if (.not. (ieee_is_finite(x) .or. ieee_is_nan(x))) text = 'infinity'
-    if (text == 'infinity' .and. x < 0.0_wp) text = '-infinity'
-    if (text == '' .and. .not. abs(x) > 0.0_wp) text = '0'
+    if (ieee_is_nan(x)) then ! no comparison: it would trap in the debug build
+      text = 'NaN'
+    else if (.not. ieee_is_finite(x)) then
+      text = trim(merge('infinity ', '-infinity', x > 0.0_wp))
+    else if (.not. abs(x) > 0.0_wp) then
+      text = '0'
+    end if
     if (text /= '') return
     n = 6
     if (present(digits)) n = max(1, min(digits, 17))
