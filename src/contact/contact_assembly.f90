@@ -2,16 +2,18 @@
 !! and adds their forces and derivatives. When a step is accepted: moves the sliding points.
 module contact_assembly
   use base_kinds, only: wp
-  use contact_active, only: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, &
-                            pair_clique, map_pairs, project_side, follow_silent
+  use contact_active, only: pairs_t, new_pairs, need_pair, has_idle, prune_pairs, pair_clique, &
+                            map_pairs, project_side, follow_silent
   use contact_bond, only: needs_projection
   use contact_element, only: form_element
   use contact_forces, only: add_force_parts
   use contact_history, only: side_positions, mark_beside, BESIDE, accept_slides
-  use contact_pair, only: contact_t, contact_points_t
-  use contact_work, only: work_t, new_work
+  use contact_mortar, only: mortar_t, new_mortar, find_mortar, mortar_clique, add_mortar, &
+                            accept_mortar, split_mortar_forces
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR
+  use contact_scatter, only: scatter_element
+  use contact_work, only: work_t, new_work, loads_both
   use csr, only: block_matrix_t, clique_t
-  use csr_coupling, only: add_coupling, coupling_map
   use model, only: model_t, state_t
   use projection_search, only: grid_t, update_grid
   use projection_type, only: foot_t, shape_t, touches
@@ -23,6 +25,7 @@ module contact_assembly
   public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
             add_contact, split_contact_forces, accept_contact
 
+  integer, parameter, public :: CLIQUES = 4  !! groups of couplings of a contact
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr is reached
 
   !> Projections of the points of one side on the other.
@@ -38,6 +41,7 @@ module contact_assembly
     type(feet_t) :: feet(2)
     type(pairs_t) :: pairs(2)
     type(work_t) :: element(2)
+    type(mortar_t) :: mortar             !! of MORTar
   end type contact_work_t
 
 contains
@@ -58,6 +62,8 @@ contains
           allocate (work(c)%feet(k)%at(contact%nq*contact%side(k)%nelem))
         end associate
       end do
+      if (model%contact(c)%scheme == MORTAR) call new_mortar(model%contact(c), model%mesh%xr, &
+                                                             work(c)%mortar)
     end do
   end subroutine new_contact_work
 
@@ -94,12 +100,19 @@ contains
             call update_grid(contact%side(k), work(c)%shape(k), work(c)%grid(k))
           end if
         end do
+        if (contact%scheme == MORTAR) then
+          call find_mortar(work(c)%mortar, contact, x, model%mesh%xr + state%u_step, state%step, &
+                           slides, work(c)%shape, work(c)%grid, state%contact(c), work(c)%pairs, &
+                           grown)
+        end if
         do k = 1, 2
           if (contact%side(k)%rigid) cycle
-          call project_side(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
-                            work(c)%feet(k)%at, state%contact(c)%side(k))
-          call need_pairs(work(c), contact, k, x, state%contact(c)%side(k), slides, state%step, &
-                          grown)
+          if (contact%scheme /= MORTAR) then
+            call project_side(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
+                              work(c)%feet(k)%at, state%contact(c)%side(k))
+            call need_pairs(work(c), contact, k, x, state%contact(c)%side(k), slides, state%step, &
+                            grown)
+          end if
           if (work(c)%step /= state%step) grown = grown .or. has_idle(work(c)%pairs(k), state%step)
         end do
         work(c)%step = state%step
@@ -145,13 +158,13 @@ contains
     end do
   end subroutine need_pairs
 
-  !> Couplings for the pattern, two cliques for each contact; pairs not needed in this step are
+  !> Couplings for the pattern, CLIQUES for each contact; pairs not needed in this step are
   !! removed.
   subroutine contact_cliques(work, model, step, clique)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
     integer, intent(in) :: step
-    type(clique_t), intent(out) :: clique(:) !! (2*size(work))
+    type(clique_t), intent(out) :: clique(:) !! (CLIQUES*size(work))
     integer :: c, k
 
     do c = 1, size(work)
@@ -159,7 +172,13 @@ contains
         call prune_pairs(work(c)%pairs(k), step)
         associate (contact => model%contact(c))
           call pair_clique(work(c)%pairs(k), contact%side(k), contact%side(3 - k), &
-                           contact%balanced .and. contact%friction%given, clique(2*c - 2 + k))
+                           loads_both(contact) .and. contact%friction%given, &
+                           clique(CLIQUES*(c - 1) + k))
+          if (contact%scheme == MORTAR .and. .not. contact%side(k)%rigid) then
+            call mortar_clique(work(c)%mortar, k, clique(CLIQUES*(c - 1) + 2 + k))
+          else
+            allocate (clique(CLIQUES*(c - 1) + 2 + k)%conn(0, 0))
+          end if
         end associate
       end do
     end do
@@ -176,7 +195,7 @@ contains
       do k = 1, 2
         associate (contact => model%contact(c))
           call map_pairs(work(c)%pairs(k), contact%side(k), contact%side(3 - k), &
-                         contact%balanced, a)
+                         loads_both(contact), a)
         end associate
       end do
     end do
@@ -196,74 +215,48 @@ contains
     if (size(work) == 0) return
     x = model%mesh%xr + state%u
     do c = 1, size(work)
+      state%contact(c)%force = 0.0_wp
+      state%contact(c)%moment = 0.0_wp
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
         state%contact(c)%side(k)%dt = state%dt
+        if (model%contact(c)%scheme == MORTAR) then
+          call add_mortar(work(c)%mortar, model%contact(c), k, x, state%u, state%dt, &
+                          state%contact(c), work(c)%pairs(k), work(c)%element(k), a, f, rounding, &
+                          largest)
+          cycle
+        end if
         call add_side(work(c), model%contact(c), k, x, friction_acts(model%contact(c), state), &
-                      state%u, state%contact(c)%side(k), a, f, rounding, largest)
+                      state%u, state%contact(c), a, f, rounding, largest)
       end do
     end do
   end subroutine add_contact
 
   !> One side of one contact.
-  subroutine add_side(work, contact, k, x, slides, u, points, a, f, rounding, largest)
+  subroutine add_side(work, contact, k, x, slides, u, state, a, f, rounding, largest)
     type(contact_work_t), intent(inout) :: work
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :), u(:, :)
     logical, intent(in) :: slides
-    type(contact_points_t), intent(inout) :: points
+    type(contact_state_t), intent(inout) :: state
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :), rounding, largest
-    integer, allocatable :: at(:, :)
-    integer :: b, e, i, j, n
+    integer :: e, i
 
-    associate (own => contact%side(k), other => contact%side(3 - k), part => work%element(k), &
-               pairs => work%pairs(k))
-      do e = 1, own%nelem
+    associate (part => work%element(k))
+      do e = 1, contact%side(k)%nelem
         i = (e - 1)*contact%nq
-        call form_element(contact, k, e, x, work%feet(k)%at(i + 1:i + contact%nq), slides, points, &
-                          part)
+        call form_element(contact, k, e, x, work%feet(k)%at(i + 1:i + contact%nq), slides, &
+                          state%side(k), part)
         if (part%npartner == 0) cycle
-        if (other%rigid) then
-          call react(other, work%feet(k)%at(i + 1:i + contact%nq), points, i, f)
+        if (contact%side(3 - k)%rigid) then
+          call react(contact%side(3 - k), work%feet(k)%at(i + 1:i + contact%nq), state%side(k), i, f)
         end if
-        associate (mine => own%node(own%first(e):own%first(e + 1) - 1))
-          do b = 1, part%nk
-            n = mine(b)
-            f(:, n) = f(:, n) + part%r(:, b)
-            rounding = rounding + sum(abs(part%r(:, b)*u(:, n)))
-            largest = max(largest, maxval(abs(part%r(:, b))))
-          end do
-          call add_coupling(a, mine, mine, pairs%self(e)%at, part%kk)
-          do b = 1, part%npartner
-            n = part%partner(b)
-            associate (map => pairs%map(find_pair(pairs, e, n)), &
-                       theirs => other%node(other%first(n):other%first(n + 1) - 1))
-              call add_coupling(a, mine, theirs, map%at, part%kl(:, :, b))
-              if (.not. contact%balanced) cycle
-              do j = 1, size(theirs) ! the points load their partner too
-                f(:, theirs(j)) = f(:, theirs(j)) + part%back(:, j, b)
-              end do
-              call add_coupling(a, theirs, mine, map%back, part%lk(:, :, b))
-              call add_coupling(a, theirs, theirs, map%there, part%ll(:, :, b))
-            end associate
-          end do
-        end associate
-        do b = 1, part%ncross ! forces on a partner vary with another one: friction and BALAnced
-          i = part%partner(part%pair(1, b))
-          j = part%partner(part%pair(2, b))
-          associate (rows => other%node(other%first(i):other%first(i + 1) - 1), &
-                     cols => other%node(other%first(j):other%first(j + 1) - 1))
-            allocate (at(size(rows), size(cols)))
-            call coupling_map(a, rows, cols, at)
-            call add_coupling(a, rows, cols, at, part%cross(:, :, b))
-            deallocate (at)
-          end associate
-        end do
+        call scatter_element(contact, k, e, part, work%pairs(k), x, u, state, a, f, rounding, largest)
       end do
     end associate
-    points%new_step = .false.
+    state%side(k)%new_step = .false.
   end subroutine add_side
 
   !> Parts of the internal forces: pressure, friction and cohesion of all contacts.
@@ -278,6 +271,10 @@ contains
     do c = 1, size(work)
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
+        if (model%contact(c)%scheme == MORTAR) then
+          call split_mortar_forces(work(c)%mortar, model%contact(c), k, model%mesh%xr + state%u, f)
+          cycle
+        end if
         call add_force_parts(model%contact(c), k, work(c)%feet(k)%at, state%contact(c)%side(k), f)
       end do
     end do
@@ -297,6 +294,11 @@ contains
       associate (contact => model%contact(c), point => state%contact(c)%side)
         do k = 1, 2
           if (contact%side(k)%rigid) cycle
+          if (contact%scheme == MORTAR) then
+            call accept_mortar(work(c)%mortar, contact, k, work(c)%shape, work(c)%grid, &
+                               state%contact(c))
+            cycle
+          end if
           call follow_silent(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
                              friction_acts(contact, state), work(c)%feet(k)%at, point(k), &
                              work(c)%element(k))

@@ -5,7 +5,7 @@ module contact_forces
   use constraint, only: fold_force
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_type, only: NORMAL, FRICTION, COHESIVE
-  use contact_work, only: measure, own_share, position_on, work_t, new_work
+  use contact_work, only: measure, own_share, loads_both, position_on, work_t, new_work
   use model, only: model_t, state_t
   use projection_type, only: foot_t
   use rigid_surface, only: put_force
@@ -53,7 +53,7 @@ contains
             f(:, n, :) = f(:, n, :) - shp(j)*t(:, :, q)
           end do
         end do
-        if (.not. (other%rigid .or. contact%balanced)) cycle
+        if (.not. (other%rigid .or. loads_both(contact))) cycle
         do q = 1, contact%nq ! on the other side: a bond at the partner, the rest at the projection
           i = (e - 1)*contact%nq + q
           press = t(:, NORMAL, q)

@@ -7,7 +7,7 @@
 !! contact_smooth and contact_resultant (fields and sums from them), contact_augment (multipliers).
 module contact_history
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_state_t, contact_points_t, surface_t
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t, surface_t, MORTAR
   use contact_type, only: OPEN, MAX_PAST, STICK, SLIP
   use projection_type, only: foot_t, shape_t
   use surface_geometry, only: surface_point
@@ -15,7 +15,7 @@ module contact_history
   implicit none
   private
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
-            side_positions, accept_slides
+            side_positions, accept_slides, trail_behind
 
   !> Fraction of DEPTh: a point this close to a surface is at it.
   real(wp), parameter, public :: BESIDE = 0.1_wp
@@ -49,6 +49,15 @@ contains
         allocate (p%state(np), p%state_step(np), source=OPEN)
         allocate (p%beside(np), p%refined(np/max(1, contact%nq)), source=.false.)
       end associate
+      associate (rubbed => state%rubbed(k))
+        allocate (rubbed%elem(0), rubbed%xi(2, 0), rubbed%elastic(3, 0), rubbed%slip_rate(0))
+      end associate
+      np = 0 ! control points of MORTar
+      if (contact%scheme == MORTAR .and. .not. contact%side(k)%rigid) np = contact%side(k)%ncontrol
+      associate (p => state%control(k))
+        allocate (p%multiplier(np), p%multiplier_step(np), p%pressure(np), source=0.0_wp)
+        allocate (p%gap(np), source=huge(1.0_wp))
+      end associate
     end do
   end subroutine new_contact_state
 
@@ -66,6 +75,9 @@ contains
         points%opening = points%opening_step
         points%state = points%state_step
         points%new_step = .true.
+      end associate
+      associate (control => state%control(k))
+        control%multiplier = control%multiplier_step
       end associate
     end do
   end subroutine restore_contact_step
@@ -86,6 +98,9 @@ contains
         points%slip_rate = 0.0_wp
         if (points%dt > 0.0_wp) points%slip_rate = points%slip/points%dt
         points%new_step = .true.
+      end associate
+      associate (control => state%control(k))
+        control%multiplier_step = control%multiplier
       end associate
     end do
   end subroutine keep_contact_step

@@ -11,7 +11,13 @@ module contact_pair
   implicit none
   private
   public :: contact_t, surface_t, surface_basis_t, contact_points_t, contact_state_t, bond_t, &
-            edge_part_t, assigned_law_t, option_text
+            edge_part_t, assigned_law_t, control_points_t, &
+            friction_points_t, option_text
+
+  !> SCHEme: where the laws act, and which bodies their tractions load.
+  integer, parameter, public :: HALFPASS = 1 !! integration points, each loads its own side
+  integer, parameter, public :: BALANCED = 2 !! integration points, each loads both sides by halves
+  integer, parameter, public :: MORTAR = 3   !! cells and control points, both sides
 
   !> Functions of the surface elements of one basis: N = C B with Bernstein polynomials B on
   !! [-1,1]^2, the first direction fastest. Facets and Lagrange patches are written this way too.
@@ -57,6 +63,12 @@ module contact_pair
     integer, allocatable :: ring_elem(:)     !! elements round the vertices
     integer, allocatable :: ring_corner(:)   !! and their corners there
     logical, allocatable :: outer(:)         !! (nvertex) the vertex lies on the outer boundary
+    !> Control points of pressure and friction (MORTar): the nodes, or the vertices with bi-linear
+    !! functions (`hats`) where the functions of the surface are negative somewhere.
+    integer :: ncontrol = 0
+    logical :: hats = .false.
+    integer, allocatable :: control_first(:) !! (nelem+1) where those of an element begin
+    integer, allocatable :: control(:)       !! control points of the elements
   end type surface_t
 
   !> A region of bonded reference points: the half space that a normal points into, or a box.
@@ -87,7 +99,10 @@ module contact_pair
     !> PAIR: the penalty of bonded points acts between point and partner until the bond is released.
     logical :: on_pair = .false.
     real(wp) :: taper = 0.0_wp               !! BORDer: width relative to an element [-]; 0: none
-    logical :: balanced = .false.            !! BALAnced: every point loads both surfaces by halves
+    integer :: scheme = 0                    !! HALFPASS, BALANCED or MORTAR; 0: not given
+    logical :: balanced = .false.            !! BALANCED, and no side is rigid
+    !> MORTAR: the part of the penalty that acts at control points [F/L^3]; the rest acts at points.
+    real(wp) :: control_penalty = 0.0_wp
     real(wp) :: after = -huge(1.0_wp)        !! AFTEr: friction acts in steps from this time on [T]
     type(bond_t), allocatable :: bond(:)     !! regions of BONDed, which intersect; none: everywhere
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element
@@ -148,9 +163,31 @@ module contact_pair
     real(wp), allocatable :: area(:)         !! (np) current area of the point [L^2]
   end type contact_points_t
 
+  !> MORTAR: multipliers of the control points of one side, and results of the last assembly there.
+  type :: control_points_t
+    real(wp), allocatable :: multiplier(:)   !! (n) pressure of the augmentation [F/L^2]
+    real(wp), allocatable :: multiplier_step(:) !! (n) at the start of the step
+    real(wp), allocatable :: pressure(:)     !! (n) of the control points themselves [F/L^2]
+    real(wp), allocatable :: gap(:)          !! (n) weighted gap [L]; huge where there is no overlap
+  end type control_points_t
+
+  !> MORTAR: where friction acted in the last step. The points of cells of the next step take over
+  !! from the nearest of these in their element.
+  type :: friction_points_t
+    integer, allocatable :: elem(:)          !! (n) ascending
+    real(wp), allocatable :: xi(:, :)        !! (2, n)
+    real(wp), allocatable :: elastic(:, :)   !! (3, n) see friction_law_i [L]
+    real(wp), allocatable :: slip_rate(:)    !! (n) slip over time, if the point slipped; else 0 [L/T]
+  end type friction_points_t
+
   !> History of one contact.
   type :: contact_state_t
     type(contact_points_t) :: side(2)
+    type(control_points_t) :: control(2)
+    type(friction_points_t) :: rubbed(2)
+    real(wp) :: dissipated = 0.0_wp          !! MORTAR: work of all slip [F L]
+    !> MORTAR: force on each side and its moment about the origin, of the last assembly [F], [F L]
+    real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
     logical :: depth_warned = .false.        !! the warning of points deeper than `depth` was issued
   end type contact_state_t
 
@@ -168,7 +205,8 @@ contains
     if (contact%on_pair) text = text//', between partners while they are bonded'
     if (contact%taper > 0.0_wp) text = text//', edge taper over '//to_text(contact%taper) &
                                        //' of an element'
-    if (contact%balanced) text = text//', balanced'
+    if (contact%scheme == BALANCED) text = text//', balanced'
+    if (contact%scheme == MORTAR) text = text//', mortar'
   end function option_text
 
 end module contact_pair

@@ -13,7 +13,8 @@ module contact_point
   use smooth_step, only: smoothstep
   implicit none
   private
-  public :: point_t, traction_derivatives_t, vary_projection, traction_at, inverse, outer
+  public :: point_t, traction_derivatives_t, vary_projection, vary_normal, traction_at, &
+            add_friction, inverse, outer
 
   !> A distance this small, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
@@ -55,8 +56,6 @@ contains
     type(traction_derivatives_t), intent(out) :: dt
     type(traction_derivatives_t) :: dn
     real(wp) :: n(3), dp, dpdx(3)
-    real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
-    integer :: i
 
     point%t = 0.0_wp
     point%friction = 0.0_wp
@@ -73,30 +72,44 @@ contains
     dt%x = outer(n, dpdx) + point%p*dn%x
     dt%p = -outer(n, dpdx) + point%p*dn%p
     dt%a = point%p*dn%a
-    if (.not. (point%slides .and. point%p > 0.0_wp)) return
-    y = point%x - point%xs             ! friction: d = (1 - n n)(x - x_s)
-    yn = dot_product(y, n)
-    d = y - yn*n
-    call contact%friction%law%friction(contact%friction%prop, d, point%p, point%ahead, t, dtdd, &
-                                       dtdp, point%elastic, point%state)
-    point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
-    point%friction = t
-    point%t = point%t + t
-    project = -outer(n, n)
-    dddn = -outer(n, y)
-    do i = 1, 3
-      project(i, i) = project(i, i) + 1.0_wp
-      dddn(i, i) = dddn(i, i) - yn
-    end do
-    project = matmul(dtdd, project)
-    dddn = matmul(dtdd, dddn)
-    dt%x = dt%x + project + matmul(dddn, dn%x) + outer(dtdp, dpdx)
-    dt%p = dt%p + matmul(dddn, dn%p) - outer(dtdp, dpdx)
-    do i = 1, 2
-      dt%a(:, :, i) = dt%a(:, :, i) + matmul(dddn, dn%a(:, :, i))
-    end do
-    dt%s = -project
+    if (point%slides .and. point%p > 0.0_wp) call add_friction(contact, dn, dpdx, point, dt)
   end subroutine traction_at
+
+  !> Add the traction of friction at a point that carries a pressure, and its derivatives.
+  pure subroutine add_friction(contact, dn, dpdx, point, dt)
+    type(contact_t), intent(in) :: contact
+    type(traction_derivatives_t), intent(in) :: dn !! of the normal point%n
+    real(wp), intent(in) :: dpdx(3)        !! of the pressure by x; by x_p it is the opposite
+    type(point_t), intent(inout) :: point
+    type(traction_derivatives_t), intent(inout) :: dt
+    real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
+    integer :: i
+
+    associate (n => point%n)
+      y = point%x - point%xs             ! friction: d = (1 - n n)(x - x_s)
+      yn = dot_product(y, n)
+      d = y - yn*n
+      call contact%friction%law%friction(contact%friction%prop, d, point%p, point%ahead, t, dtdd, &
+                                         dtdp, point%elastic, point%state)
+      point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
+      point%friction = t
+      point%t = point%t + t
+      project = -outer(n, n)
+      dddn = -outer(n, y)
+      do i = 1, 3
+        project(i, i) = project(i, i) + 1.0_wp
+        dddn(i, i) = dddn(i, i) - yn
+      end do
+      project = matmul(dtdd, project)
+      dddn = matmul(dtdd, dddn)
+      dt%x = dt%x + project + matmul(dddn, dn%x) + outer(dtdp, dpdx)
+      dt%p = dt%p + matmul(dddn, dn%p) - outer(dtdp, dpdx)
+      do i = 1, 2
+        dt%a(:, :, i) = dt%a(:, :, i) + matmul(dddn, dn%a(:, :, i))
+      end do
+      dt%s = -project
+    end associate
+  end subroutine add_friction
 
   !> Pressure of the normal law. A point deeper than `full` is not pressed out through the face:
   !! over the same depth again its pressure decreases to zero, and from there to `last` its energy.

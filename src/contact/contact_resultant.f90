@@ -10,7 +10,7 @@
 module contact_resultant
   use base_kinds, only: wp
   use contact_history, only: side_positions
-  use contact_pair, only: contact_t, contact_points_t, surface_t
+  use contact_pair, only: contact_t, contact_points_t, surface_t, MORTAR
   use contact_smooth, only: smooth_t, smooth_side, largest_pressure, largest_tangential
   use contact_type, only: OPEN, STICK, SLIP
   use contact_work, only: own_share, position_at
@@ -47,6 +47,11 @@ contains
 
     call find_resultant(model%contact(c), k, state%contact(c)%side, model%mesh%xr + state%u, &
                         about, total)
+    if (model%contact(c)%scheme /= MORTAR) return
+    associate (contact => state%contact(c))
+      total%force = contact%force(:, k)
+      total%moment = contact%moment(:, k) - cross(about, contact%force(:, k))
+    end associate
   end subroutine side_resultant
 
   !> Resultant of side k.
@@ -62,6 +67,7 @@ contains
 
     own = merge(3 - k, k, contact%side(k)%rigid)
     call sum_points(contact, own, points(own), x, about, total)
+    if (contact%scheme == MORTAR) return ! side_resultant has its forces
     if (.not. (own /= k .or. contact%balanced)) return
     force = 0.0_wp ! of the points of the other side, which act at projections and partners
     moment = 0.0_wp

@@ -65,7 +65,38 @@ contains
       end associate
     end do
     call connect_elements(mesh%xr, surface, error)
+    if (allocated(error)) return
+    call number_controls(surface)
   end subroutine build_surface
+
+  !> Control points of a surface: its nodes, or the vertices where a function of the surface is
+  !! negative somewhere (Lagrange functions of higher degree).
+  subroutine number_controls(surface)
+    type(surface_t), intent(inout) :: surface
+    integer, allocatable :: number(:)
+    integer :: e, i
+
+    surface%hats = .false.
+    do i = 1, size(surface%basis)
+      surface%hats = surface%hats .or. any(surface%basis(i)%c < 0.0_wp)
+    end do
+    if (surface%hats) then
+      surface%control_first = [(4*e - 3, e=1, surface%nelem + 1)]
+      surface%control = reshape(surface%vertex, [4*surface%nelem])
+      surface%ncontrol = maxval([0, surface%control])
+      return
+    end if
+    surface%control_first = surface%first
+    allocate (surface%control(size(surface%node)))
+    allocate (number(maxval([0, surface%node])), source=0)
+    do i = 1, size(surface%node)
+      if (number(surface%node(i)) == 0) then
+        surface%ncontrol = surface%ncontrol + 1
+        number(surface%node(i)) = surface%ncontrol
+      end if
+      surface%control(i) = number(surface%node(i))
+    end do
+  end subroutine number_controls
 
   !> Find each set of functions of the faces once: surface%basis and ibasis, and the nodes of the
   !! element that the functions belong to.

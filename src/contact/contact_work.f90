@@ -8,15 +8,16 @@
 !! The xi of a bond and that of a sliding point are fixed.
 module contact_work
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, surface_t
+  use contact_pair, only: contact_t, surface_t, MORTAR
   use contact_point, only: vary_projection, outer
   use projection_type, only: foot_t
   use surface_basis, only: surface_functions_at, make_rational
   use tensor, only: cross
   implicit none
   private
-  public :: work_t, new_work, clear, add_own, add_partner, add_back, add_cross, measure, &
-            position_on, position_at, tangents_on, element_functions, own_share
+  public :: work_t, new_work, reserve_partners, clear, add_own, add_partner, add_back, &
+            add_cross, measure, position_on, position_at, tangents_on, element_functions, own_share, &
+            loads_both
 
   !> Work arrays of one element and of the elements of the other side that its points refer to, its
   !! partners. A slot is the position of a partner in the list.
@@ -51,28 +52,53 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(work_t), intent(out) :: work
-    integer :: mk, ml, m
+    integer :: mk, ml, m, n
 
     mk = maxval(contact%side(k)%basis%nsf)
     ml = maxval(contact%side(3 - k)%basis%nsf)
     m = max(mk, ml)
-    allocate (work%partner(3*contact%nq), work%r(3, mk), work%kk(3*mk, 3*mk))
-    allocate (work%kl(3*mk, 3*ml, 3*contact%nq), work%shp(m), work%dshp(2, m), work%own(m))
+    n = 3*contact%nq                   ! partners of an element
+    if (contact%scheme == MORTAR) n = 8 ! see reserve_partners
+    allocate (work%partner(n), work%r(3, mk), work%kk(3*mk, 3*mk))
+    allocate (work%kl(3*mk, 3*ml, n), work%shp(m), work%dshp(2, m), work%own(m))
     allocate (work%down(2, m), work%own_q(3, 3, mk), work%q(3, 3, ml))
-    if (.not. contact%balanced) return
-    allocate (work%back(3, ml, 3*contact%nq), work%lk(3*ml, 3*mk, 3*contact%nq))
-    allocate (work%ll(3*ml, 3*ml, 3*contact%nq))
+    if (.not. loads_both(contact)) return
+    allocate (work%back(3, ml, n), work%lk(3*ml, 3*mk, n))
+    allocate (work%ll(3*ml, 3*ml, n))
     allocate (work%back_shp(ml))
     if (.not. contact%friction%given) return
     allocate (work%pair(2, contact%nq), work%cross(3*ml, 3*ml, contact%nq))
   end subroutine new_work
 
-  !> Fraction of its traction with which a point loads its own side: half where it loads both.
+  !> Make room for n partners of an element.
+  subroutine reserve_partners(n, work)
+    integer, intent(in) :: n
+    type(work_t), intent(inout) :: work
+    integer :: nk, nl, m
+
+    if (n <= size(work%partner)) return
+    m = 2*n
+    nk = size(work%lk, 2)
+    nl = size(work%lk, 1)
+    deallocate (work%partner, work%kl, work%back, work%lk, work%ll)
+    allocate (work%partner(m), work%kl(nk, nl, m), work%back(3, nl/3, m), work%lk(nl, nk, m), &
+              work%ll(nl, nl, m))
+  end subroutine reserve_partners
+
+  !> Fraction of its traction with which a point loads its own side: half where both sides are
+  !! integrated and load each other.
   pure real(wp) function own_share(contact)
     type(contact_t), intent(in) :: contact
 
-    own_share = merge(0.5_wp, 1.0_wp, contact%balanced)
+    own_share = merge(0.5_wp, 1.0_wp, loads_both(contact) .and. .not. any(contact%side%rigid))
   end function own_share
+
+  !> Do the points of a side load the other one too?
+  pure logical function loads_both(contact)
+    type(contact_t), intent(in) :: contact
+
+    loads_both = contact%balanced .or. contact%scheme == MORTAR
+  end function loads_both
 
   !> Functions of element e of a surface at a point, weights included.
   pure subroutine element_functions(surface, e, xi, shp, dshp)

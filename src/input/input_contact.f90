@@ -11,7 +11,7 @@ module input_contact
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: quoted, to_text, nearest, lower
-  use contact_pair, only: contact_t, surface_t
+  use contact_pair, only: contact_t, surface_t, BALANCED, MORTAR
   use contact_surface, only: build_surface, tabulate_contact
   use contact_type, only: PENALTY, TANGENTIAL_PENALTY
   use curve_type, only: Q_CONTACT_DEBONDED
@@ -110,7 +110,14 @@ contains
     end if
     if (contact%friction%auto) contact%friction%prop(TANGENTIAL_PENALTY) &
       = contact%normal%prop(PENALTY)
-    if (any(contact%side%rigid)) contact%balanced = .false. ! a rigid side bears all forces anyway
+    if (contact%scheme == 0) then ! bonds and the edges of point schemes need integration points
+      contact%scheme = MORTAR
+      if (contact%cohesive%given .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
+        contact%scheme = BALANCED
+      end if
+    end if
+    ! a rigid side bears all forces anyway
+    contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
     if (contact%cohesive%given) contact%released = &
       contact%cohesive%law%released(contact%cohesive%prop)
   end subroutine resolve_contact

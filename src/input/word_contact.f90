@@ -6,7 +6,7 @@ module word_contact
   use base_error, only: error_t, fail, DECK_ERROR, BUG
   use base_kinds, only: wp
   use base_text, only: to_text, quoted, lower, fits_name
-  use contact_pair, only: bond_t
+  use contact_pair, only: bond_t, HALFPASS, BALANCED, MORTAR
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use input_draft, only: draft_t, contact_entry_t, next_line
@@ -20,17 +20,19 @@ module word_contact
 
   character(*), parameter :: POINT_OPTION(1) = ['REFIne m']
   character(*), parameter :: BOND_OPTION(1) = ['GAP d']
+  character(*), parameter :: SCHEME_USAGE = 'SCHEme HALFpass | BALAnced | MORTar'
   character(*), parameter :: SURFACE_USAGE = 'SURFaces patch face patch face'
   integer, parameter :: MAX_POINT = 50 !! integration points of an element in one direction
   integer, parameter :: MAX_CELL = 10  !! cells of an element in one direction
   integer, parameter :: LONGEST = 32   !! of a name, which becomes part of column names
 
-  type(record_word_t), parameter, public :: CONTACT_RECORDS(8) = [ &
+  type(record_word_t), parameter, public :: CONTACT_RECORDS(9) = [ &
                                             record_word_t('SURFaces'), record_word_t('NORMal'), &
                                             record_word_t('FRICtion'), record_word_t('COHEsive'), &
                                             record_word_t('BONDed', .true.), &
                                             record_word_t('DEPTh'), record_word_t('QUADrature'), &
-                                            record_word_t('BALAnced')]
+                                            record_word_t('BALAnced'), &
+                                            record_word_t('SCHEme')]
 
 contains
 
@@ -94,7 +96,9 @@ contains
         call read_quadrature(deck, line, entry, error)
       case ('bala')
         call check_count(line, 1, 1, 'BALAnced', error)
-        entry%contact%balanced = .true.
+        entry%contact%scheme = BALANCED
+      case ('sche')
+        call read_scheme(line, entry, error)
       case ('dept')
         call check_count(line, 2, 2, 'DEPTh d', error)
         if (.not. allocated(error)) call read_positive(deck, line, 2, 'depth', &
@@ -108,6 +112,27 @@ contains
     call check_complete(entry, error)
     draft%contact(size(draft%contact)) = entry
   end subroutine read_contact
+
+  !> SCHEme HALFpass, BALAnced or MORTar.
+  subroutine read_scheme(line, entry, error)
+    type(record_t), intent(in) :: line
+    type(contact_entry_t), intent(inout) :: entry
+    type(error_t), allocatable, intent(out) :: error
+
+    call check_count(line, 2, 2, SCHEME_USAGE, error)
+    if (allocated(error)) return
+    select case (line%key(2))
+    case ('half')
+      entry%contact%scheme = HALFPASS
+    case ('bala')
+      entry%contact%scheme = BALANCED
+    case ('mort')
+      entry%contact%scheme = MORTAR
+    case default
+      call fail(error, DECK_ERROR, 'unknown scheme '//quoted(line%text(2)), line%place(2), &
+                SCHEME_USAGE)
+    end select
+  end subroutine read_scheme
 
   !> Records that are required, and records that need or exclude each other.
   subroutine check_complete(entry, error)

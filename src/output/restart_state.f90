@@ -4,7 +4,7 @@
 !! `restart_archive`). A state that is read must have the sizes of the model.
 module restart_state
   use base_error, only: error_t
-  use contact_pair, only: contact_points_t
+  use contact_pair, only: contact_points_t, control_points_t, friction_points_t
   use dynamics_type, only: new_dynamics
   use energy_type, only: open_book
   use load_curve, only: load_table_t
@@ -48,7 +48,14 @@ contains
       call enter_group(archive, path, error)
       do k = 1, 2
         call exchange_points(archive, path//numbered('/side', k), state%contact(c)%side(k), error)
+        call exchange_control(archive, path//numbered('/control', k), state%contact(c)%control(k), &
+                              error)
+        call exchange_rubbed(archive, path//numbered('/friction', k), state%contact(c)%rubbed(k), &
+                             error)
       end do
+      call exchange(archive, path//'/dissipated', state%contact(c)%dissipated, error)
+      call exchange(archive, path//'/force', state%contact(c)%force, error)
+      call exchange(archive, path//'/moment', state%contact(c)%moment, error)
     end do
     associate (dynamics => state%dynamics)
       path = group//'/dynamics'
@@ -153,5 +160,44 @@ contains
     points%opening_step = points%opening
     points%new_step = .true.
   end subroutine exchange_points
+
+  !> The same for the control points of a side; the rest is found when forces are formed.
+  subroutine exchange_control(archive, group, control, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: group
+    type(control_points_t), intent(inout) :: control
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (.not. allocated(control%gap)) return
+    call enter_group(archive, group, error)
+    call exchange(archive, group//'/multiplier', control%multiplier, error)
+    call exchange(archive, group//'/multiplier_step', control%multiplier_step, error)
+    call exchange(archive, group//'/pressure', control%pressure, error)
+    call exchange(archive, group//'/gap', control%gap, error)
+  end subroutine exchange_control
+
+  !> Where friction acted in the last step; the number of points comes from the file.
+  subroutine exchange_rubbed(archive, group, rubbed, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: group
+    type(friction_points_t), intent(inout) :: rubbed
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: n
+
+    n = 0
+    if (allocated(rubbed%elem)) n = size(rubbed%elem)
+    call enter_group(archive, group, error)
+    call exchange(archive, group//'/count', n, error)
+    if (allocated(error) .or. (archive%writes .and. n == 0)) return
+    if (.not. archive%writes) then
+      if (allocated(rubbed%elem)) deallocate (rubbed%elem, rubbed%xi, rubbed%elastic, &
+                                              rubbed%slip_rate)
+      allocate (rubbed%elem(n), rubbed%xi(2, n), rubbed%elastic(3, n), rubbed%slip_rate(n))
+    end if
+    call exchange(archive, group//'/elem', rubbed%elem, error)
+    call exchange(archive, group//'/xi', rubbed%xi, error)
+    call exchange(archive, group//'/elastic', rubbed%elastic, error)
+    call exchange(archive, group//'/slip_rate', rubbed%slip_rate, error)
+  end subroutine exchange_rubbed
 
 end module restart_state

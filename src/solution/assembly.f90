@@ -5,7 +5,7 @@ module assembly
   use base_system, only: wall_seconds
   use constraint, only: follow, fold_force
   use contact_assembly, only: contact_work_t, new_contact_work, find_contact, contact_cliques, &
-                              map_contact, add_contact
+                              map_contact, add_contact, CLIQUES
   use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, &
                  set_zero
   use csr_fold, only: fold_t, tied_cliques, new_fold, fold_matrix
@@ -68,7 +68,7 @@ contains
     integer :: b, n, nblock
 
     nblock = size(model%mesh%block)
-    allocate (clique(nblock + 2*size(asm%contact) + 1))
+    allocate (clique(nblock + CLIQUES*size(asm%contact) + 1))
     do b = 1, nblock
       n = merge(0, model%mesh%block(b)%nelem, is_rigid(model%mesh%block(b)))
       clique(b)%conn = model%mesh%block(b)%conn(:, :n)
