@@ -5,8 +5,9 @@
 !! is t1 = 0, xi+ is t1 + t2 + t3 = 1, eta- is t2 = 0, zeta- is t3 = 0; eta+ is an edge, zeta+ a
 !! point. Without the third direction it is the triangle; its eta+ is a point.
 !!
-!! Integrands are polynomials on the tetrahedron: the points of its rules are mapped to the cube,
-!! their weights divided by the determinant of the map.
+!! Integrands are polynomials on the tetrahedron, so the integration rules of the tetrahedron are
+!! used: their points are mapped to the cube, and their weights are divided by the determinant of
+!! the map.
 module collapsed_shape
   use base_kinds, only: wp
   use element_type, only: cell_t, rule_t

@@ -12,12 +12,13 @@ module element_type
   !> A member of a family of elements: degrees and, for splines, Bezier extraction and weights.
   type :: cell_t
     integer :: degree(3) = 1            !! degrees in the element's own directions
-    !> Extraction operators (p+1, p+1) of the directions, N = C B; not allocated: Lagrange.
+    !> Extraction operator of each direction, (p+1, p+1): N = C B; not allocated for Lagrange
+    !! functions.
     real(wp), allocatable :: c1(:, :)   !! direction 1
     real(wp), allocatable :: c2(:, :)   !! direction 2
     real(wp), allocatable :: c3(:, :)   !! direction 3 (tri-variate elements only)
-    !> Extraction operator (functions, Bernstein polynomials of directions 1 and 2) of a surface
-    !! that is not a tensor product: any number of functions. It replaces c1 and c2.
+    !> Extraction operator of a surface that is not a tensor product, which replaces c1 and c2:
+    !! (functions, Bernstein polynomials of directions 1 and 2), with any number of functions.
     real(wp), allocatable :: c(:, :)
     real(wp), allocatable :: w(:)       !! weights of the control points; not allocated: all one
   end type cell_t

@@ -103,8 +103,8 @@ contains
     call new_nurbs(patch, dir, mfem%x(:, at), mfem%w(at))
   end subroutine read_mfem
 
-  !> Everything up to the knot vectors. Vertices and knot vectors of elements and edges exist, and
-  !! the vertices of an element differ.
+  !> Read everything up to the knot vectors. Check that the vertices and knot vectors to which
+  !! elements and edges refer exist, and that no element has a vertex twice.
   subroutine read_topology(text, mfem, error)
     type(text_t), intent(inout) :: text
     type(mfem_t), intent(inout) :: mfem

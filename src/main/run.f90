@@ -1,7 +1,8 @@
 !> A whole analysis on one page: read the deck, execute its commands, say how it ended.
 !!
-!! TIME begins a step and closes the previous one; TANG and the like iterate in it; where a step is
-!! cut back, the counter of the commands goes back to its TIME (step, command_step).
+!! TIME closes the previous step and begins a new one, in which TANG and similar commands iterate.
+!! When a step is cut back, the command counter goes back to the TIME of that step (see the modules
+!! step and command_step).
 module run
   use base_error, only: error_t, fail, NO_SOLUTION, error_list_t
   use command_checkpoint, only: set_restart_point, stop_wanted, stop_run

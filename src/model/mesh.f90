@@ -157,14 +157,14 @@ contains
     mesh%body = [mesh%body, body]
   end subroutine append_body
 
-  !> The elements of the block have no unknowns.
+  !> Does the block belong to a rigid body, whose elements have no unknowns?
   elemental logical function is_rigid(block)
     type(block_t), intent(in) :: block
 
     is_rigid = .not. (associated(block%row%form) .or. associated(block%row%form_batch))
   end function is_rigid
 
-  !> Nodes of elements with unknowns.
+  !> Mark the nodes of all elements except those of rigid bodies, which have no unknowns.
   pure subroutine solid_nodes(mesh, solid)
     type(mesh_t), intent(in) :: mesh
     logical, allocatable, intent(out) :: solid(:) !! (nnode)

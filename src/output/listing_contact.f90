@@ -105,14 +105,16 @@ contains
         call add(side(k), all_sides)
       end do
       associate (name => model%contact(c)%name)
-        call log_line('contact '//name//': force on 1'//vector(side(1)%force)//', on 2' &
-                      //vector(side(2)%force)//', sum'//ratio(both%force, both%force_size/2) &
-                      //'; moment'//vector(side(1)%moment)//','//vector(side(2)%moment)//', sum' &
+        call log_line('contact '//name//': force on side 1'//vector(side(1)%force)//', on side 2' &
+                      //vector(side(2)%force)//', relative sum' &
+                      //ratio(both%force, both%force_size/2)//'; moments' &
+                      //vector(side(1)%moment)//' and'//vector(side(2)%moment)//', relative sum' &
                       //ratio(both%moment, both%moment_size/2))
         call log_line(repeat(' ', len('contact '//name))//'  in contact '//text_of(side%nclosed) &
                       //' of '//text_of(side%npoint)//' points: stick '//text_of(side%nstick) &
                       //', slip '//text_of(side%nslip)//', area'//number(side(1)%area) &
-                      //number(side(2)%area)//', deepest'//number(maxval(side%penetration)))
+                      //number(side(2)%area)//', largest penetration' &
+                      //number(maxval(side%penetration)))
       end associate
     end do
     force = 0.0_wp
@@ -131,8 +133,8 @@ contains
     load = load + force + all_sides%force
     load_moment = load_moment + moment + all_sides%moment
     call log_line('supports: force'//vector(force)//', moment'//vector(moment) &
-                  //'; sum with contact and loads'//ratio(load, all_sides%force_size/2) &
-                  //', of moments'//ratio(load_moment, all_sides%moment_size/2))
+                  //'; relative sum with contacts and loads'//ratio(load, all_sides%force_size/2) &
+                  //', of the moments'//ratio(load_moment, all_sides%moment_size/2))
   end subroutine list_contacts
 
   pure subroutine add(part, whole)

@@ -46,7 +46,8 @@ contains
     if (allocated(result%hdf%names)) result%names = result%hdf%names
   end subroutine open_result
 
-  !> Choose the fields of OUTPut; none: the default of the model. Must precede the first step.
+  !> Choose the fields that OUTPut names, or the model's default if it names none. This must precede
+  !! the first step.
   subroutine choose_fields(result, chosen)
     type(result_file_t), intent(inout) :: result
     logical, intent(in) :: chosen(:) !! as known_fields

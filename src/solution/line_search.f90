@@ -11,7 +11,8 @@ module line_search
   !> Slope that may be left after a line search, relative to the first one (FEAP).
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp
   integer, parameter :: LINE_TRIALS = 10
-  !> Slope at the end of an increment that overshoots, relative to that at its start.
+  !> An increment overshoots if the slope at its end has the opposite sign of that at its start, and
+  !! more than this many times its size.
   real(wp), parameter :: OVERSHOT = 4.0_wp
 
 contains
@@ -52,10 +53,10 @@ contains
     call step_by(state, du, s)
   end subroutine search_line
 
-  !> The last increment was taken and the forces at its end were formed. While it inverts an element
-  !! it is halved. Where it overshoots (a surface that penetrates the other one in one increment and
-  !! is thrown back by the whole penalty), a line search finds a fraction of it. Other increments
-  !! cost nothing.
+  !> Shorten the last increment if need be; it has been taken, and the forces at its end are known.
+  !! It is halved as long as it inverts an element. If it overshoots (a surface penetrates the other
+  !! one in a single increment and is thrown back by the whole penalty), a line search finds the
+  !! fraction of it to keep. Other increments cost nothing.
   subroutine retreat(asm, model, state, dx, rhs, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model

@@ -119,7 +119,7 @@ contains
     end do
   end subroutine accept_step_state
 
-  !> Restore the state at the start of the step; `step` and `time` are the number and time then.
+  !> Restore the state at the start of the step, when its number was `step` and its time `time`.
   subroutine restore_step(state, step, time)
     type(state_t), intent(inout) :: state
     integer, intent(in) :: step
