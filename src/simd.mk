@@ -3,11 +3,13 @@
 # The Makefile includes this file. It is in src because its lists name sources, so that they are found
 # when a source is renamed.
 
-# Files whose inner loops take most of the run time.
+# Files whose inner loops take most of the run time. Their automatic arrays are small and go to the
+# stack: allocating them would cost as much as the loops.
 KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
                 solid_form solid_condense mate_neohooke mate_linear surface_geometry surface_basis \
                 projection projection_iterate surface_traversal contact_element contact_point \
-                contact_work contact_bond edge_taper
+                contact_work contact_bond edge_taper contact_cells contact_mortar contact_scatter \
+                csr_coupling polygon bspline
 # These are also compiled for wider vector registers under other names (@ becomes _v3, _v4); the
 # program chooses what its processor supports (solid_simd). Fused products save 15 % here.
 WIDE         := elements/solid_batch@ elements/solid_batch@_algebra elements/solid_batch@_condense \
@@ -15,7 +17,7 @@ WIDE         := elements/solid_batch@ elements/solid_batch@_algebra elements/sol
 MARCH_v3     := -march=x86-64-v3 -ffp-contract=fast
 MARCH_v4     := -march=x86-64-v4 -mprefer-vector-width=512 -ffp-contract=fast
 wide          = $(and $(filter x86_64,$(shell uname -m)),$(MARCH$(findstring _v3,$1)$(findstring _v4,$1)))
-kernel        = $(if $(filter release,$(KIND)),$(if $(filter $(KERNELS) mate_neohooke_v% solid_batch_v%,$1),-O3) \
+kernel        = $(if $(filter release,$(KIND)),$(if $(filter $(KERNELS) mate_neohooke_v% solid_batch_v%,$1),-O3 -fstack-arrays) \
                 $(call wide,$1))
 
 COPIES  := $(foreach v,_v3 _v4,$(patsubst %,$(B)/wide/%.f90,$(subst @,$v,$(WIDE))))

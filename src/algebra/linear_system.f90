@@ -17,7 +17,7 @@ module linear_system
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
   use base_kinds, only: wp
-  use base_system, only: wall_seconds
+  use base_system, only: seconds_of_both
   use base_text, only: to_text
   use csr, only: block_matrix_t
   use krylov, only: krylov_report_t, conjugate_gradients, gmres
@@ -119,7 +119,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: same_matrix !! .true.: a has not changed since the last solve
     type(krylov_report_t) :: run
-    real(wp) :: start
+    real(wp) :: start(2)
     integer :: attempt
 
     x = 0.0_wp
@@ -138,7 +138,7 @@ contains
     if (ls%mode == FULL .and. .not. ls%current) ls%policy%due = .true.
     do attempt = 1, MOST_ATTEMPTS
       if (ls%policy%due .or. .not. ls%factors%valid) then
-        start = wall_seconds()
+        start = seconds_of_both()
         call renew(ls%factors, a, report, error)
         if (allocated(error)) return
         call note_factorisation(ls%policy, ls%factors%solver%info%flops, &
@@ -147,7 +147,7 @@ contains
         report%singular = .not. ls%factors%valid
         report%converged = ls%factors%valid
         call describe(ls, report)
-        report%seconds_factor = report%seconds_factor + wall_seconds() - start
+        report%seconds_factor = report%seconds_factor + seconds_of_both() - start
         if (report%singular) return
       end if
       call iterate(ls, a, rhs, x, tolerance, run, report, error)
@@ -178,14 +178,14 @@ contains
     type(krylov_report_t), intent(out) :: run
     type(solve_report_t), intent(inout) :: report
     type(error_t), allocatable, intent(out) :: error
-    real(wp) :: start
+    real(wp) :: start(2)
     integer :: limit
     logical :: definite
 
     x = 0.0_wp
     run%converged = .true.
     if (.not. norm2(rhs) > 0.0_wp) return
-    start = wall_seconds()
+    start = seconds_of_both()
     limit = iteration_limit(ls%policy, ls%current, ls%factors%exact)
     definite = a%symmetric .and. ls%factors%solver%symmetric &
                .and. ls%factors%solver%info%negative == 0
@@ -203,7 +203,7 @@ contains
       report%used_gmres = .true.
     end if
     call describe(ls, report)
-    report%seconds_solve = report%seconds_solve + wall_seconds() - start
+    report%seconds_solve = report%seconds_solve + seconds_of_both() - start
   end subroutine iterate
 
   !> Copy the information of the solver into the report.

@@ -30,8 +30,8 @@ module tangent_factors
     integer :: negative = 0                !! negative pivots of the factors in use
     integer :: determinant = 1             !! sign of the determinant of an unsymmetric matrix
     real(wp) :: residual = 0.0_wp          !! |b - A x| / |b|
-    real(wp) :: seconds_factor = 0.0_wp    !! wall time of analysis and factorisation
-    real(wp) :: seconds_solve = 0.0_wp     !! wall time of the rest
+    !> Wall and processor time of analysis and factorisation, and of the rest.
+    real(wp) :: seconds_factor(2) = 0.0_wp, seconds_solve(2) = 0.0_wp
     real(wp) :: memory_mb = 0.0_wp         !! held by the factors
   end type solve_report_t
 

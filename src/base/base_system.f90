@@ -8,7 +8,7 @@ module base_system
   implicit none
   private
   public :: finish, finish_now, stderr_is_terminal, catch_signals, hold_signals, let_signals_in, &
-            stop_requested, stop_signal, start_clock, wall_seconds, cpu_seconds, process_id, &
+            stop_requested, stop_signal, start_clock, wall_seconds, cpu_seconds, seconds_of_both, process_id, &
             peak_memory_mb, available_memory_mb, keep_memory, return_memory
 
   integer(c_int), parameter :: M_TRIM_THRESHOLD = -1, M_MMAP_MAX = -4 ! mallopt
@@ -194,6 +194,13 @@ contains
     call system_clock(count, rate)
     seconds = real(count - origin, wp)/real(rate, wp)
   end function wall_seconds
+
+  !> Wall time since the run began, and processor time of all threads [s].
+  function seconds_of_both() result(seconds)
+    real(wp) :: seconds(2)
+
+    seconds = [wall_seconds(), cpu_seconds()]
+  end function seconds_of_both
 
   !> Processor time of all threads [s].
   function cpu_seconds() result(seconds)

@@ -74,17 +74,19 @@ contains
     end associate
   end subroutine stop_one
 
-  !> Add seconds that were measured elsewhere.
-  subroutine add(timers, name, wall)
+  !> Add wall and processor seconds that were measured elsewhere.
+  subroutine add(timers, name, seconds)
     class(timers_t), intent(inout) :: timers
     character(*), intent(in) :: name
-    real(wp), intent(in) :: wall
+    real(wp), intent(in) :: seconds(2)
     integer :: i
 
     call timers%start(name)
     call timers%stop(name)
     i = place_of(timers, name)
-    if (i > 0) timers%timer(i)%wall = timers%timer(i)%wall + wall
+    if (i == 0) return
+    timers%timer(i)%wall = timers%timer(i)%wall + seconds(1)
+    timers%timer(i)%cpu = timers%timer(i)%cpu + seconds(2)
   end subroutine add
 
   !> Wall time of a timer [s]; of 'total' since new_timers.

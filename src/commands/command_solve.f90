@@ -103,8 +103,12 @@ contains
                         command%record%place(1), outcome, error)
       end if
       associate (pass => run%step%pass)
-        call run%timers%add('assembly', pass%sweep%seconds - pass%sweep%contact_seconds)
-        if (size(run%model%contact) > 0) call run%timers%add('contact', pass%sweep%contact_seconds)
+        associate (asm => run%step%newton%asm)
+          call run%timers%add('assembly', asm%seconds - asm%contact_seconds)
+          if (size(run%model%contact) > 0) call run%timers%add('contact', asm%contact_seconds)
+          asm%seconds = 0.0_wp
+          asm%contact_seconds = 0.0_wp
+        end associate
         call run%timers%add('factorise', pass%solve%seconds_factor)
         call run%timers%add('solve', pass%solve%seconds_solve)
         if (allocated(error)) return ! the report has the times of a pass that failed, too

@@ -202,17 +202,21 @@ contains
   end subroutine map_contact
 
   !> Forces and derivatives of all contacts, at the projections of find_contact.
-  subroutine add_contact(work, model, state, a, f, rounding, largest)
+  subroutine add_contact(work, model, state, a, f, rounding, largest, only_forces)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
     real(wp), intent(inout) :: rounding, largest   !! see sweep_t
+    logical, intent(in), optional :: only_forces   !! MORTar: the tangent is not wanted
     real(wp), allocatable :: x(:, :)
+    logical :: tangent
     integer :: c, k
 
     if (size(work) == 0) return
+    tangent = .true.
+    if (present(only_forces)) tangent = .not. only_forces
     x = model%mesh%xr + state%u
     do c = 1, size(work)
       state%contact(c)%force = 0.0_wp
@@ -222,8 +226,8 @@ contains
         state%contact(c)%side(k)%dt = state%dt
         if (model%contact(c)%scheme == MORTAR) then
           call add_mortar(work(c)%mortar, model%contact(c), k, x, state%u, state%dt, &
-                          state%contact(c), work(c)%pairs(k), work(c)%element(k), a, f, rounding, &
-                          largest)
+                          tangent, state%contact(c), work(c)%pairs(k), work(c)%element(k), a, f, &
+                          rounding, largest)
           cycle
         end if
         call add_side(work(c), model%contact(c), k, x, friction_acts(model%contact(c), state), &
@@ -253,7 +257,8 @@ contains
         if (contact%side(3 - k)%rigid) then
           call react(contact%side(3 - k), work%feet(k)%at(i + 1:i + contact%nq), state%side(k), i, f)
         end if
-        call scatter_element(contact, k, e, part, work%pairs(k), x, u, state, a, f, rounding, largest)
+        call scatter_element(contact, k, e, part, work%pairs(k), x, u, .true., state, a, f, &
+                             rounding, largest)
       end do
     end associate
     state%side(k)%new_step = .false.

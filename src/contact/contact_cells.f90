@@ -22,9 +22,9 @@ module contact_cells
   public :: cells_t, facets_t, divide_surface, cut_cells
 
   !> A facet is divided while its normals differ by more than the angle with this cosine,
-  real(wp), parameter :: NEARLY_FLAT = 0.9_wp
+  real(wp), parameter :: NEARLY_FLAT = 0.7_wp
   !> or while its edges deviate from straight ones by more than this fraction of their length.
-  real(wp), parameter :: NEARLY_STRAIGHT = 0.02_wp
+  real(wp), parameter :: NEARLY_STRAIGHT = 0.1_wp
   integer, parameter :: MOST_DIVISIONS = 4     !! of an element, in one direction
   !> Facets face each other up to this cosine of their normals.
   real(wp), parameter :: FACING = -0.1_wp

@@ -27,7 +27,7 @@ module contact_mortar
   use contact_scatter, only: scatter_element
   use contact_type, only: NORMAL, FRICTION, PENALTY, OPEN, STICK, SLIP, TOUCH
   use contact_work, only: work_t, reserve_partners, clear, add_own, add_partner, add_back, &
-                          add_cross, own_share, element_functions, position_on
+                          add_forces, add_cross, own_share, element_functions, position_on
   use csr, only: block_matrix_t, clique_t, block_position
   use projection, only: project
   use projection_search, only: grid_t, update_grid
@@ -43,7 +43,7 @@ module contact_mortar
   !> Cells are cut again while a node has moved by more than this fraction of the smallest facet.
   real(wp), parameter :: MOVED = 1.0e-4_wp
   !> But no more than so often in a step, unless a node has moved by the larger fraction.
-  integer, parameter :: MOST_CUTS = 12
+  integer, parameter :: MOST_CUTS = 2
   real(wp), parameter :: MOVED_FAR = 0.1_wp
   !> Overlap of a control point, relative to the largest, that does not count.
   real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
@@ -507,12 +507,14 @@ contains
   end subroutine mortar_clique
 
   !> Forces and derivatives of side k at the projections and pressures of find_mortar.
-  subroutine add_mortar(mortar, contact, k, x, u, dt, state, pairs, work, a, f, rounding, largest)
+  subroutine add_mortar(mortar, contact, k, x, u, dt, tangent, state, pairs, work, a, f, rounding, &
+                        largest)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :), u(:, :)  !! (3, nnode) current positions, displacements [L]
     real(wp), intent(in) :: dt                !! of the step [T]
+    logical, intent(in) :: tangent            !! .false.: forces only
     type(contact_state_t), intent(inout) :: state
     type(pairs_t), intent(in) :: pairs
     type(work_t), intent(inout) :: work
@@ -526,13 +528,15 @@ contains
         if (cells%first(e) == cells%first(e + 1)) cycle
         call reserve_partners(count_partners(cells, e), work)
         call form_cells(contact, k, e, x, merge(dt, -1.0_wp, mortar%fresh), mortar%slides, &
-                        mortar%side(k), work)
+                        tangent, mortar%side(k), work)
         if (work%npartner == 0) cycle
-        call scatter_element(contact, k, e, work, pairs, x, u, state, a, f, rounding, largest)
+        call scatter_element(contact, k, e, work, pairs, x, u, tangent, state, a, f, rounding, &
+                             largest)
       end do
     end associate
     mortar%fresh = .false.
-    if (contact%control_penalty > 0.0_wp) call add_control_tangent(mortar%side(k), contact, k, x, a)
+    if (.not. (contact%control_penalty > 0.0_wp .and. tangent)) return
+    call add_control_tangent(mortar%side(k), contact, k, x, a)
   end subroutine add_mortar
 
   !> A bound of the number of elements that the points of element e face.
@@ -548,12 +552,13 @@ contains
   end function count_partners
 
   !> Forces of element e and their derivatives where the pressures of control points are fixed.
-  pure subroutine form_cells(contact, k, e, x, dt_first, slides, side, work)
+  pure subroutine form_cells(contact, k, e, x, dt_first, slides, tangent, side, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e
     real(wp), intent(in) :: x(:, :)
     real(wp), intent(in) :: dt_first          !! [T] of the step, if it begins; otherwise negative
     logical, intent(in) :: slides
+    logical, intent(in) :: tangent            !! .false.: forces only
     type(mortar_side_t), intent(inout) :: side
     type(work_t), intent(inout) :: work
     type(point_t) :: point
@@ -592,6 +597,10 @@ contains
         side%elastic(:, i) = point%elastic
         side%slip(i) = point%slip
         load = cells%weight(i)*own_share(contact)
+        if (.not. tangent) then
+          call add_forces(other, cells%foot(i)%elem, cells%foot(i)%xi, point%t, load, work)
+          cycle
+        end if
         call add_own(point%t, dt%x, FIXED_AREA, load, work)
         call add_partner(other, cells%foot(i)%elem, cells%foot(i)%xi, dt%p, dt%a, load, work)
         call add_back(other, cells%foot(i)%elem, point%t, load, work, cells%foot(i), point%x)

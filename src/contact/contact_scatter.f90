@@ -14,12 +14,14 @@ module contact_scatter
 contains
 
   !> Element e of side k.
-  subroutine scatter_element(contact, k, e, part, pairs, x, u, state, a, f, rounding, largest)
+  subroutine scatter_element(contact, k, e, part, pairs, x, u, tangent, state, a, f, rounding, &
+                             largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e
     type(work_t), intent(in) :: part
     type(pairs_t), intent(in) :: pairs             !! of side k
     real(wp), intent(in) :: x(:, :), u(:, :)       !! (3, nnode) positions, displacements [L]
+    logical, intent(in) :: tangent                 !! .false.: forces only
     type(contact_state_t), intent(inout) :: state  !! its forces and moments
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
@@ -35,21 +37,23 @@ contains
           rounding = rounding + sum(abs(part%r(:, b)*u(:, n)))
           largest = max(largest, maxval(abs(part%r(:, b))))
         end do
-        call add_coupling(a, mine, mine, pairs%self(e)%at, part%kk)
+        if (tangent) call add_coupling(a, mine, mine, pairs%self(e)%at, part%kk)
         do b = 1, part%npartner
           n = part%partner(b)
           associate (map => pairs%map(find_pair(pairs, e, n)), &
                      theirs => other%node(other%first(n):other%first(n + 1) - 1))
-            call add_coupling(a, mine, theirs, map%at, part%kl(:, :, b))
+            if (tangent) call add_coupling(a, mine, theirs, map%at, part%kl(:, :, b))
             if (.not. loads_both(contact)) cycle
             do j = 1, size(theirs) ! the points load their partner too
               call put(theirs(j), 3 - k, part%back(:, j, b))
             end do
+            if (.not. tangent) cycle
             call add_coupling(a, theirs, mine, map%back, part%lk(:, :, b))
             call add_coupling(a, theirs, theirs, map%there, part%ll(:, :, b))
           end associate
         end do
       end associate
+      if (.not. tangent) return
       do b = 1, part%ncross ! forces on a partner vary with another one: friction
         i = part%partner(part%pair(1, b))
         j = part%partner(part%pair(2, b))

@@ -16,8 +16,8 @@ module contact_work
   implicit none
   private
   public :: work_t, new_work, reserve_partners, clear, add_own, add_partner, add_back, &
-            add_cross, measure, position_on, position_at, tangents_on, element_functions, own_share, &
-            loads_both
+            add_forces, add_cross, measure, position_on, position_at, tangents_on, &
+            element_functions, own_share, loads_both
 
   !> Work arrays of one element and of the elements of the other side that its points refer to, its
   !! partners. A slot is the position of a partner in the list.
@@ -244,6 +244,23 @@ contains
     type(work_t), intent(inout) :: work
     integer :: b, n, slot
 
+    call find_slot(e, work)
+    slot = work%slot
+    n = other%basis(other%ibasis(e))%nsf
+    call element_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
+    do b = 1, n
+      work%q(:, :, b) = dtdx*work%shp(b) + dtda(:, :, 1)*work%dshp(1, b) &
+                        + dtda(:, :, 2)*work%dshp(2, b)
+    end do
+    call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
+  end subroutine add_partner
+
+  !> The slot of a partner, a new one where it has none.
+  pure subroutine find_slot(e, work)
+    integer, intent(in) :: e
+    type(work_t), intent(inout) :: work
+    integer :: slot
+
     do slot = 1, work%npartner
       if (work%partner(slot) == e) exit
     end do
@@ -258,14 +275,26 @@ contains
       end if
     end if
     work%slot = slot
+  end subroutine find_slot
+
+  !> The forces of add_own and add_back alone, without derivatives.
+  pure subroutine add_forces(other, e, xi, t, da, work)
+    type(surface_t), intent(in) :: other
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2), t(3), da
+    type(work_t), intent(inout) :: work
+    integer :: b, n
+
+    call find_slot(e, work)
     n = other%basis(other%ibasis(e))%nsf
     call element_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
-    do b = 1, n
-      work%q(:, :, b) = dtdx*work%shp(b) + dtda(:, :, 1)*work%dshp(1, b) &
-                        + dtda(:, :, 2)*work%dshp(2, b)
+    do b = 1, work%nk
+      work%r(:, b) = work%r(:, b) - work%own(b)*da*t
     end do
-    call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
-  end subroutine add_partner
+    do b = 1, n
+      work%back(:, b, work%slot) = work%back(:, b, work%slot) + work%shp(b)*da*t
+    end do
+  end subroutine add_forces
 
   !> With BALAnced: the same force on the partner of the last add_partner, reversed. add_own and
   !! add_partner were called for this traction before, and their columns are used.

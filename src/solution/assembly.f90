@@ -2,7 +2,7 @@
 module assembly
   use base_error, only: error_t
   use base_kinds, only: wp
-  use base_system, only: wall_seconds
+  use base_system, only: seconds_of_both
   use constraint, only: follow, fold_force
   use contact_assembly, only: contact_work_t, new_contact_work, find_contact, contact_cliques, &
                               map_contact, add_contact, CLIQUES
@@ -28,6 +28,8 @@ module assembly
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
     type(mass_t), allocatable :: mass(:) !! found where the model has inertia
     real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia, a part of f_int [F]
+    !> Wall and processor time of all sweeps, and their part of contact: search, pattern, tangent.
+    real(wp) :: seconds(2) = 0.0_wp, contact_seconds(2) = 0.0_wp
   end type assembler_t
 
   !> The result of one sweep over the elements.
@@ -38,8 +40,6 @@ module assembly
     real(wp) :: enhanced = 0.0_wp        !! energy of the enhanced residuals [F L]
     real(wp) :: rounding = 0.0_wp        !! sum of |f||u| over elements [F L]
     real(wp) :: largest = 0.0_wp         !! largest nodal force of an element [F]
-    real(wp) :: seconds = 0.0_wp         !! wall time, all of it
-    real(wp) :: contact_seconds = 0.0_wp !! part of contact: search, pattern, tangent
   end type sweep_t
 
 contains
@@ -93,23 +93,24 @@ contains
 
   !> Internal and external forces, and the tangent, at the displacements of `state`. The trial
   !! history of each block is filled. The pattern changes where contact couples further elements.
-  subroutine form(asm, model, state, sweep, error)
+  subroutine form(asm, model, state, sweep, error, only_forces)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     type(sweep_t), intent(out) :: sweep
     type(error_t), allocatable, intent(out) :: error
-    real(wp) :: start, start_contact
+    logical, intent(in), optional :: only_forces !! the tangent will not be used
+    real(wp) :: start(2), start_contact(2)
     logical :: grown, symmetric
     integer :: b
 
-    start = wall_seconds()
+    start = seconds_of_both()
     call follow(model%mesh%constraint, state%u)
     call find_contact(asm%contact, model, state, grown)
     symmetric = asm%k%symmetric ! a copy, as set_pattern replaces asm%k
     if (grown) call set_pattern(asm, model, symmetric, state%step, error)
     if (allocated(error)) return
-    sweep%contact_seconds = wall_seconds() - start
+    asm%contact_seconds = asm%contact_seconds + seconds_of_both() - start
     asm%f_int = 0.0_wp
     call set_zero(asm%k)
     do b = 1, size(model%mesh%block)
@@ -125,9 +126,10 @@ contains
       if (.not. sweep%ok) exit
     end do
     if (sweep%ok) then
-      start_contact = wall_seconds()
-      call add_contact(asm%contact, model, state, asm%k, asm%f_int, sweep%rounding, sweep%largest)
-      sweep%contact_seconds = sweep%contact_seconds + wall_seconds() - start_contact
+      start_contact = seconds_of_both()
+      call add_contact(asm%contact, model, state, asm%k, asm%f_int, sweep%rounding, sweep%largest, &
+                       only_forces)
+      asm%contact_seconds = asm%contact_seconds + seconds_of_both() - start_contact
       call form_inertia(asm, model, state)
       call external_force(model, state, asm%map, asm%k, asm%f_ext)
       ! forces and tangent of constrained slaves go to their masters
@@ -135,7 +137,7 @@ contains
       call fold_force(model%mesh%constraint, asm%f_ext)
       call fold_matrix(asm%fold, asm%k)
     end if
-    sweep%seconds = wall_seconds() - start
+    asm%seconds = asm%seconds + seconds_of_both() - start
   end subroutine form
 
   !> Add the forces of inertia and their tangent, where bodies move in time.

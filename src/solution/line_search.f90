@@ -85,6 +85,8 @@ contains
     s = state%scale
     du = (state%u - state%u_base)/s
     call close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
+    if (allocated(error)) return
+    call form(asm, model, state, sweep, error) ! its tangent is used
   end subroutine retreat
 
   !> From the slope g at s, which `sweep` found, to a small slope, by regula falsi with the Illinois
@@ -134,7 +136,7 @@ contains
 
     call step_by(state, du, s)
     g = 0.0_wp
-    call form(asm, model, state, sweep, error)
+    call form(asm, model, state, sweep, error, only_forces=.true.)
     if (allocated(error) .or. .not. sweep%ok) return
     allocate (r(size(dx)))
     call free_part(model%eq, asm%f_ext - asm%f_int, r)
