@@ -30,6 +30,7 @@ module input_contact
 
   real(wp), parameter :: STIFF = 125.0_wp
   integer, parameter :: MOST_POINTS = 10000000 !! of a surface
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! of a penalty, relative
   real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! area over width^2 of a collapsed element [-]
 
 contains
@@ -58,7 +59,7 @@ contains
     type(contact_t), intent(inout) :: contact
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: area(:), width(:)
-    real(wp) :: n, stiffness, h, eps
+    real(wp) :: n, stiffness, h, usual
     integer :: k
 
     do k = 1, 2
@@ -92,21 +93,24 @@ contains
         return
       end if
     end associate
-    if (contact%normal%auto) then
-      eps = huge(eps)
-      do k = 1, 2
-        associate (s => contact%side(k), factor => contact%normal%factor)
-          if (s%rigid) cycle
-          call element_areas(model%mesh, contact, k, area, width)
-          h = sqrt(sum(area)/s%nelem)
-          stiffness = softest(model, s)
-          if (.not. factor*STIFF*stiffness/h < eps) cycle
-          eps = factor*STIFF*stiffness/h
-          contact%normal%account = 'AUTO: '//to_text(factor*STIFF)//' E/h of '//s%name &
-                                   //', E = '//to_text(stiffness)//', h = '//to_text(h)
-        end associate
-      end do
-      contact%normal%prop(PENALTY) = eps
+    usual = huge(usual)
+    do k = 1, 2
+      associate (s => contact%side(k))
+        if (s%rigid) cycle
+        call element_areas(model%mesh, contact, k, area, width)
+        h = sqrt(sum(area)/s%nelem)
+        stiffness = softest(model, s)
+        if (.not. STIFF*stiffness/h < usual) cycle
+        usual = STIFF*stiffness/h
+        if (.not. contact%normal%auto) cycle
+        contact%normal%account = 'AUTO: '//to_text(contact%normal%factor*STIFF)//' E/h of ' &
+                                 //s%name//', E = '//to_text(stiffness)//', h = '//to_text(h)
+      end associate
+    end do
+    if (contact%normal%auto) contact%normal%prop(PENALTY) = contact%normal%factor*usual
+    if (contact%scheme == MORTAR) then ! more than this would lock at points
+      contact%control_penalty = max(0.0_wp, contact%normal%prop(PENALTY) - usual)
+      if (contact%control_penalty < ROUNDING*usual) contact%control_penalty = 0.0_wp
     end if
     if (contact%friction%auto) contact%friction%prop(TANGENTIAL_PENALTY) &
       = contact%normal%prop(PENALTY)
