@@ -8,7 +8,12 @@ module base_log
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
   private
-  public :: open_log, close_log, log_line, warn, warning_count, progress, set_quiet
+  public :: open_log, close_log, log_line, warn, warning_count, warning_text, progress, set_quiet
+
+  !> The message of a warning.
+  type :: message_t
+    character(:), allocatable :: text
+  end type message_t
 
   type(byte_file_t) :: file
   logical :: opened = .false.
@@ -16,6 +21,7 @@ module base_log
   type(error_t), allocatable :: trouble   !! the first line that could not be written
   integer :: nkept = 0
   integer :: nwarning = 0
+  type(message_t), allocatable :: message_of(:) !! the warnings of the run, equal ones once
   integer :: shown = 0                     !! characters of the progress line on the screen
   logical :: quiet = .false., asked = .false., terminal = .false.
 
@@ -89,12 +95,35 @@ contains
     character(:), allocatable :: text
 
     nwarning = nwarning + 1
+    call keep(message)
     text = render_note('warning', message, place, hint)
     call log_line(text)
     if (quiet) return
     call clear_progress()
     call show(text//new_line('a'))
   end subroutine warn
+
+  !> Keep a message for the report, unless it is there already.
+  subroutine keep(message)
+    character(*), intent(in) :: message
+    integer :: i
+
+    if (.not. allocated(message_of)) allocate (message_of(0))
+    do i = 1, size(message_of)
+      if (message_of(i)%text == message) return
+    end do
+    message_of = [message_of, message_t(message)]
+  end subroutine keep
+
+  !> Different warning i of the run; empty if there are not so many.
+  function warning_text(i) result(text)
+    integer, intent(in) :: i
+    character(:), allocatable :: text
+
+    text = ''
+    if (.not. allocated(message_of)) return
+    if (i <= size(message_of)) text = message_of(i)%text
+  end function warning_text
 
   function warning_count() result(n)
     integer :: n

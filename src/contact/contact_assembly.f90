@@ -12,6 +12,7 @@ module contact_assembly
                             accept_mortar, split_mortar_forces
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR
   use contact_scatter, only: scatter_element
+  use contact_type, only: NORMAL
   use contact_work, only: work_t, new_work, loads_both
   use csr, only: block_matrix_t, clique_t
   use model, only: model_t, state_t
@@ -277,7 +278,8 @@ contains
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
         if (model%contact(c)%scheme == MORTAR) then
-          call split_mortar_forces(work(c)%mortar, model%contact(c), k, model%mesh%xr + state%u, f)
+          call split_mortar_forces(work(c)%mortar, model%contact(c), k, model%mesh%xr + state%u, &
+                                   f(:, :, NORMAL))
           cycle
         end if
         call add_force_parts(model%contact(c), k, work(c)%feet(k)%at, state%contact(c)%side(k), f)

@@ -25,7 +25,7 @@ module contact_mortar
   use contact_pair, only: contact_t, surface_t, control_points_t, contact_state_t, friction_points_t
   use contact_point, only: point_t, traction_derivatives_t, vary_normal, add_friction, outer
   use contact_scatter, only: scatter_element
-  use contact_type, only: NORMAL, FRICTION, PENALTY, OPEN, STICK, SLIP, TOUCH
+  use contact_type, only: PENALTY, OPEN, STICK, SLIP, TOUCH
   use contact_work, only: work_t, reserve_partners, clear, add_own, add_partner, add_back, &
                           add_forces, add_cross, own_share, element_functions, position_on
   use csr, only: block_matrix_t, clique_t, block_position
@@ -828,17 +828,18 @@ contains
     call control_functions(surface, xi, shp(:n), psi)
   end subroutine functions_at
 
-  !> Internal forces of pressure and friction on side k at the last assembly.
+  !> Internal forces of the pressure on side k at the last assembly. The work of friction is that of
+  !! the slip (keep_friction).
   subroutine split_mortar_forces(mortar, contact, k, x, f)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :)
-    real(wp), intent(inout) :: f(:, :, :)    !! (3, nnode, 3) [F]
+    real(wp), intent(inout) :: f(:, :)       !! (3, nnode) [F]
     real(wp) :: shp(size_of_element(contact%side(k))), dshp(2, size_of_element(contact%side(k)))
     type(traction_derivatives_t) :: dn
-    real(wp) :: at(3), n(3), t(3, 2)
-    integer :: e, i, j, nk, part
+    real(wp) :: at(3), n(3), t(3)
+    integer :: e, i, j, nk
 
     associate (own => contact%side(k), side => mortar%side(k), cells => mortar%side(k)%cells)
       do i = 1, cells%n
@@ -851,14 +852,9 @@ contains
           at = at + shp(j)*x(:, own%node(own%first(e) + j - 1))
         end do
         call vary_normal(cells%foot(i), at, n, dn)
-        t(:, NORMAL) = side%p(i)*n
-        t(:, FRICTION) = side%friction(:, i)
-        t = cells%weight(i)*own_share(contact)*t
-        do part = NORMAL, FRICTION
-          call put_force(own, e, cells%xi(:, i), -t(:, part), f(:, :, part))
-          call put_force(contact%side(3 - k), cells%foot(i)%elem, cells%foot(i)%xi, t(:, part), &
-                         f(:, :, part))
-        end do
+        t = cells%weight(i)*own_share(contact)*side%p(i)*n
+        call put_force(own, e, cells%xi(:, i), -t, f)
+        call put_force(contact%side(3 - k), cells%foot(i)%elem, cells%foot(i)%xi, t, f)
       end do
     end associate
   end subroutine split_mortar_forces

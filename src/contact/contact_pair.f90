@@ -49,6 +49,7 @@ module contact_pair
     integer, allocatable :: node(:)          !! nodes and control points of all elements
     real(wp), allocatable :: w(:)            !! (size(node)) weights; not allocated: all one
     integer, allocatable :: block(:), elem(:), face(:) !! (nelem) the element face it is
+    real(wp), allocatable :: width(:)        !! (nelem) root of the reference area [L]
     !> (4, nelem) element across an edge; 0: the edge belongs to the outer boundary.
     integer, allocatable :: neighbour(:, :)
     integer, allocatable :: edge(:, :)       !! (4, nelem) its edge; negative: opposite direction
@@ -189,6 +190,10 @@ module contact_pair
     !> MORTAR: force on each side and its moment about the origin, of the last assembly [F], [F L]
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
     logical :: depth_warned = .false.        !! the warning of points deeper than `depth` was issued
+    !> Of all steps: largest |F1 + F2| over the larger force, and largest penetration over the
+    !! smaller of element and thickness [-]; the largest force [F].
+    real(wp) :: balance = 0.0_wp, deepest = 0.0_wp, largest_force = 0.0_wp
+    logical :: balance_warned = .false., penetration_warned = .false., friction_warned = .false.
   end type contact_state_t
 
 contains

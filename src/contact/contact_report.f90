@@ -10,8 +10,9 @@ module contact_report
   use base_text, only: to_text
   use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state, had_touched
-  use contact_pair, only: contact_t, contact_state_t
-  use contact_type, only: OPEN
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t
+  use contact_resultant, only: resultant_t, side_resultant
+  use contact_type, only: OPEN, STICK
   use model, only: model_t, state_t
   use projection, only: project
   use projection_search, only: grid_t, update_grid
@@ -20,10 +21,15 @@ module contact_report
   use tensor, only: cross
   implicit none
   private
-  public :: start_t, look_at_start, warn_contacts, report_contact_changes
+  public :: start_t, look_at_start, warn_contacts, report_contact_changes, measure_contacts, &
+            find_jump
 
   !> Fraction of the size of an element: a smaller gap is rounding.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
+  real(wp), parameter :: UNBALANCED = 0.02_wp !! difference of the forces that is worth a warning
+  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! and penetration, relative to an element
+  real(wp), parameter :: HALF = 0.5_wp        !! of a motion
+  real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! relative to the largest force so far
 
   !> How two surfaces are placed at the start.
   type :: start_t
@@ -33,6 +39,11 @@ module contact_report
     real(wp) :: x(3) = 0.0_wp            !! and the point that has it [L]
     integer :: nnear = 0                 !! points about as near to the other surface as the nearest
     integer :: naway(2) = 0              !! of them, those at which side 1, side 2 faces away
+    real(wp) :: overlap = 0.0_wp         !! largest penetration beyond DEPTh, not through a body [L]
+    real(wp) :: x_overlap(3) = 0.0_wp    !! the point that has it [L]
+    integer :: nbehind = 0               !! nearest points that are behind the whole other body
+    real(wp) :: gap = huge(1.0_wp)       !! smallest gap of a point outside the other body [L]
+    real(wp) :: x_gap(3) = 0.0_wp        !! the point that has it [L]
   end type start_t
 
 contains
@@ -66,12 +77,25 @@ contains
                     //': at '//to_text(sum(start%naway))//' of the '//to_text(start%nnear) &
                     //' nearest points both outward normals point the same way', contact%place, &
                     'check the faces; 3- and 3+, for example, are on opposite sides of a patch')
+        else if (start%nnear > 0 .and. 2*start%nbehind > start%nnear) then
+          call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
+                    //' look away from each other: a whole body lies between them', &
+                    contact%place, 'check the faces; 3- and 3+, for example, are on opposite ' &
+                    //'sides of a patch')
+        else if (start%nnear == 0) then
+          call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
+                    //' are not opposite each other at the start', contact%place, &
+                    'they touch only if one of them moves there')
         else if (start%ninside > 0) then
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint) &
                     //' points penetrate at the start, by up to '//to_text(start%deepest, 3) &
                     //' at ('//to_text(start%x(1), 4)//', '//to_text(start%x(2), 4)//', ' &
                     //to_text(start%x(3), 4)//')', contact%place, 'the first step pushes them ' &
                     //'out; if no press fit is intended, move one of the bodies')
+        else if (start%gap < huge(start%gap)) then
+          call log_line('contact '//contact%name//': smallest gap at the start ' &
+                        //to_text(start%gap, 3)//' at ('//to_text(start%x_gap(1), 4)//', ' &
+                        //to_text(start%x_gap(2), 4)//', '//to_text(start%x_gap(3), 4)//')')
         end if
       end associate
     end do
@@ -88,6 +112,8 @@ contains
     type(foot_t) :: foot
     real(wp), allocatable :: gap(:)      ! of the points that have a projection [L]
     integer, allocatable :: away(:)      ! the side that faces away there; 0: none
+    logical, allocatable :: behind(:)    ! it is behind the other body
+    real(wp) :: thin                     ! thickness of the thinner body [L]; huge: unknown
     real(wp) :: h, reach, near, xp(3), a(3, 2), b(3, 3)
     integer :: e, k, n, q
 
@@ -99,7 +125,10 @@ contains
       if (contact%side(k)%rigid) cycle
       start%npoint = start%npoint + contact%side(k)%nelem*contact%nplain
     end do
-    allocate (gap(start%npoint), away(start%npoint))
+    allocate (gap(start%npoint), away(start%npoint), behind(start%npoint))
+    thin = huge(thin)
+    if (any(contact%side%thickness > 0.0_wp)) thin = minval(contact%side%thickness, &
+                                                            contact%side%thickness > 0.0_wp)
     reach = h + maxval(contact%side%thickness)
     n = 0
     do k = 1, 2
@@ -114,9 +143,21 @@ contains
             n = n + 1
             gap(n) = foot%gap
             away(n) = 0
+            behind(n) = foot%gap < -thin*(1.0_wp - INSIDE)
             if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp) then
               ! a point outside the other body sees its front, one inside its back
               away(n) = merge(3 - k, k, foot%gap < 0.0_wp)
+            end if
+          end if
+          if (foot%gap >= 0.0_wp .and. foot%gap < start%gap) then
+            start%gap = foot%gap
+            start%x_gap = xp
+          end if
+          if (foot%gap < -contact%depth .and. foot%gap > -thin*(1.0_wp - INSIDE) .and. &
+              -foot%gap > start%overlap) then
+            if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) < 0.0_wp) then
+              start%overlap = -foot%gap
+              start%x_overlap = xp
             end if
           end if
           if (.not. (foot%gap < -INSIDE*h .and. touches(foot, contact%depth))) cycle
@@ -131,6 +172,7 @@ contains
     ! surfaces must face each other only where they are nearest: the far side of a ball need not
     near = minval(abs(gap(:n))) + h
     start%nnear = count(abs(gap(:n)) <= near)
+    start%nbehind = count(abs(gap(:n)) <= near .and. behind(:n))
     start%naway = [(count(abs(gap(:n)) <= near .and. away(:n) == k), k=1, 2)]
   end subroutine look_at_start
 
@@ -165,5 +207,157 @@ contains
       end associate
     end do
   end subroutine report_contact_changes
+
+  !> Balance and penetration of an accepted step; warnings where they mean wrong results.
+  subroutine measure_contacts(model, state)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(resultant_t) :: side(2)
+    real(wp) :: largest, deepest
+    integer :: c, k
+
+    do c = 1, size(model%contact)
+      associate (contact => model%contact(c), now => state%contact(c))
+        do k = 1, 2
+          call side_resultant(model, state, c, k, [0.0_wp, 0.0_wp, 0.0_wp], side(k))
+        end do
+        largest = max(norm2(side(1)%force), norm2(side(2)%force))
+        now%largest_force = max(now%largest_force, largest)
+        if (largest > NO_FORCE*now%largest_force) then
+          now%balance = max(now%balance, norm2(side(1)%force + side(2)%force)/largest)
+        end if
+        deepest = 0.0_wp
+        do k = 1, 2
+          if (.not. contact%side(k)%rigid) deepest = max(deepest, &
+                                                         deepest_point(contact, k, now%side(k)))
+        end do
+        now%deepest = max(now%deepest, deepest)
+        if (now%balance > UNBALANCED .and. .not. now%balance_warned) then
+          now%balance_warned = .true.
+          call warn("contact '"//contact%name//"': the forces on its two sides differ by " &
+                    //to_text(100*now%balance, 3)//' %', contact%place, 'two half passes do ' &
+                    //'not balance on coarse or unequal meshes: remove SCHEme HALFpass')
+        end if
+        if (contact%friction%given .and. .not. now%friction_warned) then
+          if (is_soft(contact, now, state%u)) then
+            now%friction_warned = .true.
+            call warn("contact '"//contact%name//"': the elastic slip is as large as the motion: " &
+                      //'friction hardly acts', contact%place, 'use a stiffer penalty: FRICtion ' &
+                      //'COULomb mu PENAlty AUTO')
+          end if
+        end if
+        if (deepest > TOO_DEEP .and. .not. now%penetration_warned) then
+          now%penetration_warned = .true.
+          call warn("contact '"//contact%name//"': surfaces penetrate by " &
+                    //to_text(100*deepest, 3)//' % of an element or of the thickness', &
+                    contact%place, 'use a stiffer penalty, NORMal PENAlty AUTO 10, or AUGMent')
+        end if
+      end associate
+    end do
+  end subroutine measure_contacts
+
+  !> Is the elastic slip of a point that sticks about as large as the motion of its surface, and not
+  !! small?
+  pure logical function is_soft(contact, state, u) result(yes)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(in) :: state
+    real(wp), intent(in) :: u(:, :)      !! (3, nnode) displacements [L]
+    real(wp) :: elastic, motion
+    integer :: i, k
+
+    yes = .false.
+    do k = 1, 2
+      if (contact%side(k)%rigid) cycle
+      elastic = 0.0_wp
+      associate (points => state%side(k))
+        do i = 1, size(points%state)
+          if (points%state(i) == STICK) elastic = max(elastic, norm2(points%elastic(:, i)))
+        end do
+      end associate
+      motion = maxval(norm2(u(:, contact%side(1)%node), 1))
+      motion = max(motion, maxval(norm2(u(:, contact%side(2)%node), 1)))
+      yes = yes .or. (elastic > HALF*motion .and. &
+                      elastic > TOO_DEEP*minval(contact%side(k)%width))
+    end do
+  end function is_soft
+
+  !> Largest penetration of the points of side k over the smaller of the two elements and bodies.
+  pure real(wp) function deepest_point(contact, k, points) result(deepest)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(contact_points_t), intent(in) :: points
+    real(wp) :: h
+    integer :: i
+
+    deepest = 0.0_wp
+    do i = 1, size(points%state)
+      if (points%state(i) == OPEN .or. points%gap(i) >= 0.0_wp .or. points%closest(i) == 0) cycle
+      if (points%bond(i) > 0) cycle
+      h = contact%side(k)%width((i - 1)/contact%nq + 1)
+      associate (other => contact%side(3 - k))
+        if (.not. other%rigid) h = min(h, other%width(points%closest(i)))
+      end associate
+      if (any(contact%side%thickness > 0.0_wp)) then
+        h = min(h, minval(contact%side%thickness, contact%side%thickness > 0.0_wp))
+      end if
+      deepest = max(deepest, -points%gap(i)/h)
+    end do
+  end function deepest_point
+
+  !> A step that ends where a point which was outside the other body has passed its surface and is
+  !! deeper than DEPTh: contact would never act on it. `trouble` is allocated if there is one.
+  subroutine find_jump(model, state, trouble)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    character(:), allocatable, intent(out) :: trouble
+    real(wp), allocatable :: x(:, :), x_start(:, :)
+    type(shape_t) :: shape(2), start(2)
+    type(grid_t) :: grid(2), start_grid(2)
+    type(foot_t) :: foot
+    real(wp) :: far, xp(3, 1), a(3, 2), b(3, 3), gap
+    integer :: c, e, k, q
+
+    do c = 1, size(model%contact)
+      associate (contact => model%contact(c))
+        far = 0.0_wp ! how far a point may have come
+        do k = 1, 2
+          far = far + maxval(abs(state%u(:, contact%side(k)%node) &
+                                 - state%u_step(:, contact%side(k)%node)))
+        end do
+        if (far < contact%depth) cycle
+        if (.not. allocated(x)) then
+          x = model%mesh%xr + state%u
+          x_start = model%mesh%xr + state%u_step
+        end if
+        do k = 1, 2
+          call update_shape(contact%side(k), x, shape(k))
+          call update_shape(contact%side(k), x_start, start(k))
+          if (contact%side(3 - k)%rigid) cycle
+          call update_grid(contact%side(k), shape(k), grid(k))
+          call update_grid(contact%side(k), start(k), start_grid(k))
+        end do
+        do k = 1, 2
+          if (contact%side(k)%rigid) cycle
+          do e = 1, contact%side(k)%nelem
+            do q = 1, contact%nplain
+              call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), xp(:, 1), a, b)
+              foot%elem = 0
+              call project(contact%side(3 - k), shape(3 - k), grid(3 - k), xp(:, 1), foot)
+              if (foot%elem == 0 .or. foot%gap >= -contact%depth) cycle
+              gap = foot%gap
+              if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) >= 0.0_wp) cycle
+              call surface_point(contact%side(k), start(k), e, contact%xi(:, q), xp(:, 1), a, b)
+              call project(contact%side(3 - k), start(3 - k), start_grid(3 - k), xp(:, 1), foot)
+              if (foot%elem == 0 .or. foot%gap < -contact%depth) cycle
+              trouble = 'in contact '//contact%name//' a point of '//contact%side(k)%name &
+                        //' has passed through '//contact%side(3 - k)%name//' to a depth of ' &
+                        //to_text(-gap, 3)//', more than DEPTh '//to_text(contact%depth, 3)
+              return
+            end do
+          end do
+        end do
+      end associate
+    end do
+  end subroutine find_jump
 
 end module contact_report

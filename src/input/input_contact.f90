@@ -12,6 +12,7 @@ module input_contact
   use base_kinds, only: wp
   use base_text, only: quoted, to_text, nearest, lower
   use contact_pair, only: contact_t, surface_t, BALANCED, MORTAR
+  use contact_report, only: start_t, look_at_start
   use contact_surface, only: build_surface, tabulate_contact
   use contact_type, only: PENALTY, TANGENTIAL_PENALTY
   use curve_type, only: Q_CONTACT_DEBONDED
@@ -58,6 +59,7 @@ contains
     type(model_t), intent(in) :: model
     type(contact_t), intent(inout) :: contact
     type(error_t), allocatable, intent(out) :: error
+    type(start_t) :: start
     real(wp), allocatable :: area(:), width(:)
     real(wp) :: n, stiffness, h, usual
     integer :: k
@@ -77,6 +79,7 @@ contains
     call tabulate_contact(contact, contact%ngauss(1), contact%ngauss(2))
     do k = 1, 2
       call element_areas(model%mesh, contact, k, area, width)
+      contact%side(k)%width = sqrt(area)
       if (all(area > COLLAPSED*width**2)) cycle
       call fail(error, DECK_ERROR, quoted(contact%side(k)%name) &
                 //' is collapsed to an edge or a point', at(k)%face_place, &
@@ -124,6 +127,13 @@ contains
     contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
     if (contact%cohesive%given) contact%released = &
       contact%cohesive%law%released(contact%cohesive%prop)
+    call look_at_start(contact, model%mesh%xr, start)
+    if (.not. start%overlap > 0.0_wp) return
+    call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//': the bodies overlap by ' &
+              //to_text(start%overlap, 3)//' at the start, at ('//to_text(start%x_overlap(1), 4) &
+              //', '//to_text(start%x_overlap(2), 4)//', '//to_text(start%x_overlap(3), 4) &
+              //'), deeper than DEPTh '//to_text(contact%depth, 3), contact%place, &
+              'move one of them; or give DEPTh d, the largest penetration that counts as contact')
   end subroutine resolve_contact
 
   !> The surface of a WHERE.
@@ -254,6 +264,17 @@ contains
       end associate
       call draft%errors%add(error)
     end do
+    do i = 2, size(draft%contact)
+      do j = 1, i - 1
+        if (.not. same_faces(draft%contact(i)%at, draft%contact(j)%at)) cycle
+        call fail(error, DECK_ERROR, 'contact '//quoted(draft%contact(i)%contact%name) &
+                  //' acts between the same two faces as contact ' &
+                  //quoted(draft%contact(j)%contact%name), draft%contact(i)%at(1)%place, &
+                  'its pressures and bonds would count twice: remove one of them')
+        call draft%errors%add(error)
+        exit
+      end do
+    end do
     allocate (names(size(draft%contact)))
     do i = 1, size(names)
       names(i) = draft%contact(i)%contact%name
@@ -282,5 +303,24 @@ contains
       end do
     end do
   end subroutine check_contacts
+
+  !> Do two contacts act between the same faces, in either order?
+  pure logical function same_faces(a, b)
+    type(where_t), intent(in) :: a(2), b(2)
+
+    same_faces = .false.
+    if (any(a%type == 0) .or. any(b%type == 0)) return
+    same_faces = (same(a(1), b(1)) .and. same(a(2), b(2))) &
+                 .or. (same(a(1), b(2)) .and. same(a(2), b(1)))
+
+  contains
+
+    pure logical function same(p, q)
+      type(where_t), intent(in) :: p, q
+
+      same = lower(p%body) == lower(q%body) .and. p%mask == q%mask
+      if (same .and. p%mask == 0) same = lower(p%face) == lower(q%face)
+    end function same
+  end function same_faces
 
 end module input_contact

@@ -3,9 +3,10 @@ module input_resolve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: quoted
-  use curve_type, only: Q_STRESS, Q_MAX_DISP
+  use curve_type, only: Q_FORCE, Q_TORQUE, Q_STRESS, Q_MAX_DISP
   use element_type, only: cell_t
   use input_draft, only: draft_t
+  use input_rigid, only: is_rigid_patch
   use input_where, only: find_faces, find_nodes, body_index
   use mesh, only: mesh_t, block_t, block_cell, is_rigid
   use model, only: model_t
@@ -89,6 +90,11 @@ contains
           if (column%at%type /= 0) then
             call find_nodes(mesh, column%at, quantity%node, error)
             if (allocated(error)) call draft%errors%add(error)
+            if (any(quantity%id == [Q_FORCE, Q_TORQUE]) .and. allocated(column%at%body)) then
+              if (is_rigid_patch(draft, column%at%body)) then ! all that its supports bear
+                quantity%node = mesh%body(body_index(mesh, column%at%body))%node
+              end if
+            end if
           end if
           if (quantity%id == Q_STRESS) then
             call locate_point(mesh, quantity%body, quantity%point, quantity%block, quantity%elem, &

@@ -4,6 +4,7 @@
 !! When a step is cut back, the command counter goes back to the TIME of that step (see the modules
 !! step and command_step).
 module run
+  use base_log, only: warn
   use base_error, only: error_t, fail, NO_SOLUTION, error_list_t
   use command_checkpoint, only: set_restart_point, stop_wanted, stop_run
   use command_files, only: open_files, close_files
@@ -70,6 +71,10 @@ contains
     end do
     call close_files(job, error)
     if (allocated(error)) return
+    if (job%step%total%iterations == 0 .and. job%model%neq > 0) then
+      call warn('no system was solved: all displacements are those of the start', &
+                hint='TANG,,1 and UTAN,,1 solve; TANG and UTAN alone only form the tangent')
+    end if
     if (job%step%total%unconverged) then
       call fail(error, NO_SOLUTION, 'some steps were closed before they converged', &
                 hint='see the warnings in the log')

@@ -2,12 +2,13 @@
 module run_report
   use base_error, only: error_t, NO_SOLUTION, STOPPED
   use base_kinds, only: wp
+  use base_log, only: warning_text
   use base_system, only: peak_memory_mb
   use command_type, only: run_t
   use contact_resultant, only: resultant_t, side_resultant
   use curve_file, only: curve_names
   use program_version, only: VERSION
-  use report_file, only: report_t, write_report, add_count, add_real, add_curve
+  use report_file, only: report_t, message_row_t, write_report, add_count, add_real, add_curve
   implicit none
   private
   public :: report_run
@@ -54,6 +55,11 @@ contains
       call add_real(report%seconds, trim(part(i)), job%timers%seconds(part(i)))
     end do
     call add_last_rows(job, report)
+    report%equilibrium = .not. (job%step%total%unconverged .or. job%step%total%inertia)
+    allocate (report%warning(0))
+    do while (warning_text(size(report%warning) + 1) /= '')
+      report%warning = [report%warning, message_row_t(warning_text(size(report%warning) + 1))]
+    end do
     if (size(job%model%contact) > 0) allocate (report%contact(size(job%model%contact)))
     do c = 1, size(job%model%contact)
       associate (row => report%contact(c))
@@ -63,8 +69,9 @@ contains
           call side_resultant(job%model, job%state, c, k, [0.0_wp, 0.0_wp, 0.0_wp], side)
           row%points = row%points + side%npoint
           row%closed = row%closed + side%nclosed
-          row%penetration = max(row%penetration, side%penetration)
         end do
+        row%balance = job%state%contact(c)%balance
+        row%largest_penetration = job%state%contact(c)%deepest
       end associate
     end do
     call write_report(job%files%stem//'.report.json', report, error)

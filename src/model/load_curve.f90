@@ -3,7 +3,7 @@ module load_curve
   use base_kinds, only: wp
   implicit none
   private
-  public :: load_table_t, table_factor, table_slope, load_factor
+  public :: load_table_t, table_factor, table_slope, load_factor, next_corner
 
   !> Factor over time. Kind 0: p = t (a blank record alone); kind 1: FEAP's formula;
   !! kind 2: straight lines between pairs, constant beyond both ends.
@@ -16,6 +16,27 @@ module load_curve
   end type load_table_t
 
 contains
+
+  !> The first time after `time` at which a table has a corner or a jump; huge if there is none.
+  pure real(wp) function next_corner(table, time) result(corner)
+    type(load_table_t), intent(in) :: table(:)
+    real(wp), intent(in) :: time
+    real(wp) :: past
+    integer :: i
+
+    corner = huge(corner)
+    past = time + 8*epsilon(time)*abs(time)
+    do i = 1, size(table)
+      select case (table(i)%kind)
+      case (1)
+        if (table(i)%tmin > past) corner = min(corner, table(i)%tmin)
+        if (table(i)%tmax > past) corner = min(corner, table(i)%tmax)
+      case (2)
+        corner = min(corner, minval(table(i)%t, mask=table(i)%t > past))
+      case default                   ! straight from beginning to end
+      end select
+    end do
+  end function next_corner
 
   !> Factor of one table at a time.
   pure function table_factor(table, time) result(factor)

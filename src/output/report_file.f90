@@ -6,7 +6,7 @@ module report_file
   use json_text, only: json_string, json_number, json_member, json_object
   implicit none
   private
-  public :: report_t, write_report, add_count, add_real, add_curve
+  public :: report_t, message_row_t, write_report, add_count, add_real, add_curve
 
   type :: named_count_t
     character(:), allocatable :: name
@@ -29,8 +29,14 @@ module report_file
     character(:), allocatable :: name
     integer :: points = 0               !! integration points of both sides
     integer :: closed = 0               !! those of them that are in contact
-    real(wp) :: penetration = 0.0_wp    !! largest [L]
+    !> Of all steps: largest |F1 + F2| over the larger force, and largest penetration over the
+    !! smaller of element and thickness [-].
+    real(wp) :: balance = 0.0_wp, largest_penetration = 0.0_wp
   end type contact_row_t
+
+  type :: message_row_t
+    character(:), allocatable :: text
+  end type message_row_t
 
   type :: report_t
     character(:), allocatable :: version, deck
@@ -45,6 +51,8 @@ module report_file
     type(named_real_t), allocatable :: seconds(:)
     type(curve_row_t), allocatable :: final(:)
     type(contact_row_t), allocatable :: contact(:)
+    logical :: equilibrium = .true.     !! no state was accepted with inertia or unconverged
+    type(message_row_t), allocatable :: warning(:)
   end type report_t
 
 contains
@@ -86,12 +94,27 @@ contains
            json_member('seconds', reals(report%seconds))//SEP// &
            json_member('peak_memory_mb', json_number(report%peak_memory_mb))//SEP// &
            json_member('final', json_object(final))
+    text = text//SEP//json_member('warnings', '['//messages(report)//']')//SEP// &
+           json_member('equilibrium', trim(merge('true ', 'false', report%equilibrium)))
     if (allocated(report%contact)) then
       text = text//SEP//json_member('contacts', contacts(report%contact))
     end if
     text = text//new_line('a')//'}'//new_line('a')
     call write_whole(path, text, error)
   end subroutine write_report
+
+  function messages(report) result(text)
+    type(report_t), intent(in) :: report
+    character(:), allocatable :: text
+    integer :: i
+
+    text = ''
+    if (.not. allocated(report%warning)) return
+    do i = 1, size(report%warning)
+      if (i > 1) text = text//', '
+      text = text//json_string(report%warning(i)%text)
+    end do
+  end function messages
 
   !> Count elements of a type. Counts of the same name are added up.
   subroutine add_count(list, name, n)
@@ -152,7 +175,8 @@ contains
       if (i > 1) json = json//', '
       row = json_member('points', json_number(contact(i)%points))//', '// &
             json_member('in_contact', json_number(contact(i)%closed))//', '// &
-            json_member('largest_penetration', json_number(contact(i)%penetration))
+            json_member('balance', json_number(contact(i)%balance))//', '// &
+            json_member('largest_penetration', json_number(contact(i)%largest_penetration))
       json = json//json_member(contact(i)%name, json_object(row))
     end do
     json = json_object(json)

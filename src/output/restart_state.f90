@@ -53,6 +53,9 @@ contains
         call exchange_rubbed(archive, path//numbered('/friction', k), state%contact(c)%rubbed(k), &
                              error)
       end do
+      call exchange(archive, path//'/balance', state%contact(c)%balance, error)
+      call exchange(archive, path//'/deepest', state%contact(c)%deepest, error)
+      call exchange(archive, path//'/largest_force', state%contact(c)%largest_force, error)
       call exchange(archive, path//'/dissipated', state%contact(c)%dissipated, error)
       call exchange(archive, path//'/force', state%contact(c)%force, error)
       call exchange(archive, path//'/moment', state%contact(c)%moment, error)

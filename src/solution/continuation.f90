@@ -12,6 +12,7 @@ module continuation
                                opens_again, cut_arc, constrain_release, constrain_arc, &
                                is_all_released
   use dynamics_type, only: new_dynamics, BACKWARD_EULER
+  use load_curve, only: next_corner
   use inertia, only: mass_t, find_masses, energy_of_rate
   use model, only: model_t, state_t
   use solution_state, only: open_step, factor_slopes
@@ -49,7 +50,7 @@ contains
         call constrain_release(constraint, model, state, &
                                path%release*bonded_area(model, state), limit)
       else
-        to = next_time(step%control, state%time, left)
+        to = next_time(step%control, state%time, left, next_corner(state%table, state%time))
       end if
     end associate
     call open_step(state, to)
@@ -90,7 +91,7 @@ contains
         end if
       else
         if (.not. path%given) then
-          path%method = merge(PATH_RELEASE, PATH_OFF, size(model%contact) > 0)
+          path%method = merge(PATH_RELEASE, PATH_OFF, any(model%contact(:)%cohesive%given))
         end if
         changed = may_leave(path, (step%control%to - step%control%from)/step%control%dt)
         if (.not. changed) return

@@ -61,12 +61,14 @@ contains
         value = energy%kinetic
       case (B_NORMAL, B_FRICTION, B_COHESIVE)
         value = energy%contact(entry - B_NORMAL + 1)
+        if (entry == B_FRICTION) value = value + sum(state%contact(:)%dissipated)
       case (B_INERTIA)
         value = energy%inertia - energy%kinetic
       case (B_BONDS, B_DAMAGE, B_VISCOUS)
         value = bond_energy(model, state, entry - B_BONDS + 1)
       case default
-        value = energy%outer - body_energy(model, state, 0) - energy%inertia - sum(energy%contact)
+        value = energy%outer - body_energy(model, state, 0) - energy%inertia - sum(energy%contact) &
+                - sum(state%contact(:)%dissipated)
       end select
     end associate
   end function energy_entry

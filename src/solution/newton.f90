@@ -1,7 +1,7 @@
 !> Newton's iteration: form, solve, and the last test of a step.
 module newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use assembly, only: new_assembler, form, free_part, full_vector
+  use assembly, only: sweep_t, new_assembler, form, free_part, full_vector
   use base_error, only: error_t
   use base_kinds, only: wp
   use constrained_newton, only: solve_constrained
@@ -24,6 +24,7 @@ module newton
 
   !> Relative residual of a linear solve where factors are kept.
   real(wp), parameter :: FORCING = 1.0e-3_wp
+  integer, parameter :: MOST_HALVINGS = 6   !! of a prescribed increment
 
 contains
 
@@ -35,6 +36,7 @@ contains
 
     newton%iterations = 0
     newton%before = 0
+    newton%has_moved = .false.
     newton%converged = .false.
     newton%exact = .true.
     newton%may_retreat = .false.
@@ -59,6 +61,11 @@ contains
     if (allocated(error)) return
     call form(newton%asm, model, state, pass%sweep, error)
     if (allocated(error)) return
+    if (newton%has_moved .and. .not. pass%sweep%ok) then
+      call move_less(newton, model, state, pass%sweep, error)
+      if (allocated(error)) return
+    end if
+    newton%has_moved = .false.
     if (newton%may_retreat) then
       call retreat(newton%asm, model, state, newton%dx, newton%rhs, pass%sweep, error)
       if (allocated(error)) return
@@ -80,6 +87,30 @@ contains
       pass%trouble = 'the residual is not a number'
     end if
   end subroutine form_system
+
+  !> The increment with the prescribed motion inverts an element: a part of it is taken, and the rest
+  !! of the motion is left to the next iterations.
+  subroutine move_less(newton, model, state, sweep, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(sweep_t), intent(inout) :: sweep
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: du(:, :)
+    integer :: i
+
+    allocate (du, source=(state%u - state%u_base)/state%scale)
+    do i = 1, MOST_HALVINGS
+      if (sweep%ok) exit
+      call step_by(state, du, 0.5_wp*state%scale)
+      call form(newton%asm, model, state, sweep, error)
+      if (allocated(error)) return
+    end do
+    if (.not. sweep%ok) return
+    newton%move = (1.0_wp - state%scale)*newton%moved
+    newton%moves = .true.
+    newton%last = state%scale*newton%dx
+  end subroutine move_less
 
   !> Solve for the increment of the last formed system and add it.
   subroutine solve_system(newton, model, state, searches, pass, error)
@@ -108,6 +139,8 @@ contains
     call count_flips(newton, merge(0, pass%solve%determinant, newton%symmetric))
     newton%exact = newton%exact .and. newton%mode == FULL
     call find_increment(newton, model, moved, du, pass)
+    newton%has_moved = moved
+    if (moved) newton%moved = newton%move
     newton%moves = .false.
     call check_convergence(newton, pass, moved)
     if (.not. pass%ok) return

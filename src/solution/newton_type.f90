@@ -31,6 +31,8 @@ module newton_type
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made [L]
     real(wp), allocatable :: spacing(:) !! (nnode) to the nearest neighbour [L]
     logical :: moves = .false.         !! some of `move` is not zero
+    real(wp), allocatable :: moved(:, :) !! (3, nnode) what the last increment prescribed [L]
+    logical :: has_moved = .false.     !! some of `moved` is not zero
     logical :: may_retreat = .false.   !! the last increment moved no prescribed dof, and was needed
   end type newton_t
 

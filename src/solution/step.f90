@@ -10,7 +10,7 @@ module step
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use contact_report, only: report_contact_changes
+  use contact_report, only: report_contact_changes, measure_contacts, find_jump
   use continuation, only: begin_increment, change_method, adapt_method
   use convergence, only: turns_back
   use energy_balance, only: accept_solution
@@ -212,6 +212,10 @@ contains
         pass%ok = .false.
       end if
     end if
+    if (pass%ok) then
+      call find_jump(model, state, pass%trouble)
+      pass%ok = .not. allocated(pass%trouble)
+    end if
     if (.not. pass%ok) then
       call cut_step(step, model, state, pass%trouble, place, error)
       outcome = STEP_REWOUND
@@ -226,7 +230,9 @@ contains
     end if
     if (.not. step%newton%constraint%on) call check_stability(step, state)
     call report_contact_changes(model, state)
+    step%total%inertia = step%total%inertia .or. state%dynamics%on
     call accept_solution(step%newton%asm, model, state)
+    call measure_contacts(model, state)
     if (step%timed .and. step%newton%constraint%on) then
       call pass_target(step%control)
     else if (step%timed) then

@@ -24,6 +24,7 @@ module step_control
     logical :: reduced = .false.     !! the last step took many iterations, the next is smaller
   end type step_control_t
 
+  real(wp), parameter :: NEARLY = 1.0e-9_wp !! of dt: a corner this near to a target is on it
   integer, parameter :: FEW = 6      !! iterations up to which a step may grow
   integer, parameter :: FAIR = 10    !! up to which one smaller than dt may grow
   integer, parameter :: MANY = 15    !! above which the next one is smaller
@@ -51,11 +52,13 @@ contains
     control%dtmax = dtmax
   end subroutine set_auto
 
-  !> Time at the end of the next step; `left` targets remain in the loop, this one included.
-  function next_time(control, time, left) result(to)
+  !> Time at the end of the next step; `left` targets remain in the loop, this one included. An
+  !! automatic step ends at the next corner of a load table, or at the last target before it.
+  function next_time(control, time, left, corner) result(to)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time
     integer, intent(in) :: left
+    real(wp), intent(in), optional :: corner !! of a load table; absent: there is none
     real(wp) :: to, gap
     integer :: nstep
 
@@ -65,6 +68,7 @@ contains
       control%passed = max(1, min(left, int(control%size/control%dt*(1 + epsilon(1.0_wp)*8))))
     end if
     to = control%origin + (control%target + control%passed)*control%dt
+    if (present(corner)) call end_at_corner(control, corner, to)
     gap = to - time
     if (control%automatic) then
       nstep = ceiling(gap/control%size*(1 - epsilon(1.0_wp)*64))
@@ -75,6 +79,20 @@ contains
     end if
     control%to = to
   end function next_time
+
+  !> End an automatic step at a corner, or at the last target before it.
+  pure subroutine end_at_corner(control, corner, to)
+    type(step_control_t), intent(inout) :: control
+    real(wp), intent(in) :: corner
+    real(wp), intent(inout) :: to
+    integer :: before
+
+    if (.not. control%automatic .or. corner >= to - NEARLY*control%dt) return
+    before = int((corner - control%origin)/control%dt + NEARLY) - control%target
+    control%passed = max(0, min(control%passed - 1, before))
+    to = corner
+    if (control%passed > 0) to = control%origin + (control%target + control%passed)*control%dt
+  end subroutine end_at_corner
 
   !> A constrained step finds its own end: the target that it may not pass.
   function next_target(control, time) result(target)
