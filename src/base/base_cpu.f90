@@ -12,7 +12,7 @@ module base_cpu
 
 contains
 
-  !> Level of the x86-64 instruction set, as its ABI counts: 4 (AVX-512), 3 (AVX2 and FMA) or
+  !> Level of the x86-64 instruction set, as its ABI numbers them: 4 (AVX-512), 3 (AVX2 and FMA) or
   !! 1 (any other processor, and systems without /proc).
   function vector_level() result(level)
     integer :: level
@@ -35,7 +35,7 @@ contains
     close (unit)
   end function vector_level
 
-  !> The line contains all the words.
+  !> Does the line contain all the words?
   pure function has(line, words) result(found)
     character(*), intent(in) :: line, words(:)
     logical :: found

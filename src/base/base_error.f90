@@ -9,9 +9,9 @@ module base_error
   integer, parameter, public :: NO_SOLUTION = 2   !! the solution failed
   integer, parameter, public :: SYSTEM_ERROR = 3  !! library, memory or disk
   integer, parameter, public :: STOPPED = 4       !! stopped with a checkpoint
-  integer, parameter, public :: BUG = 70          !! our fault
+  integer, parameter, public :: BUG = 70          !! a mistake in the program
 
-  integer, parameter :: WINDOW = 160 !! a source line longer than this is shown in part
+  integer, parameter :: WINDOW = 160 !! a source line longer than this is shown only in part
 
   !> A place in a deck.
   type :: place_t
@@ -22,7 +22,7 @@ module base_error
     integer :: width = 0  !! characters to underline
   end type place_t
 
-  !> A failure.
+  !> A failure of the program or the deck.
   type :: error_t
     integer :: code = 0                   !! exit code of the program
     character(:), allocatable :: message  !! one sentence, lower case, no full stop
@@ -30,7 +30,7 @@ module base_error
     type(place_t) :: place
   end type error_t
 
-  integer, parameter :: MOST = 10 !! shown and kept; the others are counted
+  integer, parameter :: MOST = 10 !! errors that are kept and shown; further ones are only counted
 
   !> Independent errors of one deck.
   type :: error_list_t
@@ -61,7 +61,7 @@ contains
     if (present(place)) error%place = place
   end subroutine fail
 
-  !> An error as the user sees it: lines, without a line end after the last.
+  !> Text of an error as the user sees it: lines, without a line end after the last one.
   pure function render(error) result(text)
     type(error_t), intent(in) :: error
     character(:), allocatable :: text
@@ -70,7 +70,7 @@ contains
     if (allocated(error%hint)) text = text//new_line('a')//'hint: '//error%hint
   end function render
 
-  !> A warning or a note in the same form; `kind` is the word it begins with.
+  !> Text of a warning or a note in the same form; `kind` is the word that it begins with.
   pure function render_note(kind, message, place, hint) result(text)
     character(*), intent(in) :: kind, message
     type(place_t), intent(in), optional :: place
@@ -85,7 +85,7 @@ contains
     if (present(hint)) text = text//new_line('a')//'hint: '//hint
   end function render_note
 
-  !> Place and message, the source line, and a caret under the spot.
+  !> First part of a message: place and text, the source line, and carets under the place.
   pure function head(kind, message, place) result(text)
     character(*), intent(in) :: kind, message
     type(place_t), intent(in) :: place
@@ -107,7 +107,7 @@ contains
     n = len(place%text)
     column = min(place%column, n + 1)
     source = place%text
-    if (n > WINDOW) then ! the part around the place is shown
+    if (n > WINDOW) then ! only the part around the place is shown
       first = max(1, column - WINDOW/2)
       last = min(n, first + WINDOW - 1)
       source = place%text(first:last)
@@ -146,7 +146,7 @@ contains
     text = text//'^'//repeat('~', n - 1)
   end function head
 
-  !> Number of characters of UTF-8 text.
+  !> Number of characters in a UTF-8 text.
   pure function characters(text) result(n)
     character(*), intent(in) :: text
     integer :: n, i
@@ -157,7 +157,7 @@ contains
     end do
   end function characters
 
-  !> A byte inside a character of UTF-8.
+  !> Does this byte continue a UTF-8 character?
   pure function continues(c) result(yes)
     character, intent(in) :: c
     logical :: yes
@@ -165,7 +165,7 @@ contains
     yes = iand(ichar(c), 192) == 128
   end function continues
 
-  !> Add an error; only the first ones are kept, the others are counted.
+  !> Add an error to the list, which keeps only the first ones and counts the others.
   subroutine add_error(list, error)
     class(error_list_t), intent(inout) :: list
     type(error_t), intent(in) :: error
@@ -181,7 +181,7 @@ contains
     n = list%n
   end function count_errors
 
-  !> Exit code: that of the first error, 0 where there is none.
+  !> Exit code: that of the first error, or 0 if there is none.
   pure function exit_code(list) result(code)
     class(error_list_t), intent(in) :: list
     integer :: code
@@ -190,7 +190,7 @@ contains
     if (list%n > 0) code = list%kept(1)%code
   end function exit_code
 
-  !> The errors as the user sees them, up to ten, and the number of further ones.
+  !> Text of the first ten errors as the user sees them, and the number of further ones.
   pure function render_list(list) result(text)
     class(error_list_t), intent(in) :: list
     character(:), allocatable :: text

@@ -16,7 +16,7 @@ module base_file
     integer :: kind = FILE_ABSENT
     integer(i8) :: size = 0         !! bytes
     integer(i8) :: identity(2) = 0  !! device and inode: equal for two names of one file
-    character(:), allocatable :: reason !! why it is absent
+    character(:), allocatable :: reason !! why nothing was found at the path
   end type file_t
 
   !> A lock that is held.
@@ -29,7 +29,7 @@ module base_file
   integer(c_int), parameter :: AT_FDCWD = -100, AT_EMPTY_PATH = 4096, F_TLOCK = 2
   integer(c_int), parameter :: STATX_BASIC = 2047
 
-  !> struct statx of the C library: the same on every architecture.
+  !> The structure statx of the C library, which is the same on every architecture.
   type, bind(C) :: statx_t
     integer(c_int32_t) :: mask, blksize
     integer(c_int64_t) :: attributes
@@ -147,7 +147,7 @@ contains
                 int(buffer%ino, i8)]
   end function identity_of
 
-  !> Make a folder and those above it; it may exist already.
+  !> Make a folder and its parent folders; they may exist already.
   subroutine make_folder(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
@@ -168,7 +168,8 @@ contains
     call fail(error, SYSTEM_ERROR, "cannot make the folder '"//path//"': "//reason)
   end subroutine make_folder
 
-  !> Rename; a file of the new name is replaced atomically, so that one of the two always exists.
+  !> Rename a file. If the new name exists, its file is replaced atomically, so that one of the two
+  !! files always exists.
   subroutine replace_file(from, to, error)
     character(*), intent(in) :: from, to
     type(error_t), allocatable, intent(out) :: error
@@ -186,8 +187,8 @@ contains
     failed = c_unlink(c_text(path))
   end subroutine remove_file
 
-  !> Take the lock `path`, which ends with the process or with unlock_file. Fails at once where
-  !! another process holds it.
+  !> Take the lock `path`, which lasts until the process ends or unlock_file is called. This fails
+  !! at once if another process holds the lock.
   subroutine lock_file(path, lock, error)
     character(*), intent(in) :: path
     type(lock_t), intent(out) :: lock
@@ -209,7 +210,7 @@ contains
                   hint='wait for it, or give this run another folder (-o) or name (--name)')
         return
       end if
-      ! The holder before us may have removed the file between our two calls: then it locks nothing.
+      ! The last holder may have removed the file between these two calls; then it locks nothing.
       failed = c_statx(lock%fd, c_text(''), AT_EMPTY_PATH, STATX_BASIC, opened)
       call inspect(path, file)
       if (failed /= 0) exit
@@ -230,7 +231,7 @@ contains
     lock%fd = -1
   end subroutine unlock_file
 
-  !> The folder of a path with its last slash; blank where there is none.
+  !> Folder of a path, with its last slash; blank if there is none.
   pure function folder_of(path) result(folder)
     character(*), intent(in) :: path
     character(:), allocatable :: folder
@@ -238,7 +239,7 @@ contains
     folder = path(:index(path, '/', back=.true.))
   end function folder_of
 
-  !> The path without folders.
+  !> Name of a file from its path, without the folders.
   pure function base_name(path) result(name)
     character(*), intent(in) :: path
     character(:), allocatable :: name

@@ -1,7 +1,7 @@
 !> Arrays that grow while they are filled: old entries are kept, new ones are zero or false.
 !!
-!! The size doubles at least, so that n single additions copy each entry about once. The caller
-!! counts what it uses. Arrays that are filled together grow alike.
+!! The size at least doubles, so that n single additions copy each entry about once. The caller
+!! counts the entries in use. Arrays that are filled together grow to the same size.
 module base_grow
   use base_error, only: place_t
   use base_kinds, only: wp
@@ -9,7 +9,8 @@ module base_grow
   private
   public :: grow
 
-  !> `grow(a, n)`: room for n entries; `grow(a, rows, n)`: for n columns with at least `rows` rows.
+  !> `grow(a, n)` makes room for n entries, `grow(a, rows, n)` for n columns of at least `rows`
+  !! rows.
   interface grow
     module procedure grow_integer, grow_real, grow_logical, grow_place, grow_integers, grow_reals
   end interface grow
@@ -62,7 +63,7 @@ contains
     call move_alloc(b, a)
   end subroutine grow_logical
 
-  !> Places move without a copy of their texts.
+  !> Make room for n places; their texts are moved, not copied.
   subroutine grow_place(a, n)
     type(place_t), allocatable, intent(inout) :: a(:)
     integer, intent(in) :: n

@@ -1,4 +1,4 @@
-!> The two kinds of the program.
+!> The kinds of numbers that the program uses.
 module base_kinds
   use, intrinsic :: iso_fortran_env, only: int64, real64
   implicit none

@@ -17,8 +17,8 @@ module base_log
 
   type(byte_file_t) :: file
   logical :: opened = .false.
-  character(:), allocatable :: kept       !! lines written before it is open
-  type(error_t), allocatable :: trouble   !! the first line that could not be written
+  character(:), allocatable :: kept       !! lines written before the log is open
+  type(error_t), allocatable :: trouble   !! error of the first line that could not be written
   integer :: nkept = 0
   integer :: nwarning = 0
   type(message_t), allocatable :: message_of(:) !! the warnings of the run, equal ones once
@@ -27,7 +27,7 @@ module base_log
 
 contains
 
-  !> No warnings and no progress on the screen; both still go into the log.
+  !> Show no warnings and no progress on the screen; the log still gets the warnings.
   subroutine set_quiet(yes)
     logical, intent(in) :: yes
 
@@ -47,7 +47,7 @@ contains
     if (allocated(kept)) deallocate (kept)
   end subroutine open_log
 
-  !> Close the log; a disk that was full meanwhile is an error.
+  !> Close the log; it is an error if one of its lines could not be written, as on a full disk.
   subroutine close_log(error)
     type(error_t), allocatable, intent(out) :: error
 
@@ -58,7 +58,7 @@ contains
     if (allocated(trouble)) call move_alloc(trouble, error)
   end subroutine close_log
 
-  !> One line, or several with line ends between them.
+  !> Write one line, or several with line ends between them.
   subroutine log_line(text)
     character(*), intent(in) :: text
     character(:), allocatable :: longer
@@ -77,7 +77,7 @@ contains
     nkept = nkept + len(text) + 1
   end subroutine log_line
 
-  !> Write at once, so that the log is complete if the process is killed.
+  !> Write a text at once, so that the log is complete if the process is killed.
   subroutine put(text)
     character(*), intent(in) :: text
     type(error_t), allocatable :: error
@@ -87,7 +87,7 @@ contains
     if (allocated(error) .and. .not. allocated(trouble)) call move_alloc(error, trouble)
   end subroutine put
 
-  !> A warning: counted, into the log, and on the screen.
+  !> Count a warning, and write it into the log and on the screen.
   subroutine warn(message, place, hint)
     character(*), intent(in) :: message
     type(place_t), intent(in), optional :: place
@@ -131,7 +131,7 @@ contains
     n = nwarning
   end function warning_count
 
-  !> A line that the next one overwrites; only on a terminal.
+  !> Show a line that the next one overwrites; this is done only on a terminal.
   subroutine progress(text)
     character(*), intent(in) :: text
     integer, parameter :: WIDTH = 79
@@ -152,7 +152,7 @@ contains
     shown = 0
   end subroutine clear_progress
 
-  !> A closed screen is not an error: the log has everything.
+  !> Write on the screen. A closed screen is not an error, because the log has everything.
   subroutine show(text)
     character(*), intent(in) :: text
     integer :: io

@@ -5,12 +5,12 @@ module base_sort
   private
   public :: sort, sort_index, unique, find, hash
 
-  !> Positions in the order of rising keys; equal keys keep their order.
+  !> Positions that put the keys into ascending order; equal keys keep their order.
   interface sort_index
     module procedure sort_index_integer, sort_index_long, sort_index_real
   end interface sort_index
 
-  !> Sort in place, rising.
+  !> Sort a list in place, in ascending order.
   interface sort
     module procedure sort_integer, sort_real
   end interface sort
@@ -19,7 +19,7 @@ contains
 
   pure subroutine sort_index_integer(key, order)
     integer, intent(in) :: key(:)
-    integer, intent(out) :: order(:) !! (size(key)) key(order) rises
+    integer, intent(out) :: order(:) !! (size(key)) key(order) ascends
 
     call sort_index_long(int(key, i8), order)
   end subroutine sort_index_integer
@@ -60,7 +60,7 @@ contains
     end do
   end subroutine sort_index_long
 
-  !> Reals sort like the integers of their bits, once the bits of negative ones are inverted.
+  !> Sort reals as the integers with the same bits, after the bits of negative ones are inverted.
   pure subroutine sort_index_real(key, order)
     real(wp), intent(in) :: key(:)
     integer, intent(out) :: order(:)
@@ -90,7 +90,7 @@ contains
     list = list(order)
   end subroutine sort_real
 
-  !> The different values of a list, rising.
+  !> The distinct values of a list, in ascending order.
   pure function unique(list) result(values)
     integer, intent(in) :: list(:)
     integer, allocatable :: values(:)
@@ -107,7 +107,7 @@ contains
     values = values(:n)
   end function unique
 
-  !> Position of a value in a rising list; 0: it is not in the list.
+  !> Position of a value in an ascending list; 0: it is not in the list.
   pure function find(list, value) result(at)
     integer, intent(in) :: list(:), value
     integer :: at, low, high
@@ -123,7 +123,8 @@ contains
     at = 0
   end function find
 
-  !> A key to sort lists by: equal lists have equal numbers, different ones mostly different.
+  !> A key by which lists can be sorted: equal lists have equal keys, and different lists mostly
+  !! have different ones.
   pure integer(i8) function hash(list)
     integer, intent(in) :: list(:)
     integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8

@@ -93,13 +93,13 @@ module base_system
     end function c_getpid
   end interface
 
-  type(sigset_t) :: before               !! the mask before hold_signals
+  type(sigset_t) :: before               !! the signal mask before hold_signals was called
   integer(c_int), volatile :: caught = 0 !! number of the signal that requested a stop
-  integer(i8) :: origin = -huge(0_i8)    !! count of the clock when the run began
+  integer(i8) :: origin = -huge(0_i8)    !! reading of the clock when the run began
 
 contains
 
-  !> The one place that ends the process.
+  !> End the process in the usual way.
   subroutine finish(code)
     integer, intent(in) :: code
 
@@ -108,7 +108,7 @@ contains
     call c_exit(int(code, c_int))
   end subroutine finish
 
-  !> End the process without the clean-up of libraries, which would wait forever for a thread of
+  !> End the process at once. The usual clean-up of libraries would wait forever for a thread of
   !! OpenBLAS that waits for memory.
   subroutine finish_now(code)
     integer, intent(in) :: code
@@ -123,8 +123,8 @@ contains
     yes = c_isatty(2_c_int) == 1
   end function stderr_is_terminal
 
-  !> From now on SIGTERM, SIGINT and SIGUSR1 request a stop; a second SIGINT ends the process.
-  !! A closed pipe and a full file are reported by the write that fails.
+  !> Let SIGTERM, SIGINT and SIGUSR1 request a stop from now on; a second SIGINT ends the process.
+  !! If a pipe is closed or a file grows too large, the write that fails reports it.
   subroutine catch_signals()
     type(c_funptr) :: old
 
@@ -144,7 +144,8 @@ contains
     if (number == SIGINT) old = c_signal(SIGINT, transfer(0_c_intptr_t, old)) ! SIG_DFL
   end subroutine note_signal
 
-  !> Block SIGTERM until let_signals_in: for libraries that catch it for their own purposes.
+  !> Block SIGTERM until let_signals_in is called, because some libraries catch it for their own
+  !! purposes.
   subroutine hold_signals()
     type(sigset_t) :: set
     integer(c_int) :: failed
@@ -154,7 +155,7 @@ contains
     failed = c_sigprocmask(SIG_BLOCK, set, before)
   end subroutine hold_signals
 
-  !> Restore the mask before hold_signals; a signal that came meanwhile is delivered now.
+  !> Restore the mask before hold_signals; a signal that has arrived meanwhile is delivered now.
   subroutine let_signals_in()
     type(sigset_t) :: set
     integer(c_int) :: failed
@@ -180,7 +181,7 @@ contains
     end select
   end function stop_signal
 
-  !> The run begins; without this call it begins with the first reading of the clock.
+  !> Set the beginning of the run; otherwise the run begins when the clock is first read.
   subroutine start_clock()
     call system_clock(origin)
   end subroutine start_clock
@@ -223,7 +224,7 @@ contains
   end function peak_memory_mb
 
   !> Keep freed memory in the process. Otherwise each factorisation gets fresh pages, which the
-  !! system zeroes: 8 % of a run with 26,000 equations.
+  !! system fills with zeros; this took 8 % of the time of a run with 26,000 equations.
   subroutine keep_memory()
     integer(c_int) :: done
 
@@ -231,15 +232,15 @@ contains
     done = c_mallopt(M_TRIM_THRESHOLD, huge(done))
   end subroutine keep_memory
 
-  !> Return unused memory to the system: for other processes, and for its count of free memory.
+  !> Return unused memory to the system, so that other processes can use it and it counts as free.
   subroutine return_memory()
     integer(c_int) :: done
 
     done = c_malloc_trim(0_c_size_t)
   end subroutine return_memory
 
-  !> Memory that is still available [MiB], within the limits of a container and of `ulimit -v`;
-  !! huge: unknown.
+  !> Memory that is still available [MiB], within the limits of a container and of `ulimit -v`; huge
+  !! if it is unknown.
   function available_memory_mb() result(mb)
     real(wp) :: mb, limit, used, cache
 

@@ -6,14 +6,14 @@ module base_text
   private
   public :: lower, to_text, nearest, quoted, key_of, fits_name
 
-  integer, parameter :: LONGEST = 64 !! of a text quoted in a message
+  integer, parameter :: LONGEST = 64 !! characters of a text that a message quotes
 
-  !> A number as short text: integers in full, reals with six significant digits or `digits`.
+  !> A number as short text: an integer in full, a real with six or `digits` significant digits.
   interface to_text
     module procedure integer_text, long_text, real_text
   end interface to_text
 
-  !> A generic name, as the compiler has an intrinsic function of this name.
+  !> This name is generic, because the compiler has an intrinsic function of the same name.
   interface nearest
     module procedure nearest_word
   end interface nearest
@@ -42,7 +42,7 @@ contains
     key = lower(key)
   end function key_of
 
-  !> It can be part of the name of a file or a column: letters, digits, _ and -.
+  !> Can the text be part of the name of a file or a column? It may have letters, digits, _ and -.
   pure logical function fits_name(text, longest)
     character(*), intent(in) :: text
     integer, intent(in) :: longest !! characters
@@ -51,7 +51,7 @@ contains
                 .and. verify(lower(text), 'abcdefghijklmnopqrstuvwxyz0123456789_-') == 0
   end function fits_name
 
-  !> Text of the user for a message: in quotes, cut where it is long.
+  !> A text of the user's, to be quoted in a message; a long one is cut.
   pure function quoted(text) result(with_quotes)
     character(*), intent(in) :: text
     character(:), allocatable :: with_quotes
@@ -79,7 +79,7 @@ contains
     text = trim(buffer)
   end function long_text
 
-  !> Like %g of C: without exponent where it is small, without trailing zeros.
+  !> A real as %g of C writes it: without an exponent if this is small, and without trailing zeros.
   pure function real_text(x, digits) result(text)
     real(wp), intent(in) :: x
     integer, intent(in), optional :: digits !! significant ones, default 6
@@ -114,7 +114,7 @@ contains
     end if
   end function real_text
 
-  !> 1.500 to 1.5, 2.000 to 2.
+  !> A number without trailing zeros: 1.500 becomes 1.5, and 2.000 becomes 2.
   pure function without_zeros(number) result(text)
     character(*), intent(in) :: number
     character(:), allocatable :: text
@@ -128,8 +128,8 @@ contains
     text = number(:n)
   end function without_zeros
 
-  !> The word of a list that is most like `word`; the first of equals. Upper and lower case are the
-  !! same, and the first four letters may stand for a word of the list.
+  !> The word of a list that is most like `word`, or the first of them if there are several. Case
+  !! does not matter, and a word may be shortened to its first four letters.
   pure function nearest_word(word, list) result(found)
     character(*), intent(in) :: word
     character(*), intent(in) :: list(:)
@@ -154,7 +154,7 @@ contains
   pure function distance(a, b) result(d)
     character(*), intent(in) :: a, b
     integer :: d, i, j
-    integer :: row(0:len(b), 0:2) !! the row before the last, the last, the one being made
+    integer :: row(0:len(b), 0:2) !! the row before the last, the last row, and the new row
 
     row(:, 0) = 0
     row(:, 1) = [(j, j=0, len(b))]

@@ -32,7 +32,7 @@ module base_timer
 
 contains
 
-  !> Set all timers to zero; the total begins here.
+  !> Set all timers to zero and begin to measure the total.
   subroutine new_timers(timers)
     type(timers_t), intent(out) :: timers
 
@@ -89,7 +89,7 @@ contains
     timers%timer(i)%cpu = timers%timer(i)%cpu + seconds(2)
   end subroutine add
 
-  !> Wall time of a timer [s]; of 'total' since new_timers.
+  !> Wall time of a timer [s]; that of 'total' is the time since new_timers was called.
   function seconds(timers, name) result(wall)
     class(timers_t), intent(in) :: timers
     character(*), intent(in) :: name

@@ -51,7 +51,7 @@ module byte_file
 
 contains
 
-  !> Open for writing: a new file, or at the end of an existing one.
+  !> Open a file for writing: a new file, or an existing one, to be continued at its end.
   subroutine open_bytes(file, path, appends, error)
     type(byte_file_t), intent(out) :: file
     character(*), intent(in) :: path
@@ -83,7 +83,7 @@ contains
     end if
   end subroutine write_bytes
 
-  !> Pass everything to the operating system, so that it survives the end of the program.
+  !> Pass all that was written to the operating system, so that it survives the end of the program.
   subroutine flush_bytes(file, error)
     type(byte_file_t), intent(in) :: file
     type(error_t), allocatable, intent(out) :: error
@@ -100,7 +100,8 @@ contains
     file%stream = c_null_ptr
   end subroutine close_bytes
 
-  !> Write a small file under another name and rename it: it exists completely or not at all.
+  !> Write a small file under another name and rename it, so that it exists completely or not at
+  !! all.
   subroutine write_whole(path, text, error)
     character(*), intent(in) :: path, text
     type(error_t), allocatable, intent(out) :: error
@@ -136,8 +137,8 @@ contains
     call close_bytes(file, ignored)
   end subroutine take_room
 
-  !> Why a library could not write or read a file, found by trying: ': no space left on device',
-  !! or '' where the system reports no error.
+  !> Reason why a library could not write or read a file, found by a trial: for example ': no space
+  !! left on device', or '' if the system reports no error.
   function reason(path, writes) result(text)
     character(*), intent(in) :: path
     logical, intent(in) :: writes
