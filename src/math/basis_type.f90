@@ -5,17 +5,17 @@ module basis_type
   private
   public :: basis_t
 
-  !> Everything is with respect to the parent coordinates in [-1,1]^3.
+  !> All quantities refer to the parent coordinates in [-1,1]^3.
   type :: basis_t
-    integer :: nen = 0   !! functions (nodes or control points)
-    integer :: nq = 0    !! integration points
-    integer :: nmode = 0 !! enhanced modes (0: no enhancement)
+    integer :: nen = 0   !! number of functions (nodes or control points)
+    integer :: nq = 0    !! number of integration points
+    integer :: nmode = 0 !! number of enhanced modes (0: no enhancement)
     real(wp), allocatable :: shp(:, :)      !! (nen, nq) values
     real(wp), allocatable :: dshp(:, :, :)  !! (3, nen, nq) parent derivatives
     real(wp), allocatable :: wgt(:)         !! (nq) weights of the rule
     real(wp), allocatable :: mode(:, :, :)  !! (3, nmode, nq) parent covectors of the enhanced modes
-    real(wp), allocatable :: dshp0(:, :) !! (3, nen) parent derivatives at the centre (with
-    !! enhancement only)
+    real(wp), allocatable :: dshp0(:, :) !! (3, nen) parent derivatives at the centre (only with
+    !! enhancement)
   end type basis_t
 
 end module basis_type

@@ -17,7 +17,7 @@ module bspline
 
   !> A spline space in one direction.
   type :: spline_t
-    integer :: degree = 0              !! 0: direction not used, one function
+    integer :: degree = 0              !! 0: the direction is not used and has one function
     real(wp), allocatable :: knots(:)  !! non-decreasing; each end is repeated degree+1 times
   end type spline_t
 
@@ -26,7 +26,7 @@ contains
   !> Open knot vector with simple interior knots.
   function new_spline(degree, breaks) result(s)
     integer, intent(in) :: degree
-    real(wp), intent(in) :: breaks(:) !! increasing ends of the spans
+    real(wp), intent(in) :: breaks(:) !! ends of the spans, increasing
     type(spline_t) :: s
     integer :: n
 
@@ -51,8 +51,8 @@ contains
     nspan = count(s%knots(2:) > s%knots(:size(s%knots) - 1))
   end function nspan
 
-  !> The spans that are not empty, in order: span e is knots(k(e)) to knots(k(e)+1); its functions
-  !! are k(e)-p to k(e).
+  !> List the spans that are not empty, in order: span e goes from knots(k(e)) to knots(k(e)+1), and
+  !! its functions are k(e)-p to k(e).
   pure subroutine span_list(s, k)
     type(spline_t), intent(in) :: s
     integer, allocatable, intent(out) :: k(:) !! (nspan)
@@ -61,7 +61,7 @@ contains
     k = pack([(i, i=1, size(s%knots) - 1)], s%knots(2:) > s%knots(:size(s%knots) - 1))
   end subroutine span_list
 
-  !> Span of u: knots(k) <= u < knots(k+1); at the upper end the last span.
+  !> The span of u, for which knots(k) <= u < knots(k+1); at the upper end, the last span.
   pure integer function find_span(s, u) result(k)
     type(spline_t), intent(in) :: s
     real(wp), intent(in) :: u
@@ -83,7 +83,7 @@ contains
     end do
   end function find_span
 
-  !> Weights of the local control points k-p to k in the blossom of span k.
+  !> Compute the weights of the local control points k-p to k in the blossom of span k.
   pure subroutine blossom(knots, p, k, t, n)
     real(wp), intent(in) :: knots(:)
     integer, intent(in) :: p, k    !! degree, span (not empty)
@@ -104,7 +104,7 @@ contains
     end do
   end subroutine blossom
 
-  !> Values of the p+1 functions k-p to k at u in span k (Cox-de Boor).
+  !> Evaluate the p+1 functions k-p to k at u in span k (Cox-de Boor).
   pure subroutine basis_functions(s, k, u, n)
     type(spline_t), intent(in) :: s
     integer, intent(in) :: k
@@ -116,7 +116,7 @@ contains
     call blossom(s%knots, s%degree, k, t, n)
   end subroutine basis_functions
 
-  !> Values and first derivatives of the p+1 functions k-p to k at u in span k.
+  !> Evaluate the p+1 functions k-p to k and their first derivatives at u in span k.
   pure subroutine basis_derivatives(s, k, u, n, dn)
     type(spline_t), intent(in) :: s
     integer, intent(in) :: k
@@ -138,7 +138,7 @@ contains
     end do
   end subroutine basis_derivatives
 
-  !> Bernstein polynomials of degree p on [-1,1] and their derivatives.
+  !> Evaluate the Bernstein polynomials of degree p on [-1,1] and their derivatives.
   pure subroutine bernstein(p, xi, b, db, d2b)
     integer, intent(in) :: p
     real(wp), intent(in) :: xi
@@ -165,7 +165,7 @@ contains
     end do
   end subroutine bernstein
 
-  !> Second derivatives of the Bernstein polynomials from those of degree p-2.
+  !> Compute the second derivatives of the Bernstein polynomials from those of degree p-2.
   pure subroutine second_differences(p, low, d2b)
     integer, intent(in) :: p
     real(wp), intent(in) :: low(p + 1)
@@ -180,7 +180,7 @@ contains
     end do
   end subroutine second_differences
 
-  !> Greville abscissae: the control points of the identity.
+  !> Greville abscissae, which are the coefficients of the identity map.
   pure function greville(s) result(g)
     type(spline_t), intent(in) :: s
     real(wp) :: g(size(s%knots) - s%degree - 1)
@@ -195,10 +195,11 @@ contains
     end do
     if (s%degree == 0 .or. size(g) < 2) return
     g(1) = s%knots(1)
-    g(size(g)) = s%knots(size(s%knots)) ! to the last bit
+    g(size(g)) = s%knots(size(s%knots)) ! exact to the last bit
   end function greville
 
-  !> Bezier extraction of every span that is not empty: N = C B, B on [-1,1].
+  !> Compute the Bezier extraction operators of all spans that are not empty: N = C B, with the
+  !! Bernstein polynomials B on [-1,1].
   pure subroutine extraction(s, c, first)
     type(spline_t), intent(in) :: s
     real(wp), allocatable, intent(out) :: c(:, :, :) !! (p+1, p+1, nspan)
@@ -220,10 +221,10 @@ contains
     end do
   end subroutine extraction
 
-  !> The space with more knots.
+  !> The space with additional knots.
   pure function with_knots(s, list) result(fine)
     type(spline_t), intent(in) :: s
-    real(wp), intent(in) :: list(:) !! knots to insert, inside the range, any order
+    real(wp), intent(in) :: list(:) !! knots to insert, inside the range, in any order
     type(spline_t) :: fine
     integer :: i, j
 
@@ -240,7 +241,7 @@ contains
     end do
   end function with_knots
 
-  !> The space of the next degree with the same continuity.
+  !> The space of the next higher degree with the same continuity.
   pure function elevated(s) result(high)
     type(spline_t), intent(in) :: s
     type(spline_t) :: high
@@ -260,7 +261,7 @@ contains
     end do
   end function elevated
 
-  !> Control point i of the space `fine` as a combination of those of `s`, whose knots it contains.
+  !> Express control point i of the space `fine` by those of `s`, whose knots `fine` contains.
   pure subroutine insertion_row(s, fine, i, first, w)
     type(spline_t), intent(in) :: s, fine
     integer, intent(in) :: i
@@ -274,7 +275,8 @@ contains
     call blossom(s%knots, s%degree, k, fine%knots(i + 1:i + s%degree), w)
   end subroutine insertion_row
 
-  !> The same where `high` is `elevated(s)`: the mean of the blossoms that leave one knot out.
+  !> Express control point i of `high`, which is `elevated(s)`, by those of `s`: it is the mean of
+  !! the blossoms that each leave out one knot.
   pure subroutine elevation_row(s, high, i, first, w)
     type(spline_t), intent(in) :: s, high
     integer, intent(in) :: i
@@ -295,10 +297,10 @@ contains
     w = w/(p + 1)
   end subroutine elevation_row
 
-  !> Coefficients of the spline that takes given values at its Greville points.
+  !> Compute the coefficients of the spline that takes given values at its Greville points.
   subroutine interpolate(s, v, ok)
     type(spline_t), intent(in) :: s
-    real(wp), intent(inout) :: v(:, :) !! (n, m) values of m quantities; out: coefficients
+    real(wp), intent(inout) :: v(:, :) !! (n, m) values of m quantities; on exit, the coefficients
     logical, intent(out) :: ok         !! .false.: there is no such spline
     real(wp), allocatable :: band(:, :)
     real(wp) :: g(nfunction(s)), b(s%degree + 1)

@@ -1,4 +1,4 @@
-!> Interfaces of the BLAS and LAPACK routines that are called, under their own names.
+!> Interfaces of the BLAS and LAPACK routines that the program calls, under their own names.
 ! allow(C071): these routines are declared with assumed sizes
 module lapack
   use base_kinds, only: wp

@@ -14,7 +14,7 @@ module nurbs
   end type nurbs_t
 
   abstract interface
-    !> Control point i of space `to` from those of space `from`.
+    !> Express control point i of the space `to` by those of the space `from`.
     pure subroutine row_i(from, to, i, first, w)
       import :: spline_t, wp
       implicit none
@@ -27,7 +27,7 @@ module nurbs
 
 contains
 
-  !> Patch from its spaces and control points.
+  !> Make a patch from its spaces and control points.
   subroutine new_nurbs(patch, dir, x, w)
     type(nurbs_t), intent(out) :: patch
     type(spline_t), intent(in) :: dir(:)            !! one to three directions
@@ -54,7 +54,7 @@ contains
     patch%cp = reshape(h, [4, n(1), n(2), n(3)])
   end subroutine new_nurbs
 
-  !> The weights are not all equal.
+  !> Do the weights differ?
   pure logical function is_rational(patch)
     type(nurbs_t), intent(in) :: patch
 
@@ -79,7 +79,7 @@ contains
   subroutine insert_knots(patch, d, list)
     type(nurbs_t), intent(inout) :: patch
     integer, intent(in) :: d
-    real(wp), intent(in) :: list(:) !! inside the range, any order
+    real(wp), intent(in) :: list(:) !! inside the range, in any order
     type(spline_t) :: to
 
     if (size(list) == 0) return
@@ -119,7 +119,7 @@ contains
     patch%dir(d) = to
   end subroutine change_space
 
-  !> Point of the patch, and its derivatives with respect to the parameters.
+  !> Evaluate the position of a point and its derivatives with respect to the parameters.
   pure subroutine evaluate(patch, u, x, dx)
     type(nurbs_t), intent(in) :: patch
     real(wp), intent(in) :: u(3)                !! parameters, in the ranges of the knots
@@ -158,7 +158,8 @@ contains
     end do
   end subroutine evaluate
 
-  !> Face of a tri-variate patch as a bi-variate one; its directions are the two others, in order.
+  !> Extract a face of a tri-variate patch as a bi-variate patch, whose directions are the other
+  !! two, in order.
   subroutine face_of(patch, d, side, face)
     type(nurbs_t), intent(in) :: patch
     integer, intent(in) :: d     !! direction across the face

@@ -1,18 +1,19 @@
-!> Convex polygons in a plane: clipping, area, and points of integration.
+!> Convex polygons in a plane: clipping, area and integration points.
 module polygon
   use base_kinds, only: wp
   implicit none
   private
   public :: clip, signed_area, integrate_polygon, MOST_CORNERS
 
-  integer, parameter :: MOST_CORNERS = 16 !! of a polygon that has been clipped by a quadrilateral
+  integer, parameter :: MOST_CORNERS = 16 !! corners of a polygon clipped by a quadrilateral
 
 contains
 
-  !> Clip a polygon by a convex one (Sutherland and Hodgman 1974). Both are counter-clockwise.
+  !> Clip a polygon by a convex one (Sutherland and Hodgman 1974). The corners of both are in
+  !! counter-clockwise order.
   pure subroutine clip(by, n, x)
     real(wp), intent(in) :: by(:, :)     !! (2, :) corners of the convex polygon
-    integer, intent(inout) :: n          !! corners of the polygon; 0: nothing is left
+    integer, intent(inout) :: n          !! number of corners of the polygon; 0: nothing is left
     real(wp), intent(inout) :: x(2, MOST_CORNERS)
     real(wp) :: y(2, MOST_CORNERS), d(MOST_CORNERS), edge(2), s
     integer :: i, j, k, m
@@ -44,7 +45,7 @@ contains
     end do
   end subroutine clip
 
-  !> Area of a polygon, positive if its corners are counter-clockwise.
+  !> Area of a polygon, positive if its corners are in counter-clockwise order.
   pure real(wp) function signed_area(x) result(area)
     real(wp), intent(in) :: x(:, :)      !! (2, n)
     integer :: i, j
@@ -56,8 +57,9 @@ contains
     end do
   end function signed_area
 
-  !> Points and weights of a convex polygon: Gauss points of quadrilaterals from its first corner,
-  !! the last one collapsed to a triangle where the number of corners is odd.
+  !> Compute integration points and weights of a convex polygon. It is divided into quadrilaterals
+  !! that share its first corner, each with Gauss points; the last one is collapsed to a triangle if
+  !! the number of corners is odd.
   pure subroutine integrate_polygon(x, g, w, npoint, xi, weight)
     real(wp), intent(in) :: x(:, :)      !! (2, n) corners
     real(wp), intent(in) :: g(:), w(:)   !! (order) Gauss points on [-1,1] and their weights

@@ -7,10 +7,11 @@ module quadrature
 
 contains
 
-  !> Rule with n points, exact to degree 2n-1: roots of the Legendre polynomial by Newton.
+  !> Compute the rule with n points, which is exact to degree 2n-1. The points are the roots of the
+  !! Legendre polynomial, found by Newton's method.
   pure subroutine gauss(n, x, w)
     integer, intent(in) :: n
-    real(wp), intent(out) :: x(n), w(n) !! ascending; symmetric to the last bit
+    real(wp), intent(out) :: x(n), w(n) !! points (ascending) and weights, symmetric to the last bit
     real(wp), parameter :: PI = acos(-1.0_wp)
     real(wp) :: z, p, low, slope
     integer :: i, it
@@ -33,7 +34,7 @@ contains
     end do
   end subroutine gauss
 
-  !> Legendre polynomials of degree n and n-1 at z.
+  !> Evaluate the Legendre polynomials of degrees n and n-1 at z.
   pure subroutine legendre(n, z, p, low)
     integer, intent(in) :: n
     real(wp), intent(in) :: z
@@ -50,7 +51,7 @@ contains
     end do
   end subroutine legendre
 
-  !> Tensor rule on the square, first direction fastest.
+  !> Compute the tensor-product rule on the square; the first direction runs fastest.
   pure subroutine gauss_quad(n1, n2, xi, w)
     integer, intent(in) :: n1, n2
     real(wp), intent(out) :: xi(2, n1*n2), w(n1*n2)
@@ -67,7 +68,7 @@ contains
     end do
   end subroutine gauss_quad
 
-  !> Tensor rule on the cube, first direction fastest.
+  !> Compute the tensor-product rule on the cube; the first direction runs fastest.
   pure subroutine gauss_hex(n1, n2, n3, xi, w)
     integer, intent(in) :: n1, n2, n3
     real(wp), intent(out) :: xi(3, n1*n2*n3), w(n1*n2*n3)

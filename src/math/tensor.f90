@@ -15,7 +15,7 @@ contains
            + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
   end function det3
 
-  !> Inverse and determinant; `b` is not to be used where det = 0.
+  !> Compute the inverse and the determinant; `b` must not be used if det = 0.
   pure subroutine inv3(a, b, det)
     real(wp), intent(in) :: a(3, 3)
     real(wp), intent(out) :: b(3, 3)
@@ -44,7 +44,7 @@ contains
     c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
   end function cross
 
-  !> lam 1 x 1 + 2 mu I, the tangent of a law with two moduli; order 11 22 33 12 23 31.
+  !> The tangent lam 1 x 1 + 2 mu I of a law with two moduli, in the order 11 22 33 12 23 31.
   pure function isotropic(lam, mu) result(c)
     real(wp), intent(in) :: lam, mu
     real(wp) :: c(6, 6)
@@ -58,13 +58,13 @@ contains
     end do
   end function isotropic
 
-  !> Factors L D L^T of a symmetric matrix, in place (lower part); the number of negative
-  !! entries of D is that of negative eigenvalues (Sylvester).
+  !> Factorise a symmetric matrix as L D L^T, in place (lower part). The number of negative entries
+  !! of D is that of the negative eigenvalues (Sylvester).
   pure subroutine ldl_factor(n, a, negative, ok)
     integer, intent(in) :: n
-    real(wp), intent(inout) :: a(n, n) !! out: unit lower factor, D on the diagonal
+    real(wp), intent(inout) :: a(n, n) !! on exit, the unit lower factor, with D on the diagonal
     integer, intent(out) :: negative
-    logical, intent(out) :: ok         !! .false.: it or a leading minor is singular to rounding
+    logical, intent(out) :: ok         !! .false.: `a` or a leading minor is singular up to rounding
     real(wp) :: scale(n), v
     integer :: i, j
 
@@ -74,7 +74,7 @@ contains
       scale(j) = abs(a(j, j))
     end do
     do j = 1, n
-      if (.not. abs(a(j, j)) > n*epsilon(1.0_wp)*scale(j)) then ! also where it is not a number
+      if (.not. abs(a(j, j)) > n*epsilon(1.0_wp)*scale(j)) then ! also if it is not a number
         ok = .false.
         return
       end if
@@ -87,11 +87,11 @@ contains
     end do
   end subroutine ldl_factor
 
-  !> Solves with the factors of ldl_factor, in place.
+  !> Solve with the factors of ldl_factor, in place.
   pure subroutine ldl_solve(n, a, m, b)
     integer, intent(in) :: n, m
     real(wp), intent(in) :: a(n, n)
-    real(wp), intent(inout) :: b(n, m) !! right-hand sides, then solutions
+    real(wp), intent(inout) :: b(n, m) !! right-hand sides; on exit, the solutions
     integer :: i, j
 
     do j = 1, m
