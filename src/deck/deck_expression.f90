@@ -1,4 +1,4 @@
-!> Expressions, which may stand wherever a deck has a number.
+!> Expressions, which may replace any number in a deck.
 !!
 !!   sum     = product { (+|-) product }
 !!   product = factor { (*|/) factor }
@@ -24,7 +24,7 @@ module deck_expression
   character(*), parameter :: NAME_CHARACTERS = &
                              'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789'
 
-  !> What is wrong with an expression, and at which of its characters.
+  !> An error in an expression: a message, and the character at which it occurs.
   type :: trouble_t
     character(:), allocatable :: message, hint
     integer :: at = 0, width = 0
@@ -40,7 +40,7 @@ module deck_expression
 
 contains
 
-  !> Value of the expression `text`, which stands at `place`.
+  !> Evaluate the expression `text`, which stands at `place`.
   subroutine evaluate(params, text, value, place, error)
     type(params_t), intent(in) :: params
     character(*), intent(in) :: text
@@ -61,7 +61,7 @@ contains
     if (allocated(trouble%hint)) error%hint = trouble%hint
   end subroutine evaluate
 
-  !> Value of an expression; `trouble` says what is wrong and where in the text.
+  !> Compute the value of an expression; `trouble` says what is wrong and where in the text.
   subroutine compute(params, text, value, trouble)
     type(params_t), intent(in) :: params
     character(*), intent(in) :: text
@@ -72,7 +72,7 @@ contains
     type(ieee_status_type) :: status
     integer :: n, first
 
-    ! The common case fast: up to 15 digits with at most a sign in front.
+    ! A fast path for the common case: up to 15 digits, with at most a sign in front.
     value = 0.0_wp
     if (len(text) > 0 .and. len(text) <= 16 .and. scan(text, 'eEdD') == 0) then
       first = merge(2, 1, scan(text(1:1), '+-') > 0)
@@ -80,7 +80,7 @@ contains
       if (text(1:1) == '-') value = -value
       if (n > 0 .and. n == len(text) - first + 1 .and. .not. allocated(reason)) return
     end if
-    ! Overflow and the like are found by their results, so no trap may fire meanwhile.
+    ! Overflow and similar errors are seen in their results, so no trap may fire meanwhile.
     call ieee_get_status(status)
     call ieee_set_halting_mode(ieee_usual, .false.)
     p%text = text
@@ -96,7 +96,7 @@ contains
     call move_alloc(p%trouble, trouble)
   end subroutine compute
 
-  !> Value of the sum that begins at the next character; p%trouble is allocated where it has none.
+  !> Evaluate the sum that begins at the next character; p%trouble is allocated if it has no value.
   recursive subroutine parse_sum(p, params, value)
     type(parser_t), intent(inout) :: p
     type(params_t), intent(in) :: params
@@ -223,7 +223,7 @@ contains
     end select
   end subroutine parse_primary
 
-  !> A parameter, or a function with its arguments.
+  !> Evaluate a parameter, or a function with its arguments.
   recursive subroutine parse_name(p, params, value)
     type(parser_t), intent(inout) :: p
     type(params_t), intent(in) :: params
@@ -258,12 +258,13 @@ contains
     call reject(p, 'unknown parameter '//quoted(name), first, n, hint)
   end subroutine parse_name
 
-  !> The arguments of a function, from its parenthesis on, and its value.
+  !> Evaluate a function: read its arguments, from the opening parenthesis on, and compute its
+  !! value.
   recursive subroutine parse_call(p, params, name, first, value)
     type(parser_t), intent(inout) :: p
     type(params_t), intent(in) :: params
     character(*), intent(in) :: name
-    integer, intent(in) :: first !! character where the name begins
+    integer, intent(in) :: first !! character at which the name begins
     real(wp), intent(out) :: value
     real(wp) :: x(MOST_ARGUMENTS)
     character(:), allocatable :: reason
@@ -299,7 +300,7 @@ contains
     end if
   end subroutine parse_call
 
-  !> The next character, blanks skipped; a blank at the end of the text.
+  !> The next character that is not blank, or a blank at the end of the text.
   function next_character(p) result(c)
     type(parser_t), intent(inout) :: p
     character :: c
@@ -312,7 +313,7 @@ contains
     if (p%at <= len(p%text)) c = p%text(p%at:p%at)
   end function next_character
 
-  !> The next character with all its bytes (UTF-8).
+  !> The next character, with all its bytes (UTF-8).
   pure function character_at(p) result(text)
     type(parser_t), intent(in) :: p
     character(:), allocatable :: text
@@ -358,7 +359,7 @@ contains
     if (.not. ieee_is_finite(value)) call reject(p, 'the value is too large', at, width)
   end subroutine check_size
 
-  !> Keep the first trouble.
+  !> Record what is wrong; only the first error counts.
   subroutine reject(p, message, at, width, hint)
     type(parser_t), intent(inout) :: p
     character(*), intent(in) :: message

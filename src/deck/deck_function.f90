@@ -1,5 +1,5 @@
-!> The functions that an expression may call. The forms ...d take or give degrees, and are exact
-!! where the answer is: cosd(90) is 0.
+!> The functions that an expression may call. Those whose names end in d take or return degrees, and
+!! give exact values where these are simple: cosd(90) is 0.
 module deck_function
   use base_kinds, only: wp
   use base_text, only: to_text
@@ -16,14 +16,14 @@ module deck_function
 
 contains
 
-  !> Names for hints.
+  !> Names of all functions, for hints.
   function function_names() result(list)
     character(5) :: list(size(NAMES))
 
     list = NAMES
   end function function_names
 
-  !> Position in the list, 0: unknown. The name is in lower case.
+  !> Position of a name in the list; 0: it is unknown. The name is in lower case.
   pure function function_index(name) result(f)
     character(*), intent(in) :: name
     integer :: f
@@ -33,7 +33,7 @@ contains
     end do
   end function function_index
 
-  !> Value of function f; `trouble` says why there is none. Floating-point traps are off here.
+  !> Evaluate function f; `trouble` says why it has no value. Floating-point traps are off here.
   pure subroutine apply_function(f, x, value, trouble)
     integer, intent(in) :: f
     real(wp), intent(in) :: x(:) !! arguments
@@ -78,7 +78,7 @@ contains
     end select
   end subroutine apply_function
 
-  !> Arguments for which there is no value.
+  !> Check whether the function has a value for these arguments.
   pure subroutine check_domain(f, x, trouble)
     integer, intent(in) :: f
     real(wp), intent(in) :: x(:)
@@ -130,7 +130,7 @@ contains
     end if
   end function cosine_of_degrees
 
-  !> Sine of 0 to 180 degrees.
+  !> Sine of an angle from 0 to 180 degrees.
   pure function first_half(angle) result(s)
     real(wp), intent(in) :: angle
     real(wp) :: s, a

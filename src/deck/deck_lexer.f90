@@ -1,8 +1,8 @@
-!> Lines to fields.
+!> Divides the lines of a deck into fields.
 !!
 !! Blanks, a comma or = separate fields; two commas have an empty field between them; commas inside
-!! parentheses belong to the field. ! starts a comment, "..." is one field, and a line that ends
-!! with & continues in the next one.
+!! parentheses belong to the field. ! starts a comment, text in "..." is one field, and a line that
+!! ends with & continues on the next one.
 module deck_lexer
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: key_of
@@ -17,21 +17,21 @@ module deck_lexer
   character(*), parameter :: QUOTES = 'quotes enclose a whole field: "..."'
   character(*), parameter :: BLANKS = ' '//achar(9)
 
-  !> State while the lines of a record are cut. Characters are counted in the text of the whole
+  !> State while the lines of a record are divided. Positions are those in the text of the whole
   !! file.
   type :: cutter_t
     integer :: at = 1              !! next character
-    integer :: last = 0            !! of the line
-    logical :: expects = .true.    !! expects a field: a comma here makes an empty one
+    integer :: last = 0            !! last character of the line
+    logical :: expects = .true.    !! a field is expected, so that a comma here makes an empty one
     logical :: continues = .false. !! the line ends with &
     logical :: commented = .false.
-    integer :: wrong = 0           !! a character that makes the record unreadable, and why
+    integer :: wrong = 0           !! position of an unreadable character; 0: there is none
     character(:), allocatable :: why, hint
   end type cutter_t
 
 contains
 
-  !> The record that begins at `line`; afterwards `line` is the one after it.
+  !> Read the record that begins at `line`; afterwards `line` is the first line after it.
   subroutine read_record(source, line, record, error)
     type(source_t), intent(in) :: source
     integer, intent(inout) :: line
@@ -117,7 +117,7 @@ contains
     end associate
   end subroutine cut_line
 
-  !> A field without quotes.
+  !> Add a field that is not in quotes.
   subroutine cut_plain(text, record, cutter)
     character(*), intent(in) :: text
     type(record_t), intent(inout) :: record
@@ -146,7 +146,8 @@ contains
     cutter%at = at
   end subroutine cut_plain
 
-  !> FEAP's title: what follows the word is one field, and nothing in it separates.
+  !> Add FEAP's title: all that follows the word FEAP, up to a comment, is one field, even if
+  !! it contains separators.
   subroutine cut_title(text, record, cutter)
     character(*), intent(in) :: text
     type(record_t), intent(inout) :: record
@@ -198,7 +199,7 @@ contains
     call append(record%last, record%n, last)
   end subroutine add_field
 
-  !> Add a number to a list of n, which grows by doubling.
+  !> Append a number to a list of n numbers, whose size doubles when it is full.
   subroutine append(list, n, value)
     integer, allocatable, intent(inout) :: list(:)
     integer, intent(inout) :: n

@@ -1,4 +1,4 @@
-!> Numbers as a deck writes them: 1 1. .5 1.0d0 1e-3.
+!> Numbers as they are written in a deck: 1 1. .5 1.0d0 1e-3.
 module deck_number
   use base_kinds, only: wp, i8
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -16,10 +16,10 @@ module deck_number
 
 contains
 
-  !> Read the number without sign at the start of a text.
+  !> Read the unsigned number at the start of a text.
   subroutine scan_number(text, n, value, trouble)
     character(*), intent(in) :: text
-    integer, intent(out) :: n     !! characters of the number, 0: there is none
+    integer, intent(out) :: n     !! length of the number in characters; 0: there is none
     real(wp), intent(out) :: value
     character(:), allocatable, intent(out) :: trouble !! why the number has no value
     integer :: whole, fraction, power, at, i
@@ -37,7 +37,7 @@ contains
       if (at > 0) then
         do i = at + 1, n
           if (scan(text(i:i), '+-') > 0) cycle
-          power = min(10*power + iachar(text(i:i)) - 48, 100000) ! an absurd exponent is cut
+          power = min(10*power + iachar(text(i:i)) - 48, 100000) ! an absurdly large exponent is cut
         end do
         if (text(at + 1:at + 1) == '-') power = -power
       end if
@@ -52,8 +52,8 @@ contains
     call read_slowly(text(:n), value, trouble)
   end subroutine scan_number
 
-  !> A word of a foreign file that is one number with its sign; ok is .false. where it is not a
-  !! number or too large.
+  !> Read a word of a foreign file, which must be one number with or without a sign; ok is .false.
+  !! if it is not a number or is too large.
   subroutine whole_number(word, value, ok)
     character(*), intent(in) :: word
     real(wp), intent(out) :: value
@@ -74,7 +74,7 @@ contains
     if (sign == 1) value = merge(-value, value, word(1:1) == '-')
   end subroutine whole_number
 
-  !> Digits before and after the point, and the length with the exponent.
+  !> Count the digits before and after the point, and find the length including the exponent.
   pure subroutine measure(text, whole, fraction, n)
     character(*), intent(in) :: text
     integer, intent(out) :: whole, fraction, n
@@ -118,7 +118,7 @@ contains
     end do
   end subroutine collect
 
-  !> By the reader of the Fortran library: correctly rounded, but slow.
+  !> Read a number by the Fortran library, which rounds correctly but is slow.
   subroutine read_slowly(text, value, trouble)
     character(*), intent(in) :: text
     real(wp), intent(out) :: value

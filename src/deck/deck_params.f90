@@ -49,7 +49,7 @@ contains
     params%order = [params%order(:at - 1), params%n, params%order(at:)]
   end subroutine set_parameter
 
-  !> Value of a parameter; pi is known unless the deck sets it.
+  !> Find the value of a parameter; pi is known unless the deck sets it.
   pure subroutine find_parameter(params, name, value, known)
     type(params_t), intent(in) :: params
     character(*), intent(in) :: name !! lower case
@@ -67,7 +67,7 @@ contains
     end if
   end subroutine find_parameter
 
-  !> Names for hints, in the order in which they were set.
+  !> Names of all parameters, in the order in which they were set, for hints.
   pure function parameter_names(params) result(list)
     type(params_t), intent(in) :: params
     character(64), allocatable :: list(:)
@@ -79,7 +79,7 @@ contains
     end do
   end function parameter_names
 
-  !> A letter, then letters, digits or underscores.
+  !> Is the text a name: a letter, followed by letters, digits or underscores?
   pure function is_name(text) result(yes)
     character(*), intent(in) :: text
     logical :: yes
@@ -90,7 +90,7 @@ contains
     yes = index(LETTERS, lower(text(1:1))) > 0 .and. verify(lower(text), MORE) == 0
   end function is_name
 
-  !> Position of a name in `order`, or where it would be inserted.
+  !> Find the position of a name in `order`, or the position at which it would be inserted.
   pure subroutine locate(params, name, at, known)
     type(params_t), intent(in) :: params
     character(*), intent(in) :: name

@@ -1,4 +1,5 @@
-!> Files to a stream of records: INCLude, LOOP and NEXT are executed as they are read.
+!> Turns the files of a deck into a stream of records; INCLude, LOOP and NEXT are executed as they
+!! are read.
 module deck_reader
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_file, only: file_t, inspect, FILE_ABSENT
@@ -13,22 +14,22 @@ module deck_reader
   public :: reader_t, open_reader, next_record, next_unrolled, include_file, cancel_loops, &
             check_loops, source_text
 
-  integer, parameter :: MOST_FILES = 16         !! files open in one another
-  integer, parameter :: MOST_LOOPS = 10         !! loops in one another
-  integer, parameter :: MOST_PASSES = 1000000   !! of one loop
-  integer, parameter :: MOST_REPEATED = 10000000 !! records of all loops
+  integer, parameter :: MOST_FILES = 16         !! depth to which files include each other
+  integer, parameter :: MOST_LOOPS = 10         !! depth to which loops are nested
+  integer, parameter :: MOST_PASSES = 1000000   !! passes of one loop
+  integer, parameter :: MOST_REPEATED = 10000000 !! records that all loops together read again
 
-  !> A file being read.
+  !> A file that is being read.
   type :: frame_t
     integer :: source = 0 !! position in the list of files
     integer :: line = 1   !! next line
   end type frame_t
 
-  !> A loop being run.
+  !> A loop that is being executed.
   type :: loop_t
     integer :: frame = 0, line = 0 !! where its body begins
-    integer :: left = 0            !! passes that follow this one
-    integer :: nrecord = 0         !! records of its first pass
+    integer :: left = 0            !! number of passes that follow this one
+    integer :: nrecord = 0         !! number of records in its first pass
     type(place_t) :: place
   end type loop_t
 
@@ -36,14 +37,14 @@ module deck_reader
     private
     type(source_list_t) :: files !! every file that was named; all are kept
     integer :: nframe = 0, nloop = 0
-    integer :: repeated = 0      !! records read on a second or later pass
+    integer :: repeated = 0      !! records read in second and later passes
     type(frame_t) :: frame(MOST_FILES)
     type(loop_t) :: loop(MOST_LOOPS)
   end type reader_t
 
 contains
 
-  !> Begin with the deck itself.
+  !> Start reading at the deck itself.
   subroutine open_reader(reader, path, error)
     type(reader_t), intent(out) :: reader
     character(*), intent(in) :: path
@@ -53,7 +54,7 @@ contains
     if (.not. allocated(error)) reader%nframe = 1
   end subroutine open_reader
 
-  !> All files as they were read, one after the other.
+  !> Text of all files as they were read, one after the other.
   pure function source_text(reader) result(text)
     type(reader_t), intent(in) :: reader
     character(:), allocatable :: text
@@ -61,7 +62,7 @@ contains
     text = joined(reader%files)
   end function source_text
 
-  !> The next record as it stands.
+  !> Read the next record as it stands.
   subroutine next_record(reader, record, error)
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(out) :: record
@@ -95,7 +96,7 @@ contains
     end do
   end subroutine next_record
 
-  !> The next record that is not INCLude, LOOP or NEXT: these are executed.
+  !> Read the next record that is not INCLude, LOOP or NEXT; these are executed.
   subroutine next_unrolled(reader, params, record, error)
     type(reader_t), intent(inout) :: reader
     type(params_t), intent(in) :: params
@@ -136,7 +137,7 @@ contains
     call cancel_loops(reader)
   end subroutine next_unrolled
 
-  !> At END no loop may be open.
+  !> Check that no loop is open at END.
   subroutine check_loops(reader, error)
     type(reader_t), intent(in) :: reader
     type(error_t), allocatable, intent(out) :: error
@@ -146,14 +147,14 @@ contains
               'close it with NEXT in the same part of the deck')
   end subroutine check_loops
 
-  !> No pass after this one: repeating a record with an error would only repeat the message.
+  !> End all loops with this pass: repeating a record with an error would only repeat the message.
   subroutine cancel_loops(reader)
     type(reader_t), intent(inout) :: reader
 
     reader%loop(:reader%nloop)%left = 0
   end subroutine cancel_loops
 
-  !> Go on in the file that the record names.
+  !> Continue in the file that the record names.
   subroutine include_file(reader, record, error)
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(in) :: record
@@ -194,7 +195,8 @@ contains
     reader%frame(reader%nframe) = frame_t(source=i, line=1)
   end subroutine include_file
 
-  !> LOOP,n. After an error the body is read once, so that NEXT still finds its LOOP.
+  !> Begin a loop (LOOP,n). If there is an error, the body is read once, so that NEXT still finds
+  !! its LOOP.
   subroutine begin_loop(reader, params, record, error)
     type(reader_t), intent(inout) :: reader
     type(params_t), intent(in) :: params
@@ -225,7 +227,7 @@ contains
     reader%loop(reader%nloop)%left = nint(n) - 1
   end subroutine begin_loop
 
-  !> NEXT: back to the body of the loop, or on after it.
+  !> End a pass (NEXT): return to the body of the loop, or continue after it.
   subroutine end_pass(reader, record, error)
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(in) :: record

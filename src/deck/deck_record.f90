@@ -54,7 +54,7 @@ contains
     if (.not. record%is_empty(i)) field = record%raw(record%first(i):record%last(i))
   end function text
 
-  !> A field that is missing, or has no characters (two commas).
+  !> Is field i missing, or has it no characters (two commas)?
   pure function is_empty(record, i) result(yes)
     class(record_t), intent(in) :: record
     integer, intent(in) :: i
@@ -64,7 +64,7 @@ contains
     if (.not. yes) yes = record%last(i) < record%first(i)
   end function is_empty
 
-  !> It has the form `name = ...`, as a record of PARAmeters.
+  !> Does the record have the form `name = ...` of the records of PARAmeters?
   pure function assigns(record) result(yes)
     class(record_t), intent(in) :: record
     logical :: yes
@@ -73,7 +73,7 @@ contains
     if (yes) yes = index(record%raw(record%last(1) + 1:record%first(2) - 1), '=') > 0
   end function assigns
 
-  !> The deck has ended.
+  !> Has the deck ended?
   pure function is_end(record) result(yes)
     class(record_t), intent(in) :: record
     logical :: yes
@@ -81,7 +81,7 @@ contains
     yes = record%kind == RECORD_END
   end function is_end
 
-  !> No fields: blank, or nothing but a comment.
+  !> Does the record have no fields, because it is blank or only a comment?
   pure function is_blank(record) result(yes)
     class(record_t), intent(in) :: record
     logical :: yes
@@ -89,8 +89,8 @@ contains
     yes = record%kind == RECORD_BLANK .or. record%kind == RECORD_COMMENT
   end function is_blank
 
-  !> The place of field i; for a missing one the end of the record, for a record without fields its
-  !! line.
+  !> The place of field i. It is the end of the record if this field is missing, and the whole line
+  !! if the record has no fields.
   pure function place(record, i) result(at)
     class(record_t), intent(in) :: record
     integer, intent(in) :: i
@@ -106,7 +106,7 @@ contains
     end if
   end function place
 
-  !> The place of `width` characters of `raw`.
+  !> The place of `width` characters of `raw`, from character `first` on.
   pure function spot(record, first, width) result(at)
     class(record_t), intent(in) :: record
     integer, intent(in) :: first, width
@@ -133,7 +133,7 @@ contains
     at%width = width
   end function spot
 
-  !> A record must have nmin to nmax fields; `usage` shows how it is written.
+  !> Check that a record has nmin to nmax fields; `usage` shows how it is written.
   subroutine check_count(record, nmin, nmax, usage, error)
     type(record_t), intent(in) :: record
     integer, intent(in) :: nmin, nmax
@@ -154,7 +154,7 @@ contains
               record%place(min(record%n, nmax) + 1), usage)
   end subroutine check_count
 
-  !> Field i, which must not be empty, as written.
+  !> Get field i as written; it must not be empty.
   subroutine get_word(record, i, word, error)
     type(record_t), intent(in) :: record
     integer, intent(in) :: i

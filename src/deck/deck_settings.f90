@@ -12,12 +12,13 @@ module deck_settings
   type :: setting_t
     character(:), allocatable :: name !! lower case
     real(wp) :: value = 0.0_wp
-    logical :: used = .false.         !! the deck sets it too
+    logical :: used = .false.         !! the deck sets the parameter too
   end type setting_t
 
 contains
 
-  !> The settings of the command line, in its order. A value is an expression without parameters.
+  !> Read the settings of the command line, in their order. A value is an expression without
+  !! parameters.
   subroutine read_settings(list, settings, error)
     type(setting_t), allocatable, intent(out) :: list(:)
     character(*), intent(in) :: settings(:) !! name=value, as --set gives them
@@ -59,11 +60,11 @@ contains
     end do
   end function position
 
-  !> The value that the command line gives a parameter of the deck.
+  !> Get the value that the command line gives to a parameter of the deck.
   subroutine use_setting(list, name, value, found)
     type(setting_t), intent(inout) :: list(:)
     character(*), intent(in) :: name
-    real(wp), intent(inout) :: value !! unchanged where there is none
+    real(wp), intent(inout) :: value !! unchanged if the command line gives none
     logical, intent(out) :: found
     integer :: i
 
@@ -74,10 +75,10 @@ contains
     value = list(i)%value
   end subroutine use_setting
 
-  !> A parameter that the command line sets and the deck does not is an error.
+  !> Check that the deck sets every parameter that the command line sets.
   subroutine check_used(list, params, error)
     type(setting_t), intent(in) :: list(:)
-    type(params_t), intent(in) :: params !! when the deck has been read
+    type(params_t), intent(in) :: params !! all parameters, after the deck has been read
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: hint
     integer :: i
@@ -96,7 +97,7 @@ contains
     end do
   end subroutine check_used
 
-  !> One line for each setting, as comments of a deck.
+  !> Text with one line for each setting, written as comments of a deck.
   function settings_text(list) result(text)
     type(setting_t), intent(in) :: list(:)
     character(:), allocatable :: text

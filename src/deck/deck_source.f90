@@ -8,12 +8,12 @@ module deck_source
   private
   public :: source_t, source_of_text, source_line, source_list_t, find_source, add_source, joined
 
-  integer(i8), parameter :: LARGEST = 2_i8**30 !! bytes of a file
+  integer(i8), parameter :: LARGEST = 2_i8**30 !! largest size of a file, in bytes
 
   type :: source_t
     character(:), allocatable :: path      !! as messages show it
     character(:), allocatable :: text      !! the whole file
-    integer(i8) :: identity(2) = 0         !! device and number
+    integer(i8) :: identity(2) = 0         !! device and inode
     integer :: nline = 0
     integer, allocatable :: first(:), last(:) !! (nline) characters of each line, without its end
   end type source_t
@@ -22,7 +22,7 @@ module deck_source
     type(source_t), allocatable :: file
   end type entry_t
 
-  !> The files of a deck in memory, each once.
+  !> The files of a deck in memory; each is stored once.
   type :: source_list_t
     integer :: n = 0
     type(entry_t), allocatable :: item(:) !! (>= n)
@@ -30,7 +30,7 @@ module deck_source
 
 contains
 
-  !> Read a file. Only regular text files are read; `place` is that of the record that names it.
+  !> Read a file, which must be a regular text file; `place` is that of the record that names it.
   subroutine load_source(path, source, error, place)
     character(*), intent(in) :: path
     type(source_t), intent(out) :: source
@@ -81,7 +81,7 @@ contains
 
   end subroutine load_source
 
-  !> A text as if it stood in a file.
+  !> Store a text as if it stood in a file.
   subroutine source_of_text(path, text, source)
     character(*), intent(in) :: path, text
     type(source_t), intent(out) :: source
@@ -91,7 +91,7 @@ contains
     call find_lines(source)
   end subroutine source_of_text
 
-  !> One line as it stands in the file.
+  !> A line as it stands in the file.
   pure function source_line(source, line) result(text)
     type(source_t), intent(in) :: source
     integer, intent(in) :: line
@@ -102,7 +102,7 @@ contains
     text = source%text(source%first(line):source%last(line))
   end function source_line
 
-  !> NUL characters, or more than one control character in fifty.
+  !> Does the text have NUL characters, or more than one control character in fifty?
   pure function is_binary(text) result(yes)
     character(*), intent(in) :: text
     logical :: yes
@@ -119,7 +119,8 @@ contains
     yes = 50*strange > len(text)
   end function is_binary
 
-  !> Lines end with LF, CR LF or CR. A byte order mark of UTF-8 at the start is skipped.
+  !> Find the lines, which end with LF, CR LF or CR. A byte order mark of UTF-8 at the start is
+  !! skipped.
   subroutine find_lines(source)
     type(source_t), intent(inout) :: source
     character, parameter :: LF = achar(10), CR = achar(13)
@@ -192,7 +193,7 @@ contains
     end if
   end subroutine add_source
 
-  !> All files as they were read, one after the other.
+  !> Text of all files as they were read, one after the other.
   pure function joined(list) result(text)
     type(source_list_t), intent(in) :: list
     character(:), allocatable :: text

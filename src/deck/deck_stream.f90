@@ -46,7 +46,7 @@ contains
     call open_reader(deck%reader, path, error)
   end subroutine open_deck
 
-  !> After the deck has been read: it must have the parameters that the command line sets.
+  !> Check, after the deck has been read, that it has the parameters that the command line sets.
   subroutine check_settings(deck, error)
     type(deck_t), intent(in) :: deck
     type(error_t), allocatable, intent(out) :: error
@@ -54,7 +54,7 @@ contains
     call check_used(deck%setting, deck%params, error)
   end subroutine check_settings
 
-  !> The deck with all its files and the settings of the command line.
+  !> Text of the deck with all its files and the settings of the command line.
   function deck_text(deck) result(text)
     type(deck_t), intent(in) :: deck
     character(:), allocatable :: text
@@ -62,7 +62,7 @@ contains
     text = source_text(deck%reader)//settings_text(deck%setting)
   end function deck_text
 
-  !> The next record of any kind.
+  !> Read the next record of any kind.
   subroutine next(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
@@ -81,7 +81,7 @@ contains
     call check_loops(deck%reader, error)
   end subroutine next
 
-  !> Return a record: it is the next one again.
+  !> Put a record back, so that it is read again next.
   subroutine put_back(deck, record)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -91,7 +91,8 @@ contains
     deck%consumed = deck%consumed - 1
   end subroutine put_back
 
-  !> The next record of a data set of FEAP: a comment alone counts as blank.
+  !> Read the next record of a data set of FEAP, in which a line with only a comment counts as
+  !! blank.
   subroutine next_of_set(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
@@ -101,7 +102,8 @@ contains
     if (record%kind == RECORD_COMMENT) record%kind = RECORD_BLANK
   end subroutine next_of_set
 
-  !> The next record of a PATCh, CONTact or CURVe: a comment alone is skipped.
+  !> Read the next record of a PATCh, CONTact or CURVe, in which a line with only a comment is
+  !! skipped.
   subroutine next_in_block(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
@@ -113,8 +115,8 @@ contains
     end do
   end subroutine next_in_block
 
-  !> The next command of BATCh: blank records and comments are skipped, and LOOP, NEXT and INCLude
-  !! are commands.
+  !> Read the next command of BATCh. Blank records and comments are skipped; LOOP, NEXT and INCLude
+  !! are returned as commands.
   subroutine next_command(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
@@ -128,7 +130,7 @@ contains
     deck%consumed = 0
   end subroutine next_command
 
-  !> Continue in the file that a record INCLude names.
+  !> Continue in the file that an INCLude record names.
   subroutine include_in_deck(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -137,7 +139,7 @@ contains
     call include_file(deck%reader, record, error)
   end subroutine include_in_deck
 
-  !> Open loops end with this pass: to be called after an error in one of their records.
+  !> End all open loops with this pass, after an error in one of their records.
   subroutine stop_loops(deck)
     class(deck_t), intent(inout) :: deck
 
@@ -158,8 +160,8 @@ contains
     end do
   end subroutine skip
 
-  !> Field i as a number. An empty or missing field is `default`; without a default, an empty
-  !! field between two commas is 0, and a missing one an error.
+  !> Get field i as a number. An empty or missing field gives `default`. Without a default, an empty
+  !! field between two commas gives 0, and a missing field is an error.
   subroutine get_real(deck, record, i, x, error, default)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
@@ -179,7 +181,7 @@ contains
     end if
   end subroutine get_real
 
-  !> Field i as a whole number.
+  !> Get field i as an integer.
   subroutine get_integer(deck, record, i, n, error, default)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
@@ -207,7 +209,8 @@ contains
     end if
   end subroutine get_integer
 
-  !> A record `name = expression`: the parameter is set, unless the command line sets it.
+  !> Read a record `name = expression` and set the parameter, to the value of the command line if it
+  !! gives one.
   subroutine get_assignment(deck, record, name, value, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -233,7 +236,7 @@ contains
       call set_parameter(deck%params, name, value)
       return
     end if
-    ! All that follows the name is one expression, which may have blanks in it.
+    ! All that follows the name is one expression, which may contain blanks.
     first = record%first(2)
     expression = repeat(' ', record%last(record%n) - first + 1)
     do i = 2, record%n
@@ -242,14 +245,14 @@ contains
       end associate
     end do
     call compute_at(deck%params, record, first, expression, value, error)
-    if (allocated(error)) value = 1.0_wp   ! so that the name is known to what follows
+    if (allocated(error)) value = 1.0_wp   ! so that later records know the name
     call set_parameter(deck%params, name, value)
   end subroutine get_assignment
 
-  !> The records after PARAmeters, up to a blank one; the first of several errors is returned.
+  !> Read the records after PARAmeters, up to a blank one; of several errors, the first is returned.
   subroutine read_parameters(deck, line, error)
     type(deck_t), intent(inout) :: deck
-    integer, intent(out) :: line !! of the blank record
+    integer, intent(out) :: line !! line number of the blank record
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: found
     type(record_t) :: record
@@ -267,7 +270,7 @@ contains
     end do
   end subroutine read_parameters
 
-  !> Value of an expression that begins at a character of the record.
+  !> Compute the value of an expression that begins at character `first` of the record.
   subroutine compute_at(params, record, first, expression, value, error)
     type(params_t), intent(in) :: params
     type(record_t), intent(in) :: record
