@@ -1,4 +1,4 @@
-!> Properties of the laws with Young's modulus and Poisson's ratio.
+!> Properties of the laws that have Young's modulus and Poisson's ratio.
 module elastic_constants
   use base_kinds, only: wp
   use base_text, only: to_text
@@ -16,7 +16,7 @@ module elastic_constants
 
 contains
 
-  !> Check E and nu, derive the Lame parameters: eq. (33) of Corbett and Sauer 2015.
+  !> Check E and nu, and derive the Lame parameters by eq. (33) of Corbett and Sauer 2015.
   pure subroutine set_constants(value, prop, error)
     real(wp), intent(in) :: value(:) !! E, nu
     real(wp), intent(out) :: prop(:)
@@ -36,7 +36,7 @@ contains
     prop(LAMBDA) = 2.0_wp*prop(MU)*prop(NU)/(1.0_wp - 2.0_wp*prop(NU))
   end subroutine set_constants
 
-  !> The interface is material_stiffness_i.
+  !> Young's modulus; the interface is material_stiffness_i.
   pure function young_modulus(prop) result(young)
     real(wp), intent(in) :: prop(:)
     real(wp) :: young

@@ -17,7 +17,7 @@ module mate_linear
 
 contains
 
-  !> Row of the table of laws.
+  !> Row of this law in the table of laws.
   function describe() result(row)
     type(material_t) :: row
 
@@ -36,7 +36,7 @@ contains
     row%energy => energy
   end function describe
 
-  !> Stress and constant tangent.
+  !> Compute the stress and the constant tangent.
   pure subroutine stress(prop, dg, tau, c, ok)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: dg(3, 3)
@@ -49,7 +49,7 @@ contains
     c = isotropic(lam, mus)
   end subroutine stress
 
-  !> Stress and the Lame parameters.
+  !> Compute the stress and the Lame parameters.
   pure subroutine moduli(prop, dg, tau, lam, mus, ok)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: dg(3, 3)
@@ -70,7 +70,7 @@ contains
     ok = .true.
   end subroutine moduli
 
-  !> `moduli` at NB points.
+  !> Do the same as `moduli` at NB points.
   pure subroutine moduli_batch(prop, dg, tau, lam, mus, ok)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: dg(NB, 3, 3)
@@ -97,7 +97,7 @@ contains
     ok = .true.
   end subroutine moduli_batch
 
-  !> Half of stress times strain.
+  !> Stored energy: half of stress times strain.
   pure function energy(prop, dg) result(w)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: dg(3, 3)

@@ -1,4 +1,4 @@
-!> Compressible neo-Hooke at finite strains.
+!> Compressible neo-Hookean law at finite strains.
 !!
 !!   W = mu/2 (tr b - 3) - mu ln J + U(J),   tau = mu (b - 1) + J U' 1
 !!   U = Lam/4 (J^2 - 1 - 2 ln J)   VOLUme 1
@@ -23,7 +23,7 @@ module mate_neohooke
 
 contains
 
-  !> Row of the table of laws.
+  !> Row of this law in the table of laws.
   function describe() result(row)
     type(material_t) :: row
 
@@ -43,7 +43,7 @@ contains
     row%energy => energy
   end function describe
 
-  !> E, nu and, if given, the volumetric function to prop(:).
+  !> Set prop(:) from E, nu and, if given, the volumetric function.
   pure subroutine set(value, prop, error)
     real(wp), intent(in) :: value(:) !! E, nu [, k]
     real(wp), intent(out) :: prop(:)
@@ -59,7 +59,7 @@ contains
     end if
   end subroutine set
 
-  !> Kirchhoff stress and spatial tangent.
+  !> Compute the Kirchhoff stress and the spatial tangent.
   pure subroutine stress(prop, dg, tau, c, ok)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: dg(3, 3)
@@ -72,7 +72,7 @@ contains
     c = isotropic(lam, mus)
   end subroutine stress
 
-  !> Kirchhoff stress and the two moduli.
+  !> Compute the Kirchhoff stress and the two moduli.
   pure subroutine moduli(prop, dg, tau, lam, mus, ok)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: dg(3, 3)
@@ -107,7 +107,7 @@ contains
     tau(6) = prop(MU)*dot_product(dg(3, :), dg(1, :))
   end subroutine moduli
 
-  !> `moduli` at NB points.
+  !> Do the same as `moduli` at NB points.
   pure subroutine moduli_batch(prop, dg, tau, lam, mus, ok)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: dg(NB, 3, 3)
@@ -149,7 +149,7 @@ contains
     end do
   end subroutine moduli_batch
 
-  !> Determinants. One that is not positive and finite becomes 1, and its ok is .false.
+  !> Compute the determinants. If one is not positive and finite, it becomes 1 and its ok .false.
   pure subroutine find_volumes(dg, jac, ok)
     real(wp), intent(in) :: dg(NB, 3, 3)
     real(wp), intent(out) :: jac(NB)
@@ -176,7 +176,7 @@ contains
     end if
   end subroutine find_volumes
 
-  !> Stored energy; huge where det F <= 0.
+  !> Stored energy; huge if det F <= 0.
   pure function energy(prop, dg) result(w)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: dg(3, 3)

@@ -15,14 +15,14 @@ contains
     allocate (table(0))
     block; use mate_linear, only: describe; table = [table, describe()]; end block
     block; use mate_neohooke, only: describe; table = [table, describe()]; end block
-    ! The batch of neo-Hooke is compiled three times: for any processor, AVX2 and AVX-512.
+    ! The batch procedure of neo-Hooke is compiled three times: for any processor, AVX2 and AVX-512.
     select case (vector_level())
     case (4)
       block; use mate_neohooke_v4, only: describe; call take_batch(table, describe()); end block
     case (3)
       block; use mate_neohooke_v3, only: describe; call take_batch(table, describe()); end block
     case default
-      continue ! the table holds what runs on any processor
+      continue ! the table already has the procedure for any processor
     end select
   end subroutine load_materials
 
@@ -37,7 +37,7 @@ contains
     end do
   end subroutine take_batch
 
-  !> The row of a name; its name is empty where there is none.
+  !> The row that has a given name, or a row with an empty name if there is none.
   function find_material(name) result(law)
     character(*), intent(in) :: name
     type(material_t) :: law

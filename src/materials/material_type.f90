@@ -15,36 +15,36 @@ module material_type
     character(64) :: hint = ''    !! what is allowed
   end type constant_error_t
 
-  !> A law. Stresses are Kirchhoff stresses tau = J sigma where `finite`, else the stress of the
-  !! small strain sym(F - I). Voigt order 11 22 33 12 23 31; shear moduli belong to 2 eps_12.
+  !> A law. Stresses are Kirchhoff stresses tau = J sigma if `finite`, otherwise the stress of the
+  !! small strain sym(F - I). The Voigt order is 11 22 33 12 23 31, with shear strains 2 eps_12 etc.
   type :: material_t
     character(16) :: name = ''    !! deck word
     character(48) :: numbers = '' !! names of the numbers in the record ELAStic, for hints
-    integer :: nvalue = 0         !! how many numbers these are
+    integer :: nvalue = 0         !! how many numbers there are
     character(80) :: source = ''  !! formula and reference, for the log
     logical :: finite = .true.    !! .false.: small strain
-    logical :: volumetric = .false. !! there is a choice of functions: VOLUme k of FINIte
+    logical :: volumetric = .false. !! the law has several volumetric functions (VOLUme k of FINIte)
     logical :: symmetric = .true. !! the tangent is symmetric
     integer :: nprop = 0          !! columns of prop(:) in use
     real(wp) :: example(MAX_PROP) = 0.0_wp !! (nvalue) constants of a valid material, for the tests
     procedure(material_set_i), pointer, nopass :: set => null()
     procedure(material_stiffness_i), pointer, nopass :: stiffness => null()
     procedure(material_stress_i), pointer, nopass :: stress => null()
-    !> Optional, faster: for laws whose spatial tangent is lam 1 x 1 + 2 mus I, lam and mus scalars.
+    !> Optional and faster, for laws whose spatial tangent is lam 1 x 1 + 2 mus I (two scalars).
     procedure(material_moduli_i), pointer, nopass :: moduli => null()
-    !> Optional, for laws with `moduli`: NB points at a time.
+    !> Optional, for laws with `moduli`: the same at NB points at a time.
     procedure(material_batch_i), pointer, nopass :: moduli_batch => null()
     procedure(material_energy_i), pointer, nopass :: energy => null()
   end type material_t
 
   abstract interface
-    !> Properties from the numbers of the deck; `error` rejects one of them.
+    !> Set the properties from the numbers of the deck; `error` says which of them is rejected.
     pure subroutine material_set_i(value, prop, error)
       import :: wp, constant_error_t
       implicit none
-      !> The nvalue numbers after the name; then, if the deck gives it, k of VOLUme k.
+      !> The nvalue numbers after the name, followed by k of VOLUme k if the deck gives it.
       real(wp), intent(in) :: value(:)
-      real(wp), intent(out) :: prop(:)  !! (nprop or more) zero where unused
+      real(wp), intent(out) :: prop(:)  !! (nprop or more) zero if unused
       type(constant_error_t), intent(out) :: error
     end subroutine material_set_i
 
@@ -56,18 +56,19 @@ module material_type
       real(wp) :: young
     end function material_stiffness_i
 
-    !> Stress and tangent at a point.
+    !> Compute stress and tangent at a point.
     pure subroutine material_stress_i(prop, dg, tau, c, ok)
       import :: wp
       implicit none
       real(wp), intent(in) :: prop(:)   !! (nprop)
       real(wp), intent(in) :: dg(3, 3)  !! deformation gradient [-]
       real(wp), intent(out) :: tau(6)   !! stress [F/L^2]
-      real(wp), intent(out) :: c(6, 6)  !! Lie derivative of tau against d; small: d tau/d eps
-      logical, intent(out) :: ok        !! .false.: no stress for this dg (det <= 0)
+      real(wp), intent(out) :: c(6, 6)  !! tangent [F/L^2]: Lie derivative of tau with respect to
+      !! the rate of deformation; at small strain d tau/d eps
+      logical, intent(out) :: ok        !! .false.: there is no stress for this dg (det <= 0)
     end subroutine material_stress_i
 
-    !> Stress and the two scalar moduli at a point.
+    !> Compute the stress and the two scalar moduli at a point.
     pure subroutine material_moduli_i(prop, dg, tau, lam, mus, ok)
       import :: wp
       implicit none
@@ -78,7 +79,7 @@ module material_type
       logical, intent(out) :: ok
     end subroutine material_moduli_i
 
-    !> Stress and the two scalar moduli at NB points; the first index is the point.
+    !> Compute the stress and the two scalar moduli at NB points; the first index is the point.
     pure subroutine material_batch_i(prop, dg, tau, lam, mus, ok)
       import :: wp, NB
       implicit none
@@ -89,7 +90,7 @@ module material_type
       logical, intent(out) :: ok(NB)
     end subroutine material_batch_i
 
-    !> Stored energy per reference volume [F/L^2]; huge where the law has none (det <= 0).
+    !> Stored energy per reference volume [F/L^2]; huge if the law has none (det <= 0).
     pure function material_energy_i(prop, dg) result(w)
       import :: wp
       implicit none
@@ -101,7 +102,7 @@ module material_type
 
 contains
 
-  !> Records of the deck that choose the law, for hints.
+  !> The records of the deck that choose the law, for hints.
   pure function material_usage(law) result(text)
     type(material_t), intent(in) :: law
     character(:), allocatable :: text
