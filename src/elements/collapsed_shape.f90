@@ -1,9 +1,10 @@
 !> Tetrahedra and triangles as collapsed cubes and squares. All elements then share one parent, and
-!! all their faces are squares: rules, loads and contact need no other case.
+!! all their faces are squares, so that rules, loads and contact need no special case.
 !!
-!! With s = (1 + xi)/2 a point of the tetrahedron is t = (s1 (1-s2) (1-s3), s2 (1-s3), s3): face xi-
-!! is t1 = 0, xi+ is t1 + t2 + t3 = 1, eta- is t2 = 0, zeta- is t3 = 0; eta+ is an edge, zeta+ a
-!! point. Without the third direction it is the triangle; its eta+ is a point.
+!! With s = (1 + xi)/2, a point of the tetrahedron is t = (s1 (1-s2) (1-s3), s2 (1-s3), s3). Then
+!! face xi- is t1 = 0, xi+ is t1 + t2 + t3 = 1, eta- is t2 = 0, and zeta- is t3 = 0; eta+ is an
+!! edge, and zeta+ a point. Without the third direction this gives the triangle, whose eta+ is a
+!! point.
 !!
 !! Integrands are polynomials on the tetrahedron, so the integration rules of the tetrahedron are
 !! used: their points are mapped to the cube, and their weights are divided by the determinant of
@@ -18,11 +19,11 @@ module collapsed_shape
 
 contains
 
-  !> Volume coordinates, 1 - t1 - t2 - t3 and t, at a point of the cube, and their derivatives.
+  !> Map a point of the cube to volume coordinates, 1 - t1 - t2 - t3 and t, with their derivatives.
   pure subroutine fold_tetrahedron(xi, v, dv)
     real(wp), intent(in) :: xi(3)      !! in [-1,1]^3
     real(wp), intent(out) :: v(4)
-    real(wp), intent(out) :: dv(3, 4)  !! dv(i, j): of v(j) along xi(i)
+    real(wp), intent(out) :: dv(3, 4)  !! dv(i, j): derivative of v(j) with respect to xi(i)
     real(wp) :: s(3), r(3)
 
     s = 0.5_wp*(1.0_wp + xi)
@@ -35,11 +36,11 @@ contains
     dv(:, 1) = -sum(dv(:, 2:), 2)
   end subroutine fold_tetrahedron
 
-  !> Area coordinates, 1 - t1 - t2 and t, at a point of the square, and their derivatives.
+  !> Map a point of the square to area coordinates, 1 - t1 - t2 and t, with their derivatives.
   pure subroutine fold_triangle(xi, v, dv)
     real(wp), intent(in) :: xi(2)      !! in [-1,1]^2
     real(wp), intent(out) :: v(3)
-    real(wp), intent(out) :: dv(2, 3)  !! dv(i, j): of v(j) along xi(i)
+    real(wp), intent(out) :: dv(2, 3)  !! dv(i, j): derivative of v(j) with respect to xi(i)
     real(wp) :: s(2), r(2)
 
     s = 0.5_wp*(1.0_wp + xi)
@@ -51,7 +52,7 @@ contains
     dv(:, 1) = -dv(:, 2) - dv(:, 3)
   end subroutine fold_triangle
 
-  !> A rule of the tetrahedron as one of the cube.
+  !> Convert a rule of the tetrahedron to one of the cube.
   subroutine unfold_rule(t, w, rule)
     real(wp), intent(in) :: t(:, :)  !! (3, nq) inside the tetrahedron
     real(wp), intent(in) :: w(:)     !! (nq) weights, sum 1/6
@@ -70,7 +71,7 @@ contains
     end do
   end subroutine unfold_rule
 
-  !> Rule of a collapsed element: 2 x 2 x 2 points of the cube, or as many as QUADrature says.
+  !> Set the rule of a collapsed element: 2 x 2 x 2 points of the cube, or as QUADrature says.
   subroutine collapsed_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz
@@ -79,7 +80,7 @@ contains
     integer :: n
 
     associate (unused => cell); end associate
-    n = max(q, qz, 2) ! of each direction: the fold raises the degree of all
+    n = max(q, qz, 2) ! in each direction, because the map raises the degree in all of them
     call tensor_rule([n, n, n], 0, 0, rule)
   end subroutine collapsed_rule
 

@@ -26,7 +26,7 @@ contains
     block; use elmt_tet10, only: describe; table = [table, describe()]; end block
   end subroutine load_elements
 
-  !> The row of a name; its name is empty where there is none.
+  !> The row that has a given name, or a row with an empty name if there is none.
   function find_element(name) result(row)
     character(*), intent(in) :: name
     type(element_t) :: row

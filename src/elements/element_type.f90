@@ -30,7 +30,7 @@ module element_type
     real(wp), allocatable :: wgt(:)    !! (nq)
   end type rule_t
 
-  !> Faces and picture of a member. Faces of a hexahedral parent are numbered
+  !> Faces of a member, and how it is drawn. The faces of a hexahedral parent are numbered
   !! xi-, xi+, eta-, eta+, zeta-, zeta+ (1 to 6).
   type :: topology_t
     integer :: nen = 0
@@ -38,19 +38,19 @@ module element_type
     integer, allocatable :: first(:)  !! (nface+1) where a face's nodes begin in `node`
     integer, allocatable :: node(:)   !! local nodes of the faces, one after the other
     integer :: vtk = 0                !! VTK cell type (12 Q1, 79 Bezier, 10 tetrahedron)
-    integer, allocatable :: vtk_node(:) !! local node of each VTK point; spline cells: none
-    !> What readers of mesh files need to know of an element with deck_nodes > 0; unset in others.
+    integer, allocatable :: vtk_node(:) !! local node of each VTK point; unset in spline cells
+    !> What readers of mesh files need to know about elements with deck_nodes > 0; unset in others.
     character(12) :: shape = ''         !! tetrahedron, pyramid, wedge or hexahedron
     integer, allocatable :: corner(:)   !! local nodes at the corners
-    real(wp), allocatable :: xr(:, :)   !! (3, nen) nodes of the reference element [-]
-    integer :: gmsh = 0                 !! element type of Gmsh; 0: it has none
+    real(wp), allocatable :: xr(:, :)   !! (3, nen) node positions in the reference element [-]
+    integer :: gmsh = 0                 !! element type in Gmsh; 0: there is none
     integer, allocatable :: gmsh_node(:) !! local node of each Gmsh node; not allocated: same order
   end type topology_t
 
-  !> Outcome of `form` in an element.
+  !> Outcome of `form` for one element.
   type :: form_report_t
-    logical :: ok = .true.          !! .false.: inverted, or condensation singular: cut the step
-    integer :: negative = 0         !! negative eigenvalues of the condensed block
+    logical :: ok = .true.          !! .false.: inverted, or condensation singular; the step is cut
+    integer :: negative = 0         !! number of negative eigenvalues of the condensed block
     real(wp) :: enhanced = 0.0_wp   !! |r_a . K_aa^-1 r_a|: energy of the enhanced residual [F L]
   end type form_report_t
 
@@ -59,21 +59,21 @@ module element_type
     character(16) :: name = ''       !! e.g. Q1E9
     character(100) :: source = ''    !! formulation and reference, for the log
     logical :: spline = .false.      !! functions need Bezier extraction (cell%c1, ...)
-    integer :: nmode = 0             !! enhanced modes; three parameters each, condensed
-    integer :: deck_nodes = 0        !! nodes of a record of ELEMents; 0: not an element of ELEM
-    integer :: degree = 0            !! of its faces; 0: the block tells
-    integer :: deck_order(27) = 0    !! own node of each of them; 0: in the same order
+    integer :: nmode = 0             !! number of enhanced modes, with three parameters each
+    integer :: deck_nodes = 0        !! nodes in a record of ELEMents; 0: it has no records
+    integer :: degree = 0            !! degree of its faces; 0: it depends on the block
+    integer :: deck_order(27) = 0    !! local node of each node of the deck; 0: in the same order
     procedure(element_rule_i), pointer, nopass :: rule => null()
     procedure(element_functions_i), pointer, nopass :: functions => null()
     procedure(element_topology_i), pointer, nopass :: topology => null()
     procedure(element_modes_i), pointer, nopass :: modes => null()
-    !> One of the two; the batch is used where both are given.
+    !> One of these two is given; if both are, the batch is used.
     procedure(element_form_i), pointer, nopass :: form => null()
     procedure(element_batch_i), pointer, nopass :: form_batch => null()
   end type element_t
 
   abstract interface
-    !> Integration rule: q points in the plane and qz across; 0 means the type's default.
+    !> Set the integration rule: q points in the plane and qz across it; 0 means the type's default.
     subroutine element_rule_i(cell, q, qz, rule)
       import :: cell_t, rule_t
       implicit none
@@ -82,7 +82,7 @@ module element_type
       type(rule_t), intent(out) :: rule
     end subroutine element_rule_i
 
-    !> Functions and parent derivatives at a point.
+    !> Evaluate the functions and their parent derivatives at a point.
     pure subroutine element_functions_i(cell, xi, shp, dshp)
       import :: cell_t, wp
       implicit none
@@ -99,7 +99,7 @@ module element_type
       type(topology_t), intent(out) :: topology
     end subroutine element_topology_i
 
-    !> Parent covectors of the enhanced modes at a point: zero mean over the parent cell.
+    !> Evaluate the parent covectors of the enhanced modes; their mean over the parent cell is zero.
     pure subroutine element_modes_i(xi, mode)
       import :: wp
       implicit none
@@ -107,12 +107,12 @@ module element_type
       real(wp), intent(out) :: mode(:, :) !! (3, nmode)
     end subroutine element_modes_i
 
-    !> Residual and consistent tangent of one element, with its enhanced modes condensed.
+    !> Compute residual and consistent tangent of one element, with its enhanced modes condensed.
     !!
-    !! History of an element with nmode > 0 (length history_length(nen, nmode) of solid_form):
-    !! the parameters a at (u - du), the vector m = K_aa^-1 r_a and the matrix L = K_aa^-1 K_au
-    !! there.
-    !! The kernel sets a_new = a - scale*m - L du, forms, and returns a_new, m_new, L_new.
+    !! The history of an element with nmode > 0 has the length history_length(nen, nmode) of
+    !! solid_form. It contains the parameters a at (u - du), and the vector m = K_aa^-1 r_a and the
+    !! matrix L = K_aa^-1 K_au there. The kernel sets a_new = a - scale*m - L du, computes residual
+    !! and tangent, and returns a_new, m_new and L_new.
     pure subroutine element_form_i(basis, material, prop, xr, u, du, scale, h_old, h_new, &
                                    r, k, report)
       import :: basis_t, material_t, form_report_t, wp
@@ -122,8 +122,9 @@ module element_type
       real(wp), intent(in) :: prop(:)     !! (nprop) properties of the material
       real(wp), intent(in) :: xr(:, :)    !! (3, nen) reference positions [L]
       real(wp), intent(in) :: u(:, :)     !! (3, nen) trial displacements [L]
-      real(wp), intent(in) :: du(:, :)    !! (3, nen) u minus the displacements h_old belongs to
-      !> Fraction of the Newton step in du: 0 at the start of a step, 1 full, less in a line search.
+      real(wp), intent(in) :: du(:, :)    !! (3, nen) u minus the displacements of h_old
+      !> Fraction of the Newton step in du: 0 at the start of a step, 1 for a full step, less in a
+      !! line search.
       real(wp), intent(in) :: scale
       real(wp), intent(in) :: h_old(:)    !! (nhist)
       real(wp), intent(out) :: h_new(:)   !! (nhist)
@@ -132,7 +133,7 @@ module element_type
       type(form_report_t), intent(out) :: report
     end subroutine element_form_i
 
-    !> The same for NB elements of one class; the first index is the element.
+    !> Do the same for NB elements of one class; the first index is the element.
     pure subroutine element_batch_i(basis, material, prop, xr, u, du, scale, h_old, h_new, &
                                     r, k, report)
       import :: basis_t, material_t, form_report_t, wp, NB
@@ -147,7 +148,7 @@ module element_type
       real(wp), intent(in) :: h_old(:, :)    !! (nhist, NB)
       real(wp), intent(out) :: h_new(:, :)
       real(wp), intent(out) :: r(:, :, :)    !! (NB, 3, nen)
-      !> (NB, 3, 3, nen, nen): dr(i,a)/du(j,b) at (:, i, j, a, b)
+      !> (NB, 3, 3, nen, nen): dr(i,a)/du(j,b) is in (:, i, j, a, b).
       real(wp), intent(out) :: k(:, :, :, :, :)
       type(form_report_t), intent(out) :: report(NB)
     end subroutine element_batch_i

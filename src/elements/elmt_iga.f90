@@ -15,7 +15,7 @@ module elmt_iga
 
 contains
 
-  !> Row of the table of elements.
+  !> Row of this element in the table of elements.
   function describe() result(row)
     type(element_t) :: row
 
@@ -25,7 +25,7 @@ contains
                     //'eqs (8) to (14)')
   end function describe
 
-  !> p + 1 points a direction; q alone counts for all three: no direction is special.
+  !> Set p + 1 points in each direction; q alone counts for all three, as no direction is special.
   subroutine set_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz
@@ -34,7 +34,7 @@ contains
     call tensor_rule(cell%degree + 1, q, merge(qz, q, qz > 0), rule)
   end subroutine set_rule
 
-  !> R_A = w_A N_A / W with N the product of three directions.
+  !> Evaluate R_A = w_A N_A / W, in which N is the product of the functions of three directions.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)

@@ -19,7 +19,7 @@ module elmt_pyramid5
 
 contains
 
-  !> Row of the table of elements.
+  !> Row of this element in the table of elements.
   function describe() result(row)
     type(element_t) :: row
 
@@ -42,7 +42,7 @@ contains
     dshp(:, 5) = [0.0_wp, 0.0_wp, d(2)]
   end subroutine functions
 
-  !> Four triangles, the base, and the top.
+  !> Set the faces: four triangles, the base, and the top.
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology

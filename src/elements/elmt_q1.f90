@@ -18,7 +18,7 @@ module elmt_q1
 
 contains
 
-  !> Row of the table of elements.
+  !> Row of this element in the table of elements.
   function describe() result(row)
     type(element_t) :: row
 
@@ -36,7 +36,7 @@ contains
     call tensor_rule([2, 2, 2], q, qz, rule)
   end subroutine set_rule
 
-  !> Products of linear functions.
+  !> Evaluate the products of linear functions.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)

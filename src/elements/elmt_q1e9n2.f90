@@ -1,7 +1,8 @@
 !> Q1E9N and Q1E9NT: the enriched element Q1Np.t with nine enhanced modes.
 !!
-!! The rows (xi,0,0), (0,eta,0), (0,0,zeta) of Q1E9 on the enriched hexahedron, J0 and j0 at its
-!! centre; tapered: the first two times (1 + zeta)/2, so that they vanish on the enriched face.
+!! The modes are the rows (xi,0,0), (0,eta,0), (0,0,zeta) of Q1E9 on the enriched hexahedron, with
+!! J0 and j0 at its centre. In the tapered element the first two are multiplied by (1 + zeta)/2, so
+!! that they vanish on the enriched face.
 !!
 !! Nodes, functions: as Q1N
 !! Rule:    (p+1) x (p+1) x 2; collapsed prisms need 3 points in zeta
@@ -19,7 +20,7 @@ module elmt_q1e9n2
 
 contains
 
-  !> Row of the table of elements.
+  !> Row of this element in the table of elements.
   function describe() result(row)
     type(element_t) :: row
 
@@ -29,7 +30,7 @@ contains
                     topology=set_topology, modes=nine_modes, form=form)
   end function describe
 
-  !> Row of the tapered element.
+  !> Row of the tapered element in the table of elements.
   function describe_tapered() result(row)
     type(element_t) :: row
 
@@ -39,7 +40,7 @@ contains
     row%modes => tapered_modes
   end function describe_tapered
 
-  !> The in-plane modes times (1 + zeta)/2.
+  !> Evaluate the modes, the in-plane ones multiplied by (1 + zeta)/2.
   pure subroutine tapered_modes(xi, mode)
     real(wp), intent(in) :: xi(3)
     real(wp), intent(out) :: mode(:, :) !! (3, 3)

@@ -13,13 +13,13 @@ module elmt_q2
   private
   public :: describe, FEAP27
 
-  !> Position of FEAP's 27 element nodes in tensor order.
+  !> Position of each of FEAP's 27 element nodes in the tensor order.
   integer, parameter :: FEAP27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, &
                                       10, 12, 18, 16, 5, 23, 13, 15, 11, 17, 14]
 
 contains
 
-  !> Row of the table of elements.
+  !> Row of this element in the table of elements.
   function describe() result(row)
     type(element_t) :: row
 
@@ -37,7 +37,7 @@ contains
     call tensor_rule([3, 3, 3], q, qz, rule)
   end subroutine set_rule
 
-  !> Products of quadratic functions.
+  !> Evaluate the products of quadratic functions.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)
@@ -54,8 +54,8 @@ contains
     call tensor_functions(f(:, 1), d(:, 1), f(:, 2), d(:, 2), f(:, 3), d(:, 3), shp, dshp)
   end subroutine functions
 
-  !> vtk_node is for nodal values: corners, edges, faces, middle, as VTK numbers a
-  !! Lagrange or Bezier hexahedron of degree 2 (files of version 2.2 and later).
+  !> Set faces and VTK nodes; vtk_node is for nodal values: corners, edges, faces and middle, in the
+  !! order of a VTK Lagrange or Bezier hexahedron of degree 2 (files of version 2.2 and later).
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology

@@ -16,7 +16,7 @@ module elmt_q2n2
 
 contains
 
-  !> Row of the table of elements.
+  !> Row of this element in the table of elements.
   function describe() result(row)
     type(element_t) :: row
 
@@ -34,7 +34,8 @@ contains
     call tensor_rule([max(cell%degree(1), 2) + 1, max(cell%degree(2), 2) + 1, 3], q, qz, rule)
   end subroutine set_rule
 
-  !> Surface functions times the quadratic of zeta = -1, and two planes of the tri-quadratics.
+  !> Evaluate surface functions times the quadratic function of zeta = -1, and two planes of the
+  !! tri-quadratic functions.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)

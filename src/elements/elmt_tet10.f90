@@ -20,7 +20,7 @@ module elmt_tet10
 
 contains
 
-  !> Row of the table of elements.
+  !> Row of this element in the table of elements.
   function describe() result(row)
     type(element_t) :: row
 
@@ -29,7 +29,7 @@ contains
                     functions=functions, topology=set_topology, form=form)
   end function describe
 
-  !> Four points of the tetrahedron, or a Gauss cube folded onto it.
+  !> Set four points of the tetrahedron, or the Gauss points of the cube.
   subroutine set_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz
@@ -47,7 +47,7 @@ contains
                      [1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp]/24.0_wp, rule)
   end subroutine set_rule
 
-  !> Quadratic functions in the four volume coordinates v.
+  !> Evaluate the quadratic functions of the four volume coordinates v.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)
@@ -71,7 +71,7 @@ contains
     end do
   end subroutine functions
 
-  !> Corners as TET4; a middle lies where both its corners do.
+  !> Set the faces: corners as in TET4; a mid-edge node lies on a face if both its corners do.
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology

@@ -22,7 +22,7 @@ module elmt_tet4
 
 contains
 
-  !> Row of the table of elements.
+  !> Row of this element in the table of elements.
   function describe() result(row)
     type(element_t) :: row
 
@@ -44,7 +44,7 @@ contains
     end if
   end subroutine set_rule
 
-  !> Volume coordinates.
+  !> Evaluate the volume coordinates.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)
@@ -70,7 +70,7 @@ contains
     topology%gmsh = 4
   end subroutine set_topology
 
-  !> Corners on the sides of the cube: four triangles, an edge and a point.
+  !> Corners on each side of the cube; the sides are four triangles, an edge and a point.
   pure function tetrahedron_faces() result(on)
     logical :: on(4, 6)
 

@@ -19,7 +19,7 @@ module elmt_wedge6
 
 contains
 
-  !> Row of the table of elements.
+  !> Row of this element in the table of elements.
   function describe() result(row)
     type(element_t) :: row
 
@@ -47,7 +47,8 @@ contains
     end do
   end subroutine functions
 
-  !> Three quadrilaterals, an edge and two triangles. Those of VTK have the opposite orientation.
+  !> Set the faces: three quadrilaterals, an edge and two triangles. The triangles of VTK have the
+  !! opposite orientation.
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology

@@ -1,4 +1,4 @@
-!> Functions of one direction, tensor products, rules and faces of hexahedral elements.
+!> Functions of one direction, tensor products, integration rules and faces of hexahedral elements.
 module hexa_shape
   use base_kinds, only: wp
   use bspline, only: bernstein
@@ -27,7 +27,7 @@ module hexa_shape
 
 contains
 
-  !> Linear Lagrange functions, eq. (17).
+  !> Evaluate the linear Lagrange functions, eq. (17).
   pure subroutine linear(x, f, df)
     real(wp), intent(in) :: x
     real(wp), intent(out) :: f(2), df(2)
@@ -36,7 +36,7 @@ contains
     df = [-0.5_wp, 0.5_wp]
   end subroutine linear
 
-  !> Quadratic Lagrange functions of the nodes -1, 0, 1, eq. (18) in another order.
+  !> Evaluate the quadratic Lagrange functions of the nodes -1, 0, 1, eq. (18) in another order.
   pure subroutine quadratic(x, f, df)
     real(wp), intent(in) :: x
     real(wp), intent(out) :: f(3), df(3)
@@ -45,7 +45,7 @@ contains
     df = [x - 0.5_wp, -2.0_wp*x, x + 0.5_wp]
   end subroutine quadratic
 
-  !> Spline functions of one direction of a span: N = C B, eq. (8).
+  !> Evaluate the spline functions of a span in one direction: N = C B, eq. (8).
   pure subroutine spline(p, c, x, f, df)
     integer, intent(in) :: p
     real(wp), allocatable, intent(in) :: c(:, :) !! (p+1, p+1); not allocated: Bernstein polynomials
@@ -63,7 +63,7 @@ contains
     end if
   end subroutine spline
 
-  !> Tri-linear functions of the corners first to last, eq. (17).
+  !> Evaluate the tri-linear functions of the corners first to last, eq. (17).
   pure subroutine corner_functions(first, last, xi, shp, dshp)
     integer, intent(in) :: first, last
     real(wp), intent(in) :: xi(3)
@@ -85,13 +85,13 @@ contains
     end do
   end subroutine corner_functions
 
-  !> Products of the functions of three directions, the first one fastest.
+  !> Multiply the functions of three directions; the first one runs fastest.
   pure subroutine tensor_functions(f1, d1, f2, d2, f3, d3, shp, dshp)
     real(wp), intent(in) :: f1(:), d1(:) !! functions of direction 1 and their derivatives
     real(wp), intent(in) :: f2(:), d2(:)
     real(wp), intent(in) :: f3(:), d3(:)
-    real(wp), intent(out) :: shp(:)      !! (product of their numbers)
-    real(wp), intent(out) :: dshp(:, :)  !! (3, the same)
+    real(wp), intent(out) :: shp(:)      !! (n) with n the product of the numbers of functions
+    real(wp), intent(out) :: dshp(:, :)  !! (3, n)
 
     integer :: i, j, k, a
 
@@ -109,7 +109,7 @@ contains
     end do
   end subroutine tensor_functions
 
-  !> Weighted functions over their sum, eqs (11) and (12).
+  !> Make functions rational: weighted functions divided by their sum, eqs (11) and (12).
   pure subroutine make_rational(w, f, df)
     real(wp), intent(in) :: w(:)         !! (n) weights
     real(wp), intent(inout) :: f(:)      !! (n)
@@ -132,7 +132,8 @@ contains
     end do
   end subroutine make_rational
 
-  !> Nine enhanced modes as three covectors, each times a vector: (xi,0,0), (0,eta,0), (0,0,zeta).
+  !> Evaluate the nine enhanced modes as three covectors, each to be multiplied by a vector:
+  !! (xi,0,0), (0,eta,0), (0,0,zeta).
   pure subroutine nine_modes(xi, mode)
     real(wp), intent(in) :: xi(3)
     real(wp), intent(out) :: mode(:, :) !! (3, 3)
@@ -145,7 +146,7 @@ contains
     end do
   end subroutine nine_modes
 
-  !> Gauss rule: `usual` points in the three directions, or q, q and qz where they are positive.
+  !> Set a Gauss rule: `usual` points in the three directions, or q, q and qz if they are positive.
   subroutine tensor_rule(usual, q, qz, rule)
     integer, intent(in) :: usual(3), q, qz
     type(rule_t), intent(out) :: rule
@@ -160,7 +161,7 @@ contains
     call gauss_hex(n(1), n(2), n(3), rule%xi, rule%wgt)
   end subroutine tensor_rule
 
-  !> The functions of one direction that are not zero at its two ends.
+  !> Find the functions of one direction that are not zero at its lower and at its upper end.
   pure subroutine touches(p, c, low, high)
     integer, intent(in) :: p
     real(wp), allocatable, intent(in) :: c(:, :)
@@ -168,7 +169,7 @@ contains
 
     low = .false.
     high = .false.
-    if (allocated(c)) then ! only the first and the last Bernstein polynomial live at the ends
+    if (allocated(c)) then ! only the first and the last Bernstein polynomial are not zero at an end
       low(:p + 1) = abs(c(:, 1)) > ZERO_SHARE*maxval(abs(c(:, 1)))
       high(:p + 1) = abs(c(:, p + 1)) > ZERO_SHARE*maxval(abs(c(:, p + 1)))
     else
@@ -177,7 +178,7 @@ contains
     end if
   end subroutine touches
 
-  !> The nodes of a tensor product on each face, first direction fastest.
+  !> Marks of the nodes of a tensor product on each face; the first direction runs fastest.
   pure function tensor_marks(cell) result(on)
     type(cell_t), intent(in) :: cell
     logical :: on(product(cell%degree + 1), 6)
@@ -200,7 +201,7 @@ contains
     end do
   end function tensor_marks
 
-  !> Lists of nodes from marks: on(a, f) says that node a lies on face f.
+  !> Make the lists of nodes of all faces from marks: on(a, f) says that node a lies on face f.
   subroutine join_faces(on, topology)
     logical, intent(in) :: on(:, :) !! (nen, nface)
     type(topology_t), intent(inout) :: topology

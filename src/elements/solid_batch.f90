@@ -1,8 +1,8 @@
 !> solid_form for NB eight-node elements at a time, side by side in the vector registers.
 !!
-!! The formulas are the same; the first index of every array is the element. A loop over it is
-!! straight-line code or contains one inner loop, so that the compiler vectorises it. Points are
-!! processed in groups of at most NC, whose gradients stay in the first-level cache.
+!! The formulas are those of solid_form; the first index of every array is the element. A loop over
+!! the elements is straight-line code or contains one inner loop, so that the compiler vectorises
+!! it. Points are processed in groups of at most NC, whose gradients stay in the first-level cache.
 module solid_batch
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -17,7 +17,7 @@ module solid_batch
 
 contains
 
-  !> NB elements; the interface is element_batch_i. The law must have `moduli`.
+  !> Form NB elements; the interface is element_batch_i. The law must have `moduli`.
   pure subroutine form_batch(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
@@ -48,7 +48,7 @@ contains
     if (.not. all(report%ok)) call clear_failed(report%ok, r, k)
   end subroutine form_batch
 
-  !> Sums over the points: upper triangle of blocks only.
+  !> Sum over the points; of k and kaa, only the upper triangle of blocks is computed.
   pure subroutine integrate(basis, material, prop, xr, u, a, r, k, ra, kua, kaa, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
@@ -62,7 +62,7 @@ contains
     real(wp) :: w(NB, NC), tau(NB, 6, NC), lam(NB, NC), mus(NB, NC), y(NB, 6, NC)
     real(wp) :: centre(NB, 3, 3), jac0(NB)
     integer :: q, q0, n
-    logical :: last ! nothing will change k any more
+    logical :: last ! nothing will change k after this group
 
     ok = .true.
     if (basis%nmode > 0) then
@@ -75,7 +75,7 @@ contains
         call evaluate_point(basis, material, prop, q0 + q, xr, u, a, centre, jac0, q, &
                             g, gm, w(:, q), tau(:, :, q), lam(:, q), mus(:, q), ok)
       end do
-      if (n < NC) then ! the last group may be short: its missing points weigh nothing
+      if (n < NC) then ! the last group may be short: missing points get zero weight
         g(:, :, n + 1:, :) = 0.0_wp
         gm(:, :, n + 1:, :) = 0.0_wp
         w(:, n + 1:) = 0.0_wp
@@ -93,7 +93,7 @@ contains
     end do
   end subroutine integrate
 
-  !> Sums over a group.
+  !> Set the sums to those over the first group.
   pure subroutine set_sums(nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
     integer, intent(in) :: nmode
     logical, intent(in) :: last
@@ -117,7 +117,7 @@ contains
     end do
   end subroutine set_sums
 
-  !> Sums over a further group, of rules with more than NC points.
+  !> Add the sums over a further group, for rules with more than NC points.
   pure subroutine add_sums(nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
     integer, intent(in) :: nmode
     logical, intent(in) :: last
@@ -147,15 +147,15 @@ contains
     end do
   end subroutine add_sums
 
-  !> Gradients, volume, stress and moduli at one point of each element.
+  !> Compute gradients, volume, stress and moduli at one point of each element.
   pure subroutine evaluate_point(basis, material, prop, q, xr, u, a, centre, jac0, n, &
                                  g, gm, w, tau, lam, mus, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)
-    integer, intent(in) :: q !! point of the rule
+    integer, intent(in) :: q !! index of the point in the rule
     real(wp), intent(in) :: xr(NB, 3, NEN), u(NB, 3, NEN), a(NB, 3, NM), centre(NB, 3, 3), jac0(NB)
-    integer, intent(in) :: n !! point of the group
+    integer, intent(in) :: n !! index of the point in the group
     real(wp), intent(inout) :: g(NB, 3, NC, NEN), gm(NB, 3, NC, NM)
     real(wp), intent(out) :: w(NB), tau(NB, 6), lam(NB), mus(NB)
     logical, intent(inout) :: ok(NB)
@@ -206,7 +206,7 @@ contains
     end do
   end subroutine multiply
 
-  !> The modes' covectors at a point, and what they add to the displacement gradient.
+  !> Compute the modes' covectors at a point, and add their part to the displacement gradient.
   pure subroutine enhance(basis, q, centre, jac0, jac, a, m, dg)
     type(basis_t), intent(in) :: basis
     integer, intent(in) :: q
@@ -231,7 +231,7 @@ contains
     end do
   end subroutine enhance
 
-  !> Gradients of functions and modes, with respect to the shape that the stress acts on.
+  !> Compute the gradients of functions and modes, in the configuration on which the stress acts.
   pure subroutine set_gradients(basis, finite, q, n, t, dg, m, g, gm)
     type(basis_t), intent(in) :: basis
     logical, intent(in) :: finite

@@ -8,11 +8,11 @@ module solid_batch_algebra
 
   integer, parameter, public :: NEN = 8 !! nodes
   integer, parameter, public :: NM = 3  !! enhanced modes, if any
-  integer, parameter, public :: NC = 8  !! points in a group; a constant: vectorised loops
+  integer, parameter, public :: NC = 8  !! points in a group; constant for vectorised loops
 
 contains
 
-  !> Weights into stress and moduli: x = w tau, y = w (tau + mus 1), lam = w lam, mus = w mus.
+  !> Multiply stress and moduli by the weights w of the points, and set y = w (tau + mus 1).
   pure subroutine scale_group(finite, w, tau, lam, mus, y)
     logical, intent(in) :: finite !! .false.: no geometric part in y
     real(wp), intent(in) :: w(NB, NC)
@@ -45,9 +45,9 @@ contains
     end do
   end subroutine scale_group
 
-  !> Blocks (a, b), a = 1 to n, of one function b:
-  !! sum_q (g_a . y g_b) 1 + lam g_a x g_b + mus g_b x g_a, weights in y, lam and mus.
-  !! One loop body: the nine sums of a block stay in registers.
+  !> Compute the blocks (a, b), a = 1 to n, of one function b:
+  !! sum_q (g_a . y g_b) 1 + lam g_a x g_b + mus g_b x g_a, with the weights in y, lam and mus.
+  !! There is one loop body, so that the nine sums of a block stay in registers.
   pure subroutine set_column(n, g, gb, y, lam, mus, k)
     integer, intent(in) :: n
     real(wp), intent(in) :: g(NB, 3, NC, n), gb(NB, 3, NC)
@@ -66,7 +66,7 @@ contains
         k11 = 0.0_wp; k12 = 0.0_wp; k13 = 0.0_wp
         k21 = 0.0_wp; k22 = 0.0_wp; k23 = 0.0_wp
         k31 = 0.0_wp; k32 = 0.0_wp; k33 = 0.0_wp
-        do q = 1, NC ! many sums side by side: short chains of dependent additions
+        do q = 1, NC ! many sums side by side make short chains of dependent additions
           s1 = s1 + g(l, 1, q, a)*t(l, 1, q)
           s2 = s2 + g(l, 2, q, a)*t(l, 2, q)
           s3 = s3 + g(l, 3, q, a)*t(l, 3, q)
@@ -88,7 +88,8 @@ contains
     end do
   end subroutine set_column
 
-  !> Products of function b for set_column: y g_b, lam g_b, mus g_b, and the sum of the last two.
+  !> Compute products of function b for set_column: y g_b, lam g_b, mus g_b, and the sum of the last
+  !! two.
   pure subroutine weigh(gb, y, lam, mus, t, gl, gm, gs)
     real(wp), intent(in) :: gb(NB, 3, NC), y(NB, 6, NC), lam(NB, NC), mus(NB, NC)
     real(wp), intent(out), dimension(NB, 3, NC) :: t, gl, gm, gs
@@ -114,7 +115,7 @@ contains
     end do
   end subroutine weigh
 
-  !> r_a = sum_q x g_a of n functions, x = w tau.
+  !> Compute r_a = sum_q x g_a for n functions, with x = w tau.
   pure subroutine set_force(n, g, x, r)
     integer, intent(in) :: n
     real(wp), intent(in) :: g(NB, 3, NC, n), x(NB, 6, NC)
@@ -141,7 +142,7 @@ contains
     end do
   end subroutine set_force
 
-  !> sum_a x_a x dN_a.
+  !> Compute sum_a x_a x dN_a.
   pure subroutine set_map(dshp, x, map)
     real(wp), intent(in) :: dshp(3, NEN), x(NB, 3, NEN)
     real(wp), intent(out) :: map(NB, 3, 3)
@@ -183,7 +184,7 @@ contains
     end do
   end subroutine set_map
 
-  !> Inverses in place. Where a determinant is not positive and finite, ok becomes .false. and the
+  !> Invert in place. If a determinant is not positive and finite, ok becomes .false. and the
   !! numbers stay finite.
   pure subroutine invert(a, det, ok)
     real(wp), intent(inout) :: a(NB, 3, 3)
@@ -226,7 +227,7 @@ contains
     end do
   end subroutine invert
 
-  !> Row b from column b, which is still in the cache: K_ba is the transpose of K_ab.
+  !> Copy column b to row b while it is still in the cache: K_ba is the transpose of K_ab.
   pure subroutine mirror(b, k)
     integer, intent(in) :: b
     real(wp), intent(inout) :: k(NB, 3, 3, NEN, NEN)
@@ -248,14 +249,14 @@ contains
       end do
     end do
     !$omp simd
-    do l = 1, NB ! to the last bit
+    do l = 1, NB ! makes the block symmetric to the last bit
       k(l, 2, 1, b, b) = k(l, 1, 2, b, b)
       k(l, 3, 1, b, b) = k(l, 1, 3, b, b)
       k(l, 3, 2, b, b) = k(l, 2, 3, b, b)
     end do
   end subroutine mirror
 
-  !> Zeros for elements that are not ok.
+  !> Set residual and tangent to zero for elements that are not ok.
   pure subroutine clear_failed(ok, r, k)
     logical, intent(in) :: ok(NB)
     real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)

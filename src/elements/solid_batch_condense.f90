@@ -12,7 +12,7 @@ module solid_batch_condense
 
 contains
 
-  !> Enhanced parameters after the nodes moved by du: a - scale m - L du.
+  !> Update the enhanced parameters after the nodes have moved by du: a - scale m - L du.
   pure subroutine advance_batch(h, du, scale, a)
     real(wp), intent(in) :: h(:, :) !! (history, NB)
     real(wp), intent(in) :: du(NB, ND), scale
@@ -30,7 +30,7 @@ contains
     end do
   end subroutine advance_batch
 
-  !> Eliminate the enhanced parameters as `condense` does, upper blocks only.
+  !> Eliminate the enhanced parameters as `condense` does, from upper blocks only.
   pure subroutine condense_batch(a, ra, kua, kaa, r, k, h_new, report)
     real(wp), intent(in) :: a(NB, NP), ra(NB, NP)
     real(wp), intent(in) :: kua(NB, 3, 3, NEN, NM) !! node direction, mode direction, node, mode
@@ -39,7 +39,7 @@ contains
     real(wp), intent(out) :: h_new(:, :) !! (history, NB)
     type(form_report_t), intent(inout) :: report(NB)
 
-    ! Right-hand sides in threes: K_au of each node, and last r_a with two empty ones.
+    ! Right-hand sides in groups of three: K_au of each node; the last group has r_a and two zeros.
     real(wp) :: y(NB, NP, 3, NEN + 1), x(NB, NP, 3, NEN + 1)
     real(wp) :: f(NB, NP, NP)
     logical :: ok(NB)
@@ -79,7 +79,7 @@ contains
   !> Write the history that advance_batch reads: a, m and L.
   pure subroutine keep_history(a, x, h_new)
     real(wp), intent(in) :: a(NB, NP)
-    real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L, and last m
+    real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L, and m in the last group
     real(wp), intent(out) :: h_new(:, :) !! (history, NB)
 
     integer :: i, b, l, p
@@ -96,8 +96,8 @@ contains
     end do
   end subroutine keep_history
 
-  !> Inverse by Gauss-Jordan elimination without pivoting: its pivots are the D of L D L^T
-  !! (ldl_factor). A factorisation needs loops of varying length, which are not vectorised.
+  !> Invert by Gauss-Jordan elimination without pivoting; its pivots are the D of L D L^T
+  !! (ldl_factor). A factorisation would need loops of varying length, which are not vectorised.
   pure subroutine invert_block(f, negative, ok)
     real(wp), intent(inout) :: f(NB, NP, NP)
     integer, intent(out) :: negative(NB)
@@ -115,7 +115,7 @@ contains
       lost = .not. abs(f(:, j, j)) > NP*epsilon(1.0_wp)*scale(:, j)
       if (any(lost)) then
         ok = ok .and. .not. lost
-        where (lost) f(:, j, j) = 1.0_wp ! harmless: the element is refused
+        where (lost) f(:, j, j) = 1.0_wp ! harmless, as the element is refused
       end if
       where (f(:, j, j) < 0.0_wp) negative = negative + 1
       c = 1.0_wp/f(:, j, j)
@@ -138,7 +138,7 @@ contains
     end do
   end subroutine invert_block
 
-  !> x = K_aa^-1 y for three right-hand sides.
+  !> Compute x = K_aa^-1 y for three right-hand sides.
   pure subroutine multiply(f, y, x)
     real(wp), intent(in) :: f(NB, NP, NP) !! K_aa^-1
     real(wp), intent(in) :: y(NB, NP, 3)
@@ -165,7 +165,7 @@ contains
     end do
   end subroutine multiply
 
-  !> r - K_ua m.
+  !> Compute r - K_ua m.
   pure subroutine subtract_forces(y, m, r)
     real(wp), intent(in) :: y(NB, NP, 3, NEN + 1) !! K_au
     real(wp), intent(in) :: m(NB, NP)
@@ -192,8 +192,8 @@ contains
     end do
   end subroutine subtract_forces
 
-  !> The upper blocks of K - K_ua L, mirrored. One loop body: the nine sums of a block stay in
-  !! registers.
+  !> Compute the upper blocks of K - K_ua L and mirror them. There is one loop body, so that the
+  !! nine sums of a block stay in registers.
   pure subroutine subtract_blocks(y, x, k)
     real(wp), intent(in) :: y(NB, NP, 3, NEN + 1) !! K_au
     real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L

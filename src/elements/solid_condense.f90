@@ -47,12 +47,12 @@ contains
     x = full(:nd, nd + 1:)
     k = full(:nd, :nd)
     call dgemm('N', 'N', nd, nd, np, -1.0_wp, x, nd, l, np, 1.0_wp, k, nd)
-    do j = 1, nd ! rounding must not make it unsymmetric
+    do j = 1, nd ! rounding must not make the matrix unsymmetric
       k(j, :j - 1) = k(:j - 1, j)
     end do
   end subroutine condense
 
-  !> x K_aa^-1 with the factors of ldl_factor: all rows at once, unlike ldl_solve.
+  !> Compute x K_aa^-1 with the factors of ldl_factor, for all rows at once, unlike ldl_solve.
   pure subroutine solve_rows(nd, np, f, x)
     integer, intent(in) :: nd, np
     real(wp), intent(in) :: f(np, np)

@@ -1,15 +1,16 @@
 !> Residual and consistent tangent of any solid element.
 !!
-!! It takes the functions from a table at the integration points (basis_t), and the stress and the
-!! tangent at a point from the law. With g spatial (small strain: reference) gradients, w0 reference
-!! volumes,
+!! The functions come from a table at the integration points (basis_t), the stress and the tangent
+!! at a point from the law. With the spatial gradients g (reference gradients at small strain) and
+!! the reference volumes w0,
 !!
 !!   r_a  = sum_q w0 tau g_a
 !!   K_ab = sum_q w0 [(g_a . (tau + mus 1) g_b) 1 + lam g_a x g_b + mus g_b x g_a]
 !!
-!! where the law's tangent is lam 1 x 1 + 2 mus I, else B^T c B and (g_a . tau g_b) 1. At small
-!! strain there is no geometric part tau. For neo-Hooke, tau + mus 1 = mu b. The sums over points
-!! are products of panels (functions by points), done by BLAS. Enhanced modes are more functions.
+!! if the tangent of the law is lam 1 x 1 + 2 mus I. Otherwise K_ab consists of B^T c B and
+!! (g_a . tau g_b) 1. At small strain there is no geometric part tau. For neo-Hooke, tau + mus 1 is
+!! mu b. The sums over points are products of panels (functions by points), computed by BLAS.
+!! Enhanced modes enter like further functions.
 module solid_form
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -25,14 +26,14 @@ module solid_form
 
 contains
 
-  !> Number of reals in an element's history: parameters, then m and L (see element_form_i).
+  !> Number of reals in an element's history: the parameters, then m and L (see element_form_i).
   pure integer function history_length(nen, nmode) result(n)
     integer, intent(in) :: nen, nmode
 
     n = 3*nmode*(2 + 3*nen)
   end function history_length
 
-  !> One element; the interface is element_form_i.
+  !> Form one element; the interface is element_form_i.
   pure subroutine form(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
@@ -71,7 +72,7 @@ contains
     end if
   end subroutine form
 
-  !> Enhanced parameters after the nodes moved by du: a - scale m - L du.
+  !> Update the enhanced parameters after the nodes have moved by du: a - scale m - L du.
   pure subroutine advance(nd, np, h, du, scale, a)
     integer, intent(in) :: nd, np
     real(wp), intent(in) :: h(np*(2 + nd)) !! parameters, m, L
@@ -87,7 +88,7 @@ contains
     end do
   end subroutine advance
 
-  !> Sums over the points; modes follow the functions. All zero where not ok.
+  !> Sum over the points; modes come after the functions. All sums are zero if not ok.
   pure subroutine integrate(basis, material, prop, xr, u, a, r, k, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
@@ -137,7 +138,7 @@ contains
     end if
   end subroutine integrate
 
-  !> Gradients, volume, stress and tangent at one point.
+  !> Compute gradients, volume, stress and tangent at one point.
   pure subroutine evaluate_point(basis, material, prop, q, xu, a, centre, jac0, &
                                  g, w, tau, lam, mus, c, ok)
     type(basis_t), intent(in) :: basis
@@ -175,14 +176,14 @@ contains
     end do
   end subroutine evaluate_point
 
-  !> r_a = sum_q w tau g_a.
+  !> Add r_a = sum_q w tau g_a.
   pure subroutine add_residual(first, n, nq, g, w, tau, r)
-    logical, intent(in) :: first !! set instead of adding
+    logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq
     real(wp), intent(in) :: g(n, 3, nq), w(nq), tau(6, nq)
     real(wp), intent(inout) :: r(n, 3)
 
-    real(wp) :: t(3, nq, 3) ! w tau, a column of tau at a time
+    real(wp) :: t(3, nq, 3) ! w tau, one column of tau after the other
     integer :: q
 
     do q = 1, nq

@@ -1,4 +1,4 @@
-!> Sums over integration points as products of panels: functions by points, through BLAS.
+!> Sums over integration points as products of panels (functions by points), computed by BLAS.
 module solid_panel
   use base_kinds, only: wp
   use lapack, only: dgemm
@@ -6,13 +6,13 @@ module solid_panel
   private
   public :: add_moduli, add_general, add_symmetric, fold
 
-  integer, parameter, public :: CHUNK = 27 !! points of a panel, which must stay in the cache
+  integer, parameter, public :: CHUNK = 27 !! points in a panel, which must stay in the cache
 
 contains
 
-  !> p_ij += G_i lam G_j^T + G_j mus G_i^T for i <= j: the parts lam g_a x g_b + mus g_b x g_a.
+  !> Add p_ij += G_i lam G_j^T + G_j mus G_i^T, i <= j: the parts lam g_a x g_b + mus g_b x g_a.
   pure subroutine add_moduli(first, n, nq, g, w, lam, mus, p)
-    logical, intent(in) :: first !! set instead of adding
+    logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq
     real(wp), intent(in) :: g(n, 3, nq) !! gradients
     real(wp), intent(in) :: w(nq), lam(nq), mus(nq)
@@ -21,7 +21,7 @@ contains
     real(wp) :: gl(n, 3, nq), gm(n, 3, nq), keep
     integer :: q, i, j, ld
 
-    ld = 3*n ! a direction is n rows of the panel
+    ld = 3*n ! a direction has n rows of the panel
     keep = merge(0.0_wp, 1.0_wp, first)
     do q = 1, nq
       gl(:, :, q) = (w(q)*lam(q))*g(:, :, q)
@@ -42,9 +42,9 @@ contains
     end do
   end subroutine add_moduli
 
-  !> p += B^T c B with a full 6 by 6 tangent, all blocks.
+  !> Add all blocks of p += B^T c B with a full 6 by 6 tangent.
   pure subroutine add_general(first, n, nq, g, w, c, p)
-    logical, intent(in) :: first !! set instead of adding
+    logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq
     real(wp), intent(in) :: g(n, 3, nq), w(nq), c(6, 6, nq)
     real(wp), intent(inout) :: p(n, 3, n, 3)
@@ -74,9 +74,9 @@ contains
     end do
   end subroutine add_general
 
-  !> s += g_a . (tau + mus 1) g_b.
+  !> Add s += g_a . (tau + mus 1) g_b.
   pure subroutine add_symmetric(first, n, nq, g, w, tau, mus, s)
-    logical, intent(in) :: first !! set instead of adding
+    logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq
     real(wp), intent(in) :: g(n, 3, nq), w(nq), tau(6, nq), mus(nq)
     real(wp), intent(inout) :: s(n, n)
@@ -94,10 +94,10 @@ contains
     call dgemm('N', 'T', n, n, 3*nq, 1.0_wp, g, n, t, n, merge(0.0_wp, 1.0_wp, first), s, n)
   end subroutine add_symmetric
 
-  !> Element matrix, dofs of a function together, from blocks p and the diagonal part s.
+  !> Build the element matrix from blocks p and the part s; dofs of a function stand together.
   pure subroutine fold(n, upper, p, s, k)
     integer, intent(in) :: n
-    logical, intent(in) :: upper !! only p_ij with i <= j are set; the result is symmetric
+    logical, intent(in) :: upper !! only p_ij with i <= j are set, and the result is symmetric
     real(wp), intent(in) :: p(n, 3, n, 3), s(n, n)
     real(wp), intent(out) :: k(:, :) !! (3n, 3n)
 

@@ -1,4 +1,4 @@
-!> Kinematics at a point of a solid: the map, the deformation gradient, the enhancement.
+!> Kinematics at a point of a solid: the map, the deformation gradient and the enhancement.
 module solid_point
   use base_kinds, only: wp
   use lapack, only: dgemm
@@ -9,15 +9,15 @@ module solid_point
 
 contains
 
-  !> Deformation gradient at a point of the parent cell.
+  !> Compute the deformation gradient at a point of the parent cell.
   !!
   !! F = 1 + sum_a u_a x G_a + sum_i a_i x M_i,  G_a = J^-T dN_a,  M_i = (j0/j) J0^-T m_i
-  !! (Simo and Armero 1992; F0 drops out as the mode space is closed under left multiplication).
+  !! (Simo and Armero 1992; F0 drops out, as the mode space is closed under left multiplication).
   pure subroutine deform(nen, nmode, dshp, mode, xu, a, centre, jac0, dg, inverse, jac, m, ok)
     integer, intent(in) :: nen, nmode
     real(wp), intent(in) :: dshp(3, nen)   !! parent derivatives of the functions
     real(wp), intent(in) :: mode(3, nmode) !! parent covectors of the modes
-    real(wp), intent(in) :: xu(6, nen)     !! reference positions, then displacements [L]
+    real(wp), intent(in) :: xu(6, nen)     !! reference positions, followed by displacements [L]
     real(wp), intent(in) :: a(3, nmode)    !! enhanced parameters [L]
     real(wp), intent(in) :: centre(3, 3)   !! J0^-1 [1/L]
     real(wp), intent(in) :: jac0           !! j0 [L^3]
@@ -50,7 +50,7 @@ contains
     end do
   end subroutine deform
 
-  !> Inverse and determinant of the reference map at the centre.
+  !> Compute the inverse and the determinant of the reference map at the centre.
   pure subroutine centre_map(nen, dshp0, xr, inverse, jac, ok)
     integer, intent(in) :: nen
     real(wp), intent(in) :: dshp0(3, nen)  !! parent derivatives at the centre
@@ -62,7 +62,7 @@ contains
     call invert_map(matmul(xr, transpose(dshp0)), inverse, jac, ok)
   end subroutine centre_map
 
-  !> Inverse of a map; ok only if its determinant is positive and finite.
+  !> Invert a map; ok only if its determinant is positive and finite.
   pure subroutine invert_map(a, inverse, det, ok)
     real(wp), intent(in) :: a(3, 3)
     real(wp), intent(out) :: inverse(3, 3), det

@@ -9,7 +9,7 @@ module solid_recover
   private
   public :: recovered_t, recover, von_mises
 
-  !> One point of an element.
+  !> Results at one point of an element.
   type :: recovered_t
     real(wp) :: xr(3) = 0.0_wp    !! reference position [L]
     real(wp) :: xc(3) = 0.0_wp    !! current position [L]
@@ -17,22 +17,22 @@ module solid_recover
     real(wp) :: sig(6) = 0.0_wp   !! Cauchy stress, Voigt order 11 22 33 12 23 31 [F/L^2]
     real(wp) :: mises = 0.0_wp    !! von Mises stress [F/L^2]
     real(wp) :: energy = 0.0_wp   !! stored energy per reference volume [F/L^2]
-    real(wp) :: volume = 0.0_wp   !! weight times det J: its part of the reference volume [L^3]
+    real(wp) :: volume = 0.0_wp   !! weight times det J: the share of the reference volume [L^3]
   end type recovered_t
 
 contains
 
-  !> State at the points of `basis`: the integration points, or any others.
-  !! The energy of an element is sum(point%energy*point%volume) over its integration points.
+  !> Compute the state at the points of `basis`: the integration points, or any others. The energy
+  !! of an element is sum(point%energy*point%volume) over its integration points.
   pure subroutine recover(basis, material, prop, xr, u, param, point, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: xr(:, :)  !! (3, nen)
     real(wp), intent(in) :: u(:, :)   !! (3, nen)
-    real(wp), intent(in) :: param(:)  !! (3*nmode or more) history of the element: parameters first
+    real(wp), intent(in) :: param(:)  !! (3*nmode or more) history, which begins with the parameters
     type(recovered_t), intent(out) :: point(:) !! (nq)
-    logical, intent(out) :: ok        !! .false.: inverted at a point, where stress is zero
+    logical, intent(out) :: ok        !! .false.: inverted at a point, whose stress is then zero
 
     real(wp) :: a(3, basis%nmode), m(3, basis%nmode), centre(3, 3), inverse(3, 3), jac0, jac
     real(wp) :: xu(6, basis%nen)
@@ -59,7 +59,7 @@ contains
     end do
   end subroutine recover
 
-  !> Stress and energy of a point whose deformation gradient is known.
+  !> Add stress and energy to a point whose deformation gradient is known.
   pure subroutine add_stress(material, prop, point, ok)
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)

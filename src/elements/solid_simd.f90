@@ -12,7 +12,7 @@ module solid_simd
 
 contains
 
-  !> The kernel for the widest vector registers of this processor.
+  !> Choose the kernel for the widest vector registers of this processor.
   subroutine choose_batch(batch)
     procedure(element_batch_i), pointer, intent(out) :: batch
 

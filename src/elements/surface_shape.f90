@@ -1,5 +1,5 @@
 !> Functions of the isogeometric surface of an element: a tensor product, or any number of functions
-!! with an extraction operator of their own (extraordinary points, T-junctions).
+!! that have their own extraction operator (at extraordinary points and T-junctions).
 module surface_shape
   use base_kinds, only: wp
   use bspline, only: bernstein
@@ -10,7 +10,7 @@ module surface_shape
   private
   public :: surface_functions, surface_count, surface_touches, layer_functions, layer_faces
 
-  !> Entries of an operator below this are zero up to rounding; the largest is about one.
+  !> Entries of an operator below this are zero up to rounding; the largest entry is about one.
   real(wp), parameter :: NOTHING = 1.0e-12_wp
 
 contains
@@ -26,7 +26,8 @@ contains
     end if
   end function surface_count
 
-  !> Functions of an isogeometric surface, eqs (10) to (12); first direction fastest.
+  !> Evaluate the functions of an isogeometric surface, eqs (10) to (12); the first direction runs
+  !! fastest.
   pure subroutine surface_functions(cell, xi, f, df)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(2)
@@ -57,11 +58,12 @@ contains
     if (allocated(cell%w)) call make_rational(cell%w(:a), f(:a), df(:, :a))
   end subroutine surface_functions
 
-  !> Surface functions times one of the third direction: the isogeometric layer of an element.
+  !> Multiply the surface functions by a function of the third direction, which gives the
+  !! isogeometric layer of an element.
   pure subroutine layer_functions(cell, xi, f3, d3, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)
-    real(wp), intent(in) :: f3, d3      !! the function at xi(3) and its derivative
+    real(wp), intent(in) :: f3, d3      !! function of the third direction and its derivative
     real(wp), intent(out) :: shp(:)     !! (ncp)
     real(wp), intent(out) :: dshp(:, :) !! (3, ncp)
 
@@ -71,7 +73,7 @@ contains
     shp = shp*f3
   end subroutine layer_functions
 
-  !> N = C B with the operator of the whole element: extraordinary points, T-junctions.
+  !> Evaluate N = C B with the operator of the whole element (extraordinary points, T-junctions).
   pure subroutine extracted(cell, xi, f, df)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(2)
@@ -98,7 +100,7 @@ contains
     end do
   end subroutine extracted
 
-  !> The functions of a surface that are not zero on its edges xi-, xi+, eta-, eta+.
+  !> Find the functions of a surface that are not zero on its edges xi-, xi+, eta-, eta+.
   pure subroutine surface_touches(cell, on)
     type(cell_t), intent(in) :: cell
     logical, intent(out) :: on(:, :) !! (nf, 4)
@@ -121,10 +123,10 @@ contains
     on = marks(:nb, :4)
   end subroutine surface_touches
 
-  !> Faces of an element whose face zeta- is the isogeometric surface.
+  !> Set the faces of an element whose face zeta- is the isogeometric surface.
   subroutine layer_faces(cell, upper, topology)
     type(cell_t), intent(in) :: cell
-    logical, intent(in) :: upper(:, :) !! (other nodes, 6) on which faces these lie
+    logical, intent(in) :: upper(:, :) !! (other nodes, 6) faces on which the other nodes lie
     type(topology_t), intent(inout) :: topology
 
     logical, allocatable :: on(:, :)
@@ -139,7 +141,7 @@ contains
     topology%vtk = VTK_BEZIER_HEXAHEDRON
   end subroutine layer_faces
 
-  !> Some Bernstein polynomial of the edge contributes to the function.
+  !> Does a Bernstein polynomial of the edge contribute to the function?
   pure logical function lives(c)
     real(wp), intent(in) :: c(:)
 
