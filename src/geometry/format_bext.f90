@@ -24,23 +24,25 @@ module format_bext
   !> Vector i is value(first(i) : first(i+1)-1).
   type :: vectors_t
     integer :: n = 0
-    integer :: ndense = 0      !! those after them are sparse: zeros at their end are left out
+    integer :: ndense = 0      !! later ones are sparse: zeros at their end are left out
     integer, allocatable :: first(:)
     real(wp), allocatable :: value(:)
   end type vectors_t
 
-  !> Element e has the control points node(first(e) : first(e+1)-1) and the same range of `vector`.
+  !> Element e has the control points node(first(e) : first(e+1)-1), and `vector` has the same
+  !! range.
   type :: elements_t
     integer :: n = 0
     integer, allocatable :: degree(:, :)     !! (2, >= n)
     integer, allocatable :: first(:)         !! (> n)
-    integer, allocatable :: at(:)            !! (>= n) place in the file
+    integer, allocatable :: at(:)            !! (>= n) position in the file
     integer, allocatable :: node(:), vector(:)
   end type elements_t
 
 contains
 
-  !> From the first line on: pid nn ne ncv wfl, the control points, elements and vectors.
+  !> Read the file from its first line on: pid nn ne ncv wfl, the control points, elements and
+  !! vectors.
   subroutine read_bext(text, surface, error)
     type(text_t), intent(inout) :: text
     type(spline_surface_t), intent(out) :: surface
@@ -81,10 +83,11 @@ contains
     call finish_surface(text, surface, error)
   end subroutine read_bext
 
-  !> neb; etype ne nn ncv pr ps of each group; control points and vectors of each element.
+  !> Read neb; etype ne nn ncv pr ps of each group; and the control points and vectors of each
+  !! element.
   subroutine read_elements(text, nelem, elements, error)
     type(text_t), intent(inout) :: text
-    integer, intent(in) :: nelem           !! expected
+    integer, intent(in) :: nelem           !! expected number
     type(elements_t), intent(inout) :: elements
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: number(:), nf(:), degree(:, :) !! elements, functions, degrees
@@ -140,12 +143,12 @@ contains
     end do
   end subroutine read_elements
 
-  !> ndcvb nscvb; number and length of the vectors of each block; the dense ones, then the sparse
-  !! ones: `length` is their number of entries there, which follow as positions and then values. How
-  !! long a sparse vector is only its elements know.
+  !> Read ndcvb nscvb; the number and length of the vectors of each block; the dense vectors, then
+  !! the sparse ones. For sparse vectors, `length` is the number of their entries, which follow as
+  !! positions and then values; the length of the vector is known only from its elements.
   subroutine read_vectors(text, nvector, vectors, error)
     type(text_t), intent(inout) :: text
-    integer, intent(in) :: nvector      !! expected
+    integer, intent(in) :: nvector      !! expected number
     type(vectors_t), intent(inout) :: vectors
     type(error_t), allocatable, intent(out) :: error
     integer :: n(2), b, i, v
@@ -211,7 +214,7 @@ contains
     list%value(list%first(list%n):last) = 0.0_wp
   end subroutine new_vector
 
-  !> Append an element with nf functions; the caller sets its node and vector numbers.
+  !> Append an element with nf functions; the caller sets the numbers of its nodes and vectors.
   subroutine new_element(list, degree, nf, at)
     type(elements_t), intent(inout) :: list
     integer, intent(in) :: degree(2), nf, at
@@ -230,7 +233,7 @@ contains
     list%at(list%n) = at
   end subroutine new_element
 
-  !> Give all elements to the surface: the operator of an element has the vectors as its rows.
+  !> Add all elements to the surface; the rows of the operator of an element are its vectors.
   subroutine add_elements(text, list, vectors, surface, error)
     type(text_t), intent(inout) :: text
     type(elements_t), intent(in) :: list

@@ -1,6 +1,7 @@
-!> BEXT 2.0 as JSON: nodes, elements in blocks, coefficient vectors, sets. All counts start at 0.
+!> BEXT 2.0 files in JSON: nodes, elements in blocks, coefficient vectors, sets. All numbering
+!! starts at 0.
 !!
-!! A sparse vector has its positions in `indices` beside the values in `components`.
+!! A sparse vector has its positions in `indices` and its values in `components`.
 !! Source: files of the package CoreformIGA.jl
 module format_bext_json
   use base_kinds, only: wp
@@ -19,7 +20,7 @@ module format_bext_json
 
 contains
 
-  !> The whole file.
+  !> Read the whole file.
   subroutine read_bext_json(text, surface, error)
     type(text_t), intent(inout) :: text
     type(spline_surface_t), intent(out) :: surface
@@ -71,7 +72,7 @@ contains
     if (.not. allocated(error)) call finish_surface(text, surface, error)
   end subroutine read_bext_json
 
-  !> A list in a member of the top-level object.
+  !> Get a list that is in a member of the top-level object.
   subroutine get_list(text, json, part, name, list, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -85,7 +86,7 @@ contains
     if (.not. allocated(error)) call get(text, json, i, name, JSON_LIST, list, error)
   end subroutine get_list
 
-  !> Elements of all blocks; the sizes of the blocks are in a list of their own.
+  !> Read the elements of all blocks; the sizes of the blocks are in a list of their own.
   subroutine read_elements(text, json, elements, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -126,7 +127,7 @@ contains
     if (e > 0) call fail_in_file(text, 'the list of elements is longer than its blocks', error)
   end subroutine read_elements
 
-  !> Numbers of an element, from 0 in the file and from 1 here.
+  !> Get numbers of an element, which count from 0 in the file and from 1 here.
   subroutine get_ids(text, json, e, name, id, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -153,7 +154,7 @@ contains
     end do
   end subroutine get_ids
 
-  !> Dense vectors, then sparse ones.
+  !> Read the dense vectors, then the sparse ones.
   subroutine read_vectors(text, json, vectors, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json

@@ -2,7 +2,8 @@
 !!
 !!   n  0  x y z            e  0  material  n1 n2 ...
 !!
-!! Elements of material m are the group `m`. Records with an increment of generation are rejected.
+!! The elements of material m form the group `m`. Records with an increment for generation are
+!! rejected.
 !! Source: FEAPpv's manual
 module format_feap
   use base_error, only: error_t
@@ -18,7 +19,7 @@ module format_feap
 
 contains
 
-  !> The whole file; the text stands at its beginning.
+  !> Read the whole file; the text must be at its beginning.
   subroutine read_feap(text, file, error)
     type(text_t), intent(inout) :: text
     type(mesh_file_t), intent(out) :: file
@@ -50,7 +51,7 @@ contains
     end if
   end subroutine read_feap
 
-  !> Go to the beginning of the next line; it has `n` words before a comment.
+  !> Go to the beginning of the next line, which has `n` words before a comment.
   subroutine next_line(text, n)
     type(text_t), intent(inout) :: text
     integer, intent(out) :: n
@@ -89,7 +90,7 @@ contains
     file%node_spot = file%node_spot(:file%nnode)
   end subroutine read_nodes
 
-  !> Number and increment of generation, which must be 0, of a record of n words.
+  !> Read the number and the generation increment, which must be 0, of a record of n words.
   subroutine read_head(text, n, least, most, usage, number, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: n, least, most

@@ -1,4 +1,5 @@
-!> G+Smo XML files: one geometry TensorNurbs3 or TensorBSpline3, or a surface of the same with 2.
+!> G+Smo XML files: one geometry TensorNurbs3 or TensorBSpline3, or a surface TensorNurbs2 or
+!! TensorBSpline2.
 !!
 !! The reader takes the knot vectors with their degrees, the weights and the coefficients, of which
 !! the first direction runs fastest. Other geometries of the file and other tags are skipped.
@@ -16,7 +17,7 @@ module format_gismo
 
 contains
 
-  !> The geometry with `ndir` directions and the id `name`, or the only one.
+  !> Read the geometry with `ndir` directions and the id `name`, or the only one.
   subroutine read_gismo(text, name, ndir, patch, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
@@ -71,7 +72,7 @@ contains
     if (.not. allocated(error)) call new_nurbs(patch, dir, reshape(x, [3, n]), w)
   end subroutine read_gismo
 
-  !> The part of the file that holds the geometry.
+  !> Find the part of the file that holds the geometry.
   subroutine find_geometry(text, name, ndir, first, last, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
@@ -130,7 +131,7 @@ contains
     end if
   end subroutine find_geometry
 
-  !> Value of an attribute of the tag that begins at `tag`; empty where it has none.
+  !> Value of an attribute of the tag that begins at `tag`; empty if there is no such attribute.
   function attribute(text, tag, name) result(value)
     type(text_t), intent(in) :: text
     integer, intent(in) :: tag
@@ -147,12 +148,12 @@ contains
     value = text%all(first:last)
   end function attribute
 
-  !> The content of the next tag with a name, up to the next tag of any name.
+  !> Find the next tag with a name, and its content up to the next tag of any name.
   subroutine enter(text, name, tag, part)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
-    integer, intent(out) :: tag        !! where it begins; 0: there is none
-    type(text_t), intent(out) :: part  !! the text up to its end, at its beginning
+    integer, intent(out) :: tag        !! position at which the tag begins; 0: there is none
+    type(text_t), intent(out) :: part  !! text up to the end of the content, positioned at its start
     integer :: length
 
     length = index(text%all(text%at:), '<'//name)
@@ -167,7 +168,7 @@ contains
     text%at = part%at
   end subroutine enter
 
-  !> Numbers that must fill a part of the file.
+  !> Read numbers that must fill a part of the file.
   subroutine read_all(part, what, x, error)
     type(text_t), intent(inout) :: part
     character(*), intent(in) :: what
@@ -182,7 +183,7 @@ contains
                                          //quoted(word)//' after them', error)
   end subroutine read_all
 
-  !> The next knot vector.
+  !> Read the next knot vector.
   subroutine read_knots(text, d, s, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: d

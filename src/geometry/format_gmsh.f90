@@ -1,9 +1,9 @@
-!> Meshes of Gmsh: MSH 2.2 and 4.1 in ASCII.
+!> Gmsh meshes: MSH 2.2 and 4.1 in ASCII.
 !!
-!! Sections $MeshFormat, $PhysicalNames, $Entities, $Nodes and $Elements are read, others are
+!! Sections $MeshFormat, $PhysicalNames, $Entities, $Nodes and $Elements are read; others are
 !! skipped. Physical groups become named groups; version 2.2 repeats an element for each of its
-!! groups. Which element a type becomes, and in which order its nodes stand, is in the topology of
-!! the element (mesh_shape).
+!! groups. The topology of an element says which Gmsh type it corresponds to, and in which order
+!! Gmsh numbers its nodes (mesh_shape).
 !! Source: Geuzaine and Remacle 2009; Gmsh reference manual, section MSH file format
 module format_gmsh
   use base_error, only: error_t
@@ -20,7 +20,7 @@ module format_gmsh
 
 contains
 
-  !> The whole file; the text stands at its beginning.
+  !> Read the whole file; the text must be at its beginning.
   subroutine read_gmsh(text, file, error)
     type(text_t), intent(inout) :: text
     type(mesh_file_t), intent(out) :: file
@@ -89,7 +89,7 @@ contains
     end do
   end subroutine read_gmsh
 
-  !> Version 2.2 or 4.1, ASCII.
+  !> Read the format, which must be version 2.2 or 4.1 in ASCII.
   subroutine read_format(text, is_new, error)
     type(text_t), intent(inout) :: text
     logical, intent(out) :: is_new
@@ -114,7 +114,7 @@ contains
     call next_integer(text, 'the size of reals', size_of, error)
   end subroutine read_format
 
-  !> Dimension, tag and quoted name of the physical groups, kept as groups of a separate file.
+  !> Read dimension, tag and quoted name of the physical groups, as the groups of a separate file.
   subroutine read_names(text, names, error)
     type(text_t), intent(inout) :: text
     type(mesh_file_t), intent(out) :: names
@@ -141,8 +141,8 @@ contains
     end do
   end subroutine read_names
 
-  !> Points, curves, surfaces and volumes of version 4.1: tag, position or box, physical groups, and
-  !! (except for points) the boundary.
+  !> Read the points, curves, surfaces and volumes of version 4.1: tag, position or box, physical
+  !! groups and (except for points) the boundary.
   subroutine read_entities(text, entity, error)
     type(text_t), intent(inout) :: text
     integer, allocatable, intent(out) :: entity(:, :) !! (3, n) dimension, tag, physical group
@@ -178,8 +178,8 @@ contains
     entity = entity(:, :m)
   end subroutine read_entities
 
-  !> Elements of all shapes. Version 2.2 has number, type, tags (the first is the physical group)
-  !! and nodes in each record; version 4.1 has blocks of one type on one entity.
+  !> Read the elements of all shapes. In version 2.2 each record has number, type, tags (the first
+  !! is the physical group) and nodes; version 4.1 has blocks of one type on one entity.
   subroutine read_elements(text, is_new, entity, file, error)
     type(text_t), intent(inout) :: text
     logical, intent(in) :: is_new
@@ -234,7 +234,7 @@ contains
                                       //'blocks, found '//to_text(n), error)
   end subroutine read_elements
 
-  !> An error where the type of an element stands, if no row of the table of elements has it.
+  !> Report an error at the type of an element if no row of the table of elements has this type.
   subroutine check_type(text, gmsh, file, error)
     type(text_t), intent(in) :: text
     integer, intent(in) :: gmsh
@@ -246,11 +246,11 @@ contains
                       shape_hint(file%shapes))
   end subroutine check_type
 
-  !> Nodes of an element, brought into the order of its row.
+  !> Read the nodes of an element and bring them into the order of its row.
   subroutine read_element(text, gmsh, label, file, error)
     type(text_t), intent(inout) :: text
-    integer, intent(in) :: gmsh   !! its type
-    integer, intent(in) :: label  !! its number
+    integer, intent(in) :: gmsh   !! type of the element
+    integer, intent(in) :: label  !! number of the element
     type(mesh_file_t), intent(inout) :: file
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: node(:), own(:)
@@ -268,8 +268,8 @@ contains
     call add_element(file, s, label, own, spot)
   end subroutine read_element
 
-  !> Numbers and coordinates. Version 4.1 has blocks: their entity and number of nodes, the numbers,
-  !! the coordinates, which parameters of the entity may follow.
+  !> Read node numbers and coordinates. Version 4.1 has blocks: their entity and number of nodes,
+  !! the numbers, and the coordinates, which parameters of the entity may follow.
   subroutine read_nodes(text, is_new, file, error)
     type(text_t), intent(inout) :: text
     logical, intent(in) :: is_new
@@ -322,7 +322,7 @@ contains
     end if
   end subroutine read_nodes
 
-  !> The number of the i-th node.
+  !> Read the number of the i-th node.
   subroutine read_number(text, i, file, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: i

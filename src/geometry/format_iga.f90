@@ -17,7 +17,7 @@ module format_iga
 
 contains
 
-  !> From the first word on.
+  !> Read the file from its first word on.
   subroutine read_iga(text, surface, error)
     type(text_t), intent(inout) :: text
     type(spline_surface_t), intent(out) :: surface
@@ -81,7 +81,7 @@ contains
     call next_word(text, word)
     if (len(word) == 0 .or. word == 'set') then
       call finish_surface(text, surface, error)
-    else ! more elements than counted would be lost
+    else ! more elements than were announced would be lost
       call fail_in_file(text, 'unexpected '//quoted(word)//' after the last element', error, &
                         'elemN may be too small')
     end if

@@ -1,8 +1,8 @@
 !> JSON files as a tree of values; errors give the line of the file.
 !!
-!! Values are numbered in the order of the file: the first member or element of value i is i + 1.
-!! Names and strings are not decoded: escapes stay as they are. Nesting and number of values are
-!! bounded.
+!! Values are numbered in the order of the file: i + 1 is the first member or element of value i.
+!! Names and strings are not decoded: escape sequences stay as they are. The depth of nesting and
+!! the number of values are limited.
 !! Source: RFC 8259
 module format_json
   use base_error, only: error_t
@@ -23,8 +23,8 @@ module format_json
   type :: json_t
     integer :: n = 0
     integer, allocatable :: type(:)      !! JSON_NULL to JSON_OBJECT
-    integer, allocatable :: at(:)        !! place in the file
-    integer, allocatable :: key(:)       !! place of a member's name in the file; 0: it has none
+    integer, allocatable :: at(:)        !! position in the file
+    integer, allocatable :: key(:)       !! position of a member's name in the file; 0: it has none
     integer, allocatable :: next(:)      !! the next member or element of the same parent; 0: none
     integer, allocatable :: length(:)    !! number of members or elements
     real(wp), allocatable :: number(:)
@@ -32,7 +32,7 @@ module format_json
 
 contains
 
-  !> The whole text; value 1 is all of it.
+  !> Read the whole text, which becomes value 1.
   subroutine parse_json(text, json, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(out) :: json
@@ -79,7 +79,7 @@ contains
     end do
   end function member
 
-  !> Append a value.
+  !> Append a value to the tree.
   subroutine append(json, type, at, i)
     type(json_t), intent(inout) :: json
     integer, intent(in) :: type, at
@@ -101,7 +101,7 @@ contains
     json%number(i) = 0.0_wp
   end subroutine append
 
-  !> The next character that is not a blank; a blank at the end of the file.
+  !> Find the next character that is not a blank; it is a blank at the end of the file.
   subroutine look(text, c)
     type(text_t), intent(inout) :: text
     character, intent(out) :: c
@@ -114,7 +114,7 @@ contains
     if (text%at <= len(text%all)) c = text%all(text%at:text%at)
   end subroutine look
 
-  !> A value with all its parts.
+  !> Read a value with all its parts.
   recursive subroutine read_value(text, json, depth, i, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(inout) :: json
@@ -162,7 +162,7 @@ contains
     end select
   end subroutine read_value
 
-  !> Elements, or members with their names, up to the closing bracket.
+  !> Read elements, or members with their names, up to the closing bracket.
   recursive subroutine read_list(text, json, depth, list, close, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(inout) :: json
@@ -215,7 +215,7 @@ contains
   !> Go to the end of a string in quotes.
   subroutine read_string(text, key, error)
     type(text_t), intent(inout) :: text
-    integer, intent(out) :: key  !! place of its first character
+    integer, intent(out) :: key  !! position of its first character
     type(error_t), allocatable, intent(out) :: error
     integer :: i
 
@@ -231,7 +231,7 @@ contains
     call fail_in_file(text, 'the closing quote of a string is missing', error)
   end subroutine read_string
 
-  !> true, false or null.
+  !> Read true, false or null.
   subroutine read_word(text, json, word, type, i, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(inout) :: json
@@ -263,7 +263,7 @@ contains
     end if
   end subroutine fail_expected
 
-  !> A member of value i with the type that it must have.
+  !> Find a member of value i, which must have a given type.
   subroutine get(text, json, i, name, type, found, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -301,7 +301,7 @@ contains
     if (.not. allocated(error)) call to_integer(text, json, found, name, n, error)
   end subroutine get_integer
 
-  !> Value i as a whole number; `name` is that of the list or member that it belongs to.
+  !> Get value i as an integer; `name` is that of the list or member to which it belongs.
   subroutine to_integer(text, json, i, name, n, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -320,7 +320,7 @@ contains
     end if
   end subroutine to_integer
 
-  !> All numbers of a list.
+  !> Get all numbers of a list.
   subroutine get_reals(text, json, list, name, x, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -343,7 +343,7 @@ contains
     end do
   end subroutine get_reals
 
-  !> Compare a number with n where the file gives it.
+  !> Compare a number with n if the file gives it.
   subroutine check_number(text, json, i, name, n, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json

@@ -1,13 +1,14 @@
-!> Files `MFEM NURBS mesh v1.0`: blocks of NURBS with a common numbering of control points.
+!> Files `MFEM NURBS mesh v1.0`: NURBS blocks whose control points have a common numbering.
 !!
 !! The reader takes dimension, elements (cubes), edges, vertices, knotvectors, weights and the
-!! positions, which are Euclidean; the boundary is skipped. A knot vector runs as its edge is
-!! written.
+!! positions, which are Euclidean; the boundary is skipped. A knot vector has the direction in which
+!! its edge is written.
 !!
-!! Numbering of the control points: vertices; the inner points of the edges, in the order of the
-!! section `edges`, each from its lower vertex to its higher; those of the faces, in the order in
-!! which the elements first have them, along the face's first vertices; those of the elements.
-!! Source: mfem.org, mesh format; the files of its own data folder
+!! The control points are numbered in this order: the vertices; the inner points of the edges, in
+!! the order of the section `edges`, each from its lower to its higher vertex; those of the faces,
+!! in the order in which these first occur in the elements, along the first vertices of the face;
+!! those of the elements.
+!! Source: mfem.org, mesh format; the files in the data folder of MFEM
 module format_mfem
   use base_kinds, only: wp, i8
   use base_error, only: error_t
@@ -20,31 +21,31 @@ module format_mfem
   private
   public :: read_mfem
 
-  !> Where the eight vertices of an element are in its directions.
+  !> Positions of the eight vertices of an element, 0 or 1 in each of its directions.
   integer, parameter :: CORNER(3, 0:7) = reshape([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &
                                                   0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
-  !> Vertices of its faces, in the order that numbers the inner points.
+  !> Vertices of the faces of an element, in the order that numbers the inner points.
   integer, parameter :: QUAD(4, 6) = reshape([3, 2, 1, 0, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, &
                                               3, 0, 4, 7, 4, 5, 6, 7], [4, 6])
-  !> Positions of the neighbours of its first vertex in the three directions.
+  !> Positions, in the list of vertices, of the neighbours of the first one in the three directions.
   integer, parameter :: NEIGHBOUR(3) = [2, 4, 5]
 
-  !> A file as read.
+  !> The content of a file.
   type :: mfem_t
     integer :: nvertex = 0
     integer, allocatable :: vertex(:, :)  !! (8, nelem) from 0, as in the file
-    integer, allocatable :: edge(:, :)    !! (3, nedge) knot vector, two vertices, from 0
+    integer, allocatable :: edge(:, :)    !! (3, nedge) knot vector and two vertices, from 0
     type(spline_t), allocatable :: dir(:) !! knot vectors
     real(wp), allocatable :: w(:), x(:, :) !! (n), (3, n)
-    integer, allocatable :: face(:, :)    !! (4, nface) vertices in the order of the first element
-    integer, allocatable :: first_edge(:) !! (nedge+1) points before those of the edge
+    integer, allocatable :: face(:, :)    !! (4, nface) vertices, as in the first element with it
+    integer, allocatable :: first_edge(:) !! (nedge+1) number of points before those of the edge
     integer, allocatable :: first_face(:) !! (nface+1)
     integer, allocatable :: first_elem(:) !! (nelem+1)
   end type mfem_t
 
 contains
 
-  !> The element `name` (its number, from 1) of a file.
+  !> Read the element `name` (its number, from 1) of a file.
   subroutine read_mfem(text, name, patch, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
@@ -84,7 +85,7 @@ contains
       associate (a => mfem%vertex(1, e), b => mfem%vertex(NEIGHBOUR(d), e))
         i = find_edge(mfem, a, b)
         dir(d) = mfem%dir(mfem%edge(1, i) + 1)
-        if (mfem%edge(2, i) == b) then ! the edge is written the other way
+        if (mfem%edge(2, i) == b) then ! the edge is written in the opposite direction
           last = size(dir(d)%knots)
           dir(d)%knots = dir(d)%knots(1) + dir(d)%knots(last) - dir(d)%knots(last:1:-1)
         end if
@@ -212,7 +213,7 @@ contains
     end do
   end subroutine read_knots
 
-  !> Weights and positions.
+  !> Read weights and positions.
   subroutine read_points(text, mfem, error)
     type(text_t), intent(inout) :: text
     type(mfem_t), intent(inout) :: mfem
@@ -260,7 +261,7 @@ contains
     end do
   end subroutine read_points
 
-  !> The first control point of each edge, face and element.
+  !> Find the number of points before those of each edge, face and element.
   subroutine number_points(text, mfem, error)
     type(text_t), intent(in) :: text
     type(mfem_t), intent(inout) :: mfem
@@ -308,7 +309,7 @@ contains
     end if
   end subroutine number_points
 
-  !> Numbers of control points of an element in its directions.
+  !> Find the number of control points of an element in each direction.
   subroutine directions(text, mfem, e, n, error)
     type(text_t), intent(in) :: text
     type(mfem_t), intent(in) :: mfem
@@ -340,7 +341,7 @@ contains
     i = 0
   end function find_edge
 
-  !> The face with four vertices in any order; 0: there is none.
+  !> The face that has four vertices, in any order; 0: there is none.
   pure integer function find_face(face, v) result(i)
     integer, intent(in) :: face(:, :), v(4)
     integer :: a
@@ -358,7 +359,7 @@ contains
     axis = maxloc(abs(CORNER(:, a) - CORNER(:, b)), 1)
   end function axis
 
-  !> Number of the control point (i,j,k) of an element.
+  !> Find the number of the control point (i,j,k) of an element.
   subroutine find_point(text, mfem, e, n, ijk, number, error)
     type(text_t), intent(in) :: text
     type(mfem_t), intent(in) :: mfem
@@ -401,7 +402,7 @@ contains
 
   contains
 
-    !> Count along the direction from vertex p to vertex q, from 1.
+    !> Index from 1 along the direction from vertex p to vertex q.
     pure integer function inner_index(p, q)
       integer, intent(in) :: p, q
       integer :: d

@@ -17,9 +17,9 @@ module format_text
   type :: text_t
     character(:), allocatable :: path
     character(:), allocatable :: all
-    integer :: at = 1            !! next character; 0 where the whole file is meant
+    integer :: at = 1            !! next character; 0 if the whole file is meant
     type(place_t) :: place       !! the deck's record that names the file
-    character :: comment = ' '   !! starts a comment; blank: none
+    character :: comment = ' '   !! character that starts a comment; blank: none
   end type text_t
 
 contains
@@ -58,7 +58,7 @@ contains
     if (index(text%all, MARK) == 1) text%all = text%all(len(MARK) + 1:)
   end subroutine load_text
 
-  !> An error at the current position.
+  !> Report an error at the current position.
   subroutine fail_in_file(text, message, error, hint)
     type(text_t), intent(in) :: text
     character(*), intent(in) :: message
@@ -78,7 +78,7 @@ contains
               text%place, hint)
   end subroutine fail_in_file
 
-  !> Next word; empty at the end of the file.
+  !> Read the next word; it is empty at the end of the file.
   subroutine next_word(text, word)
     type(text_t), intent(inout) :: text
     character(:), allocatable, intent(out) :: word
@@ -104,7 +104,7 @@ contains
     word = text%all(first:text%at - 1)
   end subroutine next_word
 
-  !> Go to the next line that has a word, unless words are left in this one.
+  !> Go to the next line that has a word, unless this line has words left.
   subroutine next_line(text)
     type(text_t), intent(inout) :: text
     integer :: length
@@ -138,7 +138,7 @@ contains
     is_blank = iachar(c) <= 32
   end function is_blank
 
-  !> Next word as an integer; `what` says what it should be.
+  !> Read the next word as an integer; `what` says what it should be.
   subroutine next_integer(text, what, n, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: what
@@ -154,7 +154,7 @@ contains
     if (status /= 0) call fail_word(text, what, word, error)
   end subroutine next_integer
 
-  !> Next word as a number of things each of which takes at least one byte of the file.
+  !> Read the next word as a number of things, each of which takes at least one byte of the file.
   subroutine next_count(text, what, n, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: what
@@ -168,7 +168,7 @@ contains
                       //' (the size of the file in bytes), found '//to_text(n), error)
   end subroutine next_count
 
-  !> Next word as a real number.
+  !> Read the next word as a real number.
   subroutine next_real(text, what, x, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: what
@@ -182,7 +182,7 @@ contains
     if (.not. ok) call fail_word(text, what, word, error)
   end subroutine next_real
 
-  !> The next words as real numbers.
+  !> Read the next words as real numbers.
   subroutine next_reals(text, what, x, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: what
@@ -196,7 +196,7 @@ contains
     end do
   end subroutine next_reals
 
-  !> The next words as integers.
+  !> Read the next words as integers.
   subroutine next_integers(text, what, n, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: what

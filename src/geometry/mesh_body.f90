@@ -17,21 +17,21 @@ module mesh_body
   private
   public :: mesh_spec_t, mesh_material_t, build_mesh, group_named, group_hint
 
-  !> MATErial m [group].
+  !> A record `MATErial m [group]`.
   type :: mesh_material_t
     integer :: number = 0                  !! the user's number
-    integer :: index = 0                   !! in the model's materials
-    character(:), allocatable :: group     !! not allocated: all elements
+    integer :: index = 0                   !! index into the materials of the model
+    character(:), allocatable :: group     !! a named group; not allocated: all elements
     type(place_t) :: place, group_place
   end type mesh_material_t
 
-  !> What a MESH block says.
+  !> The data of a MESH block.
   type :: mesh_spec_t
     type(patch_spec_t) :: spec             !! name, place, placement and type of the hexahedra
     type(mesh_file_t) :: file
-    type(text_t) :: text                   !! of the file, for error messages
+    type(text_t) :: text                   !! text of the file, for error messages
     type(mesh_material_t), allocatable :: material(:)
-    type(constraint_t) :: constraint       !! hanging nodes, by their numbers in the file
+    type(constraint_t) :: constraint       !! hanging nodes, with node numbers of the file
     type(place_t) :: constraint_place
   end type mesh_spec_t
 
@@ -76,7 +76,7 @@ contains
     end associate
   end subroutine build_mesh
 
-  !> Index of the material of each element; a later record wins.
+  !> Find the index of the material of each element; later records replace earlier ones.
   subroutine find_materials(spec, material, error)
     type(mesh_spec_t), intent(in) :: spec
     integer, allocatable, intent(out) :: material(:) !! (nelem)
@@ -111,13 +111,13 @@ contains
     end do
   end subroutine find_materials
 
-  !> A block for each shape and material, in the order in which they appear.
+  !> Make a block for each shape and material, in the order in which they appear.
   subroutine make_blocks(file, material, mesh, block, place)
     type(mesh_file_t), intent(in) :: file
     integer, intent(in) :: material(:)               !! (nelem)
     type(mesh_t), intent(in) :: mesh
     type(block_t), allocatable, intent(out) :: block(:)
-    integer, allocatable, intent(out) :: place(:, :) !! (2, nelem) block of the mesh, element there
+    integer, allocatable, intent(out) :: place(:, :) !! (2, nelem) block of the mesh, element in it
     integer, allocatable :: shape(:), index(:), number(:)
     integer :: b, e
 
@@ -158,7 +158,7 @@ contains
     end do
   end subroutine make_blocks
 
-  !> Which groups of a file have this name.
+  !> Which groups of a file have this name?
   pure function group_named(file, name) result(yes)
     type(mesh_file_t), intent(in) :: file
     character(*), intent(in) :: name
@@ -170,7 +170,7 @@ contains
     yes = [(lower(file%group(g)%name) == lower(name), g=1, size(file%group))]
   end function group_named
 
-  !> A hint for the name of a group that does not exist.
+  !> A hint for a name that no group has.
   function group_hint(file, name) result(hint)
     type(mesh_file_t), intent(in) :: file
     character(*), intent(in) :: name
@@ -187,13 +187,13 @@ contains
     hint = 'nearest known: '//trim(nearest(name, names))
   end function group_hint
 
-  !> The named groups of a body: nodes of all their elements, faces of their surface elements.
-  !! Groups of the same name are one.
+  !> Set the named groups of a body: the nodes of all their elements, and the faces of their surface
+  !! elements. Groups of the same name become one.
   subroutine set_groups(file, faces, place, nnode, body)
     type(mesh_file_t), intent(in) :: file
     type(faces_t), intent(in) :: faces
-    integer, intent(in) :: place(:, :)   !! (2, nelem) block of the mesh and element there
-    integer, intent(in) :: nnode         !! nodes of the mesh before this body
+    integer, intent(in) :: place(:, :)   !! (2, nelem) block of the mesh and element in it
+    integer, intent(in) :: nnode         !! number of nodes of the mesh before this body
     type(body_t), intent(inout) :: body
     type(group_t), allocatable :: group(:)
     logical, allocatable :: chosen(:), on(:), seen(:)
@@ -244,7 +244,7 @@ contains
     face%side = faces%side(list)
   end subroutine take_faces
 
-  !> Nodes, the whole boundary as face 1, and the mean thickness of the body.
+  !> Set the nodes, the whole boundary as face 1, and the mean thickness of the body.
   subroutine set_boundary(file, faces, place, volume, nnode, body)
     type(mesh_file_t), intent(in) :: file
     type(faces_t), intent(in) :: faces

@@ -13,13 +13,13 @@ module mesh_check
   private
   public :: check_shapes, check_elements
 
-  !> A Jacobian below this fraction of that of a cube of the element's size counts as zero: it comes
-  !! from the rounding of the coordinates.
+  !> A Jacobian counts as zero if it is below this fraction of the Jacobian of a cube of the size of
+  !! the element: it then comes from the rounding of the coordinates.
   real(wp), parameter :: FLAT = 1.0e-12_wp
 
 contains
 
-  !> There is a body, and the table of elements has all its shapes.
+  !> Check that there is a body, and that the table of elements has all its shapes.
   subroutine check_shapes(file, text, error)
     type(mesh_file_t), intent(in) :: file
     type(text_t), intent(inout) :: text
@@ -41,13 +41,13 @@ contains
                       //'3 dimensions, and give the volume a physical group if anything has one')
   end subroutine check_shapes
 
-  !> Nodes of an element differ, and its map is right-handed at all integration points. Jacobians
-  !! are those of the map from the reference element: the map from the parent cube of a collapsed
-  !! element is nearly singular where the cube is collapsed.
+  !> Check that the nodes of an element differ and that its map is right-handed at all integration
+  !! points. The map is that from the reference element, because the map from the parent cube of a
+  !! collapsed element is nearly singular where the cube is collapsed.
   subroutine check_elements(file, text, volume, error)
     type(mesh_file_t), intent(in) :: file
     type(text_t), intent(inout) :: text
-    real(wp), intent(out) :: volume          !! of the body [L^3]
+    real(wp), intent(out) :: volume          !! volume of the body [L^3]
     type(error_t), allocatable, intent(out) :: error
     type(rule_t) :: rule
     character(:), allocatable :: name

@@ -1,4 +1,4 @@
-!> Faces of a mesh file: those that bound the body, and those that surface elements refer to.
+!> Faces in a mesh file: those that bound the body, and those to which surface elements refer.
 module mesh_faces
   use base_kinds, only: i8
   use base_error, only: error_t
@@ -15,16 +15,16 @@ module mesh_faces
   !> Faces of the elements, sorted by key.
   type :: faces_t
     integer :: n = 0
-    integer(i8), allocatable :: key(:)     !! (n) rising
-    integer, allocatable :: corner(:, :)   !! (4, n) nodes, falling; triangles end with 0
-    integer, allocatable :: elem(:)        !! (n) element of the file
+    integer(i8), allocatable :: key(:)     !! (n) in ascending order
+    integer, allocatable :: corner(:, :)   !! (4, n) nodes in descending order; triangles end with 0
+    integer, allocatable :: elem(:)        !! (n) index of the element in the file
     integer, allocatable :: side(:)        !! (n) local face of the element
-    logical, allocatable :: bounds(:)      !! (n) it belongs to one element only
+    logical, allocatable :: bounds(:)      !! (n) it belongs to only one element
   end type faces_t
 
 contains
 
-  !> All faces of the solid elements; those of one element bound the body.
+  !> Find all faces of the solid elements; a face that belongs to only one element bounds the body.
   subroutine find_boundary(file, text, faces, error)
     type(mesh_file_t), intent(in) :: file
     type(text_t), intent(inout) :: text
@@ -43,7 +43,7 @@ contains
       associate (topology => file%shapes(s)%topology)
         do e = 1, file%nelem
           if (file%shape(e) /= s .or. .not. file%solid(e)) cycle
-          do f = 1, topology%nface ! with fewer than three corners, it is collapsed
+          do f = 1, topology%nface ! a face with fewer than three corners is collapsed
             side = topology%node(topology%first(f):topology%first(f + 1) - 1)
             list = pack(side, [(any(topology%corner == side(i)), i=1, size(side))])
             if (size(list) < 3) cycle
@@ -85,10 +85,10 @@ contains
     end do
   end subroutine find_boundary
 
-  !> A key that does not depend on the order of the corners.
+  !> Make a key that does not depend on the order of the corners.
   pure subroutine make_key(node, corner, key)
     integer, intent(in) :: node(:)         !! corners of the face
-    integer, intent(out) :: corner(MOST)   !! the same in falling order, 0 after those of a triangle
+    integer, intent(out) :: corner(MOST)   !! the same in descending order; a triangle ends with 0
     integer(i8), intent(out) :: key
     integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
     integer :: i
@@ -115,7 +115,7 @@ contains
     call make_key(file%node(file%first(e):file%first(e) + n - 1), corner, key)
     low = 1
     high = faces%n + 1
-    do while (low < high) ! the first one with this key
+    do while (low < high) ! find the first face with this key
       f = low + (high - low)/2
       if (faces%key(f) < key) then
         low = f + 1

@@ -1,4 +1,4 @@
-!> A mesh as its file gives it: numbered nodes, elements of several shapes, named groups.
+!> A mesh as given in its file: numbered nodes, elements of several shapes, named groups.
 module mesh_file
   use base_error, only: error_t
   use base_grow, only: grow
@@ -11,27 +11,27 @@ module mesh_file
   private
   public :: mesh_file_t, start_mesh, add_element, add_member, sort_nodes, mark_solids
 
-  !> A physical group. The name of an unnamed one is its number.
+  !> A physical group; without a name, its number is used as the name.
   type, public :: file_group_t
     integer :: dim = 0
     integer :: tag = 0
     character(:), allocatable :: name
   end type file_group_t
 
-  !> Nodes of element e are node(first(e):first(e+1)-1): numbers of the file until sort_nodes makes
-  !! them positions in x.
+  !> The nodes of element e are node(first(e):first(e+1)-1). They are numbers of the file until
+  !! sort_nodes replaces them by positions in x.
   type :: mesh_file_t
     integer :: nnode = 0, nelem = 0
-    integer, allocatable :: number(:)    !! (nnode) of the nodes in the file; rising once sorted
+    integer, allocatable :: number(:)    !! (nnode) node numbers of the file; ascending once sorted
     real(wp), allocatable :: x(:, :)     !! (3, nnode) [L]
-    integer, allocatable :: node_spot(:) !! (nnode) place in the text
-    type(shape_t), allocatable :: shapes(:) !! all that are known
-    integer, allocatable :: shape(:)     !! (>= nelem) position in `shapes`
+    integer, allocatable :: node_spot(:) !! (nnode) position in the text
+    type(shape_t), allocatable :: shapes(:) !! all known shapes
+    integer, allocatable :: shape(:)     !! (>= nelem) index into `shapes`
     integer, allocatable :: first(:)     !! (>= nelem+1)
     integer, allocatable :: node(:)
     integer, allocatable :: label(:)     !! (>= nelem) number of the element in the file
-    integer, allocatable :: spot(:)      !! (>= nelem) place in the text
-    logical, allocatable :: solid(:)     !! (nelem) part of the body, and no repetition
+    integer, allocatable :: spot(:)      !! (>= nelem) position in the text
+    logical, allocatable :: solid(:)     !! (nelem) it is part of the body and not a repetition
     type(file_group_t), allocatable :: group(:)
     integer :: nmember = 0
     integer, allocatable :: member(:, :) !! (2, >= nmember) element and group
@@ -39,7 +39,7 @@ module mesh_file
 
 contains
 
-  !> An empty mesh.
+  !> Make an empty mesh.
   subroutine start_mesh(file)
     type(mesh_file_t), intent(out) :: file
 
@@ -51,10 +51,10 @@ contains
   !> Append an element.
   subroutine add_element(file, shape, label, node, spot)
     type(mesh_file_t), intent(inout) :: file
-    integer, intent(in) :: shape   !! position in file%shapes
-    integer, intent(in) :: label   !! its number in the file
-    integer, intent(in) :: node(:) !! numbers of its nodes
-    integer, intent(in) :: spot    !! place in the text
+    integer, intent(in) :: shape   !! index into file%shapes
+    integer, intent(in) :: label   !! number of the element in the file
+    integer, intent(in) :: node(:) !! numbers of its nodes in the file
+    integer, intent(in) :: spot    !! position in the text
     integer :: e, last
 
     e = file%nelem + 1
@@ -72,7 +72,7 @@ contains
     file%first(e + 1) = last + 1
   end subroutine add_element
 
-  !> Put the last element into the physical group (dim, tag), which is created where it is new.
+  !> Put the last element into the physical group (dim, tag), which is created if it is new.
   subroutine add_member(file, dim, tag)
     type(mesh_file_t), intent(inout) :: file
     integer, intent(in) :: dim, tag
@@ -99,8 +99,8 @@ contains
     file%member(:, n) = [file%nelem, g]
   end subroutine add_member
 
-  !> Sort the nodes by their numbers; elements then refer to positions. Node numbers must be unique,
-  !! and elements must refer to nodes that exist.
+  !> Sort the nodes by their numbers and make elements refer to positions. The numbers of nodes must
+  !! be unique, and elements must refer to nodes that exist.
   subroutine sort_nodes(file, text, error)
     type(mesh_file_t), intent(inout) :: file
     type(text_t), intent(inout) :: text
@@ -135,7 +135,7 @@ contains
   end subroutine sort_nodes
 
   !> Mark the elements of the body. Gmsh 2.2 repeats an element for each of its groups: the first
-  !! one counts and becomes a member of all of them.
+  !! one is kept and becomes a member of all these groups.
   subroutine mark_solids(file)
     type(mesh_file_t), intent(inout) :: file
     integer(i8), allocatable :: key(:)
@@ -166,7 +166,7 @@ contains
     file%member(1, :file%nmember) = first(file%member(1, :file%nmember))
   end subroutine mark_solids
 
-  !> Nodes of an element, rising.
+  !> Nodes of an element, in ascending order.
   pure function sorted_nodes(file, e) result(node)
     type(mesh_file_t), intent(in) :: file
     integer, intent(in) :: e

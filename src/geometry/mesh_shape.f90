@@ -1,4 +1,4 @@
-!> Shapes that elements of a mesh file have: those of the table of elements, and Gmsh's others.
+!> Shapes that elements of a mesh file can have: those in the table of elements, and others of Gmsh.
 module mesh_shape
   use base_sort, only: sort_index, unique
   use base_text, only: to_text
@@ -10,30 +10,30 @@ module mesh_shape
 
   type :: shape_t
     character(12) :: name = ''       !! point, line, triangle, quadrangle or topology%shape
-    integer :: gmsh = 0              !! element type of Gmsh; 0: it has none
-    integer :: dim = 0               !! 3: part of a body
-    integer :: nen = 0               !! nodes
-    integer :: ncorner = 0           !! corners, which stand first in a surface element
-    type(element_t) :: row           !! of the table of elements; without a name: there is none
+    integer :: gmsh = 0              !! element type in Gmsh; 0: there is none
+    integer :: dim = 0               !! dimension; 3: part of a body
+    integer :: nen = 0               !! number of nodes
+    integer :: ncorner = 0           !! number of corners, which come first in a surface element
+    type(element_t) :: row           !! row of the table of elements; without a name: there is none
     type(cell_t) :: cell             !! its degrees
     type(topology_t) :: topology     !! its topology
   end type shape_t
 
-  !> Gmsh types that need no row, as they bound a body, and two that are rejected by their name
+  !> Gmsh types that need no row because they bound a body, and two types that are rejected by name
   !! as long as no row has them (Gmsh reference manual, section MSH file format).
   character(10), parameter :: OTHER_NAME(10) = [ &
                               'point     ', 'line      ', 'triangle  ', 'quadrangle', &
                               'line      ', 'triangle  ', 'quadrangle', 'quadrangle', &
                               'wedge     ', 'hexahedron']
-  !> Their types, dimensions, nodes and corners.
+  !> Type, dimension, number of nodes and number of corners of each of them.
   integer, parameter :: OTHER(4, 10) = reshape([15, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 2, 4, 4, &
                                                 8, 1, 3, 2, 9, 2, 6, 3, 10, 2, 9, 4, 16, 2, 8, 4, &
                                                 13, 3, 18, 6, 17, 3, 20, 8], [4, 10])
 
 contains
 
-  !> All shapes: rows in the order of their Gmsh types, then the others. Of rows with the same
-  !! nodes and shape the first of the table counts.
+  !> Load all shapes: rows in the order of their Gmsh types, then the others. If several rows have
+  !! the same shape and number of nodes, the first one of the table is used.
   subroutine load_shapes(shapes)
     type(shape_t), allocatable, intent(out) :: shapes(:)
     type(element_t), allocatable :: table(:)
@@ -64,7 +64,7 @@ contains
     shapes = shapes(:n)
   end subroutine load_shapes
 
-  !> Gmsh type of a row to sort by; rows without one come last.
+  !> Gmsh type of a row, by which rows are sorted; rows without one come last.
   integer function gmsh_type(row)
     type(element_t), intent(in) :: row
     type(shape_t) :: new
@@ -73,7 +73,7 @@ contains
     gmsh_type = merge(new%gmsh, huge(1), new%gmsh > 0)
   end function gmsh_type
 
-  !> Shape of the elements of a row.
+  !> Describe the shape of the elements of a row.
   subroutine describe_row(row, new)
     type(element_t), intent(in) :: row
     type(shape_t), intent(out) :: new
@@ -88,7 +88,7 @@ contains
     new%ncorner = size(new%topology%corner)
   end subroutine describe_row
 
-  !> Position of a Gmsh type; 0: unknown.
+  !> Index of the shape with a Gmsh type; 0: unknown.
   pure integer function gmsh_shape(shapes, gmsh) result(s)
     type(shape_t), intent(in) :: shapes(:)
     integer, intent(in) :: gmsh
@@ -97,7 +97,7 @@ contains
     if (gmsh < 1) s = 0
   end function gmsh_shape
 
-  !> Position of the solid element with `nen` nodes; 0: unknown.
+  !> Index of the solid shape with `nen` nodes; 0: unknown.
   pure integer function solid_shape(shapes, nen) result(s)
     type(shape_t), intent(in) :: shapes(:)
     integer, intent(in) :: nen
@@ -105,7 +105,7 @@ contains
     s = findloc(shapes%dim == 3 .and. shapes%nen == nen, .true., 1)
   end function solid_shape
 
-  !> Use the row `name` for elements of its shape, as TYPE of a MESH asks.
+  !> Use the row `name` for elements of its shape, as TYPE of a MESH demands.
   subroutine choose_row(shapes, name)
     type(shape_t), intent(inout) :: shapes(:)
     character(*), intent(in) :: name
@@ -123,7 +123,7 @@ contains
     end do
   end subroutine choose_row
 
-  !> The solid elements that can be solved for, for a hint.
+  !> The solid elements that the program can solve for, as a hint.
   pure function shape_hint(shapes) result(hint)
     type(shape_t), intent(in) :: shapes(:)
     character(:), allocatable :: hint
@@ -137,7 +137,7 @@ contains
     end do
   end function shape_hint
 
-  !> Numbers of nodes for a hint: `4, 5 or 8`; zeros are left out.
+  !> Numbers of nodes as text for a hint, such as `4, 5 or 8`; zeros are left out.
   pure function node_counts(list) result(text)
     integer, intent(in) :: list(:)
     character(:), allocatable :: text

@@ -63,7 +63,8 @@ contains
     call append_draft(draft, s, mesh)
   end subroutine build_body
 
-  !> Control points, one block and faces of a body of type IGA p, by k-refinement of the geometry.
+  !> Make the control points, the block and the faces of a body of type IGA p, by k-refinement of
+  !! the geometry.
   subroutine build_iga(spec, geo, draft, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo

@@ -23,11 +23,11 @@ contains
     name = FACE(f)
   end function face_name
 
-  !> Geometry, type and numbers of elements; nothing is allocated before this.
+  !> Check geometry, type and numbers of elements, before anything is allocated.
   subroutine check_patch(spec, error)
     type(patch_spec_t), intent(in) :: spec
     type(error_t), allocatable, intent(out) :: error
-    integer(i8) :: n, along !! nodes; those an element adds along an edge
+    integer(i8) :: n, along !! nodes; nodes that an element adds along an edge
     integer :: d
 
     select case (spec%geometry)
@@ -79,7 +79,7 @@ contains
     end do
   end subroutine check_patch
 
-  !> An error of the patch as a whole.
+  !> Report an error of the patch as a whole.
   subroutine fail_patch(spec, what, hint, error)
     type(patch_spec_t), intent(in) :: spec
     character(*), intent(in) :: what, hint
@@ -88,7 +88,7 @@ contains
     call fail(error, DECK_ERROR, "patch '"//spec%name//"' "//what, spec%place, hint)
   end subroutine fail_patch
 
-  !> Check the orders of the enriched faces; degree of the surface spline of a hemisphere.
+  !> Check the orders of the enriched faces, and find the degree of the surface of a hemisphere.
   subroutine hemisphere_degree(spec, degree, error)
     type(patch_spec_t), intent(in) :: spec
     integer, intent(out) :: degree
@@ -119,7 +119,7 @@ contains
     end do
   end subroutine hemisphere_degree
 
-  !> Compare ENRIch records with the elements, the geometry and each other.
+  !> Check the ENRIch records against the elements, the geometry and each other.
   subroutine check_enrichment(spec, geo, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
@@ -153,7 +153,7 @@ contains
     end do
   end subroutine check_enrichment
 
-  !> One ENRIch record.
+  !> Check one ENRIch record.
   subroutine check_record(spec, geo, e, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
@@ -185,7 +185,7 @@ contains
     end do
   end subroutine check_record
 
-  !> Two ENRIch records; an error is that of the later one, b.
+  !> Check two ENRIch records together; an error is reported for b, the later one.
   subroutine check_pair(spec, a, b, error)
     type(patch_spec_t), intent(in) :: spec
     type(enrich_t), intent(in) :: a, b

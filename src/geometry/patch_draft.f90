@@ -1,5 +1,5 @@
-!> A body while it is meshed: nodes, blocks and faces with numbers of their own, which append_draft
-!! puts at the end of the mesh.
+!> A body while it is being meshed: nodes, blocks and faces with their own numbers, which
+!! append_draft adds to the end of the mesh.
 module patch_draft
   use base_error, only: error_t, fail, DECK_ERROR
   use base_grow, only: grow
@@ -19,17 +19,17 @@ module patch_draft
     integer :: nnode = 0
     real(wp), allocatable :: xr(:, :)      !! (3, >= nnode) [L]
     logical, allocatable :: is_control(:)
-    integer, allocatable :: mask(:)        !! bit f-1: lies on face f
+    integer, allocatable :: mask(:)        !! bit f-1 is set if the node lies on face f
     type(block_t), allocatable :: block(:)
     type(operator_t), allocatable :: op(:) !! distinct extraction operators
-    type(body_face_t) :: face(6)           !! lists of at least nface element faces
+    type(body_face_t) :: face(6)           !! the lists have room for at least nface element faces
     integer :: nface(6) = 0
   end type draft_t
 
   !> The elements of a spline in one direction.
   type :: span_t
-    integer, allocatable :: first(:) !! (n) first function of each
-    integer, allocatable :: iop(:)   !! (n) extraction operator of each, in draft%op
+    integer, allocatable :: first(:) !! (n) first function of each element
+    integer, allocatable :: iop(:)   !! (n) extraction operator of each element, index into draft%op
   end type span_t
 
 contains
@@ -39,8 +39,8 @@ contains
     type(draft_t), intent(inout) :: draft
     real(wp), intent(in) :: x(3)
     logical, intent(in) :: is_control
-    integer, intent(in) :: mask  !! bit f-1: lies on face f
-    integer, intent(out) :: node !! its number in the draft
+    integer, intent(in) :: mask  !! bit f-1 is set if the node lies on face f
+    integer, intent(out) :: node !! number of the node in the draft
 
     draft%nnode = draft%nnode + 1
     node = draft%nnode
@@ -52,14 +52,14 @@ contains
     draft%mask(node) = mask
   end subroutine add_node
 
-  !> Append a block with room for nelem elements; `block%nelem` counts those that it has.
+  !> Append a block with room for nelem elements; `block%nelem` counts those that it already has.
   subroutine new_block(draft, spec, name, row, degree, nen, nelem, ib)
     type(draft_t), intent(inout) :: draft
     type(patch_spec_t), intent(in) :: spec
     character(*), intent(in) :: name
     type(element_t), intent(in) :: row
     integer, intent(in) :: degree(3), nen, nelem
-    integer, intent(out) :: ib !! its number in the draft
+    integer, intent(out) :: ib !! number of the block in the draft
     type(block_t) :: empty
 
     call append_blocks(draft%block, [empty])
@@ -75,7 +75,7 @@ contains
     end associate
   end subroutine new_block
 
-  !> Element e of block ib has its local face `side` on face f.
+  !> Record that local face `side` of element e of block ib lies on face f.
   subroutine add_face(draft, f, ib, e, side)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: f, ib, e, side
@@ -93,12 +93,12 @@ contains
     end associate
   end subroutine add_face
 
-  !> Extraction operators of a spline; equal ones are shared.
+  !> Add the extraction operators of a spline; equal ones are stored once.
   subroutine add_operators(draft, s, span)
     type(draft_t), intent(inout) :: draft
     type(spline_t), intent(in) :: s
     type(span_t), intent(out) :: span
-    real(wp), parameter :: SAME = 16*epsilon(1.0_wp) ! spans that differ by the rounding of knots
+    real(wp), parameter :: SAME = 16*epsilon(1.0_wp) ! spans that differ by rounding
     real(wp), allocatable :: c(:, :, :)
     type(operator_t), allocatable :: list(:)
     integer :: e, i, n, p
@@ -188,7 +188,7 @@ contains
     call append_nodes(mesh, draft%xr(:, :draft%nnode), draft%is_control(:draft%nnode))
   end subroutine append_draft
 
-  !> The row of an element type that a patch uses.
+  !> Find the row of an element type that a patch uses.
   subroutine find_row(spec, name, row, error)
     type(patch_spec_t), intent(in) :: spec
     character(*), intent(in) :: name

@@ -1,5 +1,5 @@
-!> The geometry of a patch: box, hemisphere or NURBS patch, and the ends of its elements, which are
-!! parameters that ELEMents or KNOTs give.
+!> The geometry of a patch: a box, a hemisphere or a NURBS patch, and the ends of its elements,
+!! which are parameters given by ELEMents or KNOTs.
 module patch_geometry
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -16,11 +16,11 @@ module patch_geometry
     integer :: type = 0               !! GEO_BOX and so on
     logical :: sampled = .false.      !! nodes are points of the map itself, not of its spline
     real(wp) :: origin(3) = 0.0_wp    !! corner of a box, centre of a hemisphere [L]
-    real(wp) :: length(3) = 0.0_wp    !! of a box [L]
-    real(wp) :: radius = 0.0_wp       !! outer [L]
-    real(wp) :: inner = 0.0_wp        !! inner radius over outer [-]
+    real(wp) :: length(3) = 0.0_wp    !! edge lengths of a box [L]
+    real(wp) :: radius = 0.0_wp       !! outer radius of a hemisphere [L]
+    real(wp) :: inner = 0.0_wp        !! inner radius divided by the outer one [-]
     type(nurbs_t) :: coarse           !! the patch before elevation and knot insertion
-    integer :: n(3) = 0               !! elements
+    integer :: n(3) = 0               !! number of elements
     type(knot_list_t) :: breaks(3)    !! ends of the elements, n(d)+1 parameters
     type(knot_list_t) :: insert(3)    !! knots that `coarse` does not have
     real(wp) :: turn(3, 3) = 0.0_wp   !! placement: x -> turn x + shift
@@ -30,7 +30,7 @@ module patch_geometry
 
 contains
 
-  !> Geometry of a specification; `degree` is that of a hemisphere's surface.
+  !> Make the geometry of a specification; `degree` is that of the surface of a hemisphere.
   subroutine new_geometry(spec, degree, geo, error)
     type(patch_spec_t), intent(in) :: spec
     integer, intent(in) :: degree
@@ -54,7 +54,7 @@ contains
           geo%breaks(d)%u = [0.0_wp, spec%knots(d)%u, 1.0_wp]
           call check_rising(spec, d, geo%breaks(d)%u, error)
           if (allocated(error)) return
-        else ! whole numbers: equal spans are exactly equal
+        else ! whole numbers make equal spans exactly equal
           geo%breaks(d)%u = [(real(i, wp), i=0, spec%nelem(d))]
         end if
         allocate (geo%insert(d)%u(0))
@@ -84,7 +84,8 @@ contains
     end select
   end subroutine new_geometry
 
-  !> The surface space interpolates the map at its Greville points; direction 3 is linear.
+  !> Make the patch of a hemisphere: the surface space interpolates the map at its Greville points,
+  !! and direction 3 is linear.
   subroutine hemisphere_patch(geo, degree)
     type(geometry_t), intent(inout) :: geo
     integer, intent(in) :: degree
@@ -120,8 +121,8 @@ contains
     call new_nurbs(geo%coarse, dir, x)
   end subroutine hemisphere_patch
 
-  !> Unit square to the lower unit hemisphere: elliptical map to the disc, then azimuthally
-  !! equidistant.
+  !> Map the unit square to the lower unit hemisphere: an elliptical map to the disc, then an
+  !! azimuthally equidistant one.
   pure function hemisphere(u, v) result(x)
     real(wp), intent(in) :: u, v !! in [0,1]
     real(wp) :: x(3)
@@ -141,7 +142,7 @@ contains
     end if
   end function hemisphere
 
-  !> Point at parameters u, placed.
+  !> Position of the point with parameters u, after the placement.
   pure function point(geo, u) result(x)
     type(geometry_t), intent(in) :: geo
     real(wp), intent(in) :: u(3)
@@ -166,11 +167,12 @@ contains
     if (geo%placed) x = matmul(geo%turn, x) + geo%shift
   end function point
 
-  !> Euclidean positions of the control points of a space over the patch, placed.
+  !> Find the Euclidean positions of the control points of a space over the patch, after the
+  !! placement.
   subroutine greville_points(geo, space, dir, fixed, x)
     type(geometry_t), intent(in) :: geo
     type(nurbs_t), intent(in) :: space            !! directions 1 to size(dir) are used
-    integer, intent(in) :: dir(:)                 !! their directions in the patch
+    integer, intent(in) :: dir(:)                 !! the directions of the patch that these are
     real(wp), intent(in) :: fixed(3)              !! parameters of the other directions
     real(wp), allocatable, intent(out) :: x(:, :) !! (3, ncp), direction 1 fastest [L]
     type(knot_list_t) :: g(3)
@@ -187,7 +189,7 @@ contains
       do j = 1, n(3)
         do i = 1, n(2)
           a = a + 1
-          if (geo%type == GEO_BOX) then ! without the rounding of knot insertion
+          if (geo%type == GEO_BOX) then ! this avoids the rounding of knot insertion
             u = fixed
             u(dir(1)) = g(1)%u(i)
             u(dir(2)) = g(2)%u(j)
@@ -202,7 +204,7 @@ contains
     end do
   end subroutine greville_points
 
-  !> Element ends increase strictly.
+  !> Check that the ends of the elements increase strictly.
   subroutine check_rising(spec, d, breaks, error)
     type(patch_spec_t), intent(in) :: spec
     integer, intent(in) :: d
@@ -216,13 +218,13 @@ contains
               'KNOTs,dir lists the interior knots only, each once')
   end subroutine check_rising
 
-  !> Element ends of a NURBS patch and the knots to insert.
+  !> Find the ends of the elements of a NURBS patch and the knots to insert.
   subroutine nurbs_breaks(spec, d, breaks, insert, error)
     type(patch_spec_t), intent(in) :: spec
     integer, intent(in) :: d
     real(wp), allocatable, intent(out) :: breaks(:), insert(:)
     type(error_t), allocatable, intent(out) :: error
-    real(wp), parameter :: SAME = 1.0e-10_wp ! of the range: the same knot in fewer digits
+    real(wp), parameter :: SAME = 1.0e-10_wp ! of the range; closer knots count as equal
     real(wp), allocatable :: old(:)
     logical, allocatable :: is_old(:)
     integer, allocatable :: k(:)
@@ -232,7 +234,7 @@ contains
       call span_list(s, k)
       allocate (old, source=[s%knots(k), s%knots(size(s%knots))])
     end associate
-    if (allocated(spec%knots(d)%u)) then ! these must hold the knots of the patch
+    if (allocated(spec%knots(d)%u)) then ! the list must contain the knots of the patch
       breaks = [old(1), spec%knots(d)%u, old(size(old))]
       call check_rising(spec, d, breaks, error)
       if (allocated(error)) return

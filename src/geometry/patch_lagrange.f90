@@ -1,9 +1,10 @@
-!> Bodies of Lagrange elements, with a layer of enriched ones at spline faces.
+!> Bodies of Lagrange elements, with a layer of enriched elements at spline faces.
 !!
 !! The Lagrange nodes are points of the geometry on a lattice over the elements. A cell at one
-!! enriched face becomes one enriched hexahedron. A cell at two is divided along the diagonal plane
-!! from their edge to the opposite one into two prisms, each a hexahedron whose face zeta = +1 is
-!! collapsed to that opposite edge (Corbett and Sauer 2015, section 4.1).
+!! enriched face becomes one enriched hexahedron. A cell at two enriched faces is divided into two
+!! prisms by the diagonal plane between the edge that these faces share and the opposite edge. Each
+!! prism is a hexahedron whose face zeta = +1 is collapsed to that opposite edge (Corbett and Sauer
+!! 2015, section 4.1).
 module patch_lagrange
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -17,18 +18,18 @@ module patch_lagrange
   private
   public :: build_lagrange
 
-  !> Element c of direction d spans lattice lines m (c-1) to m c.
+  !> The lattice of nodes: element c of a direction spans the lattice lines m (c-1) to m c.
   type :: lattice_t
-    integer :: m = 1                        !! lattice intervals of an element: its degree
-    integer :: n(3) = 0                     !! intervals in all
+    integer :: m = 1                        !! intervals in an element: its degree
+    integer :: n(3) = 0                     !! total number of intervals
     integer, allocatable :: node(:, :, :)   !! (0:n1, 0:n2, 0:n3); 0 on enriched faces
   end type lattice_t
 
-  !> What the elements are made from.
+  !> The data from which the elements are made.
   type :: layer_t
     type(lattice_t) :: lattice
     type(surface_t), allocatable :: surface(:)
-    integer :: bulk = 0                  !! block of the elements off all enriched faces
+    integer :: bulk = 0                  !! block of the elements that touch no enriched face
     integer, allocatable :: hexa(:)      !! (nsurface) block of the enriched hexahedra
     integer, allocatable :: prism(:)     !! (nsurface) block of the prisms
     integer, allocatable :: middle(:, :, :) !! (0:n, nsurface, nsurface) nodes inside Q2 prisms
@@ -36,7 +37,7 @@ module patch_lagrange
 
 contains
 
-  !> Nodes, blocks and faces of a body of type Q1, Q1E9 or Q2.
+  !> Make the nodes, blocks and faces of a body of type Q1, Q1E9 or Q2.
   subroutine build_lagrange(spec, geo, draft, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
@@ -72,7 +73,8 @@ contains
     end do
   end subroutine build_lagrange
 
-  !> Nodes of all lattice points except those on enriched faces, which have control points instead.
+  !> Make the nodes of all lattice points except on enriched faces, which have control points
+  !! instead.
   subroutine make_lattice(geo, m, enriched, draft, lattice)
     type(geometry_t), intent(in) :: geo
     integer, intent(in) :: m
@@ -98,7 +100,7 @@ contains
     end associate
   end subroutine make_lattice
 
-  !> Faces on which a lattice point lies.
+  !> Marks of the faces on which a lattice point lies.
   pure integer function border_mask(lattice, at) result(mask)
     type(lattice_t), intent(in) :: lattice
     integer, intent(in) :: at(3)
@@ -128,7 +130,7 @@ contains
     end do
   end function parameters_at
 
-  !> A block for each type of element that occurs, with room for its elements.
+  !> Make a block for each type of element that occurs, with room for its elements.
   subroutine make_blocks(spec, geo, layer, draft, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
@@ -174,13 +176,13 @@ contains
         if (spec%type == 'Q2') name = 'Q2N'
         call find_row(spec, name, row, error)
         if (allocated(error)) return
-        name = 'Q1N' ! as reported: Q1N2, Q1N2.1, Q1E9N2, Q1E9N2T, Q2N2
+        name = 'Q1N' ! reported as Q1N2, Q1N2.1, Q1E9N2, Q1E9N2T, Q2N2
         if (e%eas) name = 'Q1E9N'
         if (spec%type == 'Q2') name = 'Q2N'
         name = name//to_text(e%degree)
         if (e%raise > 0) name = name//'.'//to_text(e%raise)
         if (e%tapered) name = name//'T'
-        if (row%nmode == 0) then ! one rule for both: one block
+        if (row%nmode == 0) then ! both have the same rule, so one block serves both
           call layer_block(spec, surface, name, row, m, nhexa(s) + nprism(s), 0, draft, &
                            layer%hexa(s))
           layer%prism(s) = layer%hexa(s)
@@ -192,14 +194,14 @@ contains
     end do
   end subroutine make_blocks
 
-  !> One block of an enriched layer.
+  !> Make one block of an enriched layer.
   subroutine layer_block(spec, s, name, row, m, nelem, least, draft, ib)
     type(patch_spec_t), intent(in) :: spec
     type(surface_t), intent(in) :: s
     character(*), intent(in) :: name
     type(element_t), intent(in) :: row
     integer, intent(in) :: m, nelem
-    integer, intent(in) :: least !! integration points across the layer, at least
+    integer, intent(in) :: least !! smallest number of integration points across the layer
     type(draft_t), intent(inout) :: draft
     integer, intent(out) :: ib
     type(cell_t) :: cell
@@ -214,13 +216,13 @@ contains
     call row%rule(cell, spec%q, max(spec%qz, least), draft%block(ib)%rule)
   end subroutine layer_block
 
-  !> A Lagrange element off all enriched faces.
+  !> Add a Lagrange element that touches no enriched face.
   subroutine add_bulk(geo, layer, cell, draft)
     type(geometry_t), intent(in) :: geo
     type(layer_t), intent(in) :: layer
     integer, intent(in) :: cell(3)
     type(draft_t), intent(inout) :: draft
-    !> Corners in FEAP's and VTK's order.
+    !> Corners in the order of FEAP and VTK.
     integer, parameter :: CORNER(3, 8) = reshape([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &
                                                   0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
     integer :: i(3), a, f, m
@@ -243,8 +245,8 @@ contains
     end associate
   end subroutine add_bulk
 
-  !> An enriched hexahedron (it = 0), or the prism of surface `is` in a cell at the edge of the
-  !! surfaces `is` and `it`.
+  !> Add an enriched hexahedron (it = 0), or the prism of surface `is` in a cell at the edge that
+  !! the surfaces `is` and `it` share.
   subroutine add_enriched(geo, layer, cell, is, it, draft)
     type(geometry_t), intent(in) :: geo
     type(layer_t), intent(inout) :: layer
@@ -280,16 +282,16 @@ contains
       do f = 1, 6
         if (.not. is_at(geo%n, cell, f)) cycle
         if (it > 0) then
-          if (f == layer%surface(it)%face) cycle            ! the diagonal plane is there
-          if (axis_of(f) == s%axis .and. f /= s%face) cycle ! collapsed
+          if (f == layer%surface(it)%face) cycle            ! this side is the diagonal plane
+          if (axis_of(f) == s%axis .and. f /= s%face) cycle ! this side is collapsed
         end if
         call add_face(draft, f, ib, e, local_side(s, f))
       end do
     end associate
   end subroutine add_enriched
 
-  !> Lagrange node (i,j,l) of an enriched element: i along xi, j along eta, l from the surface. In a
-  !! prism, lines of constant xi (or eta) all end at the opposite edge.
+  !> Find the Lagrange node (i,j,l) of an enriched element: i counts along xi, j along eta, and l
+  !! from the surface. In a prism, all lines of constant xi (or eta) end at the opposite edge.
   subroutine find_node(geo, layer, cell, is, it, ijl, draft, node)
     type(geometry_t), intent(in) :: geo
     type(layer_t), intent(inout) :: layer
@@ -307,7 +309,7 @@ contains
       if (it > 0) then
         associate (t => layer%surface(it))
           depth = i(t%axis) - m*(cell(t%axis) - 1)
-          if (t%side /= 0) depth = m - depth ! from the other surface
+          if (t%side /= 0) depth = m - depth ! measured from the other surface
           if (m == 2 .and. ijl(3) == 1 .and. depth == 1) then
             ! inside a Q2 prism, half way between the surface and the opposite edge
             third = 6 - s%axis - t%axis
@@ -325,7 +327,7 @@ contains
             layer%middle(i(third), is, it) = node
             return
           end if
-          ! level l of the line from a point at this depth of the surface to the opposite edge
+          ! level l of the line that goes from the surface point at this depth to the opposite edge
           depth = depth + (m - depth)*ijl(3)/m
           i(t%axis) = m*(cell(t%axis) - 1) + merge(depth, m - depth, t%side == 0)
         end associate

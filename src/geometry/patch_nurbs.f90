@@ -11,15 +11,15 @@ module patch_nurbs
   private
   public :: check_nurbs, check_orientation
 
-  integer, parameter, public :: MAX_DEGREE = 10 !! of any surface or solid
+  integer, parameter, public :: MAX_DEGREE = 10 !! largest degree of any surface or solid
 
 contains
 
-  !> Knot vectors are open, coordinates finite and weights positive.
+  !> Check that knot vectors are open, coordinates finite and weights positive.
   subroutine check_nurbs(patch, ndir, what, place, error)
     type(nurbs_t), intent(in) :: patch
     integer, intent(in) :: ndir      !! 2 or 3
-    character(*), intent(in) :: what !! its name for the message
+    character(*), intent(in) :: what !! name of the patch in the message
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: of
@@ -74,7 +74,7 @@ contains
     end if
   end subroutine check_nurbs
 
-  !> The map is neither left-handed nor folded.
+  !> Check that the map is neither left-handed nor folded.
   subroutine check_orientation(patch, name, place, error)
     type(nurbs_t), intent(in) :: patch
     character(*), intent(in) :: name
@@ -116,8 +116,8 @@ contains
     end if
   end subroutine check_orientation
 
-  !> Least and largest Jacobian at the Gauss points of a knot span, times the span's extent;
-  !! rounding counts as zero.
+  !> Smallest and largest Jacobian at the Gauss points of a knot span, times the extent of the span;
+  !! values as small as rounding count as zero.
   function span_jacobian(patch, k) result(range)
     type(nurbs_t), intent(in) :: patch
     integer, intent(in) :: k(3)

@@ -1,4 +1,4 @@
-!> What a PATCh or SPLIne block says before it is meshed, and the map of its ROTAte, TRANslate and
+!> The data of a PATCh or SPLIne block before it is meshed, and the map of its ROTAte, TRANslate and
 !! SCALe records.
 module patch_spec
   use base_kinds, only: wp
@@ -10,16 +10,16 @@ module patch_spec
   private
   public :: patch_spec_t, enrich_t, placement_t, compose
 
-  !> What a SPLIne block has besides a PATCh.
+  !> The data that a SPLIne block has in addition to those of a PATCh.
   type :: spline_spec_t
     type(spline_surface_t) :: surface
-    logical :: reverse = .false.          !! REVErse: the outside is the other side
+    logical :: reverse = .false.          !! REVErse: the outside is on the other side
     type(place_t) :: reverse_place
     logical :: has_layer = .false.
-    integer, allocatable :: inner(:, :)   !! (4, nelem) inner nodes, numbers of the mesh
-    character(:), allocatable :: mesh     !! MESH of these nodes; not allocated: the deck
+    integer, allocatable :: inner(:, :)   !! (4, nelem) inner nodes, as numbered in the mesh
+    character(:), allocatable :: mesh     !! MESH that has these nodes; not allocated: the deck
     type(place_t) :: layer_place, mesh_place
-    type(constraint_t) :: constraint      !! CONStraint, numbers of the mesh
+    type(constraint_t) :: constraint      !! CONStraint, with node numbers of the mesh
     type(place_t) :: constraint_place
     logical :: eas = .false., tapered = .false.
   end type spline_spec_t
@@ -27,7 +27,7 @@ module patch_spec
   integer, parameter, public :: GEO_NONE = 0, GEO_BOX = 1, GEO_HEMISPHERE = 2, GEO_NURBS = 3, &
                                 GEO_SPLINE = 4, GEO_MESH = 5
 
-  !> ENRIch face p [RAISe t] [EAS [TAPEred]].
+  !> A record `ENRIch face p [RAISe t] [EAS [TAPEred]]`.
   type :: enrich_t
     integer :: face = 0          !! 1 to 6: 1- 1+ 2- 2+ 3- 3+
     integer :: degree = 0
@@ -36,13 +36,13 @@ module patch_spec
     type(place_t) :: place
   end type enrich_t
 
-  !> ROTAte or TRANslate, applied in order.
+  !> A ROTAte, TRANslate or SCALe record; they are applied in order.
   type :: placement_t
     logical :: rotates = .false.
-    real(wp) :: point(3) = 0.0_wp  !! on the axis; or the translation
-    real(wp) :: axis(3) = 0.0_wp   !! unit
+    real(wp) :: point(3) = 0.0_wp  !! point on the axis, or the translation [L]
+    real(wp) :: axis(3) = 0.0_wp   !! unit vector along the axis
     real(wp) :: angle = 0.0_wp     !! [rad]
-    real(wp) :: scale = 0.0_wp     !! SCALe of a MESH; 0: none
+    real(wp) :: scale = 0.0_wp     !! factor of SCALe in a MESH; 0: none
   end type placement_t
 
   !> Interior knots of one direction, as KNOTs gives them.
@@ -50,28 +50,28 @@ module patch_spec
     real(wp), allocatable :: u(:)
   end type knot_list_t
 
-  !> What a PATCh block says.
+  !> The data of a PATCh block.
   type :: patch_spec_t
     character(:), allocatable :: name
     type(place_t) :: place
     integer :: geometry = GEO_NONE
     real(wp) :: origin(3) = 0.0_wp, length(3) = 0.0_wp !! BOX
-    real(wp) :: radius = 0.0_wp, thickness = 0.0_wp    !! HEMIsphere, centre in `origin`
+    real(wp) :: radius = 0.0_wp, thickness = 0.0_wp    !! HEMIsphere, with its centre in `origin`
     type(nurbs_t) :: nurbs                             !! NPATch or FILE
     type(placement_t), allocatable :: placement(:)
     integer :: nelem(3) = 0                            !! ELEMents
     type(knot_list_t) :: knots(3)                      !! KNOTs,dir (then nelem(dir) is size + 1)
     type(spline_spec_t) :: spline                      !! SPLIne
     character(8) :: type = ''                          !! Q1 Q1E9 Q2 IGA RIGID, LAYER of a SPLIne
-    integer :: degree = 1                              !! of IGA
+    integer :: degree = 1                              !! degree of IGA
     type(enrich_t), allocatable :: enrich(:)
-    integer :: q = 0, qz = 0                           !! QUADrature; 0: default of each element
-    integer :: material = 0                            !! index into the model's materials
+    integer :: q = 0, qz = 0                           !! QUADrature; 0: the default of each element
+    integer :: material = 0                            !! index into the materials of the model
   end type patch_spec_t
 
 contains
 
-  !> All placements, in order: x -> turn x + shift.
+  !> Combine all placements, in their order, into x -> turn x + shift.
   subroutine compose(placement, turn, shift)
     type(placement_t), intent(in) :: placement(:)
     real(wp), intent(out) :: turn(3, 3), shift(3) !! [-], [L]
@@ -99,7 +99,7 @@ contains
     end do
   end subroutine compose
 
-  !> Rotation about a unit axis (Rodrigues); right angles are exact.
+  !> Rotation about a unit axis (Rodrigues), which is exact for right angles.
   pure function rotation(axis, angle) result(r)
     real(wp), intent(in) :: axis(3), angle
     real(wp) :: r(3, 3), c, s

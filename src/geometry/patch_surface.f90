@@ -9,19 +9,19 @@ module patch_surface
   private
   public :: surface_t, make_surfaces, surface_functions, axis_of, side_of, local_side
 
-  !> Patch directions of xi and eta on each face: zeta then points into the body.
+  !> Patch directions of xi and eta on each face, chosen such that zeta points into the body.
   integer, parameter :: XI_OF(6) = [2, 3, 3, 1, 1, 2], ETA_OF(6) = [3, 2, 1, 3, 2, 1]
 
   !> One enriched face.
   type :: surface_t
     integer :: face = 0, axis = 0, side = 0 !! side 0: minimum, 1: maximum
-    integer :: xi = 0, eta = 0        !! patch directions of the element's first two
-    integer :: dir(2) = 0             !! the same two in increasing order: those of `space`
-    integer :: degree(3) = 0          !! by patch direction
+    integer :: xi = 0, eta = 0        !! patch directions of xi and eta
+    integer :: dir(2) = 0             !! the same two in ascending order, as in `space`
+    integer :: degree(3) = 0          !! degree in each patch direction
     logical :: rational = .false.
     type(nurbs_t) :: space
     integer, allocatable :: node(:, :) !! (n1, n2) control points
-    type(span_t) :: span(3)           !! by patch direction
+    type(span_t) :: span(3)           !! spans in each patch direction
   end type surface_t
 
 contains
@@ -38,7 +38,7 @@ contains
     side_of = mod(face + 1, 2)
   end function side_of
 
-  !> Local face of an element of this surface's layer that is parallel to `face` of the patch.
+  !> Local face, in the layer elements of this surface, that is parallel to `face` of the patch.
   pure integer function local_side(s, face)
     type(surface_t), intent(in) :: s
     integer, intent(in) :: face
@@ -54,9 +54,9 @@ contains
     end if
   end function local_side
 
-  !> Spaces and control points of all enriched faces; the control points of a common edge are made
-  !! once. Order elevation comes first, then knot insertion, then RAISe (Corbett and Sauer 2015,
-  !! section 2.5).
+  !> Make the spaces and control points of all enriched faces; the control points of a common edge
+  !! are made once. Order elevation comes first, then knot insertion, then RAISe (Corbett and Sauer
+  !! 2015, section 2.5).
   subroutine make_surfaces(spec, geo, draft, surface)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
@@ -109,7 +109,7 @@ contains
     end do
   end subroutine make_surfaces
 
-  !> Surface b takes the control points of the edge that it has in common with a.
+  !> Give surface b the control points of a on the edge that they share.
   subroutine share_edge(a, b)
     type(surface_t), intent(in) :: a
     type(surface_t), intent(inout) :: b
@@ -135,10 +135,10 @@ contains
     at_end = merge(1, size(s%node, d), side == 0)
   end function at_end
 
-  !> Control points and weights of the functions over one cell, xi fastest.
+  !> Find the control points and weights of the functions over one cell; xi runs fastest.
   subroutine surface_functions(s, cell, node, w)
     type(surface_t), intent(in) :: s
-    integer, intent(in) :: cell(3) !! element of each patch direction
+    integer, intent(in) :: cell(3) !! index of the element in each patch direction
     integer, intent(out) :: node(:)  !! (ncp)
     real(wp), intent(out) :: w(:)    !! (ncp)
     integer :: i, j, a, at(3)

@@ -1,5 +1,5 @@
-!> From a spline surface to elements: a layer of enriched hexahedra between the surface and inner
-!! nodes of a mesh, or a rigid surface alone.
+!> Elements of a spline surface: a layer of enriched hexahedra between the surface and inner nodes
+!! of a mesh, or only a rigid surface.
 module spline_body
   use base_kinds, only: wp
   use base_error, only: error_t
@@ -29,14 +29,14 @@ contains
   !> Append the body to the mesh, which stays unchanged on an error.
   subroutine build_spline(spec, inner, mesh, error)
     type(patch_spec_t), intent(inout) :: spec
-    integer, intent(inout) :: inner(:, :)     !! (4, nelem) nodes of the mesh; (4, 0): a tool
+    integer, intent(inout) :: inner(:, :)     !! (4, nelem) nodes of the mesh; (4, 0): no layer
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable, intent(out) :: error
     type(draft_t) :: draft
     type(element_t) :: row
     type(group_t), allocatable :: group(:)
     integer :: igroup(spec%spline%surface%nelem)
-    integer, allocatable :: new(:) !! (nnode of the file) node of the body; 0: none
+    integer, allocatable :: new(:) !! (nnode of the file) number in the body; 0: none
     logical :: used(spec%spline%surface%nnode)
     character(:), allocatable :: name
     real(wp) :: turn(3, 3), shift(3)
@@ -59,7 +59,7 @@ contains
         end do
         call orient_tool(s, spec%spline%reverse)
       end if
-      used = .false. ! control points of the file without functions are left out
+      used = .false. ! control points of the file that have no functions are left out
       used(s%node(:s%first(s%nelem + 1) - 1)) = .true.
       allocate (new(s%nnode), source=0)
       do a = 1, s%nnode
@@ -70,7 +70,7 @@ contains
     end associate
     call append_draft(draft, spec, mesh)
     call put_sets(spec%spline%surface, new, igroup, OUTER, mesh)
-    ! Elements are reported by their numbers in the file, after those of other bodies.
+    ! Elements are reported with their numbers in the file, which follow those of other bodies.
     first = size(mesh%block) - size(group)
     number = minval(mesh%block(first + 1)%number) - 1
     do g = 1, size(group)
@@ -78,8 +78,8 @@ contains
     end do
   end subroutine build_spline
 
-  !> Group the elements, and make a block for each group, named as reported: Q1N3, Q1E9N3, Q1E9N3T
-  !! or RIGId.
+  !> Group the elements and make a block for each group; its name is Q1N3, Q1E9N3, Q1E9N3T or RIGId
+  !! in reports.
   subroutine make_blocks(spec, row, is_layer, group, igroup, draft)
     type(patch_spec_t), intent(in) :: spec
     type(element_t), intent(in) :: row
@@ -119,7 +119,7 @@ contains
       end if
       call new_block(draft, spec, name, row, cell%degree, nen, group(g)%nelem, group(g)%block)
       associate (b => draft%block(group(g)%block))
-        deallocate (b%ext%iop) ! operators are of whole elements
+        deallocate (b%ext%iop) ! the operators are those of whole elements
         allocate (b%ext%isurface(group(g)%nelem), source=0)
         if (spec%spline%surface%rational) allocate (b%ext%w(group(g)%nf, group(g)%nelem))
         call row%rule(cell, spec%q, spec%qz, b%rule)
@@ -127,10 +127,10 @@ contains
     end do
   end subroutine make_blocks
 
-  !> Nodes, weights, operators and faces of all elements.
+  !> Set nodes, weights, operators and faces of all elements.
   subroutine add_elements(s, inner, new, group, igroup, draft)
     type(spline_surface_t), intent(in) :: s
-    integer, intent(in) :: inner(:, :)  !! (4, nelem) nodes, less those that come before the body
+    integer, intent(in) :: inner(:, :)  !! (4, nelem) nodes; 0 is the last node before the body
     integer, intent(in) :: new(:), igroup(:)
     type(group_t), intent(in) :: group(:)
     type(draft_t), intent(inout) :: draft

@@ -16,14 +16,14 @@ module spline_check
   public :: check_layer, orient_layer, orient_tool, number_corners, corner_point, &
             surface_measures, surface_at, spline_thickness
 
-  real(wp), parameter :: NOTHING = 1.0e-12_wp  !! a function that vanishes at the corner
-  real(wp), parameter :: ALIKE = 1.0e-9_wp     !! tolerance of values, which sum to one
-  integer, parameter :: MORE = 6               !! Gauss points above the degree: weights may differ
+  real(wp), parameter :: NOTHING = 1.0e-12_wp  !! a smaller function vanishes at the corner
+  real(wp), parameter :: ALIKE = 1.0e-9_wp     !! tolerance of function values, which sum to one
+  integer, parameter :: MORE = 6               !! additional Gauss points, as weights may differ
   integer, parameter :: MOST_SAMPLES = 3000
   real(wp), parameter :: OPPOSITE = -0.5_wp, STRAIGHT = 0.8_wp !! cosines
-  real(wp), parameter :: CLOSED = 1.0e-6_wp    !! sum of area vectors over area, closed surface
+  real(wp), parameter :: CLOSED = 1.0e-6_wp    !! largest |sum of area vectors|/area if closed
 
-  !> Functions that do not vanish at a corner, sorted by control point, and their values.
+  !> The functions that do not vanish at a corner, sorted by control point, and their values.
   type :: corner_t
     integer, allocatable :: node(:)
     real(wp), allocatable :: value(:)
@@ -31,8 +31,8 @@ module spline_check
 
 contains
 
-  !> The normal of a rigid surface points away from it: out of a closed surface, along a_1 x a_2 of
-  !! an open one; REVErse turns it.
+  !> Make the normal of a rigid surface point outwards: out of a closed surface, or along a_1 x a_2
+  !! of an open one; REVErse turns it around.
   subroutine orient_tool(s, reverse)
     type(spline_surface_t), intent(inout) :: s
     logical, intent(in) :: reverse
@@ -44,7 +44,8 @@ contains
     if (turn .neqv. reverse) call transpose_surface(s)
   end subroutine orient_tool
 
-  !> Make a_1 x a_2 point to the inner nodes in all elements of the layer; fail where they disagree.
+  !> Make a_1 x a_2 point to the inner nodes in all elements of the layer; fail if elements
+  !! disagree.
   subroutine orient_layer(spec, xr, inner, error)
     type(patch_spec_t), intent(inout) :: spec
     real(wp), intent(in) :: xr(:, :)
@@ -82,7 +83,8 @@ contains
     end associate
   end subroutine orient_layer
 
-  !> Inner nodes are in the order of the corners, and corners at one point share one node.
+  !> Check that inner nodes are in the order of the corners, and that corners at one point share a
+  !! node.
   subroutine check_layer(spec, xr, inner, error)
     type(patch_spec_t), intent(in) :: spec
     real(wp), intent(in) :: xr(:, :)
@@ -127,8 +129,8 @@ contains
     end associate
   end subroutine check_layer
 
-  !> Number of the point at each corner, counter-clockwise from (-,-). Two corners are the same
-  !! point where the same functions have the same values.
+  !> Number the points at the corners of all elements, counter-clockwise from (-,-). Two corners are
+  !! the same point if the same functions have the same values there.
   subroutine number_corners(s, point)
     type(spline_surface_t), intent(in) :: s
     integer, allocatable, intent(out) :: point(:, :) !! (4, nelem)
@@ -171,7 +173,7 @@ contains
     end do
   end subroutine number_corners
 
-  !> The only Bernstein polynomial that does not vanish at a corner.
+  !> Index of the only Bernstein polynomial that does not vanish at a corner.
   pure integer function corner_polynomial(degree, c) result(b)
     integer, intent(in) :: degree(2), c
 
@@ -208,7 +210,7 @@ contains
     x = x/w
   end function corner_point
 
-  !> Point and area vector at a parent point of an element.
+  !> Find the position and the area vector at a parent point of an element.
   subroutine surface_at(s, e, xi, x, area)
     type(spline_surface_t), intent(in) :: s
     integer, intent(in) :: e
@@ -231,8 +233,8 @@ contains
     area = cross(a(:, 1), a(:, 2))
   end subroutine surface_at
 
-  !> Area, sum of the area vectors (zero where the surface is closed) and enclosed volume, positive
-  !! where the normals a_1 x a_2 point out of it.
+  !> Compute the area, the sum of the area vectors (zero if the surface is closed) and the enclosed
+  !! volume, which is positive if the normals a_1 x a_2 point out of it.
   subroutine surface_measures(s, area, vector, volume)
     type(spline_surface_t), intent(in) :: s
     real(wp), intent(out) :: area, vector(3) !! [L^2]
@@ -260,8 +262,8 @@ contains
     end do
   end subroutine surface_measures
 
-  !> Least distance of middles of elements that face each other through the body; only some of the
-  !! elements are sampled where there are many.
+  !> Smallest distance between the midpoints of elements that face each other through the body. Of
+  !! many elements, only a sample is compared.
   function spline_thickness(s, out) result(thickness)
     type(spline_surface_t), intent(in) :: s
     real(wp), intent(in) :: out !! 1: a_1 x a_2 points out of the body, -1: into it

@@ -1,4 +1,4 @@
-!> Reads spline surfaces and patches from files; the first characters of a file tell its format.
+!> Reads spline surfaces and patches from files, whose first characters tell their format.
 !!
 !! Surfaces: BEXT 2.0 as text or JSON, `.iga`, G+Smo. Tri-variate patches: MFEM NURBS, G+Smo.
 module spline_file
@@ -21,12 +21,12 @@ module spline_file
 
 contains
 
-  !> The surface of a file.
+  !> Read a surface from a file.
   subroutine read_spline_file(path, name, surface, place, error)
     character(*), intent(in) :: path
-    character(*), intent(in) :: name      !! which surface; blank: the only one
+    character(*), intent(in) :: name      !! name of the surface; blank: the only one
     type(spline_surface_t), intent(out) :: surface
-    type(place_t), intent(in) :: place    !! the record that asks for the file
+    type(place_t), intent(in) :: place    !! the record that names the file
     type(error_t), allocatable, intent(out) :: error
     type(text_t) :: text
     integer :: first
@@ -53,7 +53,7 @@ contains
     end if
   end subroutine read_spline_file
 
-  !> The surface with id `name`, or the only one, by Bezier extraction element by element.
+  !> Read the surface with id `name`, or the only one, and extract it element by element.
   subroutine read_gismo_surface(text, name, surface, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
@@ -99,12 +99,12 @@ contains
     call finish_surface(text, surface, error)
   end subroutine read_gismo_surface
 
-  !> One tri-variate patch of a file.
+  !> Read one tri-variate patch of a file.
   subroutine read_patch_file(path, name, patch, place, error)
     character(*), intent(in) :: path
-    character(*), intent(in) :: name      !! which patch; blank: the only one
+    character(*), intent(in) :: name      !! name of the patch; blank: the only one
     type(nurbs_t), intent(out) :: patch
-    type(place_t), intent(in) :: place    !! the record that asks for the file
+    type(place_t), intent(in) :: place    !! the record that names the file
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: MFEM = 'MFEM NURBS mesh v1.0'
     type(text_t) :: text

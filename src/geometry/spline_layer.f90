@@ -1,4 +1,4 @@
-!> Tables in files of their own: inner nodes of the layer below a spline surface, and hanging nodes.
+!> Tables in separate files: inner nodes of the layer below a spline surface, and hanging nodes.
 module spline_layer
   use base_error, only: error_t, place_t
   use base_kinds, only: wp
@@ -14,7 +14,7 @@ module spline_layer
 
 contains
 
-  !> A record is an element, then its inner nodes at (-,-) (+,-) (+,+) (-,+).
+  !> Read the inner nodes: a record has an element, then its inner nodes at (-,-) (+,-) (+,+) (-,+).
   subroutine read_layer(path, nelem, inner, place, error)
     character(*), intent(in) :: path
     integer, intent(in) :: nelem
@@ -60,8 +60,8 @@ contains
     end do
   end subroutine read_layer
 
-  !> Hanging nodes: a record is the slave, the number of its masters, and each with its coefficient.
-  !! A negative master is a control point of the surface.
+  !> Read hanging nodes: a record has the slave, the number of its masters, and each master with its
+  !! coefficient. A negative master is a control point of the surface.
   subroutine read_constraints(path, list, place, error)
     character(*), intent(in) :: path
     type(constraint_t), intent(inout) :: list
@@ -103,7 +103,7 @@ contains
     end do
   end subroutine read_constraints
 
-  !> A file whose comments start with # or !.
+  !> Load a file whose comments start with # or !.
   subroutine load_table(path, place, text, error)
     character(*), intent(in) :: path
     type(place_t), intent(in) :: place

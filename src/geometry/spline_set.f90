@@ -1,5 +1,5 @@
-!> Named sets of elements of a spline surface, from the member `sets` of a BEXT file in JSON to the
-!! groups of the body that FIX, loads and contact may name.
+!> Named sets of elements of a spline surface: from the member `sets` of a BEXT file in JSON to the
+!! groups of the body, which FIX, loads and contact may name.
 module spline_set
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, lower, nearest
@@ -13,7 +13,7 @@ module spline_set
 
 contains
 
-  !> "sets": {"name": [elements from 0], ...}; a file need not have it.
+  !> Read "sets": {"name": [elements from 0], ...}; a file need not have it.
   subroutine read_sets(text, json, surface, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -46,7 +46,7 @@ contains
       do i = 1, size(set(n)%elem)
         call to_integer(text, json, e, set(n)%name, set(n)%elem(i), error)
         if (allocated(error)) return
-        set(n)%elem(i) = set(n)%elem(i) + 1 ! from 1 here
+        set(n)%elem(i) = set(n)%elem(i) + 1 ! numbers count from 1 here
         if (set(n)%elem(i) < 1 .or. set(n)%elem(i) > surface%nelem) then
           text%at = json%at(e)
           call fail_in_file(text, 'set '//quoted(set(n)%name)//' has element ' &
@@ -61,7 +61,7 @@ contains
     call move_alloc(set, surface%set)
   end subroutine read_sets
 
-  !> A set with this name exists.
+  !> Check that a set with this name exists.
   subroutine check_set(s, spline, name, place, error)
     type(spline_surface_t), intent(in) :: s
     character(*), intent(in) :: spline, name !! as written in the deck
@@ -84,13 +84,13 @@ contains
               place, hint)
   end subroutine check_set
 
-  !> Groups of the last body of the mesh, which is the surface's. The faces of one side are in the
-  !! order of its elements: block after block.
+  !> Make the sets groups of the last body of the mesh, which is the surface's. The element faces of
+  !! a side come block after block, in the order of the elements.
   subroutine put_sets(s, new, iblock, side, mesh)
     type(spline_surface_t), intent(in) :: s
-    integer, intent(in) :: new(:)      !! (nnode of the file) node of the body; 0: none
-    integer, intent(in) :: iblock(:)   !! (nelem) which of the body's blocks an element is in
-    integer, intent(in) :: side        !! face of the body that the surface is
+    integer, intent(in) :: new(:)      !! (nnode of the file) number in the body; 0: none
+    integer, intent(in) :: iblock(:)   !! (nelem) block of the body that has the element
+    integer, intent(in) :: side        !! face of the body that is the surface
     type(mesh_t), intent(inout) :: mesh
     integer :: place(s%nelem), b, e, g, i, n
     logical :: on(maxval([0, new]))
@@ -112,7 +112,7 @@ contains
           group%face%block = body%face(side)%block(place(elem))
           group%face%elem = body%face(side)%elem(place(elem))
           group%face%side = body%face(side)%side(place(elem))
-          on = .false. ! nodes of the body that functions of the elements have
+          on = .false. ! nodes of the body that belong to functions of the elements
           do i = 1, size(elem)
             e = elem(i)
             on(new(s%node(s%first(e):s%first(e + 1) - 1))) = .true.

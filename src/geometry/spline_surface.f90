@@ -1,4 +1,4 @@
-!> A surface of spline functions, element by element, as files of extracted splines give it.
+!> A surface of spline functions, element by element, as it is given in files of extracted splines.
 module spline_surface
   use base_error, only: error_t
   use base_grow, only: grow
@@ -12,15 +12,15 @@ module spline_surface
   public :: spline_surface_t, spline_set_t, start_surface, add_point, check_sizes, add_element, &
             finish_surface, transpose_surface
 
-  integer, parameter :: MOST_FUNCTIONS = 256 !! of an element
-  integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! of a function
-  !> Tolerance of the sum of the functions: splines are written with all digits.
+  integer, parameter :: MOST_FUNCTIONS = 256 !! for one element
+  integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! for one function
+  !> Tolerance of the sum of the functions, as the files have splines with all digits.
   real(wp), parameter :: UNITY = 1.0e-9_wp
 
   !> A named set of elements.
   type :: spline_set_t
     character(:), allocatable :: name
-    integer, allocatable :: elem(:) !! from 1
+    integer, allocatable :: elem(:) !! indices, from 1
   end type spline_set_t
 
   !> Functions of element e: N = C B with C = op(iop(e)) and Bernstein polynomials B on [-1,1]^2,
@@ -29,7 +29,7 @@ module spline_surface
     integer :: nnode = 0, nelem = 0
     real(wp), allocatable :: x(:, :)      !! (3, nnode) control points, not weighted [L]
     real(wp), allocatable :: w(:)         !! (nnode) weights
-    logical :: rational = .false.         !! the weights differ
+    logical :: rational = .false.         !! .true. if the weights differ
     integer, allocatable :: degree(:, :)  !! (2, nelem)
     integer, allocatable :: first(:)      !! (nelem+1)
     integer, allocatable :: node(:)       !! (>= first(nelem+1)-1)
@@ -42,7 +42,7 @@ module spline_surface
 
 contains
 
-  !> An empty surface with room for control points and elements.
+  !> Make an empty surface with room for control points and elements.
   subroutine start_surface(nnode, nelem, s)
     integer, intent(in) :: nnode, nelem
     type(spline_surface_t), intent(out) :: s
@@ -70,9 +70,9 @@ contains
     s%w(s%nnode) = x(4)
   end subroutine add_point
 
-  !> Append an element. Its control points exist, and its functions sum to one.
+  !> Append an element; its control points must exist, and its functions must sum to one.
   subroutine add_element(text, degree, node, c, s, error)
-    type(text_t), intent(in) :: text     !! at the element, for error messages
+    type(text_t), intent(in) :: text     !! positioned at the element, for error messages
     integer, intent(in) :: degree(2)
     integer, intent(in) :: node(:)       !! (nf) control points from 1
     real(wp), intent(in) :: c(:, :)      !! (nf, nb)
@@ -106,7 +106,7 @@ contains
     s%nelem = e
   end subroutine add_element
 
-  !> Degrees and number of functions, before anything is allocated for them.
+  !> Check degrees and number of functions before anything is allocated for them.
   subroutine check_sizes(text, e, degree, nf, error)
     type(text_t), intent(in) :: text
     integer, intent(in) :: e, degree(2), nf
@@ -122,7 +122,7 @@ contains
     end if
   end subroutine check_sizes
 
-  !> Index of an operator; equal ones are stored once.
+  !> Find the index of an operator; equal operators are stored once.
   subroutine find_operator(s, c, iop)
     type(spline_surface_t), intent(inout) :: s
     real(wp), intent(in) :: c(:, :)
@@ -152,7 +152,7 @@ contains
     iop = s%nop
   end subroutine find_operator
 
-  !> A number that equal operators share.
+  !> A key that is the same for equal operators.
   pure integer(i8) function hash(c)
     real(wp), intent(in) :: c(:, :)
     integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
@@ -162,14 +162,14 @@ contains
     hash = size(c, 1)
     do b = 1, size(c, 2)
       do a = 1, size(c, 1)
-        bits = transfer(c(a, b) + 0.0_wp, bits) ! the sum makes one of both zeros
+        bits = transfer(c(a, b) + 0.0_wp, bits) ! adding zero gives both zeros the same bits
         bits = iand(ieor(bits, ishft(bits, -31)), MODULUS)
         hash = mod(hash*FACTOR + bits, MODULUS)
       end do
     end do
   end function hash
 
-  !> The surface has elements; find out whether it is rational.
+  !> Check that the surface has elements, and find out whether it is rational.
   subroutine finish_surface(text, s, error)
     type(text_t), intent(in) :: text
     type(spline_surface_t), intent(inout) :: s
