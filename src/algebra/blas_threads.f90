@@ -1,4 +1,4 @@
-!> Threads of OpenBLAS and the processor that it is tuned for.
+!> Threads of OpenBLAS, and the processor for which it is tuned.
 module blas_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -26,13 +26,13 @@ contains
 
   !> Use n threads in factorisations.
   !!
-  !! A first product lets OpenBLAS allocate its buffer, which it keeps, while there is memory. It
-  !! would retry forever where there is none, so the memory is tested before. Products of small
-  !! matrices need no buffer.
+  !! A first product makes OpenBLAS allocate its buffer, which it then keeps, while there is enough
+  !! memory. Without enough memory it would retry forever, so the memory is tested first. Products
+  !! of small matrices need no buffer.
   subroutine set_threads(n, error)
     integer, intent(in) :: n
     type(error_t), allocatable, intent(out) :: error
-    integer, parameter :: LARGE = 128, BUFFER_MB = 192 !! OpenBLAS takes 128 MB and some for itself
+    integer, parameter :: LARGE = 128, BUFFER_MB = 192 !! OpenBLAS takes 128 MB and some more
     real(wp), allocatable :: a(:, :), c(:, :)
     character(:), allocatable :: room !! never touched, so that it takes no memory
     integer :: status
@@ -50,7 +50,7 @@ contains
     call dgemm('N', 'N', LARGE, LARGE, LARGE, 1.0_wp, a, LARGE, a, LARGE, 0.0_wp, c, LARGE)
   end subroutine set_threads
 
-  !> The processor that OpenBLAS is tuned for, to be given with measured times.
+  !> Name of the processor for which OpenBLAS is tuned, to be given with measured times.
   function blas_kernel() result(name)
     character(:), allocatable :: name
     integer, parameter :: LONGEST = 64

@@ -2,8 +2,8 @@
 !! vectors, and the addition of element matrices.
 !!
 !! A symmetric matrix stores the blocks on and above the diagonal (row node <= column node). Its
-!! diagonal blocks are stored in full, so that elements are added without a distinction.
-!! Every node has a diagonal block. Columns ascend within a row.
+!! diagonal blocks are stored in full, so that elements can be added without a special case. Every
+!! node has a diagonal block. Columns ascend within a row.
 module csr
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
@@ -20,8 +20,8 @@ module csr
     module procedure map_all
   end interface element_map
 
-  !> Groups of nodes that are all coupled with each other, one group in each column: the elements of
-  !! a block, or pairs in contact.
+  !> Groups of nodes that are all coupled with each other; each column has one group. These are the
+  !! elements of a block, or pairs in contact.
   type :: clique_t
     integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a node may occur twice
   end type clique_t
@@ -29,21 +29,21 @@ module csr
   type :: block_matrix_t
     integer :: nnode = 0
     logical :: symmetric = .true.          !! only the upper blocks are stored
-    integer, allocatable :: row(:)         !! (nnode+1) first block of each row
+    integer, allocatable :: row(:)         !! (nnode+1) index of the first block of each row
     integer, allocatable :: col(:)         !! (nblock) column node of each block
     real(wp), allocatable :: val(:, :, :)  !! (3, 3, nblock) row dof, column dof, block
   end type block_matrix_t
 
   !> The cliques that each node belongs to.
   type :: incidence_t
-    integer, allocatable :: first(:)  !! (nnode+1) where the cliques of a node begin
+    integer, allocatable :: first(:)  !! (nnode+1) index at which the cliques of a node begin
     integer, allocatable :: group(:)  !! index into the array of cliques
-    integer, allocatable :: elem(:)   !! column of its conn
+    integer, allocatable :: elem(:)   !! column of the conn of this clique
   end type incidence_t
 
 contains
 
-  !> A matrix of zeros whose pattern couples the nodes of each clique.
+  !> Make a matrix of zeros whose pattern couples the nodes of each clique.
   subroutine new_pattern(a, nnode, cliques, symmetric, error)
     type(block_matrix_t), intent(out) :: a
     integer, intent(in) :: nnode
@@ -100,7 +100,7 @@ contains
     call set_zero(a)
   end subroutine new_pattern
 
-  !> Positions of scalar entries are default integers, so that 9 entries for each block must fit.
+  !> Check that the positions of scalar entries, 9 for each block, fit into default integers.
   subroutine check_size(nblock, error)
     integer(i8), intent(in) :: nblock
     type(error_t), allocatable, intent(out) :: error
@@ -116,7 +116,7 @@ contains
     type(clique_t), intent(in) :: cliques(:)
     type(incidence_t), intent(in) :: inc
     integer, intent(inout) :: count(:) !! (nnode) blocks found so far in each row
-    logical, intent(in) :: counting    !! .true.: first pass, no column is stored
+    logical, intent(in) :: counting    !! .true.: this is the first pass, and no column is stored
     integer, allocatable :: mark(:)
     integer :: i, j, k, b
 
@@ -124,7 +124,7 @@ contains
     mark = 0
     count = 0
     do j = 1, a%nnode
-      ! The diagonal block leads its row, and exists even where no element has the node.
+      ! The diagonal block comes first in its row, and exists even if no element has the node.
       if (a%symmetric .or. inc%first(j) == inc%first(j + 1)) call put(j)
       do k = inc%first(j), inc%first(j + 1) - 1
         associate (conn => cliques(inc%group(k))%conn)
@@ -149,7 +149,7 @@ contains
 
   end subroutine walk_columns
 
-  !> First position of each row from the number of entries in the rows.
+  !> Set the first position of each row from the number of entries in the rows.
   subroutine set_row_starts(row, count)
     integer, allocatable, intent(out) :: row(:)
     integer, intent(in) :: count(:)
@@ -162,12 +162,12 @@ contains
     end do
   end subroutine set_row_starts
 
-  !> Block positions of the node pairs of every element of a block.
+  !> Find the block positions of the node pairs of every element of a block.
   subroutine map_all(a, conn, map, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:, :)     !! (nen, nelem)
     integer, intent(out) :: map(:, :, :)  !! (nen, nen, nelem)
-    type(error_t), allocatable, intent(out), optional :: error !! a pair is not in the pattern
+    type(error_t), allocatable, intent(out), optional :: error !! a pair is missing in the pattern
     integer :: e
 
     do e = 1, size(conn, 2)
@@ -177,10 +177,10 @@ contains
     end do
   end subroutine map_all
 
-  !> Block positions of the node pairs of one element.
+  !> Find the block positions of the node pairs of one element.
   !!
-  !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2), or 0 where a symmetric
-  !! matrix stores the transpose instead. Where b1 /= b2 are the same node, both pairs map to its
+  !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2), or 0 if a symmetric
+  !! matrix stores the transpose instead. If b1 /= b2 are the same node, both pairs map to its
   !! diagonal block.
   subroutine map_one(a, conn, map, error)
     type(block_matrix_t), intent(in) :: a
@@ -203,7 +203,7 @@ contains
     call fail(error, BUG, 'an element is missing from the pattern of the tangent matrix')
   end subroutine map_one
 
-  !> Position of the block (i, j); 0 where it is not stored.
+  !> Position of the block (i, j); 0: it is not stored.
   pure integer function block_position(a, i, j) result(p)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: i !! row node
@@ -231,10 +231,10 @@ contains
     a%val = 0.0_wp
   end subroutine set_zero
 
-  !> y = A x over all nodes, prescribed dofs included.
+  !> Compute y = A x over all nodes, prescribed dofs included.
   !!
-  !! With x = 0 at the free dofs these are the forces of prescribed motion on them, which the
-  !! tangent predictor uses.
+  !! If x = 0 at the free dofs, y has the forces that prescribed motion exerts on them; the tangent
+  !! predictor uses this.
   pure subroutine multiply(a, x, y)
     type(block_matrix_t), intent(in) :: a
     real(wp), intent(in) :: x(:, :)   !! (3, nnode)
@@ -247,7 +247,7 @@ contains
     end if
   end subroutine multiply
 
-  !> Product with a symmetric matrix of which the upper half is stored.
+  !> Multiply by a symmetric matrix whose upper half is stored.
   pure subroutine multiply_symmetric(nnode, row, col, val, x, y)
     integer, intent(in) :: nnode
     integer, intent(in) :: row(:), col(:)
@@ -258,7 +258,7 @@ contains
 
     y = 0.0_wp
     do i = 1, nnode
-      p = row(i) ! the diagonal block leads its row; its upper triangle is used
+      p = row(i) ! the diagonal block is the first of its row; its upper triangle is used
       x1 = x(1, i); x2 = x(2, i); x3 = x(3, i)
       s1 = val(1, 1, p)*x1 + val(1, 2, p)*x2 + val(1, 3, p)*x3
       s2 = val(1, 2, p)*x1 + val(2, 2, p)*x2 + val(2, 3, p)*x3
@@ -278,7 +278,7 @@ contains
     end do
   end subroutine multiply_symmetric
 
-  !> Product with a matrix stored in full.
+  !> Multiply by a matrix that is stored in full.
   pure subroutine multiply_full(nnode, row, col, val, x, y)
     integer, intent(in) :: nnode
     integer, intent(in) :: row(:), col(:)
@@ -299,14 +299,14 @@ contains
     end do
   end subroutine multiply_full
 
-  !> y = A x over the free dofs.
+  !> Compute y = A x over the free dofs.
   pure subroutine multiply_free(a, eq, x, y, xn, yn)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
     real(wp), intent(in) :: x(:)         !! (neq)
     real(wp), intent(inout) :: y(:)      !! (neq)
-    real(wp), intent(inout) :: xn(:, :)  !! (3, nnode) work
-    real(wp), intent(inout) :: yn(:, :)  !! (3, nnode) work
+    real(wp), intent(inout) :: xn(:, :)  !! (3, nnode) work space
+    real(wp), intent(inout) :: yn(:, :)  !! (3, nnode) work space
     integer :: i, n
 
     do n = 1, a%nnode
@@ -323,7 +323,7 @@ contains
     end do
   end subroutine multiply_free
 
-  !> Sum of the absolute values of each free row over the free columns.
+  !> Sum the absolute values of each free row over the free columns.
   pure subroutine row_sums(a, eq, total)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)       !! (3, nnode)
@@ -376,7 +376,7 @@ contains
     call add_batch_to(size(map, 1), size(map, 3), size(a%val, 3), map, k, a%val)
   end subroutine add_batch
 
-  !> The same with explicit shapes, which let the compiler compute the addresses.
+  !> Do the same with explicit shapes, which let the compiler compute the addresses.
   pure subroutine add_batch_to(nen, n, nblock, map, k, val)
     integer, intent(in) :: nen, n, nblock
     integer, intent(in) :: map(nen, nen, n)

@@ -1,5 +1,5 @@
-!> Rectangular blocks of a sparse matrix that couple rows of some nodes with columns of others, as
-!! contact does. Only the symmetric part is added to a symmetric matrix.
+!> Rectangular blocks of a sparse matrix that couple rows of some nodes with columns of other nodes,
+!! as contact does. To a symmetric matrix, only their symmetric part is added.
 module csr_coupling
   use base_kinds, only: wp
   use csr, only: block_matrix_t, block_position
@@ -9,8 +9,8 @@ module csr_coupling
 
 contains
 
-  !> Block positions of the pairs of a row node and a column node. Negative: the transpose is stored
-  !! at that position; 0: the pair is not in the pattern.
+  !> Find the block positions of pairs of a row node and a column node. If a position is negative,
+  !! the transpose is stored there; 0: the pair is not in the pattern.
   pure subroutine coupling_map(a, rows, cols, map)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: rows(:), cols(:) !! nodes

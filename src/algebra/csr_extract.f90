@@ -1,4 +1,5 @@
-!> The entries of a block matrix at the free dofs as a list (row, column, value) for direct solvers.
+!> The entries of a block matrix at the free dofs, as a list (row, column, value) for direct
+!! solvers.
 module csr_extract
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -7,18 +8,18 @@ module csr_extract
   private
   public :: entries_t, new_entries, gather
 
-  !> Positions of the entries of the free dofs. Of a symmetric matrix the upper triangle is listed.
+  !> Positions of the entries at the free dofs; of a symmetric matrix, those of the upper triangle.
   type :: entries_t
     integer :: neq = 0
     logical :: symmetric = .true.
     integer, allocatable :: row(:)      !! (nnz) equation numbers
     integer, allocatable :: col(:)      !! (nnz)
-    integer, allocatable :: place(:)    !! (nnz) position in a%val taken as one vector
+    integer, allocatable :: place(:)    !! (nnz) position in a%val, seen as one vector
   end type entries_t
 
 contains
 
-  !> List the entries of the free dofs of a pattern.
+  !> List the entries of a pattern at the free dofs.
   subroutine new_entries(entries, a, eq, error)
     type(entries_t), intent(out) :: entries
     type(block_matrix_t), intent(in) :: a
@@ -42,7 +43,7 @@ contains
     call walk(entries, a, eq, nnz, counting=.false.)
   end subroutine new_entries
 
-  !> Visit the entries to count them or to store them.
+  !> Visit the entries, either to count them or to store them.
   subroutine walk(entries, a, eq, nnz, counting)
     type(entries_t), intent(inout) :: entries
     type(block_matrix_t), intent(in) :: a
@@ -71,7 +72,7 @@ contains
     end do
   end subroutine walk
 
-  !> Values of the entries.
+  !> Get the values of the entries.
   pure subroutine gather(entries, a, values)
     type(entries_t), intent(in) :: entries
     type(block_matrix_t), intent(in) :: a
@@ -80,7 +81,7 @@ contains
     call pick(size(a%val), a%val, entries%place, values)
   end subroutine gather
 
-  !> values = val(place) with val taken as one vector.
+  !> Set values = val(place), with val seen as one vector.
   pure subroutine pick(n, val, place, values)
     integer, intent(in) :: n
     real(wp), intent(in) :: val(n)

@@ -1,5 +1,4 @@
-!> Linear constraints in a block matrix: K becomes T^T K T, where T expresses slaves by their
-!! masters.
+!> Linear constraints in a block matrix: K becomes T^T K T, and T expresses slaves by their masters.
 !!
 !! The matrix is assembled as if slaves were free. Then each block of a slave is moved to its
 !! masters, and the row and the column of the slave become zero.
@@ -12,19 +11,20 @@ module csr_fold
   private
   public :: fold_t, tied_cliques, new_fold, fold_matrix
 
-  !> Moves of blocks: c times block `from` is added to block `to`, plain, transposed, or both.
+  !> Moves of blocks: c times block `from` is added to block `to`, as it is, transposed, or both.
   type :: fold_t
     integer :: n = 0
     integer, allocatable :: from(:), to(:), how(:) !! (>= n); how: PLAIN, TRANSPOSED, BOTH
     real(wp), allocatable :: c(:)                  !! (>= n)
-    integer, allocatable :: cleared(:)             !! blocks of slaves
+    integer, allocatable :: cleared(:)             !! blocks of slaves, which become zero
   end type fold_t
 
   integer, parameter :: PLAIN = 1, TRANSPOSED = 2, BOTH = 3
 
 contains
 
-  !> Cliques that constraints add: of each clique with slaves, its nodes and their masters.
+  !> Find the cliques that constraints add: for each clique with slaves, its nodes and their
+  !! masters.
   subroutine tied_cliques(list, nnode, cliques, extra)
     type(constraint_t), intent(in) :: list
     integer, intent(in) :: nnode
@@ -62,7 +62,7 @@ contains
     end do
   end subroutine tied_cliques
 
-  !> Moves for a pattern that has the tied cliques.
+  !> Plan the moves for a pattern that includes the tied cliques.
   subroutine new_fold(list, a, fold, error)
     type(constraint_t), intent(in) :: list
     type(block_matrix_t), intent(in) :: a
@@ -93,7 +93,7 @@ contains
                                   //'tangent matrix')
   end subroutine new_fold
 
-  !> Moves of one block.
+  !> Plan the moves of one block.
   subroutine plan_block(list, a, mark, i, j, p, writes, fold, complete)
     type(constraint_t), intent(in) :: list
     type(block_matrix_t), intent(in) :: a
@@ -110,7 +110,7 @@ contains
     do l = 1, size(col)
       do k = 1, size(row)
         how = PLAIN
-        if (a%symmetric) then ! an off-diagonal block stands for its transpose too
+        if (a%symmetric) then ! an off-diagonal block also stands for its transpose
           if (i == j .and. row(k) > col(l)) cycle
           if (row(k) > col(l)) how = TRANSPOSED
           if (i /= j .and. row(k) == col(l)) how = BOTH
@@ -128,10 +128,10 @@ contains
     end do
   end subroutine plan_block
 
-  !> The masters of a node and their coefficients, or the node itself if it is not a slave.
+  !> Find the masters of a node and their coefficients, or the node itself if it is not a slave.
   subroutine split(list, i, node, master, c)
     type(constraint_t), intent(in) :: list
-    integer, intent(in) :: i           !! constraint of the node; 0: none
+    integer, intent(in) :: i           !! index of the constraint of the node; 0: none
     integer, intent(in) :: node
     integer, allocatable, intent(out) :: master(:)
     real(wp), allocatable, intent(out) :: c(:)
@@ -145,7 +145,7 @@ contains
     end if
   end subroutine split
 
-  !> Move the blocks and clear those of the slaves.
+  !> Move the blocks and set those of the slaves to zero.
   pure subroutine fold_matrix(fold, a)
     type(fold_t), intent(in) :: fold
     type(block_matrix_t), intent(inout) :: a

@@ -1,5 +1,6 @@
-!> Krylov methods preconditioned by a factorisation of an older matrix, in single precision, or
-!! compressed. With exact factors of the same matrix they are iterative refinement.
+!> Krylov methods that use a factorisation as preconditioner: one of an older matrix, one in single
+!! precision, or a compressed one. With exact factors of the same matrix, the methods are an
+!! iterative refinement.
 module krylov
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -12,20 +13,20 @@ module krylov
   !> Result of an iteration.
   type :: krylov_report_t
     logical :: converged = .false.
-    logical :: indefinite = .false.    !! conjugate gradients stopped at a negative direction
-    integer :: iterations = 0          !! applications of the preconditioner
-    real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed and not estimated
+    logical :: indefinite = .false.    !! conjugate gradients met a direction of negative curvature
+    integer :: iterations = 0          !! number of applications of the preconditioner
+    real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed rather than estimated
   end type krylov_report_t
 
-  integer, parameter :: MOST_CYCLES = 5 !! restarts with the true residual
+  integer, parameter :: MOST_CYCLES = 5 !! largest number of restarts with the true residual
   real(wp), parameter :: SLACK = 0.5_wp !! a cycle must at least halve the residual
 
 contains
 
-  !> Preconditioned conjugate gradients for a symmetric matrix; x starts at zero.
+  !> Solve by preconditioned conjugate gradients for a symmetric matrix; x starts at zero.
   !!
-  !! The search direction is made conjugate to the last one explicitly (the flexible form), so that
-  !! the preconditioner may be unsymmetric by rounding.
+  !! Each search direction is explicitly made conjugate to the last one (the flexible form), so that
+  !! the preconditioner may be unsymmetric up to rounding.
   !! Source: Golub and Ye 1999 [bib: golub1999]
   subroutine conjugate_gradients(a, eq, solver, b, x, limit, tolerance, report, error)
     type(block_matrix_t), intent(in) :: a
@@ -33,8 +34,8 @@ contains
     class(solver_t), intent(inout) :: solver      !! preconditioner, factorised
     real(wp), intent(in) :: b(:)                  !! (neq), not zero
     real(wp), intent(out) :: x(:)                 !! (neq)
-    integer, intent(in) :: limit                  !! iterations
-    real(wp), intent(in) :: tolerance             !! of |b - A x| / |b|
+    integer, intent(in) :: limit                  !! largest number of iterations
+    real(wp), intent(in) :: tolerance             !! tolerance of |b - A x| / |b|
     type(krylov_report_t), intent(out) :: report
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: r(:), z(:, :), p(:), q(:), xn(:, :), yn(:, :)
@@ -60,7 +61,7 @@ contains
         p = z(:, 1) - (dot_product(z(:, 1), q)/pq)*p
         call multiply_free(a, eq, p, q, xn, yn)
         pq = dot_product(p, q)
-        report%indefinite = .not. (pq > 0.0_wp .and. rz > 0.0_wp) ! also if they are not a number
+        report%indefinite = .not. (pq > 0.0_wp .and. rz > 0.0_wp) ! also if one is not a number
         if (report%indefinite) exit
         alpha = dot_product(p, r)/pq
         x = x + alpha*p
@@ -72,9 +73,9 @@ contains
     end do
   end subroutine conjugate_gradients
 
-  !> Restarted GMRES with the preconditioner on the right; x starts at zero. It keeps the
-  !! preconditioned vectors (the flexible form), which saves a solve in each cycle. Source: Saad
-  !! 1993 [bib: saad1993]
+  !> Solve by restarted GMRES with the preconditioner on the right; x starts at zero. The
+  !! preconditioned vectors are kept (the flexible form), which saves one solve in each cycle.
+  !! Source: Saad 1993 [bib: saad1993]
   subroutine gmres(a, eq, solver, b, x, limit, tolerance, report, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
@@ -128,7 +129,7 @@ contains
     end do
   end subroutine gmres
 
-  !> Givens rotations make column j of the Hessenberg matrix triangular; g carries the residual.
+  !> Make column j of the Hessenberg matrix triangular by Givens rotations; g carries the residual.
   pure subroutine rotate(h, rotation, g, j)
     real(wp), intent(inout) :: h(:), rotation(:, :), g(:)
     integer, intent(in) :: j
@@ -146,7 +147,7 @@ contains
     g(j:j + 1) = [rotation(1, j)*g(j), -rotation(2, j)*g(j)]
   end subroutine rotate
 
-  !> r = b - A x.
+  !> Compute r = b - A x.
   subroutine true_residual(a, eq, b, x, r, xn, yn)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
@@ -157,10 +158,10 @@ contains
     r = b - r
   end subroutine true_residual
 
-  !> Does the iteration stop after this cycle, because it reached the goal or its limit or
-  !! stagnates?
+  !> Does the iteration stop after this cycle, because it has reached the goal or its limit, or has
+  !! stagnated?
   !!
-  !! Rounding alone leaves a residual of about eps |A| |x|, which may be above the goal where |x| is
+  !! Rounding alone leaves a residual of about eps |A| |x|, which may be above the goal if |x| is
   !! large (slender bodies). A residual that cannot be improved counts as converged.
   logical function stops(a, eq, b, x, r, goal, before, exhausted, report)
     type(block_matrix_t), intent(in) :: a

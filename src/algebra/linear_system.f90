@@ -1,18 +1,19 @@
-!> Linear systems for Newton's method: one call solves a system to a tolerance.
+!> Linear systems of Newton's method: one call solves a system to a tolerance.
 !!
 !! FULL     factorises every matrix.
-!! REUSE    keeps a factorisation as preconditioner of conjugate gradients (of GMRES where the
-!! matrix
-!!          is unsymmetric or has negative pivots) until iterations cost more than a factorisation.
+!! REUSE    keeps a factorisation as preconditioner of conjugate gradients (or of GMRES if the
+!!          matrix is unsymmetric or has negative pivots) until iterations cost more than a
+!!          factorisation.
 !! SINGLE   does the same with factors in single precision, which need half the memory.
 !! LOWRANK  does the same with compressed factors.
 !!
 !! The solution meets the same tolerance in every mode.
 !!
-!! A kept factorisation gets worse as the matrix changes. The cost of a solve, averaged over the
-!! life of a factorisation, is least if the factorisation is replaced as soon as a solve costs more
-!! than the average so far. Costs are counted in iterations, and the operation count of a
-!! factorisation is converted to iterations. Times are not measured, so that runs repeat.
+!! A kept factorisation becomes less useful as the matrix changes. The cost per solve, averaged over
+!! the life of a factorisation, is least if the factorisation is replaced as soon as a solve costs
+!! more than the average so far. Costs are counted in iterations; the operation count of a
+!! factorisation is converted to iterations. Times are not measured, so that runs can be repeated
+!! exactly.
 module linear_system
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
@@ -30,22 +31,22 @@ module linear_system
 
   integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4
 
-  integer, parameter :: MOST_ATTEMPTS = 3 !! with existing factors, new ones, new exact ones
+  integer, parameter :: MOST_ATTEMPTS = 3 !! with old factors, with new ones, with exact ones
   integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
-  integer, parameter :: LEAST_LIMIT = 10 !! smallest limit of iterations with other factors
-  !> Operations of the elimination in the time in which a solve handles one entry of the factors:
-  !! one thread does about 45e9 operations or 6e8 entries in a second.
+  integer, parameter :: LEAST_LIMIT = 10 !! smallest limit on the iterations with other factors
+  !> Number of operations of an elimination that take as long as a solve takes for one entry of the
+  !! factors: a thread does about 45e9 operations or handles 6e8 entries in a second.
   real(wp), parameter :: OPERATIONS_AN_ENTRY = 72.0_wp
 
-  !> The life of a factorisation.
+  !> The costs of a factorisation and of its use so far.
   type :: reuse_policy_t
     logical :: due = .true.         !! the next solve factorises
-    real(wp) :: worth = 0.0_wp      !! cost of the factorisation [iterations]
-    real(wp) :: spent = 0.0_wp      !! cost so far, factorisation included [iterations]
-    integer :: solves = 0           !! so far
+    real(wp) :: worth = 0.0_wp      !! cost of the factorisation, in iterations
+    real(wp) :: spent = 0.0_wp      !! total cost so far with the factorisation, in iterations
+    integer :: solves = 0           !! number of solves so far
   end type reuse_policy_t
 
-  !> A system with its pattern, its factors and their life.
+  !> A system with its pattern, its factors and the costs of their use.
   type :: linear_system_t
     integer :: neq = 0
     integer :: mode = FULL
@@ -62,7 +63,7 @@ module linear_system
 
 contains
 
-  !> A system of the free dofs of a matrix, whose pattern is analysed.
+  !> Make a system of the free dofs of a matrix, and analyse its pattern.
   subroutine new_linear_system(ls, a, eq, mode, eps, error, available_mb)
     type(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -87,7 +88,7 @@ contains
     call analyse(ls%factors, a, error)
   end subroutine new_linear_system
 
-  !> Take a matrix of another pattern (contact). Existing factors stay the preconditioner where the
+  !> Take a matrix of another pattern (contact). Existing factors remain the preconditioner if the
   !! equations are the same.
   subroutine change_pattern(ls, a, eq, error)
     type(linear_system_t), intent(inout) :: ls
@@ -101,7 +102,7 @@ contains
     if (size(eq) > 0) ls%neq = maxval(eq)
   end subroutine change_pattern
 
-  !> Memory of a factorisation as the analysis estimates [MB].
+  !> Memory of a factorisation, as estimated by the analysis [MB].
   pure real(wp) function estimate_mb(self)
     class(linear_system_t), intent(in) :: self
 
@@ -114,7 +115,7 @@ contains
     type(block_matrix_t), intent(in) :: a
     real(wp), intent(in) :: rhs(:)           !! (neq)
     real(wp), intent(out) :: x(:)            !! (neq)
-    real(wp), intent(in) :: tolerance        !! of |rhs - A x| / |rhs|
+    real(wp), intent(in) :: tolerance        !! tolerance of |rhs - A x| / |rhs|
     type(solve_report_t), intent(out) :: report
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: same_matrix !! .true.: a has not changed since the last solve
@@ -152,7 +153,7 @@ contains
       end if
       call iterate(ls, a, rhs, x, tolerance, run, report, error)
       if (allocated(error) .or. run%converged) exit
-      if (ls%current .and. ls%factors%exact) then ! no better factors exist
+      if (ls%current .and. ls%factors%exact) then ! there are no better factors
         call look_for_motions(ls%factors, a, report%null, error)
         report%singular = size(report%null) > 0
         ls%factors%valid = .not. report%singular
@@ -168,7 +169,7 @@ contains
     call note_solve(ls%policy, run%iterations)
   end subroutine solve
 
-  !> Iterate with the existing factors, by conjugate gradients where matrix and factors are positive
+  !> Iterate with the existing factors, by conjugate gradients if matrix and factors are positive
   !! definite as far as is known.
   subroutine iterate(ls, a, rhs, x, tolerance, run, report, error)
     class(linear_system_t), intent(inout) :: ls
@@ -195,7 +196,7 @@ contains
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
     end if
-    ! Old factors for which a negative direction was found are replaced first: new factors count it.
+    ! Old factors that led to a negative direction are replaced first, as new ones count it.
     if (.not. definite .or. (run%indefinite .and. ls%current .and. .not. run%converged)) then
       call gmres(a, ls%factors%eq, ls%factors%solver, rhs, x, limit, tolerance, run, error)
       if (allocated(error)) return
@@ -219,8 +220,8 @@ contains
     report%used_single = .not. ls%factors%exact .and. ls%mode == SINGLE
   end subroutine describe
 
-  !> Factorise at the next solve and forget what was found out about the matrices. What follows then
-  !! depends only on the matrices to come, as a restart point requires.
+  !> Factorise at the next solve, and forget what is known about earlier matrices. All that follows
+  !! then depends only on later matrices, as is required at a restart point.
   subroutine force_refactor(self)
     class(linear_system_t), intent(inout) :: self
 
@@ -228,7 +229,7 @@ contains
     call start_anew(self%factors)
   end subroutine force_refactor
 
-  !> The same, and release the memory of the factors.
+  !> Do the same, and release the memory of the factors.
   subroutine forget(self)
     class(linear_system_t), intent(inout) :: self
 
@@ -245,7 +246,7 @@ contains
     if (allocated(self%factors%eq)) deallocate (self%factors%eq)
   end subroutine free
 
-  !> Note a factorisation.
+  !> Record the cost of a factorisation.
   pure subroutine note_factorisation(policy, flops, entries)
     type(reuse_policy_t), intent(inout) :: policy
     real(wp), intent(in) :: flops   !! operations of the elimination
@@ -257,7 +258,7 @@ contains
     policy%solves = 0
   end subroutine note_factorisation
 
-  !> Note a solve and its iterations.
+  !> Record the iterations of a solve.
   pure subroutine note_solve(policy, iterations)
     type(reuse_policy_t), intent(inout) :: policy
     integer, intent(in) :: iterations
@@ -267,11 +268,11 @@ contains
     policy%solves = policy%solves + 1
   end subroutine note_solve
 
-  !> Iterations after which a solve is given up.
+  !> Number of iterations after which a solve is given up.
   pure integer function iteration_limit(policy, same_matrix, exact) result(limit)
     type(reuse_policy_t), intent(in) :: policy
     logical, intent(in) :: same_matrix !! the factors are those of this matrix
-    logical, intent(in) :: exact       !! they are in double precision and not compressed
+    logical, intent(in) :: exact       !! the factors are in double precision and not compressed
 
     limit = max(LEAST_LIMIT, ceiling(policy%worth))
     if (same_matrix .and. exact) limit = EXACT_LIMIT

@@ -1,7 +1,7 @@
-!> One instance of the library MUMPS in double or single precision, its options and its messages.
+!> One instance of the library MUMPS in double or single precision, with its options and messages.
 !!
-!! No other file sees the structures of MUMPS. The arguments are in double precision. Numbers of
-!! options and results are those of the users' guide of version 5.5.
+!! No other file uses the data structures of MUMPS. All arguments are in double precision. The
+!! numbers of options and results are those in the users' guide of version 5.5.
 module mumps_instance
   use, intrinsic :: ieee_arithmetic, only: ieee_get_underflow_mode, ieee_set_underflow_mode
   use, intrinsic :: ieee_arithmetic, only: ieee_support_underflow_control
@@ -20,25 +20,25 @@ module mumps_instance
   integer, parameter, public :: FIRST_MARGIN = 20 !! work space beyond the estimate [%]
   integer, parameter, public :: ANALYSE_JOB = 1, FACTORISE_JOB = 2 !! JOB
   integer, parameter :: INITIALISE = -1, FINISH_JOB = -2, SOLVE_JOB = 3
-  integer, parameter :: sp = kind(1.0)        !! of SMUMPS
+  integer, parameter :: sp = kind(1.0)        !! kind of the reals of SMUMPS
   integer, parameter :: SYMMETRIC_GENERAL = 2, UNSYMMETRIC = 0 !! SYM
-  !> Low-rank blocks are formed in the order of elimination. Otherwise MUMPS 5.5 would pass a graph
-  !! to SCOTCH 7 without initialising it, which crashes now and then.
+  !> Low-rank blocks are formed in the order of elimination. Otherwise MUMPS 5.5 would pass an
+  !! uninitialised graph to SCOTCH 7, which sometimes crashes.
   integer, parameter :: CLUSTERING = 482, PLAIN = 3 !! an index and a value of KEEP
-  !> A smaller pivot of the scaled matrix is zero but for rounding (an equation without stiffness).
-  !! The pivots of free bodies are larger, see null_space.
+  !> A pivot of the scaled matrix below this is zero up to rounding (an equation without stiffness).
+  !! The pivots of free bodies are larger; see null_space.
   real(wp), parameter :: NULL_PIVOT = 1e-18_wp, NULL_PIVOT_SINGLE = 1e-12_wp
 
   character(*), parameter :: COARSER = 'use a coarser mesh or a machine with more memory'
   character(*), parameter :: HALF = 'FACTor,SINGle needs about half; else '//COARSER
 
-  !> An instance. Between start and finish either d or s is associated.
+  !> An instance. Between start and finish, either d or s is associated.
   type :: mumps_t
     type(dmumps_struc), pointer, private :: d => null()
     type(smumps_struc), pointer, private :: s => null()
     integer, private :: neq = 0
-    real(wp), private :: scale = 1.0_wp !! power of two that divides the single matrix
-    integer :: infog(80) = 0            !! of the last call
+    real(wp), private :: scale = 1.0_wp !! power of two by which the single matrix is divided
+    integer :: infog(80) = 0            !! INFOG of the last call
     real(wp) :: rinfog(40) = 0.0_wp
   end type mumps_t
 
@@ -80,7 +80,7 @@ contains
     call run(m, INITIALISE, error)
   end subroutine start
 
-  !> Was the instance started and not yet finished?
+  !> Has the instance been started and not yet finished?
   pure logical function runs(m)
     type(mumps_t), intent(in) :: m
 
@@ -109,18 +109,18 @@ contains
     end if
   end subroutine give_options
 
-  !> Options of ICNTL, before the analysis.
+  !> Set the options in ICNTL, before the analysis.
   pure subroutine set_controls(icntl, symmetric, compressed, ordering)
     integer, intent(inout) :: icntl(:)
     logical, intent(in) :: symmetric
-    logical, intent(in) :: compressed  !! low-rank blocks
+    logical, intent(in) :: compressed  !! low-rank blocks are used
     integer, intent(in) :: ordering
 
-    icntl(1:4) = [-1, -1, -1, 0] ! silence
+    icntl(1:4) = [-1, -1, -1, 0] ! no output
     icntl(6) = 0   ! no permutation to the diagonal, which would need values in the analysis
     icntl(7) = ordering
     icntl(12) = 1  ! no other symmetric preprocessing
-    icntl(13) = 1  ! treat the root node as all others: the inertia is then exact
+    icntl(13) = 1  ! treat the root node like all others, so that the inertia is exact
     icntl(14) = FIRST_MARGIN
     icntl(24) = 1  ! detect null pivots
     icntl(28) = 1  ! sequential analysis
@@ -128,10 +128,10 @@ contains
     if (compressed) icntl(35) = 2
   end subroutine set_controls
 
-  !> Smaller fronts than by default, before the analysis: nodes of the elimination tree are merged
-  !! up to fewer pivots. On cubes of 26 and 82 thousand equations this saved 9 and 7 % of the
-  !! operations and of the entries. KEEP is not in the guide; dini_defaults.F of MUMPS has these
-  !! values since 5.0.
+  !> Make the fronts smaller than by default, before the analysis: nodes of the elimination tree are
+  !! merged up to a smaller number of pivots. For cubes with 26 and 82 thousand equations, this
+  !! saved 9 and 7 % of the operations and of the entries. KEEP is not described in the guide;
+  !! dini_defaults.F of MUMPS has had these values since 5.0.
   pure subroutine set_fronts(keep)
     integer, intent(inout) :: keep(:)
 
@@ -178,7 +178,7 @@ contains
 
   end subroutine give_pattern
 
-  !> Copy the values of the pattern's entries.
+  !> Copy the values of the entries in the pattern.
   subroutine give_values(m, values)
     type(mumps_t), intent(inout) :: m
     real(wp), intent(in) :: values(:) !! (nnz)
@@ -191,7 +191,7 @@ contains
     end if
   end subroutine give_values
 
-  !> The power of two that scales the largest value to about 1; 1 for zero.
+  !> Power of two that scales the largest value to about 1; it is 1 if this value is zero.
   pure real(wp) function power_of_two(largest)
     real(wp), intent(in) :: largest
 
@@ -199,7 +199,7 @@ contains
     if (largest > 0.0_wp) power_of_two = 2.0_wp**exponent(largest)
   end function power_of_two
 
-  !> Set the work space of the factorisation beyond the estimate [%].
+  !> Set the work space of the factorisation in excess of the estimate [%].
   subroutine give_margin(m, margin)
     type(mumps_t), intent(inout) :: m
     integer, intent(in) :: margin
@@ -208,7 +208,7 @@ contains
     if (associated(m%d)) m%d%icntl(14) = margin
   end subroutine give_margin
 
-  !> Set the panels, between analysis and factorisation.
+  !> Set the width of panels, between analysis and factorisation.
   subroutine narrow_panels(m)
     type(mumps_t), intent(inout) :: m
 
@@ -216,16 +216,16 @@ contains
     if (associated(m%d)) call set_panels(m%d%keep)
   end subroutine narrow_panels
 
-  !> Narrower inner panels than by default (16 and 32 columns), after the analysis of a symmetric
-  !! matrix: inside a panel MUMPS updates column by column, which took a fifth of the time; the rest
-  !! is dgemm. This saved 15 % of a factorisation of 26 thousand equations.
+  !> Make the inner panels narrower than by default (16 and 32 columns), after the analysis of a
+  !! symmetric matrix. Inside a panel MUMPS updates column by column, which took a fifth of the
+  !! time; the rest is done by dgemm. This saved 15 % of a factorisation with 26 thousand equations.
   pure subroutine set_panels(keep)
     integer, intent(inout) :: keep(:)
 
     keep(5:6) = 8
   end subroutine set_panels
 
-  !> One call of the library.
+  !> Call the library once.
   subroutine run(m, job, error)
     type(mumps_t), intent(inout) :: m
     integer, intent(in) :: job
@@ -234,9 +234,9 @@ contains
 
     if (associated(m%s)) then
       m%s%job = job
-      ! Numbers below the normal range count as zero meanwhile: in single precision the factors of a
-      ! matrix with a strong diagonal decay into that range, where a factorisation took seven times
-      ! as long.
+      ! Numbers below the normal range are flushed to zero during this call. In single precision,
+      ! the factors of a matrix with a dominant diagonal decay into that range, and a factorisation
+      ! then took seven times as long.
       flush = ieee_support_underflow_control(1.0_sp)
       if (flush) then
         call ieee_get_underflow_mode(gradual)
@@ -255,7 +255,7 @@ contains
     if (m%infog(1) < 0) call describe_failure(m%infog(1), m%infog(2), m%neq, error)
   end subroutine run
 
-  !> Right-hand sides in, solutions out.
+  !> Solve for right-hand sides, which the solutions replace.
   subroutine solve_with(m, x, error)
     type(mumps_t), intent(inout) :: m
     real(wp), intent(inout) :: x(:, :) !! (neq, nrhs)
@@ -282,7 +282,7 @@ contains
     end if
   end subroutine solve_with
 
-  !> Equations of zero pivots in the last factorisation.
+  !> The equations that had zero pivots in the last factorisation.
   function null_pivots(m) result(list)
     type(mumps_t), intent(in) :: m
     integer, allocatable :: list(:)
@@ -325,11 +325,11 @@ contains
 
   end subroutine finish
 
-  !> Refuse a factorisation for which the memory does not suffice, before the machine swaps.
+  !> Refuse a factorisation for which there is not enough memory, before the machine swaps.
   subroutine check_memory(need_mb, available_mb, neq, single, error)
     real(wp), intent(in) :: need_mb, available_mb
     integer, intent(in) :: neq
-    logical, intent(in) :: single !! factors in single precision
+    logical, intent(in) :: single !! the factors are in single precision
     type(error_t), allocatable, intent(out) :: error
 
     if (need_mb <= available_mb) return
@@ -340,11 +340,11 @@ contains
     if (single) error%hint = COARSER
   end subroutine check_memory
 
-  !> The message for INFOG(1) and INFOG(2).
+  !> Make the error message for INFOG(1) and INFOG(2).
   subroutine describe_failure(code, detail, neq, error)
     integer, intent(in) :: code   !! INFOG(1) < 0
     integer, intent(in) :: detail !! INFOG(2)
-    integer, intent(in) :: neq    !! equations
+    integer, intent(in) :: neq    !! number of equations
     type(error_t), allocatable, intent(out) :: error
 
     select case (code)
@@ -383,7 +383,7 @@ contains
     end select
   end subroutine describe_failure
 
-  !> An amount of memory; MUMPS gives large amounts as negative millions.
+  !> An amount of memory, which MUMPS gives in millions with a negative sign if it is large.
   pure function amount(n) result(text)
     integer, intent(in) :: n
     character(:), allocatable :: text

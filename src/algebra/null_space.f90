@@ -1,10 +1,10 @@
-!> Is a factorised matrix singular, and which motions are free?
+!> Finds out whether a factorised matrix is singular, and which motions are then free.
 !!
-!! Pivots alone do not tell: rounding leaves pivots of 1e-9 in a free slender body, and supported
-!! slender bodies have pivots of 1e-10. Two steps of inverse iteration find the smallest eigenvalue
-!! itself, which is of the order of the rounding unit where the matrix is singular and far larger
-!! elsewhere. The matrix is scaled to rows of unit sums, so that units and stiff parts have no
-!! influence.
+!! Pivots alone do not show this: rounding leaves pivots of 1e-9 in a free slender body, and
+!! supported slender bodies have pivots of 1e-10. Two steps of inverse iteration find the smallest
+!! eigenvalue itself, which is of the order of the rounding unit if the matrix is singular, and far
+!! larger otherwise. The matrix is scaled so that its rows have unit sums; units and stiff parts
+!! then have no influence.
 module null_space
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -14,26 +14,26 @@ module null_space
   private
   public :: prove_regular, pick_dofs
 
-  !> Smaller eigenvalues count as zero. Free bodies of all shapes gave 6e-17 to 9e-17, a clamped bar
-  !! of 3000 cubes in a row gave 2e-15.
+  !> Smaller eigenvalues count as zero. Free bodies of all shapes had 6e-17 to 9e-17, a clamped bar
+  !! of 3000 cubes in a row had 2e-15.
   real(wp), parameter :: ZERO_EIGENVALUE = 2*epsilon(1.0_wp)
   real(wp), parameter :: DOUBT = 2*epsilon(1.0) !! the same for factors in single precision
-  integer, parameter :: MOST = 14  !! motions found at once: of two free bodies and some more
-  integer, parameter :: STEPS = 2  !! of inverse iteration
+  integer, parameter :: MOST = 14  !! motions found at once: those of two bodies and two more
+  integer, parameter :: STEPS = 2  !! number of steps of inverse iteration
 
 contains
 
-  !> Find out whether the matrix that was just factorised is regular. Then `null` stays empty; else
-  !! it gets the equations whose support would stop the free motions, one for each motion.
+  !> Find out whether the matrix that was just factorised is regular; then `null` stays empty.
+  !! Otherwise it gets the equations whose support would stop the free motions, one for each motion.
   !!
-  !! Where approximate factors leave doubt, the matrix counts as singular and exact factors must
+  !! If approximate factors leave doubt, the matrix counts as singular, and exact factors must
   !! decide.
   subroutine prove_regular(a, eq, solver, exact, null, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)              !! (3, nnode) equation numbers, 0: prescribed
-    class(solver_t), intent(inout) :: solver     !! factorised
+    class(solver_t), intent(inout) :: solver     !! with the factors of the matrix
     logical, intent(in) :: exact                 !! factors in double precision, not compressed
-    integer, allocatable, intent(inout) :: null(:) !! equations: in those of the solver, out all
+    integer, allocatable, intent(inout) :: null(:) !! equations; on entry the solver's, on exit all
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: q(:, :), s(:), lambdas(:)
     integer, allocatable :: more(:)
@@ -58,13 +58,13 @@ contains
     null = [null, more]
   end subroutine prove_regular
 
-  !> Inverse iteration with m vectors.
+  !> Do the inverse iteration with m vectors.
   subroutine iterate(a, eq, solver, m, q, s, lambdas, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :), m
     class(solver_t), intent(inout) :: solver
     real(wp), allocatable, intent(out) :: q(:, :)    !! (neq, m) orthonormal in the scaled system
-    real(wp), allocatable, intent(out) :: s(:)       !! (neq) scale: displacements are q/s
+    real(wp), allocatable, intent(out) :: s(:)       !! (neq) scale factors: displacements are q/s
     real(wp), allocatable, intent(out) :: lambdas(:) !! (m) |A q| of the scaled system
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: y(:), xn(:, :), yn(:, :)
@@ -94,8 +94,8 @@ contains
     end do
   end subroutine iterate
 
-  !> Gram-Schmidt method that takes the longest column next. It is applied twice, as the columns are
-  !! almost parallel.
+  !> Orthonormalise by the Gram-Schmidt method, taking the longest column next. This is done twice,
+  !! as the columns are almost parallel.
   pure subroutine orthonormalise(q)
     real(wp), intent(inout) :: q(:, :)
     real(wp) :: length(size(q, 2)), column(size(q, 1))
@@ -119,7 +119,8 @@ contains
     end do
   end subroutine orthonormalise
 
-  !> As many dofs as motions, chosen such that every combination of the motions moves one of them.
+  !> Choose as many dofs as there are motions, such that every combination of the motions moves one
+  !! of them.
   pure subroutine pick_dofs(motion, dof)
     real(wp), intent(in) :: motion(:, :)        !! (neq, m)
     integer, allocatable, intent(out) :: dof(:) !! (m)

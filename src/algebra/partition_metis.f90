@@ -1,9 +1,10 @@
-!> Fill-reducing order of the equations by METIS.
+!> Fill-reducing ordering of the equations by METIS.
 !!
 !! The graph has one vertex for each node with free dofs. It is three times smaller than the graph
-!! of the equations, and the dofs of a node stay together. Several distributions build MUMPS without
-!! METIS; its option for METIS then silently selects another ordering. The order is therefore found
-!! here and passed to MUMPS. Source: Karypis and Kumar 1998 [bib: karypis1998], METIS_NodeND
+!! of the equations, and keeps the dofs of a node together. Several Linux distributions build MUMPS
+!! without METIS, and MUMPS then silently replaces METIS by another ordering. Therefore the ordering
+!! is computed here and passed to MUMPS. Source: Karypis and Kumar 1998 [bib: karypis1998],
+!! METIS_NodeND
 module partition_metis
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -35,7 +36,7 @@ module partition_metis
 
 contains
 
-  !> Position of every equation in the order of elimination.
+  !> Find the position of every equation in the order of elimination.
   subroutine elimination_order(a, eq, order, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)               !! (3, nnode) equation numbers, 0: prescribed
@@ -62,7 +63,7 @@ contains
     allocate (order(count(eq > 0)))
     next = 0
     do v = 1, nvertex
-      do i = 1, 3 ! the dofs of a node follow each other
+      do i = 1, 3 ! the three dofs of a node are consecutive
         if (eq(i, node(v)) == 0) cycle
         next = next + 1
         order(eq(i, node(v))) = next
@@ -70,7 +71,8 @@ contains
     end do
   end subroutine elimination_order
 
-  !> Adjacency of the vertices in both directions and without loops, counted from 0 as in METIS.
+  !> Build the adjacency lists of the vertices, in both directions and without loops, counted from 0
+  !! as METIS does.
   subroutine build_graph(a, vertex, nvertex, first, neighbour)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: vertex(:)
@@ -111,7 +113,7 @@ contains
     end do
   end subroutine build_graph
 
-  !> Position of each vertex in the order of elimination, from 0.
+  !> Find the position of each vertex in the order of elimination, from 0.
   subroutine order_graph(nvertex, first, neighbour, place, error)
     integer, intent(in) :: nvertex
     integer, intent(in) :: first(:), neighbour(:)
@@ -136,8 +138,8 @@ contains
               hint='there may be too little memory')
   end subroutine order_graph
 
-  !> METIS is built with integers of 32 or 64 bits and does not tell which. It fills a buffer of
-  !! options, whose end shows their size.
+  !> Does METIS use integers of 64 bits? It is built with 32 or 64 bits and does not tell which, but
+  !! it fills a buffer of options, whose end shows their size.
   logical function has_long_integers()
     integer(c_int32_t), target :: buffer(2*NOPTION)
     integer(c_int) :: status

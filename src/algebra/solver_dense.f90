@@ -1,7 +1,7 @@
 !> Dense solver by LAPACK for tests and tiny decks.
 !!
-!! Symmetric matrices are solved by their eigenvalues, which give the inertia and the null space
-!! reliably, other matrices by LU factors.
+!! Symmetric systems are solved with the eigenvalues of the matrix, which reliably give the inertia
+!! and the null space, and other systems with LU factors.
 module solver_dense
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
   use base_kinds, only: wp
@@ -99,7 +99,7 @@ contains
         end if
       end do
       call pick_dofs(self%factor(:, pack([(k, k=1, self%neq)], is_null)), self%info%null)
-    else ! LU with row exchanges: a zero pivot is in the column of the unknown without stiffness
+    else ! LU with row exchanges: a zero pivot is in the column of an unknown without stiffness
       largest = maxval(abs(self%factor))
       if (allocated(self%pivot)) deallocate (self%pivot)
       allocate (self%pivot(self%neq))
@@ -115,7 +115,7 @@ contains
     end if
   end subroutine factorise
 
-  !> A number smaller than this, relative to the largest one, counts as zero.
+  !> Numbers that are smaller than this, relative to the largest one, count as zero.
   pure real(wp) function relative_rounding(self)
     type(solver_dense_t), intent(in) :: self
 

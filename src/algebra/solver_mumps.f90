@@ -1,4 +1,5 @@
-!> Sparse direct solver MUMPS, double or single precision, with or without low-rank compression.
+!> The sparse direct solver MUMPS in double or single precision, with or without low-rank
+!! compression.
 !! Source: Amestoy, Duff, L'Excellent and Koster 2001 [bib: amestoy2001]; users' guide of MUMPS 5.5
 module solver_mumps
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -13,15 +14,15 @@ module solver_mumps
   private
   public :: solver_mumps_t, new_solver_mumps, ORDER_AMD, ORDER_PORD
 
-  integer, parameter :: LAST_MARGIN = 1000    !! largest work space beyond the estimate [%]
-  !> Values of INFOG(1) for too little work space.
+  integer, parameter :: LAST_MARGIN = 1000    !! largest work space in excess of the estimate [%]
+  !> Values of INFOG(1) if there was too little work space.
   integer, parameter :: TOO_NARROW(4) = [-8, -9, -14, -15]
 
   type, extends(solver_t) :: solver_mumps_t
     private
     logical :: single = .false.
     real(wp) :: low_rank = 0.0_wp             !! relative error of compressed blocks; 0: none
-    integer :: ordering = ORDER_AMD           !! where `analyse` gets no order
+    integer :: ordering = ORDER_AMD           !! used if `analyse` gets no order
     integer :: margin = FIRST_MARGIN
     type(mumps_t) :: mumps
   contains
@@ -33,12 +34,12 @@ module solver_mumps
 
 contains
 
-  !> Choose precision and compression.
+  !> Choose the precision and the compression.
   subroutine new_solver_mumps(solver, single, low_rank, ordering)
     type(solver_mumps_t), intent(out) :: solver
-    logical, intent(in) :: single              !! factors in single precision
+    logical, intent(in) :: single              !! the factors are in single precision
     real(wp), intent(in) :: low_rank           !! relative error of compressed blocks; 0: none
-    integer, intent(in), optional :: ordering  !! where `analyse` gets no order
+    integer, intent(in), optional :: ordering  !! used if `analyse` gets no order
 
     solver%single = single
     solver%low_rank = low_rank
@@ -76,7 +77,7 @@ contains
     end associate
   end subroutine analyse
 
-  !> MUMPS returns large counts as negative millions.
+  !> A count, which MUMPS gives in millions with a negative sign if it is large.
   pure real(wp) function count_of(n)
     integer, intent(in) :: n
 
@@ -107,7 +108,7 @@ contains
       if (allocated(error)) return
     end if
     call give_values(self%mumps, values)
-    do ! pivoting may need more room than the analysis estimated: repeat with more, within bounds
+    do ! pivoting may need more room than was estimated: repeat with more, within bounds
       call give_margin(self%mumps, self%margin)
       call run(self%mumps, FACTORISE_JOB, error)
       if (.not. allocated(error)) exit

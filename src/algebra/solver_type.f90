@@ -11,18 +11,18 @@ module solver_type
     real(wp) :: flops = 0.0_wp        !! operations of the elimination, estimated by the analysis
     real(wp) :: entries = 0.0_wp      !! entries in the factors, estimated by the analysis
     real(wp) :: estimate_mb = 0.0_wp  !! memory estimated by the analysis [MB]
-    real(wp) :: used_mb = 0.0_wp      !! memory held [MB]
-    integer :: negative = 0           !! negative pivots (symmetric matrices)
+    real(wp) :: used_mb = 0.0_wp      !! memory in use [MB]
+    integer :: negative = 0           !! number of negative pivots (symmetric matrices)
     integer :: determinant = 0        !! sign of the determinant (unsymmetric matrices; 0: singular)
-    integer, allocatable :: null(:)   !! equations of zero pivots; not empty: singular
+    integer, allocatable :: null(:)   !! equations with zero pivots; not empty: it is singular
   end type factor_info_t
 
-  !> A solver analyses a pattern, factorises matrices of it, and solves any number of systems with
-  !! each.
+  !> A solver analyses a pattern, factorises matrices that have it, and solves any number of systems
+  !! with each matrix.
   type, abstract :: solver_t
     integer :: neq = 0
     logical :: symmetric = .true.
-    logical :: pins_null_pivots = .false. !! solves also with a singular matrix
+    logical :: pins_null_pivots = .false. !! it can also solve with a singular matrix
     type(factor_info_t) :: info
   contains
     procedure(analyse_i), deferred :: analyse
@@ -32,7 +32,7 @@ module solver_type
   end type solver_t
 
   abstract interface
-    !> Take a pattern. Of a symmetric matrix each pair is listed once, (row, col) or (col, row).
+    !> Take a pattern. For a symmetric matrix, each pair (row, col) is listed once, in either order.
     subroutine analyse_i(self, neq, symmetric, row, col, order, error)
       import :: solver_t, error_t
       implicit none
@@ -44,17 +44,17 @@ module solver_type
       type(error_t), allocatable, intent(out) :: error
     end subroutine analyse_i
 
-    !> Take values. A singular matrix is not an error: see info%null.
+    !> Take the values and factorise. A singular matrix is not an error: see info%null.
     subroutine factorise_i(self, values, available_mb, error)
       import :: solver_t, error_t, wp
       implicit none
       class(solver_t), intent(inout) :: self
       real(wp), intent(in) :: values(:)     !! (nnz)
-      real(wp), intent(in) :: available_mb  !! memory beyond what is held [MB]; 0: unknown
+      real(wp), intent(in) :: available_mb  !! memory in addition to that in use [MB]; 0: unknown
       type(error_t), allocatable, intent(out) :: error
     end subroutine factorise_i
 
-    !> Right-hand sides in, solutions out.
+    !> Solve for right-hand sides, which the solutions replace.
     subroutine solve_i(self, x, error)
       import :: solver_t, error_t, wp
       implicit none

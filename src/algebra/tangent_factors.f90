@@ -1,4 +1,4 @@
-!> Factors of the tangent matrix in the chosen precision, or exact ones where these turn out to be
+!> Factors of the tangent matrix in the chosen precision, or exact ones if these turn out to be
 !! needed.
 module tangent_factors
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
@@ -17,35 +17,35 @@ module tangent_factors
   public :: solve_report_t, factors_t, new_factors, take_equations, analyse, renew, &
             look_for_motions, be_exact, start_anew, drop
 
-  !> What one solve did.
+  !> Report of one solve.
   type :: solve_report_t
-    logical :: factorised = .false.        !! in this call
-    logical :: converged = .false.         !! to the tolerance or as far as rounding allows
-    logical :: singular = .false.          !! there is no solution and x is zero, see null
+    logical :: factorised = .false.        !! the matrix was factorised in this call
+    logical :: converged = .false.         !! the tolerance was met, or as far as rounding allows
+    logical :: singular = .false.          !! there is no solution, and x is zero; see `null`
     integer, allocatable :: null(:)        !! equations whose pivot vanished
-    integer :: iterations = 0              !! solves with the factors, failed attempts included
-    integer :: factorisations = 0          !! in this call
+    integer :: iterations = 0              !! solves with the factors, including failed attempts
+    integer :: factorisations = 0          !! number of factorisations in this call
     logical :: used_single = .false.       !! the last factors are in single precision
     logical :: used_gmres = .false.
-    integer :: negative = 0                !! negative pivots of the factors in use
+    integer :: negative = 0                !! number of negative pivots of the factors in use
     integer :: determinant = 1             !! sign of the determinant of an unsymmetric matrix
     real(wp) :: residual = 0.0_wp          !! |b - A x| / |b|
-    !> Wall and processor time of analysis and factorisation, and of the rest.
+    !> Wall and processor time of analysis and factorisation, and of the rest [s].
     real(wp) :: seconds_factor(2) = 0.0_wp, seconds_solve(2) = 0.0_wp
-    real(wp) :: memory_mb = 0.0_wp         !! held by the factors
+    real(wp) :: memory_mb = 0.0_wp         !! memory held by the factors [MB]
   end type solve_report_t
 
-  integer, parameter :: SMALL = 24 !! equations up to which the dense solver is used
+  integer, parameter :: SMALL = 24 !! largest number of equations for the dense solver
 
   type :: factors_t
-    logical :: single = .false.          !! chosen: single precision
-    real(wp) :: eps = 0.0_wp             !! chosen: relative error of compressed blocks; 0: none
+    logical :: single = .false.          !! single precision was chosen
+    real(wp) :: eps = 0.0_wp             !! chosen relative error of compressed blocks; 0: none
     real(wp) :: available_mb = 0.0_wp    !! available memory [MB]; 0: that of the machine
-    real(wp) :: estimate_mb = 0.0_wp     !! memory of a factorisation, from the analysis [MB]
+    real(wp) :: estimate_mb = 0.0_wp     !! estimated memory of a factorisation [MB]
     class(solver_t), allocatable :: solver
     integer, allocatable :: eq(:, :)     !! (3, nnode) equation numbers, 0: prescribed
     logical :: valid = .false.           !! the factors exist and are those of a regular matrix
-    logical :: exact = .true.            !! they are in double precision and not compressed
+    logical :: exact = .true.            !! the factors are in double precision and not compressed
     type(entries_t), private :: entries
     logical, private :: analysed = .false.  !! the solver knows the current pattern
     logical, private :: proved = .false.    !! a matrix of this system was regular
@@ -54,7 +54,7 @@ module tangent_factors
 
 contains
 
-  !> Choose precision and compression.
+  !> Choose the precision and the compression.
   subroutine new_factors(factors, single, eps, available_mb)
     type(factors_t), intent(out) :: factors
     logical, intent(in) :: single
@@ -66,8 +66,8 @@ contains
     if (present(available_mb)) factors%available_mb = available_mb
   end subroutine new_factors
 
-  !> Take a matrix of another pattern. Existing factors are kept where the equations are the same;
-  !! the new pattern is analysed with the next factorisation.
+  !> Take a matrix of another pattern. Existing factors are kept if the equations are the same; the
+  !! new pattern is analysed at the next factorisation.
   subroutine take_equations(factors, a, eq, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
@@ -87,8 +87,8 @@ contains
     factors%analysed = .false.
   end subroutine take_equations
 
-  !> Analyse the pattern of the free dofs with a solver of the precision that is chosen or needed:
-  !! dense for a few equations, else sparse with the order of METIS.
+  !> Analyse the pattern of the free dofs for a solver of the chosen or required precision: a dense
+  !! one for a few equations, otherwise a sparse one with the ordering of METIS.
   subroutine analyse(factors, a, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
@@ -96,7 +96,7 @@ contains
     type(solver_mumps_t), allocatable :: mumps
     integer, allocatable :: order(:)
     real(wp) :: low_rank !! relative error of compressed blocks; 0: none
-    logical :: single    !! factors in single precision
+    logical :: single    !! the factors are in single precision
 
     call drop(factors)
     call new_entries(factors%entries, a, factors%eq, error)
@@ -122,7 +122,7 @@ contains
     factors%analysed = .true.
   end subroutine analyse
 
-  !> Factorise the matrix. Where approximate factors seem singular, exact factors decide.
+  !> Factorise the matrix. If approximate factors seem to be singular, exact factors decide.
   subroutine renew(factors, a, report, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
@@ -167,7 +167,7 @@ contains
     if (memory_mb > 0.0_wp) return
     memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
     if (memory_mb + factors%solver%info%used_mb >= factors%estimate_mb) return
-    call return_memory() ! that earlier solvers have freed
+    call return_memory() ! which earlier solvers have freed
     memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
   end function memory_mb
 
@@ -175,13 +175,13 @@ contains
   subroutine look_for_motions(factors, a, null, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
-    integer, allocatable, intent(inout) :: null(:) !! equations: in those of the solver, out all
+    integer, allocatable, intent(inout) :: null(:) !! equations; on entry the solver's, on exit all
     type(error_t), allocatable, intent(out) :: error
 
     call prove_regular(a, factors%eq, factors%solver, factors%exact, null, error)
   end subroutine look_for_motions
 
-  !> Use factors in double precision, not compressed, from the next factorisation on.
+  !> Use factors in double precision, without compression, from the next factorisation on.
   subroutine be_exact(factors)
     type(factors_t), intent(inout) :: factors
 
@@ -189,7 +189,7 @@ contains
     factors%analysed = .false.
   end subroutine be_exact
 
-  !> Forget what was found out about the matrices.
+  !> Forget what is known about earlier matrices.
   subroutine start_anew(factors)
     type(factors_t), intent(inout) :: factors
 
