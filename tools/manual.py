@@ -2,9 +2,9 @@
 
     python tools/manual.py [--bezel build/release/bezel] [--out build/manual]
 
-The words are those of `bezel --list commands` and of src/input/word_table.f90. A page is doc/manual/<KEY>.md, KEY the
-first four letters; its lines `Example: [...](../../input/manual/<name>.inp)` name examples, which must
-use the word and end with code 0. A word whose page says that it is not available yet needs no example.
+The words are those of `bezel --list commands` and of src/input/word_table.f90. A page is doc/manual/<KEY>.md, where
+KEY is the first four letters of the word; its lines `Example: [...](../../input/manual/<name>.inp)` name examples,
+which must use the word and end with code 0. A word whose page says that it is not available yet needs no example.
 The exit code is 1 if anything is wrong.
 """
 

@@ -1,10 +1,10 @@
-"""Every element and every law has a page of theory, an entry in the manual, and a test.
+"""Check that every element and every law has a page of theory, an entry in the manual, and a test.
 
 usage: rows.py [--bezel build/release/bezel]
 
 The rows are those of `bezel --list elements`, `materials` and `contacts`. A page of doc/theory and a test of
 verification/unit or verification/patch name the row or its source file; a page of doc/manual names the row.
-Exit code 1 if anything is missing.
+The exit code is 1 if anything is missing.
 """
 
 import argparse
@@ -18,7 +18,7 @@ TABLES = {"elements": "element", "materials": "material law", "contacts": "conta
 
 
 def main(argv=None):
-    """Check all tables; returns the exit code."""
+    """Check all tables; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     o = parser.parse_args(argv)
@@ -53,14 +53,14 @@ def rows(bezel, table):
 
 
 def word_of(row, is_law):
-    """Pattern of a row's name: laws are deck words of four letters, splines of any degree end in a number."""
+    """Pattern that finds a row by name: four letters suffice for a law, and a degree may follow a spline."""
     if is_law:
         return rf"\b{row[:4]}\w*"
     return rf"\b{row}(?![A-Za-z])" if row[-1] != "N" else rf"\b{row}(?:[p0-9]|\b)"
 
 
 def read(paths):
-    """Text of many files; what is no text is passed over."""
+    """Text of many files; bytes that are not text are skipped."""
     return "\n".join(p.read_text(errors="ignore") for p in paths if p.is_file())
 
 
