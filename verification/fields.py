@@ -9,8 +9,8 @@ from verification.checks import Row
 
 
 def field_row(case, quantity, path, check):
-    """The worst point of a field compared with `want` (one value per component) or with `affine`
-    (rows of A or [A b], field = A x + b).
+    """Row for the worst point of a field, compared with `want` (one value per component) or with
+    `affine` (rows of A or [A b], field = A x + b).
 
     A linear function of the position holds at control points as it does at nodes, with any weights.
     A scaled tolerance refers to the largest magnitude of the exact field.

@@ -191,7 +191,7 @@ def run(bezel: Path, deck: Path, out: Path, seconds: float) -> tuple[int | None,
 
 
 def has_nan(path: Path) -> bool:
-    """Whether a file contains a NaN or infinity."""
+    """Does a file contain a NaN or infinity?"""
     if path.suffix in (".vtkhdf", ".h5"):
         found = []
         if h5py:
@@ -211,7 +211,7 @@ def has_nan(path: Path) -> bool:
 
 
 def bad_data(item) -> bool:
-    """Whether a dataset of reals holds values that are not finite."""
+    """Does a dataset of reals hold values that are not finite?"""
     return (
         isinstance(item, h5py.Dataset)
         and item.dtype.kind == "f"
@@ -220,7 +220,7 @@ def bad_data(item) -> bool:
 
 
 def judge(code: int | None, stderr: bytes, out: Path) -> str:
-    """What is wrong with a run; empty if nothing is."""
+    """Description of what is wrong with a run; empty if nothing is."""
     if code is None:
         return f"did not end within {SECONDS:.0f} s"
     if code not in (0, 1, 2, 3):

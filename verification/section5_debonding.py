@@ -213,8 +213,8 @@ def write_rows(name, rows):
 
 
 def beside(o):
-    """Compare forces of mesh 1, with points that load both surfaces and with two half passes, with
-    the independent ones, which are those of two half passes."""
+    """Compare the forces of mesh 1, from points that load both surfaces and from two half passes,
+    with the independent ones, which are those of two half passes."""
     with PEELING.open(newline="") as text:
         theirs = list(csv.DictReader(line for line in text if not line.startswith("#")))
     rows = [
