@@ -1,5 +1,5 @@
-!> Checks of the model: what records refer to, before anything is meshed; then the size of the mesh
-!! and the shape of its elements.
+!> Checks of the model: the names and numbers that records refer to, before the bodies are meshed;
+!! then the size of the mesh and the shape of its elements.
 module input_check
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -23,7 +23,7 @@ module input_check
 
 contains
 
-  !> Names and numbers that records refer to; errors go to the list.
+  !> Check that the names and numbers that records refer to exist; errors go to the list.
   subroutine check_references(draft)
     type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error
@@ -31,7 +31,7 @@ contains
     real(wp) :: n
     integer :: i, j, e, last
 
-    if (draft%incomplete) return ! an unknown word may have been the definition
+    if (draft%incomplete) return ! an unknown word that was skipped may have been the definition
     do i = 1, size(draft%patch)
       associate (p => draft%patch(i))
         if (p%spec%type /= 'RIGID') then
@@ -42,12 +42,12 @@ contains
             end do
             cycle ! its nodes are counted at the end, as those of a spline
           end if
-          if (.not. allocated(p%material_place%file)) cycle ! its own error is in the list
+          if (.not. allocated(p%material_place%file)) cycle ! its record has an error already
           call check_material(draft, p%material, p%material_place)
           call check_words(draft, p%material, .false.)
         end if
         n = product(real(p%spec%nelem, wp)*merge(2.0_wp, 1.0_wp, p%spec%type == 'Q2') + 1.0_wp)
-        if (n > MAX_NUMBER) then ! nothing is meshed that a mesh cannot hold
+        if (n > MAX_NUMBER) then ! do not mesh what a mesh cannot hold
           call fail(error, DECK_ERROR, 'patch '//quoted(p%spec%name)//' has '//to_text(n) &
                     //' nodes', p%spec%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
           call draft%errors%add(error)
@@ -66,7 +66,7 @@ contains
       call check_material(draft, draft%npatch(i)%material, draft%npatch(i)%place)
       call check_words(draft, draft%npatch(i)%material, .true.)
     end do
-    allocate (missing(0)) ! materials of ELEMents and BLOCk, each reported once
+    allocate (missing(0)) ! materials of ELEMents and BLOCk that are missing, each reported once
     last = -1
     do e = 1, draft%elements%top
       if (draft%elements%nen(e) == 0) cycle
@@ -122,11 +122,11 @@ contains
     call draft%errors%add(error)
   end subroutine check_material
 
-  !> Fails where a material has words that do not apply to a body; each material once.
+  !> Fail if a material has words that do not apply to a body; report each material once.
   subroutine check_words(draft, number, is_npatch)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: number
-    logical, intent(in) :: is_npatch !! the body: an NPATch, else a PATCh, MESH or SPLIne
+    logical, intent(in) :: is_npatch !! is the body an NPATch? else it is a PATCh, MESH or SPLIne
     type(error_t), allocatable :: error
     integer :: m
 
@@ -154,7 +154,7 @@ contains
     draft%model%material(m)%nurbs_points = 0
   end subroutine check_words
 
-  !> The body of a place is known, and so is its face or group.
+  !> Check that the body of a place exists, and that it has the named face or group.
   subroutine check_where(draft, at)
     type(draft_t), intent(inout) :: draft
     type(where_t), intent(in) :: at
@@ -187,7 +187,7 @@ contains
     if (allocated(error)) call draft%errors%add(error)
   end subroutine check_where
 
-  !> A patch of that name, or an NPATch.
+  !> Is there a PATCh, MESH, SPLIne or NPATch of that name?
   logical function is_known(draft, name) result(known)
     type(draft_t), intent(in) :: draft
     character(*), intent(in) :: name
@@ -199,7 +199,7 @@ contains
     end do
   end function is_known
 
-  !> Fails with the nearest name where there is neither a patch nor an NPATch of that name.
+  !> Fail with the nearest name if no PATCh, MESH, SPLIne or NPATch has that name.
   subroutine check_name(draft, name, place)
     type(draft_t), intent(inout) :: draft
     character(*), intent(in) :: name
@@ -226,7 +226,7 @@ contains
     call draft%errors%add(error)
   end subroutine check_name
 
-  !> The mesh has elements that are solved for, and not more nodes than can be numbered.
+  !> Check that the mesh has elements that are solved for, and not more nodes than can be numbered.
   subroutine check_size(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -245,7 +245,8 @@ contains
     if (allocated(error)) call draft%errors%add(error)
   end subroutine check_size
 
-  !> The Jacobian of every element is positive at all its integration points; one message a block.
+  !> Check that the Jacobian of every element is positive at all integration points; report those of
+  !! a block in one message.
   subroutine check_jacobians(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -270,7 +271,7 @@ contains
               least = min(least, det3(matmul(x, transpose(basis%dshp(:, :, q)))))
             end do
           end associate
-          if (.not. least < huge(least)) least = 0.0_wp ! not a number
+          if (.not. least < huge(least)) least = 0.0_wp ! it is not a number
           if (least > 0.0_wp) cycle
           bad = bad + 1
           if (first > 0) cycle

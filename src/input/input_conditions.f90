@@ -1,7 +1,7 @@
-!> Conditions of nodes and control points, by number and by position.
+!> Conditions of nodes and control points, given by number or by position.
 !!
-!! Order as in FEAP: BOUN FORC DISP FPRO as read; then all of EBOU, EDIS, EFOR, EPRO, CBOU, CFOR,
-!! CDIS and CSUR, each in deck order.
+!! The order is that of FEAP: BOUN, FORC, DISP and FPRO as they are read; then all of EBOU, EDIS,
+!! EFOR, EPRO, CBOU, CFOR, CDIS and CSUR, each in deck order.
 module input_conditions
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -15,12 +15,14 @@ module input_conditions
   private
   public :: apply_conditions, note_loose
 
-  real(wp), parameter :: PLANE_GAP = 1.0e-3_wp  !! FEAP's search gap over the mesh's extent
-  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! the same for points, of squares
+  real(wp), parameter :: PLANE_GAP = 1.0e-3_wp  !! FEAP's search gap of planes, relative to the
+  !! mesh's extent
+  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, for
+  !! squared distances
 
 contains
 
-  !> Fill bc; errors go to the list.
+  !> Fill `bc` with the conditions of the deck; errors go to the list.
   subroutine apply_conditions(draft, mesh, bc)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -58,8 +60,8 @@ contains
     end do
   end subroutine apply_conditions
 
-  !> Nodes that FEAP would find: all with a position, except control points that are geometry only
-  !! and those of rigid patches, which MOVE moves.
+  !> Mark the nodes that FEAP would find: all that have a position, except control points that only
+  !! define geometry, and those of rigid patches, which MOVE moves.
   subroutine mark_active(draft, mesh, active)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -128,9 +130,9 @@ contains
     end do
   end subroutine apply
 
-  !> Nodes that a record finds. On a plane FEAP's gap of EBOU and EPRO shrinks with the number of
-  !! nodes, that of the other words does not. At a point CBOU and CDIS take all nodes that are
-  !! equally near.
+  !> Mark the nodes that a record finds. In the search for nodes on a plane, FEAP's gap of EBOU and
+  !! EPRO shrinks with the number of nodes, that of the other words does not. At a point, CBOU and
+  !! CDIS take all nodes that are equally near.
   subroutine mark(mesh, r, active, on)
     type(mesh_t), intent(in) :: mesh
     type(condition_entry_t), intent(in) :: r
@@ -174,8 +176,8 @@ contains
     end if
   end subroutine mark
 
-  !> A prescribed displacement acts where the node is restrained (FEAP). Keeps the records that
-  !! prescribe one elsewhere, for a warning; all restraints must be known.
+  !> Find the records that prescribe displacements at free dofs, for a warning: a prescribed
+  !! displacement acts only at a restrained dof (FEAP). All restraints must be known.
   subroutine note_loose(draft, mesh, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

@@ -1,4 +1,4 @@
-!> Constraints of hanging nodes: chains of slaves resolved, positions and supports checked.
+!> Constraints of hanging nodes: resolves chains of slaves, checks positions and supports.
 module input_constraint
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -12,14 +12,16 @@ module input_constraint
   private
   public :: close_constraints, release_slaves
 
-  real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! distance of a slave from where its masters put it,
-  !! over their extent
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! of a sum of coefficients, of a prescribed value
+  real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! distance between a slave and the position that its
+  !! masters give it, relative to their extent
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! error of a sum of coefficients or of a prescribed
+  !! value
 
 contains
 
-  !> Keep the slaves that elements use, with masters that are free, and move them exactly to where
-  !! their masters put them. A node is the slave of one constraint.
+  !> Keep the constraints of the slaves that elements use, express them by masters that are no
+  !! slaves, and move the slaves exactly to the positions that their masters give. A node may be the
+  !! slave of only one constraint.
   subroutine close_constraints(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(inout) :: mesh
@@ -53,11 +55,11 @@ contains
     end do
   end subroutine close_constraints
 
-  !> Append constraint i; masters that are slaves themselves are replaced by theirs, equal masters
-  !! joined.
+  !> Append constraint i. Masters that are slaves themselves are replaced by their own masters, and
+  !! equal masters are merged.
   subroutine close_one(mesh, mark, i, closed, error)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: mark(:) !! (nnode) constraint of each slave; 0: no slave
+    integer, intent(in) :: mark(:) !! (nnode) constraint of each slave; 0: the node is no slave
     integer, intent(in) :: i
     type(constraint_t), intent(inout) :: closed
     type(error_t), allocatable, intent(out) :: error
@@ -100,7 +102,7 @@ contains
     end associate
   end subroutine close_one
 
-  !> Fails unless the last constraint holds for the given positions and for any rigid motion.
+  !> Fail unless the last constraint holds for the given positions and for any rigid motion.
   subroutine check_place(mesh, list, error)
     type(mesh_t), intent(in) :: mesh
     type(constraint_t), intent(in) :: list
@@ -130,7 +132,7 @@ contains
               'a hanging node lies on the edge or face between its masters')
   end subroutine check_place
 
-  !> Remove the supports of slaves, which follow their masters. Fails unless the displacement
+  !> Remove the supports of slaves, which follow their masters. Fail unless the displacement
   !! prescribed at a slave follows from those of its masters.
   subroutine release_slaves(draft, mesh, bc)
     type(draft_t), intent(inout) :: draft
@@ -181,7 +183,7 @@ contains
     end do
   end subroutine release_slaves
 
-  !> A node as the user knows it: by its number in the file of its MESH, or in the deck.
+  !> Name of a node that the user knows: its number in the file of its MESH, or in the deck.
   function named(mesh, n) result(name)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: n

@@ -1,12 +1,13 @@
-!> Contacts: from the records of the deck to surfaces, integration points and all numbers.
+!> Contacts: derives surfaces, integration points, penalties and depths from the records of the
+!! deck.
 !!
-!! The penalty of AUTO follows from stiffness and element size,
+!! The penalty of AUTO follows from the stiffness and the element size,
 !!
 !!   eps = 125 min over the bodies of E/h,   h^2 the mean area of the surface's elements
 !!
-!! E is Young's modulus of the body; rigid bodies do not count. With a pressure p the penetration is
-!! (p/E) h/125. The constant is that of Corbett and Sauer 2015, section 5.3: eps = 125 E/L, 250 E/L
-!! and 500 E/L on blocks with E and elements of length L, L/2 and L/4.
+!! E is Young's modulus of the body; rigid bodies do not count. Under a pressure p the penetration
+!! is (p/E) h/125. The constant is that of Corbett and Sauer 2015, section 5.3: eps = 125 E/L, 250
+!! E/L and 500 E/L on blocks with modulus E and elements of length L, L/2 and L/4.
 module input_contact
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -30,13 +31,15 @@ module input_contact
   public :: build_contacts, element_areas, check_contacts
 
   real(wp), parameter :: STIFF = 125.0_wp
-  integer, parameter :: MOST_POINTS = 10000000 !! of a surface
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! of a penalty, relative
-  real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! area over width^2 of a collapsed element [-]
+  integer, parameter :: MOST_POINTS = 10000000 !! largest number of integration points of a surface
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! relative rounding error of a penalty
+  real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! an element is collapsed below this area over
+  !! width^2 [-]
 
 contains
 
-  !> Contacts of the model, on a tabulated mesh whose nodes are tied. Errors go to the list.
+  !> Make the contacts of the model. The mesh must be tabulated and its nodes tied. Errors go to the
+  !! list.
   subroutine build_contacts(draft, model)
     type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
@@ -52,7 +55,7 @@ contains
     end do
   end subroutine build_contacts
 
-  !> What the deck does not give itself: surfaces, integration points, default depth, penalties.
+  !> Find what the deck does not give: surfaces, integration points, default depth, penalties.
   subroutine resolve_contact(draft, at, model, contact, error)
     type(draft_t), intent(in) :: draft
     type(where_t), intent(in) :: at(2)
@@ -123,7 +126,7 @@ contains
         contact%scheme = BALANCED
       end if
     end if
-    ! a rigid side bears all forces anyway
+    ! A rigid side bears all forces anyway.
     contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
     if (contact%cohesive%given) contact%released = &
       contact%cohesive%law%released(contact%cohesive%prop)
@@ -136,7 +139,7 @@ contains
               'move one of them; or give DEPTh d, the largest penetration that counts as contact')
   end subroutine resolve_contact
 
-  !> The surface of a WHERE.
+  !> Make the surface that a WHERE names.
   subroutine make_side(draft, at, mesh, s, error)
     type(draft_t), intent(in) :: draft
     type(where_t), intent(in) :: at
@@ -195,7 +198,7 @@ contains
     end associate
   end subroutine element_areas
 
-  !> Area per parent area at point q of element e: R = w N / W, W = sum of w N.
+  !> Area per parent area at point q of element e, for functions R = w N / W, W = sum of w N.
   pure real(wp) function stretch(mesh, s, e, q)
     type(mesh_t), intent(in) :: mesh
     type(surface_t), intent(in) :: s
@@ -203,7 +206,7 @@ contains
     real(wp) :: w, total(3), sum_x(3, 3), t(3, 2)
     integer :: a, i, j
 
-    total = 0.0_wp ! N and its derivatives
+    total = 0.0_wp ! sums of w N and of its derivatives
     sum_x = 0.0_wp
     associate (basis => s%basis(s%ibasis(e)))
       do i = 1, basis%nsf
@@ -237,8 +240,8 @@ contains
     end do
   end function softest
 
-  !> Before anything is meshed: surfaces of contacts, and contacts of curves. Errors go to the list;
-  !! the names of patches were checked before.
+  !> Check the surfaces of contacts and the contacts of curves before the bodies are meshed. Errors
+  !! go to the list. The names of patches have been checked already.
   subroutine check_contacts(draft)
     type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error
@@ -247,7 +250,7 @@ contains
     integer :: c, i, j
 
     do i = 1, size(draft%contact)
-      if (draft%contact(i)%at(2)%type == 0) cycle ! its own error is in the list
+      if (draft%contact(i)%at(2)%type == 0) cycle ! the error in its record is in the list already
       associate (a => draft%contact(i)%at(1), b => draft%contact(i)%at(2), &
                  name => draft%contact(i)%contact%name)
         if (lower(a%body) == lower(b%body) .and. &
@@ -290,7 +293,7 @@ contains
             call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' is not defined', &
                       column%contact_place, hint)
           else if (draft%contact(c)%at(2)%type == 0) then
-            cycle ! its own error is in the list
+            cycle ! the error in its record is in the list already
           else if (column%quantity%id == Q_CONTACT_DEBONDED .and. &
                    .not. draft%contact(c)%contact%cohesive%given) then
             call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' has no COHEsive', &

@@ -1,5 +1,5 @@
 !> The model while its deck is read: records whose names and numbers are not yet resolved, and the
-!! errors found so far; the reading of the records of a set.
+!! errors found so far. Also reads the records of a set.
 module input_draft
   use base_error, only: error_t, place_t, fail, DECK_ERROR, error_list_t
   use base_kinds, only: wp
@@ -22,9 +22,9 @@ module input_draft
             curve_entry_t, condition_entry_t, tie_entry_t, next_data, next_line, skip_set, &
             known_word, check_number, row_of
 
-  integer, parameter :: MOST_RECORDS = 24 !! different words in a set
+  integer, parameter :: MOST_RECORDS = 24 !! limit of the number of different words in a set
 
-  !> FEAP's control record; what is 0 is counted by the program.
+  !> FEAP's control record; the program counts the quantities that are 0 here.
   type :: control_t
     integer :: numnp = 0, numel = 0, nummat = 0, nen = 0
     type(place_t) :: place
@@ -34,7 +34,7 @@ module input_draft
   type :: patch_entry_t
     type(patch_spec_t) :: spec
     integer :: material = 0            !! the user's number
-    integer :: npatch = 0              !! its geometry is this NPATch
+    integer :: npatch = 0  !! number of the NPATch that is its geometry; 0: there is none
     type(mesh_spec_t) :: mesh          !! of a MESH
     type(place_t) :: material_place, npatch_place
   end type patch_entry_t
@@ -45,7 +45,7 @@ module input_draft
     integer :: n(3) = 0                !! control points
     integer :: knot(3) = 0             !! numbers of the knot vectors
     integer, allocatable :: node(:, :, :) !! (n1, n2, n3)
-    logical :: is_geometry = .false.   !! of a PATCh, and no body of its own
+    logical :: is_geometry = .false.   !! it is the geometry of a PATCh, not a body of its own
     type(place_t) :: place
   end type npatch_entry_t
 
@@ -84,11 +84,12 @@ module input_draft
     type(place_t) :: contact_place
   end type column_entry_t
 
-  !> CONTact: what its records give, and the places that only input needs.
+  !> CONTact: the values that its records give, and the places of records that only the input needs.
   type :: contact_entry_t
     type(contact_t) :: contact
     type(where_t) :: at(2)             !! SURFaces
-    type(place_t) :: bond_place, pair_place, refine_place !! of BONDed, PAIR, REFIne; no file: none
+    type(place_t) :: bond_place, pair_place, refine_place !! of BONDed, PAIR, REFIne, and
+    !! without a file if there is no such record
   end type contact_entry_t
 
   !> A CURVe.
@@ -98,11 +99,11 @@ module input_draft
     type(column_entry_t), allocatable :: column(:)
   end type curve_entry_t
 
-  !> A record of EBOU EDIS EFOR EPRO CBOU CDIS CFOR CSUR: a condition by position, applied at the
-  !! END of the mesh.
+  !> A record of EBOU, EDIS, EFOR, EPRO, CBOU, CDIS, CFOR or CSUR: a condition given by position,
+  !! which is applied at the END of the mesh.
   type :: condition_entry_t
-    integer :: word = 0                !! its word: R_EBOU and the like
-    logical :: adds = .false.          !! to what other records gave
+    integer :: word = 0                !! its word: R_EBOU to R_CSUR
+    logical :: adds = .false.          !! add the values to those of other records
     integer :: direction = 0           !! normal of a plane; 0: a point or a surface
     real(wp) :: at(3) = 0.0_wp         !! point, or coordinate of a plane in at(1) [L]
     real(wp) :: gap = -1.0_wp          !! GAP [L]; negative: FEAP's default
@@ -121,9 +122,9 @@ module input_draft
     type(place_t) :: place
   end type tie_entry_t
 
-  !> A mesh word: its spelling, what follows it, and its reader.
+  !> A mesh word: its spelling, the data that follow it, and its reader.
   type :: mesh_word_t
-    character(16) :: name = ''         !! the first four letters count
+    character(16) :: name = ''         !! only the first four letters count
     character(4) :: records(MOST_RECORDS) = '' !! keys of the words that begin records of its set
     logical :: has_set = .false.       !! a set follows: records up to a blank one
     logical :: has_numbers = .false.   !! the records of its set begin with a number
@@ -143,7 +144,7 @@ module input_draft
     type(unread_constraints_t) :: tables !! constraint tables beside the files of meshes
     real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3]) !! TRAN
     real(wp) :: shift(3) = 0.0_wp
-    integer :: last_node = 0, last_element = 0, last_material = 0 !! of the last BLOCk
+    integer :: last_node = 0, last_element = 0, last_material = 0 !! last numbers of the last BLOCk
     type(patch_entry_t), allocatable :: patch(:)
     type(npatch_entry_t), allocatable :: npatch(:)
     type(knot_vector_t), allocatable :: knots(:)
@@ -162,16 +163,16 @@ module input_draft
     logical :: ended = .false.         !! the deck ended inside a set
     logical :: incomplete = .false.    !! an unknown word was skipped: definitions may be missing
     logical :: in_set = .false.        !! between a word and the blank record of its set
-    logical :: skips_comments = .false. !! comments in the set are skipped; else they close it
+    logical :: skips_comments = .false. !! skip comments in the set; else a comment closes it
     integer :: closed = 0              !! row of the word of this set, or of the last one
-    type(place_t) :: closed_place      !! where that set begins
-    integer :: closed_line = 0         !! and where it ends
+    type(place_t) :: closed_place      !! place where that set begins
+    integer :: closed_line = 0         !! line in which it ends
     logical :: has_pending = .false.
     type(record_t) :: pending          !! a word that closed a set without a blank record
   end type draft_t
 
   abstract interface
-    !> Read a mesh word from its first record on; the records of its set come from the deck.
+    !> Read a mesh word, beginning with its first record; the records of its set come from the deck.
     subroutine mesh_read_i(draft, deck, record, error)
       import :: draft_t, deck_t, record_t, error_t
       implicit none
@@ -201,7 +202,7 @@ contains
     known = row_of(draft, text) > 0 .or. key_of(text) == 'end' .or. key_of(text) == 'batc'
   end function known_word
 
-  !> Next record of a FEAP data set; `more` is false at its blank record.
+  !> Read the next record of a FEAP data set; `more` is false if it is the blank record at the end.
   subroutine next_data(draft, deck, record, more, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -213,7 +214,7 @@ contains
     call next_in_set(draft, deck, record, more, error)
   end subroutine next_data
 
-  !> Next record of a set that FEAP does not have; comments in it are skipped.
+  !> Read the next record of a set that FEAP does not have; comments in it are skipped.
   subroutine next_line(draft, deck, record, more, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -252,7 +253,7 @@ contains
     else
       more = .true.
       if (.not. ends_set(draft, record)) return
-      call get_real(deck, record, 1, x, not_a_number) ! a parameter may be named like a word
+      call get_real(deck, record, 1, x, not_a_number) ! a parameter may have the name of a word
       if (.not. allocated(not_a_number)) return
       more = .false.
       draft%in_set = .false.
@@ -278,7 +279,7 @@ contains
     end if
   end subroutine read_record
 
-  !> Is it a word that cannot be a record of the set, so that the blank record is missing?
+  !> Is the record a word that cannot belong to the set, so that the blank record is missing?
   pure logical function ends_set(draft, record) result(ends)
     type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record
@@ -296,7 +297,7 @@ contains
     end associate
   end function ends_set
 
-  !> After an error: skip the rest of the set.
+  !> Skip the rest of the set after an error.
   subroutine skip_set(draft, deck, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -315,7 +316,7 @@ contains
     end do
   end subroutine skip_set
 
-  !> Fails unless a list can hold the node or element number.
+  !> Fail unless a list can hold a node or element of that number.
   subroutine check_number(what, n, place, error)
     character(*), intent(in) :: what
     integer, intent(in) :: n

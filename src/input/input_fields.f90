@@ -1,4 +1,4 @@
-!> Groups of fields that several records have: rows of numbers, a direction, an axis.
+!> Groups of fields that occur in several records: rows of numbers, a direction, an axis.
 module input_fields
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -9,7 +9,7 @@ module input_fields
   private
   public :: get_numbers, get_direction, get_axis
 
-  !> As many numbers as the array has entries, from field `first` on.
+  !> Read as many numbers as the array has entries, beginning with field `first`.
   interface get_numbers
     module procedure get_reals, get_integers
   end interface get_numbers
@@ -20,9 +20,9 @@ contains
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
     integer, intent(in) :: first
-    real(wp), intent(inout) :: x(:) !! entries after one that fails keep their value
+    real(wp), intent(inout) :: x(:) !! entries after one that fails keep their values
     type(error_t), allocatable, intent(out) :: error
-    real(wp), intent(in), optional :: default !! of empty and missing fields
+    real(wp), intent(in), optional :: default !! value of empty and missing fields
     integer :: i
 
     do i = 1, size(x)
@@ -46,7 +46,7 @@ contains
     end do
   end subroutine get_integers
 
-  !> A coordinate direction, 1 to 3, in field i.
+  !> Read a coordinate direction, 1 to 3, from field i.
   subroutine get_direction(deck, record, i, d, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
@@ -60,14 +60,14 @@ contains
                                     record%place(i), 'directions are 1, 2 and 3')
   end subroutine get_direction
 
-  !> `px py pz  ax ay az` from field `first` on: a point and a unit vector.
+  !> Read a point and a unit vector, `px py pz  ax ay az`, beginning with field `first`.
   subroutine get_axis(deck, record, first, usage, point, axis, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
     integer, intent(in) :: first
-    character(*), intent(in) :: usage !! how the record is written
-    real(wp), intent(out) :: point(3) !! on the axis [L]
-    real(wp), intent(out) :: axis(3)  !! of length 1
+    character(*), intent(in) :: usage !! the form of the record, for messages
+    real(wp), intent(out) :: point(3) !! a point of the axis [L]
+    real(wp), intent(out) :: axis(3)  !! unit vector
     type(error_t), allocatable, intent(out) :: error
     real(wp) :: length
 

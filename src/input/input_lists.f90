@@ -1,4 +1,4 @@
-!> Nodes and elements of a FEAP mesh while the deck is read: lists that grow with their numbers.
+!> Nodes and elements of a FEAP mesh while the deck is read: lists that grow with the numbers.
 !!
 !! A deck may give numbers in any order and leave some out.
 module input_lists
@@ -10,9 +10,9 @@ module input_lists
   public :: node_list_t, element_list_t, named_nodes_t, place_list_t, grow_nodes, grow_elements, &
             add_place, add_named_node
 
-  integer, parameter, public :: MAX_NUMBER = 50000000 !! nodes or elements of one mesh
+  integer, parameter, public :: MAX_NUMBER = 50000000 !! largest number of nodes or elements
 
-  !> Nodes 1 to `top`; where a number was not given, `given` is false.
+  !> Nodes 1 to `top`; `given` is false for numbers that the deck leaves out.
   type :: node_list_t
     integer :: top = 0                       !! largest number with a position
     real(wp), allocatable :: x(:, :)         !! (3, n) [L]
@@ -22,10 +22,10 @@ module input_lists
     real(wp), allocatable :: force(:, :)     !! (3, n) FORC [F]
     real(wp), allocatable :: value(:, :)     !! (3, n) DISP [L]
     integer, allocatable :: table(:, :)      !! (3, n) FPRO
-    type(place_t) :: disp                    !! first record of DISP
+    type(place_t) :: disp                    !! place of the first record of DISP
   end type node_list_t
 
-  !> Elements 1 to `top`; where a number was not given, `nen` is 0.
+  !> Elements 1 to `top`; `nen` is 0 for numbers that the deck leaves out.
   type :: element_list_t
     integer :: top = 0
     integer, allocatable :: node(:, :)       !! (8 or 27, n) in FEAP's order
@@ -34,7 +34,7 @@ module input_lists
     integer, allocatable :: place(:)         !! (n) index into the list of places
   end type element_list_t
 
-  !> Records that generate elements.
+  !> Places of the records that generate elements.
   type :: place_list_t
     integer :: n = 0
     type(place_t), allocatable :: at(:)
@@ -48,7 +48,7 @@ module input_lists
 
 contains
 
-  !> Room for node n.
+  !> Make room for node n.
   subroutine grow_nodes(list, n)
     type(node_list_t), intent(inout) :: list
     integer, intent(in) :: n
@@ -62,7 +62,7 @@ contains
     call grow(list%table, 3, n)
   end subroutine grow_nodes
 
-  !> Room for element n with nen nodes.
+  !> Make room for element n with nen nodes.
   subroutine grow_elements(list, n, nen)
     type(element_list_t), intent(inout) :: list
     integer, intent(in) :: n, nen

@@ -1,4 +1,4 @@
-!> Loads that do not depend on the motion, integrated once: body forces and dead pressures.
+!> Loads that do not depend on the deformation, integrated once: body forces and dead pressures.
 module input_loads
   use base_kinds, only: wp
   use boundary, only: pressure_t
@@ -13,7 +13,7 @@ module input_loads
 
 contains
 
-  !> One dead load for each load number; follower pressures are kept.
+  !> Integrate one dead load for each load number; follower pressures are kept as they are.
   subroutine integrate_loads(model)
     type(model_t), intent(inout) :: model
     type(pressure_t), allocatable :: follower(:)
@@ -65,7 +65,7 @@ contains
     end associate
   end subroutine integrate_loads
 
-  !> f_a += int N_a b dV, integrated by the rule of the block.
+  !> Add a body force, f_a += int N_a b dV, integrated by the rule of the block.
   subroutine add_body_force(mesh, block, force, f)
     type(mesh_t), intent(in) :: mesh
     type(block_t), intent(in) :: block
@@ -87,7 +87,7 @@ contains
     end do
   end subroutine add_body_force
 
-  !> f_a -= int N_a p n dA on the reference faces.
+  !> Add a pressure, f_a -= int N_a p n dA, integrated over the reference faces.
   subroutine add_pressure(mesh, p, f)
     type(mesh_t), intent(in) :: mesh
     type(pressure_t), intent(in) :: p

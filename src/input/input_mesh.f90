@@ -1,5 +1,5 @@
-!> The mesh: nodes and blocks of the lists of the deck, then the bodies of NPATch, PATCh, MESH and
-!! SPLIne, with the numbers of their materials and tables resolved.
+!> The mesh: nodes and blocks from the lists of the deck, then the bodies of NPATch, PATCh, MESH and
+!! SPLIne. The numbers of their materials and tables are resolved.
 module input_mesh
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -23,8 +23,8 @@ module input_mesh
 
 contains
 
-  !> Compare with the counts of the control record; more than it says is an error, as in FEAP's
-  !! manual.
+  !> Compare the mesh with the counts of the control record; a mesh that exceeds them is an error,
+  !! as in FEAP's manual.
   subroutine count_mesh(draft)
     type(draft_t), intent(inout) :: draft
 
@@ -44,7 +44,7 @@ contains
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: announced, found
     character(*), intent(in) :: name !! in the control record
-    character(*), intent(in) :: what !! in plural
+    character(*), intent(in) :: what !! in the plural
     type(error_t), allocatable :: error
 
     if (announced == 0 .or. found <= announced) return
@@ -54,13 +54,13 @@ contains
     call draft%errors%add(error)
   end subroutine compare
 
-  !> Nodes, then a block for each material and number of nodes, in order of appearance; errors go to
-  !! the list.
+  !> Make the nodes, then a block for each material and number of nodes, in order of appearance;
+  !! errors go to the list.
   subroutine make_mesh(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable :: error
-    integer, allocatable :: group(:)    ! (nelem) of each element; 0: no element has this number
+    integer, allocatable :: group(:)  ! (nelem) group of each element; 0: no element has this number
     integer, allocatable :: material(:) ! (ngroup) index into the model's materials
     integer, allocatable :: nen(:)      ! (ngroup)
     type(element_t), allocatable :: rows(:)
@@ -114,8 +114,8 @@ contains
     end do
   end subroutine make_mesh
 
-  !> A block: the number of nodes decides the cell, and DISPlacement or ENHAnced of the material the
-  !! formulation.
+  !> Make a block: the number of nodes decides on the shape, and DISPlacement or ENHAnced of the
+  !! material on the formulation.
   subroutine make_block(draft, list, material, nen, rows, block)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: list(:)      !! (nelem) numbers of the elements
@@ -128,7 +128,7 @@ contains
 
     associate (set => draft%model%material(material))
       found = 0
-      do e = size(rows), 1, -1 ! the first of the table counts
+      do e = size(rows), 1, -1 ! the first match in the table is taken
         if (rows(e)%deck_nodes == nen .and. (rows(e)%nmode > 0 .eqv. set%enhanced)) found = e
       end do
       if (found == 0) then
@@ -160,8 +160,8 @@ contains
     end do
   end subroutine make_block
 
-  !> Append NPATch bodies on the given control points, then the patches in deck order; errors go to
-  !! the list. Then mark the nodes that elements use.
+  !> Append the NPATch bodies on the given control points, then the patches in deck order; errors go
+  !! to the list. Then mark the nodes that elements use.
   subroutine make_bodies(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(inout) :: mesh
@@ -229,12 +229,12 @@ contains
                          error)
   end subroutine make_spline
 
-  !> Append the constraints of the last body. In the table of a SPLIne the master -k is control
-  !! point k of its surface.
+  !> Append the constraints of the last body. In the table of a SPLIne the master -k stands for
+  !! control point k of its surface.
   subroutine add_constraints(draft, spec, list, place, mesh, error)
     type(draft_t), intent(in) :: draft
     type(patch_spec_t), intent(in) :: spec   !! of the body
-    type(constraint_t), intent(in) :: list   !! nodes by their numbers in the table
+    type(constraint_t), intent(in) :: list   !! with the node numbers of the table
     type(place_t), intent(in) :: place       !! of the table
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable, intent(out) :: error
@@ -269,8 +269,7 @@ contains
     end do
   end subroutine add_constraints
 
-  !> From the number of a node in a table to the node: the number is that of a mesh file, or of the
-  !! deck.
+  !> Find the node that a number in a table means: the number is that of a mesh file or of the deck.
   subroutine resolve_node(draft, mesh, spec, place, node, error)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

@@ -1,4 +1,4 @@
-!> From the first record of a deck to a model that can be solved.
+!> Builds a model that can be solved from the records of a deck.
 module input_model
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_text, only: to_text, quoted, nearest
@@ -23,7 +23,7 @@ module input_model
   private
   public :: build_model
 
-  !> Words whose sets FEAP does not have: comments in them are skipped.
+  !> Words whose sets FEAP does not have; comments in these sets are skipped.
   character(8), parameter :: OURS(5) = ['PATCh   ', 'SPLIne  ', 'MESH    ', 'CURVe   ', 'CONTact ']
 
 contains
@@ -33,7 +33,7 @@ contains
     type(deck_t), intent(inout) :: deck
     type(model_t), allocatable, intent(out) :: model
     type(error_list_t), intent(inout) :: errors      !! independent errors of the deck
-    type(error_t), allocatable, intent(out) :: error !! one after which reading cannot continue
+    type(error_t), allocatable, intent(out) :: error !! an error after which reading cannot continue
     type(draft_t) :: draft
 
     call load_mesh_words(draft%row)
@@ -42,7 +42,7 @@ contains
     allocate (draft%knots(0), draft%support(0), draft%contact(0))
     allocate (draft%motion(0), draft%pressure(0), draft%curve(0), draft%tie(0))
     call read_mesh_part(draft, deck, error)
-    stages: block ! each needs the one before; one that has errors is the last
+    stages: block ! each stage needs the one before; a stage that finds errors is the last
       if (allocated(error)) exit stages
       call check_references(draft)
       if (.not. draft%incomplete) call count_mesh(draft)
@@ -76,7 +76,7 @@ contains
     call move_alloc(draft%model, model)
   end subroutine build_model
 
-  !> Title, control record, and word after word up to END.
+  !> Read the title, the control record, and one word after the other up to END.
   subroutine read_mesh_part(draft, deck, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -115,7 +115,7 @@ contains
       end if
       if (allocated(error) .or. draft%ended) return
     end do
-    do ! FEAP has TIE, and PARAmeters, also between END and BATCh
+    do ! FEAP also allows TIE and PARAmeters between END and BATCh
       call deck%next(record, error)
       if (allocated(error)) return
       if (record%is_blank()) cycle
@@ -126,7 +126,7 @@ contains
     call deck%put_back(record)
   end subroutine read_mesh_part
 
-  !> Read a known word; after an error continue after its set.
+  !> Read a known word; after an error, continue after its set.
   subroutine read_word(draft, deck, record, r, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -160,7 +160,7 @@ contains
     if (.not. allocated(found)) return
     if (len(belongs) > 0 .and. found%place%line == record%line) found%hint = belongs
     if (draft%row(r)%name == 'PARAmeters' .or. record%assigns() .or. found%code /= DECK_ERROR) then
-      call move_alloc(found, error) ! records that follow would fail without the parameters
+      call move_alloc(found, error) ! the records that follow would fail without the parameters
       return
     end if
     call draft%errors%add(found)
@@ -168,7 +168,7 @@ contains
     call skip_set(draft, deck, error)
   end subroutine read_word
 
-  !> Hint for a record that could belong to the set closed last; else empty.
+  !> Hint for a record that could belong to the set that was closed last; empty if it could not.
   function closed_hint(draft, record) result(hint)
     type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record
@@ -212,7 +212,7 @@ contains
     end if
     call fail(found, DECK_ERROR, 'unknown word '//quoted(record%text(1)), record%place(1), hint)
     if (record%assigns()) then
-      call move_alloc(found, error) ! records that follow would fail without the parameter
+      call move_alloc(found, error) ! the records that follow would fail without the parameter
       return
     end if
     call draft%errors%add(found)

@@ -1,4 +1,4 @@
-!> An NPATch as geometry of a PATCh, or as a body of its own with the given control points.
+!> An NPATch as the geometry of a PATCh, or as a body of its own on the given control points.
 module input_npatch
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -26,8 +26,8 @@ contains
     name = 'npatch'//to_text(k)
   end function npatch_name
 
-  !> Knot vectors and control points of an NPATch. The multiplicity of the first knot tells the
-  !! degree.
+  !> Get the knot vectors and control points of an NPATch. The multiplicity of the first knot gives
+  !! the degree.
   subroutine npatch_geometry(draft, k, patch, error)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: k
@@ -74,7 +74,7 @@ contains
     end associate
   end subroutine npatch_geometry
 
-  !> A body and a block of the given control points.
+  !> Append a body and a block on the given control points.
   subroutine append_npatch(draft, k, mesh, error)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: k
@@ -101,7 +101,7 @@ contains
     block%number = block%number + last
     associate (node => draft%npatch(k)%node)
       n = shape(node)
-      allocate (mask(n(1), n(2), n(3)), source=0) ! faces on which a control point lies
+      allocate (mask(n(1), n(2), n(3)), source=0) ! bits of the faces on which a control point lies
       mask(1, :, :) = ibset(mask(1, :, :), 0)
       mask(n(1), :, :) = ibset(mask(n(1), :, :), 1)
       mask(:, 1, :) = ibset(mask(:, 1, :), 2)
@@ -113,7 +113,7 @@ contains
     end associate
     do d = 1, 3
       associate (u => patch%dir(d)%knots)
-        n(d) = count(u(2:) > u(:size(u) - 1)) ! elements
+        n(d) = count(u(2:) > u(:size(u) - 1)) ! number of elements
       end associate
     end do
     elem = reshape([(e, e=1, block%nelem)], n)
@@ -134,7 +134,7 @@ contains
     mesh%is_control(body%node) = .true.
   end subroutine append_npatch
 
-  !> One element for each knot span box, direction 1 fastest.
+  !> Make one element for each box of nonempty knot spans; direction 1 varies fastest.
   subroutine fill_block(draft, k, patch, block)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: k
@@ -187,7 +187,7 @@ contains
     end associate
   end subroutine fill_block
 
-  !> Extraction operators of a spline; equal ones are stored once.
+  !> Add the extraction operators of a spline; equal ones are stored once.
   subroutine add_operators(s, op, first, iop)
     type(spline_t), intent(in) :: s
     type(operator_t), allocatable, intent(inout) :: op(:)

@@ -1,7 +1,7 @@
-!> Options after the required fields of a record: words in any order, each given once.
+!> Options after the required fields of a record: words in any order, each at most once.
 !!
-!! A record has one list of its options, such as ['PAIR', 'SMOOth d']: a word, and the value that
-!! follows it. Reading, checks and hints use that list.
+!! The options of a record are in one list such as ['PAIR', 'SMOOth d'], whose entries are a word
+!! and the value that follows it. Reading, checks and hints use that list.
 module input_option
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -14,12 +14,13 @@ module input_option
 
 contains
 
-  !> The next option after field i, which becomes the field of its word; its value is present.
+  !> Read the next option after field i and set i to the field of its word. Fail if its value is
+  !! missing.
   subroutine next_option(line, i, option, usage, seen, key, error)
     type(record_t), intent(in) :: line
     integer, intent(inout) :: i
-    character(*), intent(in) :: option(:) !! words that the record knows, with their values
-    character(*), intent(in) :: usage     !! the record with all of them
+    character(*), intent(in) :: option(:) !! words that the record accepts, with their values
+    character(*), intent(in) :: usage     !! form of the record with all of them
     logical, intent(inout) :: seen(:)     !! (size(option))
     character(4), intent(out) :: key      !! of the option; blank: there are no more
     type(error_t), allocatable, intent(out) :: error
@@ -42,7 +43,7 @@ contains
     end if
   end subroutine next_option
 
-  !> Position of a word in a list of options; 0: it is none of them.
+  !> Position of a word in a list of options; 0: it is not in the list.
   pure integer function option_row(option, key) result(o)
     character(*), intent(in) :: option(:)
     character(4), intent(in) :: key
@@ -52,7 +53,7 @@ contains
     end do
   end function option_row
 
-  !> The usage of a record with its options in brackets.
+  !> The form of a record with its options in brackets.
   pure function with_options(usage, option) result(text)
     character(*), intent(in) :: usage, option(:)
     character(:), allocatable :: text
@@ -64,7 +65,7 @@ contains
     end do
   end function with_options
 
-  !> A number greater than zero.
+  !> Read a number greater than zero.
   subroutine read_positive(deck, line, i, what, x, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line

@@ -1,4 +1,4 @@
-!> Records of a block: which words it has, and which of them may occur more than once.
+!> Records of a block: the words that it accepts, and which of them may occur more than once.
 module input_record
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: quoted, nearest, key_of
@@ -8,10 +8,10 @@ module input_record
   public :: check_record, record_word_t, word_index, word_list
 
   !> A word of a block. The reader of the block, the check for duplicates and the hints of the
-  !! program take the words from one array of these.
+  !! program take the words from one array of this type.
   type :: record_word_t
-    character(12) :: name              !! as the manual writes it; its first four letters count
-    logical :: repeats = .false.       !! may occur more than once
+    character(12) :: name              !! spelling in the manual; only its first four letters count
+    logical :: repeats = .false.       !! it may occur more than once
   end type record_word_t
 
   interface check_record
@@ -20,12 +20,12 @@ module input_record
 
 contains
 
-  !> Fails where the record's word is unknown, or occurs again and may not.
+  !> Fail if the word of the record is unknown, or if it is repeated but must not be.
   subroutine check_table(line, words, block, name, seen, error)
     type(record_t), intent(in) :: line
     type(record_word_t), intent(in) :: words(:)
-    character(*), intent(in) :: block !! the deck's word, for messages
-    character(*), intent(in) :: name  !! what the user calls it, such as: patch 'a'
+    character(*), intent(in) :: block !! the word of the block in the deck, for messages
+    character(*), intent(in) :: name  !! the user's name for the block, such as: patch 'a'
     logical, intent(inout) :: seen(:) !! (size(words))
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: repeated
@@ -38,13 +38,13 @@ contains
     call check_listed(line, words%name, repeated, block, name, seen, error)
   end subroutine check_table
 
-  !> Is the record's word known, and may it stand here?
+  !> Fail if the word of the record is unknown, or if it is repeated but must not be.
   subroutine check_listed(line, words, repeated, block, name, seen, error)
     type(record_t), intent(in) :: line
     character(*), intent(in) :: words(:)
-    character(*), intent(in) :: repeated !! keys of words that may stand several times
-    character(*), intent(in) :: block    !! the deck's word, for messages
-    character(*), intent(in) :: name     !! what the user calls it, such as: patch 'a'
+    character(*), intent(in) :: repeated !! keys of words that may occur several times
+    character(*), intent(in) :: block    !! the word of the block in the deck, for messages
+    character(*), intent(in) :: name     !! the user's name for the block, such as: patch 'a'
     logical, intent(inout) :: seen(:)    !! (size(words))
     type(error_t), allocatable, intent(out) :: error
     integer :: w
@@ -63,7 +63,7 @@ contains
     end if
   end subroutine check_listed
 
-  !> Position of a word in a list by its first four letters; 0: unknown.
+  !> Position in a list of a word that has the same first four letters; 0: there is none.
   pure integer function word_index(words, key) result(w)
     character(*), intent(in) :: words(:)
     character(4), intent(in) :: key

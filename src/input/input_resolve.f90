@@ -1,4 +1,5 @@
-!> FIX, MOVE, PRESsure and CURVe: from names and places to nodes, faces and elements. After TIE.
+!> FIX, MOVE, PRESsure and CURVe: finds the nodes, faces and elements that their places name, after
+!! TIE.
 module input_resolve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -17,15 +18,16 @@ module input_resolve
   public :: resolve_supports, resolve_loads, resolve_curves, locate_point
 
   integer, parameter :: MAX_ITER = 50
-  real(wp), parameter :: OUTSIDE = 1.0e-6_wp    !! distance outside an element that still counts as
-  !! inside [-]
-  real(wp), parameter :: WIDER = 0.5_wp         !! margin of the box of an element's nodes, which a
-  !! curved element may leave, over its size
-  real(wp), parameter :: SINGULAR = 1.0e-10_wp  !! determinant of a singular map, over its largest
+  real(wp), parameter :: OUTSIDE = 1.0e-6_wp    !! a point this far outside an element still counts
+  !! as inside [-]
+  real(wp), parameter :: WIDER = 0.5_wp         !! margin of the box around an element's nodes,
+  !! which a curved element may leave, relative to its size
+  real(wp), parameter :: SINGULAR = 1.0e-10_wp  !! a map is singular below this determinant,
+  !! relative to the product of the lengths of its columns
 
 contains
 
-  !> FIX adds restraints; MOVE becomes a motion.
+  !> Find the nodes of FIX, which adds restraints, and of MOVE, which becomes a motion.
   subroutine resolve_supports(draft, model)
     type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
@@ -50,7 +52,7 @@ contains
     end do
   end subroutine resolve_supports
 
-  !> Faces of the pressures.
+  !> Find the faces of the pressures.
   subroutine resolve_loads(draft, model)
     type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
@@ -67,7 +69,7 @@ contains
     end do
   end subroutine resolve_loads
 
-  !> Nodes, bodies, contacts and elements of the curves.
+  !> Find the nodes, bodies, contacts and elements of the curves.
   subroutine resolve_curves(draft, model)
     type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
@@ -119,7 +121,7 @@ contains
     end do
   end subroutine resolve_curves
 
-  !> The first element that contains a reference point; rigid bodies do not count. block is 0 if
+  !> Find the first element that contains a reference point, except in rigid bodies. `block` is 0 if
   !! there is none.
   subroutine locate_point(mesh, body, x, block, elem, xi)
     type(mesh_t), intent(in) :: mesh
@@ -153,7 +155,8 @@ contains
     xi = 0.0_wp
   end subroutine locate_point
 
-  !> Newton's method on x(xi) = x from the middle of the element; each step by Cramer's rule.
+  !> Solve x(xi) = x by Newton's method from the middle of the element; each step uses Cramer's
+  !! rule.
   subroutine invert_map(block, e, xe, x, xi, inside)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e

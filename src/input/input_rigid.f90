@@ -1,7 +1,7 @@
-!> TYPE RIGId: patches that are moved, not solved for.
+!> TYPE RIGId: patches that are moved and not solved for.
 !!
-!! Their control points are prescribed: by the MOVEs that name the patch, and fixed otherwise. A
-!! rigid patch moves as a whole: any of its faces stands for the whole patch.
+!! The displacements of their control points are prescribed by the MOVEs that name the patch, and
+!! zero otherwise. A rigid patch moves as a whole: any of its faces stands for the whole patch.
 module input_rigid
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -28,7 +28,7 @@ contains
     if (p > 0) rigid = draft%patch(p)%spec%type == 'RIGID'
   end function is_rigid_patch
 
-  !> Fails where records load a rigid patch or need its stresses; errors go to the list.
+  !> Fail if records load a rigid patch or need its stresses; errors go to the list.
   subroutine check_rigid(draft)
     type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error
@@ -65,7 +65,7 @@ contains
     if (at%type == W_FACES .or. at%type == W_EDGE) names_rigid = is_rigid_patch(draft, at%body)
   end function names_rigid
 
-  !> Prescribe all control points of the rigid patches.
+  !> Prescribe the displacements of all control points of the rigid patches.
   subroutine hold_rigid(draft, model)
     type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model

@@ -1,7 +1,8 @@
-!> Surfaces of CSURface and CBOUndary: nodes near a nine-node surface, its pressure on faces.
+!> Surfaces of CSURface and CBOUndary: finds the nodes near a nine-node surface, and applies its
+!! pressure to element faces.
 !!
-!! FEAP's sign: a positive pressure acts along the normal of the surface (points 1 2 3 4
-!! counter-clockwise). The normal must be the outward normal of the faces, so that it pulls.
+!! The sign is FEAP's: a positive pressure acts along the normal of the surface (points 1 2 3 4
+!! counter-clockwise). This must be the outward normal of the faces, so a positive pressure pulls.
 !!
 !! Source: FEAPpv's manual
 module input_surface
@@ -17,18 +18,19 @@ module input_surface
   private
   public :: mark_surface, load_surface
 
-  real(wp), parameter :: BOX_GAP = 1.0e-4_wp   !! FEAP's gap: over the sum of the extents,
-  real(wp), parameter :: SIZE_GAP = 1.0e-3_wp  !! and over the largest extent by nodes^(1/3)
-  real(wp), parameter :: OUTSIDE = 1.0e-4_wp   !! distance off the boundary that counts as inside
-  real(wp), parameter :: ALIGNED = 0.8_wp      !! least cosine of the normals
+  real(wp), parameter :: BOX_GAP = 1.0e-4_wp   !! FEAP's gap, relative to the sum of the extents,
+  real(wp), parameter :: SIZE_GAP = 1.0e-3_wp !! and relative to the largest extent over nodes^(1/3)
+  real(wp), parameter :: OUTSIDE = 1.0e-4_wp   !! distance outside the boundary that still counts as
+  !! inside
+  real(wp), parameter :: ALIGNED = 0.8_wp      !! smallest cosine of the angle between the normals
   integer, parameter :: MAX_ITER = 100
-  !> Signs of FEAP's nine points in the parameters of the surface.
+  !> Signs of the coordinates of FEAP's nine points in the parameter plane of the surface.
   integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], &
                         AT2(9) = [-1, -1, 1, 1, -1, 0, 1, 0, 0]
 
 contains
 
-  !> Nodes on the surface.
+  !> Mark the nodes on the surface.
   subroutine mark_surface(mesh, r, active, on)
     type(mesh_t), intent(in) :: mesh
     type(condition_entry_t), intent(in) :: r
@@ -46,7 +48,7 @@ contains
     end do
   end subroutine mark_surface
 
-  !> The box of the surface, widened, and FEAP's gap.
+  !> Find the enlarged bounding box of the surface, and FEAP's gap.
   pure subroutine search_box(r, nnode, low, high, gap)
     type(condition_entry_t), intent(in) :: r
     integer, intent(in) :: nnode
@@ -64,8 +66,8 @@ contains
     high = high + 1.5_wp*gap
   end subroutine search_box
 
-  !> Closest-point projection onto the surface by Newton's method. `on`: the distance is less than
-  !! the gap, and the projection is inside the boundary.
+  !> Project a point onto the surface, to the closest point, by Newton's method. `on` is true if the
+  !! distance is less than the gap and the projection lies inside the boundary.
   pure subroutine project(surface, x, gap, xi, normal, on)
     real(wp), intent(in) :: surface(:, :) !! (4, 9)
     real(wp), intent(in) :: x(3), gap
@@ -96,7 +98,7 @@ contains
     on = norm2(dx) < gap .and. maxval(abs(xi)) < 1.0_wp + OUTSIDE
   end subroutine project
 
-  !> Biquadratic functions of the nine points.
+  !> Biquadratic functions of the nine points and their derivatives.
   pure subroutine functions(xi, f, d)
     real(wp), intent(in) :: xi(2)
     real(wp), intent(out) :: f(9), d(2, 9)
@@ -113,7 +115,7 @@ contains
     end do
   end subroutine functions
 
-  !> Forces of the pressure on the element faces whose four corners lie on the surface.
+  !> Add the forces of the pressure on the element faces whose four corners lie on the surface.
   subroutine load_surface(mesh, r, on, bc, error)
     type(mesh_t), intent(in) :: mesh
     type(condition_entry_t), intent(in) :: r
@@ -144,7 +146,7 @@ contains
     end if
   end subroutine load_surface
 
-  !> One face: its corners must lie on the surface, its normal along that of the surface.
+  !> Add the forces on one face if its normal is aligned with that of the surface.
   subroutine load_face(mesh, block, e, f, cell, r, bc, found)
     type(mesh_t), intent(in) :: mesh
     type(block_t), intent(in) :: block
@@ -173,7 +175,7 @@ contains
       call functions(eta, g, d)
       p(i) = dot_product(g, r%surface(4, :))
     end do
-    corner([a, b], 1) = 0.0_wp ! the middle
+    corner([a, b], 1) = 0.0_wp ! the centre
     call block%row%functions(cell, corner(:, 1), shp, dshp)
     call face_normal(f, x, dshp, area, t1, t2)
     call project(r%surface, matmul(x, shp), huge(gap), eta, normal, lies)

@@ -14,18 +14,19 @@ module input_thickness
   private
   public :: body_thickness
 
-  integer, parameter :: NSAMPLE = 17         !! points in each direction of a face
-  real(wp), parameter :: NOTHING = 1.0e-6_wp !! of the body's width: faces that meet [-]
+  integer, parameter :: NSAMPLE = 17         !! sampling points in each direction of a face
+  real(wp), parameter :: NOTHING = 1.0e-6_wp !! faces meet below this fraction of the body's width
+  !! [-]
 
 contains
 
-  !> Smallest distance [L] between corresponding points of the named faces and those opposite; 0
-  !! where such faces meet, and where there is no opposite face. The patch is measured before it is
+  !> Smallest distance [L] between corresponding points of the named faces and the opposite ones. It
+  !! is 0 if such faces meet, and if there is no opposite face. The patch is measured before it is
   !! refined; its placement does not change distances.
   function body_thickness(draft, name, mask) result(thickness)
     type(draft_t), intent(in) :: draft
     character(*), intent(in) :: name  !! of a PATCh or NPATch
-    integer, intent(in) :: mask       !! bits f-1 of its faces
+    integer, intent(in) :: mask       !! bit f-1 for each face f
     real(wp) :: thickness
     type(nurbs_t) :: patch
     type(geometry_t) :: geo
@@ -37,7 +38,7 @@ contains
     p = patch_named(draft, name)
     if (p > 0) then
       associate (spec => draft%patch(p)%spec)
-        if (spec%geometry == GEO_SPLINE) then ! a layer under a surface has a thickness of its own
+        if (spec%geometry == GEO_SPLINE) then ! a layer under a surface has its own thickness
           if (spec%spline%has_layer) then
             thickness = spline_thickness(spec%spline%surface, -1.0_wp) ! a_1 x a_2 points inwards
           end if

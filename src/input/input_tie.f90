@@ -1,7 +1,7 @@
-!> TIE: nodes at the same place become one node, the lowest of their numbers.
+!> TIE: nodes at the same position become one node, that with the lowest number.
 !!
 !! The tolerance is FEAP's: 1e-3 of the mesh's extent in each direction over the square root of the
-!! number of nodes. Restraints of tied nodes are joined, their forces added.
+!! number of nodes. Restraints of tied nodes are combined, and their forces are added.
 !!
 !! Source: FEAPpv's manual
 module input_tie
@@ -15,12 +15,13 @@ module input_tie
   public :: tie_nodes
 
   real(wp), parameter :: TOLERANCE = 1.0e-3_wp
-  integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! of the search grid
+  integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! mean number of nodes in a cell; largest
+  !! number of cells in a direction
 
-  !> Search grid: for each cell a list of the nodes that are kept. Cells are at least two tolerances
-  !! wide.
+  !> Search grid: each cell has a list of the nodes in it that are kept. Cells are at least twice as
+  !! wide as the tolerance.
   type :: grid_t
-    real(wp) :: low(3), width(3)       !! of the grid, of a cell [L]
+    real(wp) :: low(3), width(3)       !! origin of the grid, size of a cell [L]
     real(wp) :: tol(3)                 !! nodes at most this far apart are tied [L]
     integer :: cells(3)
     integer, allocatable :: head(:, :, :), next(:)
@@ -28,7 +29,7 @@ module input_tie
 
 contains
 
-  !> Carry out all TIE records; `used` is set anew.
+  !> Carry out all TIE records, and set `used` of the mesh anew.
   subroutine tie_nodes(draft, mesh, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(inout) :: mesh
@@ -42,7 +43,7 @@ contains
       call find_pairs(draft, draft%tie(i), mesh, new)
     end do
     do n = 1, mesh%nnode
-      new(n) = new(new(n)) ! numbers fall, so the target is final
+      new(n) = new(new(n)) ! numbers only decrease, so the target is final
     end do
     do n = 1, size(new)
       associate (m => new(n))
@@ -68,7 +69,7 @@ contains
       end if
     end associate
     do b = 1, size(mesh%body)
-      associate (body => mesh%body(b)) ! each node once, with the faces of all that it replaces
+      associate (body => mesh%body(b)) ! each node once, with all faces of those it replaces
         if (allocated(body%group)) then
           do i = 1, size(body%group)
             body%group(i)%node = unique(new(body%group(i)%node))
@@ -97,14 +98,14 @@ contains
     end do
   end subroutine tie_nodes
 
-  !> For each node the one that it becomes.
+  !> Find for each node the one that it becomes.
   subroutine find_pairs(draft, tie, mesh, new)
     type(draft_t), intent(in) :: draft
     type(tie_entry_t), intent(in) :: tie
     type(mesh_t), intent(in) :: mesh
     integer, intent(inout) :: new(:) !! (nnode)
     type(grid_t) :: grid
-    integer, allocatable :: class(:) ! (nnode) 0: takes no part; bits 0 and 1: two materials
+    integer, allocatable :: class(:) ! (nnode) 0: not tied; bits 0 and 1: two materials
     real(wp) :: high(3)
     integer :: b, d, e, m, n, number, at(3)
 
@@ -125,7 +126,7 @@ contains
     allocate (grid%next(mesh%nnode), source=0)
     allocate (class(mesh%nnode), source=0)
     do b = 1, size(mesh%block)
-      number = 0 ! of rigid bodies
+      number = 0 ! for rigid bodies
       if (.not. is_rigid(mesh%block(b))) then
         number = draft%model%material(mesh%block(b)%material)%number
       end if
@@ -152,7 +153,7 @@ contains
     end do
   end subroutine find_pairs
 
-  !> A node kept so far to which node n of cell `at` is tied; 0: none.
+  !> A kept node to which node n of cell `at` is tied; 0: there is none.
   pure integer function partner(grid, tie, mesh, class, n, at) result(m)
     type(grid_t), intent(in) :: grid
     type(tie_entry_t), intent(in) :: tie

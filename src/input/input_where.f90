@@ -1,5 +1,5 @@
-!> WHERE of the deck: faces, an edge, a node, the node nearest a point, a plane, or a named group;
-!! the nodes and the element faces that it means.
+!> WHERE of the deck names a place: faces, an edge, a node, the node nearest to a point, a plane, or
+!! a named group. This module finds its nodes and element faces.
 module input_where
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -16,14 +16,15 @@ module input_where
 
   character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is two ' &
                              //'of them, 1-,3+'
-  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! over the mesh's extent / sqrt(nodes), as EBOUndary
+  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent / sqrt(nodes), as in
+  !! EBOUndary
 
-  !> A place in the reference mesh, resolved after TIE. W_GROUP is a name that is not one of a face:
-  !! the body must be a MESH or a SPLIne.
+  !> A place in the reference mesh, resolved after TIE. W_GROUP is any name that is not that of a
+  !! face; the body must then be a MESH or a SPLIne.
   type :: where_t
     integer :: type = 0                !! W_FACES to W_GROUP
-    character(:), allocatable :: body  !! name as written
-    character(:), allocatable :: face  !! face or group as written
+    character(:), allocatable :: body  !! its name as written
+    character(:), allocatable :: face  !! name of a face or a group as written
     integer :: mask = 0                !! bit f-1 of each face f
     integer :: node = 0
     integer :: direction = 0           !! normal of a plane
@@ -33,7 +34,7 @@ module input_where
 
 contains
 
-  !> Read WHERE from field i on; then i is the next field.
+  !> Read WHERE from field i on; i is then the field after it.
   subroutine read_where(deck, record, i, place, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -109,7 +110,7 @@ contains
     end select
   end subroutine read_where
 
-  !> Number of the face in field i: 1 to 6 for 1- 1+ 2- 2+ 3- 3+.
+  !> Read the number of the face in field i: 1 to 6 for 1- 1+ 2- 2+ 3- 3+.
   subroutine read_face(record, i, f, error)
     type(record_t), intent(in) :: record
     integer, intent(in) :: i
@@ -150,7 +151,7 @@ contains
     end do
   end function body_index
 
-  !> The nodes of a place, each once, in increasing order.
+  !> Find the nodes of a place, each once, in increasing order.
   subroutine find_nodes(mesh, place, node, error)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place
@@ -213,7 +214,7 @@ contains
     end do
   end function group_index
 
-  !> Element faces of faces of a body, or of a named group of it.
+  !> Find the element faces that belong to faces or to a named group of a body.
   subroutine find_faces(mesh, place, block, elem, side, error)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place

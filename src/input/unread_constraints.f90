@@ -1,7 +1,8 @@
-!> Constraint tables that lie beside the files of a mesh but that no record reads.
+!> Constraint tables that exist beside the files of a mesh but that no record reads.
 !!
 !! `post mesh` writes name.con beside name.msh and name.layer if the mesh has hanging nodes. A deck
-!! without the CONStraint record runs, but its hanging nodes are free: the user is warned.
+!! without the CONStraint record runs, but its hanging nodes are not constrained: the user is
+!! warned.
 module unread_constraints
   use base_error, only: place_t
   use base_file, only: file_t, inspect, base_name, FILE_REGULAR
@@ -22,7 +23,7 @@ module unread_constraints
 
 contains
 
-  !> Look for a table beside a file of a mesh or of a layer.
+  !> Look for a table beside a mesh or layer file.
   subroutine expect_table(tables, path, place)
     type(unread_constraints_t), intent(inout) :: tables
     character(*), intent(in) :: path
@@ -46,7 +47,7 @@ contains
     call move_alloc(longer, tables%found)
   end subroutine expect_table
 
-  !> Keep the identity of a table that a record reads.
+  !> Note the identity of a table that a record reads.
   subroutine note_table(tables, path)
     type(unread_constraints_t), intent(inout) :: tables
     character(*), intent(in) :: path
@@ -57,7 +58,7 @@ contains
     tables%used = reshape([tables%used, file%identity], [2, size(tables%used, 2) + 1])
   end subroutine note_table
 
-  !> Tables that no record reads, each once, with the last file that it lies beside.
+  !> List the tables that no record reads, each once, with the last file beside which it lies.
   subroutine find_unread(tables, unread)
     type(unread_constraints_t), intent(in) :: tables
     type(unread_t), allocatable, intent(out) :: unread(:)

@@ -1,11 +1,11 @@
-!> BLOCk: a mapped brick of 8-node or 27-node elements.
+!> BLOCk: a mapped block of 8-node or 27-node hexahedra.
 !!
 !!   CARTesian r s t [node1 elmt1 mat type]
 !!   [BRICk 8|27]  [MATErial m]
-!!   i x y z                  master nodes 1 to 8, others of 9 to 27 where edges or faces curve
+!!   i x y z                  master nodes 1 to 8, and those of 9 to 27 on curved edges or faces
 !!
-!! r s t count increments of nodes; each 27-node element spans two, so they are even there.
-!! A negative elmt1 makes nodes only.
+!! r, s and t count the intervals between nodes. Each 27-node element spans two, so they must be
+!! even for it. With a negative elmt1 only nodes are made.
 !!
 !! Source: FEAPpv's manual
 module word_block
@@ -27,23 +27,24 @@ module word_block
                                                           'HEXA        ', 'MATErial    ']
   integer, parameter :: BRICK_8 = 10, BRICK_27 = 12 !! FEAP's block types
 
-  !> Position of FEAP's 27 master nodes in tensor order; its element nodes are counted another way.
+  !> Positions of FEAP's 27 master nodes in tensor order; its element nodes have another order.
   integer, parameter :: MASTER27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 10, 12, 18, 16, 2, 6, 8, 4, 5, &
                                         20, 24, 26, 22, 23, 11, 15, 17, 13, 14]
-  !> Element nodes with the lower and the upper face exchanged; the first 8 also of 8-node bricks.
+  !> Element nodes with the lower and the upper face exchanged; the first 8 also serve 8-node
+  !! elements.
   integer, parameter :: MIRRORED(27) = [5, 6, 7, 8, 1, 2, 3, 4, 13, 14, 15, 16, 9, 10, 11, 12, 17, &
                                         18, 19, 20, 22, 21, 23, 24, 25, 26, 27]
 
   type :: block_spec_t
-    integer :: n(3) = 0              !! increments of nodes
+    integer :: n(3) = 0              !! intervals between nodes
     integer :: node = 0, element = 0, material = 0, type = 0
-    logical :: given(27) = .false.   !! master nodes
+    logical :: given(27) = .false.   !! master nodes that are given
     real(wp) :: x(3, 27) = 0.0_wp    !! (3, 27) in FEAP's master order [L]
   end type block_spec_t
 
 contains
 
-  !> BLOCk and its records; a master node 0 ends them as a blank record does (FEAP).
+  !> Read BLOCk and its records; a master node 0 ends them as a blank record does (FEAP).
   subroutine read_block(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -110,7 +111,7 @@ contains
     call make_elements(draft, spec)
   end subroutine read_block
 
-  !> CARTesian r s t [node1 elmt1 mat type].
+  !> Read CARTesian r s t [node1 elmt1 mat type].
   subroutine read_sizes(deck, record, spec, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
@@ -149,7 +150,7 @@ contains
     end if
   end subroutine read_sizes
 
-  !> Checks corners, increments and size; sets FEAP's defaults of the numbers.
+  !> Check corners, intervals and size, and set FEAP's default numbers.
   subroutine check_block(draft, record, spec, error)
     type(draft_t), intent(inout) :: draft
     type(record_t), intent(in) :: record
@@ -191,8 +192,9 @@ contains
     end if
   end subroutine check_block
 
-  !> Nodes at equal steps of the parameters of the master brick, r fastest. Missing master nodes
-  !! follow FEAP's rules: edges are straight, faces and the middle interpolate edges and corners.
+  !> Make nodes at equal intervals of the parameters of the master block; r varies fastest. Missing
+  !! master nodes follow FEAP's rules: edges are straight, faces and the centre interpolate edges
+  !! and corners.
   subroutine make_nodes(draft, spec)
     type(draft_t), intent(inout) :: draft
     type(block_spec_t), intent(in) :: spec
@@ -252,7 +254,8 @@ contains
     draft%last_node = n
   end subroutine make_nodes
 
-  !> Middle of a face: half the sum of its edges' middles less a quarter of that of its corners.
+  !> Set the centre of a face: half the sum of its mid-edge nodes minus a quarter of the sum of its
+  !! corners.
   pure subroutine fill_face(x)
     real(wp), intent(inout) :: x(3, 3, 3)
 
@@ -260,7 +263,7 @@ contains
                  - 0.25_wp*(x(:, 1, 1) + x(:, 3, 1) + x(:, 1, 3) + x(:, 3, 3))
   end subroutine fill_face
 
-  !> Quadratic functions at step i of n from -1 to 1.
+  !> Quadratic functions at point i of the n+1 points from -1 to 1.
   pure function functions(i, n) result(f)
     integer, intent(in) :: i, n
     real(wp) :: f(3), s
@@ -269,7 +272,8 @@ contains
     f = [0.5_wp*s*(s - 1.0_wp), 1.0_wp - s*s, 0.5_wp*s*(s + 1.0_wp)]
   end function functions
 
-  !> Elements, r fastest. Where TRANsform mirrors, their lower and upper faces are exchanged.
+  !> Make the elements; r varies fastest. If TRANsform is a reflection, their lower and upper faces
+  !! are exchanged.
   subroutine make_elements(draft, spec)
     type(draft_t), intent(inout) :: draft
     type(block_spec_t), intent(in) :: spec

@@ -16,7 +16,7 @@ module word_boundary
 
 contains
 
-  !> FIX,WHERE c1 c2 c3.
+  !> Read FIX,WHERE c1 c2 c3.
   subroutine read_fix(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -41,7 +41,7 @@ contains
     draft%support(draft%nsupport) = s
   end subroutine read_fix
 
-  !> MOVE,WHERE TRANslate dx dy dz, or ROTAte px py pz  ax ay az  degrees, then [PROP k].
+  !> Read MOVE,WHERE TRANslate dx dy dz, or ROTAte px py pz  ax ay az  degrees, then [PROP k].
   subroutine read_move(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -102,7 +102,7 @@ contains
     draft%motion(draft%nmotion) = m
   end subroutine read_move
 
-  !> [PROP k] in field i, which then moves to the field after it.
+  !> Read [PROP k] at field i; i is then the field after it.
   subroutine read_table(deck, record, i, table, usage, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
@@ -126,7 +126,7 @@ contains
     i = i + 2
   end subroutine read_table
 
-  !> PRESsure,WHERE p [PROP k] [FOLLower].
+  !> Read PRESsure,WHERE p [PROP k] [FOLLower].
   subroutine read_pressure(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

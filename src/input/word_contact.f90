@@ -1,7 +1,7 @@
 !> CONTact: reads its records and their options into the draft of the model.
 !!
-!! Checks and hints of its records follow from CONTACT_RECORDS, those of their options from one list
-!! for each record.
+!! Checks and hints of its records use CONTACT_RECORDS; those of the options use one list for each
+!! record.
 module word_contact
   use base_error, only: error_t, fail, DECK_ERROR, BUG
   use base_kinds, only: wp
@@ -24,7 +24,7 @@ module word_contact
   character(*), parameter :: SURFACE_USAGE = 'SURFaces patch face patch face'
   integer, parameter :: MAX_POINT = 50 !! integration points of an element in one direction
   integer, parameter :: MAX_CELL = 10  !! cells of an element in one direction
-  integer, parameter :: LONGEST = 32   !! of a name, which becomes part of column names
+  integer, parameter :: LONGEST = 32   !! longest name, as it becomes part of column names
 
   type(record_word_t), parameter, public :: CONTACT_RECORDS(9) = [ &
                                             record_word_t('SURFaces'), record_word_t('NORMal'), &
@@ -46,7 +46,7 @@ contains
     end do
   end function contact_named
 
-  !> CONTact,name and its records.
+  !> Read CONTact,name and its records.
   subroutine read_contact(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -72,7 +72,7 @@ contains
     entry%contact%name = record%text(2)
     entry%contact%place = record%place(2)
     allocate (entry%contact%bond(0))
-    draft%contact = [draft%contact, entry] ! an error in its records must not make it unknown
+    draft%contact = [draft%contact, entry] ! its name must be known even if one of its records fails
     seen = .false.
     do
       call next_line(draft, deck, line, more, error)
@@ -113,7 +113,7 @@ contains
     draft%contact(size(draft%contact)) = entry
   end subroutine read_contact
 
-  !> SCHEme HALFpass, BALAnced or MORTar.
+  !> Read SCHEme HALFpass, BALAnced or MORTar.
   subroutine read_scheme(line, entry, error)
     type(record_t), intent(in) :: line
     type(contact_entry_t), intent(inout) :: entry
@@ -134,7 +134,7 @@ contains
     end select
   end subroutine read_scheme
 
-  !> Records that are required, and records that need or exclude each other.
+  !> Check for missing records, and for records that need or exclude each other.
   subroutine check_complete(entry, error)
     type(contact_entry_t), intent(in) :: entry
     type(error_t), allocatable, intent(out) :: error
@@ -159,7 +159,7 @@ contains
     end associate
   end subroutine check_complete
 
-  !> SURFaces patch face patch face.
+  !> Read SURFaces patch face patch face.
   subroutine read_surfaces(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -181,7 +181,7 @@ contains
     call check_count(line, i - 1, i - 1, SURFACE_USAGE, error)
   end subroutine read_surfaces
 
-  !> BONDed [[EXCEpt] HALFspace or BOX] [GAP d]; several records intersect.
+  !> Read BONDed [[EXCEpt] HALFspace or BOX] [GAP d]; the regions of several records intersect.
   subroutine read_bond(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -224,7 +224,7 @@ contains
       call fail(error, DECK_ERROR, 'the region after EXCEpt is missing', line%place(i), usage)
       return
     else
-      i = 1 ! GAP alone: everywhere
+      i = 1 ! GAP alone: all points are bonded
       call check_count(line, 2, huge(i), usage, error)
     end if
     seen = entry%contact%bond_gap >= 0.0_wp ! one GAP holds for all records
@@ -241,7 +241,7 @@ contains
     end do
   end subroutine read_bond
 
-  !> QUADrature n1 n2 [REFIne m].
+  !> Read QUADrature n1 n2 [REFIne m].
   subroutine read_quadrature(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -278,7 +278,7 @@ contains
 
   contains
 
-    !> A number in each direction of an element, from field i.
+    !> Read from field i a number that holds in each direction of an element.
     subroutine read_number(i, least, most, what, n)
       integer, intent(in) :: i, least, most
       character(*), intent(in) :: what

@@ -1,7 +1,7 @@
-!> NORMal, FRICtion and COHEsive: reads the laws of a contact, their numbers and their options.
+!> NORMal, FRICtion and COHEsive: reads the laws of a contact, their parameters and their options.
 !!
-!! The laws are those of the table of contact laws. Checks and hints of the options follow from the
-!! lists of their words below.
+!! The laws are those of the table of contact laws. Checks and hints of the options use the lists
+!! below.
 module word_contact_law
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -25,7 +25,7 @@ module word_contact_law
 
 contains
 
-  !> The record of a law with all of its options, for hints and --list.
+  !> The form of the record of a law with all of its options, for hints and --list.
   function law_usage(law) result(usage)
     type(contact_law_t), intent(in) :: law
     character(:), allocatable :: usage
@@ -40,7 +40,7 @@ contains
     end select
   end function law_usage
 
-  !> Options of a cohesive law: the words of the other rows of its name, and the common ones.
+  !> Options of a cohesive law: those of the other rows with its name, and the common ones.
   function cohesive_options(law) result(option)
     type(contact_law_t), intent(in) :: law
     character(16), allocatable :: option(:)
@@ -60,7 +60,7 @@ contains
     end do
   end function cohesive_options
 
-  !> NORMal PENAlty eps, or [PENAlty] AUTO [factor]; then options.
+  !> Read NORMal PENAlty eps, or [PENAlty] AUTO [factor]; then the options.
   subroutine read_normal(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -116,7 +116,7 @@ contains
     end associate
   end subroutine read_normal
 
-  !> FRICtion COULomb mu PENAlty eps, or PENAlty AUTO; then options.
+  !> Read FRICtion COULomb mu PENAlty eps, or PENAlty AUTO; then the options.
   subroutine read_friction(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -161,8 +161,8 @@ contains
     end do
   end subroutine read_friction
 
-  !> COHEsive law and its numbers, all of them positive; then options, of which one may select
-  !! another row of the law.
+  !> Read COHEsive, the law and its parameters, which are all positive; then the options, one of
+  !! which may select another row of the law.
   subroutine read_cohesive(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -213,7 +213,7 @@ contains
     end associate
   end subroutine read_cohesive
 
-  !> The row of the law in field i; the first one of its role in field 1, the word of the record.
+  !> Find the law that field i names; if i is 1, the first law for the word of the record.
   subroutine find_law(line, i, role, law, error)
     type(record_t), intent(in) :: line
     integer, intent(in) :: i, role

@@ -10,14 +10,15 @@ module word_control
   private
   public :: read_title, read_control
 
-  !> Order of the control record; FEAP's three further numbers size its arrays and are not used.
+  !> Order of the control record; three further numbers give sizes of FEAP's arrays and are not
+  !! used.
   integer, parameter :: NUMNP = 1, NUMEL = 2, NUMMAT = 3, NDM = 4, NDF = 5, NEN = 6
   character(*), parameter :: USAGE = 'write ndm = 3 and a blank record, or six numbers: numnp ' &
                              //'numel nummat ndm ndf nen'
 
 contains
 
-  !> FEAP ** title.
+  !> Read FEAP ** title.
   subroutine read_title(draft, deck, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -47,7 +48,7 @@ contains
     end if
   end subroutine read_title
 
-  !> Six numbers, or records such as `ndm = 3` up to a blank record or another word.
+  !> Read six numbers, or records such as `ndm = 3` up to a blank record or another word.
   subroutine read_control(draft, deck, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -114,8 +115,8 @@ contains
     end associate
   end subroutine read_control
 
-  !> Which number of the control record a record such as `ndm = 3` gives; 0: none. Two of FEAP's
-  !! names are also mesh words, which have no = sign.
+  !> Index of the number of the control record that a record such as `ndm = 3` gives; 0: it gives
+  !! none. Two of FEAP's names are also mesh words, but these are not followed by a = sign.
   pure integer function size_index(record) result(i)
     type(record_t), intent(in) :: record
 
@@ -141,7 +142,7 @@ contains
     end select
   end function size_index
 
-  !> The next record that is not blank.
+  !> Read the next record that is not blank.
   subroutine next_words(deck, record, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record

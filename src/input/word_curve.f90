@@ -1,4 +1,4 @@
-!> CURVe: a table of quantities, one column for each record.
+!> CURVe: a table of quantities with one column for each record.
 module word_curve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, nearest, lower, key_of, fits_name
@@ -59,14 +59,14 @@ module word_curve
                                       quantity_word_t('PENEtration', Q_CONTACT_PENETRATION), &
                                       quantity_word_t('DEBOnded', Q_CONTACT_DEBONDED)]
 
-  !> Components of a stress as the deck names them, and their places in Voigt's order.
+  !> Components of a stress as they are written in the deck, and their positions in Voigt notation.
   character(2), parameter :: COMPONENT(9) = ['11', '22', '33', '12', '23', '31', '21', '32', '13']
   integer, parameter :: VOIGT(9) = [1, 2, 3, 4, 5, 6, 4, 5, 6]
-  integer, parameter :: LONGEST = 60 !! characters of a name, which becomes part of a file's name
+  integer, parameter :: LONGEST = 60 !! longest name, as it becomes part of a file name
 
 contains
 
-  !> CURVe,name and its records.
+  !> Read CURVe,name and its records.
   subroutine read_curve(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -117,7 +117,7 @@ contains
     draft%ncurve = size(draft%curve)
   end subroutine read_curve
 
-  !> One record.
+  !> Read one record.
   subroutine read_column(deck, line, column, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -188,7 +188,7 @@ contains
 
   contains
 
-    !> FORCe or DISP: WHERE and a direction.
+    !> Read FORCe or DISP: WHERE and a direction.
     subroutine read_component(name, id)
       character(*), intent(in) :: name
       integer, intent(in) :: id
@@ -203,7 +203,7 @@ contains
     end subroutine read_component
   end subroutine read_column
 
-  !> STREss patch x y z component; the patch ALL means any body, also elements of ELEMents.
+  !> Read STREss patch x y z component. The patch ALL means any body, and also ELEMents.
   subroutine read_stress(deck, line, column, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
@@ -226,7 +226,7 @@ contains
     if (key_of(line%text(2)) /= 'all') call read_body(line, 2, column)
   end subroutine read_stress
 
-  !> The name of a patch in field i, if there is one.
+  !> Read the name of a patch from field i if there is one.
   subroutine read_body(line, i, column)
     type(record_t), intent(in) :: line
     integer, intent(in) :: i
@@ -237,7 +237,8 @@ contains
     column%body_place = line%place(i)
   end subroutine read_body
 
-  !> CONTact name side and a quantity; its column is contact_<name>_<side>_force_3, for instance.
+  !> Read CONTact name side and a quantity; its column is, for instance,
+  !! contact_<name>_<side>_force_3.
   subroutine read_contact_quantity(deck, line, column, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line

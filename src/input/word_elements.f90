@@ -1,9 +1,10 @@
-!> ELEMents: connectivities by number, with generation.
+!> ELEMents: connectivities by element number, with generation.
 !!
 !! A record is `n g m i j k ...`: number, increment of the node numbers for the elements generated
-!! after it, material, nodes. `ELEMents,OLD` has the increment after the nodes; `MATErial m` after
-!! ELEMents overrides the material. FEAP reads 16 numbers from a record: an element with more than
-!! 13 nodes continues in a second one. The table of elements says which numbers of nodes there are.
+!! after it, material, nodes. With `ELEMents,OLD` the increment follows the nodes; `MATErial m`
+!! after ELEMents overrides the material. FEAP reads 16 numbers from a record, so an element with
+!! more than 13 nodes continues in a second one. The table of elements defines the possible numbers
+!! of nodes.
 !!
 !! Source: FEAPpv's manual
 module word_elements
@@ -30,7 +31,7 @@ module word_elements
 
 contains
 
-  !> ELEMents [OLD] [MATErial m].
+  !> Read ELEMents [OLD] [MATErial m] and its records.
   subroutine read_elements(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -84,13 +85,13 @@ contains
     end do
   end subroutine read_elements
 
-  !> One element; number 0 ends the data as a blank record does (FEAP).
+  !> Read one element; number 0 ends the data as a blank record does (FEAP).
   subroutine read_entry(draft, deck, record, old, counts, e, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     logical, intent(in) :: old
-    integer, intent(in) :: counts(:) !! numbers of nodes that elements have
+    integer, intent(in) :: counts(:) !! possible numbers of nodes
     type(entry_t), intent(out) :: e
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: usage
@@ -138,7 +139,8 @@ contains
     if (e%increment == 0) e%increment = 1
   end subroutine read_entry
 
-  !> All numbers of an element: those of its first record, and of a second where FEAP needs one.
+  !> Collect all numbers of an element: those of its first record, and of a second one if FEAP needs
+  !! it.
   subroutine collect_numbers(draft, deck, first, least, most, usage, field, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -163,7 +165,7 @@ contains
     if (.not. continues) return
     call next_data(draft, deck, second, more, error)
     if (allocated(error)) return
-    draft%in_set = .true. ! a blank second record is one of zeros
+    draft%in_set = .true. ! a blank second record consists of zeros
     if (.not. more) return
     call check_count(second, 1, FEAP_FIELDS, &
                      'the second record of an element holds its other nodes', error)
@@ -175,7 +177,7 @@ contains
     end do
   end subroutine collect_numbers
 
-  !> Put an element into the list of the model under construction.
+  !> Store an element in the list of the draft.
   subroutine store(draft, e, record, error)
     type(draft_t), intent(inout) :: draft
     type(entry_t), intent(inout) :: e

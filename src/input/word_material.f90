@@ -1,5 +1,5 @@
-!> MATErial: a law, small or finite strains, the formulation of ELEMents and BLOCks,
-!! density, body force.
+!> MATErial: a law, small or finite strains, the formulation of ELEMents and BLOCks, density, body
+!! force.
 !!
 !!   MATErial m
 !!     SOLId
@@ -8,7 +8,7 @@
 !!       DISPlacement | ENHAnced
 !!       DENSity rho        BODY b1 b2 b3        NURB interp q1 q2 q3
 !!
-!! The laws and the numbers that they take are those of the table of laws.
+!! The table of material laws defines the laws and the numbers that they take.
 module word_material
   use base_error, only: error_t, fail, DECK_ERROR, place_t
   use base_kinds, only: wp
@@ -23,13 +23,14 @@ module word_material
   private
   public :: read_material, material_index
 
-  !> The records of a law and its strains, before they are combined: their order is free.
+  !> The law and the type of strains as read, before they are combined; their records have any
+  !! order.
   type :: law_entry_t
-    type(material_t) :: law                !! the name is empty until ELAStic is read
+    type(material_t) :: law                !! its name is empty until ELAStic is read
     integer :: strain = 0                  !! SMALL or FINITE
-    integer :: nvalue = 0                  !! the numbers of ELAStic, then k of VOLUme k
+    integer :: nvalue = 0                  !! how many numbers: those of ELAStic, then k of VOLUme k
     real(wp) :: value(MAX_PROP + 1) = 0.0_wp
-    type(place_t) :: place(MAX_PROP + 1)   !! of each of them
+    type(place_t) :: place(MAX_PROP + 1)   !! place of each of them
     integer :: volume = 0                  !! k of VOLUme k
     logical :: volume_given = .false.
     type(place_t) :: strain_place, volume_place
@@ -98,7 +99,7 @@ contains
     draft%model%material(size(draft%model%material)) = set
   end subroutine read_material
 
-  !> Records up to the blank one.
+  !> Read records up to the blank one.
   subroutine read_properties(draft, deck, set, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -162,7 +163,7 @@ contains
     call set_law(given, set, error)
   end subroutine read_properties
 
-  !> BODY [FORCe] b1 b2 b3. FEAP ignores the field after BODY.
+  !> Read BODY [FORCe] b1 b2 b3. FEAP ignores the field after BODY.
   subroutine read_body(deck, line, set, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -185,7 +186,8 @@ contains
     end do
   end subroutine read_body
 
-  !> NURB interp q1 q2 q3: Gauss points in the three directions of an NPATch; 0: 5 (igaFEAP).
+  !> Read NURB interp q1 q2 q3: Gauss points in the three directions of an NPATch; 0 means 5
+  !! (igaFEAP).
   subroutine read_points(deck, line, set, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -213,7 +215,7 @@ contains
     end do
   end subroutine read_points
 
-  !> ELAStic law numbers.
+  !> Read ELAStic, the law and its numbers.
   subroutine read_law(deck, line, laws, given, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -245,7 +247,7 @@ contains
     call set_properties(given, prop, error) ! so that the first error of the material is reported
   end subroutine read_law
 
-  !> SMALl, or FINIte [VOLUme k].
+  !> Read SMALl, or FINIte [VOLUme k].
   subroutine read_strain(deck, line, given, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -276,7 +278,7 @@ contains
     given%volume_place = line%place(3)
   end subroutine read_strain
 
-  !> The law with its properties; ELAStic, SMALl, FINIte and VOLUme must agree.
+  !> Set the law and its properties. Fail unless ELAStic, SMALl, FINIte and VOLUme are compatible.
   subroutine set_law(given, set, error)
     type(law_entry_t), intent(inout) :: given
     type(material_set_t), intent(inout) :: set
@@ -308,7 +310,7 @@ contains
     call set_properties(given, set%prop, error)
   end subroutine set_law
 
-  !> The records of the laws of finite strains, of small strains, or of both, for a hint.
+  !> The records of the laws for finite strains, small strains, or both, for a hint.
   function laws_of(finite) result(text)
     logical, intent(in) :: finite(:)
     character(:), allocatable :: text
@@ -324,7 +326,8 @@ contains
     end do
   end function laws_of
 
-  !> Properties of the numbers read so far; the place of an error is that of the rejected number.
+  !> Set the properties from the numbers read so far. The place of an error is that of the rejected
+  !! number.
   subroutine set_properties(given, prop, error)
     type(law_entry_t), intent(in) :: given
     real(wp), intent(out) :: prop(:)

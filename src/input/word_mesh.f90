@@ -28,7 +28,7 @@ module word_mesh
 
 contains
 
-  !> MESH,name FILE path and its records.
+  !> Read MESH,name FILE path and its records.
   subroutine read_mesh(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -47,7 +47,7 @@ contains
     patch%spec%place = record%place(2)
     patch%spec%geometry = GEO_MESH
     allocate (patch%spec%enrich(0), patch%spec%placement(0), patch%mesh%material(0))
-    call append_patch(draft, patch) ! now: its name is known even if one of its records fails
+    call append_patch(draft, patch) ! at once: its name is known even if a record fails
     if (record%key(3) /= 'file') then
       call fail(error, DECK_ERROR, 'expected FILE, found '//quoted(record%text(3)), &
                 record%place(3), USAGE)
@@ -74,7 +74,7 @@ contains
     draft%patch(size(draft%patch)) = patch
   end subroutine read_mesh
 
-  !> The first word of the file tells its format.
+  !> Read the mesh file; its first word gives the format.
   subroutine read_file(record, mesh, error)
     type(record_t), intent(in) :: record
     type(mesh_spec_t), intent(inout) :: mesh
@@ -100,7 +100,7 @@ contains
     end associate
   end subroutine read_file
 
-  !> One record, whose word is known.
+  !> Read one record, whose word is known.
   subroutine read_record(draft, deck, line, patch, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(in) :: deck

@@ -1,7 +1,8 @@
 !> Values by node number, with generation: BOUNdary, FORCe, DISPlacement, FPROportional.
 !!
 !! As in FEAP, the increment of a record applies to the nodes between it and the next record: FORCe
-!! and DISPlacement interpolate, FPROportional repeats, BOUNdary repeats negative codes only.
+!! and DISPlacement interpolate, FPROportional repeats the numbers, and BOUNdary repeats only
+!! negative codes.
 !!
 !! Source: FEAPpv's manual
 module word_nodal
@@ -19,7 +20,7 @@ module word_nodal
 
 contains
 
-  !> BOUNdary: `n g code1 code2 code3`.
+  !> Read BOUNdary: `n g code1 code2 code3`.
   subroutine read_boundary(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -52,7 +53,7 @@ contains
     end do
   end subroutine read_boundary
 
-  !> FPROportional: `n g k1 k2 k3`.
+  !> Read FPROportional: `n g k1 k2 k3`.
   subroutine read_load_numbers(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -86,7 +87,7 @@ contains
     end do
   end subroutine read_load_numbers
 
-  !> FORCe: `n g f1 f2 f3`, and DISPlacement: `n g u1 u2 u3`; TRANsform turns them.
+  !> Read FORCe: `n g f1 f2 f3`, or DISPlacement: `n g u1 u2 u3`. TRANsform rotates the vectors.
   subroutine read_vectors(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -125,8 +126,8 @@ contains
     end do
   end subroutine read_vectors
 
-  !> Next record with its number and increment; n = 0 at the end of the data (a blank record, or a
-  !! node 0 as in FEAP).
+  !> Read the next record with its node number and increment; n = 0 at the end of the data (a blank
+  !! record, or node 0 as in FEAP).
   subroutine read_head(draft, deck, usage, record, n, step, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -154,7 +155,7 @@ contains
     if (.not. draft%nodes%given(n)) call add_named_node(draft%named_nodes, n, record%place(1))
   end subroutine read_head
 
-  !> Columns between a and b on a straight line; none where a or the increment is 0.
+  !> Interpolate the columns between a and b linearly; do nothing if a or the increment is 0.
   pure subroutine interpolate_between(x, a, b, increment)
     real(wp), intent(inout) :: x(:, :) !! (3, >= max(a, b))
     integer, intent(in) :: a, b, increment

@@ -1,7 +1,7 @@
 !> COORdinates and NURBs with generation, and TRANsform.
 !!
-!! Source: FEAPpv's manual; two records with numbers l and n, the first with increment g, make
-!! l+g, l+2g, ... between them on a straight line.
+!! Source: FEAPpv's manual. Two successive records with numbers l and n, the first with increment g,
+!! generate the nodes l+g, l+2g, ... between them on a straight line.
 module word_nodes
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -18,8 +18,8 @@ module word_nodes
 
 contains
 
-  !> COORdinates: `n g x y z`, and NURBs: `n g x y z w`; n = 0 ends the data as a blank record does
-  !! (FEAP).
+  !> Read COORdinates: `n g x y z`, or NURBs: `n g x y z w`; n = 0 ends the data as a blank record
+  !! does (FEAP).
   subroutine read_points(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -74,7 +74,7 @@ contains
         if (i == n) exit
         w = 0.0_wp
         if (weighted) w = merge(draft%nodes%weight(i), 1.0_wp, draft%nodes%weight(i) > 0.0_wp)
-        call set_point(i, draft%nodes%x(:, i - last_step) + dx, w) ! FEAP adds increments up
+        call set_point(i, draft%nodes%x(:, i - last_step) + dx, w) ! FEAP adds up the increments
       end do
     end do
 
@@ -92,7 +92,7 @@ contains
     end subroutine set_point
   end subroutine read_points
 
-  !> TRANsform: three rows of a matrix and a vector; x -> T x + s for what is read after it.
+  !> Read TRANsform: three rows of a matrix T and a vector s; what is read after it becomes T x + s.
   subroutine read_transform(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

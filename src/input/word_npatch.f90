@@ -1,11 +1,11 @@
-!> igaFEAP's KNOTs and NPATch.
+!> KNOTs and NPATch of igaFEAP.
 !!
 !!   KNOTs                          NPATch
 !!     open id len k1 k2 ...          solid ma n1 n2 n3 k1 k2 k3
 !!                                    control point numbers: a row runs along direction 3;
-!!                                    of the rows, direction 1 varies fastest, then 2
+!!                                    from row to row, direction 1 varies fastest, then 2
 !!
-!! Long lists continue in further records, as FEAP's limit of 16 numbers a record requires.
+!! Long lists continue in further records, as FEAP's limit of 16 numbers in a record requires.
 module word_npatch
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
@@ -26,7 +26,7 @@ module word_npatch
 
 contains
 
-  !> KNOTs: one vector after the other; its numbers may continue in further records.
+  !> Read KNOTs: one vector after the other, each of which may continue in further records.
   subroutine read_knots(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -93,7 +93,7 @@ contains
     end do
   end subroutine read_knots
 
-  !> NPATch: solids.
+  !> Read NPATch and its solids.
   subroutine read_npatch(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -143,7 +143,7 @@ contains
     end do
   end subroutine read_npatch
 
-  !> Control point numbers; each row begins a record.
+  !> Read the control point numbers; each row begins with a new record.
   subroutine read_rows(draft, deck, p, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

@@ -1,5 +1,5 @@
-!> PATCh: a body with a name, a geometry and an element type. MESH and SPLIne share its placement
-!! and the list of bodies.
+!> PATCh: a body with a name, a geometry and an element type. MESH and SPLIne use the same placement
+!! records and the same list of bodies.
 module word_patch
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -45,7 +45,7 @@ contains
     end do
   end function patch_named
 
-  !> PATCh,name and its records.
+  !> Read PATCh,name and its records.
   subroutine read_patch(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -61,7 +61,7 @@ contains
     patch%spec%name = record%text(2)
     patch%spec%place = record%place(2)
     allocate (patch%spec%enrich(0), patch%spec%placement(0))
-    call append_patch(draft, patch) ! now: its name is known even if one of its records fails
+    call append_patch(draft, patch) ! at once: its name is known even if a record fails
     seen = .false.
     do
       call next_line(draft, deck, line, more, error)
@@ -76,7 +76,7 @@ contains
     draft%patch(size(draft%patch)) = patch
   end subroutine read_patch
 
-  !> The name in field 2 must be new and no word of WHERE.
+  !> Check that the name in field 2 is new and not a word of WHERE.
   subroutine check_patch_name(draft, record, error)
     type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record
@@ -107,7 +107,8 @@ contains
     call move_alloc(longer, draft%patch)
   end subroutine append_patch
 
-  !> A deformable patch needs more records than a rigid one, which is only a surface.
+  !> Check for missing records. A deformable patch needs more of them than a rigid one, which is
+  !! only a surface.
   subroutine check_complete(patch, error)
     type(patch_entry_t), intent(in) :: patch
     type(error_t), allocatable, intent(out) :: error
@@ -140,7 +141,7 @@ contains
     end associate
   end subroutine check_complete
 
-  !> One record, whose word is known.
+  !> Read one record, whose word is known.
   subroutine read_patch_record(deck, line, patch, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
@@ -188,10 +189,10 @@ contains
     end associate
   end subroutine read_patch_record
 
-  !> ELEMents and KNOTs must give the same number of elements.
+  !> Set the number of elements. Fail if ELEMents and KNOTs give different ones.
   subroutine set_number(line, i, n, d, spec, error)
     type(record_t), intent(in) :: line
-    integer, intent(in) :: i !! field to blame
+    integer, intent(in) :: i !! field that an error names
     integer, intent(in) :: n, d !! elements in direction d
     type(patch_spec_t), intent(inout) :: spec
     type(error_t), allocatable, intent(out) :: error
@@ -203,7 +204,7 @@ contains
     spec%nelem(d) = n
   end subroutine set_number
 
-  !> KNOTs,direction and its interior knots.
+  !> Read KNOTs,direction and its interior knots.
   subroutine read_knots(deck, line, spec, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
@@ -233,7 +234,7 @@ contains
     call set_number(line, 2, line%n - 1, d, spec, error)
   end subroutine read_knots
 
-  !> TYPE Q1 | Q1E9 | Q2 | IGA p | RIGId.
+  !> Read TYPE Q1 | Q1E9 | Q2 | IGA p | RIGId.
   subroutine read_type(deck, line, spec, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
@@ -260,7 +261,7 @@ contains
     end if
   end subroutine read_type
 
-  !> ENRIch face p [RAISe t] [EAS [TAPEred]].
+  !> Read ENRIch face p [RAISe t] [EAS [TAPEred]].
   subroutine read_enrich(deck, line, spec, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
@@ -305,7 +306,7 @@ contains
     call move_alloc(longer, spec%enrich)
   end subroutine read_enrich
 
-  !> BOX, HEMIsphere, NPATch or FILE: a patch has one of them.
+  !> Read BOX, HEMIsphere, NPATch or FILE; a patch has one of them.
   subroutine read_geometry(deck, line, patch, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
@@ -367,7 +368,7 @@ contains
     end associate
   end subroutine read_geometry
 
-  !> ROTAte px py pz  ax ay az  degrees, or TRANslate dx dy dz.
+  !> Read ROTAte px py pz  ax ay az  degrees, or TRANslate dx dy dz.
   subroutine read_placement(deck, line, spec, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line

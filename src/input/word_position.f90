@@ -31,8 +31,8 @@ module word_position
 
 contains
 
-  !> What a word and ADD or SET after it say about all its requests. Without ADD and SET, words of
-  !! planes except EPROportional add.
+  !> Begin the requests of a word: set its kind, and whether they add to or replace other values.
+  !! Without ADD or SET, words of planes add, except EPROportional.
   subroutine begin_requests(record, r, error)
     type(record_t), intent(in) :: record
     type(condition_entry_t), intent(out) :: r
@@ -53,7 +53,7 @@ contains
     end select
   end subroutine begin_requests
 
-  !> A word of planes and its records: `direction coordinate` and three values, and GAP.
+  !> Read a word of planes and its records: `direction coordinate` and three values, and GAP.
   subroutine read_planes(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -75,7 +75,7 @@ contains
       end if
       call get_integer(deck, line, 1, r%direction, error)
       if (allocated(error)) return
-      if (r%direction == 0) exit ! as a blank record (FEAP)
+      if (r%direction == 0) exit ! acts as a blank record (FEAP)
       call check_count(line, 2, 5, 'direction coordinate '//value_names(r%word), error)
       if (allocated(error)) return
       if (r%direction < 1 .or. r%direction > 3) then
@@ -92,7 +92,7 @@ contains
     draft%in_set = .false.
   end subroutine read_planes
 
-  !> What the three values of a record are called.
+  !> Names of the three values of a record.
   pure function value_names(kind) result(names)
     integer, intent(in) :: kind
     character(:), allocatable :: names
@@ -109,7 +109,7 @@ contains
     end select
   end function value_names
 
-  !> Three values from a field on. Restraint codes and load numbers are whole numbers.
+  !> Read three values from a field on. Restraint codes and load numbers are whole numbers.
   subroutine get_values(deck, record, first, r, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
@@ -158,7 +158,7 @@ contains
     draft%ncondition = n + 1
   end subroutine append_request
 
-  !> A word of points and surfaces and its records.
+  !> Read a word of points and surfaces and its records.
   subroutine read_places(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -205,7 +205,8 @@ contains
     end do
   end subroutine read_places
 
-  !> SURFace [codes], then its points `i x y z [p]`. `line` is the record after them if `has_line`.
+  !> Read SURFace [codes], then its points `i x y z [p]`. `line` is the record after them if
+  !! `has_line`.
   subroutine read_surface(draft, deck, request, line, has_line, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

@@ -1,4 +1,4 @@
-!> Small mesh words: PARAmeters, PRINt, NOPRint, TIE.
+!> Short mesh words: PARAmeters, PRINt, NOPRint, TIE.
 module word_settings
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -13,7 +13,7 @@ module word_settings
 
 contains
 
-  !> PARAmeters.
+  !> Read PARAmeters and the assignments that follow.
   subroutine read_para(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -26,7 +26,7 @@ contains
     if (.not. allocated(error)) draft%in_set = .false.
   end subroutine read_para
 
-  !> PRINt and NOPRint have no effect: the log always has what was read.
+  !> Read PRINt or NOPRint, which have no effect: the log always shows what was read.
   subroutine read_print(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -37,7 +37,7 @@ contains
     call check_count(record, 1, 1, record%text(1)//' has no options', error)
   end subroutine read_print
 
-  !> TIE [,,direction,coordinate | NODE,n1,n2 | MATErial,m1,m2] [tolerance].
+  !> Read TIE [,,direction,coordinate | NODE,n1,n2 | MATErial,m1,m2] [tolerance].
   subroutine read_tie(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

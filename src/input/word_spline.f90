@@ -1,4 +1,4 @@
-!> SPLIne: a spline surface from a file, as the outer face of a layer of elements or as a rigid
+!> SPLIne: a spline surface from a file, used as the outer face of a layer of elements or as a rigid
 !! surface.
 module word_spline
   use base_error, only: error_t, fail, DECK_ERROR
@@ -27,7 +27,7 @@ module word_spline
 
 contains
 
-  !> SPLIne,name FILE path [surface] and its records.
+  !> Read SPLIne,name FILE path [surface] and its records.
   subroutine read_spline(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -46,7 +46,7 @@ contains
     patch%spec%geometry = GEO_SPLINE
     patch%spec%type = 'LAYER'
     allocate (patch%spec%enrich(0), patch%spec%placement(0))
-    call append_patch(draft, patch) ! now: its name is known even if one of its records fails
+    call append_patch(draft, patch) ! at once: its name is known even if a record fails
     if (record%key(3) /= 'file') then
       call fail(error, DECK_ERROR, 'expected FILE, found '//quoted(record%text(3)), &
                 record%place(3), USAGE)
@@ -69,7 +69,7 @@ contains
     draft%patch(size(draft%patch)) = patch
   end subroutine read_spline
 
-  !> One record, whose word is known.
+  !> Read one record, whose word is known.
   subroutine read_record(draft, deck, line, patch, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(in) :: deck
@@ -120,8 +120,8 @@ contains
     end associate
   end subroutine read_record
 
-  !> A layer needs inner nodes, which also say where it lies, and a material; a rigid surface only
-  !! moves.
+  !> Check for missing records. A layer needs its inner nodes, which also define its side, and a
+  !! material; a rigid surface can only be moved.
   subroutine check_complete(patch, error)
     type(patch_entry_t), intent(in) :: patch
     type(error_t), allocatable, intent(out) :: error

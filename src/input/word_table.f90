@@ -1,4 +1,4 @@
-!> The one list of mesh words: a new word is a reader in a file of its group and a line here.
+!> The table of mesh words: a new word is a reader in a file of its group and a line here.
 module word_table
   use base_text, only: key_of
   use input_draft, only: mesh_word_t, mesh_read_i
@@ -21,11 +21,11 @@ module word_table
   private
   public :: load_mesh_words
 
-  integer, parameter :: ALONE = 0, WORDS = 1, NUMBERS = 2 !! what follows a word
+  integer, parameter :: ALONE = 0, WORDS = 1, NUMBERS = 2 !! the data that follow a word
 
 contains
 
-  !> Rows of all words, with the words of their records.
+  !> Load the rows of all words, with the words of their records.
   subroutine load_mesh_words(table)
     type(mesh_word_t), allocatable, intent(out) :: table(:)
 
