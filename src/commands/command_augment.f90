@@ -1,9 +1,9 @@
 !> AUGMent: one step of Uzawa's iteration for contact pressures (FEAP's AUGM).
 !!
-!! The multipliers take over the pressure of the penetrations, so that the next solves leave smaller
-!! ones: LOOP,augment,n / LOOP,newton,m / UTAN,,1 / NEXT / AUGMent / NEXT. Where no pressure would
-!! change by more than a tolerance, nothing is changed and the loop ends; nothing is changed in its
-!! last pass either, as no solve would follow.
+!! The multipliers take over the pressure due to the penetrations, so that the next solves leave
+!! smaller penetrations: LOOP,augment,n / LOOP,newton,m / UTAN,,1 / NEXT / AUGMent / NEXT. If no
+!! pressure would change by more than a tolerance, nothing is changed and the loop ends. Nothing is
+!! changed in the last pass of the loop either, as no solve would follow.
 module command_augment
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -77,7 +77,7 @@ contains
             call take_rise(rise(k, c), contact(c)%side(k))
           end do
         end do
-        ! the balance of the step has changed: its iteration continues
+        ! The equilibrium of the step has changed, so its iteration continues.
         run%step%newton%converged = .false.
         run%step%newton%before = run%step%newton%iterations
         call log_line('  augmented: pressures changed by up to '//to_text(change) &

@@ -1,4 +1,5 @@
-!> Checkpoints: what they keep besides the state, when they are written, and how a run continues.
+!> Checkpoints: which values they hold besides the state, when they are written, and how a run
+!! continues from one.
 module command_checkpoint
   use base_error, only: error_t, fail, SYSTEM_ERROR, STOPPED
   use base_kinds, only: wp
@@ -20,13 +21,14 @@ module command_checkpoint
   private
   public :: write_checkpoint, set_restart_point, restore_run, stop_wanted, stop_run
 
-  ! FORMAT of restart_file grows whenever the names or the meaning of the values here change.
+  ! FORMAT of restart_file must grow whenever the names or the meaning of the values here change.
 
-  !> Named values on their way into a checkpoint or out of one, so that one list of names does both.
+  !> Named values that are put into a checkpoint or taken from one, so that one list of names serves
+  !! both.
   type :: exchange_t
     type(named_values_t) :: values
     logical :: writes = .true.
-    logical :: whole = .true.          !! no value is missing
+    logical :: whole = .true.          !! no value was missing when they were read
   end type exchange_t
 
   interface exchange
@@ -35,7 +37,7 @@ module command_checkpoint
 
 contains
 
-  !> Write a checkpoint between two steps: from here on this run and a restarted one do the same.
+  !> Write a checkpoint between two steps. From here on this run and a restarted one behave alike.
   subroutine write_checkpoint(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
@@ -47,7 +49,8 @@ contains
                   //restart_path(run))
   end subroutine write_checkpoint
 
-  !> From here on this run and one that is restarted here do the same: kept factors are forgotten.
+  !> Make this the point at which a run can restart, and forget kept factors. From here on this run
+  !! and a restarted one behave alike.
   subroutine set_restart_point(run)
     type(run_t), intent(inout) :: run
     type(exchange_t) :: exchanged
@@ -59,7 +62,7 @@ contains
     run%restart_point%set = .true.
   end subroutine set_restart_point
 
-  !> Continue from a checkpoint; no file is touched yet.
+  !> Continue from a checkpoint; no file is changed yet.
   subroutine restore_run(run, path, error)
     type(run_t), intent(inout) :: run
     character(*), intent(in) :: path
@@ -81,7 +84,7 @@ contains
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path)
   end subroutine restore_run
 
-  !> A signal came, or the time limit is reached.
+  !> Has a signal to stop been received, or has the time limit been reached?
   function stop_wanted(run) result(yes)
     type(run_t), intent(in) :: run
     logical :: yes
@@ -90,7 +93,7 @@ contains
     if (.not. yes .and. run%time_limit > 0.0_wp) yes = wall_seconds() > run%time_limit
   end function stop_wanted
 
-  !> Forget the step under way, write a checkpoint of the one before, and end with code 4.
+  !> Discard the step under way, write a checkpoint of the previous one, and end with code 4.
   subroutine stop_run(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
@@ -98,7 +101,7 @@ contains
     if (run%step%open) then
       call rewind_step(run%step, run%state)
       call rewind_program(run%program, run%deck%params)
-      run%step%retry = run%step%cutbacks > 0 ! a restarted run counts them too
+      run%step%retry = run%step%cutbacks > 0 ! a restarted run counts cut-backs too
     end if
     if (run%step%newton%mode == FULL .or. .not. run%restart_point%set) then
       call write_checkpoint(run, error)
@@ -129,7 +132,7 @@ contains
     path = run%files%stem//'.restart.h5'
   end function restart_path
 
-  !> Everything besides the state that a restarted run needs, between two steps.
+  !> Exchange everything besides the state that a restarted run needs between two steps.
   subroutine exchange_run(x, run)
     type(exchange_t), intent(inout) :: x
     type(run_t), intent(inout) :: run
@@ -213,7 +216,8 @@ contains
     program%command(:)%visit = visit
   end subroutine exchange_program
 
-  !> All parameters by name: PARAmeter may have made some that the deck's mesh part does not know.
+  !> Exchange all parameters by name: PARAmeter may have defined some that are not in the mesh part
+  !! of the deck.
   subroutine exchange_parameters(x, params)
     type(exchange_t), intent(inout) :: x
     type(params_t), intent(inout) :: params
@@ -245,7 +249,7 @@ contains
     end do
   end subroutine exchange_parameters
 
-  !> A number or a logical.
+  !> Exchange a number or a logical.
   subroutine exchange_scalar(x, name, value)
     type(exchange_t), intent(inout) :: x
     character(*), intent(in) :: name

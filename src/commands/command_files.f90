@@ -1,4 +1,5 @@
-!> The files of a run: opened when the first step is written, so that a deck that fails leaves none.
+!> The files of a run. They are opened when the first step is written, so that a deck that fails
+!! leaves none.
 module command_files
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -15,8 +16,9 @@ module command_files
 
 contains
 
-  !> Open the curves; the result file opens with its first fields. After a restart both are cut back
-  !! at once to the step of the checkpoint, whether there is more to write or not.
+  !> Open the curves; the result file is opened when fields are written for the first time. After a
+  !! restart, both are cut back at once to the step of the checkpoint, even if nothing more is
+  !! written.
   subroutine open_files(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
@@ -37,7 +39,7 @@ contains
           if (allocated(error)) return
           deallocate (column)
         end associate
-        if (allocated(files%kept) .and. has_row(run, i)) call note_row(run, i) ! maybe the last one
+        if (allocated(files%kept) .and. has_row(run, i)) call note_row(run, i) ! may be the last one
       end do
       files%curves_open = .true.
       if (allocated(files%kept)) call open_fields(run, error)
@@ -64,7 +66,7 @@ contains
     end do
   end subroutine write_rows
 
-  !> TPLOt may leave out steps.
+  !> Does the curve get a row in this step? TPLOt may leave out steps.
   pure logical function has_row(run, i)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i
@@ -73,7 +75,7 @@ contains
     if (.not. has_row) has_row = mod(run%state%step - 1, run%plan%tplot_every) == 0
   end function has_row
 
-  !> Row of curve i: step, time, current values.
+  !> Note the row of curve i: step, time, current values.
   subroutine note_row(run, i)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: i
@@ -89,7 +91,7 @@ contains
     run%files%last_row(i)%value = [real(run%state%step, wp), run%state%time, value]
   end subroutine note_row
 
-  !> The current fields.
+  !> Write the current fields.
   subroutine write_fields(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error

@@ -1,4 +1,4 @@
-!> PROP: load tables; PARAmeter: parameters of the solution part.
+!> PROP: load tables; PARAmeter: parameters in the solution part of the deck.
 module command_load
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -27,7 +27,7 @@ contains
                      read_assignments)
   end function load_rows
 
-  !> First and last number of the tables that a PROP defines.
+  !> Find the numbers of the first and the last table that a PROP defines.
   subroutine table_range(command, first, last, error)
     type(command_t), intent(in) :: command
     integer, intent(out) :: first, last
@@ -44,7 +44,7 @@ contains
     end if
   end subroutine table_range
 
-  !> Tables: a blank record alone, `1 k tmin tmax a1 a2 a3 a4 a5`, or `2 n` and its pairs.
+  !> Read tables: a blank record alone, `1 k tmin tmax a1 a2 a3 a4 a5`, or `2 n` and its pairs.
   subroutine read_tables(run, command, data, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -96,8 +96,8 @@ contains
     run%program%ntable = max(run%program%ntable, last)
   end subroutine read_tables
 
-  !> `2 n`: records of n pairs (t, p) up to a blank record; a pair 0 0 or a record that is not full
-  !! is the last one, and the blank record after it may be missing (FEAP).
+  !> Read the data of `2 n`: records of n pairs (t, p) up to a blank record. A pair 0 0 or a record
+  !! with fewer pairs is the last one, and the blank record after it may be missing (FEAP).
   subroutine read_pairs(run, opening, table, error)
     type(run_t), intent(inout) :: run
     type(record_t), intent(in) :: opening
@@ -131,12 +131,12 @@ contains
     end if
   end subroutine read_pairs
 
-  !> The pairs of one record.
+  !> Take the pairs of one record.
   subroutine take_pairs(deck, record, table, done, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
     type(load_table_t), intent(inout) :: table
-    logical, intent(out) :: done !! a pair 0 0 after others
+    logical, intent(out) :: done !! a pair 0 0 followed others
     type(error_t), allocatable, intent(out) :: error
     real(wp) :: t, p
     integer :: i
@@ -177,14 +177,14 @@ contains
     if (last > n) then
       allocate (longer(last))
       longer(:n) = run%state%table
-      longer(n + 1:)%kind = 1                     ! tables never given: factor 0
+      longer(n + 1:)%kind = 1                     ! tables that are never given have the factor 0
       call move_alloc(longer, run%state%table)
     end if
     run%state%table(first:last) = command%data(command%visit)%table
     call set_factors(run%state)
   end subroutine run_prop
 
-  !> Records `name = expression` up to a blank one.
+  !> Read records `name = expression` up to a blank one.
   subroutine read_assignments(run, command, data, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -227,8 +227,8 @@ contains
     end associate
   end subroutine run_para
 
-  !> When the whole deck is known: every load number has a PROP. 0, the sum of all tables, needs
-  !! none, and without any PROP all factors are 1.
+  !> Check, when the whole deck is known, that every load number has a PROP. Number 0, the sum of
+  !! all tables, needs none, and if there is no PROP at all, every factor is 1.
   subroutine check_tables(bc, ntable, error)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: ntable      !! highest table that a PROP defines

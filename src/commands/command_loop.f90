@@ -37,8 +37,8 @@ contains
     end associate
   end subroutine run_loop
 
-  !> End of a pass. A pass in which the step ended short of its target is repeated; one in which it
-  !! passed several targets counts as so many passes.
+  !> End a pass of a loop. If the step ended before its target, the pass is repeated; if it passed
+  !! several targets, it counts as that many passes.
   subroutine run_next(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

@@ -1,4 +1,4 @@
-!> PLOT, OUTPut, SAVE: what is written when.
+!> PLOT, OUTPut, SAVE: which output is written, and when.
 module command_output
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted
@@ -24,7 +24,7 @@ contains
     row(3) = new_row('SAVE', 'SAVE', 2, run_plot_or_save)
   end function output_rows
 
-  !> Fields or a checkpoint: when the step under way closes; between steps at once.
+  !> Write fields or a checkpoint: when the step under way closes, or at once between two steps.
   subroutine run_plot_or_save(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -46,8 +46,8 @@ contains
     end if
   end subroutine run_plot_or_save
 
-  !> OUTPut,,every n [fields]: every n-th step is written, all fields or these. One result file has
-  !! one set of fields, so every OUTPut of a deck must name the same ones.
+  !> Read OUTPut,,every n [fields]: every n-th step is written, with all fields or with those named.
+  !! A result file has a single set of fields, so every OUTPut of a deck must name the same ones.
   subroutine run_output(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -89,7 +89,7 @@ contains
     end associate
   end subroutine run_output
 
-  !> Which of the known fields an OUTPut names; none: all.
+  !> Which of the known fields an OUTPut names; if it names none, all of them.
   pure function wanted_fields(record) result(wanted)
     type(record_t), intent(in) :: record
     logical :: wanted(size(known_fields()))

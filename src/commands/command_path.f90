@@ -1,4 +1,5 @@
-!> ARCLength: how the path is continued where load control ends. TRANsient, MASS: motion in time.
+!> ARCLength: how the equilibrium path is continued when load control fails. TRANsient, MASS:
+!! dynamics.
 module command_path
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -24,7 +25,7 @@ contains
     row(3) = new_row('MASS', 'MASS,[CONSistent|LUMPed]', 1, run_mass)
   end function path_rows
 
-  !> The method that follows load control, and its number.
+  !> Set the method that continues the path when load control fails, and its parameter.
   subroutine run_arcl(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -79,7 +80,8 @@ contains
     if (.not. run%state%energy%on) call open_book(run%state%energy, run%model%mesh%nnode)
   end subroutine run_arcl
 
-  !> Bodies move in time, from rest, with the densities of their materials (FEAP).
+  !> Switch to dynamics: bodies move in time, from rest, with the densities of their materials
+  !! (FEAP).
   subroutine run_tran(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -121,7 +123,8 @@ contains
     end associate
   end subroutine run_tran
 
-  !> Parameters of the deck, else those of FEAP: 1/4 and 1/2; for HHT they follow from alpha, -0.05.
+  !> Set the parameters given in the deck, or else those of FEAP: 1/4 and 1/2; for HHT they follow
+  !! from alpha, -0.05.
   pure subroutine set_scheme(command, method, beta, gamma, alpha)
     type(command_t), intent(in) :: command
     integer, intent(out) :: method
@@ -141,7 +144,7 @@ contains
     if (abs(command%x(2)) > 0.0_wp) gamma = command%x(2)
   end subroutine set_scheme
 
-  !> Consistent masses (default) or lumped ones.
+  !> Choose consistent masses (the default) or lumped ones.
   subroutine run_mass(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

@@ -1,4 +1,4 @@
-!> DISP, REAC, STRE: FEAP's tables in <stem>.out; PRIN and NOPR switch them on and off.
+!> DISP, REAC, STRE: FEAP's tables in <stem>.out; PRIN and NOPR turn them on and off.
 module command_print
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -32,7 +32,8 @@ contains
     if (.not. run%program%dry) run%plan%prints = command%record%key(1) == 'prin'
   end subroutine run_switch
 
-  !> One table, of the nodes or elements n1 to n2 by step; without numbers, of all.
+  !> Print one table, of every step-th node or element from n1 to n2, or of all if no numbers are
+  !! given.
   subroutine run_print(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -59,7 +60,7 @@ contains
         return
       end if
       list = pack([(i, i=first, last, step)], model%mesh%used(first:last:step))
-      if (command%option == 'coor') then ! those of a plane
+      if (command%option == 'coor') then ! the nodes of a plane
         d = nint(command%x(1))
         associate (x => model%mesh%xr)
           gap = 1.0e-3_wp/sqrt(real(size(x, 2), wp))*(maxval(x(d, list)) - minval(x(d, list)))

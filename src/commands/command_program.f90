@@ -1,7 +1,7 @@
-!> Reads the solution part of a deck: BATCh ... END and the data records after it.
+!> Reads the solution part of a deck: BATCh ... END and the data records that follow it.
 !!
-!! Everything is read and checked before anything is solved or written: the commands run once dry,
-!! and those with data read their records then, in the order in which they will run.
+!! Everything is read and checked before anything is solved or written. To this end the commands go
+!! through a dry run, in which each command with data reads its records, in the order of execution.
 module command_program
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_kinds, only: wp
@@ -18,7 +18,7 @@ module command_program
 
 contains
 
-  !> All batches of the deck, one program.
+  !> Read all batches of the deck into one program.
   subroutine read_program(run, errors, error)
     type(run_t), intent(inout) :: run
     type(error_list_t), intent(inout) :: errors
@@ -51,7 +51,7 @@ contains
       call read_batch(run, record, errors, error)
       if (allocated(error)) return
     end do
-    ! what the dry run changed
+    ! Undo what the dry run changed.
     run%program%dry = .false.
     run%program%counter = 1
     run%program%loop = run%program%loop(:0)
@@ -60,7 +60,7 @@ contains
     run%step%control = control
   end subroutine read_program
 
-  !> One batch: its commands up to END, then their data.
+  !> Read one batch: its commands up to END, then their data.
   subroutine read_batch(run, opening, errors, error)
     type(run_t), intent(inout) :: run
     type(record_t), intent(in) :: opening
@@ -68,7 +68,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
     type(error_t), allocatable :: found
-    type(command_t), allocatable :: list(:), longer(:) !! may be longer than its n commands
+    type(command_t), allocatable :: list(:), longer(:) !! may be longer than the n commands in it
     integer :: first, n, i
 
     n = size(run%program%command)
@@ -120,7 +120,7 @@ contains
     call run_dry(run, first, error)
   end subroutine read_batch
 
-  !> Pair LOOP and NEXT from the command `first` on.
+  !> Pair LOOP and NEXT, beginning with the command `first`.
   subroutine match_loops(program, first, error)
     type(program_t), intent(inout) :: program
     integer, intent(in) :: first
@@ -174,8 +174,8 @@ contains
     end if
   end subroutine match_loops
 
-  !> Walk through the commands without solving: fields are evaluated and data records read. A loop
-  !! is repeated only where a command in it reads data.
+  !> Walk through the commands without solving: fields are evaluated and data records are read. A
+  !! loop is repeated only if a command in it reads data.
   subroutine run_dry(run, first, error)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: first
@@ -207,7 +207,7 @@ contains
     end associate
   end subroutine run_dry
 
-  !> Execute the command at the counter: evaluate its fields now, find its data, run it.
+  !> Execute the command at the counter: evaluate its fields, find its data and run it.
   subroutine execute_next(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error

@@ -1,4 +1,4 @@
-!> RESTart: continue from the state in a checkpoint, with the commands of this deck.
+!> RESTart: continues from the state in a checkpoint, with the commands of this deck.
 module command_restart
   use base_error, only: error_t, fail, DECK_ERROR
   use base_log, only: log_line
@@ -23,8 +23,9 @@ contains
     row(1) = new_row('RESTart', 'RESTart [file]', 1, run_restart)
   end function restart_rows
 
-  !> Displacements, history, time and step number come from the checkpoint; load tables stay those
-  !! of this deck, and the next target of DT is counted from there. The mesh must be the same.
+  !> Take displacements, history, time and step number from the checkpoint. The load tables remain
+  !! those of this deck, and the next target of DT is counted from the time of the checkpoint. The
+  !! mesh must be the same.
   subroutine run_restart(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -41,11 +42,11 @@ contains
       end associate
       return
     end do
-    if (run%program%dry) then          ! a wrong file is reported before anything is written
+    if (run%program%dry) then          ! report a wrong file before anything is written
       call new_state(run%model, state)
       call read_state(run, command, state, error)
       if (.not. allocated(error)) return
-      if (error%code /= DECK_ERROR) deallocate (error) ! the run itself will meet it
+      if (error%code /= DECK_ERROR) deallocate (error) ! the real run reports this error
       return
     end if
     table = run%state%table
@@ -60,7 +61,7 @@ contains
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
   end subroutine run_restart
 
-  !> The state in the file that the command names.
+  !> Read the state in the file that the command names.
   subroutine read_state(run, command, state, error)
     type(run_t), intent(in) :: run
     type(command_t), intent(in) :: command

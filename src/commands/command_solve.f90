@@ -28,7 +28,7 @@ contains
     row(6) = new_row('FACTor', 'FACTor REUSe | SINGle | LOWRank eps', 2, run_factor)
   end function solve_rows
 
-  !> TANG and UTAN: form, and solve where the number after the option is not 0.
+  !> Run TANG or UTAN: form the system, and solve it unless the number after the option is 0.
   subroutine run_tangent(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -41,7 +41,7 @@ contains
     call iterate(run, command, .true., symmetric, abs(command%x(1)) > 0.0_wp, error)
   end subroutine run_tangent
 
-  !> FORM: forces at the current displacements (the tangent is formed with them).
+  !> Run FORM: compute the forces at the current displacements; the tangent is formed with them.
   subroutine run_form(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -52,7 +52,7 @@ contains
                  run%step%newton%symmetric .or. .not. is_unsymmetric(run%model), .false., error)
   end subroutine run_form
 
-  !> SOLV: solve the system that the last FORM or TANG formed.
+  !> Run SOLV: solve the system that the last FORM or TANG formed.
   subroutine run_solve(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -75,7 +75,8 @@ contains
     end if
   end subroutine run_solve
 
-  !> Form, solve or both, in the step under way; a deck without TIME is one step at t = 0.
+  !> Form the system, solve it, or both, in the step under way; a deck without TIME is one step at t
+  !! = 0.
   subroutine iterate(run, command, forms, symmetric, solves, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -111,14 +112,14 @@ contains
         end associate
         call run%timers%add('factorise', pass%solve%seconds_factor)
         call run%timers%add('solve', pass%solve%seconds_solve)
-        if (allocated(error)) return ! the report has the times of a pass that failed, too
+        if (allocated(error)) return ! the report includes the times of a failed pass
         if (pass%ok) call show_iteration(run)
       end associate
     end if
     call take_outcome(run, outcome)
   end subroutine iterate
 
-  !> One line for an iteration: in the log, and on a terminal the one that the next overwrites.
+  !> Show an iteration: a line in the log, and on a terminal a line that the next one overwrites.
   subroutine show_iteration(run)
     type(run_t), intent(in) :: run
     character(160) :: line
@@ -133,7 +134,7 @@ contains
       if (pass%solve%iterations > 1) line = trim(line)//'  krylov '//to_text(pass%solve%iterations)
       if (pass%line < 1.0_wp) line = trim(line)//'  line '//to_text(pass%line)
       call log_line(trim(line))
-      left = '' ! wall time that the loops over time still need at the same pace
+      left = '' ! time that the loops over time still need at the same pace
       done = 0.0_wp
       do i = 1, size(run%program%loop)
         associate (loop => run%program%loop(i))
@@ -153,7 +154,7 @@ contains
     end associate
   end subroutine show_iteration
 
-  !> The tangent of the model is not symmetric.
+  !> Is the tangent of the model unsymmetric?
   pure function is_unsymmetric(model) result(yes)
     type(model_t), intent(in) :: model
     logical :: yes

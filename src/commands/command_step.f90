@@ -1,4 +1,5 @@
-!> The commands and the step: begin it, follow its outcome, close it and write what is due.
+!> Connects commands and steps: begins a step, acts on its outcome, closes it and writes what is
+!! due.
 module command_step
   use base_error, only: error_t
   use command_checkpoint, only: write_checkpoint, set_restart_point
@@ -12,21 +13,21 @@ module command_step
   private
   public :: open_step_here, take_outcome, finish_step
 
-  integer, parameter :: RESTART_EVERY = 10 !! steps between restart points where factors are kept
+  integer, parameter :: RESTART_EVERY = 10 !! steps between restart points if factors are kept
 
 contains
 
-  !> The step under way begins with the command at the counter.
+  !> Begin a step that starts with the command at the counter.
   subroutine open_step_here(run, left)
     type(run_t), intent(inout) :: run
-    integer, intent(in), optional :: left !! targets that remain in the loop; absent: no TIME
+    integer, intent(in), optional :: left !! targets that remain in the loop; absent without TIME
 
     call save_position(run%program, run%deck%params)
     call begin_step(run%step, run%model, run%state, left)
   end subroutine open_step_here
 
-  !> What the outcome of a step means for the commands: an iteration loop ends where it has
-  !! converged; after a cut-back the TIME of the step is next.
+  !> Act on the outcome of a step: when it has converged, the iteration loop ends; after a cut-back
+  !! the TIME of the step is executed next.
   subroutine take_outcome(run, outcome)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: outcome
@@ -39,8 +40,8 @@ contains
     run%plan%save = .false.
   end subroutine take_outcome
 
-  !> Close the step under way, if any, and write what is due. rewound: it failed its last test, and
-  !! its TIME is next again.
+  !> Close the step under way, if any, and write what is due. `rewound` is true if the step failed
+  !! its last test and its TIME is executed next again.
   subroutine finish_step(run, rewound, error)
     type(run_t), intent(inout) :: run
     logical, intent(out) :: rewound
@@ -57,7 +58,7 @@ contains
     call run%timers%stop('output')
   end subroutine finish_step
 
-  !> Rows of the curves, the contacts in the log, fields and a checkpoint.
+  !> Write the rows of the curves, the contacts in the log, fields and a checkpoint.
   subroutine write_step(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error

@@ -1,4 +1,4 @@
-!> The one list of solution commands. A new command is one file and its rows here.
+!> The table of solution commands. A new command needs one file, and its rows here.
 module command_table
   use base_error, only: error_t
   use base_log, only: log_line
@@ -28,7 +28,7 @@ contains
              new_row('OPTS', 'OPTS: accepted, does nothing here', 16, run_note)]
   end subroutine load_commands
 
-  !> Commands of FEAP that have no effect here.
+  !> Note that a command of FEAP has no effect here.
   subroutine run_note(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

@@ -1,4 +1,4 @@
-!> TPLOt: histories of nodal values, one row a step, in <stem>_tplot.dat.
+!> TPLOt: histories of nodal values, one row for each step, in <stem>_tplot.dat.
 module command_tplot
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -33,7 +33,7 @@ contains
     run%plan%tplot_every = max(1, every)
   end subroutine run_tplot
 
-  !> The records become a curve of their own; FEAP's SHOW has no effect here.
+  !> Read the records, which become a curve of their own; FEAP's SHOW has no effect here.
   subroutine read_tplot(run, command, data, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -64,7 +64,7 @@ contains
     end if
     do i = 1, size(run%model%curve)
       if (run%model%curve(i)%name /= 'tplot') cycle
-      ! one file for all TPLOt
+      ! There is one file for all TPLOt commands.
       run%model%curve(i)%quantity = [run%model%curve(i)%quantity, curve%quantity]
       return
     end do
@@ -99,7 +99,7 @@ contains
       call get_real(run%deck, record, 3 + i, x(i), error, 0.0_wp)
       if (allocated(error)) return
     end do
-    if (node == 0) then ! the nearest one
+    if (node == 0) then ! take the nearest one
       nearest = huge(nearest)
       do i = 1, run%model%mesh%nnode
         if (.not. run%model%mesh%used(i)) cycle

@@ -1,4 +1,4 @@
-!> A solution command: its row in the table, its record in the deck, and the run that it acts on.
+!> A solution command: its row in the table, its record in the deck, and the run on which it acts.
 module command_type
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -18,20 +18,20 @@ module command_type
   private
   public :: run_t, program_t, loop_t, command_t, command_row_t, data_t, new_row, whole_field
 
-  !> Data records that a command owns, read before the run starts.
+  !> Data records of a command, read before the run starts.
   type :: data_t
     type(load_table_t), allocatable :: table(:) !! PROP
     character(:), allocatable :: name(:)        !! PARAmeter
     real(wp), allocatable :: value(:)
   end type data_t
 
-  !> One command of the deck. Fields after the word: an option, then numbers.
+  !> One command of the deck. The fields after the word are an option, then numbers.
   type :: command_t
-    integer :: row = 0                          !! of the table of commands
+    integer :: row = 0                          !! row in the table of commands
     type(record_t) :: record
     integer :: matching = 0                     !! LOOP: its NEXT; NEXT: its LOOP
-    logical :: holds_time = .false.             !! LOOP: it contains a TIME, not in an inner loop
-    logical :: solves = .false.                 !! LOOP: so for a command that solves
+    logical :: holds_time = .false.             !! LOOP: a TIME is in it, but not in an inner loop
+    logical :: solves = .false.                 !! LOOP: the same for a command that solves
     character(4) :: option = ''
     real(wp) :: x(4) = 0.0_wp                   !! numbers after the option, evaluated at each visit
     type(data_t), allocatable :: data(:)        !! one per visit, in the order of the visits
@@ -49,10 +49,10 @@ module command_type
     procedure(command_data_i), pointer, nopass :: data => null() !! reads its records after END
   end type command_row_t
 
-  !> A loop under way.
+  !> A loop that is being executed.
   type :: loop_t
     integer :: at = 0                           !! its LOOP
-    integer :: count = 0                        !! passes begun, this one included
+    integer :: count = 0                        !! passes begun, including the current one
     integer :: limit = 0
   end type loop_t
 
@@ -60,23 +60,23 @@ module command_type
   type :: position_t
     integer :: counter = 0
     type(loop_t), allocatable :: loop(:)
-    integer, allocatable :: visit(:)            !! of each command
+    integer, allocatable :: visit(:)            !! visits of each command
     type(params_t) :: params
   end type position_t
 
-  !> The commands of the deck, and where their execution stands (program_position).
+  !> The commands of the deck, and the current position in them (see program_position).
   type :: program_t
     type(command_row_t), allocatable :: row(:)
     type(command_t), allocatable :: command(:)
     integer :: counter = 1                      !! the command to be executed
-    type(loop_t), allocatable :: loop(:)        !! under way, the inner ones last
-    type(position_t) :: step_start              !! where the step under way began
+    type(loop_t), allocatable :: loop(:)        !! loops being executed, the inner ones last
+    type(position_t) :: step_start              !! position at which the step under way began
     logical :: dry = .false.                    !! commands only check their fields
-    integer :: ntable = 0                       !! load tables of the whole run
-    logical, allocatable :: noted(:)            !! rows whose note has been given
+    integer :: ntable = 0                       !! number of load tables of the whole run
+    logical, allocatable :: noted(:)            !! rows whose note has been written
   end type program_t
 
-  !> What is written when.
+  !> Which output is due.
   type :: plan_t
     logical :: plot = .false.                   !! PLOT: fields when the step closes
     logical :: save = .false.                   !! SAVE: a checkpoint when it closes
@@ -99,19 +99,19 @@ module command_type
     type(byte_file_t) :: out                    !! FEAP's tables
     logical :: curves_open = .false., result_open = .false., out_open = .false.
     type(row_t), allocatable :: last_row(:)     !! of every curve, for the report
-    integer, allocatable :: kept                !! last step before the restart; not allocated: none
+    integer, allocatable :: kept  !! last step before the restart; not allocated: there is none
   end type files_t
 
-  !> The last moment at which a restart can begin and still repeat this run to the last bit. With
-  !! FULL factorisation that is the end of any step; where factors are kept it must be one at which
-  !! they were forgotten.
+  !> The last point from which a restart repeats this run to the last bit. With FULL factorisation
+  !! this is the end of any step. If factors are kept, it must be a point at which they were
+  !! forgotten.
   type :: restart_point_t
     logical :: set = .false.
     type(state_t) :: state
     type(named_values_t) :: values
   end type restart_point_t
 
-  !> Everything that a command can reach.
+  !> Everything to which a command has access.
   type :: run_t
     type(deck_t) :: deck
     type(model_t), allocatable :: model
@@ -122,7 +122,7 @@ module command_type
     type(files_t) :: files
     type(restart_point_t) :: restart_point
     type(timers_t) :: timers
-    real(wp) :: time_limit = 0.0_wp             !! [s] 0: none
+    real(wp) :: time_limit = 0.0_wp             !! [s]; 0: there is none
   end type run_t
 
   abstract interface
@@ -146,7 +146,7 @@ module command_type
 
 contains
 
-  !> A row of the table: the word takes `nmax` fields at most.
+  !> A row of the table for a word that takes at most `nmax` fields.
   function new_row(word, usage, nmax, run, data) result(row)
     character(*), intent(in) :: word, usage
     integer, intent(in) :: nmax
@@ -162,12 +162,12 @@ contains
     if (present(data)) row%data => data
   end function new_row
 
-  !> The i-th number of a command, which must be a whole number.
+  !> Get the i-th number of a command, which must be a whole number.
   subroutine whole_field(command, i, n, error)
     type(command_t), intent(in) :: command
     integer, intent(in) :: i
     integer, intent(out) :: n
-    type(error_t), allocatable, intent(inout) :: error !! an earlier one is kept
+    type(error_t), allocatable, intent(inout) :: error !! an earlier error is kept
 
     n = 0
     if (allocated(error)) return

@@ -1,4 +1,5 @@
-!> Where the execution of the commands stands: loops, the position of a TIME and the way back to it.
+!> The position in the commands: open loops, the position at which a step began, and the return to
+!! it.
 module program_position
   use base_error, only: place_t
   use command_type, only: program_t
@@ -9,7 +10,7 @@ module program_position
 
 contains
 
-  !> A step begins with the command at the counter.
+  !> Save the position: a step begins with the command at the counter.
   subroutine save_position(program, params)
     type(program_t), intent(inout) :: program
     type(params_t), intent(in) :: params !! of the deck
@@ -22,7 +23,7 @@ contains
     end associate
   end subroutine save_position
 
-  !> Go back to where the step began: the command that began it is next.
+  !> Go back to the position at which the step began, so that the command that began it is next.
   subroutine rewind_program(program, params)
     type(program_t), intent(inout) :: program
     type(params_t), intent(inout) :: params
@@ -35,7 +36,7 @@ contains
     end associate
   end subroutine rewind_program
 
-  !> Leave the innermost loop (FEAP), but never a loop over time.
+  !> Leave the innermost loop (as in FEAP) unless it is a loop over time.
   subroutine leave_loop(program)
     type(program_t), intent(inout) :: program
     integer :: top
@@ -47,7 +48,7 @@ contains
     program%loop = program%loop(:top - 1)
   end subroutine leave_loop
 
-  !> Targets of time that remain in the innermost loop, that of the next TIME included.
+  !> Time targets that remain in the innermost loop, including that of the next TIME.
   pure integer function targets_left(program) result(left)
     type(program_t), intent(in) :: program
     integer :: top
@@ -71,7 +72,7 @@ contains
                    .and. .not. program%command(program%loop(top)%at)%holds_time
   end function is_last_pass
 
-  !> The command at the counter in the deck, or the last one when all are done.
+  !> Place in the deck of the command at the counter, or of the last command if all are done.
   function current_place(program) result(place)
     type(program_t), intent(in) :: program
     type(place_t) :: place
