@@ -1,10 +1,10 @@
 !> Makes OpenBLAS use the vector unit of the processor.
 !!
-!! OpenBLAS chooses its kernels when it is loaded, by the model number of the processor. A processor
-!! that is newer than the library gets the oldest kernels (version 0.3.21 of Debian 12 on a
-!! processor of 2023 runs dgemm at 9 instead of 70 GFLOP/s). Then this program starts itself again
-!! with OPENBLAS_CORETYPE set to what the flags of the processor allow. A value that the user has
-!! set is never changed.
+!! OpenBLAS chooses its kernels when it is loaded, according to the model number of the processor. A
+!! processor that is newer than the library gets the oldest kernels (version 0.3.21 of Debian 12 on
+!! a processor of 2023 runs dgemm at 9 instead of 70 GFLOP/s). In that case this program restarts
+!! itself with OPENBLAS_CORETYPE set to the best kernels that the processor supports. A value that
+!! the user has set is never changed.
 module blas_choice
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use base_cpu, only: vector_level
@@ -32,7 +32,7 @@ module blas_choice
 
 contains
 
-  !> Start again with better kernels where the library does not know the processor.
+  !> Restart with better kernels if the library does not know the processor.
   subroutine choose_blas_kernel()
     character(:), allocatable :: wanted
     integer :: length, status
@@ -52,7 +52,7 @@ contains
     call start_again()
   end subroutine choose_blas_kernel
 
-  !> Replace this process by the same program with the same arguments; returns only on failure.
+  !> Replace this process by the same program with the same arguments. It returns only on failure.
   subroutine start_again()
     integer, parameter :: LONGEST = 4096
     character(kind=c_char, len=1), allocatable, target :: text(:, :)

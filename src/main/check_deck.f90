@@ -1,4 +1,4 @@
-!> --check: sizes, equations, memory; nothing is solved.
+!> --check: prints sizes, equations and memory; nothing is solved.
 module check_deck
   use base_error, only: error_t
   use base_log, only: warning_count

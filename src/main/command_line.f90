@@ -9,16 +9,16 @@ module command_line
   private
   public :: options_t, read_command_line, parse_arguments, print_help
 
-  !> What the arguments say.
+  !> The options that the arguments set.
   type :: options_t
-    character(:), allocatable :: deck         !! its path
-    character(:), allocatable :: outdir       !! folder of all files
+    character(:), allocatable :: deck         !! path of the deck
+    character(:), allocatable :: outdir       !! folder of all output files
     character(:), allocatable :: stem         !! name of the files without extension
     character(:), allocatable :: settings(:)  !! name=value of each --set
-    character(:), allocatable :: restart      !! checkpoint; not allocated: start from the deck
-    character(:), allocatable :: list         !! one of LISTS, '': all; not allocated: no list
+    character(:), allocatable :: restart !! path of a checkpoint; not allocated: start from the deck
+    character(:), allocatable :: list         !! one of LISTS, or '' for all; not allocated: no list
     integer :: threads = 0                    !! 0: the library decides
-    real(wp) :: time_limit = 0.0_wp           !! [s] 0: none
+    real(wp) :: time_limit = 0.0_wp           !! [s]; 0: there is none
     logical :: check = .false., quiet = .false., version = .false., help = .false.
   end type options_t
 
@@ -121,7 +121,8 @@ contains
     end if
   end subroutine parse_arguments
 
-  !> Name and value of the option at argument i; i moves on where the value is the next argument.
+  !> Find name and value of the option at argument i. If the value is the next argument, i moves on
+  !! to it.
   subroutine take_option(arguments, i, name, row, value, error)
     character(*), intent(in) :: arguments(:)
     integer, intent(inout) :: i

@@ -1,4 +1,4 @@
-!> From arguments to exit code. Start reading at run.f90.
+!> The main program, from arguments to exit code. Start reading at run.f90.
 program main
   use base_error, only: error_t, render, DECK_ERROR, error_list_t
   use base_file, only: make_folder, lock_file, unlock_file, lock_t
@@ -64,7 +64,8 @@ program main
     call finish(0)
   end if
 
-  ! A checkpoint of another deck is the deck's fault: no file may be touched by then.
+  ! A checkpoint of another deck counts as an error of the deck, after which no file may have
+  ! changed.
   if (allocated(options%restart)) call restore_run(job, options%restart, refused)
   if (allocated(refused)) then
     if (refused%code == DECK_ERROR) call stop_on(refused)

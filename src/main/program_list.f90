@@ -1,4 +1,4 @@
-!> --list: what the program knows, from the tables that the deck is read with.
+!> --list: prints what the program knows, from the tables with which the deck is read.
 module program_list
   use command_table, only: load_commands
   use command_type, only: command_row_t
@@ -15,7 +15,7 @@ module program_list
 
 contains
 
-  !> One list: elements, materials, contacts or commands; '': all of them.
+  !> Print one list: elements, materials, contacts or commands; '' means all of them.
   subroutine print_list(name)
     character(*), intent(in) :: name
     type(element_t), allocatable :: element(:)

@@ -1,4 +1,4 @@
-!> A whole analysis on one page: read the deck, execute its commands, say how it ended.
+!> A whole analysis on one page: reads the deck, executes its commands, and says how it ended.
 !!
 !! TIME closes the previous step and begins a new one, in which TANG and similar commands iterate.
 !! When a step is cut back, the command counter goes back to the TIME of that step (see the modules
@@ -23,7 +23,7 @@ module run
 
 contains
 
-  !> Read the deck to its end: nothing is solved and no file is touched.
+  !> Read the whole deck; nothing is solved and no file is changed.
   subroutine read_deck(options, job, errors, error)
     type(options_t), intent(in) :: options
     type(run_t), intent(inout) :: job
@@ -45,7 +45,7 @@ contains
     call new_state(job%model, job%state)
   end subroutine read_deck
 
-  !> The main loop: one command after the other, then the last step is closed.
+  !> Execute one command after the other; then close the last step.
   subroutine execute(job, error)
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error

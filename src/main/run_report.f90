@@ -18,7 +18,7 @@ contains
   !> Write <stem>.report.json.
   subroutine report_run(job, deck, code, error)
     type(run_t), intent(in) :: job
-    character(*), intent(in) :: deck    !! its path, as the user gave it
+    character(*), intent(in) :: deck    !! path of the deck, as the user gave it
     integer, intent(in) :: code         !! exit code
     type(error_t), allocatable, intent(out) :: error
     type(report_t) :: report
@@ -77,7 +77,7 @@ contains
     call write_report(job%files%stem//'.report.json', report, error)
   end subroutine report_run
 
-  !> The last row of every curve.
+  !> Add the last row of every curve.
   subroutine add_last_rows(job, report)
     type(run_t), intent(in) :: job
     type(report_t), intent(inout) :: report
