@@ -17,28 +17,29 @@ module contact_active
   public :: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, pair_clique, &
             map_pairs, project_side, follow_silent
 
-  !> Positions of the blocks of one pair.
+  !> Positions in the matrix of the blocks of one pair.
   type :: map_t
     integer, allocatable :: at(:, :)     !! (nk, nl)
-    integer, allocatable :: back(:, :)   !! (nl, nk) BALAnced: rows of the partner
-    integer, allocatable :: there(:, :)  !! (nl, nl) and its diagonal block
+    integer, allocatable :: back(:, :)   !! (nl, nk) with BALAnced: rows of the partner
+    integer, allocatable :: there(:, :)  !! (nl, nl) likewise: diagonal block of the partner
   end type map_t
 
-  !> Pairs of an element of one side and one of the other. The pairs of an element are chained.
+  !> Pairs of an element of one side and one of the other. The pairs of an element form a linked
+  !! list.
   type :: pairs_t
     integer :: n = 0
     integer, allocatable :: head(:)      !! (nelem) first pair of an element, 0: none
     integer, allocatable :: next(:)      !! (>= n) next pair of the same element
     integer, allocatable :: own(:)       !! (>= n) element of this side
     integer, allocatable :: partner(:)   !! (>= n) element of the other side
-    integer, allocatable :: used(:)      !! (>= n) last step in which it was needed
-    type(map_t), allocatable :: map(:)   !! (n) of the current pattern
+    integer, allocatable :: used(:)      !! (>= n) last step in which the pair was needed
+    type(map_t), allocatable :: map(:)   !! (n) positions in the current pattern
     type(map_t), allocatable :: self(:)  !! (nelem) of an element with itself, if it has pairs
   end type pairs_t
 
 contains
 
-  !> An empty list.
+  !> Make an empty list.
   subroutine new_pairs(pairs, nelem)
     type(pairs_t), intent(out) :: pairs
     integer, intent(in) :: nelem
@@ -86,7 +87,7 @@ contains
     pairs%used(i) = step
   end subroutine need_pair
 
-  !> Are there pairs that have not been needed since a step?
+  !> Are there pairs that have not been needed since `step`?
   pure logical function has_idle(pairs, step)
     type(pairs_t), intent(in) :: pairs
     integer, intent(in) :: step
@@ -115,12 +116,13 @@ contains
     pairs%n = m
   end subroutine prune_pairs
 
-  !> Nodes that are coupled, for the pattern: one column for each pair, or for each element that has
-  !! pairs, if its partners are coupled too. Shorter lists are filled up with their first node.
+  !> List the nodes that are coupled, for the pattern: one column for each pair, or one for each
+  !! element that has pairs if its partners are coupled too. Shorter lists are filled up with their
+  !! first node.
   subroutine pair_clique(pairs, own, other, whole, clique)
     type(pairs_t), intent(in) :: pairs
     type(surface_t), intent(in) :: own, other
-    logical, intent(in) :: whole         !! the partners of an element are coupled too
+    logical, intent(in) :: whole         !! are the partners of an element coupled too?
     type(clique_t), intent(out) :: clique
     integer :: e, i, m, n, npair(size(pairs%head))
 
@@ -154,7 +156,7 @@ contains
 
   contains
 
-    !> Nodes of element e in column n.
+    !> Begin column n with the nodes of element e.
     subroutine start_column(e)
       integer, intent(in) :: e
 
@@ -163,7 +165,7 @@ contains
       clique%conn(:m, n) = own%node(own%first(e):own%first(e + 1) - 1)
     end subroutine start_column
 
-    !> Nodes of element p of the other side behind them.
+    !> Append the nodes of element p of the other side.
     subroutine add_partner(p)
       integer, intent(in) :: p
       integer :: nl
@@ -174,11 +176,11 @@ contains
     end subroutine add_partner
   end subroutine pair_clique
 
-  !> Positions of all pairs in a matrix.
+  !> Find the positions of all pairs in a matrix.
   subroutine map_pairs(pairs, own, other, balanced, a)
     type(pairs_t), intent(inout) :: pairs
     type(surface_t), intent(in) :: own, other
-    logical, intent(in) :: balanced      !! the partners' rows too
+    logical, intent(in) :: balanced      !! include the partners' rows
     type(block_matrix_t), intent(in) :: a
     integer :: i, nk, nl
 
@@ -208,7 +210,7 @@ contains
     end do
   end subroutine map_pairs
 
-  !> Project the active points of side k; an element may become refined on the way.
+  !> Project the active points of side k; elements may become refined in the course of this.
   subroutine project_side(contact, k, shape, grid, x, feet, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -236,7 +238,7 @@ contains
     end do
   end subroutine project_side
 
-  !> The active points of element e.
+  !> Project the active points of element e.
   subroutine project_points(contact, k, shape, grid, x, e, feet, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e
@@ -262,8 +264,8 @@ contains
     end do
   end subroutine project_points
 
-  !> At the end of a step: the points that were not active get the projections and states that they
-  !! would have, so that they can become active later.
+  !> At the end of a step, give the points that were not active the projections and states that they
+  !! would have if they were, so that they can become active later.
   subroutine follow_silent(contact, k, shape, grid, x, slides, feet, points, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

@@ -1,16 +1,16 @@
 !> Augmentation (Uzawa): the increments of the pressure multipliers of a contact.
 !!
-!! If each multiplier took the pressure of its own point, they would rise until no point of either
-!! side penetrates. There are more points than nodes, and both sides are integrated: one of two
-!! surfaces that do not fit would then carry all multipliers and the other none, and the bodies
-!! would feel different forces. So pressures and penetrations are smoothed first, with the functions
-!! of the surfaces. What then has to vanish is the mean of the penetrations of both sides and the
-!! difference of their pressures:
+!! If each multiplier took over the pressure of its own point, the multipliers would rise until no
+!! point of either side penetrates. There are more points than nodes, and both sides are integrated.
+!! Of two surfaces that do not match, one would then carry all multipliers and the other none, and
+!! the bodies would be loaded by different forces. Therefore pressures and penetrations are first
+!! smoothed with the functions of the surfaces. The quantities that then have to vanish are the mean
+!! of the penetrations of both sides and the difference of their pressures:
 !!
 !!   rise_1 = (d_1 + d_2)/2 - (p_1 - p_2)/2,   rise_2 = (d_1 + d_2)/2 + (p_1 - p_2)/2,
 !!
 !! with the pressure p and its part d due to the penetration, d = p - multiplier. For a body on a
-!! rigid surface rise = d.
+!! rigid surface, rise = d.
 module contact_augment
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, contact_state_t
@@ -28,7 +28,7 @@ module contact_augment
 
 contains
 
-  !> Increments of both sides. A point without a projection loses its multiplier.
+  !> Find the increments of both sides. A point without a projection loses its multiplier.
   subroutine find_rise(contact, state, rise)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(in) :: state
@@ -69,7 +69,7 @@ contains
     end do
   end subroutine find_rise
 
-  !> Smooth a value of all points of side k, in contact or not: field%pressure.
+  !> Smooth a value of all points of side k, in contact or not; the result is field%pressure.
   subroutine smooth(contact, k, points, value, field)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -86,7 +86,7 @@ contains
     call smooth_side(contact, k, part, field)
   end subroutine smooth
 
-  !> The field of a side in element e at xi.
+  !> Value at xi in element e of the smooth field of a side.
   real(wp) function value_at(contact, k, field, e, xi) result(value)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e
@@ -103,7 +103,7 @@ contains
     end associate
   end function value_at
 
-  !> Add the increments; no multiplier gets negative.
+  !> Add the increments, without letting any multiplier become negative.
   pure subroutine take_rise(rise, points)
     type(rise_t), intent(in) :: rise
     type(contact_points_t), intent(inout) :: points

@@ -1,10 +1,11 @@
 !> Bonds: which points are bonded to which partners, and the tractions between them.
 !!
 !! The partner of a point is its projection in the reference configuration, eq. (30) of Corbett and
-!! Sauer 2015. Between them act the cohesive law and, with PAIR, the penalty.
+!! Sauer 2015. Between the two act the cohesive law and, with PAIR, the penalty.
 !!
-!! g is the vector from the partner x_p = x_l(xi_0) to the point x, n the outward unit normal of
-!! side l at xi_0. Both surfaces move, xi_0 does not, so that with the tangents a_1, a_2 there
+!! g is the vector from the partner x_p = x_l(xi_0) to the point x, and n is the outward unit normal
+!! of side l at xi_0. Both surfaces move while xi_0 is constant, so that with the tangents a_1, a_2
+!! there
 !!
 !!   dg = dx - dx_p,    dn = -sum_j a^j (n . da_j).
 !!
@@ -24,16 +25,16 @@ module contact_bond
   private
   public :: find_bonds, bond_traction_t, find_bond_traction, needs_projection
 
-  real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! of an element: the default of GAP
-  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! positions are computed in two ways
+  real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
+  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! rounding of positions that are computed in two ways
 
   !> Traction of a bonded point on its reference area, and its derivatives.
   type :: bond_traction_t
     real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
-    real(wp) :: law(3) = 0.0_wp        !! the part of the cohesive law [F/L^2]
-    real(wp) :: dtdg(3, 3) = 0.0_wp    !! [F/L^3] by g
-    real(wp) :: dtda(3, 3, 2) = 0.0_wp !! by the tangents of l at the partner
-    real(wp) :: p = 0.0_wp             !! pressure of the penalty in t [F/L^2]
+    real(wp) :: law(3) = 0.0_wp        !! part of the cohesive law [F/L^2]
+    real(wp) :: dtdg(3, 3) = 0.0_wp    !! with respect to g [F/L^3]
+    real(wp) :: dtda(3, 3, 2) = 0.0_wp !! with respect to the tangents of l at the partner
+    real(wp) :: p = 0.0_wp             !! part of t that is pressure of the penalty [F/L^2]
     real(wp) :: gap = 0.0_wp           !! n . g [L]
     !> Fraction with which normal and friction law act at the current projection.
     real(wp) :: share = 1.0_wp
@@ -42,7 +43,7 @@ module contact_bond
 
 contains
 
-  !> Partner and reference area of every bonded point of both sides.
+  !> Find the partner and the reference area of every bonded point of both sides.
   subroutine find_bonds(contact, xr, state)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :)       !! (3, nnode) reference positions [L]
@@ -84,7 +85,7 @@ contains
     end do
   end subroutine find_bonds
 
-  !> A reference point lies in all regions, and in none of the excepted ones.
+  !> Does a reference point lie in all regions, and in none of the excepted ones?
   pure logical function is_inside(bond, x)
     type(bond_t), intent(in) :: bond(:)
     real(wp), intent(in) :: x(3)
@@ -102,7 +103,7 @@ contains
     end do
   end function is_inside
 
-  !> Cohesive law and penalty of the bonded point i at the position `at`.
+  !> Find the traction of the cohesive law and the penalty on bonded point i at the position `at`.
   pure subroutine find_bond_traction(contact, other, x, i, at, points, work, bond)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: other
@@ -142,9 +143,9 @@ contains
     if (.not. contact%on_pair) return
 
     ! The penalty acts along the partner's normal up to half of the opening at which the bond counts
-    ! as released; from there to that opening the one at the current projection replaces it. Where
-    ! points load both surfaces the opening is that at the start of the step, since the elements of
-    ! partner and projection are not coupled.
+    ! as released; from there to that opening, it is gradually replaced by the penalty at the
+    ! current projection. If points load both surfaces, the opening at the start of the step is
+    ! used, since the elements of the partner and the projection are not coupled.
     bond%gap = dot_product(n, g)
     r = norm2(g)
     if (contact%balanced) r = points%opening_step(i)
@@ -167,7 +168,7 @@ contains
     points%bond_traction(:, i) = bond%t
   end subroutine find_bond_traction
 
-  !> The law at the projection of the bonded point i acts when the point is at the position `at`.
+  !> Does the contact law act at the projection of bonded point i when it is at the position `at`?
   pure subroutine needs_projection(contact, other, x, i, at, points, work, needed)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: other

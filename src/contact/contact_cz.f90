@@ -1,5 +1,5 @@
-!> EXPOnential: cohesive traction that rises to T0 at the opening g0 and then decays. Two rows of
-!! the table: reversible, and IRREversible with unloading straight to the origin.
+!> EXPOnential: a cohesive traction that rises to T0 at the opening g0 and then decays. It has two
+!! rows in the table: reversible, and IRREversible with linear unloading to the origin.
 !!
 !! prop(1)  largest traction T0 [F/L^2]
 !! prop(2)  opening g0 at which it acts [L]
@@ -15,7 +15,7 @@ module contact_cz
   private
   public :: describe, irreversible
 
-  real(wp), parameter :: RELEASED_AT = 8.0_wp !! openings g0: 0.7 % of T0 is left
+  real(wp), parameter :: RELEASED_AT = 8.0_wp !! multiple of g0 at which 0.7 % of T0 is left
 
 contains
 
@@ -43,7 +43,7 @@ contains
     row%cohesive => irreversible_law
   end function irreversible
 
-  !> T = -T0 (g/g0) exp(1 - |g|/g0), also where g presses.
+  !> T = -T0 (g/g0) exp(1 - |g|/g0), also in compression.
   pure subroutine reversible_law(prop, lag, g, n, past, now, c)
     real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
     real(wp), intent(out) :: now(:)
@@ -53,7 +53,7 @@ contains
                          c, potential)
   end subroutine reversible_law
 
-  !> T = -(T0/g0) exp(1 - k/g0) g with the largest opening k.
+  !> T = -(T0/g0) exp(1 - k/g0) g with the largest opening k so far.
   pure subroutine irreversible_law(prop, lag, g, n, past, now, c)
     real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
     real(wp), intent(out) :: now(:)
@@ -72,8 +72,8 @@ contains
     ds(:, 2) = 0.0_wp
   end subroutine secants
 
-  !> e T0 g0 (1 - (1 + x) exp(-x)), x = k/g0; by a series for small x, where the difference would
-  !! lose its digits.
+  !> Potential e T0 g0 (1 - (1 + x) exp(-x)) with x = k/g0. A series is used for small x, for which
+  !! the difference would lose its digits.
   pure function potential(prop, k) result(energy)
     real(wp), intent(in) :: prop(:), k
     real(wp) :: energy
@@ -88,7 +88,7 @@ contains
     energy = exp(1.0_wp)*prop(1)*prop(2)*energy
   end function potential
 
-  !> 8 g0.
+  !> Opening at which a bond counts as released, 8 g0.
   pure function released(prop) result(opening)
     real(wp), intent(in) :: prop(:)
     real(wp) :: opening

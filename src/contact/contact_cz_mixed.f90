@@ -15,7 +15,7 @@ module contact_cz_mixed
   private
   public :: describe
 
-  !> Openings gn, gt at which 0.7 % of Tn, 0.2 % of Tt are left.
+  !> Multiples of gn and gt at which 0.7 % of Tn and 0.2 % of Tt are left.
   real(wp), parameter :: RELEASED_AT(2) = [8.0_wp, 4.0_wp]
 
 contains
@@ -43,7 +43,7 @@ contains
                          now, c)
   end subroutine mixed_law
 
-  !> With x = k_1/gn and y = k_2/gt: s_n = (Tn/gn) e exp(-x) exp(-y^2/2),
+  !> Secants: with x = k_1/gn and y = k_2/gt, s_n = (Tn/gn) e exp(-x) exp(-y^2/2),
   !! s_t = (Tt/gt) sqrt(e) exp(-y^2/2) (1 + x) exp(-x).
   pure subroutine secants(prop, k, s, ds)
     real(wp), intent(in) :: prop(:), k(2)

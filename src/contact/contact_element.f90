@@ -15,15 +15,15 @@ module contact_element
   private
   public :: form_element
 
-  !> Relative to the depth of contact: with BORDer the pressure decreases from DEEP on; there, and
-  !! for points that entered from beside the surface, nothing acts from LAST on.
+  !> Depths relative to the depth of contact. With BORDer the pressure decreases from DEEP on; with
+  !! BORDer, and for points that entered from beside the surface, nothing acts from LAST on.
   real(wp), parameter :: DEEP = 0.25_wp, LAST = 0.9_wp
   real(wp), parameter :: FIXED_AREA(3, 2) = 0.0_wp !! the reference area does not change
 
 contains
 
-  !> Forces and derivatives of element e of side k; the results at its points enter their history.
-  !! If no point is in contact, work%npartner is 0 and the rest of work is undefined.
+  !> Find forces and derivatives of element e of side k; the results at its points enter their
+  !! history. If no point is in contact, work%npartner is 0 and the rest of `work` is undefined.
   pure subroutine form_element(contact, k, e, x, feet, slides, points, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e
@@ -88,7 +88,7 @@ contains
     end associate
   end subroutine form_element
 
-  !> Traction at integration point i from its projection.
+  !> Find the traction at integration point i from its projection.
   pure subroutine find_traction(contact, other, x, foot, slides, i, points, work, point, dt)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: other
@@ -111,8 +111,8 @@ contains
     point%slip = 0.0_wp
     if (.not. touches(foot, contact%depth)) return
     point%multiplier = points%multiplier(i)
-    ! Bonded surfaces: points that entered from beside, or that a tapered pressure did not stop, are
-    ! not pressed out through the face. Surfaces that only press may indent each other.
+    ! On bonded surfaces, points that entered from beside, or that a tapered pressure did not stop,
+    ! are not pushed out through the face. Surfaces without bonds may indent each other.
     point%full = -1.0_wp
     if (contact%cohesive%given) then
       point%last = LAST*contact%depth
@@ -133,7 +133,7 @@ contains
     call taper_edge(contact%taper, outside, foot, point, dt)
   end subroutine find_traction
 
-  !> Results of the laws at a point, per current area whatever area they act on.
+  !> Record the results of the laws at a point, per current area whichever area the laws refer to.
   pure subroutine record(foot, i, point, bond, da, points)
     type(foot_t), intent(in) :: foot
     integer, intent(in) :: i

@@ -1,5 +1,5 @@
-!> Nodal forces of contact by their cause (pressure, friction, cohesion), and the release of bonds:
-!! the measure that the control of the release prescribes.
+!> Nodal forces of contact by their cause (pressure, friction, cohesion), and the release of bonds,
+!! which is the measure prescribed under control of the release.
 module contact_forces
   use base_kinds, only: wp
   use constraint, only: fold_force
@@ -19,7 +19,7 @@ module contact_forces
 
 contains
 
-  !> Parts of the internal forces on side k at the last assembly.
+  !> Add the parts of the internal forces on side k at the last assembly.
   subroutine add_force_parts(contact, k, feet, points, f)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -54,7 +54,7 @@ contains
           end do
         end do
         if (.not. (other%rigid .or. loads_both(contact))) cycle
-        do q = 1, contact%nq ! on the other side: a bond at the partner, the rest at the projection
+        do q = 1, contact%nq ! on the other side: bonds at the partner, the rest at the projection
           i = (e - 1)*contact%nq + q
           press = t(:, NORMAL, q)
           if (points%bond(i) > 0) then
@@ -72,11 +72,11 @@ contains
     end associate
   end subroutine add_force_parts
 
-  !> Release of side k: the area of each bonded point times 1 - (1 + r/d) exp(-r/d), and its
-  !! derivative.
+  !> Add the release of side k, which is the sum over bonded points of their area times 1 - (1 +
+  !! r/d) exp(-r/d), and its derivative.
   !!
-  !! This is the fraction of its energy that an exponential bond (eq. 31 of Corbett and Sauer 2015)
-  !! has released, and a measure that increases with a crack for bonds of every law.
+  !! The factor is the fraction of its energy that an exponential bond (eq. 31 of Corbett and Sauer
+  !! 2015) has released. For bonds of every law, the measure increases as a crack advances.
   subroutine add_release(contact, k, x, scale, points, released, slope)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -110,7 +110,7 @@ contains
     end associate
   end subroutine add_release
 
-  !> Add a vector to the nodes of an element, weighted with its functions.
+  !> Add a vector to the nodes of an element, weighted with their functions.
   pure subroutine spread_slope(surface, e, shp, v, slope)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -124,7 +124,8 @@ contains
     end do
   end subroutine spread_slope
 
-  !> Reference area of all bonded points of both sides [L^2]: the release when all bonds are open.
+  !> Reference area of all bonded points of both sides [L^2], which is the release when all bonds
+  !! are open.
   pure real(wp) function bonded_area(model, state) result(area)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -142,7 +143,7 @@ contains
     end do
   end function bonded_area
 
-  !> Release of all bonds at the displacements u, and its derivative.
+  !> Find the release of all bonds at the displacements u, and its derivative.
   subroutine find_release(model, state, u, released, slope)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -1,4 +1,4 @@
-!> COULomb: stick by a tangential penalty, slip at mu times the pressure.
+!> COULomb: stick by a tangential penalty, and slip at mu times the pressure.
 !!
 !! prop(MU)                  coefficient of friction mu [-]
 !! prop(TANGENTIAL_PENALTY)  tangential penalty parameter eps_t [F/L^3]
@@ -25,10 +25,10 @@ contains
     row%friction => coulomb
   end function describe
 
-  !> The predictor sticks; if it exceeds mu p, the corrector returns the traction to mu p. The
-  !! tangent across the direction of slip is mu p over the slip. At the start of a step the slip is
-  !! nearly zero and that tangent would be a hundred times too stiff: `ahead` is the slip to be
-  !! expected.
+  !> Predict stick; if the traction then exceeds mu p, the corrector returns it to mu p. The tangent
+  !! across the direction of slip is mu p over the slip. At the start of a step the slip is nearly
+  !! zero, and that tangent would be a hundred times too stiff, so the expected slip `ahead` is used
+  !! instead.
   pure subroutine coulomb(prop, d, p, ahead, t, dtdd, dtdp, elastic, state)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: d(3), p, ahead
@@ -42,7 +42,7 @@ contains
     size = norm2(d)
     dtdd = 0.0_wp
     dtdp = 0.0_wp
-    if (.not. most > 0.0_wp) then ! frictionless: no stick at d = 0 either
+    if (.not. most > 0.0_wp) then ! without friction there is no stick at d = 0 either
       state = SLIP
       t = 0.0_wp
       elastic = 0.0_wp

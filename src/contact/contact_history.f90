@@ -1,10 +1,11 @@
-!> History of the integration points of a contact: allocated, accepted with a step, restored by a
-!! cut-back.
+!> History of the integration points of a contact: how it is allocated, accepted with a step, and
+!! restored by a cut-back.
 !!
-!! The columns are those of contact_points_t (contact_pair); a step owns those that end in `_step`.
-!! Friction keeps a sliding point on the other surface, which moves only when a step is accepted
-!! (accept_slides). Read on: contact_assembly (who fills the columns in an iteration),
-!! contact_smooth and contact_resultant (fields and sums from them), contact_augment (multipliers).
+!! Its arrays are those of contact_points_t (contact_pair); those that end in `_step` hold the state
+!! at the start of the step. Friction keeps a sliding point on the other surface, which moves only
+!! when a step is accepted (accept_slides). Read on: contact_assembly (fills the arrays in an
+!! iteration), contact_smooth and contact_resultant (fields and sums from them), contact_augment
+!! (multipliers).
 module contact_history
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, surface_t, MORTAR
@@ -17,16 +18,16 @@ module contact_history
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
             side_positions, accept_slides, trail_behind
 
-  !> Fraction of DEPTh: a point this close to a surface is at it.
+  !> A point is at a surface if it is closer to it than this fraction of DEPTh.
   real(wp), parameter, public :: BESIDE = 0.1_wp
 
   integer, parameter :: MOST_STEPS = 20
-  !> A gap this small, relative to the tangents, has no direction.
+  !> A gap that is smaller than this, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
 
 contains
 
-  !> History of points of which none is in contact; a rigid side has no points.
+  !> Make a history in which no point is in contact; a rigid side has no points.
   subroutine new_contact_state(contact, state)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(out) :: state
@@ -82,7 +83,7 @@ contains
     end do
   end subroutine restore_contact_step
 
-  !> The step is accepted: save the state that a cut-back of the next one restores.
+  !> Accept the step: save the state that a cut-back of the next step restores.
   subroutine keep_contact_step(state)
     type(contact_state_t), intent(inout) :: state
     integer :: k
@@ -105,8 +106,9 @@ contains
     end do
   end subroutine keep_contact_step
 
-  !> Mark the points of an accepted step that are beside the other surface, less than `depth` above
-  !! its tangent plane, or that were and are deeper than that now.
+  !> Mark the points of an accepted step that are beside the other surface, and less than `depth`
+  !! above its tangent plane there. A marked point stays marked while its projection lies deeper
+  !! than `depth`.
   pure subroutine mark_beside(feet, depth, points)
     type(foot_t), intent(in) :: feet(:)    !! (np)
     real(wp), intent(in) :: depth          !! [L]
@@ -130,8 +132,8 @@ contains
                   .or. any(state%side(2)%state_step /= OPEN)
   end function had_touched
 
-  !> Positions of the integration points of element e, as many as xp has room for, after the first
-  !! `from`.
+  !> Find positions of the integration points of element e: as many as xp has room for, after the
+  !! first `from` points.
   pure subroutine side_positions(surface, e, x, xp, from)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -158,10 +160,11 @@ contains
     end associate
   end subroutine side_positions
 
-  !> Set the sliding points of an accepted step. A sticking point keeps its own; that of a slipping
-  !! point follows the projection at the distance of the elastic part (Sauer and De Lorenzis 2015);
-  !! that of any other point is its projection, or the closest point of the outer boundary if it
-  !! lies beyond that, so that friction acts in the step in which it crosses the boundary.
+  !> Set the sliding points of an accepted step. A sticking point keeps its sliding point. That of a
+  !! slipping point follows the projection at the distance of the elastic part (Sauer and De
+  !! Lorenzis 2015). That of any other point is its projection, or the closest point of the outer
+  !! boundary if the point lies beyond it, so that friction acts in the step in which the point
+  !! crosses the boundary.
   pure subroutine accept_slides(own, other, shape, x, feet, points)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape           !! of the other side
@@ -189,16 +192,16 @@ contains
     end do
   end subroutine accept_slides
 
-  !> Move from the projection to where the tangential vector to the point is `elastic`, so that a
-  !! load that is held finds the same traction again. On a curved surface a single step along the
-  !! tangents would miss that place.
+  !> Move from the projection to the place at which the tangential vector to the point is `elastic`,
+  !! so that a load that is held finds the same traction again. On a curved surface, a single step
+  !! along the tangents would miss that place.
   pure subroutine trail_behind(other, shape, x, foot, elastic, elem, xi)
     type(surface_t), intent(in) :: other
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)                 !! the point [L]
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: elastic(3)           !! [L]
-    integer, intent(inout) :: elem               !! in: that of the projection
+    integer, intent(inout) :: elem               !! on entry that of the projection
     real(wp), intent(inout) :: xi(2)
     real(wp) :: rest(3), xs(3), a(3, 2), b(3, 3), n(3), last
     real(wp) :: next_xi(2)

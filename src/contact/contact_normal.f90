@@ -1,7 +1,8 @@
-!> PENAlty: pressure proportional to the penetration; with SMOOth, to its square while it is small.
+!> PENAlty: the pressure is proportional to the penetration; with SMOOth, to its square while it is
+!! small.
 !!
 !! prop(PENALTY)    penalty parameter eps_n [F/L^3]
-!! prop(SMOOTHING)  d of SMOOth [L]: the penetration below which the pressure is quadratic; 0: none
+!! prop(SMOOTHING)  d of SMOOth [L]: the pressure is quadratic below this penetration; 0: none
 !! Source:  Corbett and Sauer 2015, eq. (26)
 module contact_normal
   use base_kinds, only: wp
@@ -24,9 +25,9 @@ contains
     row%normal => pressure
   end function describe
 
-  !> p = <y>, y = multiplier - eps_n gap; without augmentation the multiplier is zero. With d > 0 p
-  !! = y^2/(2 eps_n d) up to y = eps_n d, and y - eps_n d/2 beyond: its derivative has no jump, and
-  !! surfaces that just touch do not press.
+  !> Find p = <y> with y = multiplier - eps_n gap; without augmentation the multiplier is zero. If d
+  !! > 0, p = y^2/(2 eps_n d) up to y = eps_n d, and p = y - eps_n d/2 beyond. Its derivative then
+  !! has no jump, and surfaces that just touch do not press.
   pure subroutine pressure(prop, gap, multiplier, p, dp, energy)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: gap, multiplier

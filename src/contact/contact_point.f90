@@ -1,10 +1,11 @@
-!> Traction at one point of a surface and its derivatives: laws and kinematics of the projection.
+!> Traction at one point of a surface and its derivatives, from the laws and the kinematics of the
+!! projection.
 !!
-!! The point x belongs to side k, its projection x_p = x_l(xi_p) and its sliding point
-!! x_s = x_l(xi_s) to side l. The independent variations are those of x, of x_p with xi_p held, of
-!! the tangents of l at xi_p, and of x_s with xi_s held; the variation of xi_p follows from
-!! (x - x_p).a_alpha = 0 and is eliminated here. If the projection lies on an interior edge of
-!! facets only the parameter along it varies, at a vertex none.
+!! The point x belongs to side k; its projection x_p = x_l(xi_p) and its sliding point x_s =
+!! x_l(xi_s) belong to side l. The independent variations are those of x, of x_p at fixed xi_p, of
+!! the tangents of l at xi_p, and of x_s at fixed xi_s; the variation of xi_p follows from (x -
+!! x_p).a_alpha = 0 and is eliminated here. If the projection lies on an interior edge between
+!! facets, only the parameter along the edge varies; at a vertex, none does.
 module contact_point
   use base_kinds, only: wp
   use contact_pair, only: contact_t
@@ -16,39 +17,40 @@ module contact_point
   public :: point_t, traction_derivatives_t, vary_projection, vary_normal, traction_at, &
             add_friction, inverse, outer
 
-  !> A distance this small, relative to the tangents, has no direction.
+  !> A distance that is smaller than this, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
 
   !> Kinematics and tractions of a point.
   type :: point_t
     real(wp) :: x(3) = 0.0_wp          !! position [L]
     logical :: slides = .false.        !! friction acts, and there is a stored sliding point
-    real(wp) :: xs(3) = 0.0_wp         !! its position [L]
+    real(wp) :: xs(3) = 0.0_wp         !! position of the sliding point [L]
     real(wp) :: ahead = -1.0_wp        !! [L] see friction_law_i
     real(wp) :: multiplier = 0.0_wp    !! of the augmentation [F/L^2]
-    real(wp) :: full = -1.0_wp         !! [L] depth from which pressure decreases; negative: never
+    real(wp) :: full = -1.0_wp         !! [L] depth from which the pressure decreases; negative: it
+    !! never does
     real(wp) :: last = 0.0_wp          !! [L] depth from which nothing acts, > 2*full
     integer :: state = OPEN
-    real(wp) :: n(3) = 0.0_wp          !! in contact: normal of the other side
+    real(wp) :: n(3) = 0.0_wp          !! normal of the other side, if in contact
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
-    real(wp) :: energy = 0.0_wp        !! of the pressure, up to this gap [F/L]
+    real(wp) :: energy = 0.0_wp        !! energy of the pressure up to this gap [F/L]
     real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
     real(wp) :: friction(3) = 0.0_wp   !! part of t that is friction [F/L^2]
     real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i
-    real(wp) :: slip = 0.0_wp          !! [L] length of the rest of the tangential displacement
+    real(wp) :: slip = 0.0_wp  !! [L] length of the slipped part of the tangential displacement
   end type point_t
 
   !> Derivatives of a vector with respect to the independent variations.
   type :: traction_derivatives_t
-    real(wp) :: x(3, 3) = 0.0_wp       !! by x
-    real(wp) :: p(3, 3) = 0.0_wp       !! by x_p, xi_p held
-    real(wp) :: a(3, 3, 2) = 0.0_wp    !! by the tangents of l there
-    real(wp) :: s(3, 3) = 0.0_wp       !! by x_s, xi_s held
+    real(wp) :: x(3, 3) = 0.0_wp       !! with respect to x
+    real(wp) :: p(3, 3) = 0.0_wp       !! with respect to x_p at fixed xi_p
+    real(wp) :: a(3, 3, 2) = 0.0_wp    !! with respect to the tangents of l there
+    real(wp) :: s(3, 3) = 0.0_wp       !! with respect to x_s at fixed xi_s
   end type traction_derivatives_t
 
 contains
 
-  !> Traction of the normal and the friction law, and its derivatives.
+  !> Find the traction of the normal and the friction law, and its derivatives.
   pure subroutine traction_at(contact, foot, point, dt)
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: foot
@@ -79,7 +81,7 @@ contains
   pure subroutine add_friction(contact, dn, dpdx, point, dt)
     type(contact_t), intent(in) :: contact
     type(traction_derivatives_t), intent(in) :: dn !! of the normal point%n
-    real(wp), intent(in) :: dpdx(3)        !! of the pressure by x; by x_p it is the opposite
+    real(wp), intent(in) :: dpdx(3)  !! with respect to x; that with respect to x_p is the opposite
     type(point_t), intent(inout) :: point
     type(traction_derivatives_t), intent(inout) :: dt
     real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
@@ -111,8 +113,9 @@ contains
     end associate
   end subroutine add_friction
 
-  !> Pressure of the normal law. A point deeper than `full` is not pressed out through the face:
-  !! over the same depth again its pressure decreases to zero, and from there to `last` its energy.
+  !> Find the pressure of the normal law. A point deeper than `full` is not pushed out through the
+  !! face: from `full` to twice that depth its pressure decreases to zero, and from there to `last`
+  !! its energy decreases to zero.
   pure subroutine press(contact, gap, point, dp)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: gap            !! [L]
@@ -140,7 +143,7 @@ contains
     end if
   end subroutine press
 
-  !> Unit normal at the projection and its derivatives.
+  !> Find the unit normal at the projection and its derivatives.
   pure subroutine vary_normal(foot, x, n, dn)
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: x(3)       !! the point
@@ -164,7 +167,7 @@ contains
         dn%a(:, :, j) = -outer(up(:, j), n) - outer(h(:, j), g)
       end do
     else if (abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) then
-      n = g/foot%gap                   ! the shortest distance, in the cone of the facets' normals
+      n = g/foot%gap  ! direction of the distance, in the cone of the facets' normals
       dn%x = -matmul(h, transpose(foot%a))
       do i = 1, 3
         dn%x(i, i) = dn%x(i, i) + 1.0_wp
@@ -177,8 +180,8 @@ contains
     end if
   end subroutine vary_normal
 
-  !> Variation of the projection's parameters: dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b, with c
-  !! the inverse of the second derivative of half the squared distance.
+  !> Find the variation of the parameters of the projection: dxi_a = h_a.(dx - dx_p) + sum_b c_ab
+  !! g.da_b, where c is the inverse of the second derivative of half the squared distance.
   pure subroutine vary_projection(foot, x, h, c, g)
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: x(3)           !! the point
@@ -197,7 +200,7 @@ contains
     h = matmul(foot%a, c)
   end subroutine vary_projection
 
-  !> Inverse on the free directions, zero elsewhere.
+  !> Inverse of m in the free directions, zero elsewhere.
   pure function inverse(m, free) result(mi)
     real(wp), intent(in) :: m(2, 2)
     logical, intent(in) :: free(2)
@@ -217,7 +220,8 @@ contains
     end if
   end function inverse
 
-  !> a b^T; here and not in tensor, so that it is inlined into the loops of a point.
+  !> The matrix a b^T. It is defined here and not in tensor, so that it is inlined in the loops of a
+  !! point.
   pure function outer(a, b) result(c)
     real(wp), intent(in) :: a(3), b(3)
     real(wp) :: c(3, 3)

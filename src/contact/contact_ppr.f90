@@ -2,9 +2,9 @@
 !!
 !! prop(1:2)   energies phi_n, phi_t [F/L]
 !! prop(3:4)   strengths sigma_max, tau_max [F/L^2]
-!! prop(5:6)   shapes alpha, beta [-]: 2 softens about linearly, less has a plateau, more a tail
+!! prop(5:6)   shapes alpha, beta [-]: 2 is about linear, less gives a plateau, more a tail
 !! prop(7:8)   lambda_n, lambda_t [-]: opening at the strength over the final opening
-!! prop(9:16)  found from these: m, n [-]; final openings delta_n, delta_t [L]; constants Gamma_n,
+!! prop(9:16)  derived from these: m, n [-]; final openings delta_n, delta_t [L]; constants Gamma_n,
 !!             Gamma_t; differences <phi_n - phi_t>, <phi_t - phi_n>
 !! Source:  Park, Paulino and Roesler 2009, J. Mech. Phys. Solids 57, 891-908; the tractions as in
 !!          Park and Paulino 2012, Eng. Fract. Mech. 93, 239-262. Unloading is linear to the origin
@@ -42,7 +42,7 @@ contains
     call pull_by_secants(secants, MODES, prop, minval(prop(11:12)), lag, g, n, past, now, c)
   end subroutine ppr_law
 
-  !> Compute prop(9:16) from the numbers of the deck; `wrong`: the number for which that fails.
+  !> Compute prop(9:16) from the numbers of the deck; `wrong` is the number for which that fails.
   pure subroutine prepare(prop, wrong, hint)
     real(wp), intent(inout) :: prop(:)
     integer, intent(out) :: wrong
@@ -70,15 +70,17 @@ contains
       prop(12 + i) = (a/m)**m
       prop(14 + i) = max(0.0_wp, prop(i) - prop(3 - i))
     end do
-    i = merge(2, 1, prop(2) > prop(1)) ! that constant holds the larger energy
+    i = merge(2, 1, prop(2) > prop(1)) ! index of the constant that holds the larger energy
     prop(12 + i) = -prop(i)*prop(12 + i)
   end subroutine prepare
 
-  !> With x = k_1/delta_n, P(x) = (1 - x)^(alpha-1) (m/alpha + x)^(m-1),
-  !! Q(x) = Gamma_n (1 - x)^alpha (m/alpha + x)^m + <phi_n - phi_t>, the same of y = k_2/delta_t:
+  !> Secants: with x = k_1/delta_n, P(x) = (1 - x)^(alpha-1) (m/alpha + x)^(m-1),
+  !! Q(x) = Gamma_n (1 - x)^alpha (m/alpha + x)^m + <phi_n - phi_t>, and the same for
+  !! y = k_2/delta_t:
   !! s_n = -Gamma_n (m + alpha)/delta_n^2 P_n(x) Q_t(y),
   !! s_t = -Gamma_t (n + beta)/delta_t^2 P_t(y) Q_n(x).
-  !! P is zero beyond the final opening, and Q from where it changes its sign.
+  !! P is zero beyond the final opening, and Q is zero from the opening at which it changes its
+  !! sign.
   pure subroutine secants(prop, k, s, ds)
     real(wp), intent(in) :: prop(:), k(2)
     real(wp), intent(out) :: s(2), ds(2, 2)

@@ -1,12 +1,12 @@
-!> Resultants of one side of a contact: force, moment, area and points in contact, and the values of
-!! the contact quantities of a CURVe.
+!> Resultants of one side of a contact: force, moment, area and points in contact. Also the values
+!! of the contact quantities of a CURVe.
 !!
-!! Tractions on side k act on side k: a body that is pressed onto another one is pushed up, and the
-!! other one feels a negative z force. Force and moment are those of the nodal forces of the side.
-!! If the points of the other side load it too (BALAnced, or it is rigid), their forces act at their
-!! projections: then the moments of the two sides differ by forces along the surface (friction,
-!! BORDer) times penetration. A rigid side has no points of its own: areas and numbers of points are
-!! those of the other side.
+!! The tractions of side k are those that act on side k: a body that is pressed onto another one is
+!! pushed up, and the other one feels a negative z force. Force and moment are those of the nodal
+!! forces of the side. If the points of the other side load it too (with BALAnced, or if it is
+!! rigid), their forces act at their projections. The moments of the two sides then differ by forces
+!! along the surface (friction, BORDer) times penetration. A rigid side has no points of its own:
+!! areas and numbers of points are those of the other side.
 module contact_resultant
   use base_kinds, only: wp
   use contact_history, only: side_positions
@@ -25,24 +25,24 @@ module contact_resultant
   public :: resultant_t, find_resultant, contact_value, side_resultant
 
   type :: resultant_t
-    real(wp) :: force(3) = 0.0_wp        !! on this side [F]
-    real(wp) :: moment(3) = 0.0_wp       !! of it, at current positions [F L]
+    real(wp) :: force(3) = 0.0_wp        !! force on this side [F]
+    real(wp) :: moment(3) = 0.0_wp       !! moment of this force, at current positions [F L]
     real(wp) :: force_size = 0.0_wp      !! int |t| da [F]
     real(wp) :: moment_size = 0.0_wp     !! int |(x - about) x t| da [F L]
-    real(wp) :: area = 0.0_wp            !! in contact, current [L^2]
+    real(wp) :: area = 0.0_wp            !! current area in contact [L^2]
     real(wp) :: penetration = 0.0_wp     !! largest -gap of the points in contact [L]
-    integer :: npoint = 0, nclosed = 0   !! points, and those in contact
+    integer :: npoint = 0, nclosed = 0   !! points, and how many of them are in contact
     integer :: nstick = 0, nslip = 0
   end type resultant_t
 
 contains
 
-  !> Resultant of side k of contact c of a model.
+  !> Find the resultant of side k of contact c of a model.
   subroutine side_resultant(model, state, c, k, about, total)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     integer, intent(in) :: c, k
-    real(wp), intent(in) :: about(3)               !! point of the moments [L]
+    real(wp), intent(in) :: about(3)               !! point about which moments are taken [L]
     type(resultant_t), intent(out) :: total
 
     call find_resultant(model%contact(c), k, state%contact(c)%side, model%mesh%xr + state%u, &
@@ -54,13 +54,13 @@ contains
     end associate
   end subroutine side_resultant
 
-  !> Resultant of side k.
+  !> Find the resultant of side k.
   subroutine find_resultant(contact, k, points, x, about, total)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(contact_points_t), intent(in) :: points(2) !! of both sides
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
-    real(wp), intent(in) :: about(3)               !! point of the moments [L]
+    real(wp), intent(in) :: about(3)               !! point about which moments are taken [L]
     type(resultant_t), intent(out) :: total
     real(wp) :: force(3), moment(3), at_partner(3), at_projection(3), weight
     integer :: i, own
@@ -69,7 +69,7 @@ contains
     call sum_points(contact, own, points(own), x, about, total)
     if (contact%scheme == MORTAR) return ! side_resultant has its forces
     if (.not. (own /= k .or. contact%balanced)) return
-    force = 0.0_wp ! of the points of the other side, which act at projections and partners
+    force = 0.0_wp ! forces of the points of the other side, at projections and partners
     moment = 0.0_wp
     associate (other => points(3 - k), side => contact%side(k))
       do i = 1, size(other%state)
@@ -95,7 +95,7 @@ contains
     end if
   end subroutine find_resultant
 
-  !> Sums over the points of side k, whose tractions act at their own positions.
+  !> Add up over the points of side k, whose tractions act at their own positions.
   subroutine sum_points(contact, k, points, x, about, total)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -131,7 +131,7 @@ contains
     end do
   end subroutine sum_points
 
-  !> Position of element e at xi.
+  !> Position of the point xi of element e.
   pure function position_of(surface, e, xi, x) result(at)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -194,7 +194,7 @@ contains
     end select
   end function contact_value
 
-  !> part/whole; 0 if nothing is in contact or bonded.
+  !> Ratio part/whole; 0 if nothing is in contact or bonded.
   pure real(wp) function ratio(part, whole)
     real(wp), intent(in) :: part, whole
 

@@ -1,4 +1,5 @@
-!> Forces and derivatives of one surface element, which contact_work holds, into the global system.
+!> Adds forces and derivatives of one surface element, which contact_work holds, to the global
+!! system.
 module contact_scatter
   use base_kinds, only: wp
   use contact_active, only: pairs_t, find_pair
@@ -13,7 +14,7 @@ module contact_scatter
 
 contains
 
-  !> Element e of side k.
+  !> Add the contributions of element e of side k.
   subroutine scatter_element(contact, k, e, part, pairs, x, u, tangent, state, a, f, rounding, &
                              largest)
     type(contact_t), intent(in) :: contact
@@ -21,7 +22,7 @@ contains
     type(work_t), intent(in) :: part
     type(pairs_t), intent(in) :: pairs             !! of side k
     real(wp), intent(in) :: x(:, :), u(:, :)       !! (3, nnode) positions, displacements [L]
-    logical, intent(in) :: tangent                 !! .false.: forces only
+    logical, intent(in) :: tangent                 !! false: only the forces are added
     type(contact_state_t), intent(inout) :: state  !! its forces and moments
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
@@ -54,7 +55,7 @@ contains
         end do
       end associate
       if (.not. tangent) return
-      do b = 1, part%ncross ! forces on a partner vary with another one: friction
+      do b = 1, part%ncross ! due to friction, forces on a partner also vary with another one
         i = part%partner(part%pair(1, b))
         j = part%partner(part%pair(2, b))
         associate (rows => other%node(other%first(i):other%first(i + 1) - 1), &
@@ -69,7 +70,7 @@ contains
 
   contains
 
-    !> An internal force on a node of one side.
+    !> Add an internal force on a node of one side.
     subroutine put(node, side, r)
       integer, intent(in) :: node, side
       real(wp), intent(in) :: r(3)

@@ -1,18 +1,19 @@
-!> Cohesive tractions by secants: what all cohesive laws share.
+!> Cohesive tractions given by secants: the part that all cohesive laws share.
 !!
-!! With the normal n of the partner, the gap g has the parts d_n = n.g and g_t = g - d_n n, d_t =
+!! With the normal n of the partner, the gap g is split into d_n = n.g and g_t = g - d_n n; d_t =
 !! |g_t|:
 !!
 !!   T = -s_n(k) d_n n - s_t(k) g_t.
 !!
-!! A law is its two secants s_n, s_t as functions of the largest openings k so far: of both modes,
-!! k = (max <d_n>, max d_t), or of the whole vector, k_1 = max sqrt(<d_n>^2 + d_t^2). Unloading and
-!! compression are linear with the secant reached. A reversible law takes the current opening.
+!! A law is defined by its two secants s_n, s_t as functions of the largest openings k so far: those
+!! of the two modes, k = (max <d_n>, max d_t), or that of the whole vector, k_1 = max sqrt(<d_n>^2 +
+!! d_t^2). Unloading and compression are linear, with the secant reached so far. A reversible law
+!! uses the current opening instead.
 !!
 !! VISCous multiplies the traction by 1 + tau (D - D_0)/dt with the damage
 !! D = 1 - (s_n/s_n(0) + s_t/s_t(0))/2 and its value D_0 at the start of the step.
 !!
-!! History of a point: 1, 2 largest openings [L]; 3, 4 d_n and d_t [L]; 5 work done, without the
+!! History of a point: 1, 2 largest openings [L]; 3, 4 d_n and d_t [L]; 5 work done without the
 !! viscous part [F/L]; 6 viscous work [F/L]; 7 viscous factor of the last step minus 1 [-].
 module contact_secant
   use base_kinds, only: wp
@@ -21,11 +22,12 @@ module contact_secant
   private
   public :: pull_by_secants, REVERSIBLE, WHOLE, MODES
 
-  !> What the secants depend on: the current opening, the largest one, the largest ones of both
-  !! modes.
+  !> Opening on which the secants depend: the current one, the largest one, or the largest ones of
+  !! both modes.
   integer, parameter :: REVERSIBLE = 0, WHOLE = 1, MODES = 2
 
-  !> Intervals over which the work of a step is integrated: per opening by `scale`, and at most.
+  !> Intervals over which the work of a step is integrated: how many per opening `scale`, and at
+  !! most.
   integer, parameter :: PER_SCALE = 32, MOST = 512
 
   abstract interface
@@ -50,18 +52,18 @@ module contact_secant
 
 contains
 
-  !> Traction, derivatives and energies at the gap g.
+  !> Find traction, derivatives and energies at the gap g.
   pure subroutine pull_by_secants(secants, memory, prop, scale, lag, g, n, past, now, c, potential)
     procedure(secants_i) :: secants
     integer, intent(in) :: memory           !! REVERSIBLE, WHOLE or MODES
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: scale           !! opening over which the secants change [L]
     real(wp), intent(in) :: lag             !! tau/dt of VISCous [-]
-    real(wp), intent(in) :: g(3), n(3)      !! [L], unit normal; zero if the law does not need it
+    real(wp), intent(in) :: g(3), n(3)      !! [L]; unit normal, zero if the law does not need it
     real(wp), intent(in) :: past(:)         !! history of the point at the start of the step
-    real(wp), intent(out) :: now(:)         !! and now
+    real(wp), intent(out) :: now(:)         !! history at the end of the step
     type(cohesion_t), intent(out) :: c
-    procedure(potential_i), optional :: potential !! of a reversible law
+    procedure(potential_i), optional :: potential !! for a reversible law
     real(wp) :: d(2), gt(3), k(2), s(2), ds(2, 2), work
 
     d(1) = dot_product(n, g)
@@ -86,7 +88,7 @@ contains
     call set_traction(memory, d, k, gt, g, n, s, ds, c)
   end subroutine pull_by_secants
 
-  !> Largest openings so far, with d = (d_n, d_t) among them.
+  !> Find the largest openings so far, including the current d = (d_n, d_t).
   pure subroutine find_largest(memory, d, past, k)
     integer, intent(in) :: memory
     real(wp), intent(in) :: d(2), past(:)
@@ -101,8 +103,9 @@ contains
     end if
   end subroutine find_largest
 
-  !> dT = -d(s_n d_n n) - d(s_t g_t), with d(d_n) = n.dg + g.dn, dg_t = dg - d(d_n) n - d_n dn. The
-  !! largest openings vary with g and n only if they are the current ones.
+  !> Set the traction and its derivatives, dT = -d(s_n d_n n) - d(s_t g_t) with d(d_n) = n.dg + g.dn
+  !! and dg_t = dg - d(d_n) n - d_n dn. The largest openings vary with g and n only if they are the
+  !! current ones.
   pure subroutine set_traction(memory, d, k, gt, g, n, s, ds, c)
     integer, intent(in) :: memory
     real(wp), intent(in) :: d(2), k(2), gt(3), g(3), n(3), s(2), ds(2, 2)
@@ -141,8 +144,8 @@ contains
     end do
   end subroutine set_traction
 
-  !> Multiply the secants by the viscous factor, and add its work: the mean factor of the step times
-  !! the work of the step.
+  !> Multiply the secants by the viscous factor, and add its work, which is the mean factor of the
+  !! step times the work of the step.
   pure subroutine add_viscosity(secants, prop, lag, past, s, ds, now)
     procedure(secants_i) :: secants
     real(wp), intent(in) :: prop(:), lag, past(:)
@@ -162,7 +165,8 @@ contains
     now(6) = past(6) + 0.5_wp*(past(7) + now(7))*(now(5) - past(5))
   end subroutine add_viscosity
 
-  !> Work from the opening at the start of the step straight to d, by Simpson's rule on intervals.
+  !> Integrate the work from the opening at the start of the step straight to d, by Simpson's rule
+  !! on intervals.
   pure subroutine integrate_work(secants, memory, prop, scale, past, d, work)
     procedure(secants_i) :: secants
     integer, intent(in) :: memory

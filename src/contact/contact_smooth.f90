@@ -2,11 +2,11 @@
 !!
 !!   T_A = int N_A t da / int N_A da
 !!
-!! on the current surface (N_A^2 for N_A where a function has no area), interpolated with the same
-!! functions (Sauer 2013). Values at the integration points oscillate; compare and plot these fields
-!! only. The traction of friction is smoothed by itself: the tangential part of the smooth traction
-!! would contain some of the pressure wherever the surface is curved (5 % of the values of Table 5,
-!! Corbett and Sauer 2015).
+!! on the current surface, interpolated with the same functions (Sauer 2013). N_A^2 replaces N_A in
+!! elements with functions whose integral vanishes. Values at the integration points oscillate; only
+!! these smooth fields should be compared and plotted. The traction of friction is smoothed
+!! separately: the tangential part of the smooth traction would contain some of the pressure
+!! wherever the surface is curved (5 % of the values of Table 5, Corbett and Sauer 2015).
 module contact_smooth
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t, surface_basis_t
@@ -28,20 +28,20 @@ module contact_smooth
     real(wp), allocatable :: gap(:)         !! (n) height of the points above the other surface [L]
   end type smooth_t
 
-  !> Fraction of a squared pressure that may be rounding.
+  !> Fraction of a squared pressure that may be due to rounding.
   real(wp), parameter :: ROUNDING = 64.0_wp*epsilon(1.0_wp)
 
-  !> Rows of the sums; 1 to 11 as in add_point.
+  !> Rows of the sums; rows 1 to 11 are those of add_point.
   integer, parameter :: AREA = 12, GAP = 13, GAP_AREA = 14, NSUM = 14
 
-  !> Largest values are those of NGRID x NGRID points per element, evenly spaced from edge to edge:
-  !! fields of facets have their largest values at corners.
+  !> Largest values are taken over NGRID x NGRID points per element, evenly spaced from edge to
+  !! edge, because fields on facets have their largest values at corners.
   integer, parameter :: NGRID = 10
 
 contains
 
-  !> All fields of side k, which must not be rigid. A node near which no point has a projection is
-  !! given the gap of the farthest point that has one.
+  !> Find all fields of side k, which must not be rigid. A node near which no point has a projection
+  !! is given the gap of the farthest point that has one.
   subroutine smooth_side(contact, k, points, field)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -88,22 +88,24 @@ contains
     end do
   end subroutine smooth_side
 
-  !> Functions that have no area (corners of quadratic triangles) are weighted by their squares.
+  !> Are there functions whose integral vanishes (at corners of quadratic triangles), so that the
+  !! squares are used as weights?
   pure logical function has_no_area(basis, area)
     type(surface_basis_t), intent(in) :: basis
-    real(wp), intent(in) :: area(:)      !! (nq) of the points [L^2]
+    real(wp), intent(in) :: area(:)      !! (nq) areas of the points [L^2]
     real(wp) :: total(basis%nsf)
-    real(wp), parameter :: NONE = 1.0e-3_wp !! of the largest
+    real(wp), parameter :: NONE = 1.0e-3_wp !! an integral vanishes below this, relative to the
+    !! largest
 
     total = matmul(basis%shp, area)
     has_no_area = any(total <= NONE*maxval(total)) .and. any(basis%shp < 0.0_wp)
   end function has_no_area
 
-  !> The nodes of a side, each once in the order of their first appearance.
+  !> List the nodes of a side, each once, in the order of their first appearance.
   pure subroutine number_nodes(list, node, at)
     integer, intent(in) :: list(:)
     integer, allocatable, intent(out) :: node(:)
-    integer, allocatable, intent(out) :: at(:)   !! (size(list)) list = node(at)
+    integer, allocatable, intent(out) :: at(:)   !! (size(list)), so that list = node(at)
     integer, allocatable :: position(:)
     integer :: i, n
 
@@ -121,7 +123,7 @@ contains
     node(at) = list
   end subroutine number_nodes
 
-  !> Add the values of one point, times its area and the functions there.
+  !> Add the values of one point, multiplied by its area and by the functions there.
   pure subroutine add_point(points, i, shp, at, total)
     type(contact_points_t), intent(in) :: points
     integer, intent(in) :: i
@@ -151,8 +153,9 @@ contains
     end do
   end subroutine add_point
 
-  !> Friction acts along the elastic part of the slip, the pressure across it. An elastic part that
-  !! is only rounding has an arbitrary direction: friction is at most what the pressure leaves of t.
+  !> Friction at a point. It acts along the elastic part of the slip, the pressure across it. An
+  !! elastic part that is only rounding has an arbitrary direction, so friction is limited to the
+  !! part of t that is not pressure.
   pure function friction_of(t, p, elastic) result(friction)
     real(wp), intent(in) :: t(3), p, elastic(3)
     real(wp) :: friction(3)
@@ -166,7 +169,7 @@ contains
     if (norm2(friction) > most) friction = friction*(most/norm2(friction))
   end function friction_of
 
-  !> Largest smooth pressure, or largest value of one component of the traction less friction.
+  !> Largest smooth pressure, or largest value of one component of the traction without friction.
   function largest_pressure(contact, k, field, component) result(largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

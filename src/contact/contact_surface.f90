@@ -1,8 +1,8 @@
-!> Surfaces of contact: assembled from element faces, tabulated at the integration points.
+!> Surfaces of contact, assembled from element faces and tabulated at the integration points.
 !!
-!! Surfaces are surface_t of contact_pair. Read on: surface_basis (shape functions on a face),
-!! surface_topology and surface_t_junctions (neighbours, vertices), surface_geometry (current
-!! position, tangents), surface_traversal (moving along it); then `projection`.
+!! Surfaces have the type surface_t of contact_pair. Read on: surface_basis (shape functions on a
+!! face), surface_topology and surface_t_junctions (neighbours, vertices), surface_geometry (current
+!! position, tangents), surface_traversal (motion along a surface); then `projection`.
 module contact_surface
   use base_error, only: error_t
   use base_kinds, only: wp, i8
@@ -17,10 +17,10 @@ module contact_surface
   private
   public :: build_surface, tabulate_contact
 
-  !> Element faces with the same functions.
+  !> A class of element faces with the same functions.
   type :: class_t
     integer :: basis = 0
-    integer, allocatable :: local(:) !! (nsf) nodes of the element that they belong to
+    integer, allocatable :: local(:) !! (nsf) nodes of the element to which they belong
   end type class_t
 
 contains
@@ -69,8 +69,8 @@ contains
     call number_controls(surface)
   end subroutine build_surface
 
-  !> Control points of a surface: its nodes, or the vertices where a function of the surface is
-  !! negative somewhere (Lagrange functions of higher degree).
+  !> Number the control points of a surface: its nodes, or the vertices if some function of the
+  !! surface is negative somewhere (Lagrange functions of higher degree).
   subroutine number_controls(surface)
     type(surface_t), intent(inout) :: surface
     integer, allocatable :: number(:)
@@ -98,8 +98,8 @@ contains
     end do
   end subroutine number_controls
 
-  !> Find each set of functions of the faces once: surface%basis and ibasis, and the nodes of the
-  !! element that the functions belong to.
+  !> Find the classes of faces with the same functions: set surface%basis and ibasis, and the nodes
+  !! of the element to which the functions belong.
   subroutine find_classes(mesh, surface, class, iclass)
     type(mesh_t), intent(in) :: mesh
     type(surface_t), intent(inout) :: surface
@@ -142,13 +142,13 @@ contains
     surface%ibasis = class(iclass)%basis
   end subroutine find_classes
 
-  !> Faces with equal keys have the same functions: the same block, face and extraction operators. A
-  !! negative key: the functions of this face are its own.
+  !> Key of the functions of a face. Faces with equal keys have the same functions: the same block,
+  !! face and extraction operators. If the key is negative, no other face has these functions.
   integer(i8) function face_key(mesh, surface, f) result(key)
     type(mesh_t), intent(in) :: mesh
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: f
-    integer, parameter :: MOST_OPERATORS = 100000 ! or the key overflows
+    integer, parameter :: MOST_OPERATORS = 100000 ! with more, the key would overflow
     integer(i8) :: n
     type(cell_t) :: cell
     integer :: d
@@ -171,8 +171,8 @@ contains
     end associate
   end function face_key
 
-  !> Set the n1 x n2 Gauss points of a contact, first direction fastest, and the functions of both
-  !! sides at them. With contact%ncell > 1 the points of ncell x ncell cells follow
+  !> Set the n1 x n2 Gauss points of a contact, with the first direction fastest, and the functions
+  !! of both sides at them. If contact%ncell > 1, the points of ncell x ncell cells follow
   !! (subcell_quadrature).
   subroutine tabulate_contact(contact, n1, n2)
     type(contact_t), intent(inout) :: contact

@@ -1,8 +1,8 @@
-!> The one list of contact laws: a new law is a new file and a line here.
+!> The table of contact laws: a new law is a new file and a line here.
 !!
-!! Read on: contact_type (what a row is), contact_normal (PENAlty), contact_fric (COULomb),
-!! contact_secant (what cohesive laws share) with contact_cz (EXPOnential), contact_cz_mixed (MIXEd)
-!! and contact_ppr (PPR); contact_point and contact_bond call the laws.
+!! Read on: contact_type (definition of a row), contact_normal (PENAlty), contact_fric (COULomb),
+!! contact_secant (the part that cohesive laws share) with contact_cz (EXPOnential),
+!! contact_cz_mixed (MIXEd) and contact_ppr (PPR); contact_point and contact_bond call the laws.
 module contact_table
   use contact_type, only: contact_law_t
   implicit none
@@ -11,7 +11,7 @@ module contact_table
 
 contains
 
-  !> Rows of all laws.
+  !> Load the rows of all laws.
   subroutine load_contact_laws(table)
     type(contact_law_t), allocatable, intent(out) :: table(:)
 
@@ -26,8 +26,8 @@ contains
 
   !> The row with this name and option; a row without a name if there is none.
   function find_contact_law(name, option) result(row)
-    character(*), intent(in) :: name             !! in full, PENAlty
-    character(*), intent(in), optional :: option !! in full, IRREversible
+    character(*), intent(in) :: name             !! in full, such as PENAlty
+    character(*), intent(in), optional :: option !! in full, such as IRREversible
     type(contact_law_t) :: row
     type(contact_law_t), allocatable :: table(:)
     character(len(row%option)) :: wanted

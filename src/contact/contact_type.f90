@@ -1,6 +1,7 @@
-!> One row of the table of contact laws: what a law shows to the rest of the program.
+!> One row of the table of contact laws: the interface of a law to the rest of the program.
 !!
-!! A law knows a gap and a history, but no surfaces. The tractions of the laws of a contact add up.
+!! A law knows a gap and a history, but no surfaces. The tractions of all laws of a contact are
+!! added up.
 module contact_type
   use base_kinds, only: wp
   implicit none
@@ -10,16 +11,16 @@ module contact_type
   integer, parameter, public :: MAX_LAW_PROP = 16 !! length of a row of properties
   integer, parameter, public :: MAX_PAST = 7      !! history variables of a bonded point
 
-  !> Role of a law: the record of the deck that it belongs to.
+  !> Role of a law, named after the record of the deck to which it belongs.
   integer, parameter, public :: NORMAL = 1, FRICTION = 2, COHESIVE = 3
 
-  !> Columns of prop that every law of a role has. Cohesive laws name their own.
+  !> Columns of `prop` that every law of a role has. Cohesive laws define their own.
   integer, parameter, public :: PENALTY = 1    !! NORMAL: eps [F/L^3]
   integer, parameter, public :: SMOOTHING = 2  !! NORMAL: penetration of SMOOth [L]; 0: none
   integer, parameter, public :: MU = 1         !! FRICTION: coefficient of friction [-]
   integer, parameter, public :: TANGENTIAL_PENALTY = 2 !! FRICTION: eps_t [F/L^3]
 
-  !> State of a point; TOUCH: in contact without friction.
+  !> State of a point; TOUCH means in contact without friction.
   integer, parameter, public :: OPEN = 0, STICK = 1, SLIP = 2, TOUCH = 3
 
   type :: contact_law_t
@@ -32,8 +33,8 @@ module contact_type
     procedure(normal_law_i), pointer, nopass :: normal => null()
     procedure(friction_law_i), pointer, nopass :: friction => null()
     procedure(cohesive_law_i), pointer, nopass :: cohesive => null()
-    !> Of a cohesive law.
-    logical :: oriented = .false. !! it depends on the partner's normal
+    !> For cohesive laws.
+    logical :: oriented = .false. !! it depends on the normal at the partner
     procedure(released_i), pointer, nopass :: released => null()
     procedure(prepare_i), pointer, nopass :: prepare => null() !! null: nothing to derive or check
   end type contact_law_t
@@ -42,7 +43,7 @@ module contact_type
   type :: cohesion_t
     real(wp) :: t(3) = 0.0_wp          !! traction [F/L^2]
     real(wp) :: dtdg(3, 3) = 0.0_wp    !! its derivative with respect to the gap [F/L^3]
-    real(wp) :: dtdn(3, 3) = 0.0_wp    !! and to the partner's normal [F/L^2]
+    real(wp) :: dtdn(3, 3) = 0.0_wp    !! and with respect to the partner's normal [F/L^2]
     real(wp) :: stored = 0.0_wp        !! energy that unloading returns [F/L]
     real(wp) :: spent = 0.0_wp         !! energy dissipated by damage so far [F/L]
     real(wp) :: viscous = 0.0_wp       !! energy dissipated by VISCous so far [F/L]
@@ -55,26 +56,26 @@ module contact_type
       implicit none
       real(wp), intent(in) :: prop(:)     !! (nprop)
       real(wp), intent(in) :: gap         !! [L] negative: penetration
-      real(wp), intent(in) :: multiplier  !! [F/L^2] of the augmentation; 0 without
+      real(wp), intent(in) :: multiplier  !! [F/L^2] of the augmentation; 0 if there is none
       real(wp), intent(out) :: p          !! [F/L^2]
       real(wp), intent(out) :: dp         !! dp/dgap [F/L^3]
-      real(wp), intent(out) :: energy     !! [F/L] integral of p from the gap where p is zero
+      real(wp), intent(out) :: energy  !! [F/L] integral of p from the gap at which p becomes zero
     end subroutine normal_law_i
 
-    !> Tangential traction by predictor and corrector.
+    !> Tangential traction, found by predictor and corrector.
     pure subroutine friction_law_i(prop, d, p, ahead, t, dtdd, dtdp, elastic, state)
       import :: wp
       implicit none
       real(wp), intent(in) :: prop(:)
       real(wp), intent(in) :: d(3)        !! [L] from the sliding point, in the tangent plane
       real(wp), intent(in) :: p           !! [F/L^2] pressure, > 0
-      !> [L] In the first iteration of a step: the slip that is expected in it, and the point is
-      !! taken to slip for any d. Negative otherwise: d alone decides.
+      !> [L] In the first iteration of a step, the slip that is expected in the step; the point is
+      !! then taken to slip for any d. Otherwise negative: d alone decides.
       real(wp), intent(in) :: ahead
       real(wp), intent(out) :: t(3)       !! [F/L^2]
       real(wp), intent(out) :: dtdd(3, 3) !! [F/L^3]
       real(wp), intent(out) :: dtdp(3)    !! [-]
-      real(wp), intent(out) :: elastic(3) !! [L] part of d that is not slip and stays in the history
+      real(wp), intent(out) :: elastic(3) !! [L] part of d that is not slip; it stays in the history
       integer, intent(out) :: state       !! STICK or SLIP
     end subroutine friction_law_i
 
@@ -83,15 +84,16 @@ module contact_type
       import :: wp, cohesion_t
       implicit none
       real(wp), intent(in) :: prop(:)
-      real(wp), intent(in) :: lag         !! [-] time of VISCous over that of the step; 0 without
-      real(wp), intent(in) :: g(3)        !! [L] from the partner to the point
+      real(wp), intent(in) :: lag         !! [-] time of VISCous over the length of the step; 0 if
+      !! there is none
+      real(wp), intent(in) :: g(3)        !! [L] vector from the partner to the point
       real(wp), intent(in) :: n(3)        !! [-] normal at the partner; unused unless `oriented`
       real(wp), intent(in) :: past(:)     !! (MAX_PAST) history variables at the start of the step
-      real(wp), intent(out) :: now(:)     !! (MAX_PAST) and at its end
+      real(wp), intent(out) :: now(:)     !! (MAX_PAST) history variables at its end
       type(cohesion_t), intent(out) :: c
     end subroutine cohesive_law_i
 
-    !> Complete the numbers of the deck by those that follow from them.
+    !> Derive further numbers from those of the deck.
     pure subroutine prepare_i(prop, wrong, hint)
       import :: wp
       implicit none
@@ -100,7 +102,7 @@ module contact_type
       character(:), allocatable, intent(out) :: hint
     end subroutine prepare_i
 
-    !> Opening from which a bond counts as released because hardly any traction is left [L].
+    !> Opening [L] from which a bond counts as released, because hardly any traction is left.
     pure function released_i(prop) result(opening)
       import :: wp
       implicit none

@@ -1,13 +1,13 @@
-!> Edge taper (BORDer): near the outer boundary of the other surface the load of a point decreases
-!! to zero over a fraction of an element, so that a point that slides across the boundary loses
-!! nothing at once.
+!> Edge taper (BORDer): near the outer boundary of the other surface, the load of a point decreases
+!! to zero over a fraction of an element, so that a point that slides across the boundary does not
+!! lose its load suddenly.
 !!
 !! With the taper s(xi) at the projection and the potential W of the pressure, the point has the
-!! energy s W on its area, and from it the traction
+!! energy s W per area, from which follows the traction
 !!
 !!   t = s p n - W grad s,    grad s = sum_a s_,a a^a = v.
 !!
-!! The second part points outwards along the surface. Without it a point could enter across the
+!! The second part points outwards along the surface. Without it, a point could enter across the
 !! boundary without work, and gain energy when it leaves through the face.
 !! Limits: a^a are those at the projection; off a curved surface grad s differs by gap times
 !!         curvature.
@@ -22,7 +22,7 @@ module edge_taper
 
 contains
 
-  !> Traction of the laws and its derivatives, tapered at a point near the outer boundary. With the
+  !> Taper the traction of the laws and its derivatives at a point near the outer boundary. With the
   !! metric M, w = M^-1 s_,xi and v = A w
   !!
   !!   dv = sum_j (w_j (1 - sum_a a^a a_a) - a^j v) . da_j + sum_ab a^a s_,ab dxi_b.
@@ -74,7 +74,8 @@ contains
     point%friction = s*point%friction
   end subroutine taper_edge
 
-  !> The taper, 1 inside and 0 on the outer boundary, and its derivatives by the parameters.
+  !> Find the taper, which is 1 inside and 0 on the outer boundary, and its derivatives with respect
+  !! to the parameters.
   pure subroutine find_taper(width, outside, xi, s, ds, d2s)
     real(wp), intent(in) :: width, xi(2)
     logical, intent(in) :: outside(4)

@@ -1,12 +1,12 @@
 !> Closest-point projection onto a surface: Newton's method from element to element.
 !!
-!! Within an element the distance is minimised under the bounds -1 <= xi <= 1. Where it would fall
-!! further beyond an edge, the search continues in the neighbour if the distance falls there too;
-!! if it does not, the surface has a ridge there and the projection is a point of the edge. At a
-!! vertex all elements round it are tried. Projections onto the outer boundary are rejected.
+!! Within an element the distance is minimised under the bounds -1 <= xi <= 1. If it would decrease
+!! further beyond an edge, the search continues in the neighbour if the distance decreases there
+!! too; otherwise the surface has a ridge there, and the projection is a point of the edge. At a
+!! vertex, all elements around it are tried. Projections onto the outer boundary are rejected.
 !!
-!! Read on: projection_type (what a projection tells the laws), projection_iterate (one Newton
-!! step), projection_search (where to start), then contact_point (gap, traction and tangent at a
+!! Read on: projection_type (the result of a projection), projection_iterate (one Newton step),
+!! projection_search (starting points), then contact_point (gap, traction and tangent at a
 !! projection).
 module projection
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -23,27 +23,29 @@ module projection
   public :: project
 
   integer, parameter :: MOST_STEPS = 100
-  !> Changes of the element without a step: as many as a ring of elements may need.
+  !> Limit of the changes of the element without a step: as many as a ring of elements may need.
   integer, parameter :: MOST_CHANGES = 12
-  !> Changes of the element with steps after which a better start is looked for.
+  !> Number of changes of the element with steps after which a better start is looked for.
   integer, parameter :: FAR_AWAY = 3
-  !> A push beyond an edge that is less than this does not tell a ridge from a smooth edge.
+  !> A push beyond an edge that is smaller than this cannot distinguish a ridge from a smooth edge.
   real(wp), parameter :: NO_PUSH = 1.0e-10_wp
-  !> Steps shorter than this that no longer get shorter are rounding.
+  !> Steps shorter than this that no longer become shorter are due to rounding.
   real(wp), parameter :: STALLED = 1.0e-8_wp
-  !> A step this short, which squares the error, is the last one and needs no evaluation.
+  !> A step shorter than this, which squares the error, is the last one and needs no further
+  !! evaluation.
   real(wp), parameter :: LAST_STEP = 3.0e-8_wp
-  !> So close to a collapsed edge the other elements round it are tried.
+  !> If an iterate is closer than this to a collapsed edge, the other elements around the edge are
+  !! tried.
   real(wp), parameter :: BESIDE = 1.0e-3_wp
-  !> How an iteration ends.
+  !> Ways in which an iteration ends.
   integer, parameter :: LOST = 0, OUTER = 1, SMOOTH = 2, ON_EDGE = 3, ON_VERTEX = 4
 
 contains
 
   !> Project the point x onto a surface whose grid is up to date. The iteration starts at foot%elem
-  !! and foot%xi, or from the grid if that is no element or if it ends farther away than `reach`.
-  !! There is no projection (element 0) if x lies beyond the outer boundary, farther than `reach`
-  !! from the box round the surface, or where the tangents are parallel.
+  !! and foot%xi; it starts from the grid if that is no element, or if it ends farther away than
+  !! `reach`. There is no projection (element 0) if x lies beyond the outer boundary, if it is
+  !! farther than `reach` from the box around the surface, or if the tangents are parallel.
   pure subroutine project(surface, shape, grid, x, foot, reach)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -100,7 +102,7 @@ contains
     type(iterate_t), intent(inout) :: iterate
     integer, intent(out) :: ending
     integer, intent(out) :: edge(2)    !! active bounds; 0: none
-    integer, intent(out) :: changes    !! of the element
+    integer, intent(out) :: changes    !! number of changes of the element
     real(wp) :: d(2), push(2), size, last
     integer :: i, step, idle
     logical :: moved, definite, squares
@@ -146,8 +148,8 @@ contains
     end do
   end subroutine minimise
 
-  !> Change to an element across an active edge, round a vertex or round a collapsed edge if the
-  !! distance falls there.
+  !> Change to an element across an active edge, around a vertex or around a collapsed edge if the
+  !! distance decreases there.
   pure subroutine change_element(surface, shape, x, edge, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -183,7 +185,7 @@ contains
     end do
   end subroutine change_element
 
-  !> Change to an element round the nearest vertex if the distance falls there.
+  !> Change to an element around the nearest vertex if the distance decreases there.
   pure subroutine try_ring(surface, shape, x, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -207,7 +209,7 @@ contains
     end do
   end subroutine try_ring
 
-  !> Does the distance fall from an edge inwards, in direction i?
+  !> Does the distance decrease from an edge inwards, in direction i?
   pure logical function falls_inwards(iterate, i)
     type(iterate_t), intent(in) :: iterate
     integer, intent(in) :: i
@@ -216,7 +218,7 @@ contains
     if (falls_inwards) falls_inwards = .not. is_rounding(iterate, i, iterate%g(i)/iterate%m(i))
   end function falls_inwards
 
-  !> What a stationary point with these active bounds is.
+  !> Kind of a stationary point with these active bounds.
   pure integer function ending_at(surface, iterate, edge) result(ending)
     type(surface_t), intent(in) :: surface
     type(iterate_t), intent(in) :: iterate
@@ -236,7 +238,7 @@ contains
     end do
   end function ending_at
 
-  !> From the last iterate to the projection.
+  !> Set the projection from the last iterate.
   pure subroutine set_foot(surface, shape, x, iterate, ending, edge, foot)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -265,7 +267,7 @@ contains
     n = n/sqrt(n(1)**2 + n(2)**2 + n(3)**2)
   end function normal
 
-  !> Mean of the normals of the elements at an edge or round a vertex.
+  !> Mean of the normals of the elements at an edge or around a vertex.
   pure function mean_normal(surface, shape, x, iterate, ending, edge) result(n)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

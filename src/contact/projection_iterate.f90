@@ -1,5 +1,5 @@
-!> Iterate of a projection: a point of an element with all that Newton's method needs there, and the
-!! step from it.
+!> Iterate of a projection: a point of an element with all quantities that Newton's method needs
+!! there, and the step from it.
 module projection_iterate
   use base_kinds, only: wp
   use contact_pair, only: surface_t
@@ -9,23 +9,23 @@ module projection_iterate
   private
   public :: iterate_t, evaluate, find_step, find_active, take_step, take_last_step, is_rounding
 
-  !> Parameters that differ by less are equal.
+  !> Parameters that differ by less than this are equal.
   real(wp), parameter :: SAME_XI = 1.0e-13_wp
-  !> Rounding of a coordinate, relative.
+  !> Relative rounding error of a coordinate.
   real(wp), parameter :: ROUNDING = 4.0_wp*epsilon(1.0_wp)
-  !> Squared sine between tangents that span no plane.
+  !> Below this squared sine between them, tangents span no plane.
   real(wp), parameter :: FLAT = 1.0e-12_wp
   !> Newton's step needs a Hessian whose determinant is at least this fraction of the metric's.
   real(wp), parameter :: PROPER = 1.0e-6_wp
   !> From this fraction on, Newton's step squares the error.
   real(wp), parameter :: WELL = 0.1_wp
-  !> Steps this short are taken untested: rounding hides by how much the distance falls.
+  !> Steps shorter than this are not tested: rounding hides the decrease of the distance.
   real(wp), parameter :: SHORT = 1.0e-4_wp
   integer, parameter :: MOST_HALVINGS = 30
-  !> Largest fraction of the distance to a collapsed edge that a step may go.
+  !> Largest fraction of the distance to a collapsed edge that a step may cover.
   real(wp), parameter :: NEARLY = 0.9_wp
 
-  !> No default initialisation: it would cost as much as an evaluation.
+  !> There is no default initialisation, which would cost as much as an evaluation.
   type :: iterate_t
     integer :: elem
     real(wp) :: xi(2)
@@ -63,7 +63,7 @@ contains
     iterate%noise = (ROUNDING*max(abs(x(1)), abs(x(2)), abs(x(3))))**2
   end subroutine evaluate
 
-  !> Scalar product with a fixed order of the sums.
+  !> Scalar product with a fixed order of summation.
   pure real(wp) function dot3(a, b)
     real(wp), intent(in) :: a(3), b(3)
 
@@ -79,11 +79,13 @@ contains
     is_rounding = abs(d) <= SAME_XI .or. d*d*iterate%m(i) <= iterate%noise
   end function is_rounding
 
-  !> Active bounds: edges that the iterate lies on and beyond which the distance would fall further.
+  !> Find active bounds: edges on which the iterate lies and beyond which the distance would
+  !! decrease further.
   pure subroutine find_active(iterate, edge, push)
     type(iterate_t), intent(in) :: iterate
-    integer, intent(out) :: edge(2)     !! by parameter; 0: none
-    real(wp), intent(out) :: push(2)    !! about how far it would fall, as a change of the parameter
+    integer, intent(out) :: edge(2)     !! for each parameter; 0: none
+    real(wp), intent(out) :: push(2)    !! how far it would decrease, as an approximate change of
+    !! the parameter
     integer :: i
 
     edge = 0
@@ -96,8 +98,8 @@ contains
     end do
   end subroutine find_active
 
-  !> Newton's step for the parameters that are not held, a Gauss-Newton step where the Hessian is
-  !! not positive definite. The step never leads out of the element from an edge.
+  !> Find Newton's step for the parameters that are not held, or a Gauss-Newton step if the Hessian
+  !! is not positive definite. From an edge, the step never leads out of the element.
   pure subroutine find_step(iterate, held, d, definite, squares)
     type(iterate_t), intent(in) :: iterate
     logical, intent(in) :: held(2)
@@ -131,7 +133,8 @@ contains
     d = [h(2)*iterate%g(1) - h12*iterate%g(2), h(1)*iterate%g(2) - h12*iterate%g(1)]/det
     do i = 1, 2
       if (abs(iterate%xi(i)) < 1.0_wp .or. .not. iterate%xi(i)*d(i) > 0.0_wp) cycle
-      ! it would leave the element: the other parameter alone, and if that rests, this one inwards
+      ! If it leaves the element, move the other parameter alone; if that rests, move this one
+      ! inwards.
       squares = .false.
       j = 3 - i
       d(i) = 0.0_wp
@@ -145,7 +148,7 @@ contains
     end do
   end subroutine find_step
 
-  !> The step of one parameter while the other one is held.
+  !> Find the step of one parameter while the other one is held.
   pure subroutine step_alone(h, m, g, d, definite)
     real(wp), intent(in) :: h, m, g
     real(wp), intent(out) :: d
@@ -155,7 +158,7 @@ contains
     d = g/merge(h, m, h > PROPER*m)
   end subroutine step_alone
 
-  !> Take a step up to the first edge, halved until the distance falls.
+  !> Take a step up to the first edge, and halve it until the distance decreases.
   pure subroutine take_step(surface, shape, x, d, iterate, ok)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -170,7 +173,7 @@ contains
     from = iterate%xi
     f = iterate%f
     step = d
-    where (abs(from) >= 1.0_wp .and. from*d > 0.0_wp) step = 0.0_wp ! by rounding
+    where (abs(from) >= 1.0_wp .and. from*d > 0.0_wp) step = 0.0_wp ! due to rounding
     do i = 1, 2
       if ((from(i) + fraction*step(i))*sign(1.0_wp, step(i)) < 1.0_wp) cycle ! short of the edge
       if (.not. abs(step(i)) > 0.0_wp) cycle
@@ -179,7 +182,7 @@ contains
     end do
     if (meets > 0 .and. allocated(surface%point)) then
       i = merge(2*meets - 1, 2*meets, d(meets) < 0.0_wp)
-      if (surface%point(i, iterate%elem)) then ! a collapsed edge: a tangent vanishes there
+      if (surface%point(i, iterate%elem)) then ! a tangent vanishes at a collapsed edge
         fraction = NEARLY*fraction
         meets = 0
       end if

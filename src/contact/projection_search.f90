@@ -1,4 +1,5 @@
-!> Where to start a projection: the nearest of some sample points of a surface, from a bucket grid.
+!> Starting points of projections: the nearest of some sample points of a surface, from a bucket
+!! grid.
 module projection_search
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
@@ -9,20 +10,21 @@ module projection_search
   private
   public :: grid_t, update_grid, nearest_start, is_near
 
-  integer, parameter :: MOST_CELLS = 4            !! cells per sample, at most
+  integer, parameter :: MOST_CELLS = 4            !! largest number of cells per sample
   real(wp), parameter :: FAR = sqrt(huge(1.0_wp)) !! the squares of larger numbers overflow
-  real(wp), parameter :: PER_SPACING = 2.0_wp     !! width of a cell over the spacing of the samples
+  real(wp), parameter :: PER_SPACING = 2.0_wp     !! width of a cell, relative to the spacing of the
+  !! samples
 
-  !> Samples of a surface, sorted by the cell that they lie in.
+  !> Samples of a surface, sorted by the cells in which they lie.
   type :: grid_t
-    real(wp) :: low(3) = 0.0_wp, high(3) = 0.0_wp !! box round the surface [L]
-    real(wp) :: width = 1.0_wp                    !! of a cell [L]
-    integer :: n(3) = 0                           !! cells; 0: the surface is empty or not finite
+    real(wp) :: low(3) = 0.0_wp, high(3) = 0.0_wp !! box around the surface [L]
+    real(wp) :: width = 1.0_wp                    !! width of a cell [L]
+    integer :: n(3) = 0  !! number of cells; 0: the surface is empty or not finite
     integer, allocatable :: first(:)              !! where the samples of a cell begin
     integer, allocatable :: elem(:)               !! (ns) element of a sample
     real(wp), allocatable :: xi(:, :)             !! (2, ns) its parameters
     real(wp), allocatable :: x(:, :)              !! (3, ns) its position [L]
-    !> Work arrays of the sorting.
+    !> Work arrays for the sorting.
     integer, allocatable :: cell(:)               !! (ns)
     real(wp), allocatable :: sample(:, :)         !! (3, ns)
   end type grid_t
@@ -71,7 +73,7 @@ contains
     call sort_samples(surface, ns, grid)
   end subroutine update_grid
 
-  !> An element has a square of so many samples by its degree.
+  !> Number of samples in each direction of an element, which depends on its degree.
   pure integer function per_direction(surface, e)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -79,7 +81,7 @@ contains
     per_direction = min(maxval(surface%basis(surface%ibasis(e))%degree) + 1, 3)
   end function per_direction
 
-  !> Parameters of sample i of n*n.
+  !> Parameters of sample i of the n*n samples.
   pure function sample_xi(n, i) result(xi)
     integer, intent(in) :: n, i
     real(wp) :: xi(2)
@@ -87,7 +89,7 @@ contains
     xi = [2*mod(i - 1, n) + 1, 2*((i - 1)/n) + 1]/real(n, wp) - 1.0_wp
   end function sample_xi
 
-  !> Counting sort.
+  !> Sort the samples by cells (counting sort).
   subroutine sort_samples(surface, ns, grid)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: ns
@@ -118,7 +120,7 @@ contains
     end do
   end subroutine sort_samples
 
-  !> The cell of a point, or the nearest one to a point outside the grid.
+  !> The cell of a point, or the nearest one if the point is outside the grid.
   pure function cell_of(grid, x) result(at)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)
@@ -135,7 +137,7 @@ contains
     cell_number = at(1) + grid%n(1)*(at(2) - 1 + grid%n(2)*(at(3) - 1))
   end function cell_number
 
-  !> Is a point within `reach` of the box round the surface?
+  !> Is a point within `reach` of the box around the surface?
   pure logical function is_near(grid, x, reach)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)
@@ -144,7 +146,7 @@ contains
     is_near = all(x >= grid%low - reach .and. x <= grid%high + reach)
   end function is_near
 
-  !> The nearest sample; element 0 if the surface is empty or not finite.
+  !> Find the nearest sample; element 0 if the surface is empty or not finite.
   pure subroutine nearest_start(grid, x, elem, xi)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)       !! finite
@@ -172,7 +174,7 @@ contains
     xi = grid%xi(:, s)
   end subroutine nearest_start
 
-  !> The nearest sample in the cells on the surface of a cube round a cell.
+  !> Find the nearest sample in the cells on the surface of a cube around a cell.
   pure subroutine search_ring(grid, x, at, ring, best, nearest)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)
@@ -197,7 +199,7 @@ contains
     end do
   end subroutine search_ring
 
-  !> Consecutive cells, whose samples are consecutive too.
+  !> Search consecutive cells, whose samples are consecutive too.
   pure subroutine search_row(grid, x, from, to, best, nearest)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)

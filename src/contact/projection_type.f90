@@ -1,4 +1,4 @@
-!> Result of a projection, as the kinematics of contact need it, and the shape of a surface.
+!> Result of a projection, as needed for the kinematics of contact, and the shape of a surface.
 module projection_type
   use base_kinds, only: wp
   implicit none
@@ -7,11 +7,11 @@ module projection_type
 
   !> Current geometry of a surface (surface_geometry).
   type :: shape_t
-    !> (3, nb, nelem) Bezier points [L], nb of the richest basis; those of rational surfaces are
-    !! divided by their weights
+    !> (3, nb, nelem) Bezier points [L], with the number nb of the richest basis; those of rational
+    !! surfaces are divided by their weights
     real(wp), allocatable :: bez(:, :, :)
-    real(wp), allocatable :: w(:, :)        !! (nb, nelem) their weights; not allocated: all one
-    real(wp), allocatable :: low(:, :), high(:, :) !! (3, nelem) box round each element [L]
+    real(wp), allocatable :: w(:, :)  !! (nb, nelem) weights of the points; not allocated: all one
+    real(wp), allocatable :: low(:, :), high(:, :) !! (3, nelem) box around each element [L]
   end type shape_t
 
   !> Projection of a point: the closest point of a surface.
@@ -24,10 +24,10 @@ module projection_type
     real(wp) :: x(3) = 0.0_wp               !! position [L]
     real(wp) :: a(3, 2) = 0.0_wp            !! tangents
     real(wp) :: b(3, 3) = 0.0_wp            !! second derivatives 11, 22, 12
-    real(wp) :: n(3) = 0.0_wp               !! unit outward normal; on a ridge or vertex the mean
-    !> [L] negative inside; on a ridge or vertex the distance with that sign
+    real(wp) :: n(3) = 0.0_wp  !! unit outward normal; on a ridge or at a vertex the mean
+    !> [L] negative inside; on a ridge or at a vertex the distance with that sign
     real(wp) :: gap = huge(1.0_wp)
-    !> If there is no projection: closest point of the outer boundary, if that is near; element 0:
+    !> If there is no projection: the closest point of the outer boundary, if it is near; element 0:
     !! it is not.
     integer :: outer = 0
     real(wp) :: outer_xi(2) = 0.0_wp
@@ -36,7 +36,7 @@ module projection_type
 
 contains
 
-  !> Is there a projection, with the point no deeper below it than `depth`?
+  !> Is there a projection, and is the point no deeper below it than `depth`?
   pure logical function touches(foot, depth)
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: depth           !! [L]

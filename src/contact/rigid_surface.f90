@@ -11,12 +11,12 @@ module rigid_surface
 
 contains
 
-  !> Forces of the points of one element of the other side.
+  !> Add the forces that the points of one element of the other side exert.
   subroutine react(rigid, feet, points, before, f)
     type(surface_t), intent(in) :: rigid
     type(foot_t), intent(in) :: feet(:)          !! (nq) of an element of the other side
     type(contact_points_t), intent(in) :: points !! of the other side
-    integer, intent(in) :: before                !! points before those of the element
+    integer, intent(in) :: before                !! number of points before those of the element
     real(wp), intent(inout) :: f(:, :)           !! (3, nnode) internal forces [F]
     real(wp) :: at_partner(3), at_closest(3)
     integer :: i, q
@@ -31,8 +31,8 @@ contains
     end do
   end subroutine react
 
-  !> Forces of point i on the other side: that of a bond acts at the partner, the rest at the
-  !! projection.
+  !> Split the force of point i on the other side: the force of a bond acts at the partner, the rest
+  !! at the projection.
   pure subroutine split_force(points, i, at_partner, at_closest)
     type(contact_points_t), intent(in) :: points
     integer, intent(in) :: i
@@ -43,7 +43,7 @@ contains
     at_closest = points%area(i)*points%traction(:, i) - at_partner
   end subroutine split_force
 
-  !> A force on the nodes of element e.
+  !> Distribute a force to the nodes of element e.
   subroutine put_force(rigid, e, xi, force, f)
     type(surface_t), intent(in) :: rigid
     integer, intent(in) :: e

@@ -1,10 +1,12 @@
-!> Subcell quadrature (REFIne of QUADrature): finer integration of elements partly in contact.
+!> Subcell quadrature (REFIne of QUADrature): finer integration of elements that are partly in
+!! contact.
 !!
 !! The points of an element are those of the plain rule, followed by those of m x m cells with the
-!! plain rule in each. One of the two sets is active: the cells if at the start of the step, or
-!! later in it, some plain points are in contact and others are not. An element is refined at most
-!! once in a step and coarsened only between steps, so that Newton's iteration cannot switch to and
-!! fro. Both sets have histories: when a step is accepted the inactive points follow.
+!! plain rule in each. One of the two sets is active. The cells are active if some plain points are
+!! in contact and others are not, at the start of the step or later in it. An element is refined at
+!! most once in a step, and coarsened only between steps, so that Newton's iteration cannot switch
+!! back and forth. Both sets have histories: when a step is accepted, those of the inactive points
+!! are updated.
 module subcell_quadrature
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t
@@ -27,7 +29,8 @@ contains
     if (points%refined(e)) q = [contact%nplain + 1, contact%nq]
   end function acting
 
-  !> At the start of a step: which elements are refined, by the states at the end of the last one.
+  !> At the start of a step, decide which elements are refined, from the states at the end of the
+  !! last one.
   pure subroutine begin_refinement(contact, points)
     type(contact_t), intent(in) :: contact
     type(contact_points_t), intent(inout) :: points
@@ -42,7 +45,7 @@ contains
     end do
   end subroutine begin_refinement
 
-  !> Does the edge of the contact area run through the element? Decided by its plain points.
+  !> Does the edge of the contact area run through the element? Its plain points decide.
   pure logical function is_refined(contact, feet)
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: feet(:)    !! (nplain or more)
@@ -57,7 +60,7 @@ contains
     is_refined = n > 0 .and. n < contact%nplain
   end function is_refined
 
-  !> Points i to j bear no traction and have no area; their states and elastic displacements stay.
+  !> Set traction and area of points i to j to zero; their states and elastic displacements stay.
   pure subroutine silence(points, i, j)
     type(contact_points_t), intent(inout) :: points
     integer, intent(in) :: i, j

@@ -1,10 +1,10 @@
-!> Shape functions of an element on one of its faces in Bernstein form: N = C B.
+!> Shape functions of an element on one of its faces, in Bernstein form: N = C B.
 !!
-!! The extraction C is found by collocation of the functions that the row of the element gives, so
-!! every element type is served. Weights are usually kept apart (surface%w), so that C gives the
-!! functions without weights. The exceptions are lateral faces of rational enriched elements, where
-!! the nodes of both bases share the denominator W of the surface: there C contains the weights,
-!! W N_b for the Lagrange nodes, and surface%w is one.
+!! The extraction C is found by collocation of the functions given by the row of the element, so
+!! that every element type is covered. Weights are usually kept separately (surface%w), so that C
+!! gives the functions without weights. The exceptions are lateral faces of rational enriched
+!! elements, on which the nodes of both bases share the denominator W of the surface: there C
+!! contains the weights, W N_b for the Lagrange nodes, and surface%w is one.
 module surface_basis
   use base_kinds, only: wp
   use bspline, only: bernstein
@@ -23,7 +23,7 @@ module surface_basis
 
 contains
 
-  !> Shape functions on face `side`, and the local nodes they belong to.
+  !> Find the shape functions on face `side`, and the local nodes to which they belong.
   subroutine find_basis(row, cell, nen, side, basis, local)
     type(element_t), intent(in) :: row
     type(cell_t), intent(in) :: cell
@@ -41,7 +41,7 @@ contains
     n2 = basis%degree(2) + 1
     allocate (x(2, n1*n2), w(n1*n2), v(nen, n1*n2), c(nen, n1*n2), dshp(3, nen), below(nen))
     allocate (m1(n1, n1), m2(n2, n2))
-    plain = cell ! without weights: the functions are the numerators of the rational ones
+    plain = cell ! without weights, the functions are the numerators of the rational ones
     if (allocated(plain%w)) deallocate (plain%w)
     d = directions(side)
     call gauss_quad(n1, n2, x, w)
@@ -66,14 +66,14 @@ contains
     do j = 1, n2
       v(:, n1*(j - 1) + 1:n1*j) = matmul(c(:, n1*(j - 1) + 1:n1*j), transpose(m1))
     end do
-    c = anint(v*FRACTION)/FRACTION ! uniform knots give fractions
+    c = anint(v*FRACTION)/FRACTION ! coefficients of uniform knots are fractions
     where (abs(v - c) < ROUNDING) v = c
     local = pack([(a, a=1, nen)], [(any(abs(v(a, :)) > 0.0_wp), a=1, nen)])
     basis%nsf = size(local)
     basis%c = v(local, :)
   end subroutine find_basis
 
-  !> Is the face one on which only some of the nodes have weights?
+  !> Do only some of the nodes on the face have weights?
   pure logical function is_mixed(cell, nen, side)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: nen, side
@@ -103,7 +103,8 @@ contains
     p = full(directions(side))
   end function face_degree
 
-  !> Directions a and b of the element on a face, such that a_1 x a_2 points out of the body.
+  !> Directions a and b of the element on a face, ordered such that a_1 x a_2 points out of the
+  !! body.
   pure function directions(side) result(d)
     integer, intent(in) :: side
     integer :: d(2), normal
@@ -112,8 +113,8 @@ contains
     if (mod(side, 2) == 1) d = d([2, 1])
   end function directions
 
-  !> m(b, q): Bernstein coefficient b of the polynomial that is one at Gauss point q of n and zero
-  !! at the others.
+  !> Find m(b, q), the Bernstein coefficient b of the polynomial that is one at Gauss point q of n
+  !! and zero at the others.
   subroutine invert_collocation(n, m)
     integer, intent(in) :: n
     real(wp), intent(out) :: m(n, n)
@@ -130,7 +131,7 @@ contains
     call dgesv(n, n, a, n, pivot, m, n, info)
   end subroutine invert_collocation
 
-  !> Are two bases the same functions?
+  !> Do two bases have the same functions?
   pure logical function same_basis(a, b)
     type(surface_basis_t), intent(in) :: a, b
 
@@ -138,7 +139,7 @@ contains
     if (same_basis) same_basis = all(abs(a%c - b%c) < ROUNDING)
   end function same_basis
 
-  !> N and its derivatives at any point of [-1,1]^2, without the weights of the surface.
+  !> Evaluate N and its derivatives at any point of [-1,1]^2, without the weights of the surface.
   pure subroutine surface_functions_at(basis, xi, shp, dshp)
     type(surface_basis_t), intent(in) :: basis
     real(wp), intent(in) :: xi(2)

@@ -1,5 +1,5 @@
-!> Current geometry of a surface: its Bezier points; position, tangents and second derivatives at
-!! any point of it.
+!> Current geometry of a surface: its Bezier points, and position, tangents and second derivatives
+!! at any of its points.
 module surface_geometry
   use base_kinds, only: wp
   use contact_pair, only: surface_t
@@ -11,7 +11,8 @@ module surface_geometry
 
 contains
 
-  !> Bezier points of all elements at the current positions of the nodes, and the boxes round them.
+  !> Find the Bezier points of all elements at the current positions of the nodes, and the boxes
+  !! around them.
   subroutine update_shape(surface, x, shape)
     type(surface_t), intent(in) :: surface
     real(wp), intent(in) :: x(:, :)       !! (3, nnode) current positions [L]
@@ -56,7 +57,7 @@ contains
     end do
   end subroutine update_shape
 
-  !> Position, tangents and second derivatives 11, 22, 12 at a point of an element.
+  !> Find position, tangents and second derivatives 11, 22, 12 at a point of an element.
   pure subroutine surface_point(surface, shape, e, xi, x, a, b)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -79,7 +80,7 @@ contains
     end if
   end subroutine surface_point
 
-  !> Degrees 1 x 1.
+  !> Evaluate a surface of degrees 1 x 1.
   pure subroutine bilinear(p, xi, x, a, b)
     real(wp), intent(in) :: p(3, 2, 2), xi(2)
     real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
@@ -95,7 +96,7 @@ contains
     b(:, 3) = 0.25_wp*((p(:, 2, 2) - p(:, 1, 2)) - (p(:, 2, 1) - p(:, 1, 1)))
   end subroutine bilinear
 
-  !> Degrees 2 x 2: along the rows of direction 1 first, then across them.
+  !> Evaluate a surface of degrees 2 x 2: first along the rows of direction 1, then across them.
   pure subroutine biquadratic(p, xi, x, a, b)
     real(wp), intent(in) :: p(3, 3, 3), xi(2)
     real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
@@ -125,7 +126,7 @@ contains
     b(:, 3) = d(1, 2)*slope(:, 1) + d(2, 2)*slope(:, 2) + d(3, 2)*slope(:, 3)
   end subroutine biquadratic
 
-  !> Bernstein polynomials on [-1,1] and their first two derivatives, without allocation.
+  !> Evaluate Bernstein polynomials on [-1,1] and their first two derivatives, without allocation.
   pure subroutine fill_basis(n, xi, f)
     integer, intent(in) :: n             !! degree + 1
     real(wp), intent(in) :: xi
@@ -163,7 +164,7 @@ contains
     f(:p, 0) = low(0:p)
   end subroutine fill_basis
 
-  !> Polynomial surfaces of any degrees.
+  !> Evaluate a polynomial surface of any degrees.
   pure subroutine tensor_point(n1, n2, p, xi, x, a, b)
     integer, intent(in) :: n1, n2
     real(wp), intent(in) :: p(3, n1, n2), xi(2)
@@ -194,7 +195,7 @@ contains
     end do
   end subroutine tensor_point
 
-  !> Rational surfaces of any degrees: w x and w as polynomials, then the quotient.
+  !> Evaluate a rational surface of any degrees: w x and w as polynomials, then the quotient.
   pure subroutine rational_point(n1, n2, bez, w, xi, x, a, b)
     integer, intent(in) :: n1, n2
     real(wp), intent(in) :: bez(3, n1*n2), w(n1*n2), xi(2)

@@ -1,4 +1,4 @@
-!> T-junctions of surfaces: edges that are a part of the edge of another element.
+!> T-junctions of surfaces: edges that are a part of an edge of another element.
 module surface_t_junctions
   use base_kinds, only: wp, i8
   use base_sort, only: sort_index
@@ -9,13 +9,13 @@ module surface_t_junctions
   public :: edge_point, match_t_junctions
 
   integer, parameter :: NSAMPLE = 33, MOST_STEPS = 30
-  !> Parameters that differ by less than SAME are equal; if that near, they are rounded to a
-  !! multiple of 1/FRACTION.
+  !> Parameters that differ by less than SAME are equal; a parameter that is this close to a
+  !! multiple of 1/FRACTION is rounded to it.
   real(wp), parameter :: SAME = 1.0e-9_wp, FRACTION = 40320.0_wp
 
 contains
 
-  !> Position and derivative in the reference configuration at parameter t of an edge.
+  !> Find position and derivative in the reference configuration at parameter t of an edge.
   subroutine edge_point(xr, surface, e, k, t, x, slope)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface
@@ -41,13 +41,13 @@ contains
     end associate
   end subroutine edge_point
 
-  !> Find the T-junctions among edges without a neighbour and set surface%part, neighbour and edge
+  !> Find the T-junctions among edges without a neighbour, and set surface%part, neighbour and edge
   !! there. An edge that its parts do not cover stays on the outer boundary. Edges are numbered
   !! 4(e-1)+k.
   subroutine match_t_junctions(xr, edge, key, near, surface)
     real(wp), intent(in) :: xr(:, :)
     integer, intent(in) :: edge(:)       !! edges without a neighbour
-    integer(i8), intent(in) :: key(:)    !! (size(edge)) equal for edges with the same nodes
+    integer(i8), intent(in) :: key(:)    !! (size(edge)) keys, equal for edges with the same nodes
     real(wp), intent(in) :: near(:)      !! (nelem) distance below which points are equal [L]
     type(surface_t), intent(inout) :: surface
     !> Edge fine(i) lies in edge coarse(i) from its parameter at(1, i) to at(2, i).
@@ -89,8 +89,7 @@ contains
     end do
   end subroutine match_t_junctions
 
-  !> Does edge a lie in edge b, with the same parametrisation, and shorter? If so, from t(1) to
-  !! t(2).
+  !> Is edge a a part of edge b, with the same parametrisation? If so, it extends from t(1) to t(2).
   logical function is_part(xr, surface, a, b, near, t)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface
@@ -111,7 +110,7 @@ contains
               .and. abs(at(1) + at(3) - 2*at(2)) <= 1.0e3_wp*SAME
   end function is_part
 
-  !> Closest point of an edge: Gauss-Newton iteration from the best of some samples.
+  !> Find the closest point of an edge by a Gauss-Newton iteration from the best of some samples.
   subroutine project_on_edge(xr, surface, e, k, x, t, y)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface
@@ -141,7 +140,8 @@ contains
     call edge_point(xr, surface, e, k, t, y, slope)
   end subroutine project_on_edge
 
-  !> Parts of one edge in the order of its parameter; an edge that is itself a part has one.
+  !> Set the parts of each edge in the order of its parameter; an edge that is itself a part has
+  !! one.
   subroutine set_parts(fine, coarse, at, edge, surface)
     integer, intent(in) :: fine(:), coarse(:)
     real(wp), intent(in) :: at(:, :)

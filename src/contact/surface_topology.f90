@@ -1,8 +1,10 @@
-!> Topology of a surface: which element lies across each edge, and which elements share a vertex.
+!> Topology of a surface: which element is the neighbour across each edge, and which elements share
+!! a vertex.
 !!
-!! Two edges are the same if the same nodes have a trace on them and they have the same position in
-!! the reference configuration; an edge that is collapsed to a point (prisms) has no neighbour. At a
-!! T-junction an edge meets several others, each of which is a part of it (surface_t_junctions).
+!! Two edges are the same if the same nodes have a trace on them and if they have the same position
+!! in the reference configuration. An edge that is collapsed to a point (prisms) has no neighbour.
+!! At a T-junction, an edge meets several others, each of which is a part of it
+!! (surface_t_junctions).
 module surface_topology
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
@@ -17,17 +19,17 @@ module surface_topology
   !> Corners at the ends of the edges xi-, xi+, eta-, eta+, from - to +.
   integer, parameter :: END_OF(2, 4) = reshape([1, 3, 2, 4, 1, 2, 3, 4], [2, 4])
 
-  !> Fractions of the size of an element: edges that are closer than NEAR are the same, an edge that
-  !! is shorter than COLLAPSED is a point.
+  !> Fractions of the size of an element: edges that are closer than NEAR are the same, and an edge
+  !! that is shorter than COLLAPSED is a point.
   real(wp), parameter :: NEAR = 1.0e-6_wp, COLLAPSED = 1.0e-9_wp
   integer, parameter :: NPOINT = 4
 
   !> Edges of all elements, edge k of element e at 4(e-1)+k.
   type :: edges_t
-    integer, allocatable :: first(:)     !! where the nodes of an edge begin in `node`
-    integer, allocatable :: node(:)      !! nodes with a trace on it, in ascending order
-    integer(i8), allocatable :: key(:)   !! equal for the same nodes
-    real(wp), allocatable :: x(:, :, :)  !! (3, NPOINT, nedge) points of it [L]
+    integer, allocatable :: first(:)     !! position in `node` at which the nodes of an edge begin
+    integer, allocatable :: node(:)      !! nodes with a trace on the edge, in ascending order
+    integer(i8), allocatable :: key(:)   !! equal for edges with the same nodes
+    real(wp), allocatable :: x(:, :, :)  !! (3, NPOINT, nedge) points of the edge [L]
     real(wp), allocatable :: length(:)   !! (nelem) size of an element [L]
     logical, allocatable :: point(:, :)  !! (4, nelem) the edge is collapsed to a point
   end type edges_t
@@ -53,8 +55,8 @@ contains
     if (any(edges%point)) surface%point = edges%point
   end subroutine connect_elements
 
-  !> Nodes and points of all edges. A node has a trace on an edge if one of the coefficients of its
-  !! function does not vanish there.
+  !> Find the nodes and points of all edges. A node has a trace on an edge if one of the
+  !! coefficients of its function does not vanish there.
   subroutine find_edges(xr, surface, edges)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface
@@ -98,8 +100,8 @@ contains
     end do
   end subroutine find_edges
 
-  !> Find the pairs of edges that are the same: the same nodes in the same places, in either
-  !! direction.
+  !> Find the pairs of edges that are the same: they have the same nodes at the same positions, in
+  !! either direction.
   subroutine match_edges(edges, surface, error)
     type(edges_t), intent(in) :: edges
     type(surface_t), intent(inout) :: surface
@@ -144,7 +146,7 @@ contains
     end do
   end subroutine match_edges
 
-  !> Number the vertices and find the elements round each of them. Corners that matched edges join
+  !> Number the vertices and find the elements around each of them. Corners that matched edges join
   !! are one vertex, and so are the ends of a collapsed edge.
   subroutine number_vertices(surface, point)
     type(surface_t), intent(inout) :: surface
@@ -175,7 +177,7 @@ contains
         surface%outer(surface%vertex(END_OF(:, k), e)) = .true.
       end do
     end do
-    ! elements round each vertex in ascending order, by a counting sort
+    ! Sort the elements around each vertex in ascending order, by a counting sort.
     allocate (next(n), source=0)
     do i = 1, size(number)
       next(number(i)) = next(number(i)) + 1
@@ -194,8 +196,8 @@ contains
     end do
   end subroutine number_vertices
 
-  !> Join the ends of an edge with those of its neighbour; at a T-junction, the ends of parts that
-  !! are corners on both sides.
+  !> Join the ends of an edge with those of its neighbour; at a T-junction, join the ends of parts
+  !! that are corners on both sides.
   pure subroutine join_edges(surface, e, k, root)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e, k
@@ -226,14 +228,14 @@ contains
     end do
   end subroutine join_edges
 
-  !> Corner c of element e among those of all elements.
+  !> Number of corner c of element e among the corners of all elements.
   pure integer function corner(e, c)
     integer, intent(in) :: e, c
 
     corner = 4*(e - 1) + c
   end function corner
 
-  !> Representative of the set that i belongs to.
+  !> Representative of the set to which i belongs.
   pure integer function top(root, i)
     integer, intent(in) :: root(:), i
 

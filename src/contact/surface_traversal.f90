@@ -1,4 +1,4 @@
-!> Surface traversal: a point moves along a surface from element to element.
+!> Surface traversal: moves a point along a surface from element to element.
 module surface_traversal
   use base_kinds, only: wp
   use contact_pair, only: surface_t
@@ -9,12 +9,13 @@ module surface_traversal
   public :: walk, step_across, corner_at, corner_xi
 
   integer, parameter :: MOST_CROSSINGS = 100
-  real(wp), parameter :: FLAT = 1.0e-12_wp !! squared sine between tangents that span no plane
+  real(wp), parameter :: FLAT = 1.0e-12_wp !! tangents span no plane below this squared sine between
+  !! them
 
 contains
 
-  !> Move (elem, xi) by the tangential vector v: dxi = v . a^alpha. Across an edge the rest of v is
-  !! taken in the tangent plane of the next element; at the outer boundary the point slides along
+  !> Move (elem, xi) by the tangential vector v: dxi = v . a^alpha. Across an edge, the rest of v is
+  !! taken in the tangent plane of the next element; at the outer boundary, the point slides along
   !! the edge.
   pure subroutine walk(surface, shape, elem, xi, v, clamped)
     type(surface_t), intent(in) :: surface
@@ -29,12 +30,12 @@ contains
 
     clamped = .false.
     held = .false.
-    behind = 0 ! the edge that the point has come across
+    behind = 0 ! the edge that the point has crossed last
     rest = 1.0_wp
     do crossing = 1, MOST_CROSSINGS
       call tangential_step(surface, shape, elem, xi, rest*v, held, d, ok)
       if (.not. ok) return
-      fraction = 1.0_wp ! of the step up to the first edge, that of parameter i
+      fraction = 1.0_wp ! part of the step up to the first edge, that of parameter i
       i = 0
       do j = 1, 2
         distance = sign(1.0_wp, d(j)) - xi(j)
@@ -61,13 +62,13 @@ contains
     end do
   end subroutine walk
 
-  !> The point of an edge in the element on the other side of it.
+  !> Find the parameters of a point of an edge in the element on the other side of the edge.
   pure subroutine step_across(surface, k, elem, xi, behind)
     type(surface_t), intent(in) :: surface
-    integer, intent(in) :: k            !! edge, with a neighbour
+    integer, intent(in) :: k            !! an edge that has a neighbour
     integer, intent(inout) :: elem
     real(wp), intent(inout) :: xi(2)
-    integer, intent(out) :: behind      !! the edge of the other element
+    integer, intent(out) :: behind      !! the edge in the other element
     integer :: m, i, from, to
     real(wp) :: t
 
@@ -98,7 +99,7 @@ contains
     xi(merge(2, 1, behind < 3)) = t
   end subroutine step_across
 
-  !> v . a^alpha; a parameter that is held does not change.
+  !> Find the step v . a^alpha; a parameter that is held does not change.
   pure subroutine tangential_step(surface, shape, elem, xi, v, held, d, ok)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -106,7 +107,7 @@ contains
     real(wp), intent(in) :: xi(2), v(3)
     logical, intent(in) :: held(2)
     real(wp), intent(out) :: d(2)
-    logical, intent(out) :: ok !! .false.: the tangents span no plane
+    logical, intent(out) :: ok !! false if the tangents span no plane
     real(wp) :: x(3), a(3, 2), b(3, 3), m11, m22, m12, g(2), det
 
     call surface_point(surface, shape, elem, xi, x, a, b)
