@@ -1,6 +1,6 @@
 !> Supports, prescribed motion and loads, as the deck gives them.
 !!
-!! A load number 0 means: the sum of all load tables (FEAP); k > 0: table k.
+!! Load number 0 stands for the sum of all load tables (as in FEAP), and k > 0 for table k.
 module boundary
   use base_error, only: place_t
   use base_kinds, only: wp
@@ -9,9 +9,9 @@ module boundary
   public :: boundary_t, motion_t, pressure_t
   public :: note_load_number, place_of_number
 
-  !> Rigid motion of a set of nodes: MOVE. It acts on reference positions. The moves of a node are
-  !! added in the order of the deck: first the rotations of the reference position, then the
-  !! translations.
+  !> Rigid motion of a set of nodes (MOVE), which acts on the reference positions. Several moves of
+  !! a node are added in the order of the deck: first the rotations of the reference position, then
+  !! the translations.
   type :: motion_t
     integer, allocatable :: node(:)
     logical :: rotates = .false.
@@ -28,7 +28,7 @@ module boundary
     integer, allocatable :: block(:), elem(:), side(:)
     real(wp) :: value = 0.0_wp       !! [F/L^2]
     integer :: table = 0
-    logical :: follower = .false.    !! current area and normal; otherwise those of the reference
+    logical :: follower = .false.    !! acts on the current faces, otherwise on the reference faces
     type(place_t) :: place
   end type pressure_t
 
@@ -37,10 +37,10 @@ module boundary
     integer :: table = 0
     integer, allocatable :: node(:)
     real(wp), allocatable :: f(:, :) !! (3, size(node)) [F] at factor 1
-    type(place_t) :: place           !! of the first of them
+    type(place_t) :: place           !! place of the first of them
   end type dead_load_t
 
-  !> A load number of nodes, and where the deck gives it first.
+  !> A load number of nodes, and the place where the deck gives it first.
   type :: load_number_t
     integer :: table = 0
     type(place_t) :: place
@@ -52,18 +52,18 @@ module boundary
     !! (DISP, EDIS, CDIS)
     real(wp), allocatable :: force(:, :) !! (3, nnode) nodal force at factor 1 [F] (FORC, EFOR,
     !! CFOR)
-    integer, allocatable :: table(:, :) !! (3, nnode) load number of the two above (FPRO, EPRO)
+    integer, allocatable :: table(:, :) !! (3, nnode) load number of value and force (FPRO, EPRO)
     type(motion_t), allocatable :: motion(:)
     type(pressure_t), allocatable :: pressure(:)
-    type(dead_load_t), allocatable :: dead(:) !! body forces, CSURf and dead pressures, once
-    !! integrated
-    type(load_number_t), allocatable :: number(:) !! of FPRO and EPRO, each once
-    type(place_t), allocatable :: loose(:) !! records of displacements without a restraint
+    type(dead_load_t), allocatable :: dead(:) !! body forces, CSURf and dead pressures, after their
+    !! integration
+    type(load_number_t), allocatable :: number(:) !! load numbers of FPRO and EPRO, each once
+    type(place_t), allocatable :: loose(:) !! records of displacements that have no restraint
   end type boundary_t
 
 contains
 
-  !> Keep the place of a load number when it occurs first.
+  !> Note the place where a load number occurs first.
   subroutine note_load_number(bc, table, place)
     type(boundary_t), intent(inout) :: bc
     integer, intent(in) :: table
@@ -77,7 +77,7 @@ contains
     bc%number = [bc%number, new]
   end subroutine note_load_number
 
-  !> The place where a load number of nodes occurs first; no place if it does not occur.
+  !> Find the place where a load number of nodes occurs first; it stays empty if there is none.
   subroutine place_of_number(bc, table, place)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: table

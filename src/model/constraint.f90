@@ -1,6 +1,6 @@
 !> Linear constraints of nodes: x_s = sum_i c_i x_i, in the reference and in the current
-!! configuration (hanging nodes). The slave s is not an unknown: its displacement follows from its
-!! masters, on which its forces act.
+!! configuration (hanging nodes). The slave s has no unknowns: its displacement follows from its
+!! masters, on which the forces of the slave act.
 module constraint
   use base_error, only: place_t
   use base_grow, only: grow
@@ -9,15 +9,15 @@ module constraint
   private
   public :: constraint_t, add_constraint, follow, fold_force, slave_marks
 
-  !> All constraints of a mesh. The masters of constraint i are master(first(i):first(i+1)-1).
-  !! Once the mesh is closed no master is a slave and the coefficients of a slave sum up to one.
+  !> All constraints of a mesh. The masters of constraint i are master(first(i):first(i+1)-1). In a
+  !! complete mesh no master is a slave, and the coefficients of a slave sum to one.
   type :: constraint_t
     integer :: n = 0
     integer, allocatable :: slave(:)       !! (n)
     integer, allocatable :: first(:)       !! (n+1)
     integer, allocatable :: master(:)
     real(wp), allocatable :: c(:)          !! (size(master)) [-]
-    type(place_t), allocatable :: place(:) !! (n) where it was given
+    type(place_t), allocatable :: place(:) !! (n) place where the constraint was given
   end type constraint_t
 
 contains
@@ -47,7 +47,7 @@ contains
     list%place(list%n) = place
   end subroutine add_constraint
 
-  !> Displacements or positions of the slaves from those of their masters.
+  !> Compute displacements or positions of the slaves from those of their masters.
   pure subroutine follow(list, u)
     type(constraint_t), intent(in) :: list
     real(wp), intent(inout) :: u(:, :) !! (3, nnode) displacements or positions
@@ -63,7 +63,7 @@ contains
     end do
   end subroutine follow
 
-  !> Forces of slaves act on their masters.
+  !> Move the forces on slaves to their masters.
   pure subroutine fold_force(list, f)
     type(constraint_t), intent(in) :: list
     real(wp), intent(inout) :: f(:, :) !! (3, nnode)
@@ -77,7 +77,7 @@ contains
     end do
   end subroutine fold_force
 
-  !> Constraint of each node; 0: the node is not a slave.
+  !> Index of the constraint of each node; 0: the node is not a slave.
   pure function slave_marks(list, nnode) result(mark)
     type(constraint_t), intent(in) :: list
     integer, intent(in) :: nnode

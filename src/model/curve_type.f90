@@ -1,4 +1,4 @@
-!> The quantities of a CURVe: one for each column.
+!> The quantities of a CURVe; each gives one column of its table.
 module curve_type
   use base_error, only: place_t
   use base_kinds, only: wp
@@ -9,34 +9,34 @@ module curve_type
   integer, parameter, public :: Q_FORCE = 1, Q_TORQUE = 2, Q_DISP = 3, Q_STRESS = 4, &
                                 Q_ENERGY = 5, Q_MAX_DISP = 6, Q_MAX_MISES = 7
   integer, parameter, public :: Q_NODAL = 8 !! FEAP's reactions
-  !> Of one side of a contact. STICK, SLIP and DEBONDED are fractions of the area, 0 to 1.
+  !> Quantities of one side of a contact. STICK, SLIP and DEBONDED are area fractions, 0 to 1.
   integer, parameter, public :: Q_CONTACT_FORCE = 9, Q_CONTACT_TORQUE = 10, &
                                 Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, &
                                 Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, Q_CONTACT_AREA = 15, &
                                 Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
-  !> A term of the energy balance (BOOK), `component`: work done on the bodies; strain and kinetic
-  !! energy; work of contact against pressure, friction and bonds; dissipation of the time
-  !! integration; the error of the balance; and by the laws of the bonds their stored energy and the
-  !! dissipation of damage and of VISCous.
+  !> A term of the energy balance; `component` says which (B_WORK to B_VISCOUS): work done on the
+  !! bodies; strain energy and kinetic energy; work of contact against pressure, friction and bonds;
+  !! dissipation of the time integration; the error of the balance; and, of the bonds, the stored
+  !! energy and the dissipation by damage and by VISCous.
   integer, parameter, public :: Q_BOOK = 18
   integer, parameter, public :: B_WORK = 1, B_STORED = 2, B_KINETIC = 3, B_NORMAL = 4, &
                                 B_FRICTION = 5, B_COHESIVE = 6, B_INERTIA = 7, B_IMBALANCE = 8, &
                                 B_BONDS = 9, B_DAMAGE = 10, B_VISCOUS = 11
 
-  !> One column.
+  !> The quantity of one column.
   type :: quantity_t
     integer :: id = 0
     character(:), allocatable :: column  !! its name in the table
-    integer, allocatable :: node(:)      !! nodes summed or averaged over
-    !> 1 to 3; stress: Voigt 1 to 6 (11 22 33 12 23 31); tractions of a contact: 0 the magnitude;
-    !! the term of the energy balance
+    integer, allocatable :: node(:)      !! nodes over which to sum or average
+    !> Direction 1 to 3; for stress, Voigt index 1 to 6 (11 22 33 12 23 31); for tractions of a
+    !! contact, 0 means the magnitude; for the energy balance, the term.
     integer :: component = 0
-    real(wp) :: point(3) = 0.0_wp        !! on the axis of a torque; of a stress
+    real(wp) :: point(3) = 0.0_wp        !! point on the axis of a torque, or point of a stress
     real(wp) :: axis(3) = 0.0_wp
-    integer :: body = 0                  !! ENERgy, MAXImum; 0: all bodies
-    integer :: block = 0, elem = 0       !! STREss: where the reference point was found
-    real(wp) :: xi(3) = 0.0_wp           !! and its parent coordinates there
-    integer :: contact = 0, side = 0     !! quantities of a contact: index in the model, side 1 or 2
+    integer :: body = 0                  !! body of ENERgy or MAXImum; 0: all bodies
+    integer :: block = 0, elem = 0       !! STREss: element in which the reference point was found
+    real(wp) :: xi(3) = 0.0_wp           !! parent coordinates of this point
+    integer :: contact = 0, side = 0     !! for a contact: its index in the model, side 1 or 2
     type(place_t) :: place
   end type quantity_t
 

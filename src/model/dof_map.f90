@@ -9,13 +9,13 @@ module dof_map
 
 contains
 
-  !> Number the free dofs of the nodes in use, node by node; slaves of constraints have none.
+  !> Number the free dofs of the nodes in use, node by node; slaves of constraints have no number.
   subroutine number_equations(mesh, bc, eq, neq, ndof)
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(in) :: bc
     integer, allocatable, intent(out) :: eq(:, :) !! (3, nnode) equation number, or 0
-    integer, intent(out) :: neq                   !! free dofs
-    integer, intent(out) :: ndof                  !! dofs of nodes in use, not of rigid bodies
+    integer, intent(out) :: neq                   !! number of free dofs
+    integer, intent(out) :: ndof                  !! dofs of nodes in use, without rigid bodies
     logical, allocatable :: free(:, :), solid(:)
     integer :: i, j, m, n
 
@@ -43,7 +43,7 @@ contains
     ndof = 3*count(mesh%used .and. solid)
   end subroutine number_equations
 
-  !> `dof uy of node 3` for an equation number.
+  !> Name of the dof that has an equation number, such as `dof uy of node 3`.
   function dof_name(eq, equation) result(name)
     integer, intent(in) :: eq(:, :) !! (3, nnode)
     integer, intent(in) :: equation

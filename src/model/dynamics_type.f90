@@ -11,10 +11,11 @@ module dynamics_type
   type :: dynamics_t
     logical :: on = .false.
     integer :: method = BACKWARD_EULER
-    real(wp) :: beta = 0.25_wp, gamma = 0.5_wp   !! Newmark
-    real(wp) :: alpha = 0.0_wp                   !! Hilber, Hughes and Taylor, -1/3 to 0
+    real(wp) :: beta = 0.25_wp, gamma = 0.5_wp   !! of Newmark
+    real(wp) :: alpha = 0.0_wp                   !! of Hilber, Hughes and Taylor, -1/3 to 0
     logical :: lumped = .false.
-    !> Density of every body in place of the materials' own [M/L^3]; negative: their own.
+    !> Density of every body, instead of that of its material [M/L^3]; negative: that of the
+    !! material.
     real(wp) :: density = -1.0_wp
     !> a = c(1) (u - u_step) - c(2) v - c(3) a_step in the current step
     real(wp) :: c(3) = 0.0_wp
@@ -25,7 +26,7 @@ module dynamics_type
 
 contains
 
-  !> Start from rest: rates of nnode nodes are kept from now on.
+  !> Start from rest; the rates of nnode nodes are kept from now on.
   pure subroutine new_dynamics(dynamics, nnode)
     type(dynamics_t), intent(inout) :: dynamics
     integer, intent(in) :: nnode
@@ -61,7 +62,7 @@ contains
     a = dynamics%c(1)*du - dynamics%c(2)*dynamics%v(:, node) - dynamics%c(3)*dynamics%a(:, node)
   end function acceleration
 
-  !> End of a step: rates at its end.
+  !> End a step: compute the rates at its end.
   pure subroutine advance(dynamics, du, dt, static)
     type(dynamics_t), intent(inout) :: dynamics
     real(wp), intent(in) :: du(:, :)             !! (3, nnode) [L]
@@ -71,7 +72,7 @@ contains
     integer :: i
 
     if (.not. dt > 0.0_wp) return
-    if (.not. dynamics%on) then ! a step without inertia: what a next one with it begins with
+    if (.not. dynamics%on) then ! without inertia: set the rates from which a later step may start
       dynamics%v = du/dt
       dynamics%a = 0.0_wp
       dynamics%held = 0.0_wp

@@ -1,4 +1,4 @@
-!> Energy balance since the start: work done on the bodies, and the energies it went into.
+!> Energy balance since the start: work done on the bodies, and the energies into which it went.
 module energy_type
   use base_kinds, only: wp
   implicit none
@@ -8,10 +8,10 @@ module energy_type
   !> Works are sums over the steps of mean force times displacement increment (trapezoidal rule).
   type :: energy_t
     logical :: on = .false.
-    real(wp) :: outer = 0.0_wp        !! of loads and of moving supports [F L]
-    real(wp) :: inertia = 0.0_wp      !! against inertia: kinetic, and dissipation in time
+    real(wp) :: outer = 0.0_wp        !! work of loads and of moving supports [F L]
+    real(wp) :: inertia = 0.0_wp      !! work against inertia, partly dissipated in time [F L]
     real(wp) :: kinetic = 0.0_wp      !! current kinetic energy [F L]
-    real(wp) :: contact(3) = 0.0_wp   !! against pressure, friction and cohesion of contacts
+    real(wp) :: contact(3) = 0.0_wp   !! work against pressure, friction and cohesion [F L]
     !> Forces at the end of the last step.
     real(wp), allocatable :: f_outer(:, :), f_inert(:, :) !! (3, nnode) [F]
     real(wp), allocatable :: f_contact(:, :, :)           !! (3, nnode, 3)
@@ -29,7 +29,7 @@ contains
     energy%on = .true.
   end subroutine open_book
 
-  !> End of a step: add the work of its mean forces along du.
+  !> End a step: add the work that its mean forces do along du.
   pure subroutine book_work(energy, du, f_outer, f_inert, f_contact)
     type(energy_t), intent(inout) :: energy
     real(wp), intent(in) :: du(:, :)               !! (3, nnode) [L]

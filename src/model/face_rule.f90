@@ -9,9 +9,9 @@ module face_rule
 
 contains
 
-  !> Gauss points of local face `side` (xi-, xi+, eta-, eta+, zeta-, zeta+), exact for the pressure
-  !! integral of a polynomial face: degree 3p - 1 in each direction; or as many as the rule of the
-  !! element has, if these are more (rational faces, QUADrature).
+  !> Set the Gauss points of local face `side` (xi-, xi+, eta-, eta+, zeta-, zeta+). They integrate
+  !! the pressure on a polynomial face exactly, that is, up to degree 3p - 1 in each direction. If
+  !! the rule of the element has more points, there are as many here (rational faces, QUADrature).
   subroutine face_points(degree, inner, side, xi, w)
     integer, intent(in) :: degree(3)               !! of the cell
     real(wp), intent(in) :: inner(:, :)            !! (3, n) points of the element's rule
@@ -31,7 +31,7 @@ contains
     xi(b, :) = plane(2, :)
   end subroutine face_points
 
-  !> Number of different coordinates in [-1,1].
+  !> Number of distinct coordinates in [-1,1].
   pure integer function levels(x)
     real(wp), intent(in) :: x(:)
     real(wp), parameter :: SAME = 1.0e-6_wp
@@ -43,7 +43,7 @@ contains
     end do
   end function levels
 
-  !> Normal direction d of a face and its two tangents, (a, b, d) right-handed.
+  !> Find the normal direction d of a face and its tangents a and b; (a, b, d) is right-handed.
   pure subroutine face_directions(side, d, a, b)
     integer, intent(in) :: side
     integer, intent(out) :: d, a, b
@@ -53,7 +53,7 @@ contains
     b = mod(d + 1, 3) + 1
   end subroutine face_directions
 
-  !> Outward normal times the area per parent area; also the two tangents.
+  !> Compute the outward normal times the ratio of the area to the parent area, and both tangents.
   pure subroutine face_normal(side, x, dshp, area, ta, tb)
     integer, intent(in) :: side
     real(wp), intent(in) :: x(:, :)    !! (3, nen) positions [L]

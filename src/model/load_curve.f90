@@ -1,18 +1,19 @@
-!> Load tables: PROP.
+!> Load tables (PROP).
 module load_curve
   use base_kinds, only: wp
   implicit none
   private
   public :: load_table_t, table_factor, table_slope, load_factor, next_corner
 
-  !> Factor over time. Kind 0: p = t (a blank record alone); kind 1: FEAP's formula;
-  !! kind 2: straight lines between pairs, constant beyond both ends.
+  !> A factor that depends on time. Kind 0: p = t (only a blank record is given); kind 1: FEAP's
+  !! formula; kind 2: linear interpolation between pairs, constant before the first and after the
+  !! last.
   type :: load_table_t
     integer :: kind = 0
     integer :: power = 1
     real(wp) :: tmin = 0.0_wp, tmax = 0.0_wp
     real(wp) :: a(5) = 0.0_wp
-    real(wp), allocatable :: t(:), p(:) !! (n) pairs, t increasing
+    real(wp), allocatable :: t(:), p(:) !! (n) times, increasing, and factors
   end type load_table_t
 
 contains
@@ -51,7 +52,7 @@ contains
     case (0)
       factor = time
     case (1)
-      ! 3 x 0.1 is not above 0.3
+      ! the range tolerates rounding: 3 x 0.1 must not be above 0.3
       gap = 8*epsilon(time)*max(abs(time), abs(table%tmin), abs(table%tmax))
       if (time < table%tmin - gap .or. time > table%tmax + gap) return
       s = time - table%tmin
@@ -72,11 +73,12 @@ contains
     end select
   end function table_factor
 
-  !> Derivative of the factor by time, within a formula's range also at its ends.
+  !> Derivative of the factor with respect to time. At the ends of a formula's range, the formula is
+  !! differentiated as inside it.
   pure function table_slope(table, time, ahead) result(slope)
     type(load_table_t), intent(in) :: table
     real(wp), intent(in) :: time
-    logical, intent(in) :: ahead !! at a corner: of the line that follows it
+    logical, intent(in) :: ahead !! at a corner, take the slope of the line that follows
     real(wp) :: slope
     real(wp) :: gap, s
     integer :: i, k
@@ -103,7 +105,8 @@ contains
     end select
   end function table_slope
 
-  !> Factor of a load number: 0 takes the sum of all tables (FEAP); without any table it is 1.
+  !> Factor of a load number. That of number 0 is the sum of all tables (as in FEAP); it is 1 if
+  !! there is no table.
   pure function load_factor(factor, number) result(f)
     real(wp), intent(in) :: factor(:)  !! (ntable) current factors
     integer, intent(in) :: number

@@ -33,14 +33,13 @@ module mesh
     character(16) :: name = ''     !! as reported: Q1, Q1E9, Q1N2.1, IGA2, ...
     type(element_t) :: row
     integer :: material = 0        !! index into the model's materials
-    integer :: body = 0            !! index into mesh%body; 0: FEAP mesh
+    integer :: body = 0            !! index into mesh%body; 0: a FEAP mesh
     integer :: nen = 0, nelem = 0
-    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; one may occur twice (collapsed
-    !! prisms)
-    integer, allocatable :: number(:)    !! (nelem) element number shown to the user
+    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; some occur twice in collapsed prisms
+    integer, allocatable :: number(:)    !! (nelem) number of the element as shown to the user
     type(extraction_t) :: ext
     type(rule_t) :: rule
-    type(basis_t), allocatable :: basis(:) !! distinct classes
+    type(basis_t), allocatable :: basis(:) !! functions of each distinct class
     integer, allocatable :: ibasis(:)      !! (nelem) class of each element
   end type block_t
 
@@ -54,9 +53,9 @@ module mesh
   !> A named set of a mesh file.
   type :: group_t
     character(:), allocatable :: name
-    integer, allocatable :: node(:)    !! rising
-    type(body_face_t) :: face          !! on the boundary; none: of points, lines, volumes
-    integer :: inner = 0               !! its surface elements that are not on the boundary
+    integer, allocatable :: node(:)    !! nodes, in ascending order
+    type(body_face_t) :: face          !! on the boundary; none in groups of points, lines, volumes
+    integer :: inner = 0               !! number of surface elements inside the body
   end type group_t
 
   !> A body made by PATCh or MESH. Face f = 1 to 6 is 1- 1+ 2- 2+ 3- 3+.
@@ -64,12 +63,12 @@ module mesh
     character(:), allocatable :: name
     type(place_t) :: place
     integer, allocatable :: node(:)    !! nodes and control points of the body
-    integer, allocatable :: mask(:)    !! bit f-1 is set where node(i) lies on face f
-    type(body_face_t) :: face(6)       !! of a mesh: face 1 is the whole boundary
-    type(group_t), allocatable :: group(:) !! of a mesh; not allocated: a patch
-    integer, allocatable :: label(:)   !! (size(node)) of a mesh: node numbers of its file, rising
-    real(wp) :: thickness = 0.0_wp     !! of a mesh: twice its volume over its surface [L]
-    character(:), allocatable :: note  !! of a mesh: what its file held
+    integer, allocatable :: mask(:)    !! bit f-1 is set if node(i) lies on face f
+    type(body_face_t) :: face(6)       !! of a mesh, face 1 is the whole boundary
+    type(group_t), allocatable :: group(:) !! groups of a mesh; not allocated: a patch
+    integer, allocatable :: label(:)   !! (size(node)) of a mesh: ascending node numbers of its file
+    real(wp) :: thickness = 0.0_wp     !! of a mesh: twice its volume divided by its surface [L]
+    character(:), allocatable :: note  !! of a mesh: a summary of its file
   end type body_t
 
   !> Nodes, and everything that refers to them.
@@ -78,7 +77,7 @@ module mesh
     real(wp), allocatable :: xr(:, :) !! (3, nnode) reference positions of nodes and control points
     !! [L]
     logical, allocatable :: is_control(:) !! (nnode) a control point (its position is a coefficient)
-    logical, allocatable :: used(:)        !! (nnode) belongs to an element
+    logical, allocatable :: used(:)        !! (nnode) the node belongs to an element
     type(block_t), allocatable :: block(:)
     type(body_t), allocatable :: body(:)
     type(constraint_t) :: constraint       !! hanging nodes
@@ -86,7 +85,7 @@ module mesh
 
 contains
 
-  !> Degrees, operators and weights of element e of a block.
+  !> Set the cell to the degrees, operators and weights of element e of a block.
   subroutine block_cell(block, e, cell)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e
@@ -104,7 +103,7 @@ contains
     if (allocated(block%ext%w)) cell%w = block%ext%w(:, e)
   end subroutine block_cell
 
-  !> Append nodes of elements to those of the mesh.
+  !> Append nodes of elements to the nodes of the mesh.
   subroutine append_nodes(mesh, xr, is_control)
     type(mesh_t), intent(inout) :: mesh
     real(wp), intent(in) :: xr(:, :)       !! (3, n) [L]

@@ -23,20 +23,20 @@ module model
     real(wp) :: body_force(3) = 0.0_wp   !! [F/L^3] at factor 1
     integer :: body_table = 0
     logical :: enhanced = .false.        !! ENHAnced (ELEM and BLOC meshes)
-    logical :: given_formulation = .false. !! DISPlacement or ENHAnced is given (an error for a
+    logical :: given_formulation = .false. !! DISPlacement or ENHAnced is given (an error in a
     !! PATCh)
     integer :: nurbs_points(3) = 0       !! NURB interp q1 q2 q3
     type(place_t) :: place
   end type material_set_t
 
-  !> A file beside one of the deck that is not read: the text of a warning.
+  !> A file next to one of those in the deck, which is not read; `text` is the warning about it.
   type :: unread_t
     integer(i8) :: identity(2) = 0
     character(:), allocatable :: text
     type(place_t) :: place
   end type unread_t
 
-  !> What is analysed: intent(in) after set-up.
+  !> The model to be analysed; it does not change after the set-up.
   type :: model_t
     character(:), allocatable :: title
     type(mesh_t) :: mesh
@@ -45,17 +45,17 @@ module model
     type(contact_t), allocatable :: contact(:)
     type(curve_t), allocatable :: curve(:)
     type(unread_t), allocatable :: unread(:)
-    !> Equations of the free dofs: equation number, or 0 where prescribed.
+    !> Equation numbers of the free dofs; 0: the dof is prescribed.
     integer, allocatable :: eq(:, :)     !! (3, nnode)
     integer :: neq = 0
-    integer :: ndof = 0                  !! all dofs of nodes in use, prescribed ones too
+    integer :: ndof = 0                  !! number of dofs of nodes in use, with the prescribed ones
   end type model_t
 
-  !> History of one block, see element_form_i.
+  !> History of one block; see element_form_i.
   type, public :: history_t
     real(wp), allocatable :: step(:, :)  !! (nparam, nelem) parameters at the start of the step
-    real(wp), allocatable :: iter(:, :)  !! (nhist, nelem) at the last iteration
-    real(wp), allocatable :: trial(:, :) !! (nhist, nelem) at the trial
+    real(wp), allocatable :: iter(:, :)  !! (nhist, nelem) history at the last iteration
+    real(wp), allocatable :: trial(:, :) !! (nhist, nelem) history of the trial state
   end type history_t
 
   !> State of the analysis.
@@ -63,16 +63,16 @@ module model
     integer :: step = 0
     real(wp) :: time = 0.0_wp, dt = 0.0_wp
     real(wp), allocatable :: u(:, :)      !! (3, nnode) displacements [L]
-    real(wp), allocatable :: u_step(:, :) !! at the start of the step
+    real(wp), allocatable :: u_step(:, :) !! displacements at the start of the step [L]
     real(wp), allocatable :: last_increment(:, :) !! (3, nnode) of the last accepted step [L]
-    real(wp), allocatable :: u_base(:, :) !! where history%iter belongs: the last iteration
+    real(wp), allocatable :: u_base(:, :) !! displacements of the last iteration, as history%iter
     real(wp) :: scale = 0.0_wp            !! fraction of the Newton step in u - u_base
-    real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; free
-    !! dofs: the residual
+    real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; at free
+    !! dofs the residual
     real(wp), allocatable :: factor(:)    !! factor of each load table
     type(load_table_t), allocatable :: table(:)
-    type(history_t), allocatable :: history(:) !! one a block
-    type(contact_state_t), allocatable :: contact(:) !! one a contact
+    type(history_t), allocatable :: history(:) !! one for each block
+    type(contact_state_t), allocatable :: contact(:) !! one for each contact
     type(dynamics_t) :: dynamics
     type(energy_t) :: energy
   end type state_t

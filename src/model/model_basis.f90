@@ -1,4 +1,4 @@
-!> Shape functions of every block at its integration points, each distinct class once.
+!> Shape functions of every block at its integration points, computed once for each distinct class.
 module model_basis
   use base_kinds, only: wp
   use base_sort, only: sort_index
@@ -9,12 +9,13 @@ module model_basis
   private
   public :: tabulate_basis, tabulate_block, tabulate_points
 
-  !> The cube of their number must be an integer; above it every element is a class of its own.
+  !> Largest number of operators for which classes are found; its cube must not overflow an integer.
+  !! If there are more, every element is a class of its own.
   integer, parameter :: MOST_OPERATORS = 1290
 
 contains
 
-  !> Fill rule, basis and ibasis of all blocks that have none yet.
+  !> Set rule, basis and ibasis of all blocks that have none yet.
   subroutine tabulate_basis(mesh)
     type(mesh_t), intent(inout) :: mesh
     integer :: b
@@ -24,8 +25,8 @@ contains
     end do
   end subroutine tabulate_basis
 
-  !> Classes of one block. Elements share a class where their extraction operators are the same and
-  !! they have no weights; a rational element is a class of its own.
+  !> Find and tabulate the classes of one block. Elements share a class if their extraction
+  !! operators are the same and they have no weights; a rational element is a class of its own.
   subroutine tabulate_block(block)
     type(block_t), intent(inout) :: block
     type(cell_t) :: cell
@@ -44,7 +45,7 @@ contains
     end do
   end subroutine tabulate_block
 
-  !> Class of each element and the first element of each class.
+  !> Find the class of each element and the first element of each class.
   subroutine find_classes(block, class, first)
     type(block_t), intent(in) :: block
     integer, intent(out) :: class(:)             !! (nelem)
@@ -85,7 +86,7 @@ contains
     first = first(:n)
   end subroutine find_classes
 
-  !> Functions and modes of one element at any points.
+  !> Tabulate functions and modes of one element at arbitrary points.
   subroutine tabulate_points(block, e, xi, wgt, basis)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e
