@@ -17,20 +17,21 @@ module curve_file
 
   type :: curve_file_t
     type(byte_file_t) :: file
-    integer :: ncolumn = 0 !! columns after step, time, factors, iterations, cutbacks, converged
-    integer :: nfactor = 0 !! load factors
+    integer :: ncolumn = 0 !! columns after those for step, time, factors, iterations, cutbacks and
+    !! converged
+    integer :: nfactor = 0 !! number of load factors
   end type curve_file_t
 
 contains
 
-  !> Begin a table. Where `keep` is present, the rows of the old table up to that step are kept.
+  !> Begin a table. If `keep` is present, the rows of the old table up to that step are kept.
   subroutine open_curve(curve, path, columns, nfactor, error, keep)
     type(curve_file_t), intent(out) :: curve
     character(*), intent(in) :: path
     character(*), intent(in) :: columns(:) !! names; trailing blanks do not count
-    integer, intent(in) :: nfactor         !! load factors
+    integer, intent(in) :: nfactor         !! number of load factors
     type(error_t), allocatable, intent(out) :: error
-    integer, intent(in), optional :: keep  !! last step that is kept
+    integer, intent(in), optional :: keep  !! last step whose row is kept
     character(len(columns) + 12), allocatable :: names(:)
     character(:), allocatable :: text
     integer :: i
@@ -95,7 +96,8 @@ contains
     call close_bytes(curve%file, error)
   end subroutine close_curve
 
-  !> Distinct names of columns: the second column of a name gets the suffix _2, the third _3.
+  !> Make the names of columns distinct: the second column of a name gets the suffix _2, the third
+  !! _3.
   pure subroutine curve_names(columns, names)
     character(*), intent(in) :: columns(:)
     ! allow(C072)
@@ -112,8 +114,8 @@ contains
     end do
   end subroutine curve_names
 
-  !> Rows of the old file up to step `keep`; none where there is no file. A last line without its
-  !! end was cut off by a kill and is dropped.
+  !> Rows of the old file up to step `keep`; empty if there is no file. A last line without line end
+  !! was cut off when a run was killed, and is dropped.
   function rows_up_to(path, keep) result(text)
     character(*), intent(in) :: path
     integer, intent(in) :: keep
@@ -144,7 +146,7 @@ contains
     text = old(:n)
   end function rows_up_to
 
-  !> Text at the right of its column, with at least one blank before it.
+  !> Text aligned to the right of its column, with at least one blank before it.
   pure function right(text, width) result(field)
     character(*), intent(in) :: text
     integer, intent(in) :: width

@@ -12,7 +12,7 @@ module fields
   private
   public :: field_t, known_fields, default_fields, named_fields, describe_field, collect_fields
 
-  !> Coefficients of the fields of contact. Where a node belongs to several sides, the tractions and
+  !> Coefficients of the fields of contact. If a node belongs to several sides, the tractions and
   !! slips are added, and the smallest gap and the largest state are taken.
   type :: nodal_contact_t
     real(wp), allocatable :: traction(:, :) !! (3, nnode) on the surface [F/L^2]
@@ -32,7 +32,7 @@ module fields
     real(wp), allocatable :: values(:, :) !! (ncomp, npoint)
   end type field_t
 
-  integer, parameter :: NAME = 16, NBODY = 5 !! length of a name; fields of bodies
+  integer, parameter :: NAME = 16, NBODY = 5 !! length of a name; number of fields of bodies
 
 contains
 
@@ -45,7 +45,7 @@ contains
              'contact_slip', 'contact_state']
   end function known_fields
 
-  !> The fields that are written where the deck does not choose.
+  !> The fields that are written if the deck names none.
   pure function default_fields(model) result(names)
     type(model_t), intent(in) :: model
     character(NAME), allocatable :: names(:)
@@ -66,7 +66,7 @@ contains
     if (.not. any(named)) named = known(:) (:4) == key_of(word)
   end function named_fields
 
-  !> A field without its values.
+  !> Describe a field, without its values.
   subroutine describe_field(word, field)
     character(*), intent(in) :: word
     type(field_t), intent(out) :: field
@@ -113,7 +113,7 @@ contains
 
   end subroutine describe_field
 
-  !> The fields of the given names with their values.
+  !> Collect the fields of the given names with their values.
   subroutine collect_fields(model, state, view, names, field)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -171,7 +171,7 @@ contains
     type(state_t), intent(in) :: state
     type(nodal_contact_t), intent(out) :: nodal
     type(smooth_t) :: field
-    logical, allocatable :: met(:) !! (nnode) the node is on a side that is done
+    logical, allocatable :: met(:) !! (nnode) the node is on a side that has been smoothed
     integer :: a, c, k, n
 
     n = model%mesh%nnode

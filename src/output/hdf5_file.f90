@@ -37,7 +37,7 @@ module hdf5_file
 
 contains
 
-  !> Create a dataset of nrow rows of ncol numbers; ncol = 0: one-dimensional. With `most` its
+  !> Create a dataset of nrow rows of ncol numbers, one-dimensional if ncol = 0. With `most` its
   !! length may change later up to that number of rows, whose space is allocated at once.
   subroutine reserve(file, name, type, ncol, nrow, error, most)
     type(hdf5_t), intent(in) :: file
@@ -97,7 +97,7 @@ contains
     if (status /= 0) call refuse(file, 'cannot write', error)
   end subroutine set_length
 
-  !> Rows and columns of a dataset; ncol = 0: one-dimensional.
+  !> Get the numbers of rows and columns of a dataset; ncol = 0 if it is one-dimensional.
   subroutine get_shape(file, name, ncol, nrow, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name
@@ -132,8 +132,8 @@ contains
     character(*), intent(in) :: name
     integer(HID_T), intent(in) :: memory !! type of the numbers in memory
     type(c_ptr), intent(in) :: buffer
-    integer, intent(in) :: ncol, nrow    !! ncol = 0: one-dimensional
-    integer(i8), intent(in) :: first     !! first row, from 1
+    integer, intent(in) :: ncol, nrow    !! ncol = 0 if one-dimensional
+    integer(i8), intent(in) :: first     !! first row, counted from 1
     logical, intent(in) :: writes
     type(error_t), allocatable, intent(inout) :: error
     integer(HSIZE_T) :: shape(2), start(2)
@@ -163,7 +163,7 @@ contains
     end if
   end subroutine move_rows
 
-  !> Rank and extents of a dataset as the library counts them.
+  !> Set the rank and the extents of a dataset in the order of the library.
   pure subroutine set_shape(ncol, nrow, n, shape)
     integer, intent(in) :: ncol
     integer(i8), intent(in) :: nrow
@@ -241,7 +241,7 @@ contains
                    size(values, 1), row(first), .false., error)
   end subroutine get_integer_1
 
-  !> First row; 1 where it is not given.
+  !> First row; 1 if it is not given.
   pure function row(first)
     integer(i8), intent(in), optional :: first
     integer(i8) :: row

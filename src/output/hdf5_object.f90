@@ -189,7 +189,7 @@ contains
       return
     end if
     call h5aexists_by_name_f(file%id, object, name, exists, status)
-    if (exists) then ! HDF5 1.10.8 cannot write one opened by name
+    if (exists) then ! HDF5 1.10.8 cannot write an attribute opened by name
       call h5aopen_f(holder, name, attribute, status)
     else
       if (size(value) == 1) then
@@ -208,7 +208,7 @@ contains
     if (status /= 0) call refuse(file, 'cannot write', error)
   end subroutine put_integers
 
-  !> Read text.
+  !> Read a string.
   subroutine get_text(file, object, name, value, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: object, name
@@ -235,7 +235,7 @@ contains
     if (status /= 0) call refuse(file, 'cannot read '''//name//''' of', error)
   end subroutine get_text
 
-  !> Read as many integers as `value` holds. Another number of them in the file is a failure.
+  !> Read as many integers as `value` holds. A different number of them in the file is a failure.
   subroutine get_integers(file, object, name, value, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: object, name

@@ -14,7 +14,7 @@ module json_text
 
 contains
 
-  !> Text in quotes. Control codes are escaped, and bytes that are not UTF-8, which are taken for
+  !> Text in quotes. Control codes are escaped, as are bytes that are not UTF-8, which are taken for
   !! Latin 1.
   pure function json_string(text) result(json)
     character(*), intent(in) :: text
@@ -52,7 +52,7 @@ contains
     json = json//'"'
   end function json_string
 
-  !> Bytes of the first character of the text; 0 where they are not UTF-8.
+  !> Number of bytes of the first character of the text; 0 if they are not UTF-8.
   pure function utf8_length(text) result(n)
     character(*), intent(in) :: text
     integer :: n
@@ -100,7 +100,7 @@ contains
     json = to_text(i)
   end function from_integer
 
-  !> `"name": value`
+  !> A member `"name": value`.
   pure function json_member(name, value) result(json)
     character(*), intent(in) :: name, value
     character(:), allocatable :: json
@@ -108,7 +108,7 @@ contains
     json = json_string(name)//': '//value
   end function json_member
 
-  !> Members in braces.
+  !> An object: its members in braces.
   pure function json_object(members) result(json)
     character(*), intent(in) :: members !! joined by commas
     character(:), allocatable :: json

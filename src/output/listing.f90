@@ -12,7 +12,7 @@ module listing
 
 contains
 
-  !> Sizes, element types and laws with their sources, contacts, and warnings about the model.
+  !> List sizes, element types and laws with their sources, contacts, and warnings about the model.
   subroutine list_model(model)
     type(model_t), intent(in) :: model
     character(:), allocatable :: text
@@ -61,7 +61,7 @@ contains
     call log_line('')
   end subroutine list_model
 
-  !> Warn of prescribed displacements at free dofs, which have no effect.
+  !> Warn of displacements prescribed at free dofs, which have no effect.
   subroutine warn_loose(model)
     type(model_t), intent(in) :: model
     integer :: i
@@ -73,7 +73,7 @@ contains
     end do
   end subroutine warn_loose
 
-  !> Warn of tables of constraints beside files of the deck that were not read.
+  !> Warn of constraint tables that lie beside files of the deck and were not read.
   subroutine warn_unread(model)
     type(model_t), intent(in) :: model
     integer :: i

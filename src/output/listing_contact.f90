@@ -1,5 +1,5 @@
-!> What the log says of contacts: their description before the first step, and after each step the
-!! resultants of both sides, the balance with the supports, and the states of the points.
+!> Contacts in the log: their description before the first step, and after each step the resultants
+!! of both sides, the balance with the supports, and the states of the points.
 !!
 !! In the two-half-pass algorithm each side integrates its own tractions, so the two resultants
 !! differ by the discretization error, which `sum` shows. With BALAnced or a rigid side the forces
@@ -18,11 +18,11 @@ module listing_contact
   private
   public :: list_contact, contact_size, list_contacts
 
-  real(wp), parameter :: ORIGIN(3) = 0.0_wp !! moments are about it
+  real(wp), parameter :: ORIGIN(3) = 0.0_wp !! point about which moments are taken
 
 contains
 
-  !> Surfaces, points, and laws with their numbers and sources.
+  !> List the surfaces, the points, and the laws with their numbers and sources.
   subroutine list_contact(contact)
     type(contact_t), intent(in) :: contact
     character(:), allocatable :: text
@@ -62,7 +62,8 @@ contains
     call log_line('          '//text)
   end subroutine list_contact
 
-  !> 'sole': hemi 3- (9 elements, 225 points), block 3+ (4 elements, rigid).
+  !> Sizes of both surfaces, such as 'sole': hemi 3- (9 elements, 225 points), block 3+ (4 elements,
+  !! rigid).
   function contact_size(contact) result(text)
     type(contact_t), intent(in) :: contact
     character(:), allocatable :: text
@@ -87,7 +88,7 @@ contains
     end function side
   end function contact_size
 
-  !> Two lines for each contact and one for the supports; nothing without contacts.
+  !> Write two lines for each contact and one for the supports; nothing if there are no contacts.
   subroutine list_contacts(model, state, f_ext)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -147,7 +148,7 @@ contains
     whole%moment_size = whole%moment_size + part%moment_size
   end subroutine add
 
-  !> Length of a sum over the sum of the lengths.
+  !> Length of a sum relative to the sum of the lengths.
   pure function ratio(total, size) result(text)
     real(wp), intent(in) :: total(3), size
     character(:), allocatable :: text
@@ -174,7 +175,7 @@ contains
     text = ' '//trim(adjustl(field))
   end function number
 
-  !> Numbers of the two sides.
+  !> The numbers of the two sides.
   pure function text_of(n) result(text)
     integer, intent(in) :: n(2)
     character(:), allocatable :: text

@@ -1,4 +1,4 @@
-!> Named values: what the commands keep in a checkpoint besides the state.
+!> Named values, which the commands keep in a checkpoint besides the state.
 module named_values
   use base_kinds, only: wp
   implicit none
@@ -22,13 +22,13 @@ module named_values
   end type named_values_t
 
   !> put(values, name, value) stores a number, a list of numbers, a logical or text under a name. It
-  !! replaces a value of that name.
+  !! replaces an earlier value of that name.
   interface put
     module procedure put_real, put_reals, put_integer, put_integers, put_logical, put_text
   end interface put
 
-  !> get(values, name, value, found): where there is no value of that name and type, `value` keeps
-  !! what it has.
+  !> get(values, name, value, found): if there is no value of that name and type, `value` is
+  !! unchanged.
   interface get
     module procedure get_real, get_reals, get_integer, get_integers, get_logical, get_text
   end interface get
@@ -159,7 +159,7 @@ contains
     if (found) value = values%value(k)%text
   end subroutine get_text
 
-  !> Position of the value of that name and type; 0: none.
+  !> Position of the value of that name and type; 0: there is none.
   pure integer function position(values, name, type) result(k)
     type(named_values_t), intent(in) :: values
     character(*), intent(in) :: name
@@ -170,7 +170,7 @@ contains
     end do
   end function position
 
-  !> Position of the value of that name, which is added where it does not exist yet.
+  !> Find the position of the value of that name, which is added if it does not exist yet.
   subroutine claim(values, name, type, k)
     type(named_values_t), intent(inout) :: values
     character(*), intent(in) :: name

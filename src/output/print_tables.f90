@@ -1,4 +1,4 @@
-!> FEAP's printed tables: DISPlacements, REACtions, STREss, for `<stem>.out`.
+!> FEAP's printed tables DISPlacements, REACtions and STREss, written to `<stem>.out`.
 module print_tables
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -16,7 +16,7 @@ module print_tables
 
 contains
 
-  !> Coordinates and displacements of nodes.
+  !> Print coordinates and displacements of nodes.
   subroutine print_displacements(file, model, state, node, error)
     type(byte_file_t), intent(in) :: file
     type(model_t), intent(in) :: model
@@ -37,8 +37,8 @@ contains
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_displacements
 
-  !> Reactions as FEAP defines them (nodal forces are not subtracted), their sums over the printed
-  !! nodes and over all nodes, sums of magnitudes, and the work measure u.R.
+  !> Print reactions as FEAP defines them (nodal forces are not subtracted), their sums over the
+  !! printed nodes and over all nodes, the sums of their magnitudes, and the measure of work u.R.
   subroutine print_reactions(file, model, state, node, error)
     type(byte_file_t), intent(in) :: file
     type(model_t), intent(in) :: model
@@ -67,12 +67,12 @@ contains
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_reactions
 
-  !> Cauchy stresses at the integration points of the elements first, first+step, ... last.
+  !> Print Cauchy stresses at the integration points of the elements first, first+step, ... last.
   subroutine print_stresses(file, model, state, first, last, step, error)
     type(byte_file_t), intent(in) :: file
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    integer, intent(in) :: first, last, step !! element numbers of the user
+    integer, intent(in) :: first, last, step !! element numbers given by the user
     type(error_t), allocatable, intent(out) :: error
     type(recovered_t), allocatable :: point(:)
     integer :: b, e, number, q
@@ -105,7 +105,7 @@ contains
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_stresses
 
-  !> Smoothed Cauchy stresses at nodes (STRE,NODE).
+  !> Print smoothed Cauchy stresses at nodes (STRE,NODE).
   subroutine print_nodal_stresses(file, model, state, node, error)
     type(byte_file_t), intent(in) :: file
     type(model_t), intent(in) :: model
@@ -127,7 +127,7 @@ contains
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_nodal_stresses
 
-  !> Title, name of the table, time and load factors.
+  !> Heading of a table: title, name of the table, time and load factors.
   function heading(name, model, state) result(text)
     character(*), intent(in) :: name
     type(model_t), intent(in) :: model

@@ -43,7 +43,7 @@ module report_file
     character(12) :: status = 'failed'  !! done, no_solution, stopped or failed
     integer :: exit_code = 70
     integer :: steps = 0, iterations = 0, cutbacks = 0
-    integer :: dofs = 0                 !! constrained ones included
+    integer :: dofs = 0                 !! including constrained ones
     integer :: equations = 0
     integer :: negative_pivots = 0      !! of the last factorisation
     real(wp) :: peak_memory_mb = 0.0_wp
@@ -182,7 +182,7 @@ contains
     json = json_object(json)
   end function contacts
 
-  !> Numbers by their names; none where the list is not allocated.
+  !> Numbers with their names as members; empty if the list is not allocated.
   pure function reals(list) result(json)
     type(named_real_t), allocatable, intent(in) :: list(:)
     character(:), allocatable :: json
@@ -198,7 +198,7 @@ contains
     json = json_object(json)
   end function reals
 
-  !> The text; empty where it is not allocated.
+  !> The text; empty if it is not allocated.
   pure function given(text)
     character(:), allocatable, intent(in) :: text
     character(:), allocatable :: given

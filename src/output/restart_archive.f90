@@ -1,4 +1,4 @@
-!> Values on their way into a checkpoint or out of one, so that one list of names serves both.
+!> Transfers values to and from a checkpoint, so that one list of names serves both directions.
 !!
 !! The rule for `error` is that of `hdf5_object`: a call that finds it allocated does nothing.
 module restart_archive
@@ -17,7 +17,7 @@ module restart_archive
     logical :: writes = .true.
   end type archive_t
 
-  !> exchange(archive, path, value, error) writes a value, or reads it where the archive is read.
+  !> exchange(archive, path, value, error) writes a value, or reads it if the archive is being read.
   !! Arrays have the sizes of the model; another size in the file is a failure.
   interface exchange
     module procedure exchange_real, exchange_integer, exchange_logical, exchange_reals, &
@@ -26,7 +26,7 @@ module restart_archive
 
 contains
 
-  !> Create a group where the archive is written.
+  !> Create a group if the archive is being written.
   subroutine enter_group(archive, path, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: path
@@ -128,7 +128,7 @@ contains
     end if
   end subroutine exchange_matrix
 
-  !> A list that has its length from the file; one that is not allocated is not stored.
+  !> Exchange a list whose length comes from the file; a list that is not allocated is not stored.
   subroutine exchange_list(archive, path, values, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: path
@@ -149,7 +149,7 @@ contains
     end if
   end subroutine exchange_list
 
-  !> Named values. They are numbered in the file, as their names are free text.
+  !> Exchange named values. They are numbered in the file, as their names are free text.
   subroutine exchange_values(archive, group, values, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group
@@ -232,7 +232,7 @@ contains
     end if
   end subroutine prepare
 
-  !> `stem_k`
+  !> Name of item k: `stem_k`.
   pure function numbered(stem, k) result(name)
     character(*), intent(in) :: stem
     integer, intent(in) :: k

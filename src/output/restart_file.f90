@@ -1,8 +1,8 @@
 !> Checkpoints: `<stem>.restart.h5` holds the last two.
 !!
-!! A new file is written beside the old one and takes its name when it is complete, so that a kill
-!! at any moment leaves a complete file. Reals keep their bits. A file is read only by the version
-!! of the program that wrote it, and for the same deck and mesh.
+!! A new file is written beside the old one and takes its name when it is complete, so that a
+!! complete file is left whenever the program is killed. Real numbers keep all their bits. A file is
+!! read only by the version of the program that wrote it, and for the same deck and mesh.
 module restart_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: file_t, inspect, replace_file, remove_file
@@ -19,7 +19,7 @@ module restart_file
   private
   public :: fingerprint_t, make_fingerprint, write_checkpoint, read_checkpoint, text_hash
 
-  !> Increased when the names or the meaning of the stored values change.
+  !> This number is increased when the names or the meaning of the stored values change.
   integer, parameter :: FORMAT = 2
 
   !> The version, deck and mesh that a checkpoint belongs to.
@@ -50,7 +50,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: second
     type(archive_t) :: archive
-    type(state_t) :: state_copy ! an archive may change what it exchanges
+    type(state_t) :: state_copy ! a copy, as an archive may change what it exchanges
     type(named_values_t) :: values_copy
 
     call create_file(archive%file, path//'.part', error)
@@ -73,7 +73,7 @@ contains
     if (allocated(error)) call remove_file(path//'.part')
   end subroutine write_checkpoint
 
-  !> Copy the checkpoint that was the last one. A checkpoint of the same step is replaced, not kept.
+  !> Copy the previous checkpoint. A checkpoint of the same step is replaced, not kept.
   subroutine keep_before(file, path, print, step, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path
@@ -91,15 +91,15 @@ contains
     inquire (file=path, exist=exists)
     if (.not. exists) return
     call open_file(old, path, .false., ignored)
-    if (allocated(ignored)) return ! not a checkpoint: it is replaced
+    if (allocated(ignored)) return ! it is not a checkpoint: it is replaced
     call check_fingerprint(old, path, print, ignored)
     call get(old, 'last/step', old_step, ignored)
     if (allocated(ignored)) old_step = huge(1)
     group = trim(merge('last  ', 'before', old_step(1) < step))
     exists = has_object(old, group)
     if (old_step(1) <= step .and. exists) then
-      ! HDF5 1.10.8 crashes if the disk becomes full while it copies: claim the space first. The
-      ! file holds one state now, which is as large as the one to be copied.
+      ! HDF5 1.10.8 crashes if the disk becomes full while it copies, so the space is claimed first.
+      ! The file now holds one state, which is as large as the one to be copied.
       call flush_file(file, error)
       call inspect(path//'.part', written)
       if (.not. allocated(error)) call take_room(path//'.part', written%size + MARGIN, error)
@@ -112,11 +112,12 @@ contains
   subroutine read_checkpoint(path, print, state, values, error, before, any_deck)
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
-    type(state_t), intent(inout) :: state !! of the model at time 0, as it gives the sizes
+    type(state_t), intent(inout) :: state !! at time 0, to give the sizes of the model
     type(named_values_t), intent(out) :: values
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: before
-    logical, intent(in), optional :: any_deck !! another deck of the same mesh may have written it
+    logical, intent(in), optional :: any_deck !! accept a checkpoint of another deck with the same
+    !! mesh
     type(error_t), allocatable :: second
     type(archive_t) :: archive
     character(:), allocatable :: group
@@ -166,7 +167,7 @@ contains
     call get_attribute(file, '/', 'deck_hash', deck_hash, error)
     call get_attribute(file, '/', 'sizes', sizes, error)
     call get_attribute(file, '/', 'format', format_found, ignored)
-    if (allocated(ignored)) format_found = 1 ! files of format 1 do not tell it
+    if (allocated(ignored)) format_found = 1 ! files of format 1 do not contain the number
     if (allocated(error)) then
       call refuse_file(path, error)
     else if (version /= print%version) then

@@ -62,7 +62,7 @@ contains
     end do
     associate (dynamics => state%dynamics)
       path = group//'/dynamics'
-      stored = allocated(dynamics%v) ! only where the analysis has rates
+      stored = allocated(dynamics%v) ! only if the analysis has rates
       call enter_group(archive, path, error)
       call exchange(archive, path//'/stored', stored, error)
       if (stored) then
@@ -99,7 +99,7 @@ contains
     end associate
   end subroutine exchange_state
 
-  !> Load tables; their number comes from the file.
+  !> Exchange the load tables; their number comes from the file.
   subroutine exchange_tables(archive, group, table, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group
@@ -129,7 +129,8 @@ contains
     end do
   end subroutine exchange_tables
 
-  !> What the next step, its cut-back and the results of the last step need.
+  !> Exchange what is needed for the next step, for cutting it back, and for the results of the last
+  !! step.
   subroutine exchange_points(archive, group, points, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group
@@ -164,7 +165,7 @@ contains
     points%new_step = .true.
   end subroutine exchange_points
 
-  !> The same for the control points of a side; the rest is found when forces are formed.
+  !> Exchange the same for the control points of a side; the rest is found when forces are formed.
   subroutine exchange_control(archive, group, control, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group
@@ -179,7 +180,7 @@ contains
     call exchange(archive, group//'/gap', control%gap, error)
   end subroutine exchange_control
 
-  !> Where friction acted in the last step; the number of points comes from the file.
+  !> Exchange the points where friction acted in the last step; their number comes from the file.
   subroutine exchange_rubbed(archive, group, rubbed, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group

@@ -50,7 +50,7 @@ contains
   !! the first step.
   subroutine choose_fields(result, chosen)
     type(result_file_t), intent(inout) :: result
-    logical, intent(in) :: chosen(:) !! as known_fields
+    logical, intent(in) :: chosen(:) !! which of known_fields are chosen
 
     if (allocated(result%names)) deallocate (result%names)
     if (any(chosen)) result%names = pack(known_fields(), chosen)
@@ -64,7 +64,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(field_t), allocatable :: field(:)
 
-    if (.not. allocated(result%names)) then ! no OUTPut, or one without fields
+    if (.not. allocated(result%names)) then ! there is no OUTPut, or one without fields
       if (allocated(result%hdf%names)) then
         result%names = result%hdf%names
       else
@@ -78,7 +78,7 @@ contains
                        error)
   end subroutine write_result
 
-  !> Finish the files. Called once at the end of a run, however it ends.
+  !> Finish the files. It is called once at the end of a run, however the run ends.
   subroutine close_result(result, error)
     type(result_file_t), intent(inout) :: result
     type(error_t), allocatable, intent(out) :: error

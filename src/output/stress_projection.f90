@@ -2,9 +2,10 @@
 !!
 !!   T_A = int N_A sigma dv / int N_A dv
 !!
-!! over the current volume (the volume form of the smoothing of Sauer 2013), a mean with positive
-!! weights where N_A >= 0. N_A^2 replaces N_A in elements where the integral of a function is zero
-!! or negative (quadratic tetrahedra). A constant stress is reproduced exactly.
+!! The integrals are taken over the current volume (the volume form of the smoothing of Sauer 2013).
+!! The result is a mean with positive weights if N_A >= 0. N_A^2 replaces N_A in elements in which
+!! the integral of a function is zero or negative (quadratic tetrahedra). A constant stress is
+!! reproduced exactly.
 module stress_projection
   use base_kinds, only: wp
   use mesh, only: is_rigid
@@ -19,13 +20,15 @@ module stress_projection
 
 contains
 
-  !> Stress and von Mises stress at the nodes; zero at nodes that belong to no element.
+  !> Compute stress and von Mises stress at the nodes; they are zero at nodes that belong to no
+  !! element.
   subroutine project_stress(model, state, stress, mises)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     real(wp), intent(out) :: stress(:, :) !! (6, nnode) Cauchy, 11 22 33 12 23 31 [F/L^2]
     real(wp), intent(out) :: mises(:, :)  !! (1, nnode) [F/L^2]
-    real(wp), parameter :: NONE = 1.0e-10_wp !! relative to the largest integral [-]
+    real(wp), parameter :: NONE = 1.0e-10_wp !! an integral is zero below this, relative to the
+    !! largest [-]
     type(recovered_t), allocatable :: point(:)
     real(wp), allocatable :: total(:, :)  !! (NVALUE+1, nnode) values and volume
     real(wp), allocatable :: weight(:, :) !! (nen, nq) N_A or its square

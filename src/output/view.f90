@@ -26,14 +26,14 @@ module view
     integer, allocatable :: conn(:)         !! points of the cells, from 1
     integer, allocatable :: vtk(:)          !! (ncell) VTK cell type
     integer, allocatable :: degree(:, :)    !! (3, ncell)
-    integer, allocatable :: material(:)     !! (ncell) the user's number; 0: a rigid body
+    integer, allocatable :: material(:)     !! (ncell) number in the deck; 0: a rigid body
     integer, allocatable :: body(:)         !! (ncell) PATCh in the order of the deck; 0: FEAP mesh
-    integer, allocatable :: block(:)        !! (ncell) block of the mesh: tells the element type
+    integer, allocatable :: block(:)  !! (ncell) block of the mesh, which gives the element type
     integer, allocatable :: element(:)      !! (ncell) element number
     character(:), allocatable :: type_names !! '1 Q1N2.1, 2 Q1'
   end type view_t
 
-  !> Cell of one class of elements.
+  !> A cell for one class of elements.
   type :: class_t
     logical :: done = .false.
     integer :: vtk = 0, degree(3) = 1
@@ -85,7 +85,7 @@ contains
           view%body(view%ncell) = block%body
           view%block(view%ncell) = b
           view%element(view%ncell) = block%number(e)
-          if (allocated(block%ext%w)) then ! each element has weights of its own
+          if (allocated(block%ext%w)) then ! each element has its own weights
             deallocate (class(c)%coef, class(c)%weight)
             class(c)%done = .false.
           end if
@@ -99,7 +99,7 @@ contains
     view%has_bezier = any(view%vtk == VTK_BEZIER .or. view%vtk == VTK_BEZIER_FACE)
   end subroutine build_view
 
-  !> Points of an element as combinations of its nodes.
+  !> Express the points of an element as combinations of its nodes.
   subroutine make_class(block, e, class)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e

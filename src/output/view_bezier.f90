@@ -7,10 +7,10 @@
 !!
 !! with Bernstein polynomials B_i. The rational Bezier cell of points P_i and weights W_i is thus
 !! the element: positions, displacements and fields at nodes map by the coefficients a_iA / W_i. The
-!! cell has the degrees of the element. Where only the surface is rational (an enriched element with
-!! surface weights W(xi, eta)), the product of the bulk functions and W has the degrees of W plus
-!! their own. The cell then is one or two degrees higher and still exact. Its weights are positive,
-!! as degree elevation takes means of the coefficients of W.
+!! cell has the degrees of the element. If only the surface is rational (an enriched element with
+!! surface weights W(xi, eta)), the products of the bulk functions and W have the degrees of W plus
+!! those of the bulk functions. The cell then is one or two degrees higher and still exact. Its
+!! weights are positive, as degree elevation takes means of the coefficients of W.
 !!
 !! The a_iA are found by interpolation, which needs only the functions and degrees of the element.
 module view_bezier
@@ -22,7 +22,7 @@ module view_bezier
 
 contains
 
-  !> Points of the cell in the order of VTK as combinations of the nodes of the element.
+  !> Find the points of the cell, in the order of VTK, as combinations of the nodes of the element.
   subroutine bezier_cell(row, cell, nen, degree, coef, weight)
     type(element_t), intent(in) :: row
     type(cell_t), intent(in) :: cell
@@ -38,7 +38,7 @@ contains
     if (is_rational(cell) .and. on_surface(cell)) degree(1:2) = degree(1:2) + degree(3)
     allocate (a(nen + 1, degree(1) + 1, degree(2) + 1, degree(3) + 1))
     call sample(row, cell, degree, a)
-    ! Values at the grid to Bernstein coefficients, in one direction after the other.
+    ! Transform values at the grid to Bernstein coefficients, in one direction after the other.
     call inverse_transposed(degree(1), m1)
     call inverse_transposed(degree(2), m2)
     call inverse_transposed(degree(3), m3)
@@ -68,7 +68,7 @@ contains
     if (.not. is_rational(cell)) weight = 1.0_wp
   end subroutine bezier_cell
 
-  !> Functions times the denominator, and the denominator, at a grid of points.
+  !> Evaluate the functions times the denominator, and the denominator, at a grid of points.
   subroutine sample(row, cell, degree, a)
     type(element_t), intent(in) :: row
     type(cell_t), intent(in) :: cell
@@ -104,7 +104,8 @@ contains
     end do
   end subroutine sample
 
-  !> Inverse of M(i, s) = B_i(t_s): coefficients b_i = sum_s v_s inverse(s, i).
+  !> Find the inverse of M(i, s) = B_i(t_s), so that the coefficients are b_i = sum_s v_s inverse(s,
+  !! i).
   subroutine inverse_transposed(degree, inverse)
     integer, intent(in) :: degree
     real(wp), allocatable, intent(out) :: inverse(:, :)
@@ -118,7 +119,7 @@ contains
       m(:, s) = bernstein_values(degree, abscissa(degree, s))
       m(s, n + s) = 1.0_wp
     end do
-    do s = 1, n ! Gauss and Jordan with row exchange
+    do s = 1, n ! Gauss-Jordan elimination with row exchange
       p = s - 1 + maxloc(abs(m(s:, s)), dim=1)
       line = m(p, :)
       m(p, :) = m(s, :)
@@ -157,7 +158,7 @@ contains
     end do
   end function bernstein_values
 
-  !> Do the weights differ?
+  !> Are the weights not all equal?
   pure function is_rational(cell)
     type(cell_t), intent(in) :: cell
     logical :: is_rational
@@ -178,8 +179,9 @@ contains
     if (allocated(cell%c)) on_surface = cell%degree(3) > 0
   end function on_surface
 
-  !> Position, from 1, of the Bezier point (i, j, k), each from 0, in the list of VTK: corners, then
-  !! edges, faces and interior (the rule of vtkHigherOrderHexahedron::PointIndexFromIJK).
+  !> Position, counted from 1, of the Bezier point (i, j, k), counted from 0, in the list of VTK:
+  !! corners, then edges, faces and interior (the rule of
+  !! vtkHigherOrderHexahedron::PointIndexFromIJK).
   pure function vtk_position(i, j, k, degree) result(n)
     integer, intent(in) :: i, j, k
     integer, intent(in) :: degree(3)
@@ -225,7 +227,7 @@ contains
     n = n + 1
   end function vtk_position
 
-  !> Corner of a quadrilateral, counter-clockwise from 0.
+  !> Number of a corner of a quadrilateral, counter-clockwise from 0.
   pure function corner(i, j)
     integer, intent(in) :: i, j
     integer :: corner

@@ -5,8 +5,9 @@ module view_points
   private
   public :: point_list_t, add_point, finish_points
 
-  real(wp), parameter :: SAME = 1.0e-10_wp !! largest difference of equal coefficients [-]
-  real(wp), parameter :: ROUNDING = 1.0e-12_wp !! of the largest coefficient: counts as zero [-]
+  real(wp), parameter :: SAME = 1.0e-10_wp !! largest difference between equal coefficients [-]
+  real(wp), parameter :: ROUNDING = 1.0e-12_wp !! a coefficient counts as zero below this, relative
+  !! to the largest [-]
 
   type :: point_list_t
     integer :: npoint = 0
@@ -14,12 +15,13 @@ module view_points
     integer, allocatable :: node(:)    !! ascending within a point
     real(wp), allocatable :: coef(:)   !! coefficients of the nodes [-]
     real(wp), allocatable :: weight(:) !! (npoint) rational weight [-]
-    integer, allocatable, private :: next(:), head(:) !! chains of points of one hash value
+    integer, allocatable, private :: next(:), head(:) !! linked lists of points with the same hash
+    !! value
   end type point_list_t
 
 contains
 
-  !> Number of the point with this combination, which is added where it is new.
+  !> Find the number of the point with this combination, which is added if it is new.
   subroutine add_point(list, node, coef, weight, id)
     type(point_list_t), intent(inout) :: list
     integer, intent(in) :: node(:)     !! a node may occur twice
@@ -38,7 +40,7 @@ contains
       if (is_same(list, id, nodes(:n), coefs(:n), weight)) return
       id = list%next(id)
     end do
-    if (list%npoint + 2 > size(list%first)) then ! double the room, and the number of chains
+    if (list%npoint + 2 > size(list%first)) then ! double the space and the number of linked lists
       room = 2*size(list%first)
       list%first = [list%first, list%first]
       list%weight = [list%weight, list%weight]
@@ -78,7 +80,8 @@ contains
     deallocate (list%next, list%head)
   end subroutine finish_points
 
-  !> Sort the nodes, add the coefficients of equal nodes, and drop those that are rounding.
+  !> Sort the nodes, add the coefficients of equal nodes, and drop coefficients that are mere
+  !! rounding.
   pure subroutine simplify(node, coef, nodes, coefs, n)
     integer, intent(in) :: node(:)
     real(wp), intent(in) :: coef(:)

@@ -2,8 +2,9 @@
 !!
 !! A step is written into space that the file has allocated, handed to the operating system, and
 !! only then counted (NSteps). A run that is killed at any moment leaves all earlier steps readable.
-!! When the room is used up, a file with twice the room is written beside the old one and takes its
-!! name. Closing reduces the room to the steps; a restart keeps the steps up to its checkpoint.
+!! When this space is used up, a file with twice the space is written beside the old one and takes
+!! its name. Closing the file releases the unused space; a restart keeps the steps up to its
+!! checkpoint.
 module vtkhdf_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: replace_file, remove_file
@@ -17,15 +18,15 @@ module vtkhdf_file
   private
   public :: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf
 
-  integer, parameter :: FIRST_ROOM = 8 !! steps
+  integer, parameter :: FIRST_ROOM = 8 !! number of steps
 
   type :: vtkhdf_t
     character(:), allocatable :: path
     type(run_info_t) :: info
     real(wp), allocatable :: xr(:, :)           !! (3, npoint) reference positions of the points [L]
     character(16), allocatable :: names(:)      !! fields; set by the first step
-    integer :: nstep = 0, room = 0              !! steps in the file, and steps that fit in
-    integer, allocatable :: number(:)           !! (nstep) of the steps in the analysis
+    integer :: nstep = 0, room = 0  !! steps in the file, and steps for which it has space
+    integer, allocatable :: number(:)           !! (nstep) step numbers of the analysis
   end type vtkhdf_t
 
 contains
@@ -130,7 +131,7 @@ contains
     end if
   end subroutine append_vtkhdf
 
-  !> Release the room that was not used. A failure here loses no step.
+  !> Release the space that was not used. If this fails, no step is lost.
   subroutine close_vtkhdf(result, view, error)
     type(vtkhdf_t), intent(inout) :: result
     type(view_t), intent(in) :: view
@@ -141,7 +142,7 @@ contains
     end if
   end subroutine close_vtkhdf
 
-  !> Write a new file with room for `room` steps and copy the steps of the old one.
+  !> Write a new file with space for `room` steps and copy the steps of the old one.
   subroutine rebuild(result, view, room, error)
     type(vtkhdf_t), intent(inout) :: result
     type(view_t), intent(in) :: view
@@ -193,12 +194,12 @@ contains
     if (.not. allocated(error)) result%room = room
   end subroutine rebuild
 
-  !> Write the values of a step to its place. One write then counts it, see vtkhdf_layout.
+  !> Write the values of a step to their place. One write then counts the step (see vtkhdf_layout).
   subroutine write_step(file, names, npoint, k, step, time, field, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: names(:)
     integer, intent(in) :: npoint
-    integer, intent(in) :: k    !! place of the step, from 1
+    integer, intent(in) :: k    !! position of the step, counted from 1
     integer, intent(in) :: step
     real(wp), intent(in) :: time
     type(field_t), intent(in) :: field(:)

@@ -1,8 +1,8 @@
 !> Structure of a `.vtkhdf` file: VTKHDF 2.6, UnstructuredGrid with steps.
 !!
-!! The geometry is stored once. The fields have room for a number of steps, which is allocated when
-!! the file is created. The attribute NSteps tells how many steps are complete: writing a step ends
-!! with it.
+!! The geometry is stored once. The fields have space for a number of steps, which is allocated when
+!! the file is created. The attribute NSteps counts the complete steps: it is changed last when a
+!! step is written.
 module vtkhdf_layout
   use base_error, only: error_t
   use base_kinds, only: wp, i8
@@ -22,16 +22,17 @@ module vtkhdf_layout
 
 contains
 
-  !> Everything but the values of the steps.
+  !> Write everything except the values of the steps.
   subroutine write_layout(file, view, xr, info, names, room, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view
     real(wp), intent(in) :: xr(:, :)        !! (3, npoint) reference positions of the points [L]
     type(run_info_t), intent(in) :: info
-    character(*), intent(in) :: names(:)    !! fields
-    integer, intent(in) :: room             !! steps
+    character(*), intent(in) :: names(:)    !! names of the fields
+    integer, intent(in) :: room             !! number of steps
     type(error_t), allocatable, intent(out) :: error
-    integer, parameter :: LONGEST = 60000 !! text of an attribute; HDF5 holds less than 64 kB there
+    integer, parameter :: LONGEST = 60000 !! length of an attribute's text; HDF5 allows less than 64
+    !! kB
     character(*), parameter :: CELLS = 'VTKHDF/CellData', DEGREES = CELLS//'/HigherOrderDegrees'
     character(*), parameter :: FIELDS = 'VTKHDF/PointData', WEIGHTS = FIELDS//'/RationalWeights'
     type(field_t) :: field
@@ -95,11 +96,13 @@ contains
     call write_offsets(file, view, names, room, error)
   end subroutine write_layout
 
-  !> Where the data of each step begin: geometry and cell data at 0, fields one after the other.
+  !> Write where the data of each step begin: geometry and cell data at 0, fields one after the
+  !! other.
   !!
   !! The readers of VTK require as many times (Values) as steps (NSteps). Values is created right
-  !! after the attribute and has none of its own, so that both lie side by side in the file and the
-  !! library changes them in one write. A kill between two writes would leave one without the other.
+  !! after the attribute and has no attribute of its own, so that both lie side by side in the file
+  !! and the library changes them in one write. If the program were killed between two writes, only
+  !! one of them would be changed.
   subroutine write_offsets(file, view, names, room, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view
@@ -138,7 +141,8 @@ contains
     end do
   end subroutine write_offsets
 
-  !> Offsets are integers of 64 bits. They are passed as reals, which hold them exactly to 2**53.
+  !> Write offsets, which are 64-bit integers. They are passed as reals, which hold them exactly to
+  !! 2**53.
   subroutine write_starts(file, path, values, error, column)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path

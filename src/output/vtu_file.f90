@@ -1,5 +1,5 @@
-!> One `.vtu` file for each step and a `.pvd` list of them; VTK from version 9.3 on shows them
-!! exactly.
+!> One `.vtu` file for each step and a `.pvd` list of them; VTK shows them exactly from version 9.3
+!! on.
 !!
 !! The files are XML with the numbers appended in binary. Each is written under another name and
 !! renamed when it is complete.
@@ -57,7 +57,7 @@ contains
     if (size(series%step) == 0) call remove_file(stem//'.pvd')
   end subroutine open_series
 
-  !> Step and time of a line of a `.pvd` file that this module wrote.
+  !> Read the step and the time in a line of a `.pvd` file that this module wrote.
   subroutine read_entry(line, step, time, status)
     character(*), intent(in) :: line
     integer, intent(out) :: step
@@ -124,7 +124,7 @@ contains
     call write_whole(series%stem//'.pvd', text, error)
   end subroutine append_series
 
-  !> The XML part. The arrays have the order of write_numbers.
+  !> The XML part of a file. The arrays have the order of write_numbers.
   function header(view, field) result(text)
     type(view_t), intent(in) :: view
     type(field_t), intent(in) :: field(:)
@@ -163,7 +163,8 @@ contains
            '<AppendedData encoding="raw">'//LF//'_'
   end function header
 
-  !> One array of the header. `place` advances by its bytes and the eight bytes of its length.
+  !> Description of one array of the header. `place` advances by the bytes of the array and the
+  !! eight bytes of its length.
   function array(type, name, ncomp, bytes, place) result(text)
     character(*), intent(in) :: type, name
     integer, intent(in) :: ncomp
@@ -177,7 +178,7 @@ contains
     place = place + bytes + 8
   end function array
 
-  !> The binary part.
+  !> Write the binary part of a file.
   subroutine write_numbers(file, view, xr, field, error)
     type(byte_file_t), intent(in) :: file
     type(view_t), intent(in) :: view
@@ -209,7 +210,7 @@ contains
     if (.not. allocated(error)) call write_integers(file, view%element, error)
   end subroutine write_numbers
 
-  !> The length of an array in bytes, and the array.
+  !> Write the length of an array in bytes, and the array.
   subroutine write_block(file, buffer, bytes, error)
     type(byte_file_t), intent(in) :: file
     type(c_ptr), intent(in) :: buffer
@@ -248,7 +249,7 @@ contains
     name = stem//'_'//trim(number)//'.vtu'
   end function file_name
 
-  !> Attribute that names the array in use; empty where there is none.
+  !> Attribute that marks an array as the active one; empty if it is not.
   pure function active(name, is_active) result(text)
     character(*), intent(in) :: name
     logical, intent(in) :: is_active
