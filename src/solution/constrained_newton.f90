@@ -1,12 +1,12 @@
-!> Newton's iteration of a constrained step: one factorisation, two right-hand sides.
+!> Newton's iteration of a constrained step, with one factorisation for two right-hand sides.
 !!
-!! Displacements u and time t are unknown; the equations are R(u, t) = 0 and G(u) = goal, where G is
-!! the release of the bonds or the arc length of the step. With K = dR/du,
+!! The displacements u and the time t are unknown. The equations are R(u, t) = 0 and G(u) = goal,
+!! where G is the release of the bonds or the arc length of the step. With K = dR/du,
 !!
 !!     K a = -R,   K b = -dR/dt,   dt = (goal - G - G'.a)/(G'.b),   du = a + dt b.
 !!
-!! G grows along a crack that advances whether loads rise or fall, so dt is found where load control
-!! fails. A step ends at its limit in time where that comes first: its load is then prescribed.
+!! As a crack advances, G grows whether loads rise or fall, so dt can be found even when load
+!! control fails. If a step reaches its limit in time first, it ends there with its load prescribed.
 module constrained_newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use assembly, only: free_part, full_vector
@@ -25,12 +25,12 @@ module constrained_newton
   private
   public :: solve_constrained
 
-  real(wp), parameter :: NEAR = 1.0e-6_wp !! distance to the goal, relative to the step's increment
+  real(wp), parameter :: NEAR = 1.0e-6_wp !! a step is at its goal within this distance, relative to
+  !! its increment
 
 contains
 
-  !> Solve for the increments of displacements and time that belong to the last formed system, and
-  !! add them.
+  !> Find the increments of displacements and time from the system formed last, and add them.
   subroutine solve_constrained(newton, model, state, forcing, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -56,7 +56,7 @@ contains
       return
     end if
     call free_part(model%eq, a, newton%dx)
-    alone = abs(dot_product(newton%dx, newton%rhs)) ! includes what another time would balance
+    alone = abs(dot_product(newton%dx, newton%rhs)) ! includes what a change of time would balance
     a = a + dt*b
     call free_part(model%eq, a, newton%dx)
     pass%energy = max(alone, abs(dot_product(newton%dx, newton%rhs))) + pass%sweep%enhanced
@@ -78,19 +78,19 @@ contains
     state%u = state%u + b
   end subroutine solve_constrained
 
-  !> The increment of time. It does not pass the limit; a step that stops there has arrived when it
-  !! stopped there in the iteration before.
+  !> Find the increment of time. It does not pass the limit. A step that stops at the limit has
+  !! arrived if it also stopped there in the iteration before.
   pure subroutine find_time(constraint, time, measure, by_a, by_b, dt, arrived, ok)
     type(path_constraint_t), intent(inout) :: constraint
     real(wp), intent(in) :: time
     real(wp), intent(in) :: measure    !! [L^2], or [L]
-    real(wp), intent(in) :: by_a, by_b !! G'.a, and G'.b per unit of time
+    real(wp), intent(in) :: by_a, by_b !! G'.a, and G'.b per unit time
     real(wp), intent(out) :: dt
     logical, intent(out) :: arrived    !! the step's goal was reached before this iteration
     logical, intent(out) :: ok
     logical :: again
 
-    dt = constraint%limit - time       ! where nothing is open yet
+    dt = constraint%limit - time       ! up to the limit if nothing is open yet
     if (allocated(constraint%direction) .or. measure > NEAR*constraint%increment) then
       dt = (constraint%goal - measure - by_a)/by_b
     end if
@@ -104,7 +104,7 @@ contains
     arrived = again
   end subroutine find_time
 
-  !> a = -K^-1 R, b = -K^-1 dR/dt, prescribed motion included.
+  !> Solve for a = -K^-1 R and b = -K^-1 dR/dt, including prescribed motion.
   subroutine solve_both(newton, model, state, forcing, a, b, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model

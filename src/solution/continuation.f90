@@ -1,4 +1,4 @@
-!> Continuation: the method of a step is changed where it fails, and load control is tried again.
+!> Continuation: changes the method of a step when it fails, and tries load control again later.
 module continuation
   use base_kinds, only: wp
   use base_log, only: log_line, warn
@@ -22,21 +22,21 @@ module continuation
   private
   public :: begin_increment, change_method, adapt_method
 
-  !> An increment, or a change of a load's rate, that counts as zero.
+  !> An increment, or a change of the rate of a load, below this relative size counts as zero.
   real(wp), parameter :: NOTHING = 1.0e-9_wp
-  !> Kinetic energy of the mean motion since the start, relative to the work done: the density of a
-  !! snap follows from it.
+  !> Kinetic energy of the mean motion since the start, relative to the work done. It determines the
+  !! density for a snap-through.
   real(wp), parameter :: KINETIC_FRACTION = 1.0e-3_wp
 
 contains
 
-  !> Begin a step of the method in use: its time is prescribed, or the release of the bonds, or its
+  !> Begin a step of the method in use, which prescribes the time, the release of the bonds or the
   !! arc length.
   subroutine begin_increment(step, model, state, left)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    integer, intent(in) :: left          !! targets that remain in the loop, this one included
+    integer, intent(in) :: left          !! targets that remain in the loop, including this one
     real(wp) :: limit, to
 
     associate (path => step%continuation, constraint => step%newton%constraint)
@@ -56,8 +56,8 @@ contains
     call open_step(state, to)
   end subroutine begin_increment
 
-  !> The step has failed. .true.: it is to be repeated from its start with another method, or with a
-  !! smaller increment of the constrained measure.
+  !> Act on a failed step. The result is true if the step is to be repeated from its start, with
+  !! another method or with a smaller increment of the constrained measure.
   function change_method(step, model, state, why) result(changed)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -109,7 +109,7 @@ contains
   contains
 
     subroutine log_cut(next)
-      character(*), intent(in) :: next   !! what the next attempt does
+      character(*), intent(in) :: next   !! action of the next attempt
 
       step%cutbacks = step%cutbacks + 1
       step%total%cutbacks = step%total%cutbacks + 1
@@ -117,8 +117,9 @@ contains
                     //next)
     end subroutine log_cut
 
-    !> There are bonds whose release a load can change and none that depends on the speed, and a
-    !! load has worked on them: closed bonds do not say in which direction they open.
+    !> Can a load control the release of bonds? There must be bonds whose release depends on a load
+    !! and none whose release depends on the speed, and a load must have worked on them: closed
+    !! bonds do not indicate in which direction they open.
     logical function can_control_release() result(yes)
       yes = step%continuation%method == PATH_RELEASE .and. any(model%contact(:)%cohesive%given) &
             .and. size(state%table) > 0
@@ -129,7 +130,7 @@ contains
 
   end function change_method
 
-  !> The step is accepted: adapt the next increment, change the method, or try load control again.
+  !> After an accepted step, adapt the next increment, change the method, or try load control again.
   subroutine adapt_method(step, model, state, largest)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -162,7 +163,7 @@ contains
           call adapt_release(path, step%newton%iterations - step%newton%before)
         end if
         off = is_all_released(model, state)
-        off = off .and. state%dt > 0.0_wp ! else the load would lead back
+        off = off .and. state%dt > 0.0_wp ! otherwise the load would lead back
         if (off .and. path%method == PATH_RELEASE) then
           call end_trial(path)
           call log_line('path: load control again from time '//to_text(state%time) &
@@ -178,8 +179,9 @@ contains
     end associate
   end subroutine adapt_method
 
-  !> LENGth: a step has moved something, steps can be cut, and the loads go on at the same rates.
-  !! Where loads rest or turn there is one step of load control.
+  !> May a step follow the arc length (LENGth)? The last step must have moved something, steps can
+  !! be cut, and the loads go on at the same rates. If loads rest or turn, there is one step of load
+  !! control.
   pure logical function may_follow_arc(step, state) result(yes)
     type(step_t), intent(in) :: step
     type(state_t), intent(in) :: state
@@ -193,7 +195,7 @@ contains
     yes = any(abs(ahead) > 0.0_wp) .and. .not. any(abs(ahead - before) > NOTHING*abs(ahead))
   end function may_follow_arc
 
-  !> Arc length control begins, along the last increment.
+  !> Begin arc length control, in the direction of the last increment.
   subroutine follow_arc(step, state, what)
     type(step_t), intent(inout) :: step
     type(state_t), intent(in) :: state
@@ -206,8 +208,9 @@ contains
     call log_line('path: arc length control takes over, first length '//to_text(length))
   end subroutine follow_arc
 
-  !> The next steps have inertia, with the density of the deck or with one that gives the mean
-  !! motion since the start, the initial motion, a small energy. .false.: there is no such density.
+  !> Add inertia to the next steps. The density is that of the deck, or one for which the initial
+  !! motion, the mean motion since the start, has a small energy. The result is false if there is no
+  !! such density.
   function adds_inertia(step, model, state, what, why) result(added)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -249,7 +252,7 @@ contains
     end associate
   end function adds_inertia
 
-  !> Neither a constraint nor inertia helps: load control in smaller steps from now on.
+  !> Use load control in smaller steps from now on, as neither a constraint nor inertia helps.
   pure subroutine end_continuation(path)
     type(continuation_t), intent(inout) :: path
 
@@ -258,7 +261,7 @@ contains
     path%method = PATH_OFF
   end subroutine end_continuation
 
-  !> The next arc length; back to control of the release once the bonds open again.
+  !> Set the next arc length; return to control of the release as soon as the bonds open again.
   subroutine adapt_arc_control(step, model, state)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -270,7 +273,7 @@ contains
       allocate (slope(3, model%mesh%nnode))
       call find_release(model, state, state%u - state%last_increment, before, slope)
       call find_release(model, state, state%u, released, slope)
-      released = released - before       ! zero without bonds
+      released = released - before       ! zero if there are no bonds
       if (abs(released) > 0.0_wp) released = released/bonded_area(model, state)
       call note_release(path, released)
       if (.not. step%newton%constraint%at_limit) then
@@ -286,7 +289,7 @@ contains
     end associate
   end subroutine adapt_arc_control
 
-  !> Warn if there is more kinetic energy than work was done: contact has produced energy, which is
+  !> Warn if the kinetic energy exceeds the work done: contact has then produced energy, which is
   !! possible with the two-half-pass algorithm.
   subroutine check_energy(path, model, state)
     type(continuation_t), intent(inout) :: path

@@ -1,13 +1,14 @@
-!> How the path of equilibria is continued where load control ends: methods and their changes.
+!> How the equilibrium path is continued when load control fails: methods and the changes between
+!! them.
 !!
-!! Load control goes as far as it can. Where a small step fails, the release of the bonds is
-!! prescribed instead of the load; where that fails, the arc length of the step (LENGth: from the
-!! start); or inertia carries the model over the snap. Load control is tried again after whole steps
-!! of the deck in which the load has risen, or when the motion has died down; after each failed
-!! trial the number of steps before the next one doubles.
+!! Load control goes as far as it can. If even a small step fails, the release of the bonds is
+!! prescribed instead of the load. If that fails too, the arc length of the step is prescribed
+!! (LENGth: from the start), or inertia carries the model over the snap. Load control is tried again
+!! after whole steps of the deck in which the load has risen, or when the motion has died down.
+!! After each failed trial the number of steps before the next one doubles.
 !!
-!! Under control of the release or of the arc length a step is constrained: a measure of it is
-!! prescribed and its time is unknown (constrained_newton).
+!! Under control of the release or of the arc length, a step is constrained: a measure of the step
+!! is prescribed, and its time is unknown (constrained_newton).
 module continuation_type
   use base_kinds, only: wp
   use contact_forces, only: bonded_area, find_release
@@ -20,65 +21,69 @@ module continuation_type
   public :: path_constraint_t, constrain_release, constrain_arc, find_measure, turns_away, &
             is_all_released
 
-  !> What the deck allows where load control ends (OFF, DYNAmic, LOCAl, LENGth). PATH_RELEASE:
-  !! control of the release where it is possible, else of the arc length, else inertia.
+  !> The methods that the deck allows when load control fails (OFF, DYNAmic, LOCAl, LENGth).
+  !! PATH_RELEASE means control of the release if possible, else of the arc length, else inertia.
   integer, parameter, public :: PATH_OFF = 0, PATH_INERTIA = 1, PATH_RELEASE = 2, PATH_ARC = 3
-  !> The method that the path is followed with.
+  !> The method with which the path is followed.
   integer, parameter, public :: BY_LOAD = 0, BY_INERTIA = 1, BY_RELEASE = 2, BY_ARC = 3
 
-  real(wp), parameter :: SMALL = 0.6_wp            !! step of load control, relative to dt
+  real(wp), parameter :: SMALL = 0.6_wp            !! load control ends when a step of at most this
+  !! size fails, relative to dt
   integer, parameter :: FIRST_WAIT = 4             !! steps with inertia before the first trial
-  integer, parameter :: FIRST_FORWARD = 2          !! whole steps of the deck before it
-  integer, parameter :: LONGEST_WAIT = 64          !! steps
-  real(wp), parameter :: QUIET = 1.0e-3_wp         !! inertia, relative to the largest nodal force
-  real(wp), parameter :: LARGEST_RELEASE = 0.01_wp !! fraction of the bonds released by a step
+  integer, parameter :: FIRST_FORWARD = 2          !! whole steps of the deck before the first trial
+  integer, parameter :: LONGEST_WAIT = 64          !! largest number of steps before a trial
+  real(wp), parameter :: QUIET = 1.0e-3_wp         !! inertia that has died down, relative to the
+  !! largest nodal force
+  real(wp), parameter :: LARGEST_RELEASE = 0.01_wp !! largest fraction of the bonds released by a
+  !! step
   real(wp), parameter :: SMALLEST_RELEASE = 1.0e-5_wp
-  real(wp), parameter :: SMALLEST_ARC = 1.0e-3_wp  !! arc length, relative to the first one
+  real(wp), parameter :: SMALLEST_ARC = 1.0e-3_wp  !! shortest arc length, relative to the first one
   real(wp), parameter :: LARGEST_ARC = 4.0_wp
-  integer, parameter :: FEW = 5, MANY = 9          !! iterations: the next step grows, or shrinks
+  integer, parameter :: FEW = 5, MANY = 9          !! the next step grows up to FEW iterations and
+  !! shrinks from MANY on
 
-  !> Fraction of the bonds that counts as none.
+  !> A smaller fraction of the bonds counts as none.
   real(wp), parameter :: NO_BONDS = 1.0e-3_wp
-  !> Least cosine between a step and the one before it.
+  !> Smallest cosine of the angle between a step and the one before it.
   real(wp), parameter :: LEAST_COSINE = 0.5_wp
 
   type :: continuation_t
-    integer :: method = PATH_OFF         !! what the deck allows
-    logical :: given = .false.           !! the deck chose it
+    integer :: method = PATH_OFF         !! method that the deck allows
+    logical :: given = .false.           !! the deck has chosen it
     integer :: active = BY_LOAD          !! method in use; BY_LOAD: load control has not ended
     logical :: trial = .false.           !! the step under way tries load control again
-    integer :: steps = 0                 !! since load control ended, or was last tried
+    integer :: steps = 0                 !! steps since load control failed or was last tried
     integer :: wait = FIRST_WAIT         !! steps before the next trial
-    integer :: next_wait = FIRST_WAIT    !! steps before the first trial of the next motion
-    real(wp) :: density = -1.0_wp        !! of the deck [M/L^3]; negative: from the work done
+    integer :: next_wait = FIRST_WAIT    !! steps before the first trial after the next snap
+    real(wp) :: density = -1.0_wp        !! of the deck [M/L^3]; negative: found from the work done
     real(wp) :: release = 0.0_wp         !! fraction of the bonds that the next step releases
     real(wp) :: largest_release = LARGEST_RELEASE
     real(wp) :: length = 0.0_wp          !! arc length of the next step [L]
-    real(wp) :: shortest = 0.0_wp, longest = 0.0_wp !! arc lengths [L]
+    real(wp) :: shortest = 0.0_wp, longest = 0.0_wp !! limits of the arc length [L]
     real(wp) :: multiple = LARGEST_ARC   !! longest arc length, relative to the first one
     real(wp) :: released = 0.0_wp        !! fraction of the bonds released under arc length control
-    integer :: opening = 0               !! consecutive such steps that have released bonds
-    integer :: patience = FIRST_WAIT     !! of them before the release is controlled again
-    logical :: warned = .false.          !! the warning that load control ended was issued
-    logical :: warned_energy = .false.   !! and the one that the motion has too much energy
+    integer :: opening = 0  !! consecutive steps with arc length control that released bonds
+    integer :: patience = FIRST_WAIT     !! number of these before the release is controlled again
+    logical :: warned = .false.          !! a warning has said that load control failed
+    logical :: warned_energy = .false.   !! a warning has said that the motion has too much energy
   end type continuation_t
 
-  !> A step whose measure is prescribed: the release of the bonds, or the arc length in the tangent
-  !! plane (the component along the increment before).
+  !> A step with a prescribed measure: the release of the bonds, or the arc length in the tangent
+  !! plane (the component along the previous increment).
   type :: path_constraint_t
     logical :: on = .false.
-    real(wp) :: increment = 0.0_wp       !! of the measure in the step: [L^2], or [L]
-    real(wp) :: goal = 0.0_wp            !! the measure at its end
-    real(wp), allocatable :: direction(:, :) !! (3, nnode) of the last increment, of length one; not
-    !! allocated: release
-    real(wp) :: start = 0.0_wp           !! time at which it begins
-    real(wp) :: limit = 0.0_wp           !! time that it may not pass
-    logical :: at_limit = .false.        !! it ends there, with less of the measure than prescribed
+    real(wp) :: increment = 0.0_wp       !! of the measure in the step: [L^2] or [L]
+    real(wp) :: goal = 0.0_wp            !! value of the measure at the end of the step
+    real(wp), allocatable :: direction(:, :) !! (3, nnode) unit vector along the last increment; not
+    !! allocated if the release is prescribed
+    real(wp) :: start = 0.0_wp           !! time at which the step begins
+    real(wp) :: limit = 0.0_wp           !! time that the step must not pass
+    logical :: at_limit = .false. !! the step ends at the limit, before the measure reaches its goal
   end type path_constraint_t
 
 contains
 
-  !> A step of load control has failed: may another method take over?
+  !> After a failed step of load control, may another method take over?
   pure logical function may_leave(path, size)
     type(continuation_t), intent(in) :: path
     real(wp), intent(in) :: size         !! of the step, relative to dt
@@ -100,21 +105,21 @@ contains
     path%release = 0.5_wp*path%largest_release
   end subroutine leave_load_control
 
-  !> The step under way is controlled by the release of the bonds.
+  !> Is the step under way controlled by the release of the bonds?
   pure logical function controls_release(path)
     type(continuation_t), intent(in) :: path
 
     controls_release = path%active == BY_RELEASE .and. .not. path%trial
   end function controls_release
 
-  !> The step under way is controlled by its arc length.
+  !> Is the step under way controlled by its arc length?
   pure logical function controls_arc(path)
     type(continuation_t), intent(in) :: path
 
     controls_arc = path%active == BY_ARC .and. .not. path%trial
   end function controls_arc
 
-  !> After a step with inertia: has the motion died down, and is a trial due?
+  !> After a step with inertia, has the motion died down, and is a trial due?
   logical function is_quiet(path, inertia, largest)
     type(continuation_t), intent(inout) :: path
     real(wp), intent(in) :: inertia      !! largest force of inertia at a node [F]
@@ -124,7 +129,7 @@ contains
     is_quiet = path%steps >= path%wait .and. inertia <= QUIET*largest
   end function is_quiet
 
-  !> After a constrained step: has the load risen for long enough?
+  !> After a constrained step, has the load risen for long enough?
   logical function is_forward(path, whole)
     type(continuation_t), intent(inout) :: path
     logical, intent(in) :: whole         !! it was a whole step of the deck
@@ -133,7 +138,7 @@ contains
     is_forward = path%steps >= path%wait
   end function is_forward
 
-  !> Release of the next step, after one that took this many iterations.
+  !> Set the release of the next step from the number of iterations of the last one.
   pure subroutine adapt_release(path, iterations)
     type(continuation_t), intent(inout) :: path
     integer, intent(in) :: iterations
@@ -142,7 +147,7 @@ contains
     if (iterations >= MANY) path%release = max(0.7_wp*path%release, SMALLEST_RELEASE)
   end subroutine adapt_release
 
-  !> The step has failed: half of its release. .false.: that is too little.
+  !> Halve the release of a failed step. The result is false if that is too small.
   logical function cut_release(path) result(possible)
     type(continuation_t), intent(inout) :: path
 
@@ -150,7 +155,7 @@ contains
     possible = path%release >= SMALLEST_RELEASE
   end function cut_release
 
-  !> Arc length control begins with the length of the last step.
+  !> Begin arc length control with the length of the last step.
   pure subroutine begin_arc(path, length)
     type(continuation_t), intent(inout) :: path
     real(wp), intent(in) :: length       !! [L]
@@ -163,8 +168,8 @@ contains
     path%opening = 0
   end subroutine begin_arc
 
-  !> Arc length of the next step, after one that took so many iterations and released such a
-  !! fraction of the bonds.
+  !> Set the arc length of the next step from the number of iterations of the last one and the
+  !! fraction of the bonds that it released.
   pure subroutine adapt_arc(path, iterations, released)
     type(continuation_t), intent(inout) :: path
     integer, intent(in) :: iterations
@@ -178,7 +183,7 @@ contains
     path%length = max(path%length, path%shortest)
   end subroutine adapt_arc
 
-  !> A step under arc length control has released such a fraction of the bonds.
+  !> Note the fraction of the bonds that a step with arc length control has released.
   pure subroutine note_release(path, released)
     type(continuation_t), intent(inout) :: path
     real(wp), intent(in) :: released
@@ -187,17 +192,17 @@ contains
     path%released = path%released + released
   end subroutine note_release
 
-  !> Bonds have closed by more than one step may open: the path is followed backwards.
+  !> Is the path followed backwards? It is if more bonds have closed than a step may open.
   pure logical function runs_back(path)
     type(continuation_t), intent(in) :: path
 
     runs_back = path%released < -path%largest_release
   end function runs_back
 
-  !> Bonds open along the path again: their release can be controlled.
+  !> Do bonds open along the path again, so that their release can be controlled?
   logical function opens_again(path, released)
     type(continuation_t), intent(inout) :: path
-    real(wp), intent(in) :: released     !! fraction of the bonds, by the last step
+    real(wp), intent(in) :: released     !! fraction of the bonds released by the last step
 
     opens_again = path%opening >= path%patience
     if (.not. opens_again) return
@@ -206,7 +211,7 @@ contains
     path%release = min(released, path%largest_release)
   end function opens_again
 
-  !> The step under arc length control has failed: half of its length. .false.: that is too short.
+  !> Halve the arc length of a failed step. The result is false if that is too short.
   logical function cut_arc(path) result(possible)
     type(continuation_t), intent(inout) :: path
 
@@ -220,7 +225,7 @@ contains
     path%trial = .true.
   end subroutine begin_trial
 
-  !> The trial has converged: load control continues.
+  !> End a trial that has converged: load control continues.
   pure subroutine end_trial(path)
     type(continuation_t), intent(inout) :: path
 
@@ -228,7 +233,7 @@ contains
     path%active = BY_LOAD
   end subroutine end_trial
 
-  !> The trial has failed: the previous method continues.
+  !> End a trial that has failed: the previous method continues.
   pure subroutine fail_trial(path)
     type(continuation_t), intent(inout) :: path
 
@@ -237,13 +242,13 @@ contains
     path%wait = min(2*path%wait, LONGEST_WAIT)
   end subroutine fail_trial
 
-  !> A step of given release begins: `state` is that of its start.
+  !> Begin a step of given release; `state` is the state at its start.
   subroutine constrain_release(constraint, model, state, increment, limit)
     type(path_constraint_t), intent(out) :: constraint
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    real(wp), intent(in) :: increment    !! [L^2]; at most half of what is left is released
-    real(wp), intent(in) :: limit        !! time
+    real(wp), intent(in) :: increment    !! [L^2]; at most half of the remaining bonds are released
+    real(wp), intent(in) :: limit        !! time that the step must not pass
     real(wp), allocatable :: slope(:, :)
     real(wp) :: left, part, released
 
@@ -255,25 +260,25 @@ contains
                                    start=state%time, limit=limit)
   end subroutine constrain_release
 
-  !> A step of given arc length begins along the last increment; lengths are those of the vector of
-  !! all displacements.
+  !> Begin a step of given arc length along the last increment. The length is the norm of the vector
+  !! of all displacements.
   subroutine constrain_arc(constraint, state, length, limit)
     type(path_constraint_t), intent(out) :: constraint
     type(state_t), intent(in) :: state
     real(wp), intent(in) :: length       !! [L]
-    real(wp), intent(in) :: limit        !! time
+    real(wp), intent(in) :: limit        !! time that the step must not pass
 
     constraint = path_constraint_t(on=.true., increment=length, goal=length, start=state%time, &
                                    limit=limit)
     constraint%direction = state%last_increment/norm2(state%last_increment)
   end subroutine constrain_arc
 
-  !> The measure at the current displacements, and its derivative.
+  !> Find the measure at the current displacements, and its derivative.
   subroutine find_measure(constraint, model, state, measure, slope)
     type(path_constraint_t), intent(in) :: constraint
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    real(wp), intent(out) :: measure     !! [L^2], or [L]
+    real(wp), intent(out) :: measure     !! [L^2] or [L]
     real(wp), intent(out) :: slope(:, :) !! (3, nnode)
 
     if (allocated(constraint%direction)) then
@@ -284,8 +289,8 @@ contains
     end if
   end subroutine find_measure
 
-  !> The increment under arc length control turns away from the one before it: to a later part of
-  !! the path, or to another path.
+  !> Does the increment under arc length control turn away from the previous one, to a later part of
+  !! the path or to another path?
   pure logical function turns_away(constraint, state) result(yes)
     type(path_constraint_t), intent(in) :: constraint
     type(state_t), intent(in) :: state
@@ -295,7 +300,7 @@ contains
                    < LEAST_COSINE*norm2(state%u - state%u_step)
   end function turns_away
 
-  !> There were bonds, and none was left at the end of the last step.
+  !> Were there bonds, and was none left at the end of the last step?
   function is_all_released(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

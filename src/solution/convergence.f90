@@ -1,9 +1,10 @@
-!> The convergence test of Newton's iteration, its limits, and iterations that oscillate.
+!> The convergence test of Newton's iteration, its limits, and the treatment of iterations that
+!! oscillate.
 !!
-!! Positions are known to epsilon relative to themselves, so a nodal force is known to epsilon times
-!! the stiffness of the node times its displacement or the distance to its neighbours. Without this
-!! floor a step in which nothing changes (a load held after unloading) is all noise and never passes
-!! a relative test.
+!! Positions are known with a relative error of epsilon, so a nodal force is known with an error of
+!! epsilon times the stiffness of the node times its displacement or the distance to its neighbours.
+!! Without this floor, a step in which nothing changes (a load held after unloading) consists of
+!! rounding errors only and never passes a relative test.
 module convergence
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
@@ -16,21 +17,26 @@ module convergence
   public :: check_convergence, energy_tolerance, force_tolerance, find_largest_residual, &
             node_spacing, find_floor, needs_line_search, damping, count_flips, turns_back
 
-  !> Of an energy, relative to the sum of |f||u|.
+  !> Rounding error of an energy, relative to the sum of |f||u|.
   real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2
-  real(wp), parameter :: RESIDUAL = 1.0e-9_wp !! relative to the largest nodal force
+  real(wp), parameter :: RESIDUAL = 1.0e-9_wp !! largest residual, relative to the largest nodal
+  !! force
   real(wp), parameter :: FLOOR_OF_FORCE = 16.0_wp*epsilon(1.0_wp)
-  !> Of displacements: the softest motion of a slender body magnifies the rounding of the forces.
+  !> Error of displacements: the softest motion of a slender body magnifies the rounding of the
+  !! forces.
   real(wp), parameter :: FLOOR_OF_MOTION = 1.0e3_wp*epsilon(1.0_wp)
-  integer, parameter :: PATIENCE = 6 !! iterations of a step with contact without a line search
-  !> Cosine beyond which an increment takes back the last one.
+  integer, parameter :: PATIENCE = 6 !! iterations of a step with contact before a line search is
+  !! used
+  !> An increment takes back the last one if the cosine between it and the reverse of the last one
+  !! is larger.
   real(wp), parameter :: OPPOSITE = 0.7_wp
-  real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! of an increment that is damped
-  integer, parameter :: MOST_FLIPS = 5 !! consecutive changes of sign that may be an accident
+  real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a damped increment
+  integer, parameter :: MOST_FLIPS = 5 !! number of consecutive changes of sign that shows an
+  !! alternation
 
 contains
 
-  !> The convergence test (doc/manual/TOL.md).
+  !> Apply the convergence test (doc/manual/TOL.md).
   subroutine check_convergence(newton, pass, moved)
     type(newton_t), intent(inout) :: newton
     type(pass_t), intent(inout) :: pass
@@ -65,7 +71,7 @@ contains
     force = max(RESIDUAL*pass%sweep%largest, pass%floor%force)
   end function force_tolerance
 
-  !> Largest residual of the free dofs, and where it is.
+  !> Find the largest residual of the free dofs and its node and direction.
   pure subroutine find_largest_residual(model, reaction, pass)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: reaction(:, :) !! (3, nnode) [F]
@@ -98,7 +104,7 @@ contains
           do i = 1, mesh%block(b)%nen
             do j = 1, i - 1
               d = norm2(mesh%xr(:, conn(i, e)) - mesh%xr(:, conn(j, e)))
-              if (.not. d > 0.0_wp) cycle    ! collapsed
+              if (.not. d > 0.0_wp) cycle    ! a collapsed element
               spacing(conn(i, e)) = min(spacing(conn(i, e)), d)
               spacing(conn(j, e)) = min(spacing(conn(j, e)), d)
             end do
@@ -109,7 +115,7 @@ contains
     where (spacing >= huge(1.0_wp)) spacing = 0.0_wp
   end function node_spacing
 
-  !> The floor for the tangent and the current displacements.
+  !> Find the floor for the given tangent and the current displacements.
   pure function find_floor(k, spacing, u) result(floor)
     type(block_matrix_t), intent(in) :: k
     real(wp), intent(in) :: spacing(:)   !! (nnode) [L]
@@ -129,7 +135,7 @@ contains
     end do
   end function find_floor
 
-  !> Contact that does not settle: a line search follows whether the deck chose it or not.
+  !> Is a line search needed because contact does not settle, even if the deck did not choose one?
   pure logical function needs_line_search(newton, model)
     type(newton_t), intent(in) :: newton
     type(model_t), intent(in) :: model
@@ -137,8 +143,9 @@ contains
     needs_line_search = size(model%contact) > 0 .and. newton%iterations - newton%before > PATIENCE
   end function needs_line_search
 
-  !> Points that change between two states of contact in turn make Newton's iteration oscillate.
-  !! Where an increment takes most of the last one back, Aitken's fraction of it is taken.
+  !> Fraction of an increment to take. Points that alternate between two states of contact make
+  !! Newton's iteration oscillate. If an increment takes back most of the last one, Aitken's
+  !! fraction of it is taken.
   function damping(newton) result(fraction)
     type(newton_t), intent(in) :: newton
     real(wp) :: fraction
@@ -153,7 +160,7 @@ contains
     if (.not. fraction > LEAST_FRACTION) fraction = LEAST_FRACTION
   end function damping
 
-  !> Take note of the sign of a tangent's determinant; 0 where it is not known.
+  !> Note the sign of the tangent's determinant, or 0 if it is not known.
   pure subroutine count_flips(newton, sign)
     type(newton_t), intent(inout) :: newton
     integer, intent(in) :: sign
@@ -162,9 +169,9 @@ contains
     newton%sign = sign
   end subroutine count_flips
 
-  !> Newton's iteration alternates between two states of contact whose tangents have determinants of
-  !! opposite sign: the load has a maximum where a point changes its state, and no equilibrium is
-  !! near beyond it.
+  !> Does Newton's iteration alternate between two states of contact whose tangents have
+  !! determinants of opposite sign? The load then has a maximum at which a point changes its state,
+  !! and beyond it there is no equilibrium nearby.
   pure logical function turns_back(newton)
     type(newton_t), intent(in) :: newton
 

@@ -14,7 +14,7 @@ module curve_values
 
 contains
 
-  !> One column.
+  !> Value of one column.
   function quantity_value(model, state, quantity) result(value)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -1,4 +1,4 @@
-!> The energy balance (BOOK): what an accepted step adds to it, and its entries.
+!> The energy balance (BOOK): the contributions of accepted steps, and its entries.
 module energy_balance
   use assembly, only: assembler_t
   use base_kinds, only: wp
@@ -18,7 +18,7 @@ module energy_balance
 
 contains
 
-  !> Accept a converged step: add its works, move the rates on, and keep the histories.
+  !> Accept a converged step: add its works, update the rates, and keep the histories.
   !! state%reaction and the forces of the assembler are those of the converged displacements.
   subroutine accept_solution(asm, model, state)
     type(assembler_t), intent(inout) :: asm
@@ -44,8 +44,8 @@ contains
     call accept_step_state(state)
   end subroutine accept_solution
 
-  !> One entry [F L]. The work of supports and loads equals the sum of the other entries up to
-  !! IMBAlance, the error of the trapezoidal rule over the steps.
+  !> One entry of the balance [F L]. The work of supports and loads equals the sum of the other
+  !! entries except for IMBAlance, the error of the trapezoidal rule over the steps.
   real(wp) function energy_entry(model, state, entry) result(value)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -73,8 +73,9 @@ contains
     end associate
   end function energy_entry
 
-  !> Energy of all bonds by their laws: 1 stored, 2 dissipated by damage, 3 by viscosity. Each of
-  !! the two sides covers the whole interface, hence the mean; a rigid side has no points.
+  !> Energy of all bonds according to their laws: 1 stored, 2 dissipated by damage, 3 dissipated by
+  !! viscosity. As each of the two sides covers the whole interface, this is the mean of both sides;
+  !! a rigid side has no points.
   pure real(wp) function bond_energy(model, state, part) result(energy)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -13,18 +13,18 @@ module external_load
   private
   public :: map_t, external_force, load_rates, scatter_force, follower_face
 
-  !> Where the blocks of an element matrix go, for one block of elements.
+  !> Positions in the matrix for the blocks of the element matrices of one block of elements.
   type :: map_t
     integer, allocatable :: at(:, :, :) !! (nen, nen, nelem)
   end type map_t
 
 contains
 
-  !> Dead loads at the current load factors, and pressures that follow the surface.
+  !> Compute dead loads at the current load factors, and pressures that follow the surface.
   subroutine external_force(model, state, map, k, f)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    type(map_t), intent(in) :: map(:)        !! of the blocks
+    type(map_t), intent(in) :: map(:)        !! one for each block
     type(block_matrix_t), intent(inout) :: k !! follower pressures add their tangent
     real(wp), intent(out) :: f(:, :)         !! (3, nnode) [F]
     integer :: j
@@ -36,7 +36,7 @@ contains
     end do
   end subroutine external_force
 
-  !> Derivative of the external forces with respect to time at fixed displacements.
+  !> Compute the derivative of the external forces with respect to time at fixed displacements.
   subroutine load_rates(model, state, slope, f)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -53,12 +53,12 @@ contains
     call fold_force(model%mesh%constraint, f)
   end subroutine load_rates
 
-  !> One follower pressure: its forces, and their tangent where k is present.
+  !> Add the forces of one follower pressure, and their tangent if k is present.
   subroutine follower_pressure(model, state, j, factor, f, map, k)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     integer, intent(in) :: j
-    real(wp), intent(in) :: factor(:)        !! (ntable) of the load curves, or their derivatives
+    real(wp), intent(in) :: factor(:)        !! (ntable) load factors or their derivatives
     real(wp), intent(inout) :: f(:, :)       !! (3, nnode)
     type(map_t), intent(in), optional :: map(:)
     type(block_matrix_t), intent(inout), optional :: k
@@ -97,7 +97,8 @@ contains
     end do
   end subroutine scatter_force
 
-  !> Nodal forces (FORC, EFOR, CFOR, CSUR), body forces and pressures that do not follow.
+  !> Compute nodal forces (FORC, EFOR, CFOR, CSUR), body forces and pressures that do not follow the
+  !! surface.
   subroutine dead_forces(bc, factor, f)
     type(boundary_t), intent(in) :: bc
     real(wp), intent(in) :: factor(:)  !! (ntable)
@@ -121,7 +122,7 @@ contains
     end do
   end subroutine dead_forces
 
-  !> f_a = -p int N_a n da over the current face, and -df/du for the tangent.
+  !> Compute f_a = -p int N_a n da over the current face, and -df/du for the tangent.
   !! With the tangents g1, g2 of the face, n da = g1 x g2, so d(n da) = dg1 x g2 - dg2 x g1.
   subroutine follower_face(block, e, side, p, x, f, k)
     type(block_t), intent(in) :: block

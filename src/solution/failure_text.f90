@@ -1,4 +1,4 @@
-!> Names the elements and dofs that a failed pass of Newton's method blames.
+!> Names the elements and dofs that caused a failed iteration of Newton's method.
 module failure_text
   use assembly, only: sweep_t
   use base_kinds, only: wp
@@ -10,11 +10,11 @@ module failure_text
   private
   public :: name_element, name_singularity
 
-  integer, parameter :: MOST = 4       !! dofs that are named
+  integer, parameter :: MOST = 4       !! largest number of dofs that are named
 
 contains
 
-  !> The element that failed: `Q1 element 3 of 'cube' is inverted`.
+  !> Name the element that failed, such as: `Q1 element 3 of 'cube' is inverted`.
   function name_element(model, sweep) result(text)
     type(model_t), intent(in) :: model
     type(sweep_t), intent(in) :: sweep
@@ -28,7 +28,8 @@ contains
     end associate
   end function name_element
 
-  !> `the tangent is singular at dof uy of node 3; the model can move along x, turn about z`.
+  !> Name a singularity, such as: `the tangent is singular at dof uy of node 3; the model can move
+  !! along x, turn about z`.
   function name_singularity(model, null) result(text)
     type(model_t), intent(in) :: model
     integer, intent(in) :: null(:) !! equations whose pivot vanished
@@ -44,7 +45,7 @@ contains
     if (len(motions) > 0) text = text//'; the model can '//motions
   end function name_singularity
 
-  !> Rigid motions along and about the axes that no support prevents.
+  !> Rigid motions along and about the axes that no support prevents, for a message.
   function free_motions(model) result(text)
     type(model_t), intent(in) :: model
     character(:), allocatable :: text
@@ -55,7 +56,7 @@ contains
                                            'turn about x', 'turn about y', 'turn about z']
 
     call solid_nodes(model%mesh, solid)
-    do i = 1, model%mesh%constraint%n ! slaves support nothing
+    do i = 1, model%mesh%constraint%n ! slaves do not support the model
       solid(model%mesh%constraint%slave(i)) = .false.
     end do
     centre = 0.0_wp

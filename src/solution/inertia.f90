@@ -1,4 +1,4 @@
-!> Masses of the elements, and the forces of inertia.
+!> Masses of the elements, and inertial forces.
 module inertia
   use base_kinds, only: wp
   use csr, only: block_matrix_t
@@ -10,15 +10,15 @@ module inertia
   private
   public :: mass_t, find_masses, add_inertia, kinetic_energy, energy_of_rate
 
-  !> Masses between the nodes of the elements of one block, the same in every direction.
+  !> Mass matrices of the elements of one block, the same for every direction.
   type :: mass_t
     real(wp), allocatable :: m(:, :, :) !! (nen, nen, nelem) [M]
   end type mass_t
 
 contains
 
-  !> Consistent masses, or diagonal ones with the same sum (Hinton, Rock and Zienkiewicz 1976),
-  !! which are positive for all functions.
+  !> Find consistent masses, or diagonal ones with the same sum (Hinton, Rock and Zienkiewicz 1976),
+  !! which are positive for all shape functions.
   subroutine find_masses(model, dynamics, mass)
     type(model_t), intent(in) :: model
     type(dynamics_t), intent(in) :: dynamics
@@ -42,7 +42,7 @@ contains
     end do
   end subroutine find_masses
 
-  !> int rho N_a N_b dV.
+  !> Mass matrix of an element, int rho N_a N_b dV.
   pure subroutine element_mass(block, e, xr, density, m)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e
@@ -77,7 +77,7 @@ contains
     end do
   end subroutine lump
 
-  !> Forces of inertia of one block, and their derivative on the block diagonals of k.
+  !> Add the inertial forces of one block, and their derivative on the block diagonals of k.
   subroutine add_inertia(block, mass, dynamics, state, at, k, f)
     type(block_t), intent(in) :: block
     type(mass_t), intent(in) :: mass
@@ -110,7 +110,7 @@ contains
     end do
   end subroutine add_inertia
 
-  !> 1/2 v.M.v of the velocity at the end of the last accepted step.
+  !> Kinetic energy 1/2 v.M.v at the end of the last accepted step.
   real(wp) function kinetic_energy(model, mass, state) result(energy)
     type(model_t), intent(in) :: model
     type(mass_t), intent(in) :: mass(:)
@@ -120,7 +120,7 @@ contains
     if (state%dynamics%on) energy = energy_of_rate(model, mass, state%dynamics%v)
   end function kinetic_energy
 
-  !> 1/2 v.M.v.
+  !> Energy 1/2 v.M.v of a velocity v.
   real(wp) function energy_of_rate(model, mass, v) result(energy)
     type(model_t), intent(in) :: model
     type(mass_t), intent(in) :: mass(:)

@@ -1,4 +1,4 @@
-!> Newton's iteration of the step under way, and what one pass of it did.
+!> Newton's iteration of the step under way, and the outcome of one pass of it.
 module newton_type
   use assembly, only: assembler_t, sweep_t
   use base_kinds, only: wp
@@ -11,47 +11,47 @@ module newton_type
   type :: newton_t
     type(assembler_t) :: asm
     type(linear_system_t) :: system
-    type(path_constraint_t) :: constraint !! of a step whose time is unknown
-    logical :: ready = .false.         !! pattern and analysis exist
-    logical :: symmetric = .true.      !! those are symmetric
+    type(path_constraint_t) :: constraint !! for a step whose time is unknown
+    logical :: ready = .false.         !! matrix pattern and symbolic factorisation exist
+    logical :: symmetric = .true.      !! they are for a symmetric matrix
     integer :: mode = FULL             !! FACTor
     real(wp) :: eps = 0.0_wp           !! accuracy of LOWRank
     real(wp) :: tolerance = 1.0e-16_wp !! TOL
-    integer :: iterations = 0          !! solves in this step
-    integer :: before = 0              !! of them before the last augmentation
+    integer :: iterations = 0          !! number of solves in this step
+    integer :: before = 0              !! number of solves before the last augmentation
     logical :: converged = .false.
-    logical :: exact = .true. !! every solve of the step was full Newton: no kept factors, no
-    !! symmetric part
-    real(wp) :: largest_energy = 0.0_wp !! of an increment of this step [F L]
-    integer :: sign = 0                !! of the last tangent's determinant; 0: not known
-    integer :: flips = 0               !! consecutive iterations that changed it
+    logical :: exact = .true. !! every solve of the step was full Newton, without kept factors and
+    !! with the whole tangent
+    real(wp) :: largest_energy = 0.0_wp !! largest energy of an increment of this step [F L]
+    integer :: sign = 0                !! sign of the last tangent's determinant; 0: not known
+    integer :: flips = 0               !! consecutive iterations that changed the sign
     real(wp), allocatable :: rhs(:)    !! (neq) [F]
     real(wp), allocatable :: dx(:)     !! (neq) increment [L]
-    real(wp), allocatable :: last(:)   !! (neq) what the last iteration took of its increment [L]
+    real(wp), allocatable :: last(:)   !! (neq) part of the last increment that was taken [L]
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made [L]
-    real(wp), allocatable :: spacing(:) !! (nnode) to the nearest neighbour [L]
+    real(wp), allocatable :: spacing(:) !! (nnode) distance to the nearest neighbour [L]
     logical :: moves = .false.         !! some of `move` is not zero
     real(wp), allocatable :: moved(:, :) !! (3, nnode) what the last increment prescribed [L]
     logical :: has_moved = .false.     !! some of `moved` is not zero
     logical :: may_retreat = .false.   !! the last increment moved no prescribed dof, and was needed
   end type newton_t
 
-  !> What rounding alone leaves (convergence).
+  !> The residual and energy that rounding alone leaves (see convergence).
   type :: floor_t
     real(wp) :: force = 0.0_wp         !! of a nodal force [F]
     real(wp) :: energy = 0.0_wp        !! of |du.r| [F L]
   end type floor_t
 
-  !> What one pass did.
+  !> Outcome of one pass.
   type :: pass_t
     logical :: ok = .true.             !! .false.: the step must be cut
-    character(:), allocatable :: trouble !! why
+    character(:), allocatable :: trouble !! reason for that
     type(sweep_t) :: sweep
     type(floor_t) :: floor
     type(solve_report_t) :: solve
     real(wp) :: energy = 0.0_wp        !! |du.r| [F L]
-    real(wp) :: ratio = 0.0_wp         !! to the largest of the step
-    real(wp) :: residual = 0.0_wp      !! largest free component [F]
+    real(wp) :: ratio = 0.0_wp         !! |du.r| over the largest of the step
+    real(wp) :: residual = 0.0_wp      !! largest component at a free dof [F]
     integer :: worst(2) = 0            !! its direction and node
     real(wp) :: line = 1.0_wp          !! fraction of the increment that was taken
   end type pass_t

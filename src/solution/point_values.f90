@@ -1,8 +1,8 @@
 !> Stress and energy of elements and reactions of nodes, for curves and printed tables.
 !!
-!! Reactions are those of FEAPpv: what the elements exert on the nodes. Nodal forces (FORC, EFOR,
-!! CFOR, CSUR) are not subtracted: a free node with a force shows that force, and the sum over all
-!! nodes is zero in equilibrium without body forces.
+!! Reactions are those of FEAPpv: the forces that the elements exert on the nodes. Nodal forces
+!! (FORC, EFOR, CFOR, CSUR) are not subtracted: a free node with an applied force shows that force,
+!! and the sum over all nodes is zero in equilibrium without body forces.
 module point_values
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -17,7 +17,7 @@ module point_values
 
 contains
 
-  !> State of one element at the points of a basis.
+  !> Find the state of one element at the points of a basis.
   subroutine recover_at(model, state, b, e, basis, point, ok)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -32,7 +32,7 @@ contains
     end associate
   end subroutine recover_at
 
-  !> Cauchy stress at a parent point of an element.
+  !> Cauchy stress at a point of an element, given by parent coordinates.
   function stress_at(model, state, b, e, xi) result(sig)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -48,7 +48,7 @@ contains
     sig = point(1)%sig
   end function stress_at
 
-  !> Internal force of the elements, without their body forces, at nodes.
+  !> Internal forces of the elements at nodes, without their body forces.
   pure function reactions_at(model, state, node) result(r)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -67,7 +67,7 @@ contains
     end do
   end function reactions_at
 
-  !> Stored energy of a body; 0: of all.
+  !> Stored energy of a body; body 0 means the whole model.
   function body_energy(model, state, body) result(energy)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -77,7 +77,7 @@ contains
     call sweep(model, state, body, energy, unused)
   end function body_energy
 
-  !> Largest von Mises stress at the integration points of a body; 0: of all.
+  !> Largest von Mises stress at the integration points of a body; body 0 means the whole model.
   function largest_mises(model, state, body) result(mises)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

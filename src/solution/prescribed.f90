@@ -9,11 +9,12 @@ module prescribed
   private
   public :: prescribed_values, prescribed_rates, to_prescribed
 
-  real(wp), parameter :: TURN = 1.0e-4_wp !! [rad] to both sides: difference quotient of a rotation
+  real(wp), parameter :: TURN = 1.0e-4_wp !! [rad] step to both sides for the difference quotient of
+  !! a rotation
 
 contains
 
-  !> Displacement of every prescribed dof; zero elsewhere.
+  !> Find the displacement of every prescribed dof; it is zero elsewhere.
   !! The rotations of a node act on its reference position in deck order; then its translations are
   !! added.
   subroutine prescribed_values(model, factor, up)
@@ -43,8 +44,8 @@ contains
     end do
   end subroutine prescribed_values
 
-  !> The increment from u to the prescribed displacements at `factor`; zero at free dofs, and at
-  !! slaves, which follow their masters.
+  !> Find the increment from u to the prescribed displacements at `factor`. It is zero at free dofs,
+  !! and at slaves, which follow their masters.
   subroutine to_prescribed(model, factor, u, du)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: factor(:)  !! (ntable)
@@ -56,8 +57,8 @@ contains
     call leave_free(model, du)
   end subroutine to_prescribed
 
-  !> Derivative of the prescribed displacements with respect to time, from that of the factors; zero
-  !! elsewhere.
+  !> Find the derivative of the prescribed displacements with respect to time from that of the
+  !! factors; it is zero elsewhere.
   subroutine prescribed_rates(model, factor, slope, rate)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: factor(:)   !! (ntable)
@@ -80,12 +81,12 @@ contains
       call prescribed_values(model, factor + h*slope, rate)
       rate = (rate - back)/(2*h)
     else
-      call prescribed_values(model, slope, rate) ! they are linear in the factors
+      call prescribed_values(model, slope, rate) ! displacements are linear in the factors
     end if
     call leave_free(model, rate)
   end subroutine prescribed_rates
 
-  !> Zero at free dofs and slaves.
+  !> Set a vector to zero at free dofs and slaves.
   pure subroutine leave_free(model, v)
     type(model_t), intent(in) :: model
     real(wp), intent(inout) :: v(:, :) !! (3, nnode)
@@ -113,7 +114,7 @@ contains
     end do
   end subroutine translate
 
-  !> Rodrigues' formula about the axis through motion%vector.
+  !> Rotate by Rodrigues' formula about the axis through motion%vector.
   subroutine rotate(motion, xr, factor, up)
     type(motion_t), intent(in) :: motion
     real(wp), intent(in) :: xr(:, :)  !! (3, nnode)

@@ -1,4 +1,4 @@
-!> The state of the analysis: made, moved on, accepted and restored.
+!> The state of the analysis: how it is created, advanced, accepted and restored.
 module solution_state
   use base_kinds, only: wp
   use contact_bond, only: find_bonds
@@ -16,7 +16,7 @@ module solution_state
 
 contains
 
-  !> The undeformed state at time 0.
+  !> Create the undeformed state at time 0.
   subroutine new_state(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(out) :: state
@@ -35,7 +35,7 @@ contains
         allocate (state%history(b)%trial(n, block%nelem), source=0.0_wp)
       end associate
     end do
-    ! the energy balance: of curves, and of contact, whose path may need it
+    ! The energy balance is needed by curves, and by contact, whose path may use it.
     keeps_energy = size(model%contact) > 0
     do i = 1, size(model%curve)
       keeps_energy = keeps_energy .or. any(model%curve(i)%quantity(:)%id == Q_BOOK)
@@ -51,7 +51,7 @@ contains
     end do
   end subroutine new_state
 
-  !> Begin a step: number, time and load factors are those of its end.
+  !> Begin a step; number, time and load factors become those at its end.
   subroutine open_step(state, time)
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: time !! at the end of the step
@@ -63,7 +63,7 @@ contains
     call set_rates(state%dynamics, state%dt)
   end subroutine open_step
 
-  !> Factors of all load tables at the time of the state.
+  !> Set the factors of all load tables at the time of the state.
   subroutine set_factors(state)
     type(state_t), intent(inout) :: state
     integer :: i
@@ -80,7 +80,7 @@ contains
   !> Derivatives of the load factors with respect to time.
   pure function factor_slopes(state, ahead) result(slope)
     type(state_t), intent(in) :: state
-    logical, intent(in) :: ahead !! at the corner of a table: the slope after it
+    logical, intent(in) :: ahead !! at a corner of a table, take the slope after it
     real(wp) :: slope(size(state%table))
     integer :: i
 
@@ -89,7 +89,7 @@ contains
     end do
   end function factor_slopes
 
-  !> The trial of the last sweep becomes the state of the iteration.
+  !> Make the trial state of the last sweep the state of the iteration.
   subroutine accept_iteration(state)
     type(state_t), intent(inout) :: state
     real(wp), allocatable :: swap(:, :)
@@ -104,7 +104,7 @@ contains
     state%scale = 0.0_wp
   end subroutine accept_iteration
 
-  !> The step is accepted: a cut-back restores the state at its end from now on.
+  !> Accept the step: from now on, a cut-back restores the state at its end.
   subroutine accept_step_state(state)
     type(state_t), intent(inout) :: state
     integer :: b

@@ -1,8 +1,8 @@
-!> Time steps: fixed ones, and automatic ones that are cut and grow again.
+!> Time steps: fixed ones, and automatic ones that are cut back and grow again.
 !!
-!! Targets are origin + k dt and never summed. A cut-back divides the interval to the next target
-!! into equal steps; a step that has grown beyond dt (dtmax > dt) passes several targets and ends on
-!! one of them.
+!! Target k is at the time origin + k dt, which is never accumulated. A cut-back divides the
+!! interval to the next target into equal steps. A step that has grown beyond dt (dtmax > dt) passes
+!! several targets and ends on one of them.
 module step_control
   use base_kinds, only: wp
   implicit none
@@ -11,17 +11,17 @@ module step_control
             pass_target, cut_time, on_target
 
   type :: step_control_t
-    real(wp) :: dt = 0.0_wp          !! between targets
+    real(wp) :: dt = 0.0_wp          !! time between targets
     real(wp) :: origin = 0.0_wp      !! time of target 0
-    integer :: target = 0            !! targets reached since the origin
+    integer :: target = 0            !! number of targets reached since the origin
     real(wp) :: size = 0.0_wp        !! length of the next step; at most dt unless dtmax allows more
     logical :: automatic = .false.
     real(wp) :: dtmin = 0.0_wp, dtmax = 0.0_wp
-    real(wp) :: from = 0.0_wp, to = 0.0_wp !! the step under way
-    integer :: passed = 0            !! targets it passes; 0: it ends between two of them
+    real(wp) :: from = 0.0_wp, to = 0.0_wp !! times at which the step under way begins and ends
+    integer :: passed = 0  !! number of targets that it passes; 0: it ends between two of them
     integer :: accepted = 0          !! steps since the last cut-back
     integer :: cuts = 0              !! cut-backs of the step under way
-    logical :: reduced = .false.     !! the last step took many iterations, the next is smaller
+    logical :: reduced = .false.     !! the last step took many iterations, so the next is smaller
   end type step_control_t
 
   real(wp), parameter :: NEARLY = 1.0e-9_wp !! of dt: a corner this near to a target is on it
@@ -31,7 +31,7 @@ module step_control
 
 contains
 
-  !> DT: a new distance between targets, counted from `time`.
+  !> Set a new interval between targets (DT), which are counted from `time`.
   subroutine set_dt(control, time, dt)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time, dt
@@ -42,7 +42,7 @@ contains
     control%size = dt
   end subroutine set_dt
 
-  !> AUTO,,dtmin,dtmax.
+  !> Set the limits of AUTO,,dtmin,dtmax.
   subroutine set_auto(control, dtmin, dtmax)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: dtmin, dtmax
@@ -106,7 +106,7 @@ contains
     control%to = target
   end function next_target
 
-  !> The constrained step ends at `time`, on its target or not.
+  !> Set the end of a constrained step, which may be on its target or before it.
   subroutine set_end(control, time, on_target)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time
@@ -116,7 +116,7 @@ contains
     control%passed = merge(1, 0, on_target)
   end subroutine set_end
 
-  !> The step has converged: count its targets; the next one may be larger.
+  !> Accept the time of a converged step: count its targets; the next step may be larger.
   subroutine accept_time(control, iterations)
     type(step_control_t), intent(inout) :: control
     integer, intent(in) :: iterations
@@ -135,7 +135,7 @@ contains
     end if
   end subroutine accept_time
 
-  !> The step is complete: count the targets that it passed.
+  !> Count the targets that the complete step passed.
   subroutine pass_target(control)
     type(step_control_t), intent(inout) :: control
 
@@ -144,7 +144,7 @@ contains
     control%reduced = .false.
   end subroutine pass_target
 
-  !> The step has failed: try half of it. .false.: that is smaller than dtmin.
+  !> Try half of a failed step. The result is false if that is smaller than dtmin.
   function cut_time(control) result(possible)
     type(step_control_t), intent(inout) :: control
     logical :: possible
@@ -157,7 +157,7 @@ contains
     possible = control%size >= control%dtmin .and. control%from + control%size > control%from
   end function cut_time
 
-  !> The last step ended on a target.
+  !> Did the last step end on a target?
   pure function on_target(control) result(yes)
     type(step_control_t), intent(in) :: control
     logical :: yes

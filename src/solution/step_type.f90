@@ -1,4 +1,4 @@
-!> The step under way, as all that drives it sees it.
+!> The step under way, as it is seen by the modules that control it.
 module step_type
   use base_kinds, only: wp
   use continuation_type, only: continuation_t
@@ -8,25 +8,26 @@ module step_type
   private
   public :: step_t
 
-  !> What has become of a step.
-  integer, parameter, public :: STEP_IDLE = 0      !! there was none, or nothing was solved in it
+  !> Outcome of a step.
+  integer, parameter, public :: STEP_IDLE = 0      !! there was no step, or nothing was solved in it
   integer, parameter, public :: STEP_GOES_ON = 1   !! its iteration is not complete
-  integer, parameter, public :: STEP_CONVERGED = 2 !! its iteration has passed the test
+  integer, parameter, public :: STEP_CONVERGED = 2 !! its iteration has passed the convergence test
   integer, parameter, public :: STEP_ACCEPTED = 3  !! it is closed
-  integer, parameter, public :: STEP_REWOUND = 4   !! it failed, and the state is that of its start
+  integer, parameter, public :: STEP_REWOUND = 4   !! it failed, and the state at its start is
+  !! restored
 
-  !> Counts of the whole run.
+  !> Totals of the whole run.
   type :: step_totals_t
     integer :: iterations = 0
     integer :: cutbacks = 0
-    integer :: negative_pivots = 0       !! of the last converged state
+    integer :: negative_pivots = 0       !! negative pivots of the last converged state
     logical :: unconverged = .false.     !! a step was closed before it converged
     logical :: inertia = .false.         !! a state was accepted that inertia holds
     logical :: unstable = .false.        !! the warning of an unstable state was issued
   end type step_totals_t
 
   type :: step_t
-    type(step_control_t) :: control      !! its length in time
+    type(step_control_t) :: control      !! length of the step in time
     type(continuation_t) :: continuation !! the method that follows the path
     type(newton_t) :: newton
     type(pass_t) :: pass                 !! the last pass of Newton's iteration
@@ -34,7 +35,7 @@ module step_type
     logical :: timed = .false.           !! a TIME began it
     logical :: retry = .false.           !! the next step repeats one that was cut back
     logical :: solved = .false.          !! at least one system was solved in it
-    integer :: cutbacks = 0              !! of this step, the changes of method excluded
+    integer :: cutbacks = 0              !! cut-backs of this step, without changes of method
     integer :: start_step = 0            !! number and time of the state at its start
     real(wp) :: start_time = 0.0_wp
     type(step_totals_t) :: total
