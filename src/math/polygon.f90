@@ -31,8 +31,9 @@ contains
           y(:, m) = x(:, i)
         end if
         if ((d(i) >= 0.0_wp) .eqv. (d(j) >= 0.0_wp)) cycle
+        if (m == MOST_CORNERS) cycle
+        ! also where rounding puts the crossing on a corner: a corner that is left out costs its area
         s = d(i)/(d(i) - d(j))
-        if (.not. (s > 0.0_wp .and. s < 1.0_wp) .or. m == MOST_CORNERS) cycle
         m = m + 1
         y(:, m) = x(:, i) + s*(x(:, j) - x(:, i))
       end do
