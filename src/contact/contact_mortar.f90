@@ -704,6 +704,7 @@ contains
     integer :: e, i, j, q
 
     call keep_friction(mortar%side(k), contact, state%side(k)%dt, state%rubbed(k), state%dissipated)
+    call measure_cells(mortar, contact, k, shape(k), state)
     associate (own => contact%side(k), side => mortar%side(k), points => state%side(k))
       points%traction = 0.0_wp
       points%friction = 0.0_wp
@@ -729,7 +730,7 @@ contains
           p = pressure_at(side, contact, k, e, contact%xi(:, q), foot%gap)
           if (.not. (p > 0.0_wp .and. stretch > 0.0_wp)) cycle
           j = nearest_closed(side, e, contact%xi(:, q))
-          if (j == 0) cycle                  ! beyond the border of the other side
+          if (j == 0) cycle                  ! beyond the border of the other side, or looking away
           call vary_normal(foot, at, n, dn)
           p = p*reference/stretch
           points%pressure(i) = p
@@ -801,7 +802,7 @@ contains
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
     real(wp) :: d, least
-    integer :: i
+    integer :: i, n
 
     j = 0
     least = huge(least)
@@ -812,7 +813,40 @@ contains
       least = d
       j = i
     end do
+    n = max(1, side%cells%first(e + 1) - side%cells%first(e))
+    if (least > 16.0_wp/n) j = 0 ! farther than about two points are from each other
   end function nearest_closed
+
+  !> Area in contact, its parts that stick and slip, and the largest penetration of side k.
+  subroutine measure_cells(mortar, contact, k, shape, state)
+    type(mortar_t), intent(in) :: mortar
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(shape_t), intent(in) :: shape       !! of side k
+    type(contact_state_t), intent(inout) :: state
+    real(wp) :: x(3), a(3, 2), b(3, 3), area, reference
+    integer :: i
+
+    state%area(k) = 0.0_wp
+    state%sticks(k) = 0.0_wp
+    state%slips(k) = 0.0_wp
+    state%penetration(k) = 0.0_wp
+    associate (side => mortar%side(k), cells => mortar%side(k)%cells)
+      do i = 1, cells%n
+        if (.not. side%p(i) > 0.0_wp) cycle
+        call surface_point(contact%side(k), mortar%reference(k), cells%elem(i), cells%xi(:, i), x, &
+                           a, b)
+        reference = norm2(cross(a(:, 1), a(:, 2)))
+        if (.not. reference > 0.0_wp) cycle
+        call surface_point(contact%side(k), shape, cells%elem(i), cells%xi(:, i), x, a, b)
+        area = cells%weight(i)*norm2(cross(a(:, 1), a(:, 2)))/reference
+        state%area(k) = state%area(k) + area
+        if (side%state(i) == STICK) state%sticks(k) = state%sticks(k) + area
+        if (side%state(i) == SLIP) state%slips(k) = state%slips(k) + area
+        state%penetration(k) = max(state%penetration(k), -cells%foot(i)%gap)
+      end do
+    end associate
+  end subroutine measure_cells
 
   !> Functions of the control points of element e at xi.
   pure subroutine functions_at(surface, e, xi, psi)

@@ -10,7 +10,7 @@ module contact_report
   use base_text, only: to_text
   use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state, had_touched
-  use contact_pair, only: contact_t, contact_state_t, contact_points_t
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t, MORTAR
   use contact_resultant, only: resultant_t, side_resultant
   use contact_type, only: OPEN, STICK
   use model, only: model_t, state_t
@@ -42,6 +42,7 @@ module contact_report
     real(wp) :: overlap = 0.0_wp         !! largest penetration beyond DEPTh, not through a body [L]
     real(wp) :: x_overlap(3) = 0.0_wp    !! the point that has it [L]
     integer :: nbehind = 0               !! nearest points that are behind the whole other body
+    real(wp) :: width(2) = 0.0_wp        !! mean width of the elements that are nearest [L]
     real(wp) :: gap = huge(1.0_wp)       !! smallest gap of a point outside the other body [L]
     real(wp) :: x_gap(3) = 0.0_wp        !! the point that has it [L]
   end type start_t
@@ -112,6 +113,7 @@ contains
     type(foot_t) :: foot
     real(wp), allocatable :: gap(:)      ! of the points that have a projection [L]
     integer, allocatable :: away(:)      ! the side that faces away there; 0: none
+    real(wp), allocatable :: reach_of(:, :) ! distance of an element to the other surface [L]
     logical, allocatable :: behind(:)    ! it is behind the other body
     real(wp) :: thin                     ! thickness of the thinner body [L]; huge: unknown
     real(wp) :: h, reach, near, xp(3), a(3, 2), b(3, 3)
@@ -125,6 +127,7 @@ contains
       if (contact%side(k)%rigid) cycle
       start%npoint = start%npoint + contact%side(k)%nelem*contact%nplain
     end do
+    allocate (reach_of(maxval(contact%side%nelem), 2), source=huge(h))
     allocate (gap(start%npoint), away(start%npoint), behind(start%npoint))
     thin = huge(thin)
     if (any(contact%side%thickness > 0.0_wp)) thin = minval(contact%side%thickness, &
@@ -142,6 +145,7 @@ contains
           if (abs(foot%gap) <= reach) then
             n = n + 1
             gap(n) = foot%gap
+            reach_of(e, k) = min(reach_of(e, k), abs(foot%gap))
             away(n) = 0
             behind(n) = foot%gap < -thin*(1.0_wp - INSIDE)
             if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp) then
@@ -171,6 +175,17 @@ contains
     where (abs(start%x) < INSIDE*h) start%x = 0.0_wp ! rounding, not worth its digits
     ! surfaces must face each other only where they are nearest: the far side of a ball need not
     near = minval(abs(gap(:n))) + h
+    do k = 1, 2
+      associate (width => contact%side(k)%width)
+        if (.not. allocated(contact%side(k)%width)) cycle
+        e = count(reach_of(:size(width), k) <= near)
+        if (e == 0) then
+          start%width(k) = sqrt(sum(width**2)/max(1, size(width)))
+        else
+          start%width(k) = sqrt(sum(width**2, mask=reach_of(:size(width), k) <= near)/e)
+        end if
+      end associate
+    end do
     start%nnear = count(abs(gap(:n)) <= near)
     start%nbehind = count(abs(gap(:n)) <= near .and. behind(:n))
     start%naway = [(count(abs(gap(:n)) <= near .and. away(:n) == k), k=1, 2)]
@@ -228,8 +243,12 @@ contains
         end if
         deepest = 0.0_wp
         do k = 1, 2
-          if (.not. contact%side(k)%rigid) deepest = max(deepest, &
-                                                         deepest_point(contact, k, now%side(k)))
+          if (contact%side(k)%rigid) cycle
+          if (contact%scheme == MORTAR) then
+            deepest = max(deepest, now%penetration(k)/smallest(contact))
+          else
+            deepest = max(deepest, deepest_point(contact, k, now%side(k)))
+          end if
         end do
         now%deepest = max(now%deepest, deepest)
         if (now%balance > UNBALANCED .and. .not. now%balance_warned) then
@@ -255,6 +274,19 @@ contains
       end associate
     end do
   end subroutine measure_contacts
+
+  !> The smallest width of the elements of both sides that are not rigid, or thickness [L].
+  pure real(wp) function smallest(contact) result(h)
+    type(contact_t), intent(in) :: contact
+    integer :: k
+
+    h = huge(h)
+    do k = 1, 2
+      if (contact%side(k)%thickness > 0.0_wp) h = min(h, contact%side(k)%thickness)
+      if (.not. contact%side(k)%rigid) h = min(h, sum(contact%side(k)%width) &
+                                               /contact%side(k)%nelem)
+    end do
+  end function smallest
 
   !> Is the elastic slip of a point that sticks about as large as the motion of its surface, and not
   !! small?

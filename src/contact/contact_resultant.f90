@@ -33,6 +33,8 @@ module contact_resultant
     real(wp) :: penetration = 0.0_wp     !! largest -gap of the points in contact [L]
     integer :: npoint = 0, nclosed = 0   !! points, and how many of them are in contact
     integer :: nstick = 0, nslip = 0
+    !> What `stick` and `slip` are parts of: points in contact, or the area in contact (MORTar).
+    real(wp) :: closed = 0.0_wp, stick = 0.0_wp, slip = 0.0_wp
   end type resultant_t
 
 contains
@@ -44,6 +46,7 @@ contains
     integer, intent(in) :: c, k
     real(wp), intent(in) :: about(3)               !! point about which moments are taken [L]
     type(resultant_t), intent(out) :: total
+    integer :: own
 
     call find_resultant(model%contact(c), k, state%contact(c)%side, model%mesh%xr + state%u, &
                         about, total)
@@ -51,6 +54,12 @@ contains
     associate (contact => state%contact(c))
       total%force = contact%force(:, k)
       total%moment = contact%moment(:, k) - cross(about, contact%force(:, k))
+      own = merge(3 - k, k, model%contact(c)%side(k)%rigid)
+      total%area = contact%area(own)
+      total%penetration = contact%penetration(own)
+      total%stick = contact%sticks(own)
+      total%slip = contact%slips(own)
+      total%closed = contact%area(own)
     end associate
   end subroutine side_resultant
 
@@ -109,6 +118,9 @@ contains
     total%nclosed = count(points%state /= OPEN .and. points%area > 0.0_wp)
     total%nstick = count(points%state == STICK .and. points%area > 0.0_wp)
     total%nslip = count(points%state == SLIP .and. points%area > 0.0_wp)
+    total%closed = total%nclosed
+    total%stick = total%nstick
+    total%slip = total%nslip
     if (contact%side(k)%rigid) return
     do e = 1, contact%side(k)%nelem
       i = (e - 1)*contact%nq
@@ -182,9 +194,9 @@ contains
     case (Q_CONTACT_TORQUE)
       value = dot_product(total%moment, quantity%axis)
     case (Q_CONTACT_STICK)
-      value = ratio(real(total%nstick, wp), real(total%nclosed, wp))
+      value = ratio(total%stick, total%closed)
     case (Q_CONTACT_SLIP)
-      value = ratio(real(total%nslip, wp), real(total%nclosed, wp))
+      value = ratio(total%slip, total%closed)
     case (Q_CONTACT_AREA)
       value = total%area
     case (Q_CONTACT_PENETRATION)

@@ -5,6 +5,9 @@
 !!
 !!   eps = 125 min over the bodies of E/h,   h^2 the mean area of the surface's elements
 !!
+!! (with MORTar 100 times E/h, and h of the elements that are nearest to the other surface at the
+!! start).
+!!
 !! E is Young's modulus of the body; rigid bodies do not count. Under a pressure p the penetration
 !! is (p/E) h/125. The constant is that of Corbett and Sauer 2015, section 5.3: eps = 125 E/L, 250
 !! E/L and 500 E/L on blocks with modulus E and elements of length L, L/2 and L/4.
@@ -15,7 +18,7 @@ module input_contact
   use contact_pair, only: contact_t, surface_t, BALANCED, MORTAR
   use contact_report, only: start_t, look_at_start
   use contact_surface, only: build_surface, tabulate_contact
-  use contact_type, only: PENALTY, TANGENTIAL_PENALTY
+  use contact_type, only: PENALTY, SMOOTHING, TANGENTIAL_PENALTY
   use curve_type, only: Q_CONTACT_DEBONDED
   use input_draft, only: draft_t
   use input_rigid, only: is_rigid_patch
@@ -30,7 +33,8 @@ module input_contact
   private
   public :: build_contacts, element_areas, check_contacts
 
-  real(wp), parameter :: STIFF = 125.0_wp
+  real(wp), parameter :: STIFF = 125.0_wp, STIFF_AT_CELLS = 100.0_wp !! times E/h
+  real(wp), parameter :: CLOSING = 32.0_wp     !! opening of release over the penetration of SMOOth
   integer, parameter :: MOST_POINTS = 10000000 !! largest number of integration points of a surface
   real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! relative rounding error of a penalty
   real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! an element is collapsed below this area over
@@ -64,7 +68,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(start_t) :: start
     real(wp), allocatable :: area(:), width(:)
-    real(wp) :: n, stiffness, h, usual
+    real(wp) :: n, stiffness, h, times, usual
+    logical :: smooths
     integer :: k
 
     do k = 1, 2
@@ -89,6 +94,14 @@ contains
                 'a contact acts between faces that have an area')
       return
     end do
+    smooths = .false.
+    if (contact%scheme == 0) then ! bonds and the edges of point schemes need integration points
+      contact%scheme = MORTAR
+      if (contact%cohesive%given .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
+        contact%scheme = BALANCED
+        smooths = contact%cohesive%given .and. .not. contact%normal%prop(SMOOTHING) > 0.0_wp
+      end if
+    end if
     contact%default_depth = .not. contact%depth > 0.0_wp
     associate (t => contact%side%thickness)
       if (contact%default_depth) contact%depth = 0.5_wp*minval(t, t > 0.0_wp)
@@ -99,17 +112,20 @@ contains
         return
       end if
     end associate
+    call look_at_start(contact, model%mesh%xr, start)
+    times = merge(STIFF_AT_CELLS, STIFF, contact%scheme == MORTAR)
     usual = huge(usual)
     do k = 1, 2
       associate (s => contact%side(k))
         if (s%rigid) cycle
         call element_areas(model%mesh, contact, k, area, width)
         h = sqrt(sum(area)/s%nelem)
+        if (contact%scheme == MORTAR) h = start%width(k)
         stiffness = softest(model, s)
-        if (.not. STIFF*stiffness/h < usual) cycle
-        usual = STIFF*stiffness/h
+        if (.not. times*stiffness/h < usual) cycle
+        usual = times*stiffness/h
         if (.not. contact%normal%auto) cycle
-        contact%normal%account = 'AUTO: '//to_text(contact%normal%factor*STIFF)//' E/h of ' &
+        contact%normal%account = 'AUTO: '//to_text(contact%normal%factor*times)//' E/h of ' &
                                  //s%name//', E = '//to_text(stiffness)//', h = '//to_text(h)
       end associate
     end do
@@ -120,17 +136,12 @@ contains
     end if
     if (contact%friction%auto) contact%friction%prop(TANGENTIAL_PENALTY) &
       = contact%normal%prop(PENALTY)
-    if (contact%scheme == 0) then ! bonds and the edges of point schemes need integration points
-      contact%scheme = MORTAR
-      if (contact%cohesive%given .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
-        contact%scheme = BALANCED
-      end if
-    end if
     ! A rigid side bears all forces anyway.
     contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
     if (contact%cohesive%given) contact%released = &
       contact%cohesive%law%released(contact%cohesive%prop)
-    call look_at_start(contact, model%mesh%xr, start)
+    ! Damaged bonds that close again have a gap of zero everywhere, where the penalty has a corner.
+    if (smooths) contact%normal%prop(SMOOTHING) = contact%released/CLOSING
     if (.not. start%overlap > 0.0_wp) return
     call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//': the bodies overlap by ' &
               //to_text(start%overlap, 3)//' at the start, at ('//to_text(start%x_overlap(1), 4) &

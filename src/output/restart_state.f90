@@ -57,6 +57,10 @@ contains
       call exchange(archive, path//'/deepest', state%contact(c)%deepest, error)
       call exchange(archive, path//'/largest_force', state%contact(c)%largest_force, error)
       call exchange(archive, path//'/dissipated', state%contact(c)%dissipated, error)
+      call exchange(archive, path//'/area', state%contact(c)%area, error)
+      call exchange(archive, path//'/sticks', state%contact(c)%sticks, error)
+      call exchange(archive, path//'/slips', state%contact(c)%slips, error)
+      call exchange(archive, path//'/penetration', state%contact(c)%penetration, error)
       call exchange(archive, path//'/force', state%contact(c)%force, error)
       call exchange(archive, path//'/moment', state%contact(c)%moment, error)
     end do
