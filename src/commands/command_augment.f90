@@ -62,7 +62,8 @@ contains
         do k = 1, 2
           if (size(rise(k, c)%at) == 0) cycle
           change = max(change, maxval(abs(rise(k, c)%at)))
-          most = max(most, maxval(contact(c)%side(k)%pressure))
+          most = max(most, maxval([0.0_wp, contact(c)%side(k)%pressure]), &
+                     maxval([0.0_wp, contact(c)%control(k)%pressure]))
         end do
       end do
       if (most > 0.0_wp) change = change/most
@@ -74,7 +75,7 @@ contains
       else
         do c = 1, size(contact)
           do k = 1, 2
-            call take_rise(rise(k, c), contact(c)%side(k))
+            call take_rise(run%model%contact(c), rise(k, c), k, contact(c))
           end do
         end do
         ! The equilibrium of the step has changed, so its iteration continues.

@@ -14,9 +14,19 @@ module command_program
   use step_control, only: step_control_t
   implicit none
   private
-  public :: read_program, execute_next
+  public :: read_program, has_command, execute_next
 
 contains
+
+  !> Does the program contain a command?
+  pure logical function has_command(run, key)
+    type(run_t), intent(in) :: run
+    character(4), intent(in) :: key
+    integer :: i
+
+    has_command = any([(run%program%command(i)%record%key(1) == key, &
+                        i=1, size(run%program%command))])
+  end function has_command
 
   !> Read all batches of the deck into one program.
   subroutine read_program(run, errors, error)

@@ -13,13 +13,17 @@
 !! rigid surface, rise = d.
 module contact_augment
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_points_t, contact_state_t
+  use contact_pair, only: contact_t, contact_state_t, MORTAR, contact_points_t
   use contact_smooth, only: smooth_t, smooth_side
-  use contact_type, only: TOUCH
+  use contact_type, only: TOUCH, PENALTY
   use contact_work, only: element_functions
   implicit none
   private
-  public :: rise_t, find_rise, take_rise
+  public :: rise_t, find_rise, take_rise, share_penalty
+
+  !> MORTar with AUGMent: the part of the penalty that acts at control points, whose multipliers take
+  !! over the pressure.
+  real(wp), parameter :: AT_CONTROL_POINTS = 0.9_wp
 
   !> Increments of the multipliers of one side.
   type :: rise_t
@@ -37,6 +41,12 @@ contains
     real(wp) :: d, p
     integer :: e, i, k, q
 
+    if (contact%scheme == MORTAR) then ! its multipliers are pressures of control points
+      do k = 1, 2
+        rise(k)%at = state%control(k)%pressure - state%control(k)%multiplier
+      end do
+      return
+    end if
     do k = 1, 2
       if (contact%side(k)%rigid) cycle
       associate (points => state%side(k))
@@ -103,13 +113,28 @@ contains
     end associate
   end function value_at
 
+  !> Let most of the penalty act at control points, in a deck with AUGMent.
+  pure subroutine share_penalty(contact)
+    type(contact_t), intent(inout) :: contact
+
+    if (contact%scheme /= MORTAR) return
+    contact%control_penalty = max(contact%control_penalty, &
+                                  AT_CONTROL_POINTS*contact%normal%prop(PENALTY))
+  end subroutine share_penalty
+
   !> Add the increments, without letting any multiplier become negative.
-  pure subroutine take_rise(rise, points)
+  pure subroutine take_rise(contact, rise, k, state)
+    type(contact_t), intent(in) :: contact
     type(rise_t), intent(in) :: rise
-    type(contact_points_t), intent(inout) :: points
+    integer, intent(in) :: k                 !! the side
+    type(contact_state_t), intent(inout) :: state
 
     if (size(rise%at) == 0) return
-    points%multiplier = max(0.0_wp, points%multiplier + rise%at)
+    if (contact%scheme == MORTAR) then
+      state%control(k)%multiplier = max(0.0_wp, state%control(k)%multiplier + rise%at)
+    else
+      state%side(k)%multiplier = max(0.0_wp, state%side(k)%multiplier + rise%at)
+    end if
   end subroutine take_rise
 
 end module contact_augment

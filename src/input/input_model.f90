@@ -14,6 +14,7 @@ module input_model
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use input_rigid, only: hold_rigid
   use input_tie, only: tie_nodes
+  use input_untied, only: warn_untied
   use model, only: model_t
   use model_basis, only: tabulate_basis
   use unread_constraints, only: find_unread
@@ -68,6 +69,7 @@ contains
         call check_jacobians(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call build_contacts(draft, draft%model)
+        if (draft%errors%count() == 0) call warn_untied(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call integrate_loads(draft%model)
       end associate

@@ -10,7 +10,8 @@ module run
   use command_files, only: open_files, close_files
   use command_line, only: options_t
   use command_load, only: check_tables
-  use command_program, only: read_program, execute_next
+  use command_program, only: read_program, has_command, execute_next
+  use contact_augment, only: share_penalty
   use command_step, only: finish_step
   use command_type, only: run_t
   use deck_stream, only: open_deck, check_settings, deck_text
@@ -29,6 +30,7 @@ contains
     type(run_t), intent(inout) :: job
     type(error_list_t), intent(inout) :: errors
     type(error_t), allocatable, intent(out) :: error
+    integer :: i
 
     call open_deck(job%deck, options%deck, options%settings, error)
     if (allocated(error)) return
@@ -37,6 +39,11 @@ contains
     call number_equations(job%model%mesh, job%model%bc, job%model%eq, job%model%neq, job%model%ndof)
     call read_program(job, errors, error)
     if (allocated(error) .or. errors%count() > 0) return
+    if (has_command(job, 'augm')) then
+      do i = 1, size(job%model%contact)
+        call share_penalty(job%model%contact(i))
+      end do
+    end if
     call check_settings(job%deck, error)
     if (allocated(error)) return
     call check_tables(job%model%bc, job%program%ntable, error)

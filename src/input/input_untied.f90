@@ -1,0 +1,144 @@
+!> After TIE: nodes that lie on a face of another body and are not tied to it. Where the meshes of two
+!! bodies do not match, TIE joins none or only some of their nodes, and the bodies come apart there.
+module input_untied
+  use base_error, only: error_t
+  use base_kinds, only: wp
+  use base_log, only: warn
+  use base_text, only: to_text, quoted, lower
+  use contact_pair, only: surface_t
+  use contact_surface, only: build_surface
+  use input_draft, only: draft_t
+  use input_where, only: where_t, find_faces, W_FACES
+  use mesh, only: mesh_t
+  use projection, only: project
+  use projection_search, only: grid_t, update_grid
+  use projection_type, only: foot_t, shape_t
+  use surface_geometry, only: update_shape
+  implicit none
+  private
+  public :: warn_untied
+
+  !> A node this near to a face, relative to the extent of the mesh, lies on it.
+  real(wp), parameter :: ON_FACE = 1.0e-6_wp
+  integer, parameter :: ALL_FACES = 63 !! bits of the six faces
+
+  !> The faces of a body.
+  type :: skin_t
+    type(surface_t) :: surface
+    type(shape_t) :: shape
+    type(grid_t) :: grid
+    logical :: exists = .false.
+  end type skin_t
+
+contains
+
+  !> Warn of the pairs of bodies that touch and are tied only in part, or not at all. Bodies between
+  !! which a contact acts are not looked at.
+  subroutine warn_untied(draft, mesh)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), allocatable :: skin(:)
+    real(wp) :: near
+    integer :: a, b, n, tied
+
+    if (size(mesh%body) < 2 .or. size(draft%tie) == 0 .or. mesh%nnode == 0) return
+    near = ON_FACE*maxval(maxval(mesh%xr, 2) - minval(mesh%xr, 2))
+    allocate (skin(size(mesh%body)))
+    do a = 1, size(skin)
+      call make_skin(mesh, a, skin(a))
+    end do
+    do a = 1, size(skin)
+      do b = a + 1, size(skin)
+        if (.not. (skin(a)%exists .and. skin(b)%exists)) cycle
+        if (in_contact(draft, mesh%body(a)%name, mesh%body(b)%name)) cycle
+        n = loose(mesh, a, b, skin, near) + loose(mesh, b, a, skin, near)
+        if (n == 0) cycle
+        tied = shared(mesh%body(a)%node, mesh%body(b)%node)
+        call warn('TIE joins '//to_text(tied)//' nodes of '//quoted(mesh%body(a)%name)//' and ' &
+                  //quoted(mesh%body(b)%name)//'; '//to_text(n)//' nodes on their common face stay ' &
+                  //'untied', mesh%body(b)%place, 'the meshes do not match there, and the bodies ' &
+                  //'come apart: use equal meshes, or CONTact with COHEsive')
+      end do
+    end do
+  end subroutine warn_untied
+
+  subroutine make_skin(mesh, body, skin)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: body
+    type(skin_t), intent(out) :: skin
+    type(where_t) :: at
+    type(error_t), allocatable :: error
+    integer, allocatable :: block(:), elem(:), side(:)
+
+    at%type = W_FACES
+    at%body = mesh%body(body)%name
+    at%mask = ALL_FACES
+    at%place = mesh%body(body)%place
+    at%face_place = at%place
+    call find_faces(mesh, at, block, elem, side, error)
+    if (allocated(error)) return
+    if (size(elem) == 0) return
+    call build_surface(mesh, block, elem, side, at%body, skin%surface, error)
+    if (allocated(error)) return
+    call update_shape(skin%surface, mesh%xr, skin%shape)
+    call update_grid(skin%surface, skin%shape, skin%grid)
+    skin%exists = .true.
+  end subroutine make_skin
+
+  !> Does a contact of the deck act between two bodies?
+  pure logical function in_contact(draft, a, b)
+    type(draft_t), intent(in) :: draft
+    character(*), intent(in) :: a, b
+    integer :: c
+
+    in_contact = .false.
+    do c = 1, size(draft%contact)
+      associate (at => draft%contact(c)%at)
+        if (.not. (allocated(at(1)%body) .and. allocated(at(2)%body))) cycle
+        in_contact = in_contact &
+                     .or. (lower(at(1)%body) == lower(a) .and. lower(at(2)%body) == lower(b)) &
+                     .or. (lower(at(1)%body) == lower(b) .and. lower(at(2)%body) == lower(a))
+      end associate
+    end do
+  end function in_contact
+
+  !> Number of nodes of body a that lie on a face of body b and do not belong to b.
+  integer function loose(mesh, a, b, skin, near) result(n)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: a, b
+    type(skin_t), intent(in) :: skin(:)
+    real(wp), intent(in) :: near       !! [L]
+    type(foot_t) :: foot
+    logical :: theirs(mesh%nnode), seen(mesh%nnode)
+    integer :: i
+
+    n = 0
+    theirs = .false.
+    theirs(mesh%body(b)%node) = .true.
+    seen = .false.
+    do i = 1, size(skin(a)%surface%node)
+      associate (node => skin(a)%surface%node(i))
+        if (theirs(node) .or. seen(node) .or. mesh%is_control(node)) cycle
+        seen(node) = .true.
+        foot%elem = 0
+        call project(skin(b)%surface, skin(b)%shape, skin(b)%grid, mesh%xr(:, node), foot, near)
+        if (foot%elem > 0) n = n + 1
+      end associate
+    end do
+  end function loose
+
+  !> Number of nodes that two lists share.
+  pure integer function shared(a, b) result(n)
+    integer, intent(in) :: a(:), b(:)
+    logical, allocatable :: on(:)
+    integer :: i
+
+    allocate (on(max(maxval([0, a]), maxval([0, b]))), source=.false.)
+    on(a) = .true.
+    n = 0
+    do i = 1, size(b)
+      if (on(b(i))) n = n + 1
+    end do
+  end function shared
+
+end module input_untied
