@@ -11,6 +11,7 @@
 !! cells are kept.
 module contact_cells
   use base_kinds, only: wp
+  use cell_border, only: part_t, find_border, bend_functions, NBEND
   use contact_pair, only: contact_t, surface_t
   use polygon, only: clip, signed_area, integrate_polygon, MOST_CORNERS
   use projection_type, only: foot_t, shape_t
@@ -22,14 +23,20 @@ module contact_cells
   public :: cells_t, facets_t, divide_surface, cut_cells
 
   !> A facet is divided while its normals differ by more than the angle with this cosine,
-  real(wp), parameter :: NEARLY_FLAT = 0.7_wp
+  real(wp), parameter :: NEARLY_FLAT = 0.9_wp
   !> or while its edges deviate from straight ones by more than this fraction of their length.
-  real(wp), parameter :: NEARLY_STRAIGHT = 0.1_wp
+  real(wp), parameter :: NEARLY_STRAIGHT = 0.02_wp
+  !> or while its tangents change by more than this fraction from the middle to the corners.
+  real(wp), parameter :: NEARLY_EVEN = 0.4_wp
   integer, parameter :: MOST_DIVISIONS = 4     !! of an element, in one direction
   !> Facets face each other up to this cosine of their normals.
   real(wp), parameter :: FACING = -0.1_wp
   real(wp), parameter :: NO_AREA = 1.0e-12_wp  !! of a piece, relative to its facet
   real(wp), parameter :: ON_EDGE = 1.0e-10_wp  !! distance to an edge, relative to its length
+  !> Error of the points of a cell where functions of both sides are no polynomials, relative.
+  real(wp), parameter :: ACCURACY = 1.0e-10_wp
+  real(wp), parameter :: EVEN = 1.0e-8_wp      !! change of tangents that is none
+  real(wp), parameter :: MOST_UNEVEN = 0.9_wp
   integer, parameter :: MOST_STEPS = 20        !! of Newton's method
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
@@ -43,6 +50,8 @@ module contact_cells
     real(wp), allocatable :: x(:, :, :)
     real(wp), allocatable :: normal(:, :)   !! (3, n) unit normals
     real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) boxes [L]
+    !> (n) Relative change of the tangents from the middle to the corners; 0: the map is affine.
+    real(wp), allocatable :: uneven(:)
     real(wp) :: size = 0.0_wp               !! of the largest box [L]
     real(wp) :: least = huge(1.0_wp)        !! of the smallest one [L]
     !> Buckets along the longest axis of the surface, for the search.
@@ -78,7 +87,7 @@ contains
     total = sum(division**2)
     allocate (facets%elem(total), facets%from(2, total), facets%to(2, total))
     allocate (facets%x(3, 4, total), facets%normal(3, total), facets%low(3, total), &
-              facets%high(3, total))
+              facets%high(3, total), facets%uneven(total))
     n = 0
     do e = 1, surface%nelem
       m = division(e)
@@ -89,7 +98,7 @@ contains
           facets%from(:, n) = real(2*[i - 1, j - 1], wp)/m - 1.0_wp
           facets%to(:, n) = real(2*[i, j], wp)/m - 1.0_wp
           call place_facet(surface, shape, e, facets%from(:, n), facets%to(:, n), &
-                           facets%x(:, :, n), facets%normal(:, n))
+                           facets%x(:, :, n), facets%normal(:, n), facets%uneven(n))
           facets%low(:, n) = minval(facets%x(:, :, n), 2)
           facets%high(:, n) = maxval(facets%x(:, :, n), 2)
           facets%size = max(facets%size, maxval(facets%high(:, n) - facets%low(:, n)))
@@ -102,37 +111,58 @@ contains
   end subroutine divide_surface
 
   !> Corners and normal of the part of an element between two parameters.
-  pure subroutine place_facet(surface, shape, e, from, to, x, normal)
+  pure subroutine place_facet(surface, shape, e, from, to, x, normal, uneven)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     integer, intent(in) :: e
     real(wp), intent(in) :: from(2), to(2)
-    real(wp), intent(out) :: x(3, 4), normal(3)
-    real(wp) :: a(3, 2), b(3, 3)
+    real(wp), intent(out) :: x(3, 4), normal(3), uneven
+    real(wp) :: y(3), a(3, 2), b(3, 3), middle(3, 2), at(2, 4)
+    integer :: c
 
-    call surface_point(surface, shape, e, from, x(:, 1), a, b)
-    call surface_point(surface, shape, e, [to(1), from(2)], x(:, 2), a, b)
-    call surface_point(surface, shape, e, to, x(:, 3), a, b)
-    call surface_point(surface, shape, e, [from(1), to(2)], x(:, 4), a, b)
+    at = reshape([from, to(1), from(2), to, from(1), to(2)], [2, 4])
+    call surface_point(surface, shape, e, 0.5_wp*(from + to), y, middle, b)
+    uneven = 0.0_wp
+    do c = 1, 4
+      call surface_point(surface, shape, e, at(:, c), x(:, c), a, b)
+      uneven = max(uneven, change(middle, a))
+    end do
     normal = cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2))
     normal = normal/max(norm2(normal), tiny(1.0_wp))
   end subroutine place_facet
+
+  !> Change of tangents, in those of the middle.
+  pure real(wp) function change(middle, a) result(r)
+    real(wp), intent(in) :: middle(3, 2), a(3, 2)
+    real(wp) :: m(2, 2), d(2, 2), det
+
+    m = matmul(transpose(middle), middle)
+    d = matmul(transpose(middle), a - middle)
+    det = m(1, 1)*m(2, 2) - m(1, 2)**2
+    r = huge(1.0_wp)
+    if (.not. det > tiny(1.0_wp)) return
+    r = max(sum(abs(m(2, 2)*d(1, :) - m(1, 2)*d(2, :))), &
+            sum(abs(m(1, 1)*d(2, :) - m(1, 2)*d(1, :))))/det
+  end function change
 
   !> Divisions of an element in each direction that make its parts flat and their edges straight.
   pure integer function divisions(surface, shape, e) result(m)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     integer, intent(in) :: e
-    real(wp) :: x(3), a(3, 2), b(3, 3), n(3, 9), p(3, 9), bend, turn, length
+    real(wp) :: x(3), a(3, 2), b(3, 3), n(3, 9), p(3, 9), bend, turn, length, uneven, middle(3, 2)
     integer :: i, j, q
     !> Ends and middles of the edges and of the lines through the middle, among the 3 x 3 points.
     integer, parameter :: LINES(3, 6) = reshape([1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 4, 7, 2, 5, 8, &
                                                  3, 6, 9], [3, 6])
 
+    call surface_point(surface, shape, e, [0.0_wp, 0.0_wp], x, middle, b)
+    uneven = 0.0_wp
     do j = -1, 1
       do i = -1, 1
         q = 5 + i + 3*j
         call surface_point(surface, shape, e, real([i, j], wp), x, a, b)
+        if (abs(i*j) == 1) uneven = max(uneven, min(change(middle, a), real(MOST_DIVISIONS, wp)))
         p(:, q) = x
         n(:, q) = cross(a(:, 1), a(:, 2))
         n(:, q) = n(:, q)/max(norm2(n(:, q)), tiny(1.0_wp))
@@ -153,8 +183,8 @@ contains
       bend = max(bend, norm2(x)/length)
     end do
     ! the deviation falls with the square of the divisions, the angle with their number
-    m = ceiling(max(sqrt(bend/NEARLY_STRAIGHT), acos(max(-1.0_wp, turn))/acos(NEARLY_FLAT)) &
-                - 1.0e-9_wp)
+    m = ceiling(max(sqrt(bend/NEARLY_STRAIGHT), acos(max(-1.0_wp, turn))/acos(NEARLY_FLAT), &
+                    uneven/NEARLY_EVEN) - 1.0e-9_wp)
     m = max(1, min(m, MOST_DIVISIONS))
   end function divisions
 
@@ -162,22 +192,29 @@ contains
   subroutine cut_cells(contact, k, shape, reference, facets, reach, cells)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
-    type(shape_t), intent(in) :: shape      !! of side k
+    type(shape_t), intent(in) :: shape(2)   !! of both sides
     type(shape_t), intent(in) :: reference  !! of side k, before it deformed
     type(facets_t), intent(in) :: facets(2) !! of both sides
     real(wp), intent(in) :: reach           !! [L] facets farther apart do not touch
     type(cells_t), intent(out) :: cells
     real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER)
-    real(wp) :: corner(2, MOST_CORNERS), point(2, MOST_POINTS), weight(MOST_POINTS)
+    real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
+    real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
+    real(wp) :: point(2, MOST_POINTS), weight(MOST_POINTS)
     real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2), b(3, 3)
     integer, allocatable :: near(:)
+    integer :: tag(MOST_CORNERS)
     integer :: e, i, j, least, m, n, nnear, npoint, q
+    type(part_t) :: part
     logical :: mapped
 
     associate (own => contact%side(k), mine => facets(k), theirs => facets(3 - k))
       least = 1 + max(highest_degree(contact%side(1)), highest_degree(contact%side(2)))
       do n = 1, MOST_ORDER
         call gauss(n, g(:n, n), w(:n, n))
+        do q = 1, n
+          call bend_functions(g(q, n), f(:, q, n), df(:, q, n))
+        end do
       end do
       allocate (near(theirs%n))
       allocate (cells%first(own%nelem + 1))
@@ -193,20 +230,33 @@ contains
         call make_frame(mine%x(:, :, i), mine%normal(:, i), frame)
         quad = matmul(transpose(frame(:, :2)), mine%x(:, :, i) - spread(mine%x(:, 1, i), 2, 4))
         if (.not. signed_area(quad) > 0.0_wp) cycle
+        part = part_t(e, mine%from(:, i), mine%to(:, i))
         do j = 1, nnear
           if (dot_product(mine%normal(:, i), theirs%normal(:, near(j))) > FACING) cycle
           call overlap(mine%x(:, 1, i), frame, quad, theirs%x(:, :, near(j)), contact%depth, reach, &
-                       m, corner)
+                       m, corner, tag, zeta)
           if (m == 0) cycle
-          call map_corners(own, shape, e, mine, i, frame, quad, m, corner, mapped)
+          call map_corners(own, shape(k), e, mine, i, frame, quad, m, corner, mapped)
           if (.not. mapped) cycle
-          ! a whole element has the points of QUADrature, a small piece those of its degree
-          n = ceiling(maxval(contact%ngauss)*sqrt(0.25_wp*signed_area(corner(:, :m))))
-          n = min(max(least, n), MOST_ORDER)
-          call integrate_polygon(corner(:, :m), g(:n, n), w(:n, n), npoint, point, weight)
+          associate (from => theirs%from(:, near(j)), to => theirs%to(:, near(j)))
+            do q = 1, m
+              zeta(:, q) = from + zeta(:, q)*(to - from)
+            end do
+            call find_border(own, shape(k), part, contact%side(3 - k), shape(3 - k), &
+                             part_t(theirs%elem(near(j)), from, to), m, tag, corner, zeta, bend)
+          end associate
+          ! a whole element has the points of QUADrature, a small piece those that it needs
+          n = ceiling(maxval(contact%ngauss)*sqrt(0.25_wp*max(0.0_wp, signed_area(corner(:, :m)))))
+          x(1) = maxval((maxval(corner(:, :m), 2) - minval(corner(:, :m), 2))/(part%to - part%from))
+          x(2) = x(1)*maxval(mine%high(:, i) - mine%low(:, i)) &
+                 /maxval(theirs%high(:, near(j)) - theirs%low(:, near(j)))
+          x(3) = max(mine%uneven(i)*min(1.0_wp, x(1)), theirs%uneven(near(j))*min(1.0_wp, x(2)))
+          n = min(max(least + further_order(x(3)), n), MOST_ORDER)
+          call integrate_polygon(corner(:, :m), bend(:, :, :m), g(:n, n), w(:n, n), f(:, :n, n), &
+                                 df(:, :n, n), npoint, point, weight)
           call reserve(cells, npoint)
           do q = 1, npoint
-            if (.not. weight(q) > 0.0_wp) cycle
+            if (.not. abs(weight(q)) > 0.0_wp) cycle
             cells%n = cells%n + 1
             cells%elem(cells%n) = e
             cells%xi(:, cells%n) = max(-1.0_wp, min(1.0_wp, point(:, q)))
@@ -220,6 +270,18 @@ contains
       cells%first(e + 1:) = cells%n + 1
     end associate
   end subroutine cut_cells
+
+  !> Gauss points beyond those of polynomials where tangents change by the fraction r over a cell:
+  !! the error of n points for 1/(1 + r t) falls with rho^(-2n).
+  pure integer function further_order(r) result(n)
+    real(wp), intent(in) :: r
+    real(wp) :: q
+
+    n = 0
+    if (r < EVEN) return
+    q = 1.0_wp/min(r, MOST_UNEVEN)
+    n = ceiling(-0.5_wp*log(ACCURACY)/log(q + sqrt(q*q - 1.0_wp)))
+  end function further_order
 
   pure integer function highest_degree(surface) result(p)
     type(surface_t), intent(in) :: surface
@@ -328,29 +390,51 @@ contains
   end subroutine make_frame
 
   !> Overlap of a facet with one of the other side, seen along the normal of the first.
-  pure subroutine overlap(origin, frame, quad, x, deep, high, m, corner)
+  pure subroutine overlap(origin, frame, quad, x, deep, high, m, corner, tag, zeta)
     real(wp), intent(in) :: origin(3), frame(3, 3)
     real(wp), intent(in) :: quad(2, 4)    !! the facet in its plane
     real(wp), intent(in) :: x(3, 4)       !! the other facet
     real(wp), intent(in) :: deep, high    !! [L] distances at which they do not touch
     integer, intent(out) :: m             !! corners; 0: no overlap
     real(wp), intent(out) :: corner(2, MOST_CORNERS)
-    real(wp) :: y(3)
+    !> The edge after each corner is edge -tag of the facet, or edge tag of the other one.
+    integer, intent(out) :: tag(MOST_CORNERS)
+    real(wp), intent(out) :: zeta(2, MOST_CORNERS) !! corners on edges of the other facet: on [0,1]
+    real(wp) :: y(3), seen(2, 4), along(2)
     real(wp) :: height(4)
-    integer :: i
+    integer :: c, i, j
+    !> Corners of the unit square.
+    real(wp), parameter :: UNIT(2, 4) = reshape(real([0, 0, 1, 0, 1, 1, 0, 1], wp), [2, 4])
 
-    do i = 1, 4                           ! seen from the facet, the other one turns clockwise
-      y = x(:, 5 - i) - origin
-      corner(:, i) = [dot_product(y, frame(:, 1)), dot_product(y, frame(:, 2))]
+    do i = 1, 4
+      y = x(:, i) - origin
+      seen(:, i) = [dot_product(y, frame(:, 1)), dot_product(y, frame(:, 2))]
       height(i) = dot_product(y, frame(:, 3))
     end do
     m = 0
     if (all(height > high) .or. all(height < -deep)) return
+    corner(:, :4) = seen(:, 4:1:-1)       ! seen from the facet, the other one turns clockwise
+    tag(:4) = [3, 2, 1, 4]
     if (.not. signed_area(corner(:, :4)) > 0.0_wp) return
     m = 4
-    call clip(quad, m, corner)
+    call clip(quad, m, corner, tag)
     if (m == 0) return
     if (signed_area(corner(:, :m)) < NO_AREA*signed_area(quad)) m = 0
+    zeta = 0.5_wp
+    do c = 1, m
+      i = tag(mod(c + m - 2, m) + 1)
+      if (i < 0) i = tag(c)
+      if (i < 0) cycle
+      j = mod(i, 4) + 1
+      if (tag(c) > 0 .and. tag(c) /= i) then ! a corner of the other facet: edge i begins there
+        zeta(:, c) = UNIT(:, i)
+      else
+        along = seen(:, j) - seen(:, i)
+        zeta(:, c) = UNIT(:, i) + dot_product(corner(:, c) - seen(:, i), along) &
+                       /dot_product(along, along)*(UNIT(:, j) - UNIT(:, i))
+      end if
+      zeta(:, c) = max(0.0_wp, min(1.0_wp, zeta(:, c)))
+    end do
   end subroutine overlap
 
   !> From the plane of a facet to the parameters of its element. Corners on an edge of the facet stay

@@ -321,7 +321,7 @@ contains
     do k = 1, 2
       if (contact%side(k)%rigid) cycle
       associate (side => mortar%side(k), cells => mortar%side(k)%cells)
-        call cut_cells(contact, k, shape(k), mortar%reference(k), facets, &
+        call cut_cells(contact, k, shape, mortar%reference(k), facets, &
                        max(facets(1)%least, facets(2)%least), cells)
         if (allocated(side%p)) deallocate (side%p, side%dp, side%slide, side%slide_xi, side%ahead, &
                                            side%friction, side%elastic, side%slip, side%state)

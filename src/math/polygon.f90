@@ -1,22 +1,24 @@
-!> Convex polygons in a plane: clipping, area and integration points.
+!> Convex polygons in a plane: clipping, area, and points of integration.
 module polygon
   use base_kinds, only: wp
   implicit none
   private
   public :: clip, signed_area, integrate_polygon, MOST_CORNERS
 
-  integer, parameter :: MOST_CORNERS = 16 !! corners of a polygon clipped by a quadrilateral
+  integer, parameter :: MOST_CORNERS = 16 !! of a polygon that has been clipped by a quadrilateral
 
 contains
 
-  !> Clip a polygon by a convex one (Sutherland and Hodgman 1974). The corners of both are in
-  !! counter-clockwise order.
-  pure subroutine clip(by, n, x)
+  !> Clip a polygon by a convex one (Sutherland and Hodgman 1974). Both are counter-clockwise.
+  pure subroutine clip(by, n, x, tag)
     real(wp), intent(in) :: by(:, :)     !! (2, :) corners of the convex polygon
-    integer, intent(inout) :: n          !! number of corners of the polygon; 0: nothing is left
+    integer, intent(inout) :: n          !! corners of the polygon; 0: nothing is left
     real(wp), intent(inout) :: x(2, MOST_CORNERS)
+    !> Where the edge from each corner to the next comes from: -k means edge k of `by`.
+    integer, intent(inout) :: tag(MOST_CORNERS)
     real(wp) :: y(2, MOST_CORNERS), d(MOST_CORNERS), edge(2), s
-    integer :: i, j, k, m
+    integer :: i, j, k, m, new(MOST_CORNERS)
+    logical :: inside
 
     do k = 1, size(by, 2)
       edge = by(:, mod(k, size(by, 2)) + 1) - by(:, k)
@@ -26,19 +28,25 @@ contains
       m = 0
       do i = 1, n
         j = mod(i, n) + 1
-        if (d(i) >= 0.0_wp .and. m < MOST_CORNERS) then
+        inside = d(i) >= 0.0_wp
+        if (inside .and. m < MOST_CORNERS) then
           m = m + 1
           y(:, m) = x(:, i)
+          new(m) = tag(i)
         end if
-        if ((d(i) >= 0.0_wp) .eqv. (d(j) >= 0.0_wp)) cycle
-        if (m == MOST_CORNERS) cycle
-        ! also where rounding puts the crossing on a corner: a corner that is left out costs its area
+        if (inside .eqv. d(j) >= 0.0_wp) cycle
         s = d(i)/(d(i) - d(j))
-        m = m + 1
-        y(:, m) = x(:, i) + s*(x(:, j) - x(:, i))
+        ! by rounding the intersection may be a corner: one inside is kept anyway, one outside is not
+        if (merge(s > 0.0_wp, s < 1.0_wp, inside) .and. m < MOST_CORNERS) then
+          m = m + 1
+          y(:, m) = x(:, i) + s*(x(:, j) - x(:, i))
+          new(m) = tag(i)
+        end if
+        if (inside .and. m > 0) new(m) = -k
       end do
       n = m
       x(:, :n) = y(:, :n)
+      tag(:n) = new(:n)
       if (n < 3) then
         n = 0
         return
@@ -46,7 +54,7 @@ contains
     end do
   end subroutine clip
 
-  !> Area of a polygon, positive if its corners are in counter-clockwise order.
+  !> Area of a polygon, positive if its corners are counter-clockwise.
   pure real(wp) function signed_area(x) result(area)
     real(wp), intent(in) :: x(:, :)      !! (2, n)
     integer :: i, j
@@ -58,34 +66,54 @@ contains
     end do
   end function signed_area
 
-  !> Compute integration points and weights of a convex polygon. It is divided into quadrilaterals
-  !! that share its first corner, each with Gauss points; the last one is collapsed to a triangle if
-  !! the number of corners is odd.
-  pure subroutine integrate_polygon(x, g, w, npoint, xi, weight)
-    real(wp), intent(in) :: x(:, :)      !! (2, n) corners
-    real(wp), intent(in) :: g(:), w(:)   !! (order) Gauss points on [-1,1] and their weights
+  !> Points and weights of a convex polygon: Gauss points of quadrilaterals from its first corner,
+  !! the last one collapsed to a triangle where the number of corners is odd. Edge i is curved: at
+  !! the parameter t it deviates from the straight one by sum_k bend(:, k, i) f_k(t).
+  pure subroutine integrate_polygon(x, bend, g, w, f, df, npoint, xi, weight)
+    real(wp), intent(in) :: x(:, :)       !! (2, n) corners
+    real(wp), intent(in) :: bend(:, :, :) !! (2, :, n)
+    real(wp), intent(in) :: g(:), w(:)    !! (order) Gauss points on [-1,1] and their weights
+    !> (:, order) f at the Gauss points, and its derivatives; f(:, order+1-j) are those at -g(j).
+    real(wp), intent(in) :: f(:, :), df(:, :)
     integer, intent(out) :: npoint
-    real(wp), intent(out) :: xi(:, :)    !! (2, :) points; at most MOST_CORNERS/2*order**2
+    real(wp), intent(out) :: xi(:, :)     !! (2, :) points; at most MOST_CORNERS/2*order**2
     real(wp), intent(out) :: weight(:)
     real(wp) :: q(2, 4), shp(4), dx(2, 2)
-    integer :: i, j, k
+    real(wp) :: b(2, 4, size(g)), db(2, 4, size(g)) ! deviations of the edges and their derivatives
+    integer :: edge(4), i, j, k, n, order
 
+    n = size(x, 2)
+    order = size(g)
     npoint = 0
     i = 2
-    do while (i < size(x, 2))
+    do while (i < n)
       q(:, 1) = x(:, 1)
       q(:, 2) = x(:, i)
       q(:, 3) = x(:, i + 1)
-      q(:, 4) = x(:, min(i + 2, size(x, 2)))
+      q(:, 4) = x(:, min(i + 2, n))
+      b = 0.0_wp
+      db = 0.0_wp
+      edge = [merge(1, 0, i == 2), i, merge(i + 1, 0, i + 1 < n), merge(n, 0, i + 2 >= n)]
+      do k = 1, 4
+        if (edge(k) == 0) cycle ! a diagonal
+        b(:, k, :) = matmul(bend(:, :, edge(k)), f)
+        db(:, k, :) = matmul(bend(:, :, edge(k)), df)
+      end do
       i = i + 2
-      do k = 1, size(g)
-        do j = 1, size(g)
+      do k = 1, order
+        do j = 1, order
           shp = 0.25_wp*[(1 - g(j))*(1 - g(k)), (1 + g(j))*(1 - g(k)), (1 + g(j))*(1 + g(k)), &
                          (1 - g(j))*(1 + g(k))]
-          dx(:, 1) = 0.25_wp*((1 - g(k))*(q(:, 2) - q(:, 1)) + (1 + g(k))*(q(:, 3) - q(:, 4)))
-          dx(:, 2) = 0.25_wp*((1 - g(j))*(q(:, 4) - q(:, 1)) + (1 + g(j))*(q(:, 3) - q(:, 2)))
+          dx(:, 1) = 0.25_wp*((1 - g(k))*(q(:, 2) - q(:, 1)) + (1 + g(k))*(q(:, 3) - q(:, 4))) &
+                     + 0.5_wp*((1 - g(k))*db(:, 1, j) - (1 + g(k))*db(:, 3, order + 1 - j) &
+                               + b(:, 2, k) - b(:, 4, order + 1 - k))
+          dx(:, 2) = 0.25_wp*((1 - g(j))*(q(:, 4) - q(:, 1)) + (1 + g(j))*(q(:, 3) - q(:, 2))) &
+                     + 0.5_wp*((1 + g(j))*db(:, 2, k) - (1 - g(j))*db(:, 4, order + 1 - k) &
+                               + b(:, 3, order + 1 - j) - b(:, 1, j))
           npoint = npoint + 1
-          xi(:, npoint) = matmul(q, shp)
+          xi(:, npoint) = matmul(q, shp) &
+                          + 0.5_wp*((1 - g(k))*b(:, 1, j) + (1 + g(k))*b(:, 3, order + 1 - j) &
+                                    + (1 + g(j))*b(:, 2, k) + (1 - g(j))*b(:, 4, order + 1 - k))
           weight(npoint) = w(j)*w(k)*(dx(1, 1)*dx(2, 2) - dx(1, 2)*dx(2, 1))
         end do
       end do

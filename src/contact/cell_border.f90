@@ -1,0 +1,202 @@
+!> Borders of a cell: from the corners of a polygon of straight edges to those of the elements, which
+!! are curved if elements are.
+!!
+!! An edge of a cell lies on an edge of its own facet, straight in the parameters of the element, or
+!! on one of the facet of the other side. Of the latter the points are found that face the other
+!! edge: their distance from it is normal to the other surface, which is where projections change
+!! from one element to the next. Two cells that share an edge find the same points of it.
+module cell_border
+  use base_kinds, only: wp
+  use contact_pair, only: surface_t
+  use polygon, only: MOST_CORNERS
+  use projection_type, only: shape_t
+  use surface_geometry, only: surface_point
+  implicit none
+  private
+  public :: part_t, find_border, bend_functions, NBEND
+
+  integer, parameter :: NBEND = 6            !! points of an edge between its ends
+  !> Largest correction of a straight edge, relative to the facet.
+  real(wp), parameter :: MOST_BEND = 0.25_wp
+  real(wp), parameter :: STRAIGHT = 1.0e-13_wp !! rounding of parameters
+  real(wp), parameter :: CONVERGED = 1.0e-13_wp, STALLED = 1.0e-9_wp
+  !> Sine of the angle between edges that do not cut each other.
+  real(wp), parameter :: PARALLEL = 1.0e-3_wp
+  integer, parameter :: MOST_STEPS = 12      !! of Newton's method
+  !> Parameters that are constant on edges 1 to 4 of a facet, counter-clockwise.
+  integer, parameter :: FIXED(4) = [2, 1, 2, 1]
+
+  !> A part of an element.
+  type :: part_t
+    integer :: elem = 0
+    real(wp) :: from(2) = 0.0_wp, to(2) = 0.0_wp !! ranges of the parameters
+  end type part_t
+
+contains
+
+  !> Where the functions f_k of a bent edge are one, on [-1,1]; symmetric about zero.
+  pure real(wp) function bend_at(k) result(t)
+    integer, intent(in) :: k
+
+    t = -cos(acos(-1.0_wp)*k/(NBEND + 1))
+  end function bend_at
+
+  !> Polynomials f_k(t) that vanish at the ends and at all bend_at but the k-th, and derivatives.
+  pure subroutine bend_functions(t, f, df)
+    real(wp), intent(in) :: t
+    real(wp), intent(out) :: f(NBEND), df(NBEND)
+    real(wp) :: at(0:NBEND + 1), term
+    integer :: i, j, k
+
+    at = [-1.0_wp, (bend_at(k), k=1, NBEND), 1.0_wp]
+    do k = 1, NBEND
+      f(k) = 1.0_wp
+      df(k) = 0.0_wp
+      do i = 0, NBEND + 1
+        if (i == k) cycle
+        f(k) = f(k)*(t - at(i))/(at(k) - at(i))
+        term = 1.0_wp/(at(k) - at(i))
+        do j = 0, NBEND + 1
+          if (j == k .or. j == i) cycle
+          term = term*(t - at(j))/(at(k) - at(j))
+        end do
+        df(k) = df(k) + term
+      end do
+    end do
+  end subroutine bend_functions
+
+  !> Correct the corners of a cell, and find how its edges are bent. `tag` says where the edge after
+  !! a corner comes from: -k: edge k of the own part, k: edge k of the other one.
+  pure subroutine find_border(own, shape, mine, other, opposite, theirs, m, tag, xi, zeta, bend)
+    type(surface_t), intent(in) :: own, other
+    type(shape_t), intent(in) :: shape, opposite
+    type(part_t), intent(in) :: mine, theirs
+    integer, intent(in) :: m                    !! corners
+    integer, intent(in) :: tag(:)               !! (m)
+    real(wp), intent(inout) :: xi(:, :)         !! (2, m) parameters of the own part
+    real(wp), intent(inout) :: zeta(:, :)       !! (2, m) of the other part, on its edges
+    real(wp), intent(out) :: bend(2, NBEND, MOST_CORNERS) !! see integrate_polygon
+    integer :: before, c, i
+
+    bend = 0.0_wp
+    do c = 1, m
+      before = tag(mod(c + m - 2, m) + 1)
+      if (before < 0 .and. tag(c) < 0) cycle
+      if (before > 0 .and. tag(c) > 0) then
+        call find_facing(own, shape, mine, other, opposite, theirs%elem, zeta(:, c), xi(:, c))
+      else
+        i = max(before, tag(c))
+        call find_crossing(own, shape, mine, -min(before, tag(c)), other, opposite, theirs, i, &
+                           xi(:, c), zeta(:, c))
+      end if
+    end do
+    do c = 1, m
+      if (tag(c) < 0) cycle
+      i = mod(c, m) + 1
+      call find_bend(own, shape, mine, other, opposite, theirs%elem, xi(:, c), xi(:, i), zeta(:, c), &
+                     zeta(:, i), bend(:, :, c))
+    end do
+  end subroutine find_border
+
+  !> The point of the own part that faces a point of the other surface. Where there is none near xi,
+  !! xi stays.
+  pure subroutine find_facing(own, shape, mine, other, opposite, elem, zeta, xi, found)
+    type(surface_t), intent(in) :: own, other
+    type(shape_t), intent(in) :: shape, opposite
+    type(part_t), intent(in) :: mine
+    integer, intent(in) :: elem
+    real(wp), intent(in) :: zeta(2)
+    real(wp), intent(inout) :: xi(2)
+    logical, intent(out), optional :: found
+    real(wp) :: at(2), x(3), a(3, 2), b(3, 3), y(3), p(3, 2), j(2, 2), r(2), d(2), det
+    integer :: step
+
+    if (present(found)) found = .false.
+    call surface_point(other, opposite, elem, zeta, y, p, b)
+    at = xi
+    do step = 1, MOST_STEPS
+      call surface_point(own, shape, mine%elem, at, x, a, b)
+      r = matmul(y - x, p)
+      j = matmul(transpose(p), a)
+      det = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
+      if (.not. abs(det) > 0.0_wp) return
+      d = [j(2, 2)*r(1) - j(1, 2)*r(2), j(1, 1)*r(2) - j(2, 1)*r(1)]/det
+      at = at + d
+      if (.not. maxval(abs(at - xi)) <= MOST_BEND*maxval(mine%to - mine%from)) return
+      if (maxval(abs(d)) < CONVERGED) exit
+    end do
+    if (maxval(abs(d)) > STALLED) return
+    xi = max(mine%from, min(mine%to, at))
+    if (present(found)) found = .true.
+  end subroutine find_facing
+
+  !> Where edge k of the own part crosses edge i of the other one. Where they do not near xi and
+  !! zeta, these stay.
+  pure subroutine find_crossing(own, shape, mine, k, other, opposite, theirs, i, xi, zeta)
+    type(surface_t), intent(in) :: own, other
+    type(shape_t), intent(in) :: shape, opposite
+    type(part_t), intent(in) :: mine, theirs
+    integer, intent(in) :: k, i
+    real(wp), intent(inout) :: xi(2), zeta(2)
+    real(wp) :: at(2), to(2), x(3), a(3, 2), b(3, 3), y(3), p(3, 2), j(2, 2), r(2), d(2), det
+    integer :: f, g, step
+
+    f = 3 - FIXED(k)
+    g = 3 - FIXED(i)
+    at = xi
+    to = zeta
+    do step = 1, MOST_STEPS
+      call surface_point(own, shape, mine%elem, at, x, a, b)
+      call surface_point(other, opposite, theirs%elem, to, y, p, b)
+      r = matmul(y - x, p)
+      j(:, 1) = matmul(a(:, f), p)
+      j(:, 2) = -matmul(p(:, g), p)
+      det = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
+      if (.not. abs(det) > PARALLEL*norm2(j(:, 1))*norm2(j(:, 2))) return
+      d = [j(2, 2)*r(1) - j(1, 2)*r(2), j(1, 1)*r(2) - j(2, 1)*r(1)]/det
+      at(f) = at(f) + d(1)
+      to(g) = to(g) + d(2)
+      if (.not. abs(at(f) - xi(f)) <= MOST_BEND*(mine%to(f) - mine%from(f))) return
+      if (.not. abs(to(g) - zeta(g)) <= MOST_BEND*(theirs%to(g) - theirs%from(g))) return
+      if (maxval(abs(d)) < CONVERGED) exit
+    end do
+    if (maxval(abs(d)) > STALLED) return
+    xi = max(mine%from, min(mine%to, at))
+    zeta = max(theirs%from, min(theirs%to, to))
+  end subroutine find_crossing
+
+  !> How the image of a straight edge of the other surface deviates from the straight line between
+  !! its ends.
+  pure subroutine find_bend(own, shape, mine, other, opposite, elem, xi, xi_to, zeta, zeta_to, bend)
+    type(surface_t), intent(in) :: own, other
+    type(shape_t), intent(in) :: shape, opposite
+    type(part_t), intent(in) :: mine
+    integer, intent(in) :: elem
+    real(wp), intent(in) :: xi(2), xi_to(2), zeta(2), zeta_to(2)
+    real(wp), intent(out) :: bend(2, NBEND)
+    real(wp) :: off(2), off_to(2), s, line(2), at(2)
+    integer :: k
+    logical :: found
+
+    bend = 0.0_wp
+    off = xi                                 ! corners that were not found lie beside the edge
+    call find_facing(own, shape, mine, other, opposite, elem, zeta, off, found)
+    if (.not. found) return
+    off_to = xi_to
+    call find_facing(own, shape, mine, other, opposite, elem, zeta_to, off_to, found)
+    if (.not. found) return
+    do k = 1, NBEND
+      s = 0.5_wp*(1.0_wp + bend_at(k))
+      line = off + s*(off_to - off)
+      at = line
+      call find_facing(own, shape, mine, other, opposite, elem, zeta + s*(zeta_to - zeta), at, found)
+      if (.not. found) then
+        bend = 0.0_wp
+        return
+      end if
+      bend(:, k) = at - line
+      if (k == 2 .and. maxval(abs(bend(:, :2))) < STRAIGHT) exit ! an affine map
+    end do
+  end subroutine find_bend
+
+end module cell_border
