@@ -40,8 +40,9 @@ module contact_mortar
   public :: mortar_t, new_mortar, find_mortar, mortar_clique, add_mortar, accept_mortar, &
             split_mortar_forces
 
-  !> Cells are cut again while a node has moved by more than this fraction of the smallest facet.
-  real(wp), parameter :: MOVED = 1.0e-4_wp
+  !> Cells are cut again while a node has moved by more than this fraction of the smallest facet:
+  !! until the iteration ends, since an area that is cut off wrongly is missing in the forces.
+  real(wp), parameter :: MOVED = 1.0e-12_wp
   !> But no more than so often in a step, unless a node has moved by the larger fraction.
   integer, parameter :: MOST_CUTS = 2
   real(wp), parameter :: MOVED_FAR = 0.1_wp
