@@ -180,11 +180,9 @@ contains
 
     bend = 0.0_wp
     off = xi                                 ! corners that were not found lie beside the edge
-    call find_facing(own, shape, mine, other, opposite, elem, zeta, off, found)
-    if (.not. found) return
+    call find_facing(own, shape, mine, other, opposite, elem, zeta, off)
     off_to = xi_to
-    call find_facing(own, shape, mine, other, opposite, elem, zeta_to, off_to, found)
-    if (.not. found) return
+    call find_facing(own, shape, mine, other, opposite, elem, zeta_to, off_to)
     do k = 1, NBEND
       s = 0.5_wp*(1.0_wp + bend_at(k))
       line = off + s*(off_to - off)

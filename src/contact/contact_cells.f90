@@ -38,6 +38,7 @@ module contact_cells
   real(wp), parameter :: EVEN = 1.0e-8_wp      !! change of tangents that is none
   real(wp), parameter :: MOST_UNEVEN = 0.9_wp
   integer, parameter :: MOST_STEPS = 20        !! of Newton's method
+  real(wp), parameter :: NEARLY = 0.9_wp       !! largest fraction of the way to a collapsed edge
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
 
@@ -127,9 +128,19 @@ contains
       call surface_point(surface, shape, e, at(:, c), x(:, c), a, b)
       uneven = max(uneven, change(middle, a))
     end do
+    if (is_triangle(surface, e)) uneven = 0.0_wp
     normal = cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2))
     normal = normal/max(norm2(normal), tiny(1.0_wp))
   end subroutine place_facet
+
+  !> Has an element a collapsed edge? Its functions are polynomials of the position if it is flat.
+  pure logical function is_triangle(surface, e)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+
+    is_triangle = .false.
+    if (allocated(surface%point)) is_triangle = any(surface%point(:, e))
+  end function is_triangle
 
   !> Change of tangents, in those of the middle.
   pure real(wp) function change(middle, a) result(r)
@@ -168,6 +179,7 @@ contains
         n(:, q) = n(:, q)/max(norm2(n(:, q)), tiny(1.0_wp))
       end do
     end do
+    if (is_triangle(surface, e)) uneven = 0.0_wp
     turn = 1.0_wp
     bend = 0.0_wp
     do q = 1, 9
@@ -203,7 +215,7 @@ contains
     real(wp) :: point(2, MOST_POINTS), weight(MOST_POINTS)
     real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2), b(3, 3)
     integer, allocatable :: near(:)
-    integer :: tag(MOST_CORNERS)
+    integer :: tag(MOST_CORNERS), ray(MOST_CORNERS)
     integer :: e, i, j, least, m, n, nnear, npoint, q
     type(part_t) :: part
     logical :: mapped
@@ -236,7 +248,8 @@ contains
           call overlap(mine%x(:, 1, i), frame, quad, theirs%x(:, :, near(j)), contact%depth, reach, &
                        m, corner, tag, zeta)
           if (m == 0) cycle
-          call map_corners(own, shape(k), e, mine, i, frame, quad, m, corner, mapped)
+          call split_vertex(quad, m, corner, tag, zeta, ray)
+          call map_corners(own, shape(k), e, mine, i, frame, quad, m, ray, corner, mapped)
           if (.not. mapped) cycle
           associate (from => theirs%from(:, near(j)), to => theirs%to(:, near(j)))
             do q = 1, m
@@ -426,10 +439,10 @@ contains
       if (i < 0) i = tag(c)
       if (i < 0) cycle
       j = mod(i, 4) + 1
-      if (tag(c) > 0 .and. tag(c) /= i) then ! a corner of the other facet: edge i begins there
+      along = seen(:, j) - seen(:, i)
+      if ((tag(c) > 0 .and. tag(c) /= i) .or. .not. any(abs(along) > 0.0_wp)) then ! a corner of the other facet: edge i begins there
         zeta(:, c) = UNIT(:, i)
       else
-        along = seen(:, j) - seen(:, i)
         zeta(:, c) = UNIT(:, i) + dot_product(corner(:, c) - seen(:, i), along) &
                        /dot_product(along, along)*(UNIT(:, j) - UNIT(:, i))
       end if
@@ -437,24 +450,72 @@ contains
     end do
   end subroutine overlap
 
+  !> The edge of a facet that is collapsed to a point; 0: none.
+  pure integer function collapsed_edge(quad) result(k)
+    real(wp), intent(in) :: quad(2, 4)
+
+    do k = 4, 1, -1
+      if (norm2(quad(:, mod(k, 4) + 1) - quad(:, k)) <= ON_EDGE*maxval(abs(quad))) return
+    end do
+  end function collapsed_edge
+
+  !> A corner at a collapsed edge becomes two, one for each edge of the cell that ends there: lines
+  !! to it are lines of one parameter. ray(c) is the corner that has the parameter of corner c; 0: c
+  !! is not such a corner.
+  pure subroutine split_vertex(quad, m, corner, tag, zeta, ray)
+    real(wp), intent(in) :: quad(2, 4)
+    integer, intent(inout) :: m, tag(MOST_CORNERS)
+    real(wp), intent(inout) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS)
+    integer, intent(out) :: ray(MOST_CORNERS)
+    integer :: c, d, k
+
+    ray = 0
+    k = collapsed_edge(quad)
+    if (k == 0) return
+    d = 0
+    do c = m, 1, -1                      ! corners there are neighbours: the last one remains
+      if (norm2(corner(:, c) - quad(:, k)) > ON_EDGE*maxval(abs(quad))) cycle
+      if (d > 0) then
+        corner(:, c:m - 1) = corner(:, c + 1:m)
+        zeta(:, c:m - 1) = zeta(:, c + 1:m)
+        tag(c:m - 1) = tag(c + 1:m)
+        m = m - 1
+        if (d > m + 1) d = m + 1
+        d = d - 1
+      else
+        d = c
+      end if
+    end do
+    if (d == 0 .or. m < 3 .or. m == MOST_CORNERS) return
+    corner(:, d + 1:m + 1) = corner(:, d:m)
+    zeta(:, d + 1:m + 1) = zeta(:, d:m)
+    tag(d + 1:m + 1) = tag(d:m)
+    m = m + 1
+    tag(d) = -k
+    ray(d) = mod(d + m - 2, m) + 1
+    ray(d + 1) = mod(d + 1, m) + 1
+  end subroutine split_vertex
+
   !> From the plane of a facet to the parameters of its element. Corners on an edge of the facet stay
   !! on it.
-  pure subroutine map_corners(own, shape, e, facets, i, frame, quad, m, corner, mapped)
+  pure subroutine map_corners(own, shape, e, facets, i, frame, quad, m, ray, corner, mapped)
     type(surface_t), intent(in) :: own
     type(shape_t), intent(in) :: shape
     integer, intent(in) :: e, i
     type(facets_t), intent(in) :: facets
     real(wp), intent(in) :: frame(3, 3), quad(2, 4)
-    integer, intent(in) :: m
+    integer, intent(in) :: m, ray(MOST_CORNERS)  !! see split_vertex
     real(wp), intent(inout) :: corner(2, MOST_CORNERS)
     logical, intent(out) :: mapped
     real(wp) :: edge(2), xi(2), x(3), a(3, 2), b(3, 3), r(2), j(2, 2), d(2), det
     real(wp) :: bound(4)
-    integer :: c, k, step
+    integer :: c, flat, k, step
 
     mapped = .true.
+    flat = collapsed_edge(quad)
     bound = [facets%from(2, i), facets%to(1, i), facets%to(2, i), facets%from(1, i)]
     do c = 1, m
+      if (ray(c) > 0) cycle
       xi = 0.5_wp*(facets%from(:, i) + facets%to(:, i))
       do step = 1, MOST_STEPS
         call surface_point(own, shape, e, xi, x, a, b)
@@ -465,6 +526,12 @@ contains
         if (.not. det > 0.0_wp) exit
         d = [j(2, 2)*r(1) - j(1, 2)*r(2), j(1, 1)*r(2) - j(2, 1)*r(1)]/det
         d = max(-1.0_wp, min(1.0_wp, d))
+        if (flat > 0) then ! a tangent vanishes at the collapsed edge: not beyond it
+          r(1) = NEARLY*(bound(flat) - xi(merge(2, 1, mod(flat, 2) == 1)))
+          det = d(merge(2, 1, mod(flat, 2) == 1))/r(1)
+          if (det > 1.0_wp) d = d/det
+          det = 1.0_wp
+        end if
         xi = max(facets%from(:, i) - 0.5_wp, min(facets%to(:, i) + 0.5_wp, xi + d))
         if (maxval(abs(d)) < 1.0e-13_wp) exit
       end do
@@ -476,10 +543,15 @@ contains
       do k = 1, 4
         edge = quad(:, mod(k, 4) + 1) - quad(:, k)
         r = corner(:, c) - quad(:, k)
-        if (abs(edge(1)*r(2) - edge(2)*r(1)) > ON_EDGE*dot_product(edge, edge)) cycle
+        if (.not. abs(edge(1)*r(2) - edge(2)*r(1)) < ON_EDGE*dot_product(edge, edge)) cycle
         xi(merge(2, 1, mod(k, 2) == 1)) = bound(k)
       end do
       corner(:, c) = xi
+    end do
+    do c = 1, m
+      if (ray(c) == 0) cycle
+      corner(:, c) = corner(:, ray(c))
+      corner(merge(2, 1, mod(flat, 2) == 1), c) = bound(flat)
     end do
     mapped = signed_area(corner(:, :m)) > 0.0_wp
   end subroutine map_corners
