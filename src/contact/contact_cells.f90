@@ -23,9 +23,9 @@ module contact_cells
   public :: cells_t, facets_t, divide_surface, cut_cells
 
   !> A facet is divided while its normals differ by more than the angle with this cosine,
-  real(wp), parameter :: NEARLY_FLAT = 0.9_wp
+  real(wp), parameter :: NEARLY_FLAT = 0.7_wp
   !> or while its edges deviate from straight ones by more than this fraction of their length.
-  real(wp), parameter :: NEARLY_STRAIGHT = 0.02_wp
+  real(wp), parameter :: NEARLY_STRAIGHT = 0.1_wp
   !> or while its tangents change by more than this fraction from the middle to the corners.
   real(wp), parameter :: NEARLY_EVEN = 0.4_wp
   integer, parameter :: MOST_DIVISIONS = 4     !! of an element, in one direction
@@ -39,6 +39,11 @@ module contact_cells
   real(wp), parameter :: MOST_UNEVEN = 0.9_wp
   integer, parameter :: MOST_STEPS = 20        !! of Newton's method
   real(wp), parameter :: NEARLY = 0.9_wp       !! largest fraction of the way to a collapsed edge
+  integer, parameter :: USUAL_POINTS = 5       !! of QUADrature
+  !> Maps that are no polynomials have a further point in each direction by default, unless they need
+  !! more than MANY for an exact result, as those of strongly deformed surfaces do: points would then
+  !! cost more than they give.
+  integer, parameter :: MANY = 5
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
 
@@ -216,11 +221,12 @@ contains
     real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2), b(3, 3)
     integer, allocatable :: near(:)
     integer :: tag(MOST_CORNERS), ray(MOST_CORNERS)
-    integer :: e, i, j, least, m, n, nnear, npoint, q
+    integer :: e, further, order, i, j, least, m, n, nnear, npoint, q
     type(part_t) :: part
     logical :: mapped
 
     associate (own => contact%side(k), mine => facets(k), theirs => facets(3 - k))
+      further = 2*max(0, maxval(contact%ngauss) - USUAL_POINTS)
       least = 1 + max(highest_degree(contact%side(1)), highest_degree(contact%side(2)))
       do n = 1, MOST_ORDER
         call gauss(n, g(:n, n), w(:n, n))
@@ -264,7 +270,9 @@ contains
           x(2) = x(1)*maxval(mine%high(:, i) - mine%low(:, i)) &
                  /maxval(theirs%high(:, near(j)) - theirs%low(:, near(j)))
           x(3) = max(mine%uneven(i)*min(1.0_wp, x(1)), theirs%uneven(near(j))*min(1.0_wp, x(2)))
-          n = min(max(least + further_order(x(3)), n), MOST_ORDER)
+          order = further_order(x(3))
+          order = min(order, merge(1, 0, order <= MANY) + further)
+          n = min(max(n, least + order), MOST_ORDER)
           call integrate_polygon(corner(:, :m), bend(:, :, :m), g(:n, n), w(:n, n), f(:, :n, n), &
                                  df(:, :n, n), npoint, point, weight)
           call reserve(cells, npoint)

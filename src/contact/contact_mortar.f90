@@ -621,13 +621,14 @@ contains
     real(wp), intent(in) :: x(:, :)
     type(block_matrix_t), intent(inout) :: a
     real(wp), allocatable :: slope(:, :)     ! (3, nodes) of the sum of w N g
+    real(wp), allocatable :: rows(:, :)      ! (3, nodes) forces by the pressure, friction included
     integer, allocatable :: at(:), list(:)
     real(wp) :: psi(size_of_element(contact%side(k)))
     real(wp) :: shp(size_of_element(contact%side(k))), dshp(2, size_of_element(contact%side(k)))
     real(wp) :: there(size_of_element(contact%side(3 - k))), &
                 dthere(2, size_of_element(contact%side(3 - k)))
     type(traction_derivatives_t) :: dn
-    real(wp) :: xi(3), n(3), w, stiffness
+    real(wp) :: xi(3), n(3), t(3), w, stiffness
     integer :: c, e, i, j, l, most, r, nk, nl, p
 
     most = 0
@@ -635,7 +636,7 @@ contains
       most = max(most, size(side%known(c)%node))
     end do
     allocate (at(size(x, 2)), source=0)
-    allocate (slope(3, most))
+    allocate (slope(3, most), rows(3, most))
     associate (own => contact%side(k), other => contact%side(3 - k), cells => side%cells)
       do c = 1, own%ncontrol
         if (.not. side%dq(c) < 0.0_wp) cycle
@@ -644,6 +645,7 @@ contains
           at(list(j)) = j
         end do
         slope = 0.0_wp
+        rows = 0.0_wp
         do r = side%round_first(c), side%round_first(c + 1) - 1
           e = side%round(r)
           nk = own%first(e + 1) - own%first(e)
@@ -662,9 +664,12 @@ contains
               xi = xi + shp(j)*x(:, own%node(own%first(e) + j - 1))
             end do
             call vary_normal(cells%foot(i), xi, n, dn)
+            t = n                              ! traction by pressure
+            if (side%state(i) == SLIP) t = n + side%friction(:, i)/side%p(i)
             do j = 1, nk
               l = at(own%node(own%first(e) + j - 1))
               slope(:, l) = slope(:, l) + w*shp(j)*n
+              rows(:, l) = rows(:, l) + w*shp(j)*t
             end do
             associate (first => other%first(cells%foot(i)%elem))
               nl = other%first(cells%foot(i)%elem + 1) - first
@@ -673,6 +678,7 @@ contains
               do j = 1, nl
                 l = at(other%node(first + j - 1))
                 slope(:, l) = slope(:, l) - w*there(j)*n
+                rows(:, l) = rows(:, l) - w*there(j)*t
               end do
             end associate
           end do
@@ -682,7 +688,12 @@ contains
           do i = 1, size(list)
             if (a%symmetric .and. list(i) > list(j)) cycle
             p = block_position(a, list(i), list(j))
-            a%val(:, :, p) = a%val(:, :, p) + outer(slope(:, i), stiffness*slope(:, j))
+            if (a%symmetric) then
+              a%val(:, :, p) = a%val(:, :, p) + 0.5_wp*stiffness*(outer(rows(:, i), slope(:, j)) &
+                                                                  + outer(slope(:, i), rows(:, j)))
+            else
+              a%val(:, :, p) = a%val(:, :, p) + outer(rows(:, i), stiffness*slope(:, j))
+            end if
           end do
         end do
         at(list) = 0

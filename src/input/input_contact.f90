@@ -35,6 +35,7 @@ module input_contact
 
   real(wp), parameter :: STIFF = 125.0_wp, STIFF_AT_CELLS = 100.0_wp !! times E/h
   real(wp), parameter :: CLOSING = 32.0_wp     !! opening of release over the penetration of SMOOth
+  real(wp), parameter :: LOCKS = 4.0_wp        !! times AUTO: what points may carry without locking
   integer, parameter :: MOST_POINTS = 10000000 !! largest number of integration points of a surface
   real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! relative rounding error of a penalty
   real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! an element is collapsed below this area over
@@ -131,7 +132,7 @@ contains
     end do
     if (contact%normal%auto) contact%normal%prop(PENALTY) = contact%normal%factor*usual
     if (contact%scheme == MORTAR) then ! more than this would lock at points
-      contact%control_penalty = max(0.0_wp, contact%normal%prop(PENALTY) - usual)
+      contact%control_penalty = max(0.0_wp, contact%normal%prop(PENALTY) - LOCKS*usual)
       if (contact%control_penalty < ROUNDING*usual) contact%control_penalty = 0.0_wp
     end if
     if (contact%friction%auto) contact%friction%prop(TANGENTIAL_PENALTY) &

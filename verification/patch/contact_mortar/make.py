@@ -30,6 +30,8 @@ from post._table import read_table
 from verification import TOP
 
 MU, LAME = 0.5 / 1.3, 0.3 / (1.3 * 0.4)  # E = 1, nu = 0.3
+# Strongly distorted elements have no polynomial maps: an exact result needs more points.
+FINE = "  QUADrature 12 12"
 TYPES = {
     "q1": ["TYPE Q1"],
     "q1e9": ["TYPE Q1E9"],
@@ -257,7 +259,7 @@ def cases():
     for kind in ("q1", "q1e9", "q2", "iga2", "q1n2", "q1n3"):
         for warp in (0.1, 0.2, 0.3):
             a, b = flat_pair(kind, kind, (3, 3, 1), (4, 5, 1), warp, -warp)
-            out.append(Case(f"distorted{warp}-{kind}", a, b, "free", qb=6))
+            out.append(Case(f"distorted{warp}-{kind}", a, b, "free", qb=6, rule=FINE))
         a, b = flat_pair(kind, kind, (2, 2, 1), (10, 10, 1), 0.2, -0.1)
         out.append(Case(f"distorted-1:5-{kind}", a, b, "free", qb=6))
     for kind in ("q1", "q1e9", "q2", "iga2", "q1n2", "q1n3"):
@@ -271,7 +273,7 @@ def cases():
         for i in range(4):
             j = (i + 1) % 4
             up.append(Body(f"b{i + 1}", kind, (4, 2, 1), [outer[i], outer[j], inner[j], inner[i]], 0, 1, 0, "3-"))
-        out.append(Case(f"turned-{kind}", low, up, "guided", qb=6))
+        out.append(Case(f"turned-{kind}", low, up, "guided", qb=6, rule=FINE))
     surfaces = {
         "cylinder": lambda x: 0.1 * (x[:, 0] - 0.4) ** 2,
         "saddle": lambda x: 0.15 * (x[:, 0] - 0.4) * (x[:, 1] - 0.6),
@@ -326,7 +328,7 @@ def main(argv=None):
     for case in cases():
         if o.name and not any(name in case.name for name in o.name):
             continue
-        case.rule = o.rule
+        case.rule = o.rule or case.rule
         with tempfile.TemporaryDirectory() as place:
             folder = pathlib.Path(o.keep or place) / (case.name if o.keep else "")
             folder.mkdir(parents=True, exist_ok=True)
