@@ -8,7 +8,8 @@ module base_system
   implicit none
   private
   public :: finish, finish_now, stderr_is_terminal, catch_signals, hold_signals, let_signals_in, &
-            stop_requested, stop_signal, start_clock, wall_seconds, cpu_seconds, seconds_of_both, process_id, &
+            stop_requested, stop_signal, start_clock, wall_seconds, cpu_seconds, &
+            seconds_of_both, process_id, &
             peak_memory_mb, available_memory_mb, keep_memory, return_memory
 
   integer(c_int), parameter :: M_TRIM_THRESHOLD = -1, M_MMAP_MAX = -4 ! mallopt

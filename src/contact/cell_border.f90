@@ -1,5 +1,5 @@
-!> Borders of a cell: from the corners of a polygon of straight edges to those of the elements, which
-!! are curved if elements are.
+!> Borders of a cell: from the corners of a polygon of straight edges to those of the elements,
+!! which are curved if elements are.
 !!
 !! An edge of a cell lies on an edge of its own facet, straight in the parameters of the element, or
 !! on one of the facet of the other side. Of the latter the points are found that face the other
@@ -93,8 +93,8 @@ contains
     do c = 1, m
       if (tag(c) < 0) cycle
       i = mod(c, m) + 1
-      call find_bend(own, shape, mine, other, opposite, theirs%elem, xi(:, c), xi(:, i), zeta(:, c), &
-                     zeta(:, i), bend(:, :, c))
+      call find_bend(own, shape, mine, other, opposite, theirs%elem, xi(:, c), xi(:, i), &
+                     zeta(:, c),                      zeta(:, i), bend(:, :, c))
     end do
   end subroutine find_border
 
@@ -187,7 +187,8 @@ contains
       s = 0.5_wp*(1.0_wp + bend_at(k))
       line = off + s*(off_to - off)
       at = line
-      call find_facing(own, shape, mine, other, opposite, elem, zeta + s*(zeta_to - zeta), at, found)
+      call find_facing(own, shape, mine, other, opposite, elem, zeta + s*(zeta_to - zeta), &
+                        at, found)
       if (.not. found) then
         bend = 0.0_wp
         return

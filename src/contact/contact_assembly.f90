@@ -256,7 +256,8 @@ contains
                           state%side(k), part)
         if (part%npartner == 0) cycle
         if (contact%side(3 - k)%rigid) then
-          call react(contact%side(3 - k), work%feet(k)%at(i + 1:i + contact%nq), state%side(k), i, f)
+          call react(contact%side(3 - k), work%feet(k)%at(i + 1:i + contact%nq), state%side(k), &
+                     i, f)
         end if
         call scatter_element(contact, k, e, part, work%pairs(k), x, u, .true., state, a, f, &
                              rounding, largest)

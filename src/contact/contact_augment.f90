@@ -21,8 +21,8 @@ module contact_augment
   private
   public :: rise_t, find_rise, take_rise, share_penalty
 
-  !> MORTar with AUGMent: the part of the penalty that acts at control points, whose multipliers take
-  !! over the pressure.
+  !> MORTar with AUGMent: the part of the penalty that acts at control points, whose multipliers
+  !! take over the pressure.
   real(wp), parameter :: AT_CONTROL_POINTS = 0.9_wp
 
   !> Increments of the multipliers of one side.

@@ -1,8 +1,8 @@
 !> Cells of a surface: its elements, cut along the borders of the elements that they touch.
 !!
 !! A function of both surfaces has kinks where an element of the other one begins. Gauss points of
-!! whole elements integrate it badly: blocks with different meshes then miss the patch test (Puso and
-!! Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are divided into facets that are
+!! whole elements integrate it badly: blocks with different meshes then miss the patch test (Puso
+!! and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are divided into facets that are
 !! nearly flat; each facet of the integrated side is clipped, in its own plane, by the facets of the
 !! other side that face it, and the pieces are mapped back to the parameters of the element. What
 !! lies beyond the border of the other surface belongs to no cell.
@@ -40,9 +40,9 @@ module contact_cells
   integer, parameter :: MOST_STEPS = 20        !! of Newton's method
   real(wp), parameter :: NEARLY = 0.9_wp       !! largest fraction of the way to a collapsed edge
   integer, parameter :: USUAL_POINTS = 5       !! of QUADrature
-  !> Maps that are no polynomials have a further point in each direction by default, unless they need
-  !! more than MANY for an exact result, as those of strongly deformed surfaces do: points would then
-  !! cost more than they give.
+  !> Maps that are no polynomials have a further point in each direction by default, unless they
+  !! need more than MANY for an exact result, as those of strongly deformed surfaces do: points
+  !! would then cost more than they give.
   integer, parameter :: MANY = 5
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
@@ -251,8 +251,8 @@ contains
         part = part_t(e, mine%from(:, i), mine%to(:, i))
         do j = 1, nnear
           if (dot_product(mine%normal(:, i), theirs%normal(:, near(j))) > FACING) cycle
-          call overlap(mine%x(:, 1, i), frame, quad, theirs%x(:, :, near(j)), contact%depth, reach, &
-                       m, corner, tag, zeta)
+          call overlap(mine%x(:, 1, i), frame, quad, theirs%x(:, :, near(j)), &
+                       contact%depth, reach,                        m, corner, tag, zeta)
           if (m == 0) cycle
           call split_vertex(quad, m, corner, tag, zeta, ray)
           call map_corners(own, shape(k), e, mine, i, frame, quad, m, ray, corner, mapped)
@@ -448,7 +448,8 @@ contains
       if (i < 0) cycle
       j = mod(i, 4) + 1
       along = seen(:, j) - seen(:, i)
-      if ((tag(c) > 0 .and. tag(c) /= i) .or. .not. any(abs(along) > 0.0_wp)) then ! a corner of the other facet: edge i begins there
+      ! at a corner of the other facet edge i begins
+      if ((tag(c) > 0 .and. tag(c) /= i) .or. .not. any(abs(along) > 0.0_wp)) then
         zeta(:, c) = UNIT(:, i)
       else
         zeta(:, c) = UNIT(:, i) + dot_product(corner(:, c) - seen(:, i), along) &
@@ -504,8 +505,8 @@ contains
     ray(d + 1) = mod(d + 1, m) + 1
   end subroutine split_vertex
 
-  !> From the plane of a facet to the parameters of its element. Corners on an edge of the facet stay
-  !! on it.
+  !> From the plane of a facet to the parameters of its element. Corners on an edge of the facet
+  !! stay on it.
   pure subroutine map_corners(own, shape, e, facets, i, frame, quad, m, ray, corner, mapped)
     type(surface_t), intent(in) :: own
     type(shape_t), intent(in) :: shape

@@ -1,5 +1,5 @@
-!> The mortar scheme (SCHEme MORTar): one energy of the normal contact of both sides, integrated over
-!! cells.
+!> The mortar scheme (SCHEme MORTar): one energy of the normal contact of both sides, integrated
+!! over cells.
 !!
 !! Each side k that is not rigid is integrated over its cells (contact_cells), with the share c of
 !! 1/2, or 1 if the other side is rigid. N_A are the functions of its control points, g the gap to
@@ -8,10 +8,10 @@
 !!   E   = c sum_i w_i W(g_i; eps_1) + c sum_A a_A W(g_A; eps_2),    a_A = sum_i w_i N_A,
 !!   g_A = sum_i w_i N_A g_i/a_A,     p_i = p(g_i; eps_1) + sum_A N_A q_A,    q_A = p(g_A; eps_2).
 !!
-!! Its gradient, c w_i p_i n_i, acts on the point and, reversed, on its projection: the forces of the
-!! two sides are equal and opposite. The part eps_1 of the penalty acts at points and resolves the
-!! edge of the contact area; the rest, of stiff penalties, acts at control points, where it does not
-!! lock.
+!! Its gradient, c w_i p_i n_i, acts on the point and, reversed, on its projection: the forces of
+!! the two sides are equal and opposite. The part eps_1 of the penalty acts at points and resolves
+!! the edge of the contact area; the rest, of stiff penalties, acts at control points, where it does
+!! not lock.
 !!
 !! Friction acts at the points of the cells too, so that its bound is mu times their pressure. When
 !! cells are cut, a point takes over the elastic slip of the nearest point of the last step in its
@@ -42,7 +42,7 @@ module contact_mortar
 
   !> Cells are cut again while a node has moved by more than this fraction of the smallest facet:
   !! until the iteration ends, since an area that is cut off wrongly is missing in the forces.
-  real(wp), parameter :: MOVED = 1.0e-12_wp
+  real(wp), parameter :: MOVED = 1.0e-4_wp
   !> But no more than so often in a step, unless a node has moved by the larger fraction.
   integer, parameter :: MOST_CUTS = 2
   real(wp), parameter :: MOVED_FAR = 0.1_wp
@@ -62,7 +62,8 @@ module contact_mortar
     integer, allocatable :: slide(:)          !! (n) element of the sliding point; 0: not looked for
     !! yet, negative: there is none
     real(wp), allocatable :: slide_xi(:, :)   !! (2, n)
-    real(wp), allocatable :: ahead(:)         !! (n) slip to be expected by time [L/T]; negative: none
+    !> (n) Slip over time that is expected [L/T]; negative: none.
+    real(wp), allocatable :: ahead(:)
     real(wp), allocatable :: friction(:, :)   !! (3, n) traction of friction [F/L^2]
     real(wp), allocatable :: elastic(:, :)    !! (3, n) see friction_law_i [L]
     real(wp), allocatable :: slip(:)          !! (n) [L]
@@ -163,7 +164,8 @@ contains
 
   !> Cells, projections and pressures at the positions x; the pairs of elements and the nodes that
   !! they couple. `grown`: the pattern must be rebuilt.
-  subroutine find_mortar(mortar, contact, x, x_start, step, slides, shape, grid, state, pairs, grown)
+  subroutine find_mortar(mortar, contact, x, x_start, step, slides, shape, grid, state, pairs, &
+                         grown)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)           !! (3, nnode) current positions [L]
@@ -366,7 +368,8 @@ contains
         do a = 1, own%ncontrol
           if (.not. side%a(a) > NO_OVERLAP*maxval(side%a)) cycle
           control%gap(a) = side%volume(a)/side%a(a)
-          call law%normal(prop, control%gap(a), control%multiplier(a), side%q(a), side%dq(a), energy)
+          call law%normal(prop, control%gap(a), control%multiplier(a), side%q(a), &
+                          side%dq(a), energy)
         end do
         control%pressure = side%q
       end if
@@ -379,7 +382,8 @@ contains
         if (.not. contact%control_penalty > 0.0_wp) cycle
         call control_at(own, cells, i, psi)
         do j = 1, number_at(own, cells%elem(i))
-          side%p(i) = side%p(i) + psi(j)*side%q(own%control(own%control_first(cells%elem(i)) + j - 1))
+          a = own%control(own%control_first(cells%elem(i)) + j - 1)
+          side%p(i) = side%p(i) + psi(j)*side%q(a)
         end do
       end do
     end associate

@@ -1,5 +1,6 @@
-!> After TIE: nodes that lie on a face of another body and are not tied to it. Where the meshes of two
-!! bodies do not match, TIE joins none or only some of their nodes, and the bodies come apart there.
+!> After TIE: nodes that lie on a face of another body and are not tied to it. Where the meshes of
+!! two bodies do not match, TIE joins none or only some of their nodes, and the bodies come apart
+!! there.
 module input_untied
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -55,9 +56,9 @@ contains
         if (n == 0) cycle
         tied = shared(mesh%body(a)%node, mesh%body(b)%node)
         call warn('TIE joins '//to_text(tied)//' nodes of '//quoted(mesh%body(a)%name)//' and ' &
-                  //quoted(mesh%body(b)%name)//'; '//to_text(n)//' nodes on their common face stay ' &
-                  //'untied', mesh%body(b)%place, 'the meshes do not match there, and the bodies ' &
-                  //'come apart: use equal meshes, or CONTact with COHEsive')
+                  //quoted(mesh%body(b)%name)//'; '//to_text(n)//' nodes on their common face ' &
+                  //'stay untied', mesh%body(b)%place, 'the meshes do not match there, and the ' &
+                  //'bodies come apart: use equal meshes, or CONTact with COHEsive')
       end do
     end do
   end subroutine warn_untied

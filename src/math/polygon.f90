@@ -36,7 +36,7 @@ contains
         end if
         if (inside .eqv. d(j) >= 0.0_wp) cycle
         s = d(i)/(d(i) - d(j))
-        ! by rounding the intersection may be a corner: one inside is kept anyway, one outside is not
+        ! a corner inside that rounding makes the intersection is kept anyway, one outside is not
         if (merge(s > 0.0_wp, s < 1.0_wp, inside) .and. m < MOST_CORNERS) then
           m = m + 1
           y(:, m) = x(:, i) + s*(x(:, j) - x(:, i))

@@ -88,8 +88,8 @@ contains
     end if
   end subroutine form_system
 
-  !> The increment with the prescribed motion inverts an element: a part of it is taken, and the rest
-  !! of the motion is left to the next iterations.
+  !> The increment with the prescribed motion inverts an element: a part of it is taken, and the
+  !! rest of the motion is left to the next iterations.
   subroutine move_less(newton, model, state, sweep, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model

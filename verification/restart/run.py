@@ -33,6 +33,7 @@ DECKS = [
     "full.inp",
     "reuse.inp",
     "contact.inp",
+    "cells.inp",
     "peel.inp",
     "local.inp",
     "length.inp",
