@@ -847,6 +847,7 @@ contains
     state%sticks(k) = 0.0_wp
     state%slips(k) = 0.0_wp
     state%penetration(k) = 0.0_wp
+    state%sheared(k) = 0.0_wp
     associate (side => mortar%side(k), cells => mortar%side(k)%cells)
       do i = 1, cells%n
         if (.not. side%p(i) > 0.0_wp) cycle
@@ -860,6 +861,8 @@ contains
         if (side%state(i) == STICK) state%sticks(k) = state%sticks(k) + area
         if (side%state(i) == SLIP) state%slips(k) = state%slips(k) + area
         state%penetration(k) = max(state%penetration(k), -cells%foot(i)%gap)
+        state%sheared(k) = state%sheared(k) + 0.5_wp*own_share(contact)*cells%weight(i) &
+                           *norm2(side%friction(:, i))*norm2(side%elastic(:, i))
       end do
     end associate
   end subroutine measure_cells

@@ -186,6 +186,7 @@ module contact_pair
     type(contact_points_t) :: side(2)
     type(control_points_t) :: control(2)
     type(friction_points_t) :: rubbed(2)
+    real(wp) :: sheared(2) = 0.0_wp          !! MORTAR: elastic energy of friction [F L]
     real(wp) :: dissipated = 0.0_wp          !! MORTAR: work of all slip [F L]
     !> MORTAR: force on each side and its moment about the origin, of the last assembly [F], [F L]
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp

@@ -88,6 +88,7 @@ module input_draft
   type :: contact_entry_t
     type(contact_t) :: contact
     type(where_t) :: at(2)             !! SURFaces
+    type(place_t) :: scheme_place
     type(place_t) :: bond_place, pair_place, refine_place !! of BONDed, PAIR, REFIne, and
     !! without a file if there is no such record
   end type contact_entry_t

@@ -96,9 +96,20 @@ contains
         call read_quadrature(deck, line, entry, error)
       case ('bala')
         call check_count(line, 1, 1, 'BALAnced', error)
+        if (.not. allocated(error) .and. entry%contact%scheme /= 0) then
+          call fail(error, DECK_ERROR, 'BALAnced beside SCHEme', line%place(1), 'BALAnced alone ' &
+                    //'stands for SCHEme BALAnced: give one of them')
+        end if
         entry%contact%scheme = BALANCED
+        entry%scheme_place = line%place(1)
       case ('sche')
-        call read_scheme(line, entry, error)
+        if (entry%contact%scheme /= 0) then
+          call fail(error, DECK_ERROR, 'SCHEme beside BALAnced', line%place(1), 'BALAnced alone ' &
+                    //'stands for SCHEme BALAnced: give one of them')
+        else
+          call read_scheme(line, entry, error)
+        end if
+        entry%scheme_place = line%place(1)
       case ('dept')
         call check_count(line, 2, 2, 'DEPTh d', error)
         if (.not. allocated(error)) call read_positive(deck, line, 2, 'depth', &
@@ -152,6 +163,11 @@ contains
       else if (contact%on_pair .and. .not. contact%cohesive%given) then
         call fail(error, DECK_ERROR, 'PAIR without COHEsive', entry%pair_place, &
                   'only bonded points have a partner: give COHEsive, or remove PAIR')
+      else if (contact%scheme == MORTAR .and. (contact%cohesive%given .or. &
+                                               contact%taper > 0.0_wp .or. contact%ncell > 1)) then
+        call fail(error, DECK_ERROR, 'SCHEme MORTar with COHEsive, BORDer or REFIne', &
+                  entry%scheme_place, 'these act at integration points: give SCHEme BALAnced, or ' &
+                  //'no SCHEme')
       else if (contact%ncell > 1 .and. contact%cohesive%given) then
         call fail(error, DECK_ERROR, 'REFIne with COHEsive', entry%refine_place, &
                   'bonds cannot be refined: use more integration points, QUADrature n1 n2')

@@ -61,6 +61,7 @@ contains
       call exchange(archive, path//'/sticks', state%contact(c)%sticks, error)
       call exchange(archive, path//'/slips', state%contact(c)%slips, error)
       call exchange(archive, path//'/penetration', state%contact(c)%penetration, error)
+      call exchange(archive, path//'/sheared', state%contact(c)%sheared, error)
       call exchange(archive, path//'/force', state%contact(c)%force, error)
       call exchange(archive, path//'/moment', state%contact(c)%moment, error)
     end do

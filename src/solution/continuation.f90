@@ -302,7 +302,8 @@ contains
     hint = 'use smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
     if (size(model%contact) > 0) then
       hint = 'contact has produced energy, and later results mean little; if the bonds are ' &
-             //'peeled off completely, use NORMal ... BORDer 0.2 and BALAnced; see BOOK NORMal'
+             //'peeled off completely, use NORMal ... BORDer 0.2 and SCHEme BALAnced; see BOOK ' &
+             //'NORMal'
     end if
     call warn('step '//to_text(state%step)//': the kinetic energy is ' &
               //to_text(state%energy%kinetic)//', but the work done is only ' &

@@ -50,6 +50,7 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     integer, intent(in) :: entry         !! B_WORK ...
+    integer :: c
 
     associate (energy => state%energy)
       select case (entry)
@@ -69,6 +70,9 @@ contains
       case default
         value = energy%outer - body_energy(model, state, 0) - energy%inertia - sum(energy%contact) &
                 - sum(state%contact(:)%dissipated)
+        do c = 1, size(state%contact)
+          value = value - sum(state%contact(c)%sheared)
+        end do
       end select
     end associate
   end function energy_entry

@@ -166,7 +166,7 @@ contains
       if (step%control%automatic) hint = hint//' with a smaller dtmin'
       if (size(model%contact) > 0 .and. ncut > 2) then
         hint = hint//'; if contact points alternate at an edge or where the gap is zero, no step ' &
-               //'is small enough: use CONTact with BALAnced, or NORMal ... BORDer 0.2'
+               //'is small enough: remove SCHEme HALFpass, or use NORMal ... SMOOth d'
       end if
       if (turns_back(step%newton)) then
         hint = 'Newton alternates between two states of contact whose tangents have ' &
