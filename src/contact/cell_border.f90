@@ -94,7 +94,7 @@ contains
       if (tag(c) < 0) cycle
       i = mod(c, m) + 1
       call find_bend(own, shape, mine, other, opposite, theirs%elem, xi(:, c), xi(:, i), &
-                     zeta(:, c),                      zeta(:, i), bend(:, :, c))
+                     zeta(:, c), zeta(:, i), bend(:, :, c))
     end do
   end subroutine find_border
 
@@ -188,7 +188,7 @@ contains
       line = off + s*(off_to - off)
       at = line
       call find_facing(own, shape, mine, other, opposite, elem, zeta + s*(zeta_to - zeta), &
-                        at, found)
+                       at, found)
       if (.not. found) then
         bend = 0.0_wp
         return

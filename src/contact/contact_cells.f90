@@ -252,7 +252,7 @@ contains
         do j = 1, nnear
           if (dot_product(mine%normal(:, i), theirs%normal(:, near(j))) > FACING) cycle
           call overlap(mine%x(:, 1, i), frame, quad, theirs%x(:, :, near(j)), &
-                       contact%depth, reach,                        m, corner, tag, zeta)
+                       contact%depth, reach, m, corner, tag, zeta)
           if (m == 0) cycle
           call split_vertex(quad, m, corner, tag, zeta, ray)
           call map_corners(own, shape(k), e, mine, i, frame, quad, m, ray, corner, mapped)
@@ -453,7 +453,7 @@ contains
         zeta(:, c) = UNIT(:, i)
       else
         zeta(:, c) = UNIT(:, i) + dot_product(corner(:, c) - seen(:, i), along) &
-                       /dot_product(along, along)*(UNIT(:, j) - UNIT(:, i))
+                     /dot_product(along, along)*(UNIT(:, j) - UNIT(:, i))
       end if
       zeta(:, c) = max(0.0_wp, min(1.0_wp, zeta(:, c)))
     end do

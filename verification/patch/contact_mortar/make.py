@@ -107,13 +107,21 @@ class Body:
                     plane.append(at)
             surface = self.high if k else self.low
             z = surface if callable(surface) else lambda xy, h=surface: np.full(len(xy), float(h))
-            rows += [[*at, h] for at, h in zip(np.array(plane), control_heights(np.array(plane), z))]
+            rows += [
+                [*at, h] for at, h in zip(np.array(plane), control_heights(np.array(plane), z))
+            ]
         knots = ["0 0 0 1 1 1", "0 0 0 1 1 1", "0 0 1 1"]
-        lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<xml>", ' <Geometry type="TensorBSpline3" id="0">']
+        lines = [
+            '<?xml version="1.0" encoding="UTF-8"?>',
+            "<xml>",
+            ' <Geometry type="TensorBSpline3" id="0">',
+        ]
         lines.append('  <Basis type="TensorBSplineBasis3">')
         for d, knot in enumerate(knots):
             lines.append(f'   <Basis type="BSplineBasis" index="{d}">')
-            lines.append(f'    <KnotVector degree="{len(knot.split()) // 2 - 1}">{knot}</KnotVector>')
+            lines.append(
+                f'    <KnotVector degree="{len(knot.split()) // 2 - 1}">{knot}</KnotVector>'
+            )
             lines.append("   </Basis>")
         lines += ["  </Basis>", '  <coefs geoDim="3">']
         lines += ["   " + " ".join(f"{c:.17g}" for c in row) for row in rows]
@@ -133,7 +141,9 @@ class Body:
 def control_heights(plane, z):
     """Bezier heights that interpolate z at the points of the parameters 0, 1/2, 1."""
     b = np.array([[1, 0, 0], [0.25, 0.5, 0.25], [0, 0, 1]])
-    inner = np.einsum("ij,kl,jlc->ikc", b, b, plane.reshape(3, 3, 2))  # positions at those parameters
+    inner = np.einsum(
+        "ij,kl,jlc->ikc", b, b, plane.reshape(3, 3, 2)
+    )  # positions at those parameters
     h = np.asarray(z(inner.reshape(9, 2))).reshape(3, 3)
     inv = np.linalg.inv(b)
     return (inv @ h @ inv.T).ravel()
@@ -148,11 +158,27 @@ class Case:
         self.shape = shape
 
     def pairs(self):
-        return [(u, l) for u in self.upper for l in self.lower if overlap_area(u.corners, l.corners) > 1e-9]
+        return [
+            (a, b)
+            for a in self.upper
+            for b in self.lower
+            if overlap_area(a.corners, b.corners) > 1e-9
+        ]
 
     def deck(self, stem):
-        lines = [f"FEAP ** Patch test of contact: {self.name}", "  ndm = 3", "! Written by make.py.", ""]
-        lines += ["PARAmeters", f"  p = {self.p!r}", f"  eps = {self.eps!r}", f"  qb = {self.qb}", ""]
+        lines = [
+            f"FEAP ** Patch test of contact: {self.name}",
+            "  ndm = 3",
+            "! Written by make.py.",
+            "",
+        ]
+        lines += [
+            "PARAmeters",
+            f"  p = {self.p!r}",
+            f"  eps = {self.eps!r}",
+            f"  qb = {self.qb}",
+            "",
+        ]
         lines += ["MATErial 1", "  SOLId", "    ELAStic NEOHook 1.0 0.3", "    FINIte VOLUme 3", ""]
         for body in self.lower + self.upper:
             lines += body.records(stem)
@@ -164,17 +190,32 @@ class Case:
             else:
                 lines += [f"FIX,{body.name},1-,2-  1 1 0", f"FIX,{body.name},1+,2-  0 1 0"]
             if self.state == "hydrostatic":
-                lines += [f"PRESsure,{body.name},{f}  p  FOLLower" for f in ("1-", "1+", "2-", "2+")]
+                lines += [
+                    f"PRESsure,{body.name},{f}  p  FOLLower" for f in ("1-", "1+", "2-", "2+")
+                ]
         for body in self.upper:
             lines.append(f"PRESsure,{body.name},3+  p  FOLLower")
         lines.append("")
-        for u, l in self.pairs():
-            lines += [f"CONTact,{u.name}-{l.name}", f"  SURFaces {u.name} 3-  {l.name} 3+"]
+        for a, b in self.pairs():
+            lines += [f"CONTact,{a.name}-{b.name}", f"  SURFaces {a.name} 3-  {b.name} 3+"]
             lines += ["  NORMal PENAlty eps", *([self.rule] if self.rule else []), ""]
         lines.append("CURVe,force")
-        lines += [f"  CONTact {u.name}-{l.name} {k} FORCe 3" for u, l in self.pairs() for k in (1, 2)]
+        lines += [
+            f"  CONTact {a.name}-{b.name} {k} FORCe 3" for a, b in self.pairs() for k in (1, 2)
+        ]
         lines += [f"  FORCe {body.name} 3- 3" for body in self.lower]
-        lines += ["", "END", "", "BATCh", "  TOL,,1e-26", "  LOOP,newton,30", "    UTAN,,1", "  NEXT,newton", "  PLOT", "END"]
+        lines += [
+            "",
+            "END",
+            "",
+            "BATCh",
+            "  TOL,,1e-26",
+            "  LOOP,newton,30",
+            "    UTAN,,1",
+            "  NEXT,newton",
+            "  PLOT",
+            "END",
+        ]
         return "\n".join([*lines, "", "STOP", ""])
 
     def write(self, folder, stem):
@@ -200,15 +241,17 @@ class Case:
         table = read_table(folder / "case_force.dat")
         row = {c: table.columns[table.find(c)][-1] for c in table.quantities()}
         force = 0.0
-        for u, l in self.pairs():
-            want = unit * overlap_area(u.corners, l.corners)
+        for a, b in self.pairs():
+            want = unit * overlap_area(a.corners, b.corners)
             for k, sign in ((1, 1), (2, -1)):
-                force = max(force, abs(row[f"contact_{u.name}-{l.name}_{k}_force_3"] / want - sign))
+                force = max(force, abs(row[f"contact_{a.name}-{b.name}_{k}_force_3"] / want - sign))
         fields = read_fields(folder / "case.vtkhdf")
         got = fields.arrays["stress"][1][-1]
         worst = np.abs(got - stress).max() / self.p
         pressure = np.abs(fields.arrays["contact_pressure"][1][-1]).ravel()
-        inside = any("q2" in body.kind for body in self.lower + self.upper)  # Bezier points below the surface
+        inside = any(
+            "q2" in body.kind for body in self.lower + self.upper
+        )  # Bezier points below the surface
         pressure = pressure[pressure > (0.75 if inside else 0.01) * self.p]
         return (force, worst, np.abs(pressure / self.p - 1).max()), int(row.get("iterations", 0))
 
@@ -245,7 +288,9 @@ def turned(degrees, half, middle):
 
 def flat_pair(low, high, n_low, n_high, warp_low=0.0, warp_high=0.0):
     c = square(0, 0, 1, 1)
-    return [Body("a", low, n_low, c, -1, 0, warp_low)], [Body("b", high, n_high, c, 0, 1, warp_high, "3-")]
+    return [Body("a", low, n_low, c, -1, 0, warp_low)], [
+        Body("b", high, n_high, c, 0, 1, warp_high, "3-")
+    ]
 
 
 def cases():
@@ -272,7 +317,18 @@ def cases():
         up = [Body("b0", kind, (3, 3, 1), inner, 0, 1, 0, "3-")]
         for i in range(4):
             j = (i + 1) % 4
-            up.append(Body(f"b{i + 1}", kind, (4, 2, 1), [outer[i], outer[j], inner[j], inner[i]], 0, 1, 0, "3-"))
+            up.append(
+                Body(
+                    f"b{i + 1}",
+                    kind,
+                    (4, 2, 1),
+                    [outer[i], outer[j], inner[j], inner[i]],
+                    0,
+                    1,
+                    0,
+                    "3-",
+                )
+            )
         out.append(Case(f"turned-{kind}", low, up, "guided", qb=6, rule=FINE))
     surfaces = {
         "cylinder": lambda x: 0.1 * (x[:, 0] - 0.4) ** 2,
@@ -297,19 +353,38 @@ CHOICE = ["flat-q1e9-iga2-3x2-4x5", "flat-q2-q1n3-10x10-1x1", "distorted0.3-q1",
 def write_choice():
     """The decks of this folder and their expect.toml."""
     here = pathlib.Path(__file__).resolve().parent
-    lines = ["# Written by make.py.", 'title  = "Patch tests of contact: bodies whose meshes do not match"']
+    lines = [
+        "# Written by make.py.",
+        'title  = "Patch tests of contact: bodies whose meshes do not match"',
+    ]
     lines += ['source = "uniform states of neo-Hooke in closed form"', ""]
     for case in (c for c in cases() if c.name in CHOICE):
         stem = case.name.replace(":", "").replace(".", "").replace("-", "_")
         case.write(here, stem)
         stress, unit = case.exact()
-        lines += ["[[check]]", f'name  = "{case.name}: stress"', f'deck  = "{stem}.inp"', 'field = "stress"']
+        lines += [
+            "[[check]]",
+            f'name  = "{case.name}: stress"',
+            f'deck  = "{stem}.inp"',
+            'field = "stress"',
+        ]
         lines += [f"want  = {[float(c) for c in stress]}", f"abs   = {1e-8 * case.p:.0e}", ""]
-        for u, l in case.pairs():
+        for a, b in case.pairs():
             for k, sign in ((1, 1), (2, -1)):
-                lines += ["[[check]]", f'name   = "{case.name}: force of {u.name} and {l.name}, side {k}"']
-                lines += [f'deck   = "{stem}.inp"', 'curve  = "force"', f'column = "contact_{u.name}-{l.name}_{k}_force_3"']
-                lines += [f"want   = {float(sign * unit * overlap_area(u.corners, l.corners))!r}", "rel    = 1e-8", ""]
+                lines += [
+                    "[[check]]",
+                    f'name   = "{case.name}: force of {a.name} and {b.name}, side {k}"',
+                ]
+                lines += [
+                    f'deck   = "{stem}.inp"',
+                    'curve  = "force"',
+                    f'column = "contact_{a.name}-{b.name}_{k}_force_3"',
+                ]
+                lines += [
+                    f"want   = {float(sign * unit * overlap_area(a.corners, b.corners))!r}",
+                    "rel    = 1e-8",
+                    "",
+                ]
     (here / "expect.toml").write_text("\n".join(lines), encoding="utf-8")
 
 
@@ -337,7 +412,10 @@ def main(argv=None):
             print(f"{case.name:44} failed: {_}", flush=True)
         else:
             mark = "" if max(errors) < 1e-8 else "  *"
-            print(f"{case.name:44} {errors[0]:9.1e} {errors[1]:9.1e} {errors[2]:9.1e}{mark}", flush=True)
+            print(
+                f"{case.name:44} {errors[0]:9.1e} {errors[1]:9.1e} {errors[2]:9.1e}{mark}",
+                flush=True,
+            )
     return 0
 
 
