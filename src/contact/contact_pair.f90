@@ -64,7 +64,7 @@ module contact_pair
     integer, allocatable :: ring_elem(:)     !! elements round the vertices
     integer, allocatable :: ring_corner(:)   !! and their corners there
     logical, allocatable :: outer(:)         !! (nvertex) the vertex lies on the outer boundary
-    !> Control points of pressure and friction (MORTar): the nodes, or the vertices with bi-linear
+    !> Control points of pressure and friction (MORTar): the nodes, or the vertices with bilinear
     !! functions (`hats`) where the functions of the surface are negative somewhere.
     integer :: ncontrol = 0
     logical :: hats = .false.

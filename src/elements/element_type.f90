@@ -16,7 +16,7 @@ module element_type
     !! functions.
     real(wp), allocatable :: c1(:, :)   !! direction 1
     real(wp), allocatable :: c2(:, :)   !! direction 2
-    real(wp), allocatable :: c3(:, :)   !! direction 3 (tri-variate elements only)
+    real(wp), allocatable :: c3(:, :)   !! direction 3 (trivariate elements only)
     !> Extraction operator of a surface that is not a tensor product, which replaces c1 and c2:
     !! (functions, Bernstein polynomials of directions 1 and 2), with any number of functions.
     real(wp), allocatable :: c(:, :)

@@ -1,4 +1,4 @@
-!> IGA: tri-variate B-spline or NURBS element of any degree.
+!> IGA: trivariate B-spline or NURBS element of any degree.
 !!
 !! Nodes:  control points in tensor order, direction 1 fastest
 !! Rule:   (p+1) Gauss points in each direction
@@ -21,7 +21,7 @@ contains
 
     row = element_t(name='IGA', spline=.true., rule=set_rule, functions=functions, &
                     topology=set_topology, form=form, &
-                    source='tri-variate NURBS by Bezier extraction; Corbett and Sauer 2015, ' &
+                    source='trivariate NURBS by Bezier extraction; Corbett and Sauer 2015, ' &
                     //'eqs (8) to (14)')
   end function describe
 

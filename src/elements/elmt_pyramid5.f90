@@ -1,4 +1,4 @@
-!> PYRAMID5: five-node pyramid, the tri-linear hexahedron whose upper face is collapsed to a point.
+!> PYRAMID5: five-node pyramid, the trilinear hexahedron whose upper face is collapsed to a point.
 !!
 !! Nodes:  base counter-clockwise seen from the top, then the top (FEAP, VTK and Gmsh order)
 !! Rule:   2 x 2 x 2 Gauss points: none at the top, where the map is singular

@@ -1,4 +1,4 @@
-!> Q1: eight-node hexahedron, tri-linear Lagrange functions.
+!> Q1: eight-node hexahedron, trilinear Lagrange functions.
 !!
 !! Nodes:  counter-clockwise from (-,-), lower plane first (FEAP and VTK order)
 !! Rule:   2 x 2 x 2 Gauss points
@@ -22,7 +22,7 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row = element_t(name='Q1', deck_nodes=8, degree=1, source='tri-linear hexahedron', &
+    row = element_t(name='Q1', deck_nodes=8, degree=1, source='trilinear hexahedron', &
                     rule=set_rule, functions=functions, topology=set_topology, form=form)
     call choose_batch(row%form_batch)
   end function describe

@@ -23,7 +23,7 @@ contains
     type(element_t) :: row
 
     row = element_t(name='Q1E9', deck_nodes=8, degree=1, &
-                    source='tri-linear hexahedron, nine enhanced modes (Simo and Armero 1992)', &
+                    source='trilinear hexahedron, nine enhanced modes (Simo and Armero 1992)', &
                     nmode=3, rule=set_rule, functions=functions, topology=set_topology, &
                     modes=nine_modes, form=form)
     call choose_batch(row%form_batch)

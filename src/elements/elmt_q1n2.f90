@@ -35,7 +35,7 @@ contains
     call tensor_rule([cell%degree(1) + 1, cell%degree(2) + 1, 2], q, qz, rule)
   end subroutine set_rule
 
-  !> Evaluate surface functions times (1 - zeta)/2, and the upper half of the tri-linear functions.
+  !> Evaluate surface functions times (1 - zeta)/2, and the upper half of the trilinear functions.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)

@@ -1,4 +1,4 @@
-!> Q2: 27-node hexahedron, tri-quadratic Lagrange functions.
+!> Q2: 27-node hexahedron, triquadratic Lagrange functions.
 !!
 !! Nodes:  tensor order, xi fastest, then eta, then zeta, each -1, 0, 1
 !! Rule:   3 x 3 x 3 Gauss points
@@ -24,7 +24,7 @@ contains
     type(element_t) :: row
 
     row = element_t(name='Q2', deck_nodes=27, degree=2, deck_order=FEAP27, &
-                    source='tri-quadratic Lagrange hexahedron, 27 nodes', rule=set_rule, &
+                    source='triquadratic Lagrange hexahedron, 27 nodes', rule=set_rule, &
                     functions=functions, topology=set_topology, form=form)
   end function describe
 

@@ -35,7 +35,7 @@ contains
   end subroutine set_rule
 
   !> Evaluate surface functions times the quadratic function of zeta = -1, and two planes of the
-  !! tri-quadratic functions.
+  !! triquadratic functions.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)

@@ -63,7 +63,7 @@ contains
     end if
   end subroutine spline
 
-  !> Evaluate the tri-linear functions of the corners first to last, eq. (17).
+  !> Evaluate the trilinear functions of the corners first to last, eq. (17).
   pure subroutine corner_functions(first, last, xi, shp, dshp)
     integer, intent(in) :: first, last
     real(wp), intent(in) :: xi(3)

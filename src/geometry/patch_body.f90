@@ -1,4 +1,4 @@
-!> The body of a PATCh: chooses the builder of its element type, and builds tri-variate splines.
+!> The body of a PATCh: chooses the builder of its element type, and builds trivariate splines.
 module patch_body
   use base_error, only: error_t
   use base_kinds, only: wp

@@ -1,6 +1,6 @@
 !> Reads spline surfaces and patches from files, whose first characters tell their format.
 !!
-!! Surfaces: BEXT 2.0 as text or JSON, `.iga`, G+Smo. Tri-variate patches: MFEM NURBS, G+Smo.
+!! Surfaces: BEXT 2.0 as text or JSON, `.iga`, G+Smo. Trivariate patches: MFEM NURBS, G+Smo.
 module spline_file
   use base_error, only: error_t, place_t
   use base_kinds, only: wp
@@ -99,7 +99,7 @@ contains
     call finish_surface(text, surface, error)
   end subroutine read_gismo_surface
 
-  !> Read one tri-variate patch of a file.
+  !> Read one trivariate patch of a file.
   subroutine read_patch_file(path, name, patch, place, error)
     character(*), intent(in) :: path
     character(*), intent(in) :: name      !! name of the patch; blank: the only one

@@ -158,7 +158,7 @@ contains
     end do
   end subroutine evaluate
 
-  !> Extract a face of a tri-variate patch as a bi-variate patch, whose directions are the other
+  !> Extract a face of a trivariate patch as a bivariate patch, whose directions are the other
   !! two, in order.
   subroutine face_of(patch, d, side, face)
     type(nurbs_t), intent(in) :: patch

@@ -2,7 +2,7 @@
 !! of both sides, the balance with the supports, and the states of the points.
 !!
 !! In the two-half-pass algorithm each side integrates its own tractions, so the two resultants
-!! differ by the discretization error, which `sum` shows. With BALAnced or a rigid side the forces
+!! differ by the discretisation error, which `sum` shows. With BALAnced or a rigid side the forces
 !! are opposite; so are the moments, except for tangential forces times penetration. The sum with
 !! the supports and the loads is as small as the residual of the step.
 module listing_contact

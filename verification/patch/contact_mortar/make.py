@@ -89,7 +89,7 @@ class Body:
         return 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
     def xml(self):
-        """Bi-quadratic in the plane, inner control points moved by `warp`; linear across it."""
+        """Biquadratic in the plane, inner control points moved by `warp`; linear across it."""
         rows = []
         for k in (0, 1):
             plane = []
