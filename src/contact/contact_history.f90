@@ -124,7 +124,7 @@ contains
     end do
   end subroutine mark_beside
 
-  !> Was any point in contact when the last step ended?
+  !> Was any point in contact at the end of the previous step?
   pure logical function had_touched(state)
     type(contact_state_t), intent(in) :: state
 

@@ -131,12 +131,13 @@ module contact_pair
     real(wp), allocatable :: slide_xi(:, :)  !! (2, np)
     real(wp), allocatable :: multiplier(:)   !! (np) pressure of the augmentation [F/L^2]
     real(wp), allocatable :: multiplier_step(:) !! (np) at the start of the step
-    !> (np) `state` at the end of the last step: points that slipped begin with the tangent of slip.
+    !> (np) `state` at the end of the previous step: points that slipped begin with the tangent of
+    !! slip.
     integer, allocatable :: state_step(:)
-    real(wp), allocatable :: slip_rate(:)    !! (np) slip over time in the last step [L/T]
+    real(wp), allocatable :: slip_rate(:)    !! (np) rate of slip in the previous step [L/T]
     real(wp) :: dt = 0.0_wp                  !! of the current step [T]; 0: no time
-    !> (np) At the end of the last step the point stood beside the other surface and not far above
-    !! it: it enters the body through its flank and is not pressed out through the face.
+    !> (np) At the end of the previous step the point was beside the other surface and not far above
+    !! it: it enters the body through its side, and is not pushed out through the face.
     logical, allocatable :: beside(:)
     logical :: new_step = .false.            !! the step has not been assembled yet
     logical, allocatable :: refined(:)       !! (nelem) the points of the cells act
@@ -172,8 +173,8 @@ module contact_pair
     real(wp), allocatable :: gap(:)          !! (n) weighted gap [L]; huge where there is no overlap
   end type control_points_t
 
-  !> MORTAR: where friction acted in the last step. The points of cells of the next step take over
-  !! from the nearest of these in their element.
+  !> MORTAR: the points at which friction acted in the previous step. A point of the new cells takes
+  !! over the values of the nearest of these in its element.
   type :: friction_points_t
     integer, allocatable :: elem(:)          !! (n) ascending
     real(wp), allocatable :: xi(:, :)        !! (2, n)

@@ -14,7 +14,7 @@
 !! D = 1 - (s_n/s_n(0) + s_t/s_t(0))/2 and its value D_0 at the start of the step.
 !!
 !! History of a point: 1, 2 largest openings [L]; 3, 4 d_n and d_t [L]; 5 work done without the
-!! viscous part [F/L]; 6 viscous work [F/L]; 7 viscous factor of the last step minus 1 [-].
+!! viscous part [F/L]; 6 viscous work [F/L]; 7 viscous factor of the previous step minus 1 [-].
 module contact_secant
   use base_kinds, only: wp
   use contact_type, only: cohesion_t

@@ -185,7 +185,8 @@ contains
     call exchange(archive, group//'/gap', control%gap, error)
   end subroutine exchange_control
 
-  !> Exchange the points where friction acted in the last step; their number comes from the file.
+  !> Exchange the points where friction acted in the previous step; their number comes from the
+  !! file.
   subroutine exchange_rubbed(archive, group, rubbed, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group

@@ -179,9 +179,9 @@ contains
     end associate
   end subroutine adapt_method
 
-  !> May a step follow the arc length (LENGth)? The last step must have moved something, steps can
-  !! be cut, and the loads go on at the same rates. If loads rest or turn, there is one step of load
-  !! control.
+  !> May a step follow the arc length (LENGth)? The previous step must have moved something, steps
+  !! can be cut, and the rates of the loads must not change. If loads are constant or change their
+  !! rates, one step of load control is taken.
   pure logical function may_follow_arc(step, state) result(yes)
     type(step_t), intent(in) :: step
     type(state_t), intent(in) :: state
@@ -195,7 +195,7 @@ contains
     yes = any(abs(ahead) > 0.0_wp) .and. .not. any(abs(ahead - before) > NOTHING*abs(ahead))
   end function may_follow_arc
 
-  !> Begin arc length control, in the direction of the last increment.
+  !> Begin arc length control, in the direction of the previous step.
   subroutine follow_arc(step, state, what)
     type(step_t), intent(inout) :: step
     type(state_t), intent(in) :: state
@@ -247,7 +247,7 @@ contains
                   //'ARCLength,OFF in the deck the run ends here')
       end if
       call log_line('path: '//what//' at time '//to_text(step%start_time)//': '//why)
-      call log_line('path: goes on with inertia, implicit Euler steps, density ' &
+      call log_line('path: continues with inertia, implicit Euler steps, density ' &
                     //to_text(dynamics%density)//' in units of force, length and TIME')
     end associate
   end function adds_inertia

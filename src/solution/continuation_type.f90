@@ -74,7 +74,7 @@ module continuation_type
     logical :: on = .false.
     real(wp) :: increment = 0.0_wp       !! of the measure in the step: [L^2] or [L]
     real(wp) :: goal = 0.0_wp            !! value of the measure at the end of the step
-    real(wp), allocatable :: direction(:, :) !! (3, nnode) unit vector along the last increment; not
+    real(wp), allocatable :: direction(:, :) !! (3, nnode) unit vector along the previous step; not
     !! allocated if the release is prescribed
     real(wp) :: start = 0.0_wp           !! time at which the step begins
     real(wp) :: limit = 0.0_wp           !! time that the step must not pass
@@ -138,7 +138,7 @@ contains
     is_forward = path%steps >= path%wait
   end function is_forward
 
-  !> Set the release of the next step from the number of iterations of the last one.
+  !> Set the release of the next step from the number of iterations of the previous one.
   pure subroutine adapt_release(path, iterations)
     type(continuation_t), intent(inout) :: path
     integer, intent(in) :: iterations
@@ -155,7 +155,7 @@ contains
     possible = path%release >= SMALLEST_RELEASE
   end function cut_release
 
-  !> Begin arc length control with the length of the last step.
+  !> Begin arc length control with the length of the previous step.
   pure subroutine begin_arc(path, length)
     type(continuation_t), intent(inout) :: path
     real(wp), intent(in) :: length       !! [L]
@@ -168,7 +168,7 @@ contains
     path%opening = 0
   end subroutine begin_arc
 
-  !> Set the arc length of the next step from the number of iterations of the last one and the
+  !> Set the arc length of the next step from the number of iterations of the previous one and the
   !! fraction of the bonds that it released.
   pure subroutine adapt_arc(path, iterations, released)
     type(continuation_t), intent(inout) :: path
@@ -192,7 +192,8 @@ contains
     path%released = path%released + released
   end subroutine note_release
 
-  !> Is the path followed backwards? It is if more bonds have closed than a step may open.
+  !> Is the path followed backwards? This is the case if more bonds have closed than a step may
+  !! open.
   pure logical function runs_back(path)
     type(continuation_t), intent(in) :: path
 
@@ -202,7 +203,7 @@ contains
   !> Do bonds open along the path again, so that their release can be controlled?
   logical function opens_again(path, released)
     type(continuation_t), intent(inout) :: path
-    real(wp), intent(in) :: released     !! fraction of the bonds released by the last step
+    real(wp), intent(in) :: released     !! fraction of the bonds released by the previous step
 
     opens_again = path%opening >= path%patience
     if (.not. opens_again) return
@@ -225,7 +226,7 @@ contains
     path%trial = .true.
   end subroutine begin_trial
 
-  !> End a trial that has converged: load control continues.
+  !> End a trial that has converged: load control stays in use.
   pure subroutine end_trial(path)
     type(continuation_t), intent(inout) :: path
 
@@ -260,7 +261,7 @@ contains
                                    start=state%time, limit=limit)
   end subroutine constrain_release
 
-  !> Begin a step of given arc length along the last increment. The length is the norm of the vector
+  !> Begin a step of given arc length along the previous step. The length is the norm of the vector
   !! of all displacements.
   subroutine constrain_arc(constraint, state, length, limit)
     type(path_constraint_t), intent(out) :: constraint
@@ -289,8 +290,8 @@ contains
     end if
   end subroutine find_measure
 
-  !> Does the increment under arc length control turn away from the previous one, to a later part of
-  !! the path or to another path?
+  !> Does a step under arc length control deviate from the direction of the previous one, which
+  !! means that it leads to a later part of the path or to another path?
   pure logical function turns_away(constraint, state) result(yes)
     type(path_constraint_t), intent(in) :: constraint
     type(state_t), intent(in) :: state
@@ -300,7 +301,7 @@ contains
                    < LEAST_COSINE*norm2(state%u - state%u_step)
   end function turns_away
 
-  !> Were there bonds, and was none left at the end of the last step?
+  !> Were there bonds, and are all of them released at the end of the previous step?
   function is_all_released(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -27,10 +27,10 @@ module convergence
   real(wp), parameter :: FLOOR_OF_MOTION = 1.0e3_wp*epsilon(1.0_wp)
   integer, parameter :: PATIENCE = 6 !! iterations of a step with contact before a line search is
   !! used
-  !> An increment takes back the last one if the cosine between it and the reverse of the last one
-  !! is larger.
+  !> An increment reverses the previous one if the cosine of the angle between it and the reverse of
+  !! the previous one is larger than this.
   real(wp), parameter :: OPPOSITE = 0.7_wp
-  real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a damped increment
+  real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a shortened increment
   integer, parameter :: MOST_FLIPS = 5 !! number of consecutive changes of sign that shows an
   !! alternation
 
@@ -135,7 +135,8 @@ contains
     end do
   end function find_floor
 
-  !> Is a line search needed because contact does not settle, even if the deck did not choose one?
+  !> Is a line search needed because the state of contact keeps changing, although the deck does not
+  !! ask for one?
   pure logical function needs_line_search(newton, model)
     type(newton_t), intent(in) :: newton
     type(model_t), intent(in) :: model
@@ -144,7 +145,7 @@ contains
   end function needs_line_search
 
   !> Fraction of an increment to take. Points that alternate between two states of contact make
-  !! Newton's iteration oscillate. If an increment takes back most of the last one, Aitken's
+  !! Newton's iteration oscillate. If an increment reverses most of the previous one, Aitken's
   !! fraction of it is taken.
   function damping(newton) result(fraction)
     type(newton_t), intent(in) :: newton

@@ -17,7 +17,7 @@ module line_search
 
 contains
 
-  !> Displacements move by s du from those of the last iteration.
+  !> Displacements move by s du from those of the previous iteration.
   pure subroutine step_by(state, du, s)
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: du(:, :), s

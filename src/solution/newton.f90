@@ -22,7 +22,7 @@ module newton
   public :: newton_t, pass_t, begin_newton, prepare_newton, set_factorisation, form_system, &
             solve_system, close_newton
 
-  !> Relative residual of a linear solve where factors are kept.
+  !> Tolerance of the relative residual of a linear solve with kept factors.
   real(wp), parameter :: FORCING = 1.0e-3_wp
   integer, parameter :: MOST_HALVINGS = 6   !! of a prescribed increment
 
@@ -213,7 +213,7 @@ contains
     if (allocated(error) .or. .not. pass%ok) return
     if (turns_away(newton%constraint, state)) then
       pass%ok = .false.
-      pass%trouble = 'the step turns away from the one before'
+      pass%trouble = 'the step does not continue in the direction of the previous one'
       return
     end if
     if (newton%converged .or. newton%moves) return
@@ -221,7 +221,7 @@ contains
                        .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
   end subroutine close_newton
 
-  !> Pattern and analysis: once, and again only where TANG and UTAN alternate.
+  !> Pattern and analysis: once, and again only when TANG and UTAN alternate.
   subroutine prepare_newton(newton, model, symmetric, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -242,7 +242,7 @@ contains
     if (.not. allocated(newton%rhs)) allocate (newton%rhs(model%neq), newton%dx(model%neq))
   end subroutine prepare_newton
 
-  !> FACTor: the analysis is repeated where something changes.
+  !> FACTor: the analysis is repeated if an option changes.
   subroutine set_factorisation(newton, mode, eps)
     type(newton_t), intent(inout) :: newton
     integer, intent(in) :: mode        !! FULL, REUSE, SINGLE, LOWRANK

@@ -21,7 +21,7 @@ module step_control
     integer :: passed = 0  !! number of targets that it passes; 0: it ends between two of them
     integer :: accepted = 0          !! steps since the last cut-back
     integer :: cuts = 0              !! cut-backs of the step under way
-    logical :: reduced = .false.     !! the last step took many iterations, so the next is smaller
+    logical :: reduced = .false.     !! after many iterations the next step is smaller
   end type step_control_t
 
   real(wp), parameter :: NEARLY = 1.0e-9_wp !! of dt: a corner this near to a target is on it
@@ -157,7 +157,7 @@ contains
     possible = control%size >= control%dtmin .and. control%from + control%size > control%from
   end function cut_time
 
-  !> Did the last step end on a target?
+  !> Did the previous step end on a target?
   pure function on_target(control) result(yes)
     type(step_control_t), intent(in) :: control
     logical :: yes
