@@ -61,7 +61,7 @@ contains
         p = z(:, 1) - (dot_product(z(:, 1), q)/pq)*p
         call multiply_free(a, eq, p, q, xn, yn)
         pq = dot_product(p, q)
-        report%indefinite = .not. (pq > 0.0_wp .and. rz > 0.0_wp) ! also if one is not a number
+        report%indefinite = .not. (pq > 0.0_wp .and. rz > 0.0_wp) ! true also for a NaN
         if (report%indefinite) exit
         alpha = dot_product(p, r)/pq
         x = x + alpha*p

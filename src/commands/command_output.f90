@@ -80,7 +80,7 @@ contains
         associate (other => run%program%command(i)%record)
           if (other%key(1) /= 'outp') cycle
           if (all(wanted_fields(other) .eqv. wanted_fields(record))) cycle
-          call fail(error, DECK_ERROR, 'OUTPut does not name the fields of the one in line ' &
+          call fail(error, DECK_ERROR, 'OUTPut names other fields than the OUTPut in line ' &
                     //to_text(other%line), record%place(1), &
                     'a result file has the same fields in all steps: name all of them in both')
         end associate

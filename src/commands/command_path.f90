@@ -40,7 +40,8 @@ contains
       else if (command%option == 'leng') then
         if (abs(x) > 0.0_wp .and. .not. x >= 1.0_wp) then
           call fail(error, DECK_ERROR, 'expected a multiple of at least 1, found '//to_text(x), &
-                    record%place(3), 'it is the longest step over the first one; the default is 4')
+                    record%place(3), 'it is the ratio of the longest step to the first; ' &
+                    //'the default is 4')
         end if
       else if (command%option /= 'loca') then
         if (.not. x >= 0.0_wp) then
@@ -49,7 +50,7 @@ contains
         end if
       else if (.not. any(run%model%contact(:)%cohesive%given)) then
         call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
-                  record%place(2), 'a CONTact with COHEsive has bonds; else use ' &
+                  record%place(2), 'give a CONTact COHEsive, or use ' &
                   //'ARCLength,DYNAmic')
       else if (x < 0.0_wp .or. x >= 1.0_wp) then
         call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &

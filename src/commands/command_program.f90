@@ -161,7 +161,7 @@ contains
             else if (next%n > 1 .and. opening%n > 1) then
               if (next%key(2) /= opening%key(2)) then
                 call fail(error, DECK_ERROR, "NEXT closes '"//opening%text(2)//"', not '" &
-                          //next%text(2)//"'", next%place(2), 'inner loops are closed first')
+                          //next%text(2)//"'", next%place(2), 'close inner loops first')
               end if
             end if
           end associate

@@ -16,7 +16,7 @@ module contact_element
   public :: form_element
 
   !> Depths relative to the depth of contact. With BORDer the pressure decreases from DEEP on; with
-  !! BORDer, and for points that entered from beside the surface, nothing acts from LAST on.
+  !! BORDer, and for points that entered over the boundary, nothing acts from LAST on.
   real(wp), parameter :: DEEP = 0.25_wp, LAST = 0.9_wp
   real(wp), parameter :: FIXED_AREA(3, 2) = 0.0_wp !! the reference area does not change
 
@@ -111,8 +111,9 @@ contains
     point%slip = 0.0_wp
     if (.not. touches(foot, contact%depth)) return
     point%multiplier = points%multiplier(i)
-    ! On bonded surfaces, points that entered from beside, or that a tapered pressure did not stop,
-    ! are not pushed out through the face. Surfaces without bonds may indent each other.
+    ! On bonded surfaces, points that entered over the boundary, or that a tapered pressure did not
+    ! stop, are not pushed out through the face. Surfaces without bonds may indent each other
+    ! deeply.
     point%full = -1.0_wp
     if (contact%cohesive%given) then
       point%last = LAST*contact%depth

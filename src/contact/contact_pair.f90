@@ -60,8 +60,8 @@ module contact_pair
     !> (4, nelem) the edge is collapsed to a point (prisms); not allocated: none is.
     logical, allocatable :: point(:, :)
     integer, allocatable :: vertex(:, :)     !! (4, nelem) vertex at each corner
-    integer, allocatable :: ring_first(:)    !! (nvertex+1) where the elements round a vertex begin
-    integer, allocatable :: ring_elem(:)     !! elements round the vertices
+    integer, allocatable :: ring_first(:)    !! (nvertex+1) where the elements around a vertex begin
+    integer, allocatable :: ring_elem(:)     !! elements around the vertices
     integer, allocatable :: ring_corner(:)   !! and their corners there
     logical, allocatable :: outer(:)         !! (nvertex) the vertex lies on the outer boundary
     !> Control points of pressure and friction (MORTar): the nodes, or the vertices with bilinear
@@ -137,7 +137,7 @@ module contact_pair
     real(wp), allocatable :: slip_rate(:)    !! (np) rate of slip in the previous step [L/T]
     real(wp) :: dt = 0.0_wp                  !! of the current step [T]; 0: no time
     !> (np) At the end of the previous step the point was beside the other surface and not far above
-    !! it: it enters the body through its side, and is not pushed out through the face.
+    !! it: it enters the body over the boundary, and is not pushed out through the face.
     logical, allocatable :: beside(:)
     logical :: new_step = .false.            !! the step has not been assembled yet
     logical, allocatable :: refined(:)       !! (nelem) the points of the cells act

@@ -56,7 +56,7 @@ contains
       lam = prop(6 + i)
       if (.not. a > 1.0_wp) then
         wrong = 4 + i
-        hint = 'alpha and beta must be greater than 1; 2 softens about linearly'
+        hint = 'alpha and beta must be greater than 1; with 2 the softening is nearly linear'
       else if (.not. a*lam**2 < 1.0_wp) then
         wrong = 6 + i
         hint = 'lambda_n must be below 1/sqrt(alpha), lambda_t below 1/sqrt(beta); 0.01 to 0.2 ' &

@@ -80,13 +80,13 @@ contains
                     'check the faces; 3- and 3+, for example, are on opposite sides of a patch')
         else if (start%nnear > 0 .and. 2*start%nbehind > start%nnear) then
           call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
-                    //' look away from each other: a whole body lies between them', &
+                    //' face away from each other: a whole body lies between them', &
                     contact%place, 'check the faces; 3- and 3+, for example, are on opposite ' &
                     //'sides of a patch')
         else if (start%nnear == 0) then
           call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
                     //' are not opposite each other at the start', contact%place, &
-                    'they touch only if one of them moves there')
+                    'they touch only if a motion brings them together')
         else if (start%ninside > 0) then
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint) &
                     //' points penetrate at the start, by up to '//to_text(start%deepest, 3) &
@@ -206,10 +206,10 @@ contains
         end do
         if (sum(n) > 0 .and. .not. state%contact(c)%depth_warned) then
           state%contact(c)%depth_warned = .true.
-          call warn("contact '"//contact%name//"': "//to_text(sum(n))//' points in contact ' &
-                    //'penetrate deeper than '//to_text(contact%depth)//' (DEPTh) and are no ' &
-                    //'longer in contact: the bodies pass through each other', contact%place, &
-                    'use a stiffer penalty or a larger DEPTh')
+          call warn("contact '"//contact%name//"': "//to_text(sum(n))//' points that were ' &
+                    //'in contact are deeper than '//to_text(contact%depth)//' (DEPTh) and no ' &
+                    //'longer count as contact: the bodies pass through each other', &
+                    contact%place, 'use a stiffer penalty or a larger DEPTh')
         end if
         n = [(count(side(k)%state /= OPEN), k=1, 2)]
         if (had_touched(state%contact(c)) .eqv. any(n > 0)) cycle

@@ -2,7 +2,7 @@
 !!
 !! Nodes:  control points, in the order of the operator of the element
 !! Faces:  only zeta+ (6): a_1 x a_2 is its outward normal
-!! Picture: a Bezier quadrilateral, exact
+!! Cell:   a Bezier quadrilateral of VTK, exact
 module elmt_surface
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t

@@ -27,8 +27,8 @@ contains
     type(element_t) :: row
 
     row = element_t(name='TET4', deck_nodes=4, degree=1, &
-                    source='linear tetrahedron, 4 nodes; locks: for interiors', rule=set_rule, &
-                    functions=functions, topology=set_topology, form=form)
+                    source='linear tetrahedron, 4 nodes; it locks: for interiors only', &
+                    rule=set_rule, functions=functions, topology=set_topology, form=form)
   end function describe
 
   subroutine set_rule(cell, q, qz, rule)

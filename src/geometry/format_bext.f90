@@ -67,7 +67,7 @@ contains
       if (rational == 0 .and. abs(x(4) - 1.0_wp) > 0.0_wp) then
         call fail_in_file(text, 'control point '//to_text(i)//' has the weight '//to_text(x(4)) &
                           //', but the flag of weights is 0', error, &
-                          'the fifth number of the file is 1 where control points have weights')
+                          'the fifth number of the file must be 1 if control points have weights')
       else
         call add_point(text, x, surface, error)
       end if

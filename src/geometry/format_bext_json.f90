@@ -58,7 +58,7 @@ contains
       else if (abs(x(4) - 1.0_wp) > 0.0_wp .and. json%type(max(flag, 1)) /= JSON_TRUE) then
         call fail_in_file(text, 'control point '//to_text(i - 1)//' has the weight ' &
                           //to_text(x(4))//', but the surface is not rational', error, &
-                          'write "is_rational": true where control points have weights')
+                          'write "is_rational": true if control points have weights')
       else
         call add_point(text, x, surface, error)
       end if
@@ -124,7 +124,7 @@ contains
       end do
       b = json%next(b)
     end do
-    if (e > 0) call fail_in_file(text, 'the list of elements is longer than its blocks', error)
+    if (e > 0) call fail_in_file(text, 'the list has more elements than the blocks', error)
   end subroutine read_elements
 
   !> Get numbers of an element, which count from 0 in the file and from 1 here.

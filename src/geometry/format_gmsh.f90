@@ -160,7 +160,7 @@ contains
       do e = 1, count(d)
         call next_integer(text, 'the tag of an entity', tag, error)
         if (allocated(error)) return
-        call next_reals(text, 'the box of an entity', box(:merge(3, 6, d == 0)), error)
+        call next_reals(text, 'the bounding box of an entity', box(:merge(3, 6, d == 0)), error)
         do part = 1, merge(1, 2, d == 0)
           if (.not. allocated(error)) call next_count(text, 'a number of tags', n, error)
           if (allocated(error)) return

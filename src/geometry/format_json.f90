@@ -128,8 +128,8 @@ contains
     i = 0
     call look(text, c)
     if (depth > DEEPEST .or. json%n >= MOST) then
-      call fail_in_file(text, 'the JSON value is too large', error, 'values are nested at most ' &
-                        //to_text(DEEPEST)//' deep, and there are at most '//to_text(MOST))
+      call fail_in_file(text, 'the JSON value is too large', error, 'values may be nested ' &
+                        //to_text(DEEPEST)//' deep, and there may be '//to_text(MOST)//' of them')
       return
     end if
     select case (c)

@@ -173,9 +173,9 @@ contains
     end do
     if (allocated(error)) return
     if (.not. (allocated(mfem%vertex) .and. allocated(mfem%edge))) then
-      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
+      call fail_in_file(text, 'elements and edges must come before knotvectors', error)
     else if (size(mfem%vertex) == 0 .or. size(mfem%edge) == 0) then
-      call fail_in_file(text, 'no elements or no edges before the knotvectors', error)
+      call fail_in_file(text, 'elements and edges must come before knotvectors', error)
     else if (max(maxval(mfem%vertex), maxval(mfem%edge(2:3, :))) >= mfem%nvertex) then
       call fail_in_file(text, 'a vertex is not among the '//to_text(mfem%nvertex)//' of the file', &
                         error)

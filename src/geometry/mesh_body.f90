@@ -106,7 +106,7 @@ contains
       if (material(e) > 0 .or. .not. spec%file%solid(e)) cycle
       call fail(error, DECK_ERROR, 'element '//to_text(spec%file%label(e))//' of mesh ' &
                 //quoted(spec%spec%name)//' has no material', spec%spec%place, &
-                'give MATErial m for all elements first, then those of groups')
+                'give MATErial m for all elements first, then MATErial m group for groups')
       return
     end do
   end subroutine find_materials

@@ -37,8 +37,8 @@ contains
     end do
     if (any(file%solid)) return
     text%at = 0
-    call fail_in_file(text, 'the file has no solid elements', error, 'in Gmsh, mesh in ' &
-                      //'3 dimensions, and give the volume a physical group if anything has one')
+    call fail_in_file(text, 'the file has no solid elements', error, 'in Gmsh, make ' &
+                      //'a 3D mesh; if the file has physical groups, the volume needs one too')
   end subroutine check_shapes
 
   !> Check that the nodes of an element differ and that its map is right-handed at all integration

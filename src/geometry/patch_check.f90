@@ -35,13 +35,13 @@ contains
       d = minloc(spec%length, 1)
       if (.not. spec%length(d) > 0.0_wp) then
         call fail_patch(spec, 'has a box of length '//to_text(spec%length(d))//' in direction ' &
-                        //to_text(d), 'lengths are positive', error)
+                        //to_text(d), 'lengths must be positive', error)
       end if
     case (GEO_HEMISPHERE)
       if (.not. (spec%thickness > 0.0_wp .and. spec%radius > spec%thickness)) then
         call fail_patch(spec, 'has a hemisphere of radius '//to_text(spec%radius) &
                         //' and thickness '//to_text(spec%thickness), &
-                        'the thickness is between 0 and the radius', error)
+                        'the thickness must be between 0 and the radius', error)
       end if
     case (GEO_NURBS)
       call check_nurbs(spec%nurbs, 3, "patch '"//spec%name//"'", spec%place, error)
@@ -60,7 +60,7 @@ contains
     case ('IGA')
       if (spec%degree < 1 .or. spec%degree > MAX_DEGREE) then
         call fail_patch(spec, 'has TYPE IGA of degree '//to_text(spec%degree), &
-                        'degrees are 1 to '//to_text(MAX_DEGREE), error)
+                        'degrees must be from 1 to '//to_text(MAX_DEGREE), error)
       end if
     case default
       call fail_patch(spec, "has the unknown type '"//trim(spec%type)//"'", &
@@ -74,7 +74,7 @@ contains
       if (n <= MAX_NODE) cycle
       call fail_patch(spec, 'has '//to_text(spec%nelem(1))//' x '//to_text(spec%nelem(2)) &
                       //' x '//to_text(spec%nelem(3))//' elements, which is too many', &
-                      'a body has at most '//to_text(int(MAX_NODE))//' nodes', error)
+                      'a body may have at most '//to_text(int(MAX_NODE))//' nodes', error)
       return
     end do
   end subroutine check_patch
@@ -100,8 +100,8 @@ contains
         if (e%degree >= 1 .and. e%degree <= MAX_DEGREE .and. e%raise >= 0 &
             .and. e%raise <= MAX_DEGREE - e%degree) cycle
         call fail(error, DECK_ERROR, 'the face has order '//to_text(e%degree)//' raised by ' &
-                  //to_text(e%raise), e%place, 'orders are 1 to '//to_text(MAX_DEGREE) &
-                  //' after they are raised')
+                  //to_text(e%raise), e%place, 'orders must be from 1 to ' &
+                  //to_text(MAX_DEGREE)//' after RAISe')
       end associate
       return
     end do
@@ -173,7 +173,7 @@ contains
     else if (product(pack(int(geo%n, i8)*(e%raise + 1) + e%degree, [1, 2, 3] /= axis)) &
              > MAX_NODE) then
       call fail(error, DECK_ERROR, what//'too many control points', e%place, &
-                'a body has at most '//to_text(int(MAX_NODE))//' nodes')
+                'a body may have at most '//to_text(int(MAX_NODE))//' nodes')
     end if
     if (allocated(error)) return
     do d = 1, 3

@@ -35,7 +35,7 @@ contains
         p = s%degree
         if (p < 1 .or. p > MAX_DEGREE) then
           call fail(error, DECK_ERROR, of//': the degree is '//to_text(p), place, &
-                    'degrees are 1 to '//to_text(MAX_DEGREE))
+                    'degrees must be from 1 to '//to_text(MAX_DEGREE))
           return
         end if
         last = 0
@@ -70,7 +70,7 @@ contains
     end do
     if (any(.not. patch%cp(4, :, :, :) > 0.0_wp)) then
       call fail(error, DECK_ERROR, what//' has the weight ' &
-                //to_text(minval(patch%cp(4, :, :, :))), place, 'weights are positive')
+                //to_text(minval(patch%cp(4, :, :, :))), place, 'weights must be positive')
     end if
   end subroutine check_nurbs
 

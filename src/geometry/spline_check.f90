@@ -107,7 +107,7 @@ contains
         if (way(1) > minval(way(2:))) then
           call fail(error, DECK_ERROR, 'the inner nodes of element '//to_text(e)//' of layer ' &
                     //quoted(spec%name)//' are not in the order of its corners', &
-                    spec%spline%layer_place, 'the order is (-,-) (+,-) (+,+) (-,+)')
+                    spec%spline%layer_place, 'the order must be (-,-) (+,-) (+,+) (-,+)')
           return
         end if
         do c = 1, 4
@@ -120,7 +120,7 @@ contains
                         //' of layer '//quoted(spec%name)//' have a corner in common, but the ' &
                         //'inner nodes '//to_text(node(p))//' and '//to_text(inner(c, e)) &
                         //' there', spec%spline%layer_place, &
-                        'elements that share a corner of the surface share its inner node')
+                        'elements that share a corner of the surface must share its inner node')
               return
             end if
           end associate

@@ -46,7 +46,7 @@ contains
         call fail_in_file(text, 'node number '//to_text(minval(node))//' is not positive', error)
       else if (inner(1, e) /= 0) then
         call fail_in_file(text, 'duplicate record of element '//to_text(e), error, &
-                          'each element of the surface has one record')
+                          'each element of the surface must have exactly one record')
       end if
       if (allocated(error)) return
       inner(:, e) = node
@@ -84,7 +84,7 @@ contains
       if (n < 1 .or. n > MOST_MASTERS .or. i /= 2 + 2*n) then
         call fail_in_file(text, 'found a record of '//to_text(i)//' numbers for '//to_text(n) &
                           //' masters', error, &
-                          'a record is slave n, then n pairs of a master and its coefficient')
+                          'a record is: slave, n, then n pairs of a master and its coefficient')
         return
       end if
       master = [(0, i=1, n)]

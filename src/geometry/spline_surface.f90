@@ -62,7 +62,7 @@ contains
 
     if (.not. x(4) > 0.0_wp) then
       call fail_in_file(text, 'control point '//to_text(s%nnode + 1)//' has the weight ' &
-                        //to_text(x(4)), error, 'weights are positive')
+                        //to_text(x(4)), error, 'weights must be positive')
       return
     end if
     s%nnode = s%nnode + 1
@@ -92,8 +92,8 @@ contains
       if (abs(sum(c(:, b)) - 1.0_wp) <= UNITY) cycle
       call fail_in_file(text, 'the functions of element '//to_text(e)//' sum to ' &
                         //to_text(sum(c(:, b)))//' at its Bernstein polynomial '//to_text(b), &
-                        error, 'the coefficients of all functions of an element sum to 1 for ' &
-                        //'each polynomial: one may be missing, or have too few digits')
+                        error, 'the coefficients of all functions of an element must sum to ' &
+                        //'1 for each polynomial: one may be missing, or have too few digits')
       return
     end do
     first = s%first(e)
@@ -115,10 +115,10 @@ contains
     if (any(degree < 1 .or. degree > MAX_DEGREE)) then
       call fail_in_file(text, 'element '//to_text(e)//' has the degrees '//to_text(degree(1)) &
                         //' and '//to_text(degree(2)), error, &
-                        'degrees are 1 to '//to_text(MAX_DEGREE))
+                        'degrees must be from 1 to '//to_text(MAX_DEGREE))
     else if (nf < 1 .or. nf > MOST_FUNCTIONS) then
       call fail_in_file(text, 'element '//to_text(e)//' has '//to_text(nf)//' functions', error, &
-                        'an element has 1 to '//to_text(MOST_FUNCTIONS))
+                        'an element may have 1 to '//to_text(MOST_FUNCTIONS))
     end if
   end subroutine check_sizes
 

@@ -49,7 +49,8 @@ contains
         n = product(real(p%spec%nelem, wp)*merge(2.0_wp, 1.0_wp, p%spec%type == 'Q2') + 1.0_wp)
         if (n > MAX_NUMBER) then ! do not mesh what a mesh cannot hold
           call fail(error, DECK_ERROR, 'patch '//quoted(p%spec%name)//' has '//to_text(n) &
-                    //' nodes', p%spec%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+                    //' nodes', p%spec%place, 'a mesh may have at most '//to_text(MAX_NUMBER) &
+                    //' nodes')
           call draft%errors%add(error)
         end if
         if (p%npatch == 0) cycle
@@ -240,7 +241,7 @@ contains
                 'add a body that can deform')
     else if (mesh%nnode > MAX_NUMBER) then
       call fail(error, DECK_ERROR, 'the mesh has '//to_text(mesh%nnode)//' nodes', &
-                draft%control%place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes')
+                draft%control%place, 'a mesh may have at most '//to_text(MAX_NUMBER)//' nodes')
     end if
     if (allocated(error)) call draft%errors%add(error)
   end subroutine check_size

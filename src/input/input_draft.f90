@@ -142,7 +142,7 @@ module input_draft
     type(element_list_t) :: elements
     type(named_nodes_t) :: named_nodes
     type(place_list_t) :: places
-    type(unread_constraints_t) :: tables !! constraint tables beside the files of meshes
+    type(unread_constraints_t) :: tables !! constraint tables next to mesh files
     real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3]) !! TRAN
     real(wp) :: shift(3) = 0.0_wp
     integer :: last_node = 0, last_element = 0, last_material = 0 !! last numbers of the last BLOCk
@@ -330,7 +330,7 @@ contains
     else if (n > MAX_NUMBER) then
       call fail(error, DECK_ERROR, what//' number '//to_text(n)//' is larger than ' &
                 //to_text(MAX_NUMBER), &
-                place, 'a mesh has at most '//to_text(MAX_NUMBER)//' nodes and elements')
+                place, 'a mesh may have at most '//to_text(MAX_NUMBER)//' nodes and elements')
     end if
   end subroutine check_number
 

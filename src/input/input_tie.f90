@@ -29,7 +29,7 @@ module input_tie
 
 contains
 
-  !> Carry out all TIE records, and set `used` of the mesh anew.
+  !> Carry out all TIE records, and set `used` of the mesh again.
   subroutine tie_nodes(draft, mesh, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(inout) :: mesh

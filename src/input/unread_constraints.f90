@@ -1,6 +1,6 @@
-!> Constraint tables that exist beside the files of a mesh but that no record reads.
+!> Constraint tables that exist next to the files of a mesh, but that no record reads.
 !!
-!! `post mesh` writes name.con beside name.msh and name.layer if the mesh has hanging nodes. A deck
+!! `post mesh` writes name.con next to name.msh and name.layer if the mesh has hanging nodes. A deck
 !! without the CONStraint record runs, but its hanging nodes are not constrained: the user is
 !! warned.
 module unread_constraints
@@ -23,7 +23,7 @@ module unread_constraints
 
 contains
 
-  !> Look for a table beside a mesh or layer file.
+  !> Look for a table next to a mesh or layer file.
   subroutine expect_table(tables, path, place)
     type(unread_constraints_t), intent(inout) :: tables
     character(*), intent(in) :: path
@@ -43,7 +43,7 @@ contains
     longer(n + 1)%identity = file%identity
     longer(n + 1)%place = place
     longer(n + 1)%text = 'no CONStraint reads '//quoted(base_name(path(:dot - 1))//ENDING) &
-                         //', which lies beside '//quoted(base_name(path))
+                         //', which is next to '//quoted(base_name(path))
     call move_alloc(longer, tables%found)
   end subroutine expect_table
 
@@ -58,7 +58,7 @@ contains
     tables%used = reshape([tables%used, file%identity], [2, size(tables%used, 2) + 1])
   end subroutine note_table
 
-  !> List the tables that no record reads, each once, with the last file beside which it lies.
+  !> List the tables that no record reads, each once, with the last file next to which it was found.
   subroutine find_unread(tables, unread)
     type(unread_constraints_t), intent(in) :: tables
     type(unread_t), allocatable, intent(out) :: unread(:)

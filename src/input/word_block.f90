@@ -188,7 +188,7 @@ contains
     if (max(nnode, nelem) > MAX_NUMBER) then
       call fail(error, DECK_ERROR, 'BLOCk of '//to_text(spec%n(1))//' x '//to_text(spec%n(2)) &
                 //' x '//to_text(spec%n(3))//' increments has too many nodes', record%place(1), &
-                'a mesh has at most '//to_text(MAX_NUMBER)//' nodes and elements')
+                'a mesh may have at most '//to_text(MAX_NUMBER)//' nodes and elements')
     end if
   end subroutine check_block
 

@@ -97,15 +97,15 @@ contains
       case ('bala')
         call check_count(line, 1, 1, 'BALAnced', error)
         if (.not. allocated(error) .and. entry%contact%scheme /= 0) then
-          call fail(error, DECK_ERROR, 'BALAnced beside SCHEme', line%place(1), 'BALAnced alone ' &
-                    //'stands for SCHEme BALAnced: give one of them')
+          call fail(error, DECK_ERROR, 'both SCHEme and BALAnced are given', line%place(1), &
+                    'BALAnced alone stands for SCHEme BALAnced: give one of them')
         end if
         entry%contact%scheme = BALANCED
         entry%scheme_place = line%place(1)
       case ('sche')
         if (entry%contact%scheme /= 0) then
-          call fail(error, DECK_ERROR, 'SCHEme beside BALAnced', line%place(1), 'BALAnced alone ' &
-                    //'stands for SCHEme BALAnced: give one of them')
+          call fail(error, DECK_ERROR, 'both SCHEme and BALAnced are given', line%place(1), &
+                    'BALAnced alone stands for SCHEme BALAnced: give one of them')
         else
           call read_scheme(line, entry, error)
         end if

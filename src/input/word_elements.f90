@@ -189,7 +189,7 @@ contains
     do i = 1, nen
       if (e%node(i) > 0) cycle
       call fail(error, DECK_ERROR, 'node '//to_text(i)//' of element '//to_text(e%number)//' is ' &
-                //to_text(e%node(i)), record%place(1), 'node numbers are positive')
+                //to_text(e%node(i)), record%place(1), 'node numbers must be positive')
       return
     end do
     if (e%place == 0) then

@@ -70,7 +70,7 @@ contains
     set%place = record%place(min(2, record%n))
     if (set%number < 1) then
       call fail(error, DECK_ERROR, 'the material number is '//to_text(set%number), set%place, &
-                'material numbers are positive')
+                'material numbers must be positive')
       return
     end if
     i = material_index(draft, set%number)
@@ -152,7 +152,7 @@ contains
         if (allocated(error)) return
         if (set%density < 0.0_wp) call fail(error, DECK_ERROR, 'the density is ' &
                                             //to_text(set%density), line%place(line%n), &
-                                            'a density is not negative')
+                                            'a density must not be negative')
       case ('body')
         call read_body(deck, line, set, error)
       case default ! NURB

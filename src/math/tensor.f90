@@ -74,7 +74,7 @@ contains
       scale(j) = abs(a(j, j))
     end do
     do j = 1, n
-      if (.not. abs(a(j, j)) > n*epsilon(1.0_wp)*scale(j)) then ! also if it is not a number
+      if (.not. abs(a(j, j)) > n*epsilon(1.0_wp)*scale(j)) then ! true also for a NaN
         ok = .false.
         return
       end if

@@ -1,6 +1,7 @@
 !> The mesh: nodes, blocks of elements, spline patches and named surfaces.
 !!
-!! The blocks of rigid bodies have faces and a picture, but neither stiffness nor material.
+!! The blocks of rigid bodies have faces and appear in result files, but have neither stiffness nor
+!! material.
 module mesh
   use base_error, only: place_t
   use base_kinds, only: wp

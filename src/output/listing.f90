@@ -73,7 +73,7 @@ contains
     end do
   end subroutine warn_loose
 
-  !> Warn of constraint tables that lie beside files of the deck and were not read.
+  !> Warn of constraint tables that exist next to files of the deck and were not read.
   subroutine warn_unread(model)
     type(model_t), intent(in) :: model
     integer :: i

@@ -1,6 +1,6 @@
 !> Checkpoints: `<stem>.restart.h5` holds the last two.
 !!
-!! A new file is written beside the old one and takes its name when it is complete, so that a
+!! A new file is written next to the old one and takes its name when it is complete, so that a
 !! complete file is left whenever the program is killed. Real numbers keep all their bits. A file is
 !! read only by the version of the program that wrote it, and for the same deck and mesh.
 module restart_file

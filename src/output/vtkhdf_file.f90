@@ -2,7 +2,7 @@
 !!
 !! A step is written into space that the file has allocated, handed to the operating system, and
 !! only then counted (NSteps). A run that is killed at any moment leaves all earlier steps readable.
-!! When this space is used up, a file with twice the space is written beside the old one and takes
+!! When this space is used up, a file with twice the space is written next to the old one and takes
 !! its name. Closing the file releases the unused space; a restart keeps the steps up to its
 !! checkpoint.
 module vtkhdf_file

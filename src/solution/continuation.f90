@@ -243,8 +243,8 @@ contains
       if (.not. (path%given .or. path%warned)) then
         path%warned = .true.
         call warn('load control ends at time '//to_text(step%start_time)//'; the run continues ' &
-                  //'with inertia where it must', hint='the log says where and why; with ' &
-                  //'ARCLength,OFF in the deck the run ends here')
+                  //'with inertia where necessary', hint='the log says where and why; with ' &
+                  //'ARCLength,OFF in the deck the run would end here')
       end if
       call log_line('path: '//what//' at time '//to_text(step%start_time)//': '//why)
       call log_line('path: continues with inertia, implicit Euler steps, density ' &
@@ -301,7 +301,7 @@ contains
     path%warned_energy = .true.
     hint = 'use smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
     if (size(model%contact) > 0) then
-      hint = 'contact has produced energy, and later results mean little; if the bonds are ' &
+      hint = 'contact has produced energy, and later results are unreliable; if the bonds are ' &
              //'peeled off completely, use NORMal ... BORDer 0.2 and SCHEme BALAnced; see BOOK ' &
              //'NORMal'
     end if

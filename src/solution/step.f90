@@ -171,7 +171,7 @@ contains
       if (turns_back(step%newton)) then
         hint = 'Newton alternates between two states of contact whose tangents have ' &
                //'determinants of opposite sign: the load path turns back here, and smaller ' &
-               //'steps do not help; a softer penalty may'
+               //'steps do not help; a softer penalty may help'
       end if
       if (pass%solve%singular) then
         hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'
@@ -275,7 +275,7 @@ contains
     associate (pass => step%pass, total => step%total)
       if (.not. pass%solve%factorised) return
       negative = pass%solve%negative + pass%sweep%negative
-      text = to_text(negative)//' negative pivots'
+      text = to_text(negative)//trim(merge(' negative pivot ', ' negative pivots', negative == 1))
       if (negative == 0 .and. .not. step%newton%symmetric .and. pass%solve%determinant < 0) then
         negative = 1
         text = 'the determinant of the tangent is negative'
@@ -285,8 +285,9 @@ contains
         if (total%unstable) then
           call log_line(text)
         else
-          call warn(text//'; later ones are only in the log', hint='hourglassing (ENHAnced in ' &
-                    //'compression), buckling or a limit point; look at the deformed shape')
+          call warn(text//'; later ones are only in the log', hint='possible causes: ' &
+                    //'hourglassing (ENHAnced in compression), buckling, a limit point; look at ' &
+                    //'the deformed shape')
         end if
         total%unstable = .true.
       end if
