@@ -196,7 +196,8 @@ contains
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
     end if
-    ! Old factors that led to a negative direction are replaced first, as new ones count it.
+    ! If old factors led to a direction of negative curvature, they are replaced first: the pivots
+    ! of new factors show whether the matrix is indefinite.
     if (.not. definite .or. (run%indefinite .and. ls%current .and. .not. run%converged)) then
       call gmres(a, ls%factors%eq, ls%factors%solver, rhs, x, limit, tolerance, run, error)
       if (allocated(error)) return

@@ -93,7 +93,7 @@ contains
     if (.not. yes .and. run%time_limit > 0.0_wp) yes = wall_seconds() > run%time_limit
   end function stop_wanted
 
-  !> Discard the step under way, write a checkpoint of the previous one, and end with code 4.
+  !> Discard the current step, write a checkpoint of the previous one, and end with code 4.
   subroutine stop_run(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error

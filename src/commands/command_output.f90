@@ -24,7 +24,7 @@ contains
     row(3) = new_row('SAVE', 'SAVE', 2, run_plot_or_save)
   end function output_rows
 
-  !> Write fields or a checkpoint: when the step under way closes, or at once between two steps.
+  !> Write fields or a checkpoint: when the current step closes, or at once between two steps.
   subroutine run_plot_or_save(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

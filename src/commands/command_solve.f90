@@ -75,7 +75,7 @@ contains
     end if
   end subroutine run_solve
 
-  !> Form the system, solve it, or both, in the step under way; a deck without TIME is one step at t
+  !> Form the system, solve it, or both, in the current step; a deck without TIME is one step at t
   !! = 0.
   subroutine iterate(run, command, forms, symmetric, solves, error)
     type(run_t), intent(inout) :: run

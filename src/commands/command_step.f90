@@ -40,7 +40,7 @@ contains
     run%plan%save = .false.
   end subroutine take_outcome
 
-  !> Close the step under way, if any, and write what is due. `rewound` is true if the step failed
+  !> Close the current step, if any, and write what is due. `rewound` is true if the step failed
   !! its last test and its TIME is executed next again.
   subroutine finish_step(run, rewound, error)
     type(run_t), intent(inout) :: run

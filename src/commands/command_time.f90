@@ -34,7 +34,7 @@ contains
     end if
   end subroutine run_dt
 
-  !> Close the step under way and begin the next one.
+  !> Close the current step and begin the next one.
   subroutine run_time(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

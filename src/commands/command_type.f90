@@ -70,7 +70,7 @@ module command_type
     type(command_t), allocatable :: command(:)
     integer :: counter = 1                      !! the command to be executed
     type(loop_t), allocatable :: loop(:)        !! loops being executed, the inner ones last
-    type(position_t) :: step_start              !! position at which the step under way began
+    type(position_t) :: step_start              !! position at which the current step began
     logical :: dry = .false.                    !! commands only check their fields
     integer :: ntable = 0                       !! number of load tables of the whole run
     logical, allocatable :: noted(:)            !! rows whose note has been written

@@ -210,7 +210,7 @@ contains
     end do
   end subroutine map_pairs
 
-  !> Project the active points of side k; elements may become refined in the course of this.
+  !> Project the active points of side k; elements may be refined in the process.
   subroutine project_side(contact, k, shape, grid, x, feet, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -264,8 +264,8 @@ contains
     end do
   end subroutine project_points
 
-  !> At the end of a step, give the points that were not active the projections and states that they
-  !! would have if they were, so that they can become active later.
+  !> At the end of a step, find projections and states for the points that were not active, so that
+  !! they can become active later.
   subroutine follow_silent(contact, k, shape, grid, x, slides, feet, points, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

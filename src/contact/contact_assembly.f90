@@ -68,7 +68,7 @@ contains
     end do
   end subroutine new_contact_work
 
-  !> Does friction act: in steps that start at AFTEr or later.
+  !> Does friction act? It does in steps that start at AFTEr or later.
   pure logical function friction_acts(contact, state) result(acts)
     type(contact_t), intent(in) :: contact
     type(state_t), intent(in) :: state
@@ -79,7 +79,7 @@ contains
 
   !> Project all points. `grown`: the pattern must be rebuilt, either because new elements are
   !! coupled, or because a step begins with fewer couplings: its pattern must not depend on earlier
-  !! steps, which a restarted run does not know.
+  !! steps, since a restarted run knows nothing of them.
   subroutine find_contact(work, model, state, grown)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model

@@ -5,8 +5,8 @@
 !! prop(2)  opening g0 at which it acts [L]
 !! Source:  Corbett and Sauer 2015, eq. (31), after Xu and Needleman 1993; on the reference area,
 !!          mixed mode, energy per area e T0 g0. Unloading after Camacho and Ortiz 1996: the largest
-!!          opening is that of the vector g without its part that presses, so that compression does
-!!          no damage; it is left to the penalty as the bond tears
+!!          opening is that of g without its compressive part, so that compression causes no damage;
+!!          as the bond tears, compression is left to the penalty
 module contact_cz
   use base_kinds, only: wp
   use contact_secant, only: pull_by_secants, REVERSIBLE, WHOLE

@@ -193,8 +193,8 @@ contains
   end subroutine accept_slides
 
   !> Move from the projection to the place at which the tangential vector to the point is `elastic`,
-  !! so that a load that is held finds the same traction again. On a curved surface, a single step
-  !! along the tangents would miss that place.
+  !! so that a held load meets the same traction again. On a curved surface, a single step along the
+  !! tangents would miss that place.
   pure subroutine trail_behind(other, shape, x, foot, elastic, elem, xi)
     type(surface_t), intent(in) :: other
     type(shape_t), intent(in) :: shape

@@ -2,8 +2,8 @@
 !! are lost in a step.
 !!
 !! Before the first step all points are projected in the reference configuration. Points that are
-!! inside the other body already mean a press fit or a mistake; surfaces whose outward normals point
-!! the same way where they are nearest are the wrong faces.
+!! inside the other body already mean a press fit or a mistake; if the outward normals of two
+!! surfaces point the same way where these are nearest, the deck names the wrong faces.
 module contact_report
   use base_kinds, only: wp
   use base_log, only: log_line, warn
@@ -102,8 +102,8 @@ contains
     end do
   end subroutine warn_contacts
 
-  !> Project all points of a contact at the positions x, no farther than the thicker body and an
-  !! element.
+  !> Project all points of a contact at the positions x, no farther than the thickness of the
+  !! thicker body plus the width of an element.
   subroutine look_at_start(contact, x, start)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
@@ -336,8 +336,9 @@ contains
     end do
   end function deepest_point
 
-  !> A step that ends where a point which was outside the other body has passed its surface and is
-  !! deeper than DEPTh: contact would never act on it. `trouble` is allocated if there is one.
+  !> Find a point that was outside the other body at the start of the step, and is now behind its
+  !! surface and deeper than DEPTh: contact would never act on it. `trouble` is allocated if there
+  !! is such a point.
   subroutine find_jump(model, state, trouble)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -104,7 +104,7 @@ contains
     end if
   end subroutine find_resultant
 
-  !> Add up over the points of side k, whose tractions act at their own positions.
+  !> Sum over the points of side k, whose tractions act at their own positions.
   subroutine sum_points(contact, k, points, x, about, total)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

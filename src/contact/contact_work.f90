@@ -337,7 +337,7 @@ contains
   end subroutine add_back
 
   !> With BALAnced and friction: the force of the last add_back varies with the sliding point, for
-  !! which add_partner was called since.
+  !! which add_partner has been called in the meantime.
   pure subroutine add_cross(other, da, work)
     type(surface_t), intent(in) :: other
     real(wp), intent(in) :: da

@@ -133,8 +133,8 @@ contains
     d = [h(2)*iterate%g(1) - h12*iterate%g(2), h(1)*iterate%g(2) - h12*iterate%g(1)]/det
     do i = 1, 2
       if (abs(iterate%xi(i)) < 1.0_wp .or. .not. iterate%xi(i)*d(i) > 0.0_wp) cycle
-      ! If it leaves the element, move the other parameter alone; if that rests, move this one
-      ! inwards.
+      ! If the step leaves the element, move the other parameter alone; if that does not move, move
+      ! this one inwards.
       squares = .false.
       j = 3 - i
       d(i) = 0.0_wp

@@ -112,7 +112,7 @@ contains
           group%face%block = body%face(side)%block(place(elem))
           group%face%elem = body%face(side)%elem(place(elem))
           group%face%side = body%face(side)%side(place(elem))
-          on = .false. ! nodes of the body that belong to functions of the elements
+          on = .false. ! nodes of the body that elements of the set have
           do i = 1, size(elem)
             e = elem(i)
             on(new(s%node(s%first(e):s%first(e + 1) - 1))) = .true.

@@ -127,7 +127,7 @@ contains
   subroutine check_words(draft, number, is_npatch)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: number
-    logical, intent(in) :: is_npatch !! is the body an NPATch? else it is a PATCh, MESH or SPLIne
+    logical, intent(in) :: is_npatch !! is the body an NPATch? otherwise a PATCh, MESH or SPLIne
     type(error_t), allocatable :: error
     integer :: m
 

@@ -34,8 +34,8 @@ module input_contact
   public :: build_contacts, element_areas, check_contacts
 
   real(wp), parameter :: STIFF = 125.0_wp, STIFF_AT_CELLS = 100.0_wp !! times E/h
-  real(wp), parameter :: CLOSING = 32.0_wp     !! opening of release over the penetration of SMOOth
-  real(wp), parameter :: LOCKS = 4.0_wp        !! times AUTO: what points may carry without locking
+  real(wp), parameter :: CLOSING = 32.0_wp     !! opening of release divided by d of SMOOth
+  real(wp), parameter :: LOCKS = 4.0_wp        !! times AUTO: the most that points may carry
   integer, parameter :: MOST_POINTS = 10000000 !! largest number of integration points of a surface
   real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! relative rounding error of a penalty
   real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! an element is collapsed below this area over

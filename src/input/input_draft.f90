@@ -164,7 +164,7 @@ module input_draft
     logical :: ended = .false.         !! the deck ended inside a set
     logical :: incomplete = .false.    !! an unknown word was skipped: definitions may be missing
     logical :: in_set = .false.        !! between a word and the blank record of its set
-    logical :: skips_comments = .false. !! skip comments in the set; else a comment closes it
+    logical :: skips_comments = .false. !! skip comments in the set instead of closing it
     integer :: closed = 0              !! row of the word of this set, or of the last one
     type(place_t) :: closed_place      !! place where that set begins
     integer :: closed_line = 0         !! line in which it ends

@@ -21,7 +21,7 @@ module input_thickness
 contains
 
   !> Smallest distance [L] between corresponding points of the named faces and the opposite ones. It
-  !! is 0 if such faces meet, and if there is no opposite face. The patch is measured before it is
+  !! is 0 if such faces meet or if there is no opposite face. The patch is measured before it is
   !! refined; its placement does not change distances.
   function body_thickness(draft, name, mask) result(thickness)
     type(draft_t), intent(in) :: draft

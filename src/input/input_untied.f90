@@ -34,7 +34,7 @@ module input_untied
 contains
 
   !> Warn of the pairs of bodies that touch and are tied only in part, or not at all. Bodies between
-  !! which a contact acts are not looked at.
+  !! which a contact acts are skipped.
   subroutine warn_untied(draft, mesh)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

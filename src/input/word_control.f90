@@ -116,7 +116,7 @@ contains
   end subroutine read_control
 
   !> Index of the number of the control record that a record such as `ndm = 3` gives; 0: it gives
-  !! none. Two of FEAP's names are also mesh words, but these are not followed by a = sign.
+  !! none. Two of FEAP's names are also mesh words, but these are not followed by an equals sign.
   pure integer function size_index(record) result(i)
     type(record_t), intent(in) :: record
 

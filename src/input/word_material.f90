@@ -23,8 +23,8 @@ module word_material
   private
   public :: read_material, material_index
 
-  !> The law and the type of strains as read, before they are combined; their records have any
-  !! order.
+  !> The law and the type of strains as read, before they are combined; their records may come in
+  !! any order.
   type :: law_entry_t
     type(material_t) :: law                !! its name is empty until ELAStic is read
     integer :: strain = 0                  !! SMALL or FINITE

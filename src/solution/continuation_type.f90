@@ -51,7 +51,7 @@ module continuation_type
     integer :: method = PATH_OFF         !! method that the deck allows
     logical :: given = .false.           !! the deck has chosen it
     integer :: active = BY_LOAD          !! method in use; BY_LOAD: load control has not ended
-    logical :: trial = .false.           !! the step under way tries load control again
+    logical :: trial = .false.           !! the current step tries load control again
     integer :: steps = 0                 !! steps since load control failed or was last tried
     integer :: wait = FIRST_WAIT         !! steps before the next trial
     integer :: next_wait = FIRST_WAIT    !! steps before the first trial after the next snap
@@ -105,14 +105,14 @@ contains
     path%release = 0.5_wp*path%largest_release
   end subroutine leave_load_control
 
-  !> Is the step under way controlled by the release of the bonds?
+  !> Is the current step controlled by the release of the bonds?
   pure logical function controls_release(path)
     type(continuation_t), intent(in) :: path
 
     controls_release = path%active == BY_RELEASE .and. .not. path%trial
   end function controls_release
 
-  !> Is the step under way controlled by its arc length?
+  !> Is the current step controlled by its arc length?
   pure logical function controls_arc(path)
     type(continuation_t), intent(in) :: path
 

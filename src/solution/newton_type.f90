@@ -1,4 +1,4 @@
-!> Newton's iteration of the step under way, and the outcome of one pass of it.
+!> Newton's iteration of the current step, and the outcome of one pass of it.
 module newton_type
   use assembly, only: assembler_t, sweep_t
   use base_kinds, only: wp

@@ -4,7 +4,7 @@
 !!
 !! A pass or the last test may fail. Then cut_step restores the state at the start of the step and
 !! chooses another method of continuation or a smaller step; the outcome STEP_REWOUND tells the
-!! caller to go back to where the step began. Where nothing is left to try, cut_step fails.
+!! caller to go back to where the step began. If nothing is left to try, cut_step fails.
 module step
   use base_error, only: error_t, place_t, fail, NO_SOLUTION
   use base_kinds, only: wp
@@ -25,22 +25,22 @@ module step
   public :: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   public :: change_dt, begin_step, form_pass, solve_pass, cut_step, rewind_step, close_step
 
-  !> Displacement in a step that counts as lost, relative to the size of the model.
+  !> Displacement in a step from which on a body counts as lost, relative to the size of the model.
   real(wp), parameter :: FAR = 2.0_wp
 
 contains
 
-  !> DT: a new distance between targets, counted from the end of the step under way.
+  !> DT: a new distance between targets, counted from the end of the current step.
   subroutine change_dt(step, time, dt)
     type(step_t), intent(inout) :: step
     real(wp), intent(in) :: time, dt
 
     call set_dt(step%control, time, dt)
-    ! closing the step under way adds the targets that it passed
+    ! closing the current step adds the targets that it passed
     if (step%open .and. step%timed) step%control%target = -step%control%passed
   end subroutine change_dt
 
-  !> Begin a step. What the state is now is what rewind_step restores.
+  !> Begin a step; rewind_step will restore the state as it is now.
   subroutine begin_step(step, model, state, left)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -107,7 +107,7 @@ contains
   end subroutine solve_pass
 
   !> The step has failed: restore the state at its start, and choose another method or a smaller
-  !! step for the next attempt. An error where that is not possible.
+  !! step for the next attempt. If there is none, this is an error.
   subroutine cut_step(step, model, state, why, place, error)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -134,7 +134,7 @@ contains
     step%retry = .true.
   end subroutine cut_step
 
-  !> Restore the state at the start of the step under way, which is forgotten.
+  !> Restore the state at the start of the current step, which is forgotten.
   subroutine rewind_step(step, state)
     type(step_t), intent(inout) :: step
     type(state_t), intent(inout) :: state
@@ -181,7 +181,7 @@ contains
               hint)
   end subroutine fail_step
 
-  !> Close the step under way, if any: test it once more, then accept it or cut it back.
+  !> Close the current step, if any: test it once more, then accept it or cut it back.
   subroutine close_step(step, model, state, place, outcome, error)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model

@@ -17,10 +17,10 @@ module step_control
     real(wp) :: size = 0.0_wp        !! length of the next step; at most dt unless dtmax allows more
     logical :: automatic = .false.
     real(wp) :: dtmin = 0.0_wp, dtmax = 0.0_wp
-    real(wp) :: from = 0.0_wp, to = 0.0_wp !! times at which the step under way begins and ends
+    real(wp) :: from = 0.0_wp, to = 0.0_wp !! times at which the current step begins and ends
     integer :: passed = 0  !! number of targets that it passes; 0: it ends between two of them
     integer :: accepted = 0          !! steps since the last cut-back
-    integer :: cuts = 0              !! cut-backs of the step under way
+    integer :: cuts = 0              !! cut-backs of the current step
     logical :: reduced = .false.     !! after many iterations the next step is smaller
   end type step_control_t
 

@@ -1,4 +1,4 @@
-!> The step under way, as it is seen by the modules that control it.
+!> The current step, as it is seen by the modules that control it.
 module step_type
   use base_kinds, only: wp
   use continuation_type, only: continuation_t
@@ -31,7 +31,7 @@ module step_type
     type(continuation_t) :: continuation !! the method that follows the path
     type(newton_t) :: newton
     type(pass_t) :: pass                 !! the last pass of Newton's iteration
-    logical :: open = .false.            !! a step is under way
+    logical :: open = .false.            !! a step is in progress
     logical :: timed = .false.           !! a TIME began it
     logical :: retry = .false.           !! the next step repeats one that was cut back
     logical :: solved = .false.          !! at least one system was solved in it
