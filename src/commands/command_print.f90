@@ -111,7 +111,7 @@ contains
     last = max(first, last)
     step = max(1, step)
     if (last > most) then
-      call fail(error, DECK_ERROR, 'the range ends at '//to_text(last)//', but the mesh at ' &
+      call fail(error, DECK_ERROR, 'the range ends at '//to_text(last)//', but the mesh ends at ' &
                 //to_text(most), command%record%place(4), trim(run%program%row(command%row)%usage))
     end if
   end subroutine read_range

@@ -199,7 +199,7 @@ contains
     end do
   end subroutine take_step
 
-  !> Take a step that is so short that a Taylor series is exact to rounding.
+  !> Take a step that is so short that a Taylor series is exact up to rounding.
   pure subroutine take_last_step(x, d, iterate)
     real(wp), intent(in) :: x(3), d(2)
     type(iterate_t), intent(inout) :: iterate

@@ -85,7 +85,7 @@ contains
     end do
   end subroutine corner_functions
 
-  !> Multiply the functions of three directions; the first one runs fastest.
+  !> Multiply the functions of three directions; the first one varies fastest.
   pure subroutine tensor_functions(f1, d1, f2, d2, f3, d3, shp, dshp)
     real(wp), intent(in) :: f1(:), d1(:) !! functions of direction 1 and their derivatives
     real(wp), intent(in) :: f2(:), d2(:)
@@ -178,7 +178,7 @@ contains
     end if
   end subroutine touches
 
-  !> Marks of the nodes of a tensor product on each face; the first direction runs fastest.
+  !> Marks of the nodes of a tensor product on each face; the first direction varies fastest.
   pure function tensor_marks(cell) result(on)
     type(cell_t), intent(in) :: cell
     logical :: on(product(cell%degree + 1), 6)

@@ -55,10 +55,10 @@ contains
     text%comment = '$'
     text%at = len(BEXT_HEAD) + 1
     call next_integer(text, 'the number of the patch', id, error)
-    if (.not. allocated(error)) call next_count(text, 'a number of control points', nnode, error)
-    if (.not. allocated(error)) call next_count(text, 'a number of elements', nelem, error)
-    if (.not. allocated(error)) call next_count(text, 'a number of vectors', nvector, error)
-    if (.not. allocated(error)) call next_integer(text, 'the flag of weights', rational, error)
+    if (.not. allocated(error)) call next_count(text, 'the number of control points', nnode, error)
+    if (.not. allocated(error)) call next_count(text, 'the number of elements', nelem, error)
+    if (.not. allocated(error)) call next_count(text, 'the number of vectors', nvector, error)
+    if (.not. allocated(error)) call next_integer(text, 'the weight flag', rational, error)
     if (allocated(error)) return
     call start_surface(nnode, nelem, surface)
     do i = 1, nnode
@@ -66,7 +66,7 @@ contains
       if (allocated(error)) return
       if (rational == 0 .and. abs(x(4) - 1.0_wp) > 0.0_wp) then
         call fail_in_file(text, 'control point '//to_text(i)//' has the weight '//to_text(x(4)) &
-                          //', but the flag of weights is 0', error, &
+                          //', but the weight flag is 0', error, &
                           'the fifth number of the file must be 1 if control points have weights')
       else
         call add_point(text, x, surface, error)
@@ -93,7 +93,7 @@ contains
     integer, allocatable :: number(:), nf(:), degree(:, :) !! elements, functions, degrees
     integer :: g, e, i, n, nvector, etype
 
-    call next_count(text, 'a number of groups of elements', n, error)
+    call next_count(text, 'the number of groups of elements', n, error)
     if (allocated(error)) return
     allocate (number(n), nf(n), degree(2, n))
     do g = 1, n
@@ -104,10 +104,10 @@ contains
                           'they are etype ne nn ncv and the two degrees of a surface')
         return
       end if
-      call next_integer(text, 'a type of elements', etype, error)
-      if (.not. allocated(error)) call next_count(text, 'a number of elements', number(g), error)
-      if (.not. allocated(error)) call next_integer(text, 'a number of functions', nf(g), error)
-      if (.not. allocated(error)) call next_integer(text, 'a number of vectors', nvector, error)
+      call next_integer(text, 'an element type', etype, error)
+      if (.not. allocated(error)) call next_count(text, 'the number of elements', number(g), error)
+      if (.not. allocated(error)) call next_integer(text, 'the number of functions', nf(g), error)
+      if (.not. allocated(error)) call next_integer(text, 'the number of vectors', nvector, error)
       if (.not. allocated(error)) call next_integer(text, 'a degree', degree(1, g), error)
       if (.not. allocated(error)) call next_integer(text, 'a degree', degree(2, g), error)
       if (.not. allocated(error)) call check_sizes(text, sum(number(:g - 1)) + 1, degree(:, g), &
@@ -131,11 +131,11 @@ contains
         call new_element(elements, degree(:, g), nf(g), text%at)
         associate (first => elements%first(elements%n), last => elements%first(elements%n + 1) - 1)
           do i = first, last
-            call next_integer(text, 'the number of a control point', elements%node(i), error)
+            call next_integer(text, 'a control point number', elements%node(i), error)
             if (allocated(error)) return
           end do
           do i = first, last
-            call next_integer(text, 'the number of a vector', elements%vector(i), error)
+            call next_integer(text, 'a vector number', elements%vector(i), error)
             if (allocated(error)) return
           end do
         end associate
@@ -154,8 +154,8 @@ contains
     integer :: n(2), b, i, v
     integer, allocatable :: number(:), length(:), at(:)
 
-    call next_count(text, 'a number of blocks of dense vectors', n(1), error)
-    if (.not. allocated(error)) call next_count(text, 'a number of blocks of sparse vectors', &
+    call next_count(text, 'the number of blocks of dense vectors', n(1), error)
+    if (.not. allocated(error)) call next_count(text, 'the number of blocks of sparse vectors', &
                                                 n(2), error)
     if (allocated(error)) return
     if (sum(real(n, wp)) > len(text%all)) then
@@ -165,8 +165,8 @@ contains
     end if
     allocate (number(sum(n)), length(sum(n)))
     do b = 1, sum(n)
-      call next_count(text, 'a number of vectors', number(b), error)
-      if (.not. allocated(error)) call next_count(text, 'a length of vectors', length(b), error)
+      call next_count(text, 'the number of vectors', number(b), error)
+      if (.not. allocated(error)) call next_count(text, 'the length of vectors', length(b), error)
       if (allocated(error)) return
     end do
     do b = 1, sum(n)

@@ -1,8 +1,8 @@
 !> G+Smo XML files: one geometry TensorNurbs3 or TensorBSpline3, or a surface TensorNurbs2 or
 !! TensorBSpline2.
 !!
-!! The reader takes the knot vectors with their degrees, the weights and the coefficients, of which
-!! the first direction runs fastest. Other geometries of the file and other tags are skipped.
+!! The reader takes the knot vectors with their degrees, the weights and the coefficients, in which
+!! the first direction varies fastest. Other geometries of the file and other tags are skipped.
 !! Source: the files of G+Smo (gismo/filedata)
 module format_gismo
   use base_kinds, only: wp

@@ -153,7 +153,7 @@ contains
     allocate (entity(3, 16))
     m = 0
     do d = 0, 3
-      call next_count(text, 'a number of entities', count(d), error)
+      call next_count(text, 'the number of entities', count(d), error)
       if (allocated(error)) return
     end do
     do d = 0, 3
@@ -162,7 +162,7 @@ contains
         if (allocated(error)) return
         call next_reals(text, 'the bounding box of an entity', box(:merge(3, 6, d == 0)), error)
         do part = 1, merge(1, 2, d == 0)
-          if (.not. allocated(error)) call next_count(text, 'a number of tags', n, error)
+          if (.not. allocated(error)) call next_count(text, 'the number of tags', n, error)
           if (allocated(error)) return
           do i = 1, n
             call next_integer(text, 'a tag', value, error)
@@ -216,7 +216,7 @@ contains
           group = 0
           if (.not. allocated(error)) call next_integer(text, 'an element type', head(3), error)
           if (.not. allocated(error)) call check_type(text, head(3), file, error)
-          if (.not. allocated(error)) call next_count(text, 'a number of tags', ntag, error)
+          if (.not. allocated(error)) call next_count(text, 'the number of tags', ntag, error)
           do j = 1, ntag
             if (allocated(error)) return
             call next_integer(text, 'a tag', tag, error)

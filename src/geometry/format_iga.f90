@@ -38,9 +38,9 @@ contains
       return
     end if
     call next_keyword(text, 'nodeN', error)
-    if (.not. allocated(error)) call next_count(text, 'a number of control points', nnode, error)
+    if (.not. allocated(error)) call next_count(text, 'the number of control points', nnode, error)
     if (.not. allocated(error)) call next_keyword(text, 'elemN', error)
-    if (.not. allocated(error)) call next_count(text, 'a number of elements', nelem, error)
+    if (.not. allocated(error)) call next_count(text, 'the number of elements', nelem, error)
     if (allocated(error)) return
     call start_surface(nnode, nelem, surface)
     do i = 1, nnode
@@ -60,12 +60,12 @@ contains
                           'they are the number of functions and the two degrees of a surface')
         return
       end if
-      call next_integer(text, 'a number of functions', n, error)
+      call next_integer(text, 'the number of functions', n, error)
       if (.not. allocated(error)) call next_integers(text, 'a degree', degree, error)
       if (.not. allocated(error)) call check_sizes(text, i, degree, n, error)
       if (allocated(error)) return
       node = [(0, a=1, n)]
-      call next_integers(text, 'the number of a control point', node, error)
+      call next_integers(text, 'a control point number', node, error)
       if (allocated(error)) return
       c = reshape([real(wp) ::], [n, product(degree + 1)], pad=[0.0_wp])
       do a = 1, n

@@ -143,7 +143,7 @@ contains
         call next_count(text, 'the number of boundary faces', n, error)
         if (allocated(error)) return
         do e = 1, n
-          call next_integers(text, 'a number of a boundary face', skip, error)
+          call next_integers(text, 'an integer of a boundary face', skip, error)
           if (allocated(error)) return
         end do
       case ('edges')
@@ -153,7 +153,7 @@ contains
         allocate (mfem%edge(3, n))
         do e = 1, n
           do i = 1, 3
-            call next_count(text, 'a number of an edge', mfem%edge(i, e), error)
+            call next_count(text, 'a knot vector or vertex of an edge', mfem%edge(i, e), error)
             if (allocated(error)) return
           end do
         end do
@@ -200,7 +200,7 @@ contains
     do i = 1, n
       call next_count(text, 'a degree', dir(i)%degree, error)
       if (allocated(error)) return
-      call next_count(text, 'a number of control points', ncp, error)
+      call next_count(text, 'the number of control points', ncp, error)
       if (allocated(error)) return
       if (ncp <= dir(i)%degree) then
         call fail_in_file(text, 'found '//to_text(ncp)//' control points for degree ' &

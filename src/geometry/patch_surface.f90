@@ -135,7 +135,7 @@ contains
     at_end = merge(1, size(s%node, d), side == 0)
   end function at_end
 
-  !> Find the control points and weights of the functions over one cell; xi runs fastest.
+  !> Find the control points and weights of the functions over one cell; xi varies fastest.
   subroutine surface_functions(s, cell, node, w)
     type(surface_t), intent(in) :: s
     integer, intent(in) :: cell(3) !! index of the element in each patch direction

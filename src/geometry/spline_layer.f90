@@ -36,8 +36,8 @@ contains
                           'a record is an element of the surface and its four inner nodes')
         return
       end if
-      call next_integer(text, 'the number of an element', e, error)
-      if (.not. allocated(error)) call next_integers(text, 'the number of a node', node, error)
+      call next_integer(text, 'an element number', e, error)
+      if (.not. allocated(error)) call next_integers(text, 'a node number', node, error)
       if (allocated(error)) return
       if (e < 1 .or. e > nelem) then
         call fail_in_file(text, 'element '//to_text(e)//' is not in the surface', error, &
@@ -78,8 +78,8 @@ contains
       call next_line(text)
       i = words_left(text)
       if (i == 0) exit
-      call next_integer(text, 'the number of a node', slave, error)
-      if (.not. allocated(error)) call next_integer(text, 'a number of masters', n, error)
+      call next_integer(text, 'a node number', slave, error)
+      if (.not. allocated(error)) call next_integer(text, 'the number of masters', n, error)
       if (allocated(error)) return
       if (n < 1 .or. n > MOST_MASTERS .or. i /= 2 + 2*n) then
         call fail_in_file(text, 'found a record of '//to_text(i)//' numbers for '//to_text(n) &
@@ -90,7 +90,7 @@ contains
       master = [(0, i=1, n)]
       c = [(0.0_wp, i=1, n)]
       do i = 1, n
-        call next_integer(text, 'the number of a node', master(i), error)
+        call next_integer(text, 'a node number', master(i), error)
         if (.not. allocated(error)) call next_real(text, 'a coefficient', c(i), error)
         if (allocated(error)) return
       end do

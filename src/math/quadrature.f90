@@ -51,7 +51,7 @@ contains
     end do
   end subroutine legendre
 
-  !> Compute the tensor-product rule on the square; the first direction runs fastest.
+  !> Compute the tensor-product rule on the square; the first direction varies fastest.
   pure subroutine gauss_quad(n1, n2, xi, w)
     integer, intent(in) :: n1, n2
     real(wp), intent(out) :: xi(2, n1*n2), w(n1*n2)
@@ -68,7 +68,7 @@ contains
     end do
   end subroutine gauss_quad
 
-  !> Compute the tensor-product rule on the cube; the first direction runs fastest.
+  !> Compute the tensor-product rule on the cube; the first direction varies fastest.
   pure subroutine gauss_hex(n1, n2, n3, xi, w)
     integer, intent(in) :: n1, n2, n3
     real(wp), intent(out) :: xi(3, n1*n2*n3), w(n1*n2*n3)
