@@ -160,11 +160,11 @@ contains
     end associate
   end subroutine side_positions
 
-  !> Set the sliding points of an accepted step. A sticking point keeps its sliding point. That of a
-  !! slipping point follows the projection at the distance of the elastic part (Sauer and De
-  !! Lorenzis 2015). That of any other point is its projection, or the closest point of the outer
-  !! boundary if the point lies beyond it, so that friction acts in the step in which the point
-  !! crosses the boundary.
+  !> Set the sliding points of an accepted step. A sticking point keeps its sliding point. The
+  !! sliding point of a slipping point follows the projection at the distance of the elastic part
+  !! (Sauer and De Lorenzis 2015). For any other point it is the projection, or the closest point of
+  !! the outer boundary if the point lies beyond it, so that friction acts in the step in which the
+  !! point crosses the boundary.
   pure subroutine accept_slides(own, other, shape, x, feet, points)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape           !! of the other side

@@ -179,7 +179,7 @@ module contact_pair
     integer, allocatable :: elem(:)          !! (n) ascending
     real(wp), allocatable :: xi(:, :)        !! (2, n)
     real(wp), allocatable :: elastic(:, :)   !! (3, n) see friction_law_i [L]
-    real(wp), allocatable :: slip_rate(:)    !! (n) slip over time; 0: it did not slip [L/T]
+    real(wp), allocatable :: slip_rate(:)    !! (n) rate of slip; 0: it did not slip [L/T]
   end type friction_points_t
 
   !> History of one contact.

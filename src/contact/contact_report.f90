@@ -172,7 +172,7 @@ contains
         end do
       end do
     end do
-    where (abs(start%x) < INSIDE*h) start%x = 0.0_wp ! rounding, not worth its digits
+    where (abs(start%x) < INSIDE*h) start%x = 0.0_wp ! rounding, whose digits mean nothing
     ! surfaces must face each other only where they are nearest: the far side of a ball need not
     near = minval(abs(gap(:n))) + h
     do k = 1, 2
@@ -223,7 +223,7 @@ contains
     end do
   end subroutine report_contact_changes
 
-  !> Balance and penetration of an accepted step; warnings where they mean wrong results.
+  !> Balance and penetration of an accepted step; warnings if they mean wrong results.
   subroutine measure_contacts(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state

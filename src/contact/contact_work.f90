@@ -255,7 +255,7 @@ contains
     call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
   end subroutine add_partner
 
-  !> The slot of a partner, a new one where it has none.
+  !> The slot of a partner; it gets a new one if it has none.
   pure subroutine find_slot(e, work)
     integer, intent(in) :: e
     type(work_t), intent(inout) :: work

@@ -1,6 +1,5 @@
-!> After TIE: nodes that lie on a face of another body and are not tied to it. Where the meshes of
-!! two bodies do not match, TIE joins none or only some of their nodes, and the bodies come apart
-!! there.
+!> After TIE: nodes that lie on a face of another body and are not tied to it. If the meshes of two
+!! bodies do not match, TIE joins none or only some of their nodes, and the bodies come apart there.
 module input_untied
   use base_error, only: error_t
   use base_kinds, only: wp
