@@ -130,9 +130,9 @@ contains
     end do
   end subroutine apply
 
-  !> Mark the nodes that a record finds. In the search for nodes on a plane, FEAP's gap of EBOU and
-  !! EPRO shrinks with the number of nodes, that of the other words does not. At a point, CBOU and
-  !! CDIS take all nodes that are equally near.
+  !> Mark the nodes that a record finds. In the search for nodes on a plane, FEAP's gap shrinks with
+  !! the number of nodes for EBOU and EPRO, but not for the other words. At a point, CBOU and CDIS
+  !! take all nodes that are equally near.
   subroutine mark(mesh, r, active, on)
     type(mesh_t), intent(in) :: mesh
     type(condition_entry_t), intent(in) :: r
