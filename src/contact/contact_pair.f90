@@ -195,8 +195,8 @@ module contact_pair
     !! stick and slip [L^2], largest penetration [L].
     real(wp) :: area(2) = 0.0_wp, sticks(2) = 0.0_wp, slips(2) = 0.0_wp, penetration(2) = 0.0_wp
     logical :: depth_warned = .false.        !! the warning of points deeper than `depth` was issued
-    !> Of all steps: largest |F1 + F2| over the larger force, and largest penetration over the
-    !! smaller of element and thickness [-]; the largest force [F].
+    !> Of all steps: largest |F1 + F2| relative to the larger force, and largest penetration
+    !! relative to the smaller of element and thickness [-]; the largest force [F].
     real(wp) :: balance = 0.0_wp, deepest = 0.0_wp, largest_force = 0.0_wp
     logical :: balance_warned = .false., penetration_warned = .false., friction_warned = .false.
   end type contact_state_t

@@ -313,7 +313,8 @@ contains
     end do
   end function is_soft
 
-  !> Largest penetration of the points of side k over the smaller of the two elements and bodies.
+  !> Largest penetration of the points of side k, relative to the smallest of the widths of the two
+  !! elements and the thicknesses of the two bodies.
   pure real(wp) function deepest_point(contact, k, points) result(deepest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

@@ -14,8 +14,8 @@ module dynamics_type
     real(wp) :: beta = 0.25_wp, gamma = 0.5_wp   !! of Newmark
     real(wp) :: alpha = 0.0_wp                   !! of Hilber, Hughes and Taylor, -1/3 to 0
     logical :: lumped = .false.
-    !> Density of every body, instead of that of its material [M/L^3]; negative: that of the
-    !! material.
+    !> Density of all bodies, which replaces that of their materials [M/L^3]; negative: the
+    !! materials have theirs.
     real(wp) :: density = -1.0_wp
     !> a = c(1) (u - u_step) - c(2) v - c(3) a_step in the current step
     real(wp) :: c(3) = 0.0_wp

@@ -29,8 +29,8 @@ module report_file
     character(:), allocatable :: name
     integer :: points = 0               !! integration points of both sides
     integer :: closed = 0               !! those of them that are in contact
-    !> Of all steps: largest |F1 + F2| over the larger force, and largest penetration over the
-    !! smaller of element and thickness [-].
+    !> Of all steps: largest |F1 + F2| relative to the larger force, and largest penetration
+    !! relative to the smaller of element and thickness [-].
     real(wp) :: balance = 0.0_wp, largest_penetration = 0.0_wp
   end type contact_row_t
 

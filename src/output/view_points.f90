@@ -80,8 +80,8 @@ contains
     deallocate (list%next, list%head)
   end subroutine finish_points
 
-  !> Sort the nodes, add the coefficients of equal nodes, and drop coefficients that are mere
-  !! rounding.
+  !> Sort the nodes, add the coefficients of equal nodes, and drop coefficients that are only
+  !! rounding errors.
   pure subroutine simplify(node, coef, nodes, coefs, n)
     integer, intent(in) :: node(:)
     real(wp), intent(in) :: coef(:)

@@ -53,10 +53,10 @@ contains
     call step_by(state, du, s)
   end subroutine search_line
 
-  !> Shorten the last increment if need be; it has been taken, and the forces at its end are known.
-  !! It is halved as long as it inverts an element. If it overshoots (a surface penetrates the other
-  !! one in a single increment and is thrown back by the whole penalty), a line search finds the
-  !! fraction of it to keep. Other increments cost nothing.
+  !> Shorten the last increment if necessary; it has been added to the displacements, and the forces
+  !! at its end are known. It is halved as long as it inverts an element. If it overshoots (a
+  !! surface penetrates the other one in a single increment and is thrown back by the whole
+  !! penalty), a line search finds the fraction of it to keep. Other increments cost nothing.
   subroutine retreat(asm, model, state, dx, rhs, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model

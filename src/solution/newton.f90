@@ -28,7 +28,7 @@ module newton
 
 contains
 
-  !> Begin a step: state%factor and state%time are those of its end, state%u is that of its start.
+  !> Begin a step: state%factor and state%time hold for its end, state%u for its start.
   subroutine begin_newton(newton, model, state)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model

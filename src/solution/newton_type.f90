@@ -50,7 +50,7 @@ module newton_type
     type(floor_t) :: floor
     type(solve_report_t) :: solve
     real(wp) :: energy = 0.0_wp        !! |du.r| [F L]
-    real(wp) :: ratio = 0.0_wp         !! |du.r| over the largest of the step
+    real(wp) :: ratio = 0.0_wp         !! |du.r| / largest of the step
     real(wp) :: residual = 0.0_wp      !! largest component at a free dof [F]
     integer :: worst(2) = 0            !! its direction and node
     real(wp) :: line = 1.0_wp          !! fraction of the increment that was taken
