@@ -10,7 +10,7 @@ module hexa_shape
   public :: tensor_rule, tensor_marks, join_faces
   public :: CORNER_MARKS
 
-  integer, parameter, public :: MAX_DEGREE = 15 !! of a direction: gauss gives as many points
+  integer, parameter, public :: MAX_DEGREE = 15 !! in a direction
   integer, parameter, public :: VTK_BEZIER_HEXAHEDRON = 79
 
   !> Signs of the corners, counter-clockwise from (-,-), lower plane first (FEAP and VTK order).

@@ -183,7 +183,7 @@ contains
     end do
   end subroutine release_slaves
 
-  !> Name of a node that the user knows: its number in the file of its MESH, or in the deck.
+  !> Name of a node as the user knows it: its number in the file of its MESH, or in the deck.
   function named(mesh, n) result(name)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: n
