@@ -37,8 +37,8 @@ module contact_report
     integer :: ninside = 0               !! of them, points that penetrate
     real(wp) :: deepest = 0.0_wp         !! largest penetration [L]
     real(wp) :: x(3) = 0.0_wp            !! and the point that has it [L]
-    integer :: nnear = 0                 !! points about as near to the other surface as the nearest
-    integer :: naway(2) = 0              !! of them, those at which side 1, side 2 faces away
+    integer :: nnear = 0                 !! points about as near the other surface as the nearest
+    integer :: naway(2) = 0              !! of them, where side 1 and where side 2 faces away
     real(wp) :: overlap = 0.0_wp         !! largest penetration beyond DEPTh, not through a body [L]
     real(wp) :: x_overlap(3) = 0.0_wp    !! the point that has it [L]
     integer :: nbehind = 0               !! nearest points that are behind the whole other body
@@ -149,7 +149,7 @@ contains
             away(n) = 0
             behind(n) = foot%gap < -thin*(1.0_wp - INSIDE)
             if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp) then
-              ! a point outside the other body sees its front, one inside its back
+              ! from outside the other body one sees its front, from inside its back
               away(n) = merge(3 - k, k, foot%gap < 0.0_wp)
             end if
           end if

@@ -1,7 +1,7 @@
 !> PYRAMID5: five-node pyramid, the trilinear hexahedron whose upper face is collapsed to a point.
 !!
-!! Nodes:  base counter-clockwise seen from the top, then the top (FEAP, VTK and Gmsh order)
-!! Rule:   2 x 2 x 2 Gauss points: none at the top, where the map is singular
+!! Nodes:  base counter-clockwise seen from the apex, then the apex (FEAP, VTK and Gmsh order)
+!! Rule:   2 x 2 x 2 Gauss points: none at the apex, where the map is singular
 !! Source: functions of Q1, the four upper ones added; rational in the pyramid's own coordinates,
 !!         bilinear on the base and linear on the triangles: it joins hexahedra and tetrahedra
 !! Limits: locks like Q1; must not be evaluated at zeta = +1
@@ -42,7 +42,7 @@ contains
     dshp(:, 5) = [0.0_wp, 0.0_wp, d(2)]
   end subroutine functions
 
-  !> Set the faces: four triangles, the base, and the top.
+  !> Set the faces: four triangles, the base, and the apex.
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology

@@ -155,7 +155,7 @@ contains
     newton%may_retreat = .not. moved .and. .not. newton%converged
   end subroutine solve_system
 
-  !> The increment of all dofs, and the largest energy that one had.
+  !> The increment of all dofs, and the largest energy of an increment so far.
   subroutine find_increment(newton, model, moved, du, pass)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model

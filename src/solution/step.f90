@@ -248,9 +248,9 @@ contains
     outcome = STEP_ACCEPTED
   end subroutine close_step
 
-  !> Has a node of a model with contact gone farther than twice the size of the model and the
-  !! longest prescribed displacement? A body that neither contact nor bonds hold is in
-  !! equilibrium anywhere; inertia finds a better place.
+  !> Has a node of a model with contact moved farther than twice the sum of the size of the model
+  !! and the largest prescribed displacement? A body that neither contact nor bonds hold is in
+  !! equilibrium anywhere; with inertia its motion has a meaning.
   pure logical function flies_off(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -24,7 +24,7 @@ module step_control
     logical :: reduced = .false.     !! after many iterations the next step is smaller
   end type step_control_t
 
-  real(wp), parameter :: NEARLY = 1.0e-9_wp !! of dt: a corner this near to a target is on it
+  real(wp), parameter :: NEARLY = 1.0e-9_wp !! of dt: a corner this near a target is on it
   integer, parameter :: FEW = 6      !! iterations up to which a step may grow
   integer, parameter :: FAIR = 10    !! up to which one smaller than dt may grow
   integer, parameter :: MANY = 15    !! above which the next one is smaller
