@@ -1,11 +1,12 @@
 !> Contribution of an integration point to the forces of its element and to their derivatives.
 !!
-!! The point's own nodes b feel N_b t da. With BALAnced the partner's nodes c feel -M_c(xi) t da, M
-!! the functions of the partner's element. What varies is t, da, and at a projection xi:
+!! The force on node b of the element is N_b t da. With BALAnced the force on node c of the partner
+!! is -M_c(xi) t da, where M are the functions of the partner. The traction t and the area da vary,
+!! and at a projection xi also varies:
 !!
 !!   dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b.
 !!
-!! The xi of a bond and that of a sliding point are fixed.
+!! The parameters xi of a bond and of a sliding point are fixed.
 module contact_work
   use base_kinds, only: wp
   use contact_pair, only: contact_t, surface_t, MORTAR
@@ -26,22 +27,26 @@ module contact_work
     integer :: npartner = 0
     integer, allocatable :: partner(:)         !! elements of the other side
     real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]
-    real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr by the own nodes [F/L]
-    real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) by the partners' nodes
-    !> BALAnced: force on the partners' nodes, its derivatives by the own nodes and by theirs.
+    real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/dx of the nodes [F/L]
+    real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) of the partners' ones
+    !> BALAnced: force on the partners' nodes, and its derivatives with respect to the nodes of the
+    !! element and to those of the partner.
     real(wp), allocatable :: back(:, :, :)     !! (3, nl, npartner) [F]
     real(wp), allocatable :: lk(:, :, :)       !! (3*nl, 3*nk, npartner) [F/L]
     real(wp), allocatable :: ll(:, :, :)       !! (3*nl, 3*nl, npartner)
-    !> And by the nodes of another partner: of slot pair(1) by those of slot pair(2).
+    !> And with respect to the nodes of another partner: the force on slot pair(1) varies with the
+    !! nodes of slot pair(2).
     integer :: ncross = 0
     integer, allocatable :: pair(:, :)         !! (2, ncross)
     real(wp), allocatable :: cross(:, :, :)    !! (3*nl, 3*nl, ncross)
     integer :: slot = 0                        !! of the last add_partner
     integer :: back_slot = 0                   !! of the last add_back
     real(wp), allocatable :: back_shp(:)       !! and the functions there
-    real(wp), allocatable :: own(:), down(:, :) !! own functions at a point and their derivatives
+    real(wp), allocatable :: own(:), down(:, :) !! functions of the element at a point and
+    !! their derivatives
     real(wp), allocatable :: shp(:), dshp(:, :) !! those of the partner
-    !> (3, 3, n) derivatives of a point's traction by its own nodes, and by those of the partner.
+    !> (3, 3, n) derivatives of a point's traction with respect to the nodes of its element, and to
+    !! those of the partner.
     real(wp), allocatable :: own_q(:, :, :), q(:, :, :)
   end type work_t
 
@@ -214,10 +219,11 @@ contains
     work%kk(:, :3*work%nk) = 0.0_wp
   end subroutine clear
 
-  !> Force on the own nodes, and its change with the point and with the area of the point.
+  !> Add the force on the nodes of the element, and its derivatives with respect to the position of
+  !! the point and to its area.
   pure subroutine add_own(t, dtdx, up, da, work)
     real(wp), intent(in) :: t(3)                 !! traction [F/L^2]
-    real(wp), intent(in) :: dtdx(3, 3)           !! by the point
+    real(wp), intent(in) :: dtdx(3, 3)           !! with respect to the point
     real(wp), intent(in) :: up(3, 2), da         !! contravariant tangents, area [L^2]
     type(work_t), intent(inout) :: work
     real(wp) :: v(3)
@@ -234,13 +240,14 @@ contains
     call spread_rows(n, n, work%own, work%own_q, da, size(work%kk, 1), work%kk)
   end subroutine add_own
 
-  !> Change of the force of add_own with the nodes of an element of the other side.
+  !> Add the derivatives of the force of add_own with respect to the nodes of an element of the
+  !! other side.
   pure subroutine add_partner(other, e, xi, dtdx, dtda, da, work)
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
-    real(wp), intent(in) :: dtdx(3, 3)           !! by the point xi of the element
-    real(wp), intent(in) :: dtda(3, 3, 2), da    !! by the tangents there; area [L^2]
+    real(wp), intent(in) :: dtdx(3, 3)           !! with respect to the point xi of the element
+    real(wp), intent(in) :: dtda(3, 3, 2), da    !! with respect to the tangents there; area [L^2]
     type(work_t), intent(inout) :: work
     integer :: b, n, slot
 
@@ -296,13 +303,13 @@ contains
     end do
   end subroutine add_forces
 
-  !> With BALAnced: the same force on the partner of the last add_partner, reversed. add_own and
-  !! add_partner were called for this traction before, and their columns are used.
+  !> With BALAnced: add the same force, reversed, on the partner of the last add_partner. add_own
+  !! and add_partner must have been called for this traction, because their columns are used.
   pure subroutine add_back(other, e, t, da, work, foot, x)
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
-    real(wp), intent(in) :: t(3)                 !! traction on the own side [F/L^2]
-    real(wp), intent(in) :: da                   !! as of add_own
+    real(wp), intent(in) :: t(3)                 !! traction on the side of the point [F/L^2]
+    real(wp), intent(in) :: da                   !! as in add_own
     type(work_t), intent(inout) :: work
     type(foot_t), intent(in), optional :: foot   !! where the force acts, if it moves on the surface
     real(wp), intent(in), optional :: x(3)       !! the point [L]
