@@ -43,8 +43,8 @@ module projection
 contains
 
   !> Project the point x onto a surface whose grid is up to date. The iteration starts at foot%elem
-  !! and foot%xi; it starts from the grid if that is no element, or if it ends farther away than
-  !! `reach`. There is no projection (element 0) if x lies beyond the outer boundary, if it is
+  !! and foot%xi; it starts from the grid if there is no such element, or if it ends farther away
+  !! than `reach`. There is no projection (element 0) if x lies beyond the outer boundary, if it is
   !! farther than `reach` from the box around the surface, or if the tangents are parallel.
   pure subroutine project(surface, shape, grid, x, foot, reach)
     type(surface_t), intent(in) :: surface

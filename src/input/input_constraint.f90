@@ -19,7 +19,7 @@ module input_constraint
 
 contains
 
-  !> Keep the constraints of the slaves that elements use, express them by masters that are no
+  !> Keep the constraints of the slaves that elements use, express them by masters that are not
   !! slaves, and move the slaves exactly to the positions that their masters give. A node may be the
   !! slave of only one constraint.
   subroutine close_constraints(draft, mesh)
@@ -59,7 +59,7 @@ contains
   !! equal masters are merged.
   subroutine close_one(mesh, mark, i, closed, error)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: mark(:) !! (nnode) constraint of each slave; 0: the node is no slave
+    integer, intent(in) :: mark(:) !! (nnode) constraint of each slave; 0: the node is not a slave
     integer, intent(in) :: i
     type(constraint_t), intent(inout) :: closed
     type(error_t), allocatable, intent(out) :: error
