@@ -32,6 +32,7 @@ contains
     call exchange(archive, group//'/u', state%u, error)
     call exchange(archive, group//'/u_step', state%u_step, error)
     call exchange(archive, group//'/last_increment', state%last_increment, error)
+    call exchange(archive, group//'/last_dt', state%last_dt, error)
     call exchange(archive, group//'/u_base', state%u_base, error)
     call exchange(archive, group//'/scale', state%scale, error)
     call exchange(archive, group//'/reaction', state%reaction, error)

@@ -106,7 +106,7 @@ contains
 
     start = seconds_of_both()
     call follow(model%mesh%constraint, state%u)
-    call find_contact(asm%contact, model, state, grown)
+    call find_contact(asm%contact, model, state, grown, only_forces)
     symmetric = asm%k%symmetric ! a copy, as set_pattern replaces asm%k
     if (grown) call set_pattern(asm, model, symmetric, state%step, error)
     if (allocated(error)) return

@@ -15,6 +15,7 @@ module newton
   use linear_system, only: new_linear_system, change_pattern, FULL
   use model, only: model_t, state_t
   use newton_type, only: newton_t, pass_t
+  use predictor, only: predict
   use prescribed, only: to_prescribed
   use solution_state, only: accept_iteration
   implicit none
@@ -29,13 +30,15 @@ module newton
 contains
 
   !> Begin a step: state%factor and state%time hold for its end, state%u for its start.
-  subroutine begin_newton(newton, model, state)
+  subroutine begin_newton(newton, model, state, predicts)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
+    type(state_t), intent(inout) :: state
+    logical, intent(in) :: predicts          !! the step may start from predicted displacements
 
     newton%iterations = 0
     newton%before = 0
+    if (allocated(newton%asm%contact)) newton%asm%contact%mortar%step = -1 ! also after a cut-back
     newton%has_moved = .false.
     newton%converged = .false.
     newton%exact = .true.
@@ -46,6 +49,10 @@ contains
     if (.not. allocated(newton%move)) allocate (newton%move(3, model%mesh%nnode))
     call to_prescribed(model, state%factor, state%u, newton%move)
     newton%moves = any(abs(newton%move) > 0.0_wp)
+    newton%predicted = .false.
+    if (.not. predicts .or. newton%constraint%on) return
+    call predict(model, state, newton%move, newton%predicted)
+    newton%moves = newton%moves .and. .not. newton%predicted
   end subroutine begin_newton
 
   !> Forces and tangent at the current displacements; the trial history becomes the iteration's.
@@ -60,6 +67,8 @@ contains
     call prepare_newton(newton, model, symmetric, error)
     if (allocated(error)) return
     call form(newton%asm, model, state, pass%sweep, error)
+    if (allocated(error)) return
+    if (newton%predicted) call check_prediction(newton, model, state, pass%sweep, error)
     if (allocated(error)) return
     if (newton%has_moved .and. .not. pass%sweep%ok) then
       call move_less(newton, model, state, pass%sweep, error)
@@ -87,6 +96,27 @@ contains
       pass%trouble = 'the residual is not a number'
     end if
   end subroutine form_system
+
+  !> The forces at the predicted displacements are known: find the energy of the step. If an element
+  !! is inverted there, return to the displacements at the start of the step.
+  subroutine check_prediction(newton, model, state, sweep, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(sweep_t), intent(inout) :: sweep
+    type(error_t), allocatable, intent(out) :: error
+
+    newton%predicted = .false.
+    if (sweep%ok) then
+      newton%largest_energy = abs(sum((state%u - state%u_step) &
+                                      *(newton%asm%f_int - newton%asm%f_ext - state%reaction)))
+    else
+      state%u = state%u_step
+      state%u_base = state%u_step
+      newton%moves = any(abs(newton%move) > 0.0_wp)
+      call form(newton%asm, model, state, sweep, error)
+    end if
+  end subroutine check_prediction
 
   !> The increment with the prescribed motion inverts an element: a part of it is taken, and the
   !! rest of the motion is left to the next iterations.

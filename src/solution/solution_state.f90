@@ -110,6 +110,7 @@ contains
     integer :: b
 
     state%last_increment = state%u - state%u_step
+    state%last_dt = state%dt
     state%u_step = state%u
     do b = 1, size(state%history)
       state%history(b)%step = state%history(b)%iter(:size(state%history(b)%step, 1), :)

@@ -60,7 +60,7 @@ contains
     else
       call open_step(state, state%time)
     end if
-    call begin_newton(step%newton, model, state)
+    call begin_newton(step%newton, model, state, step%timed .and. step%cutbacks == 0)
   end subroutine begin_step
 
   !> Form forces and tangent at the current displacements.
