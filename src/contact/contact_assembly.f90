@@ -8,14 +8,16 @@ module contact_assembly
   use contact_element, only: form_element
   use contact_forces, only: add_force_parts
   use contact_history, only: side_positions, mark_beside, BESIDE, accept_slides
-  use contact_mortar, only: mortar_t, new_mortar, find_mortar, mortar_clique, add_mortar, &
-                            accept_mortar, split_mortar_forces
+  use contact_mortar, only: find_mortar, add_mortar
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR
   use contact_scatter, only: scatter_element
   use contact_type, only: NORMAL
   use contact_work, only: work_t, new_work, loads_both
   use csr, only: block_matrix_t, clique_t
   use model, only: model_t, state_t
+  use mortar_control, only: mortar_clique
+  use mortar_results, only: accept_mortar, split_mortar_forces
+  use mortar_type, only: mortar_t, new_mortar
   use projection_search, only: grid_t, update_grid
   use projection_type, only: foot_t, shape_t, touches
   use rigid_surface, only: react
@@ -80,17 +82,20 @@ contains
   !> Project all points. `grown`: the pattern must be rebuilt, either because new elements are
   !! coupled, or because a step begins with fewer couplings: its pattern must not depend on earlier
   !! steps, since a restarted run knows nothing of them.
-  subroutine find_contact(work, model, state, grown)
+  subroutine find_contact(work, model, state, grown, only_forces)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     logical, intent(out) :: grown
+    logical, intent(in), optional :: only_forces   !! of a line search
     real(wp), allocatable :: x(:, :)
-    logical :: slides
+    logical :: slides, trial
     integer :: c, k
 
     grown = .false.
     if (size(work) == 0) return
+    trial = .false.
+    if (present(only_forces)) trial = only_forces
     x = model%mesh%xr + state%u
     do c = 1, size(work)
       associate (contact => model%contact(c))
@@ -103,8 +108,8 @@ contains
         end do
         if (contact%scheme == MORTAR) then
           call find_mortar(work(c)%mortar, contact, x, model%mesh%xr + state%u_step, state%step, &
-                           slides, work(c)%shape, work(c)%grid, state%contact(c), work(c)%pairs, &
-                           grown)
+                           slides, trial, work(c)%shape, work(c)%grid, state%contact(c), &
+                           work(c)%pairs, grown)
         end if
         do k = 1, 2
           if (contact%side(k)%rigid) cycle

@@ -16,8 +16,8 @@ module contact_work
   use tensor, only: cross
   implicit none
   private
-  public :: work_t, new_work, reserve_partners, clear, add_own, add_partner, add_back, &
-            add_forces, add_cross, measure, position_on, position_at, tangents_on, &
+  public :: work_t, new_work, reserve_partners, reserve_crosses, clear, add_own, add_partner, &
+            add_back, add_cross, measure, position_on, position_at, tangents_on, &
             element_functions, own_share, loads_both
 
   !> Work arrays of one element and of the elements of the other side that its points refer to, its
@@ -75,20 +75,40 @@ contains
     allocate (work%pair(2, contact%nq), work%cross(3*ml, 3*ml, contact%nq))
   end subroutine new_work
 
-  !> Make room for n partners of an element.
-  subroutine reserve_partners(n, work)
+  !> Make room for n partners of an element. What the arrays hold is lost.
+  pure subroutine reserve_partners(n, work)
     integer, intent(in) :: n
     type(work_t), intent(inout) :: work
+    integer, allocatable :: partner(:)
     integer :: nk, nl, m
 
     if (n <= size(work%partner)) return
     m = 2*n
     nk = size(work%lk, 2)
     nl = size(work%lk, 1)
-    deallocate (work%partner, work%kl, work%back, work%lk, work%ll)
-    allocate (work%partner(m), work%kl(nk, nl, m), work%back(3, nl/3, m), work%lk(nl, nk, m), &
-              work%ll(nl, nl, m))
+    allocate (partner(m), source=0)
+    partner(:size(work%partner)) = work%partner
+    call move_alloc(partner, work%partner)
+    deallocate (work%kl, work%back, work%lk, work%ll)
+    allocate (work%kl(nk, nl, m), work%back(3, nl/3, m), work%lk(nl, nk, m), work%ll(nl, nl, m))
   end subroutine reserve_partners
+
+  !> Make room for n pairs of partners; those that there are remain.
+  pure subroutine reserve_crosses(n, work)
+    integer, intent(in) :: n
+    type(work_t), intent(inout) :: work
+    integer, allocatable :: pair(:, :)
+    real(wp), allocatable :: cross(:, :, :)
+    integer :: m
+
+    m = size(work%pair, 2)
+    if (n <= m) return
+    allocate (pair(2, 2*n), cross(size(work%cross, 1), size(work%cross, 2), 2*n))
+    pair(:, :m) = work%pair
+    cross(:, :, :m) = work%cross
+    call move_alloc(pair, work%pair)
+    call move_alloc(cross, work%cross)
+  end subroutine reserve_crosses
 
   !> Fraction of its traction with which a point loads its own side: half where both sides are
   !! integrated and load each other.
@@ -283,25 +303,6 @@ contains
     end if
     work%slot = slot
   end subroutine find_slot
-
-  !> The forces of add_own and add_back alone, without derivatives.
-  pure subroutine add_forces(other, e, xi, t, da, work)
-    type(surface_t), intent(in) :: other
-    integer, intent(in) :: e
-    real(wp), intent(in) :: xi(2), t(3), da
-    type(work_t), intent(inout) :: work
-    integer :: b, n
-
-    call find_slot(e, work)
-    n = other%basis(other%ibasis(e))%nsf
-    call element_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
-    do b = 1, work%nk
-      work%r(:, b) = work%r(:, b) - work%own(b)*da*t
-    end do
-    do b = 1, n
-      work%back(:, b, work%slot) = work%back(:, b, work%slot) + work%shp(b)*da*t
-    end do
-  end subroutine add_forces
 
   !> With BALAnced: add the same force, reversed, on the partner of the last add_partner. add_own
   !! and add_partner must have been called for this traction, because their columns are used.

@@ -147,22 +147,29 @@ contains
     real(wp), intent(out) :: dshp(:, :) !! (2, nsf)
     real(wp) :: f1(basis%degree(1) + 1), d1(basis%degree(1) + 1)
     real(wp) :: f2(basis%degree(2) + 1), d2(basis%degree(2) + 1)
-    integer :: i, j, b, n
+    real(wp) :: s(basis%nsf, 3), f(3)
+    integer :: a, i, j, b, n
 
     n = basis%nsf
     call bernstein(basis%degree(1), xi(1), f1, d1)
     call bernstein(basis%degree(2), xi(2), f2, d2)
-    shp(:n) = 0.0_wp
-    dshp(:, :n) = 0.0_wp
+    s = 0.0_wp
     b = 0
     do j = 1, size(f2)
       do i = 1, size(f1)
         b = b + 1
-        shp(:n) = shp(:n) + basis%c(:, b)*(f1(i)*f2(j))
-        dshp(1, :n) = dshp(1, :n) + basis%c(:, b)*(d1(i)*f2(j))
-        dshp(2, :n) = dshp(2, :n) + basis%c(:, b)*(f1(i)*d2(j))
+        f = [f1(i)*f2(j), d1(i)*f2(j), f1(i)*d2(j)]
+        !$omp simd
+        do a = 1, n
+          s(a, 1) = s(a, 1) + basis%c(a, b)*f(1)
+          s(a, 2) = s(a, 2) + basis%c(a, b)*f(2)
+          s(a, 3) = s(a, 3) + basis%c(a, b)*f(3)
+        end do
       end do
     end do
+    shp(:n) = s(:, 1)
+    dshp(1, :n) = s(:, 2)
+    dshp(2, :n) = s(:, 3)
   end subroutine surface_functions_at
 
 end module surface_basis

@@ -147,6 +147,13 @@ contains
     real(wp) :: low(p + 1)
     integer :: q
 
+    if (p == 2 .and. .not. present(d2b)) then ! the usual degree, in the same order of operations
+      low(1) = 0.5_wp*(1.0_wp - xi)
+      low(2) = 0.5_wp*(1.0_wp + xi)
+      db = [-low(1), low(1) - low(2), low(2)]
+      b = [low(1)*low(1), low(1)*low(2) + low(2)*low(1), low(2)*low(2)]
+      return
+    end if
     b = 0.0_wp
     b(1) = 1.0_wp
     low = 0.0_wp

@@ -1,0 +1,293 @@
+!> Control points of the mortar scheme: pressures, the nodes that they couple, and their part of the
+!! tangent.
+module mortar_control
+  use base_kinds, only: wp
+  use contact_cells, only: cells_t
+  use contact_pair, only: contact_t, surface_t, control_points_t
+  use contact_point, only: traction_derivatives_t, vary_normal, outer
+  use contact_type, only: PENALTY, SLIP
+  use contact_work, only: element_functions, own_share
+  use csr, only: block_matrix_t, clique_t, block_position
+  use mortar_type, only: mortar_t, mortar_side_t, control_functions, functions_at, number_at, &
+                         size_of_element
+  implicit none
+  private
+  public :: find_pressures, pressure_at, need_lists, mortar_clique, add_control_tangent
+
+  !> Overlap of a control point, relative to the largest, that does not count.
+  real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
+
+contains
+
+  !> Weighted gaps and pressures of the control points, and the pressures of the points.
+  subroutine find_pressures(contact, k, side, control)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(mortar_side_t), intent(inout) :: side
+    type(control_points_t), intent(inout) :: control
+    real(wp) :: energy, prop(size(contact%normal%prop))
+    real(wp) :: psi(size_of_element(contact%side(k)))
+    integer :: a, i, j
+
+    associate (own => contact%side(k), cells => side%cells, law => contact%normal%law)
+      control%gap = huge(1.0_wp)
+      control%pressure = 0.0_wp
+      side%q = 0.0_wp
+      side%dq = 0.0_wp
+      side%a = 0.0_wp
+      prop = contact%normal%prop
+      if (contact%control_penalty > 0.0_wp) then
+        side%volume = 0.0_wp
+        do i = 1, cells%n
+          if (cells%foot(i)%elem == 0) cycle
+          call control_at(own, cells, i, psi)
+          do j = 1, number_at(own, cells%elem(i))
+            a = own%control(own%control_first(cells%elem(i)) + j - 1)
+            side%a(a) = side%a(a) + cells%weight(i)*psi(j)
+            side%volume(a) = side%volume(a) + cells%weight(i)*psi(j)*cells%foot(i)%gap
+          end do
+        end do
+        prop(PENALTY) = contact%control_penalty
+        do a = 1, own%ncontrol
+          if (.not. side%a(a) > NO_OVERLAP*maxval(side%a)) cycle
+          control%gap(a) = side%volume(a)/side%a(a)
+          call law%normal(prop, control%gap(a), control%multiplier(a), side%q(a), &
+                          side%dq(a), energy)
+        end do
+        control%pressure = side%q
+      end if
+      prop(PENALTY) = contact%normal%prop(PENALTY) - contact%control_penalty
+      side%p = 0.0_wp
+      side%dp = 0.0_wp
+      do i = 1, cells%n
+        if (cells%foot(i)%elem == 0) cycle
+        call law%normal(prop, cells%foot(i)%gap, 0.0_wp, side%p(i), side%dp(i), energy)
+        if (.not. contact%control_penalty > 0.0_wp) cycle
+        call control_at(own, cells, i, psi)
+        do j = 1, number_at(own, cells%elem(i))
+          a = own%control(own%control_first(cells%elem(i)) + j - 1)
+          side%p(i) = side%p(i) + psi(j)*side%q(a)
+        end do
+      end do
+    end associate
+  end subroutine find_pressures
+
+  !> Functions of the control points at point i.
+  pure subroutine control_at(surface, cells, i, psi)
+    type(surface_t), intent(in) :: surface
+    type(cells_t), intent(in) :: cells
+    integer, intent(in) :: i
+    real(wp), intent(out) :: psi(:)
+    real(wp) :: shp(size(psi)), dshp(2, size(psi))
+    integer :: n
+
+    n = surface%first(cells%elem(i) + 1) - surface%first(cells%elem(i))
+    if (.not. surface%hats) then
+      call element_functions(surface, cells%elem(i), cells%xi(:, i), shp(:n), dshp(:, :n))
+    end if
+    call control_functions(surface, cells%xi(:, i), shp(:n), psi)
+  end subroutine control_at
+
+  !> Pressure on the reference area at a point with a given gap.
+  pure real(wp) function pressure_at(side, contact, k, e, xi, gap) result(p)
+    type(mortar_side_t), intent(in) :: side
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, e
+    real(wp), intent(in) :: xi(2), gap
+    real(wp) :: psi(size_of_element(contact%side(k))), prop(size(contact%normal%prop)), dp, energy
+    integer :: j
+
+    prop = contact%normal%prop
+    prop(PENALTY) = prop(PENALTY) - contact%control_penalty
+    call contact%normal%law%normal(prop, gap, 0.0_wp, p, dp, energy)
+    if (.not. contact%control_penalty > 0.0_wp) return
+    associate (own => contact%side(k))
+      call functions_at(own, e, xi, psi)
+      do j = 1, number_at(own, e)
+        p = p + psi(j)*side%q(own%control(own%control_first(e) + j - 1))
+      end do
+    end associate
+  end function pressure_at
+
+  !> Nodes that each control point couples.
+  subroutine need_lists(contact, k, side, nnode, new, grown)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(mortar_side_t), intent(inout) :: side
+    integer, intent(in) :: nnode
+    logical, intent(in) :: new               !! the step begins: earlier couplings are forgotten
+    logical, intent(inout) :: grown
+    integer, allocatable :: mark(:), list(:)
+    integer :: a, e, i, n, r
+
+    allocate (mark(nnode), source=0)
+    allocate (list(nnode))
+    associate (own => contact%side(k), other => contact%side(3 - k), cells => side%cells)
+      do a = 1, own%ncontrol
+        n = 0
+        if (side%dq(a) < 0.0_wp) then
+          do r = side%round_first(a), side%round_first(a + 1) - 1
+            e = side%round(r)
+            if (cells%first(e) == cells%first(e + 1)) cycle
+            call put_element(own, e)
+            do i = cells%first(e), cells%first(e + 1) - 1
+              if (cells%foot(i)%elem == 0) cycle
+              call put_element(other, cells%foot(i)%elem)
+            end do
+          end do
+        end if
+        mark(list(:n)) = 0
+        associate (known => side%known(a))
+          if (new) then ! a list that is the same needs no new pattern
+            if (n /= size(known%node)) then
+              grown = .true.
+            else if (n > 0) then
+              mark(known%node) = 1
+              grown = grown .or. any(mark(list(:n)) == 0)
+              mark(known%node) = 0
+            end if
+            known%node = list(:n)
+          else if (n > 0) then
+            mark(known%node) = 1
+            r = 0
+            do i = 1, n
+              if (mark(list(i)) > 0) cycle
+              r = r + 1
+              list(r) = list(i)
+            end do
+            mark(known%node) = 0
+            if (r > 0) then
+              grown = .true.
+              known%node = [known%node, list(:r)]
+            end if
+          end if
+        end associate
+      end do
+    end associate
+
+  contains
+
+    subroutine put_element(surface, e)
+      type(surface_t), intent(in) :: surface
+      integer, intent(in) :: e
+      integer :: j
+
+      do j = surface%first(e), surface%first(e + 1) - 1
+        if (mark(surface%node(j)) > 0) cycle
+        mark(surface%node(j)) = 1
+        n = n + 1
+        list(n) = surface%node(j)
+      end do
+    end subroutine put_element
+  end subroutine need_lists
+
+  !> Nodes that are coupled by the control points of side k, for the pattern.
+  subroutine mortar_clique(mortar, k, clique)
+    type(mortar_t), intent(in) :: mortar
+    integer, intent(in) :: k
+    type(clique_t), intent(out) :: clique
+    integer :: a, m, n, size_of(size(mortar%side(k)%known))
+
+    size_of = [(size(mortar%side(k)%known(a)%node), a=1, size(size_of))]
+    m = 0
+    if (size(size_of) > 0) m = maxval(size_of)
+    allocate (clique%conn(m, count(size_of > 0)))
+    n = 0
+    do a = 1, size(size_of)
+      if (size_of(a) == 0) cycle
+      n = n + 1
+      clique%conn(:, n) = mortar%side(k)%known(a)%node(1)
+      clique%conn(:size_of(a), n) = mortar%side(k)%known(a)%node
+    end do
+  end subroutine mortar_clique
+
+  !> The part of the tangent that couples all nodes round a control point: the pressure there varies
+  !! with the positions of all of them.
+  subroutine add_control_tangent(side, contact, k, x, a)
+    type(mortar_side_t), intent(in) :: side
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    real(wp), intent(in) :: x(:, :)
+    type(block_matrix_t), intent(inout) :: a
+    real(wp), allocatable :: slope(:, :)     ! (3, nodes) of the sum of w N g
+    real(wp), allocatable :: rows(:, :)      ! (3, nodes) forces by the pressure, friction included
+    integer, allocatable :: at(:), list(:)
+    real(wp) :: psi(size_of_element(contact%side(k)))
+    real(wp) :: shp(size_of_element(contact%side(k))), dshp(2, size_of_element(contact%side(k)))
+    real(wp) :: there(size_of_element(contact%side(3 - k))), &
+                dthere(2, size_of_element(contact%side(3 - k)))
+    type(traction_derivatives_t) :: dn
+    real(wp) :: xi(3), n(3), t(3), w, stiffness
+    integer :: c, e, i, j, l, most, r, nk, nl, p
+
+    most = 0
+    do c = 1, size(side%known)
+      most = max(most, size(side%known(c)%node))
+    end do
+    allocate (at(size(x, 2)), source=0)
+    allocate (slope(3, most), rows(3, most))
+    associate (own => contact%side(k), other => contact%side(3 - k), cells => side%cells)
+      do c = 1, own%ncontrol
+        if (.not. side%dq(c) < 0.0_wp) cycle
+        list = side%known(c)%node
+        do j = 1, size(list)
+          at(list(j)) = j
+        end do
+        slope = 0.0_wp
+        rows = 0.0_wp
+        do r = side%round_first(c), side%round_first(c + 1) - 1
+          e = side%round(r)
+          nk = own%first(e + 1) - own%first(e)
+          do i = cells%first(e), cells%first(e + 1) - 1
+            if (cells%foot(i)%elem == 0) cycle
+            call element_functions(own, e, cells%xi(:, i), shp(:nk), dshp(:, :nk))
+            call control_functions(own, cells%xi(:, i), shp(:nk), psi)
+            w = 0.0_wp
+            do j = 1, number_at(own, e)
+              if (own%control(own%control_first(e) + j - 1) == c) w = w + psi(j)
+            end do
+            w = w*cells%weight(i)
+            if (.not. abs(w) > 0.0_wp) cycle
+            xi = 0.0_wp
+            do j = 1, nk
+              xi = xi + shp(j)*x(:, own%node(own%first(e) + j - 1))
+            end do
+            call vary_normal(cells%foot(i), xi, n, dn)
+            t = n                              ! traction by pressure
+            if (side%state(i) == SLIP) t = n + side%friction(:, i)/side%p(i)
+            do j = 1, nk
+              l = at(own%node(own%first(e) + j - 1))
+              slope(:, l) = slope(:, l) + w*shp(j)*n
+              rows(:, l) = rows(:, l) + w*shp(j)*t
+            end do
+            associate (first => other%first(cells%foot(i)%elem))
+              nl = other%first(cells%foot(i)%elem + 1) - first
+              call element_functions(other, cells%foot(i)%elem, cells%foot(i)%xi, there(:nl), &
+                                     dthere(:, :nl))
+              do j = 1, nl
+                l = at(other%node(first + j - 1))
+                slope(:, l) = slope(:, l) - w*there(j)*n
+                rows(:, l) = rows(:, l) - w*there(j)*t
+              end do
+            end associate
+          end do
+        end do
+        stiffness = -own_share(contact)*side%dq(c)/side%a(c)
+        do j = 1, size(list)
+          do i = 1, size(list)
+            if (a%symmetric .and. list(i) > list(j)) cycle
+            p = block_position(a, list(i), list(j))
+            if (a%symmetric) then
+              a%val(:, :, p) = a%val(:, :, p) + 0.5_wp*stiffness*(outer(rows(:, i), slope(:, j)) &
+                                                                  + outer(slope(:, i), rows(:, j)))
+            else
+              a%val(:, :, p) = a%val(:, :, p) + outer(rows(:, i), stiffness*slope(:, j))
+            end if
+          end do
+        end do
+        at(list) = 0
+      end do
+    end associate
+  end subroutine add_control_tangent
+
+end module mortar_control

@@ -1,0 +1,394 @@
+!> Forces and derivatives of the points of one element with the mortar scheme.
+!!
+!! A point of element e loads its own nodes b with -N_b w t and the nodes c of the element that it
+!! faces with M_c(xi) w t. Of these, t and xi vary. For all points of e that face the same element,
+!! the derivatives of the forces by the positions x_d of the nodes of both elements are products of
+!! matrices, which BLAS computes:
+!!
+!!   dr_b = -sum N_b (w dt/dx_d),
+!!   dr_c =  sum M_c (w dt/dx_d) + sum_a sum (M_c,a t) (w dxi_a/dx_d).
+!!
+!! Friction also varies with the sliding point, which may belong to another element. The columns of
+!! the matrices are the first components of all nodes of e, then the second and the third ones, and
+!! then those of the other element.
+module mortar_kernel
+  use base_kinds, only: wp
+  use contact_pair, only: contact_t
+  use contact_point, only: point_t, traction_derivatives_t, vary_normal, vary_projection, &
+                           add_friction, outer
+  use contact_type, only: OPEN, TOUCH
+  use contact_work, only: work_t, reserve_partners, reserve_crosses, element_functions, own_share
+  use lapack, only: dgemm
+  use mortar_type, only: mortar_side_t, kernel_t
+  implicit none
+  private
+  public :: form_cells
+
+contains
+
+  !> Forces of element e and their derivatives where the pressures of control points are fixed.
+  pure subroutine form_cells(contact, k, e, x, dt_first, slides, tangent, side, kernel, work)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, e
+    real(wp), intent(in) :: x(:, :)           !! (3, nnode) [L]
+    real(wp), intent(in) :: dt_first          !! [T] of the step, if it begins; otherwise negative
+    logical, intent(in) :: slides
+    logical, intent(in) :: tangent            !! .false.: forces only
+    type(mortar_side_t), intent(inout) :: side
+    type(kernel_t), intent(inout) :: kernel
+    type(work_t), intent(inout) :: work
+    integer :: faced, from, m, n, nk, nl, slot
+
+    associate (own => contact%side(k), other => contact%side(3 - k))
+      nk = own%first(e + 1) - own%first(e)
+      work%nk = nk
+      call list_points(side, e, slides, kernel, work, n, faced)
+      if (n == 0) return
+      kernel%xe = x(:, own%node(own%first(e):own%first(e + 1) - 1))
+      call clear(nk, tangent, work)
+      from = 1
+      do slot = 1, faced
+        m = count(kernel%slot(from:n) == slot)
+        nl = other%first(work%partner(slot) + 1) - other%first(work%partner(slot))
+        call reserve(nk, nl, m, kernel)
+        call form_points(contact, k, slot, from, nk, nl, 3*(nk + nl), m, x, dt_first, tangent, &
+                         side, kernel%point, kernel%slide_slot, kernel%xe, kernel%own, &
+                         kernel%shp, kernel%slope, kernel%dt, kernel%dxi, kernel%ds, work)
+        if (tangent) then
+          call add_products(nk, nl, 3*(nk + nl), m, slot, kernel%own, kernel%shp, kernel%slope, &
+                            kernel%dt, kernel%dxi, kernel%k, work)
+          if (any(kernel%slide_slot(from:from + m - 1) > 0 .and. &
+                  kernel%slide_slot(from:from + m - 1) /= slot)) then
+            call add_away(contact, k, slot, nk, nl, m, kernel%point(from:from + m - 1), &
+                          kernel%slide_slot(from:from + m - 1), side%slide_shp, kernel%own, &
+                          kernel%shp, kernel%ds, work)
+          end if
+        end if
+        from = from + m
+      end do
+    end associate
+  end subroutine form_cells
+
+  !> List the points of element e that carry a pressure by the elements that they face. Partners are
+  !! these elements first, and then those of the sliding points. The results of all points are
+  !! cleared.
+  pure subroutine list_points(side, e, slides, kernel, work, n, faced)
+    type(mortar_side_t), intent(inout) :: side
+    integer, intent(in) :: e
+    logical, intent(in) :: slides
+    type(kernel_t), intent(inout) :: kernel
+    type(work_t), intent(inout) :: work
+    integer, intent(out) :: n                  !! points
+    integer, intent(out) :: faced              !! partners that are faced
+    integer :: list(side%cells%first(e + 1) - side%cells%first(e)), slot(size(list))
+    integer :: i, j, s
+
+    n = 0
+    do i = side%cells%first(e), side%cells%first(e + 1) - 1
+      side%state(i) = OPEN
+      side%friction(:, i) = 0.0_wp
+      side%elastic(:, i) = 0.0_wp
+      side%slip(i) = 0.0_wp
+      if (.not. side%p(i) > 0.0_wp) cycle
+      n = n + 1
+      list(n) = i
+    end do
+    faced = 0
+    work%npartner = 0
+    work%ncross = 0
+    if (n == 0) return
+    if (.not. allocated(kernel%point)) allocate (kernel%point(0))
+    if (n > size(kernel%point)) then
+      kernel%point = list
+      kernel%slot = list
+      kernel%slide_slot = list
+    end if
+    do j = 1, n
+      call find_slot(side%cells%foot(list(j))%elem, work, slot(j))
+    end do
+    faced = work%npartner
+    i = 0
+    do s = 1, faced
+      do j = 1, n
+        if (slot(j) /= s) cycle
+        i = i + 1
+        kernel%point(i) = list(j)
+        kernel%slot(i) = s
+      end do
+    end do
+    kernel%slide_slot(:n) = 0
+    if (.not. slides) return
+    do i = 1, n
+      j = side%slide(kernel%point(i))
+      if (j > 0) call find_slot(j, work, kernel%slide_slot(i))
+    end do
+  end subroutine list_points
+
+  !> The slot of a partner, a new one where it has none.
+  pure subroutine find_slot(partner, work, slot)
+    integer, intent(in) :: partner
+    type(work_t), intent(inout) :: work
+    integer, intent(out) :: slot
+
+    do slot = work%npartner, 1, -1
+      if (work%partner(slot) == partner) return
+    end do
+    slot = work%npartner + 1
+    call reserve_partners(slot, work)
+    work%npartner = slot
+    work%partner(slot) = partner
+  end subroutine find_slot
+
+  !> Zero the sums of an element.
+  pure subroutine clear(nk, tangent, work)
+    integer, intent(in) :: nk
+    logical, intent(in) :: tangent
+    type(work_t), intent(inout) :: work
+    integer :: n
+
+    n = work%npartner
+    work%r(:, :nk) = 0.0_wp
+    work%back(:, :, :n) = 0.0_wp
+    if (.not. tangent) return
+    work%kk(:, :3*nk) = 0.0_wp
+    work%kl(:, :, :n) = 0.0_wp
+    work%lk(:, :, :n) = 0.0_wp
+    work%ll(:, :, :n) = 0.0_wp
+  end subroutine clear
+
+  !> Make room for m points.
+  pure subroutine reserve(nk, nl, m, kernel)
+    integer, intent(in) :: nk, nl, m
+    type(kernel_t), intent(inout) :: kernel
+    integer :: nd
+
+    nd = 3*(nk + nl)
+    if (allocated(kernel%dt)) then
+      if (size(kernel%own) >= nk*m .and. size(kernel%shp) >= nl*m .and. &
+          size(kernel%dt) >= 3*nd*m .and. size(kernel%ds, 3) >= m .and. &
+          size(kernel%k) >= 3*max(nk, nl)*nd) return
+      deallocate (kernel%own, kernel%shp, kernel%slope, kernel%dt, kernel%dxi, kernel%ds, kernel%k)
+    end if
+    allocate (kernel%own(2*nk*m), kernel%shp(2*nl*m), kernel%slope(12*nl*m), kernel%dt(6*nd*m), &
+              kernel%dxi(4*nd*m), kernel%ds(3, 3, 2*m), kernel%k(3*max(nk, nl)*nd))
+  end subroutine reserve
+
+  !> The points that face one partner: their tractions and states, the forces, and what the
+  !! derivatives of the forces are made of.
+  pure subroutine form_points(contact, k, slot, from, nk, nl, nd, m, x, dt_first, tangent, side, &
+                              point, slide_slot, xe, own_shp, shp, slope, dt, dxi, ds, work)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, slot, nk, nl, nd, m
+    integer, intent(in) :: from               !! the first of the m points in `point`
+    real(wp), intent(in) :: x(:, :), dt_first
+    logical, intent(in) :: tangent
+    type(mortar_side_t), intent(inout) :: side
+    integer, intent(in) :: point(:), slide_slot(:)
+    real(wp), intent(in) :: xe(3, nk)
+    real(wp), intent(inout) :: own_shp(nk, m), shp(nl, m), slope(nl, 2, m, 3)
+    real(wp), intent(inout) :: dt(nd, 3, m), dxi(nd, 2, m), ds(:, :, :)
+    type(work_t), intent(inout) :: work
+    type(point_t) :: at
+    type(traction_derivatives_t) :: d, dn
+    real(wp) :: dshp(2, nl), h(3, 2), c(2, 2), g(3), t(3), load, share
+    integer :: b, f, i, j, p, s
+
+    f = work%partner(slot)
+    share = own_share(contact)
+    associate (other => contact%side(3 - k))
+      do p = 1, m
+        i = point(from + p - 1)
+        s = slide_slot(from + p - 1)
+        associate (foot => side%cells%foot(i), dpdx => side%dp(i))
+          own_shp(:, p) = side%shp(:nk, i)
+          call element_functions(other, f, foot%xi, shp(:, p), dshp)
+          at = point_t(p=side%p(i), state=TOUCH)
+          do b = 1, nk
+            at%x = at%x + own_shp(b, p)*xe(:, b)
+          end do
+          call vary_normal(foot, at%x, at%n, dn)
+          at%t = at%p*at%n
+          d%x = outer(at%n, dpdx*at%n) + at%p*dn%x
+          d%p = -outer(at%n, dpdx*at%n) + at%p*dn%p
+          d%a = at%p*dn%a
+          at%slides = s > 0
+          if (at%slides) then
+            b = other%first(side%slide(i)) - 1
+            do j = 1, other%first(side%slide(i) + 1) - 1 - b
+              at%xs = at%xs + side%slide_shp(j, i)*x(:, other%node(b + j))
+            end do
+            if (dt_first > 0.0_wp) at%ahead = side%ahead(i)*dt_first
+            call add_friction(contact, dn, dpdx*at%n, at, d)
+          end if
+          side%state(i) = at%state
+          side%friction(:, i) = at%friction
+          side%elastic(:, i) = at%elastic
+          side%slip(i) = at%slip
+          load = share*side%cells%weight(i)
+          t = load*at%t
+          do b = 1, nk
+            work%r(:, b) = work%r(:, b) - own_shp(b, p)*t
+          end do
+          do b = 1, nl
+            work%back(:, b, slot) = work%back(:, b, slot) + shp(b, p)*t
+          end do
+          if (.not. tangent) cycle
+          call vary_projection(foot, at%x, h, c, g)
+        end associate
+        do i = 1, 3
+          do b = 1, nl
+            slope(b, 1, p, i) = at%t(i)*dshp(1, b)
+            slope(b, 2, p, i) = at%t(i)*dshp(2, b)
+          end do
+        end do
+        call vary_both(nk, nl, own_shp(:, p), shp(:, p), dshp, load, d, h, c, g, dt(:, :, p), &
+                       dxi(:, :, p))
+        ds(:, :, p) = load*d%s
+        if (s /= slot) cycle
+        do i = 1, 3
+          do j = 1, 3
+            b = 3*nk + (j - 1)*nl
+            dt(b + 1:b + nl, i, p) = dt(b + 1:b + nl, i, p) &
+                                     + ds(i, j, p)*side%slide_shp(:nl, point(from + p - 1))
+          end do
+        end do
+      end do
+    end associate
+  end subroutine form_points
+
+  !> Derivatives of the traction and the parameters of a point by the nodes of both elements.
+  pure subroutine vary_both(nk, nl, own_shp, shp, dshp, load, d, h, c, g, dt, dxi)
+    integer, intent(in) :: nk, nl
+    real(wp), intent(in) :: own_shp(nk), shp(nl), dshp(2, nl), load
+    type(traction_derivatives_t), intent(in) :: d
+    real(wp), intent(in) :: h(3, 2), c(2, 2), g(3) !! see vary_projection
+    real(wp), intent(out) :: dt(3*(nk + nl), 3), dxi(3*(nk + nl), 2)
+    real(wp) :: p, r(2)
+    integer :: b, i, j, n
+
+    do j = 1, 3
+      n = (j - 1)*nk
+      do i = 1, 3
+        p = load*d%x(i, j)
+        do b = 1, nk
+          dt(n + b, i) = p*own_shp(b)
+        end do
+      end do
+      do i = 1, 2
+        p = load*h(j, i)
+        do b = 1, nk
+          dxi(n + b, i) = p*own_shp(b)
+        end do
+      end do
+      n = 3*nk + (j - 1)*nl
+      do i = 1, 3
+        p = load*d%p(i, j)
+        r = load*d%a(i, j, :)
+        do b = 1, nl
+          dt(n + b, i) = p*shp(b) + r(1)*dshp(1, b) + r(2)*dshp(2, b)
+        end do
+      end do
+      do i = 1, 2
+        p = -load*h(j, i)
+        r = load*g(j)*c(i, :)
+        do b = 1, nl
+          dxi(n + b, i) = p*shp(b) + r(1)*dshp(1, b) + r(2)*dshp(2, b)
+        end do
+      end do
+    end do
+  end subroutine vary_both
+
+  !> Add the derivatives of the forces of m points that face one partner.
+  pure subroutine add_products(nk, nl, nd, m, slot, own_shp, shp, slope, dt, dxi, product, work)
+    integer, intent(in) :: nk, nl, nd, m, slot
+    real(wp), intent(in) :: own_shp(nk, m), shp(nl, m), slope(nl, 2, m, 3), dt(nd, 3, m), &
+                            dxi(nd, 2, m)
+    real(wp), intent(inout) :: product(3*max(nk, nl)*nd)
+    type(work_t), intent(inout) :: work
+    integer :: i
+
+    call dgemm('N', 'T', nk, 3*nd, m, -1.0_wp, own_shp, nk, dt, 3*nd, 0.0_wp, product, nk)
+    call add_block(nk, nk, nd, 0, product, work%kk)
+    call add_block(nk, nl, nd, 3*nk, product, work%kl(:, :, slot))
+    call dgemm('N', 'T', nl, 3*nd, m, 1.0_wp, shp, nl, dt, 3*nd, 0.0_wp, product, nl)
+    do i = 1, 3
+      call dgemm('N', 'T', nl, nd, 2*m, 1.0_wp, slope(1, 1, 1, i), nl, dxi, nd, 1.0_wp, &
+                 product(1 + (i - 1)*nl*nd), nl)
+    end do
+    call add_block(nl, nk, nd, 0, product, work%lk(:, :, slot))
+    call add_block(nl, nl, nd, 3*nk, product, work%ll(:, :, slot))
+  end subroutine add_products
+
+  !> Add columns of a product to a block: those of n nodes after column `before`.
+  pure subroutine add_block(nrow, n, nd, before, product, block)
+    integer, intent(in) :: nrow, n, nd, before
+    real(wp), intent(in) :: product(nrow, nd, 3)
+    real(wp), intent(inout) :: block(:, :)     !! (3*nrow, 3*n)
+    integer :: a, b, i, j
+
+    do b = 1, n
+      do j = 1, 3
+        do i = 1, 3
+          do a = 1, nrow
+            block(3*(a - 1) + i, 3*(b - 1) + j) = block(3*(a - 1) + i, 3*(b - 1) + j) &
+                                                  + product(a, before + b + (j - 1)*n, i)
+          end do
+        end do
+      end do
+    end do
+  end subroutine add_block
+
+  !> Add the derivatives by sliding points that belong to other elements than the points face.
+  pure subroutine add_away(contact, k, slot, nk, nl, m, point, slide_slot, slide_shp, own_shp, &
+                           shp, ds, work)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, slot, nk, nl, m
+    integer, intent(in) :: point(m), slide_slot(m)
+    real(wp), intent(in) :: slide_shp(:, :), own_shp(nk, m), shp(nl, m), ds(:, :, :)
+    type(work_t), intent(inout) :: work
+    integer :: a, b, c, f, i, j, n, p, s
+    real(wp) :: q
+
+    associate (other => contact%side(3 - k))
+      do p = 1, m
+        s = slide_slot(p)
+        if (s == 0 .or. s == slot) cycle
+        f = work%partner(s)
+        n = other%first(f + 1) - other%first(f)
+        call find_cross(slot, s, work, c)
+        do b = 1, n
+          do j = 1, 3
+            do i = 1, 3
+              q = ds(i, j, p)*slide_shp(b, point(p))
+              do a = 1, nk
+                work%kl(3*(a - 1) + i, 3*(b - 1) + j, s) = &
+                  work%kl(3*(a - 1) + i, 3*(b - 1) + j, s) - own_shp(a, p)*q
+              end do
+              do a = 1, nl
+                work%cross(3*(a - 1) + i, 3*(b - 1) + j, c) = &
+                  work%cross(3*(a - 1) + i, 3*(b - 1) + j, c) + shp(a, p)*q
+              end do
+            end do
+          end do
+        end do
+      end do
+    end associate
+  end subroutine add_away
+
+  !> The number of a pair of slots, a new one where it has none.
+  pure subroutine find_cross(slot, other, work, c)
+    integer, intent(in) :: slot, other
+    type(work_t), intent(inout) :: work
+    integer, intent(out) :: c
+
+    do c = work%ncross, 1, -1
+      if (work%pair(1, c) == slot .and. work%pair(2, c) == other) return
+    end do
+    c = work%ncross + 1
+    call reserve_crosses(c, work)
+    work%ncross = c
+    work%pair(:, c) = [slot, other]
+    work%cross(:, :, c) = 0.0_wp
+  end subroutine find_cross
+
+end module mortar_kernel

@@ -1,0 +1,194 @@
+!> Results of the mortar scheme when a step is accepted.
+module mortar_results
+  use base_kinds, only: wp
+  use contact_pair, only: contact_t, contact_state_t, friction_points_t
+  use contact_point, only: traction_derivatives_t, vary_normal
+  use contact_type, only: OPEN, STICK, SLIP
+  use contact_work, only: element_functions, own_share
+  use mortar_control, only: pressure_at
+  use mortar_type, only: mortar_t, mortar_side_t, size_of_element
+  use projection, only: project
+  use projection_search, only: grid_t
+  use projection_type, only: foot_t, shape_t, touches
+  use rigid_surface, only: put_force
+  use surface_geometry, only: surface_point
+  use tensor, only: cross
+  implicit none
+  private
+  public :: accept_mortar, split_mortar_forces
+
+contains
+
+  !> A step is accepted: where friction acted, the work of slip, and the results at the integration
+  !! points, which serve fields, curves and reports: tractions on the current area.
+  subroutine accept_mortar(mortar, contact, k, shape, grid, state)
+    type(mortar_t), intent(in) :: mortar
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(shape_t), intent(in) :: shape(2)
+    type(grid_t), intent(in) :: grid(2)
+    type(contact_state_t), intent(inout) :: state
+    type(foot_t) :: foot
+    type(traction_derivatives_t) :: dn
+    real(wp) :: at(3), a(3, 2), b(3, 3), n(3), p, reference, stretch
+    integer :: e, i, j, q
+
+    call keep_friction(mortar%side(k), contact, state%side(k)%dt, state%rubbed(k), state%dissipated)
+    call measure_cells(mortar, contact, k, shape(k), state)
+    associate (own => contact%side(k), side => mortar%side(k), points => state%side(k))
+      points%traction = 0.0_wp
+      points%friction = 0.0_wp
+      points%elastic = 0.0_wp
+      points%slip = 0.0_wp
+      points%pressure = 0.0_wp
+      points%state = OPEN
+      do e = 1, own%nelem
+        do q = 1, contact%nq
+          i = (e - 1)*contact%nq + q
+          call surface_point(own, mortar%reference(k), e, contact%xi(:, q), at, a, b)
+          reference = norm2(cross(a(:, 1), a(:, 2)))
+          call surface_point(own, shape(k), e, contact%xi(:, q), at, a, b)
+          stretch = norm2(cross(a(:, 1), a(:, 2)))
+          points%area(i) = contact%wgt(q)*stretch
+          foot%elem = points%closest(i)
+          foot%xi = points%closest_xi(:, i)
+          call project(contact%side(3 - k), shape(3 - k), grid(3 - k), at, foot, contact%depth)
+          points%closest(i) = foot%elem
+          points%closest_xi(:, i) = foot%xi
+          points%gap(i) = foot%gap
+          if (.not. touches(foot, contact%depth)) cycle
+          p = pressure_at(side, contact, k, e, contact%xi(:, q), foot%gap)
+          if (.not. (p > 0.0_wp .and. stretch > 0.0_wp)) cycle
+          j = nearest_closed(side, e, contact%xi(:, q))
+          if (j == 0) cycle                  ! beyond the border of the other side, or looking away
+          call vary_normal(foot, at, n, dn)
+          p = p*reference/stretch
+          points%pressure(i) = p
+          points%state(i) = side%state(j)
+          points%friction(:, i) = p/side%p(j)*(side%friction(:, j) &
+                                               - dot_product(side%friction(:, j), n)*n)
+          points%traction(:, i) = p*n + points%friction(:, i)
+          points%elastic(:, i) = side%elastic(:, j)
+          points%slip(i) = side%slip(j)
+        end do
+      end do
+    end associate
+  end subroutine accept_mortar
+
+  !> What the points of the next step take over, and the work of the slip of this one.
+  subroutine keep_friction(side, contact, dt, rubbed, dissipated)
+    type(mortar_side_t), intent(in) :: side
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: dt               !! [T]
+    type(friction_points_t), intent(inout) :: rubbed
+    real(wp), intent(inout) :: dissipated    !! [F L]
+    logical :: rubs(side%cells%n)
+    integer :: e, i, n
+
+    associate (cells => side%cells)
+      rubs = .false. ! whole elements: open points beside those in contact count as well
+      do e = 1, size(cells%first) - 1
+        i = cells%first(e)
+        n = cells%first(e + 1) - 1
+        rubs(i:n) = any(side%state(i:n) == STICK .or. side%state(i:n) == SLIP)
+      end do
+      n = cells%n
+      rubbed%elem = pack(cells%elem(:n), rubs)
+      rubbed%xi = reshape(pack(cells%xi(:, :n), spread(rubs, 1, 2)), [2, count(rubs)])
+      rubbed%elastic = reshape(pack(side%elastic, spread(rubs, 1, 3)), [3, count(rubs)])
+      rubbed%slip_rate = pack(merge(side%slip, 0.0_wp, side%state == SLIP), rubs) &
+                         /max(dt, tiny(1.0_wp))
+      do i = 1, n
+        dissipated = dissipated + own_share(contact)*cells%weight(i)*norm2(side%friction(:, i)) &
+                     *side%slip(i)
+      end do
+    end associate
+  end subroutine keep_friction
+
+  !> The nearest point of the cells of an element that carries a pressure; 0: there is none.
+  pure integer function nearest_closed(side, e, xi) result(j)
+    type(mortar_side_t), intent(in) :: side
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    real(wp) :: d, least
+    integer :: i, n
+
+    j = 0
+    least = huge(least)
+    do i = side%cells%first(e), side%cells%first(e + 1) - 1
+      if (.not. side%p(i) > 0.0_wp) cycle
+      d = sum((side%cells%xi(:, i) - xi)**2)
+      if (d >= least) cycle
+      least = d
+      j = i
+    end do
+    n = max(1, side%cells%first(e + 1) - side%cells%first(e))
+    if (least > 16.0_wp/n) j = 0 ! farther than about two points are from each other
+  end function nearest_closed
+
+  !> Area in contact, its parts that stick and slip, and the largest penetration of side k.
+  subroutine measure_cells(mortar, contact, k, shape, state)
+    type(mortar_t), intent(in) :: mortar
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(shape_t), intent(in) :: shape       !! of side k
+    type(contact_state_t), intent(inout) :: state
+    real(wp) :: x(3), a(3, 2), b(3, 3), area, reference
+    integer :: i
+
+    state%area(k) = 0.0_wp
+    state%sticks(k) = 0.0_wp
+    state%slips(k) = 0.0_wp
+    state%penetration(k) = 0.0_wp
+    state%sheared(k) = 0.0_wp
+    associate (side => mortar%side(k), cells => mortar%side(k)%cells)
+      do i = 1, cells%n
+        if (.not. side%p(i) > 0.0_wp) cycle
+        call surface_point(contact%side(k), mortar%reference(k), cells%elem(i), cells%xi(:, i), x, &
+                           a, b)
+        reference = norm2(cross(a(:, 1), a(:, 2)))
+        if (.not. reference > 0.0_wp) cycle
+        call surface_point(contact%side(k), shape, cells%elem(i), cells%xi(:, i), x, a, b)
+        area = cells%weight(i)*norm2(cross(a(:, 1), a(:, 2)))/reference
+        state%area(k) = state%area(k) + area
+        if (side%state(i) == STICK) state%sticks(k) = state%sticks(k) + area
+        if (side%state(i) == SLIP) state%slips(k) = state%slips(k) + area
+        state%penetration(k) = max(state%penetration(k), -cells%foot(i)%gap)
+        state%sheared(k) = state%sheared(k) + 0.5_wp*own_share(contact)*cells%weight(i) &
+                           *norm2(side%friction(:, i))*norm2(side%elastic(:, i))
+      end do
+    end associate
+  end subroutine measure_cells
+
+  !> Internal forces of the pressure on side k at the last assembly. The work of friction is that of
+  !! the slip (keep_friction).
+  subroutine split_mortar_forces(mortar, contact, k, x, f)
+    type(mortar_t), intent(in) :: mortar
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    real(wp), intent(in) :: x(:, :)
+    real(wp), intent(inout) :: f(:, :)       !! (3, nnode) [F]
+    real(wp) :: shp(size_of_element(contact%side(k))), dshp(2, size_of_element(contact%side(k)))
+    type(traction_derivatives_t) :: dn
+    real(wp) :: at(3), n(3), t(3)
+    integer :: e, i, j, nk
+
+    associate (own => contact%side(k), side => mortar%side(k), cells => mortar%side(k)%cells)
+      do i = 1, cells%n
+        if (.not. side%p(i) > 0.0_wp) cycle
+        e = cells%elem(i)
+        nk = own%first(e + 1) - own%first(e)
+        call element_functions(own, e, cells%xi(:, i), shp(:nk), dshp(:, :nk))
+        at = 0.0_wp
+        do j = 1, nk
+          at = at + shp(j)*x(:, own%node(own%first(e) + j - 1))
+        end do
+        call vary_normal(cells%foot(i), at, n, dn)
+        t = cells%weight(i)*own_share(contact)*side%p(i)*n
+        call put_force(own, e, cells%xi(:, i), -t, f)
+        call put_force(contact%side(3 - k), cells%foot(i)%elem, cells%foot(i)%xi, t, f)
+      end do
+    end associate
+  end subroutine split_mortar_forces
+
+end module mortar_results

@@ -1,0 +1,177 @@
+!> Work space of a contact with the mortar scheme, and the functions of its control points.
+module mortar_type
+  use base_kinds, only: wp
+  use contact_cells, only: cells_t
+  use contact_pair, only: contact_t, surface_t
+  use contact_work, only: element_functions
+  use projection_search, only: grid_t
+  use projection_type, only: shape_t
+  use surface_geometry, only: update_shape
+  implicit none
+  private
+  public :: new_mortar, control_functions, functions_at, number_at, size_of_element
+
+  !> Nodes that the pressure and friction of a control point couple, in any order.
+  type :: node_list_t
+    integer, allocatable :: node(:)
+  end type node_list_t
+
+  !> Work space of one side.
+  type, public :: mortar_side_t
+    type(cells_t) :: cells
+    real(wp), allocatable :: shp(:, :)        !! (nk, n) functions of a point's own element
+    real(wp), allocatable :: seen(:)          !! (n) `travel` at the last projection; negative: none
+    real(wp), allocatable :: p(:), dp(:)      !! (n) pressure of a point, and its part's derivative
+    integer, allocatable :: slide(:)          !! (n) element of the sliding point; 0: not looked for
+    !! yet, negative: there is none
+    real(wp), allocatable :: slide_xi(:, :)   !! (2, n)
+    real(wp), allocatable :: slide_shp(:, :)  !! (nl, n) functions there
+    !> (n) Slip over time that is expected [L/T]; negative: none.
+    real(wp), allocatable :: ahead(:)
+    real(wp), allocatable :: friction(:, :)   !! (3, n) traction of friction [F/L^2]
+    real(wp), allocatable :: elastic(:, :)    !! (3, n) see friction_law_i [L]
+    real(wp), allocatable :: slip(:)          !! (n) [L]
+    integer, allocatable :: state(:)          !! (n) OPEN, STICK, SLIP, TOUCH
+    real(wp), allocatable :: q(:), dq(:)      !! (ncontrol) pressure there and its derivative
+    real(wp), allocatable :: a(:)             !! (ncontrol) reference area of the overlap [L^2]
+    real(wp), allocatable :: volume(:)        !! (ncontrol) sum of w N g [L^3]
+    integer, allocatable :: round_first(:)    !! (ncontrol+1)
+    integer, allocatable :: round(:)          !! elements round a control point
+    type(node_list_t), allocatable :: known(:) !! (ncontrol) couplings of the current pattern
+  end type mortar_side_t
+
+  !> Scratch of the points of one element that carry a pressure. nk and nl are the numbers of nodes
+  !! of the two elements, nd = 3 (nk + nl).
+  type, public :: kernel_t
+    integer, allocatable :: point(:)           !! (n) points, sorted by slot
+    integer, allocatable :: slot(:)            !! (n) of the element that the point faces
+    integer, allocatable :: slide_slot(:)      !! (n) of its sliding point; 0: it has none
+    real(wp), allocatable :: xe(:, :)          !! (3, nk) positions of the own nodes [L]
+    !> Of the m points that face one element, of which some slide on another one:
+    real(wp), allocatable :: own(:)            !! (nk, m) own functions
+    real(wp), allocatable :: shp(:)            !! (nl, m) functions at the projections
+    real(wp), allocatable :: slope(:)          !! (nl, 2, m, 3) derivatives times traction [F/L^2]
+    real(wp), allocatable :: dt(:)             !! (nd, 3, m) w dt [F/L]
+    real(wp), allocatable :: dxi(:)            !! (nd, 2, m) w dxi [L]
+    real(wp), allocatable :: ds(:, :, :)       !! (3, 3, m) w dt by the sliding point [F/L]
+    real(wp), allocatable :: k(:)              !! (max(nk, nl), nd, 3) a product [F/L]
+  end type kernel_t
+
+  !> Work space of one contact.
+  type, public :: mortar_t
+    integer :: step = -1                      !! of the last projection
+    integer :: cuts = 0                       !! of cells, in this step
+    real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
+    real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut
+    real(wp) :: travel = 0.0_wp               !! bound of all motions so far [L]
+    real(wp), allocatable :: x_last(:, :)     !! (3, nnode) positions at the last projection [L]
+    logical :: slides = .false.               !! friction acts
+    logical :: fresh = .false.                !! forces of this step have not been formed yet
+    type(shape_t) :: reference(2)
+    type(shape_t) :: start(2)                 !! at the start of the step, with friction
+    type(grid_t) :: start_grid(2)
+    type(mortar_side_t) :: side(2)
+    type(kernel_t) :: kernel
+  end type mortar_t
+
+contains
+
+  !> Work space of a contact.
+  subroutine new_mortar(contact, xr, mortar)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: xr(:, :)          !! (3, nnode) reference positions [L]
+    type(mortar_t), intent(out) :: mortar
+    integer :: i, k, n
+
+    do k = 1, 2
+      call update_shape(contact%side(k), xr, mortar%reference(k))
+      n = contact%side(k)%ncontrol
+      associate (side => mortar%side(k))
+        allocate (side%q(n), side%dq(n), side%a(n), side%volume(n), source=0.0_wp)
+        allocate (side%known(n))
+        do i = 1, n
+          allocate (side%known(i)%node(0))
+        end do
+        call find_rounds(contact%side(k), side)
+      end associate
+    end do
+  end subroutine new_mortar
+
+  !> The elements round each control point.
+  subroutine find_rounds(surface, side)
+    type(surface_t), intent(in) :: surface
+    type(mortar_side_t), intent(inout) :: side
+    integer :: a, e, i
+    integer :: last(surface%ncontrol), n(surface%ncontrol)
+
+    n = 0
+    last = 0
+    do e = 1, surface%nelem
+      do i = surface%control_first(e), surface%control_first(e + 1) - 1
+        a = surface%control(i)
+        if (last(a) == e) cycle
+        last(a) = e
+        n(a) = n(a) + 1
+      end do
+    end do
+    allocate (side%round_first(surface%ncontrol + 1), side%round(sum(n)))
+    side%round_first(1) = 1
+    do a = 1, surface%ncontrol
+      side%round_first(a + 1) = side%round_first(a) + n(a)
+    end do
+    n = side%round_first(:surface%ncontrol)
+    last = 0
+    do e = 1, surface%nelem
+      do i = surface%control_first(e), surface%control_first(e + 1) - 1
+        a = surface%control(i)
+        if (last(a) == e) cycle
+        last(a) = e
+        side%round(n(a)) = e
+        n(a) = n(a) + 1
+      end do
+    end do
+  end subroutine find_rounds
+
+  !> Functions of the control points of element e at xi; `shp` are those of its nodes.
+  pure subroutine control_functions(surface, xi, shp, psi)
+    type(surface_t), intent(in) :: surface
+    real(wp), intent(in) :: xi(2), shp(:)
+    real(wp), intent(out) :: psi(:)
+
+    if (surface%hats) then
+      psi(:4) = 0.25_wp*[(1 - xi(1))*(1 - xi(2)), (1 + xi(1))*(1 - xi(2)), &
+                         (1 - xi(1))*(1 + xi(2)), (1 + xi(1))*(1 + xi(2))]
+    else
+      psi(:size(shp)) = shp
+    end if
+  end subroutine control_functions
+
+  !> Functions of the control points of element e at xi.
+  pure subroutine functions_at(surface, e, xi, psi)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: psi(:)
+    real(wp) :: shp(size(psi)), dshp(2, size(psi))
+    integer :: n
+
+    n = surface%first(e + 1) - surface%first(e)
+    call element_functions(surface, e, xi, shp(:n), dshp(:, :n))
+    call control_functions(surface, xi, shp(:n), psi)
+  end subroutine functions_at
+
+  !> Most functions of an element of a surface, of its nodes or control points.
+  pure integer function size_of_element(surface) result(n)
+    type(surface_t), intent(in) :: surface
+
+    n = max(4, maxval(surface%basis%nsf))
+  end function size_of_element
+
+  pure integer function number_at(surface, e) result(n)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+
+    n = surface%control_first(e + 1) - surface%control_first(e)
+  end function number_at
+
+end module mortar_type
