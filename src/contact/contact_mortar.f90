@@ -37,13 +37,15 @@ module contact_mortar
   private
   public :: find_mortar, add_mortar
 
-  !> Cells are cut again where a node has moved farther than the smallest facet since,
+  !> Cells are cut again if a node has moved farther than the smallest facet since,
   real(wp), parameter :: MOVED_FAR = 1.0_wp
-  !> or, when the iteration settles and the last increment was less than the larger fraction of a
-  !! facet, farther than the smaller one: an area that is cut off wrongly is missing in the forces.
-  real(wp), parameter :: SETTLES = 0.03_wp, MOVED = 1.0e-3_wp
+  !> or, when the iteration settles and the last increment was less than this fraction of a facet,
+  real(wp), parameter :: SETTLES = 0.3_wp
+  !> if a node has moved farther than this fraction of it. The converged state then does not depend
+  !! on where the iteration began: without friction it has a potential, and it turns with the bodies.
+  real(wp), parameter :: MOVED = 1.0e-8_wp
   !> The latter no more often than this in a step.
-  integer, parameter :: MOST_CUTS = 3
+  integer, parameter :: MOST_CUTS = 8
   !> Points of a surface move no more than this times its nodes: functions may be negative.
   real(wp), parameter :: OVERSHOOT = 2.0_wp
 
