@@ -15,7 +15,7 @@ module cell_border
   private
   public :: part_t, find_border, bend_functions, NBEND
 
-  integer, parameter :: NBEND = 6            !! points of an edge between its ends
+  integer, parameter :: NBEND = 8            !! points of an edge between its ends
   !> Largest correction of a straight edge, relative to the facet.
   real(wp), parameter :: MOST_BEND = 0.25_wp
   real(wp), parameter :: STRAIGHT = 1.0e-13_wp !! rounding of parameters

@@ -43,7 +43,7 @@ module contact_cells
   !> Maps that are no polynomials have a further point in each direction by default, unless they
   !! need more than MANY for an exact result, as those of strongly deformed surfaces do: points
   !! would then cost more than they give.
-  integer, parameter :: MANY = 4
+  integer, parameter :: MANY = 5
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
 

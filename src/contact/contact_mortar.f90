@@ -42,7 +42,7 @@ module contact_mortar
   !> or, when the iteration settles and the last increment was less than this fraction of a facet,
   real(wp), parameter :: SETTLES = 0.3_wp
   !> if a node has moved farther than this fraction of it. The converged state then does not depend
-  !! on where the iteration began: without friction it has a potential, and it turns with the bodies.
+  !! on where the iteration began: it has a potential without friction, and turns with the bodies.
   real(wp), parameter :: MOVED = 1.0e-8_wp
   !> The latter no more often than this in a step.
   integer, parameter :: MOST_CUTS = 8

@@ -10,6 +10,7 @@ module step
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
+  use contact_pair, only: MORTAR
   use contact_report, only: report_contact_changes, measure_contacts, find_jump
   use continuation, only: begin_increment, change_method, adapt_method
   use convergence, only: turns_back
@@ -27,6 +28,8 @@ module step
 
   !> Displacement in a step from which on a body counts as lost, relative to the size of the model.
   real(wp), parameter :: FAR = 2.0_wp
+  !> Iterations in which the cells of the mortar scheme settle; they say nothing of the step size.
+  integer, parameter :: SETTLING = 2
 
 contains
 
@@ -237,7 +240,8 @@ contains
       call pass_target(step%control)
     else if (step%timed) then
       iterations = step%newton%iterations - step%newton%before
-      call accept_time(step%control, iterations)
+      call accept_time(step%control, iterations - merge(SETTLING, 0, &
+                                                        any(model%contact%scheme == MORTAR)))
       if (step%control%reduced) then
         call log_line('  step '//to_text(state%step)//' took '//to_text(iterations) &
                       //' iterations: the next one has at most dt = '//to_text(step%control%size))
