@@ -8,7 +8,8 @@ module base_log
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
   private
-  public :: open_log, close_log, log_line, warn, warning_count, warning_text, progress, set_quiet
+  public :: open_log, close_log, log_line, note, warn, warning_count, warning_text, progress, &
+            set_quiet, print_lines
 
   !> The message of a warning.
   type :: message_t
@@ -24,6 +25,7 @@ module base_log
   type(message_t), allocatable :: message_of(:) !! the warnings of the run, equal ones once
   integer :: shown = 0                     !! characters of the progress line on the screen
   logical :: quiet = .false., asked = .false., terminal = .false.
+  logical :: prints = .false.              !! lines go to standard output; there is no log
 
 contains
 
@@ -33,6 +35,11 @@ contains
 
     quiet = yes
   end subroutine set_quiet
+
+  !> From now on, print the lines of the log instead of keeping them (--check).
+  subroutine print_lines()
+    prints = .true.
+  end subroutine print_lines
 
   !> Open the log and write the lines kept so far.
   subroutine open_log(path, error)
@@ -66,6 +73,9 @@ contains
     if (opened) then
       call put(text)
       return
+    else if (prints) then
+      print '(a)', text
+      return
     end if
     if (.not. allocated(kept)) allocate (character(4096) :: kept)
     if (nkept + len(text) + 1 > len(kept)) then
@@ -97,11 +107,28 @@ contains
     nwarning = nwarning + 1
     call keep(message)
     text = render_note('warning', message, place, hint)
+    if (.not. prints) call log_line(text)
+    call show_above(text)
+  end subroutine warn
+
+  !> Write what a user should know, and what is no reason for doubt, into the log and on the screen.
+  subroutine note(message)
+    character(*), intent(in) :: message
+    character(:), allocatable :: text
+
+    text = render_note('note', message)
     call log_line(text)
+    call show_above(text)
+  end subroutine note
+
+  !> Show a text on the screen, above the progress line.
+  subroutine show_above(text)
+    character(*), intent(in) :: text
+
     if (quiet) return
     call clear_progress()
     call show(text//new_line('a'))
-  end subroutine warn
+  end subroutine show_above
 
   !> Keep a message for the report, unless it is there already.
   subroutine keep(message)

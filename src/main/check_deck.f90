@@ -1,12 +1,13 @@
 !> --check: prints sizes, equations and memory; nothing is solved.
 module check_deck
   use base_error, only: error_t
-  use base_log, only: warning_count
+  use base_log, only: warning_count, print_lines
   use base_system, only: available_memory_mb
   use base_text, only: to_text
   use command_type, only: run_t
   use contact_report, only: warn_contacts
-  use listing, only: warn_loose, warn_unread
+  use command_program, only: has_command
+  use listing, only: list_free_bodies, warn_loose, warn_unread
   use listing_contact, only: contact_size
   use newton, only: prepare_newton
   implicit none
@@ -36,6 +37,8 @@ contains
       if (allocated(error)) return
       print '(a)', 'memory     about '//to_text(newton%system%estimate_mb(), 3) &
         //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
+      call print_lines()
+      call list_free_bodies(model, warns=.not. has_command(job, 'tran'))
       call warn_contacts(model)
       call warn_loose(model)
       call warn_unread(model)

@@ -6,9 +6,10 @@ module listing
   use listing_contact, only: list_contact
   use mesh, only: is_rigid
   use model, only: model_t
+  use rigid_modes, only: free_body_t, find_free_bodies, motion_text
   implicit none
   private
-  public :: list_model, warn_loose, warn_unread
+  public :: list_model, list_free_bodies, warn_loose, warn_unread
 
 contains
 
@@ -55,11 +56,38 @@ contains
       call log_line('rigid     the deck has no CONTact: rigid patches move only the nodes tied ' &
                     //'to them')
     end if
+    call list_free_bodies(model)
     call warn_contacts(model)
     call warn_loose(model)
     call warn_unread(model)
     call log_line('')
   end subroutine list_model
+
+  !> List the bodies that supports do not hold, and their motions. `warns`: warn of those that
+  !! contact cannot hold either.
+  subroutine list_free_bodies(model, warns)
+    type(model_t), intent(in) :: model
+    logical, intent(in), optional :: warns
+    type(free_body_t), allocatable :: body(:)
+    character(:), allocatable :: motions
+    logical :: asked
+    integer :: b
+
+    asked = .false.
+    if (present(warns)) asked = warns
+    call find_free_bodies(model, model%mesh%xr, body)
+    do b = 1, size(body)
+      motions = motion_text(body(b)%motion(:, :body(b)%nmotion))
+      if (body(b)%in_contact) then
+        call log_line('free      '//body(b)%name//' can '//motions//' unless contact holds it')
+      else if (asked) then
+        call warn('nothing holds '//body(b)%name//', which can '//motions, &
+                  hint='support it: FIX or MOVE for patches, BOUN EBOU CBOU for nodes')
+      else
+        call log_line('free      '//body(b)%name//' can '//motions//': nothing holds it')
+      end if
+    end do
+  end subroutine list_free_bodies
 
   !> Warn of displacements prescribed at free dofs, which have no effect.
   subroutine warn_loose(model)

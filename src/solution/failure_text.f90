@@ -1,11 +1,10 @@
 !> Names the elements and dofs that caused a failed iteration of Newton's method.
 module failure_text
   use assembly, only: sweep_t
-  use base_kinds, only: wp
   use base_text, only: to_text
   use dof_map, only: dof_name
-  use mesh, only: solid_nodes
-  use model, only: model_t
+  use model, only: model_t, state_t
+  use rigid_modes, only: free_body_t, find_free_bodies, motion_text
   implicit none
   private
   public :: name_element, name_singularity
@@ -28,61 +27,34 @@ contains
     end associate
   end function name_element
 
-  !> Name a singularity, such as: `the tangent is singular at dof uy of node 3; the model can move
-  !! along x, turn about z`.
-  function name_singularity(model, null) result(text)
+  !> Name a singularity and the bodies that may have caused it, such as: `the tangent is singular at
+  !! dof uy of node 3; nothing holds body 'ball', which can move along x, turn about z`.
+  !! `hopeless` is true if there is a body that neither supports nor contact will ever hold.
+  subroutine name_singularity(model, state, null, text, hopeless)
     type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
     integer, intent(in) :: null(:) !! equations whose pivot vanished
-    character(:), allocatable :: text, motions
-    integer :: i
+    character(:), allocatable, intent(out) :: text
+    logical, intent(out) :: hopeless
+    type(free_body_t), allocatable :: body(:)
+    integer :: b, i
 
     text = 'the tangent is singular'
     do i = 1, min(size(null), MOST)
       text = text//trim(merge(',  ', ' at', i > 1))//' '//dof_name(model%eq, null(i))
     end do
     if (size(null) > MOST) text = text//' and '//to_text(size(null) - MOST)//' more'
-    motions = free_motions(model)
-    if (len(motions) > 0) text = text//'; the model can '//motions
-  end function name_singularity
-
-  !> Rigid motions along and about the axes that no support prevents, for a message.
-  function free_motions(model) result(text)
-    type(model_t), intent(in) :: model
-    character(:), allocatable :: text
-    real(wp) :: x(3), centre(3), hold(6), size_of
-    logical, allocatable :: solid(:)
-    integer :: i, n
-    character(*), parameter :: NAMES(6) = ['move along x', 'move along y', 'move along z', &
-                                           'turn about x', 'turn about y', 'turn about z']
-
-    call solid_nodes(model%mesh, solid)
-    do i = 1, model%mesh%constraint%n ! slaves do not support the model
-      solid(model%mesh%constraint%slave(i)) = .false.
+    call find_free_bodies(model, model%mesh%xr + state%u, body)
+    hopeless = .not. all(body%in_contact)
+    do b = 1, size(body)
+      if (body(b)%in_contact .and. hopeless) cycle
+      if (body(b)%in_contact) then
+        text = text//'; only contact can hold '
+      else
+        text = text//'; nothing holds '
+      end if
+      text = text//body(b)%name//', which can '//motion_text(body(b)%motion(:, :body(b)%nmotion))
     end do
-    centre = 0.0_wp
-    n = 0
-    do i = 1, model%mesh%nnode
-      if (.not. any(model%eq(:, i) == 0) .or. .not. solid(i)) cycle
-      centre = centre + model%mesh%xr(:, i)
-      n = n + 1
-    end do
-    if (n > 0) centre = centre/n
-    size_of = maxval(maxval(model%mesh%xr, 2) - minval(model%mesh%xr, 2))
-    hold = 0.0_wp
-    do i = 1, model%mesh%nnode
-      if (.not. solid(i)) cycle
-      x = model%mesh%xr(:, i) - centre
-      where (model%eq(:, i) == 0) hold(:3) = 1.0_wp
-      if (model%eq(1, i) == 0) hold(5:6) = max(hold(5:6), abs([x(3), x(2)])/size_of)
-      if (model%eq(2, i) == 0) hold([4, 6]) = max(hold([4, 6]), abs([x(3), x(1)])/size_of)
-      if (model%eq(3, i) == 0) hold(4:5) = max(hold(4:5), abs([x(2), x(1)])/size_of)
-    end do
-    text = ''
-    do i = 1, 6
-      if (hold(i) > 1.0e-10_wp) cycle
-      if (len(text) > 0) text = text//', '
-      text = text//NAMES(i)
-    end do
-  end function free_motions
+  end subroutine name_singularity
 
 end module failure_text

@@ -224,7 +224,7 @@ contains
     if (allocated(error)) return
     if (pass%solve%singular) then
       pass%ok = .false.
-      pass%trouble = name_singularity(model, pass%solve%null)
+      call name_singularity(model, state, pass%solve%null, pass%trouble, pass%hopeless)
     else if (.not. pass%solve%converged) then
       pass%ok = .false.
       pass%trouble = 'the tangent is so nearly singular that its system cannot be solved'

@@ -47,6 +47,7 @@ module newton_type
   type :: pass_t
     logical :: ok = .true.             !! .false.: the step must be cut
     character(:), allocatable :: trouble !! reason for that
+    logical :: hopeless = .false.      !! no smaller step and no other method can help
     type(sweep_t) :: sweep
     type(floor_t) :: floor
     type(solve_report_t) :: solve

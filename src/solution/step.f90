@@ -121,6 +121,10 @@ contains
     logical :: possible
 
     possible = .false.
+    if (step%pass%hopeless) then
+      call fail_step(step, model, state, why, place, error)
+      return
+    end if
     if (step%timed .and. step%control%automatic) possible = change_method(step, model, state, why)
     if (.not. possible) then
       if (step%timed) possible = cut_time(step%control)

@@ -1,0 +1,359 @@
+!> Bodies that supports do not hold, and the rigid motions that they leave.
+!!
+!! A body is a set of elements that are connected by common nodes or by constraints of nodes. Its
+!! small rigid motions are u(x) = t + w x (x - centre)/size, with six coefficients (t, w). Supports
+!! leave those motions for which u vanishes at every prescribed dof.
+module rigid_modes
+  use base_kinds, only: wp
+  use base_text, only: to_text
+  use lapack, only: dsyev
+  use mesh, only: mesh_t, is_rigid
+  use model, only: model_t
+  use tensor, only: cross
+  implicit none
+  private
+  public :: free_body_t, find_free_bodies, find_motions, rigid_motion, motion_text, list_text, &
+            null_vectors
+
+  !> Eigenvalues of a matrix of supports count as zero below this, relative to the largest one.
+  real(wp), parameter :: UNHELD = 1.0e-12_wp
+  !> Coefficients of a direction are written with this many digits; smaller ones count as zero.
+  real(wp), parameter :: SMALL = 1.0e-3_wp
+
+  type :: free_body_t
+    character(:), allocatable :: name  !! such as: body 'ball'
+    integer, allocatable :: node(:)    !! its nodes without slaves of constraints, ascending
+    logical :: in_contact = .false.    !! one of its faces belongs to a CONTact
+    logical :: bonded = .false.        !! one of its faces belongs to a CONTact with COHEsive
+    real(wp) :: centre(3) = 0.0_wp     !! of its supports, or of its nodes [L]
+    real(wp) :: size = 0.0_wp          !! largest distance of a node from the centre [L]
+    integer :: nmotion = 0             !! number of motions that the supports leave
+    real(wp) :: motion(6, 6) = 0.0_wp  !! (t, w) of each of them, orthonormal [-]
+  end type free_body_t
+
+contains
+
+  !> Find the bodies that can move as a whole, at the positions x.
+  subroutine find_free_bodies(model, x, body)
+    type(model_t), intent(in) :: model
+    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
+    type(free_body_t), allocatable, intent(out) :: body(:)
+    type(free_body_t), allocatable :: all_of(:)
+    integer, allocatable :: piece(:), index_of(:)
+    integer :: b, c, k, n, npiece
+
+    call find_pieces(model%mesh, piece, npiece)
+    allocate (all_of(npiece))
+    do n = 1, npiece
+      all_of(n)%node = pack([(k, k=1, size(piece))], piece == n)
+    end do
+    do c = 1, size(model%contact)
+      do k = 1, 2
+        associate (side => model%contact(c)%side(k))
+          if (side%rigid) cycle
+          do n = 1, size(side%node)
+            b = piece(side%node(n))
+            if (b == 0) cycle
+            all_of(b)%in_contact = .true.
+            if (model%contact(c)%cohesive%given) all_of(b)%bonded = .true.
+          end do
+        end associate
+      end do
+    end do
+    allocate (index_of(0))
+    do b = 1, npiece
+      call leave_slaves(model%mesh, all_of(b)%node)
+      call find_motions(model%eq, x, all_of(b))
+      if (all_of(b)%nmotion == 0) cycle
+      call name_body(model%mesh, piece, b, all_of(b)%name)
+      index_of = [index_of, b]
+    end do
+    allocate (body(size(index_of)))
+    do b = 1, size(body)
+      body(b) = all_of(index_of(b))
+    end do
+  end subroutine find_free_bodies
+
+  !> Number the connected pieces of the mesh.
+  subroutine find_pieces(mesh, piece, npiece)
+    type(mesh_t), intent(in) :: mesh
+    integer, allocatable, intent(out) :: piece(:) !! (nnode) piece of each node; 0: of no element
+    !! that deforms
+    integer, intent(out) :: npiece
+    integer, allocatable :: root(:)
+    integer :: b, e, i, n
+
+    allocate (root(mesh%nnode), source=0)
+    do b = 1, size(mesh%block)
+      if (is_rigid(mesh%block(b))) cycle
+      associate (conn => mesh%block(b)%conn)
+        do e = 1, mesh%block(b)%nelem
+          do i = 1, size(conn, 1)
+            call join(conn(1, e), conn(i, e))
+          end do
+        end do
+      end associate
+    end do
+    do n = 1, mesh%constraint%n
+      do i = mesh%constraint%first(n), mesh%constraint%first(n + 1) - 1
+        if (root(mesh%constraint%slave(n)) == 0 .or. root(mesh%constraint%master(i)) == 0) cycle
+        call join(mesh%constraint%slave(n), mesh%constraint%master(i))
+      end do
+    end do
+    allocate (piece(mesh%nnode), source=0)
+    npiece = 0
+    do n = 1, mesh%nnode
+      if (root(n) == 0) cycle
+      i = top(n)
+      if (piece(i) == 0) then
+        npiece = npiece + 1
+        piece(i) = npiece
+      end if
+      piece(n) = piece(i)
+    end do
+
+  contains
+
+    !> Put two nodes into one set.
+    subroutine join(a, b)
+      integer, intent(in) :: a, b
+      integer :: ra, rb
+
+      if (root(a) == 0) root(a) = a
+      if (root(b) == 0) root(b) = b
+      ra = top(a)
+      rb = top(b)
+      root(max(ra, rb)) = min(ra, rb)
+    end subroutine join
+
+    !> The node that stands for the set of node a.
+    integer function top(a)
+      integer, intent(in) :: a
+
+      top = a
+      do while (root(top) /= top)
+        root(top) = root(root(top)) ! shortens the way for later calls
+        top = root(top)
+      end do
+    end function top
+
+  end subroutine find_pieces
+
+  !> Remove the slaves of constraints from a list of nodes: they have no unknowns and are no
+  !! supports.
+  pure subroutine leave_slaves(mesh, node)
+    type(mesh_t), intent(in) :: mesh
+    integer, allocatable, intent(inout) :: node(:)
+    logical, allocatable :: is_slave(:)
+
+    if (mesh%constraint%n == 0) return
+    allocate (is_slave(mesh%nnode), source=.false.)
+    is_slave(mesh%constraint%slave(:mesh%constraint%n)) = .true.
+    node = pack(node, .not. is_slave(node))
+  end subroutine leave_slaves
+
+  !> Find the motions of a body that its supports leave at the positions x.
+  subroutine find_motions(eq, x, body)
+    integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
+    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
+    type(free_body_t), intent(inout) :: body
+    real(wp), allocatable :: null(:, :)
+    real(wp) :: support(6, 6), row(6), unit(3), d(3)
+    integer :: i, j, n, nheld
+
+    body%centre = 0.0_wp
+    nheld = 0
+    do j = 1, size(body%node)
+      n = body%node(j)
+      if (all(eq(:, n) /= 0)) cycle
+      body%centre = body%centre + x(:, n)
+      nheld = nheld + 1
+    end do
+    if (nheld > 0) then
+      body%centre = body%centre/nheld
+    else
+      body%centre = sum(x(:, body%node), 2)/size(body%node)
+    end if
+    body%size = 0.0_wp
+    do j = 1, size(body%node)
+      body%size = max(body%size, norm2(x(:, body%node(j)) - body%centre))
+    end do
+    support = 0.0_wp
+    do j = 1, size(body%node)
+      n = body%node(j)
+      d = (x(:, n) - body%centre)/body%size
+      do i = 1, 3
+        if (eq(i, n) /= 0) cycle
+        unit = 0.0_wp
+        unit(i) = 1.0_wp
+        row = [unit, cross(d, unit)]
+        support = support + spread(row, 2, 6)*spread(row, 1, 6)
+      end do
+    end do
+    call null_vectors(support, UNHELD, null)
+    body%nmotion = size(null, 2)
+    body%motion = 0.0_wp
+    body%motion(:, :body%nmotion) = null
+  end subroutine find_motions
+
+  !> Orthonormal vectors that a symmetric matrix makes zero: those of eigenvalues whose size is below
+  !! a fraction of the largest one.
+  subroutine null_vectors(a, fraction, null)
+    real(wp), intent(in) :: a(:, :)      !! (n, n)
+    real(wp), intent(in) :: fraction     !! [-]
+    real(wp), allocatable, intent(out) :: null(:, :) !! (n, number of vectors)
+    real(wp) :: vector(size(a, 1), size(a, 1)), value(size(a, 1)), work(8*size(a, 1) + 8)
+    integer :: i, n, info
+
+    n = size(a, 1)
+    vector = a
+    if (n > 0) call dsyev('V', 'U', n, vector, n, value, work, size(work), info)
+    allocate (null(n, 0))
+    do i = 1, n
+      if (abs(value(i)) > fraction*maxval(abs(value))) cycle
+      null = reshape([null, vector(:, i)], [n, size(null, 2) + 1])
+    end do
+  end subroutine null_vectors
+
+  !> Displacement of the nodes of a body in a rigid motion; prescribed dofs do not move.
+  pure function rigid_motion(body, c, eq, x) result(u)
+    type(free_body_t), intent(in) :: body
+    real(wp), intent(in) :: c(6)         !! coefficients (t, w)
+    integer, intent(in) :: eq(:, :)
+    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
+    real(wp) :: u(3, size(body%node))
+    integer :: j, n
+
+    do j = 1, size(body%node)
+      n = body%node(j)
+      u(:, j) = c(:3) + cross(c(4:), (x(:, n) - body%centre)/body%size)
+      where (eq(:, n) == 0) u(:, j) = 0.0_wp
+    end do
+  end function rigid_motion
+
+  !> Name a body after the patches or meshes that it consists of.
+  subroutine name_body(mesh, piece, index, name)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: piece(:), index
+    character(:), allocatable, intent(out) :: name
+    logical :: has(0:size_of(mesh)), others(0:size_of(mesh))
+    integer :: b, e, n, named
+
+    has = .false.
+    others = .false.
+    do b = 1, size(mesh%block)
+      if (is_rigid(mesh%block(b))) cycle
+      do e = 1, mesh%block(b)%nelem
+        if (piece(mesh%block(b)%conn(1, e)) == index) then
+          has(mesh%block(b)%body) = .true.
+        else
+          others(mesh%block(b)%body) = .true.
+        end if
+      end do
+    end do
+    name = ''
+    named = 0
+    do b = 1, size_of(mesh)
+      if (.not. has(b)) cycle
+      if (named > 0) name = name//', '
+      name = name//"'"//mesh%body(b)%name//"'"
+      named = named + 1
+    end do
+    if (named == 1) name = 'body '//name
+    if (named > 1) name = 'the body of '//name
+    if (named > 0 .and. .not. any(has .and. others)) return
+    do n = 1, size(piece)
+      if (piece(n) == index) exit
+    end do
+    if (named == 0) name = 'the body'
+    name = name//' with node '//to_text(n)
+  end subroutine name_body
+
+  !> Number of the bodies that a mesh names.
+  pure integer function size_of(mesh)
+    type(mesh_t), intent(in) :: mesh
+
+    size_of = 0
+    if (allocated(mesh%body)) size_of = size(mesh%body)
+  end function size_of
+
+  !> Describe a space of motions: move along z, turn about x.
+  function motion_text(motion) result(text)
+    real(wp), intent(in) :: motion(:, :) !! (6, m) coefficients (t, w), orthonormal
+    character(:), allocatable :: text
+    real(wp), allocatable :: null(:, :)
+    real(wp) :: turn(3, size(motion, 2))
+
+    ! translations are the combinations without w; the other motions turn
+    turn = motion(4:, :)
+    call null_vectors(matmul(transpose(turn), turn), SMALL**2, null)
+    if (size(motion, 2) > 0) then
+      if (.not. maxval(abs(turn)) > SMALL) null = identity(size(motion, 2))
+    end if
+    text = directions(matmul(motion(:3, :), null), 'move along ')
+    text = list_text(text, directions(turn, 'turn about '))
+  end function motion_text
+
+  !> The space of the columns of v, by the axes that it contains, else by its own directions.
+  function directions(v, verb) result(text)
+    real(wp), intent(in) :: v(:, :)      !! (3, m)
+    character(*), intent(in) :: verb
+    character(:), allocatable :: text
+    real(wp) :: basis(3, 3), d(3)
+    integer :: i, j, n, named
+
+    ! orthonormal basis, by Gram and Schmidt
+    n = 0
+    do i = 1, size(v, 2)
+      d = v(:, i)
+      do j = 1, n
+        d = d - dot_product(basis(:, j), d)*basis(:, j)
+      end do
+      if (.not. norm2(d) > SMALL .or. n == 3) cycle
+      n = n + 1
+      basis(:, n) = d/norm2(d)
+      do j = 1, n - 1
+        basis(:, n) = basis(:, n) - dot_product(basis(:, j), basis(:, n))*basis(:, j)
+      end do
+      basis(:, n) = basis(:, n)/norm2(basis(:, n))
+    end do
+    text = ''
+    named = 0
+    do i = 1, 3
+      if (n == 0) return
+      if (norm2(basis(i, :n)) < 1.0_wp - SMALL) cycle
+      text = list_text(text, verb//'xyz' (i:i))
+      named = named + 1
+    end do
+    if (named == n) return
+    text = ''
+    do j = 1, n
+      d = basis(:, j)
+      where (abs(d) < SMALL) d = 0.0_wp
+      if (d(maxloc(abs(d), 1)) < 0.0_wp) d = -d
+      text = list_text(text, verb//'('//to_text(d(1), 3)//', '//to_text(d(2), 3)//', ' &
+                       //to_text(d(3), 3)//')')
+    end do
+  end function directions
+
+  !> Two lists in one, with a comma between them.
+  pure function list_text(a, b) result(text)
+    character(*), intent(in) :: a, b
+    character(:), allocatable :: text
+
+    text = a//b
+    if (len(a) > 0 .and. len(b) > 0) text = a//', '//b
+  end function list_text
+
+  pure function identity(n) result(a)
+    integer, intent(in) :: n
+    real(wp) :: a(n, n)
+    integer :: i
+
+    a = 0.0_wp
+    do i = 1, n
+      a(i, i) = 1.0_wp
+    end do
+  end function identity
+
+end module rigid_modes
