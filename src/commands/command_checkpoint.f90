@@ -167,6 +167,13 @@ contains
       call exchange(x, 'control_accepted', control%accepted)
       call exchange(x, 'control_cuts', control%cuts)
     end associate
+    associate (hold => run%step%newton%hold)
+      call exchange(x, 'hold_active', hold%active)
+      call exchange(x, 'hold_warned', hold%warned)
+      call exchange(x, 'hold_warned_energy', hold%warned_energy)
+      call exchange(x, 'hold_energy', hold%energy)
+      call exchange(x, 'hold_work', hold%work)
+    end associate
     associate (path => run%step%continuation)
       call exchange(x, 'path_method', path%method)
       call exchange(x, 'path_given', path%given)

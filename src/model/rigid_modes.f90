@@ -15,9 +15,10 @@ module rigid_modes
   public :: free_body_t, find_free_bodies, find_motions, rigid_motion, motion_text, list_text, &
             null_vectors
 
-  !> Eigenvalues of a matrix of supports count as zero below this, relative to the largest one.
+  !> Eigenvalues of a matrix of supports count as zero below this; one support has an eigenvalue of
+  !! one.
   real(wp), parameter :: UNHELD = 1.0e-12_wp
-  !> Coefficients of a direction are written with this many digits; smaller ones count as zero.
+  !> Components of a direction that are smaller count as zero in a message.
   real(wp), parameter :: SMALL = 1.0e-3_wp
 
   type :: free_body_t
@@ -144,12 +145,12 @@ contains
   pure subroutine leave_slaves(mesh, node)
     type(mesh_t), intent(in) :: mesh
     integer, allocatable, intent(inout) :: node(:)
-    logical, allocatable :: is_slave(:)
+    logical, allocatable :: is_free(:)
 
     if (mesh%constraint%n == 0) return
-    allocate (is_slave(mesh%nnode), source=.false.)
-    is_slave(mesh%constraint%slave(:mesh%constraint%n)) = .true.
-    node = pack(node, .not. is_slave(node))
+    allocate (is_free(mesh%nnode), source=.true.)
+    is_free(mesh%constraint%slave(:mesh%constraint%n)) = .false.
+    node = pack(node, is_free(node))
   end subroutine leave_slaves
 
   !> Find the motions of a body that its supports leave at the positions x.
@@ -157,7 +158,7 @@ contains
     integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
     type(free_body_t), intent(inout) :: body
-    real(wp), allocatable :: null(:, :)
+    real(wp), allocatable :: kernel(:, :)
     real(wp) :: support(6, 6), row(6), unit(3), d(3)
     integer :: i, j, n, nheld
 
@@ -190,28 +191,31 @@ contains
         support = support + spread(row, 2, 6)*spread(row, 1, 6)
       end do
     end do
-    call null_vectors(support, UNHELD, null)
-    body%nmotion = size(null, 2)
+    call null_vectors(support, UNHELD, kernel)
+    body%nmotion = size(kernel, 2)
     body%motion = 0.0_wp
-    body%motion(:, :body%nmotion) = null
+    body%motion(:, :body%nmotion) = kernel
   end subroutine find_motions
 
-  !> Orthonormal vectors that a symmetric matrix makes zero: those of eigenvalues whose size is below
-  !! a fraction of the largest one.
-  subroutine null_vectors(a, fraction, null)
+  !> Orthonormal eigenvectors of a symmetric matrix whose eigenvalues are within +-limit, or less.
+  subroutine null_vectors(a, limit, kernel, or_less)
     real(wp), intent(in) :: a(:, :)      !! (n, n)
-    real(wp), intent(in) :: fraction     !! [-]
-    real(wp), allocatable, intent(out) :: null(:, :) !! (n, number of vectors)
+    real(wp), intent(in) :: limit
+    real(wp), allocatable, intent(out) :: kernel(:, :) !! (n, number of vectors)
+    logical, intent(in), optional :: or_less !! negative eigenvalues of any size count too
     real(wp) :: vector(size(a, 1), size(a, 1)), value(size(a, 1)), work(8*size(a, 1) + 8)
     integer :: i, n, info
+    logical :: all_negative
 
+    all_negative = .false.
+    if (present(or_less)) all_negative = or_less
     n = size(a, 1)
     vector = a
     if (n > 0) call dsyev('V', 'U', n, vector, n, value, work, size(work), info)
-    allocate (null(n, 0))
+    allocate (kernel(n, 0))
     do i = 1, n
-      if (abs(value(i)) > fraction*maxval(abs(value))) cycle
-      null = reshape([null, vector(:, i)], [n, size(null, 2) + 1])
+      if (value(i) > limit .or. (value(i) < -limit .and. .not. all_negative)) cycle
+      kernel = reshape([kernel, vector(:, i)], [n, size(kernel, 2) + 1])
     end do
   end subroutine null_vectors
 
@@ -278,26 +282,27 @@ contains
   end function size_of
 
   !> Describe a space of motions: move along z, turn about x.
-  function motion_text(motion) result(text)
+  function motion_text(motion, tolerance) result(text)
     real(wp), intent(in) :: motion(:, :) !! (6, m) coefficients (t, w), orthonormal
+    real(wp), intent(in), optional :: tolerance !! smaller parts of a motion do not matter
     character(:), allocatable :: text
-    real(wp), allocatable :: null(:, :)
-    real(wp) :: turn(3, size(motion, 2))
+    real(wp), allocatable :: kernel(:, :)
+    real(wp) :: turn(3, size(motion, 2)), small_part
 
     ! translations are the combinations without w; the other motions turn
     turn = motion(4:, :)
-    call null_vectors(matmul(transpose(turn), turn), SMALL**2, null)
-    if (size(motion, 2) > 0) then
-      if (.not. maxval(abs(turn)) > SMALL) null = identity(size(motion, 2))
-    end if
-    text = directions(matmul(motion(:3, :), null), 'move along ')
-    text = list_text(text, directions(turn, 'turn about '))
+    small_part = SMALL
+    if (present(tolerance)) small_part = tolerance
+    call null_vectors(matmul(transpose(turn), turn), small_part**2, kernel)
+    text = directions(matmul(motion(:3, :), kernel), 'move along ', small_part)
+    text = list_text(text, directions(turn, 'turn about ', small_part))
   end function motion_text
 
   !> The space of the columns of v, by the axes that it contains, else by its own directions.
-  function directions(v, verb) result(text)
+  function directions(v, verb, small_part) result(text)
     real(wp), intent(in) :: v(:, :)      !! (3, m)
     character(*), intent(in) :: verb
+    real(wp), intent(in) :: small_part
     character(:), allocatable :: text
     real(wp) :: basis(3, 3), d(3)
     integer :: i, j, n, named
@@ -309,7 +314,7 @@ contains
       do j = 1, n
         d = d - dot_product(basis(:, j), d)*basis(:, j)
       end do
-      if (.not. norm2(d) > SMALL .or. n == 3) cycle
+      if (.not. norm2(d) > small_part .or. n == 3) cycle
       n = n + 1
       basis(:, n) = d/norm2(d)
       do j = 1, n - 1
@@ -321,7 +326,7 @@ contains
     named = 0
     do i = 1, 3
       if (n == 0) return
-      if (norm2(basis(i, :n)) < 1.0_wp - SMALL) cycle
+      if (norm2(basis(i, :n)) < sqrt(1.0_wp - small_part**2)) cycle
       text = list_text(text, verb//'xyz' (i:i))
       named = named + 1
     end do
@@ -329,7 +334,7 @@ contains
     text = ''
     do j = 1, n
       d = basis(:, j)
-      where (abs(d) < SMALL) d = 0.0_wp
+      where (abs(d) < small_part) d = 0.0_wp
       if (d(maxloc(abs(d), 1)) < 0.0_wp) d = -d
       text = list_text(text, verb//'('//to_text(d(1), 3)//', '//to_text(d(2), 3)//', ' &
                        //to_text(d(3), 3)//')')
@@ -344,16 +349,5 @@ contains
     text = a//b
     if (len(a) > 0 .and. len(b) > 0) text = a//', '//b
   end function list_text
-
-  pure function identity(n) result(a)
-    integer, intent(in) :: n
-    real(wp) :: a(n, n)
-    integer :: i
-
-    a = 0.0_wp
-    do i = 1, n
-      a(i, i) = 1.0_wp
-    end do
-  end function identity
 
 end module rigid_modes

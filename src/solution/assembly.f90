@@ -1,5 +1,6 @@
 !> Assembly: internal and external forces, and the tangent of the whole model.
 module assembly
+  use anchors, only: anchors_t, anchor_force
   use base_error, only: error_t
   use base_kinds, only: wp
   use base_system, only: seconds_of_both
@@ -28,6 +29,7 @@ module assembly
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
     type(mass_t), allocatable :: mass(:) !! found where the model has inertia
     real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia, a part of f_int [F]
+    type(anchors_t) :: anchors           !! of bodies that contact does not hold
     !> Wall and processor time of all sweeps, and their part of contact: search, pattern, tangent.
     real(wp) :: seconds(2) = 0.0_wp, contact_seconds(2) = 0.0_wp
   end type assembler_t
@@ -136,6 +138,7 @@ contains
       call fold_force(model%mesh%constraint, asm%f_int)
       call fold_force(model%mesh%constraint, asm%f_ext)
       call fold_matrix(asm%fold, asm%k)
+      call anchor_force(asm%anchors, state%u - state%u_step, asm%f_int)
     end if
     asm%seconds = asm%seconds + seconds_of_both() - start
   end subroutine form

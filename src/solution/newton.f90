@@ -1,6 +1,7 @@
 !> Newton's iteration: form, solve, and the last test of a step.
 module newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use anchors, only: anchors_t, anchor_force, set_anchors
   use assembly, only: sweep_t, new_assembler, form, free_part, full_vector
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -11,21 +12,31 @@ module newton
                          damping, count_flips
   use csr, only: multiply
   use failure_text, only: name_element, name_singularity
+  use lapack, only: dgesv, dsyev
   use line_search, only: search_line, step_by, retreat
-  use linear_system, only: new_linear_system, change_pattern, FULL
+  use linear_system, only: new_linear_system, change_pattern, solve_report_t, FULL
   use model, only: model_t, state_t
   use newton_type, only: newton_t, pass_t
   use predictor, only: predict
   use prescribed, only: to_prescribed
   use solution_state, only: accept_iteration
+  use stabilisation, only: begin_stabilisation, find_unheld, use_springs, find_flight, &
+                           release_loaded, find_reach, add_springs, remove_springs, &
+                           spring_energy, note_move, is_lost, is_restless
+  use stabilisation_report, only: lost_text
   implicit none
   private
   public :: newton_t, pass_t, begin_newton, prepare_newton, set_factorisation, form_system, &
-            solve_system, close_newton
+            solve_system, close_newton, sum_of_loads
 
   !> Tolerance of the relative residual of a linear solve with kept factors.
   real(wp), parameter :: FORCING = 1.0e-3_wp
+  real(wp), parameter :: CLOSE = 1.0e-9_wp  !! the same of a solve for an anchor
   integer, parameter :: MOST_HALVINGS = 6   !! of a prescribed increment
+  !> Energy of the springs of `stabilisation` in an increment, relative to its whole energy, that
+  !! does not matter.
+  real(wp), parameter :: NO_ENERGY = 1.0e-3_wp
+  real(wp), parameter :: MANY_TIMES = 4.0_wp !! an increment may exceed prescribed motion so often
 
 contains
 
@@ -49,8 +60,11 @@ contains
     if (.not. allocated(newton%move)) allocate (newton%move(3, model%mesh%nnode))
     call to_prescribed(model, state%factor, state%u, newton%move)
     newton%moves = any(abs(newton%move) > 0.0_wp)
+    call begin_stabilisation(newton%hold, model)
+    newton%asm%anchors = anchors_t()
     newton%predicted = .false.
-    if (.not. predicts .or. newton%constraint%on) return
+    ! the moves of a body to contact do not go on
+    if (.not. predicts .or. newton%constraint%on .or. newton%hold%active) return
     call predict(model, state, newton%move, newton%predicted)
     newton%moves = newton%moves .and. .not. newton%predicted
   end subroutine begin_newton
@@ -151,20 +165,17 @@ contains
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: du(:, :)
-    logical :: moved
+    logical :: loaded, moved
 
-    moved = newton%moves
-    if (newton%asm%new_pattern) then
-      call change_pattern(newton%system, newton%asm%k, model%eq, error)
-      if (allocated(error)) return
-      newton%asm%new_pattern = .false.
-    end if
     if (newton%constraint%on) then
+      call take_pattern(newton, model, error)
+      if (allocated(error)) return
       call solve_constrained(newton, model, state, FORCING, pass, error)
       return
     end if
-    call solve_tangent(newton, model, state, pass, error)
+    call solve_held(newton, model, state, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
+    moved = newton%moves
     newton%iterations = newton%iterations + 1
     call count_flips(newton, merge(0, pass%solve%determinant, newton%symmetric))
     newton%exact = newton%exact .and. newton%mode == FULL
@@ -174,6 +185,11 @@ contains
     newton%moves = .false.
     call check_convergence(newton, pass, moved)
     if (.not. pass%ok) return
+    if (newton%converged) then
+      call release_loaded(newton%hold, model, state, newton%asm%anchors, &
+                          sum_of_loads(newton, model, state), loaded)
+      newton%converged = .not. loaded
+    end if
     if ((searches .or. needs_line_search(newton, model)) .and. .not. moved) then
       call search_line(newton%asm, model, state, newton%dx, du, &
                        dot_product(newton%dx, newton%rhs), pass%line, error)
@@ -184,6 +200,163 @@ contains
     newton%last = pass%line*newton%dx
     newton%may_retreat = .not. moved .and. .not. newton%converged
   end subroutine solve_system
+
+  !> Let the linear system take a new pattern of the tangent, if there is one.
+  subroutine take_pattern(newton, model, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+
+    if (.not. newton%asm%new_pattern) return
+    call change_pattern(newton%system, newton%asm%k, model%eq, error)
+    if (allocated(error)) return
+    newton%asm%new_pattern = .false.
+  end subroutine take_pattern
+
+  !> Solve the system. As long as bodies fly, because contact does not hold them, they are moved,
+  !! and the system is formed and solved again.
+  subroutine solve_held(newton, model, state, pass, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(pass_t), intent(inout) :: pass
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: du(:, :)
+    real(wp) :: reach, s
+    logical :: loaded
+
+    associate (hold => newton%hold)
+      if (size(hold%body) > 0) allocate (du(3, model%mesh%nnode))
+      do
+        call take_pattern(newton, model, error)
+        if (allocated(error)) return
+        call find_unheld(hold, model, state, newton%asm%k)
+        loaded = .false.
+        if (hold%springs) then
+          call find_flight(hold, model, state, loads_of(newton, state), force_tolerance(pass), du, &
+                           loaded)
+        end if
+        call renew_anchors(newton, model, state, loaded)
+        if (loaded) then
+          call free_part(model%eq, du, newton%dx)
+          call find_reach(hold, model, state, reach)
+          s = reach
+        else
+          call solve_tangent(newton, model, state, pass, error)
+          if (allocated(error) .or. .not. pass%ok) return
+          if (.not. hold%springs) return
+          call find_fraction(newton, model, state, du, s)
+          if (.not. s < 1.0_wp) return
+          pass%short = pass%short + 1
+        end if
+        call fly(newton, model, state, du, s, newton%moves .and. .not. loaded, pass, error)
+        if (allocated(error) .or. .not. pass%ok) return
+      end do
+    end associate
+  end subroutine solve_held
+
+  !> Set the anchors of bodies that contact does not hold, and the residual with them; none while
+  !! bodies fly.
+  subroutine renew_anchors(newton, model, state, flies)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    logical, intent(in) :: flies
+    real(wp), allocatable :: force(:, :), du(:, :)
+
+    associate (asm => newton%asm)
+      if (.not. (allocated(asm%anchors%dv) .or. newton%hold%springs)) return
+      allocate (force(3, model%mesh%nnode), source=0.0_wp)
+      allocate (du, source=state%u - state%u_step)
+      call anchor_force(asm%anchors, du, force)
+      asm%f_int = asm%f_int - force
+      if (flies) then
+        asm%anchors = anchors_t()
+      else
+        call set_anchors(newton%hold%body, newton%hold%weak, newton%hold%released, model%eq, &
+                         model%mesh%xr + state%u, asm%k, asm%anchors)
+      end if
+      call anchor_force(asm%anchors, du, asm%f_int)
+      state%reaction = asm%f_int - asm%f_ext
+      call free_part(model%eq, -state%reaction, newton%rhs)
+    end associate
+  end subroutine renew_anchors
+
+  !> External minus internal forces without those of the anchors [F].
+  function loads_of(newton, state) result(force)
+    type(newton_t), intent(in) :: newton
+    type(state_t), intent(in) :: state
+    real(wp) :: force(3, size(state%u, 2))
+
+    force = -state%reaction
+    call anchor_force(newton%asm%anchors, state%u - state%u_step, force)
+  end function loads_of
+
+  !> The sum of all loads, or of all reactions of supports if these are larger [F].
+  pure real(wp) function sum_of_loads(newton, model, state) result(loads)
+    type(newton_t), intent(in) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+
+    loads = max(sum(sqrt(sum(newton%asm%f_ext**2, 1))), &
+                sum(sqrt(sum(state%reaction**2, 1, mask=model%eq == 0))))
+  end function sum_of_loads
+
+  !> Take the fraction s of an increment in which bodies fly, and form the system there.
+  subroutine fly(newton, model, state, du, s, moves, pass, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: du(:, :)     !! (3, nnode) [L]
+    real(wp), intent(in) :: s
+    logical, intent(in) :: moves         !! the increment contains prescribed motion
+    type(pass_t), intent(inout) :: pass
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: before(:, :)
+
+    if (is_lost(newton%hold, model) .or. is_restless(newton%hold)) then
+      pass%ok = .false.
+      pass%hopeless = is_lost(newton%hold, model) .and. .not. any(model%contact(:)%friction%given)
+      pass%trouble = lost_text(newton%hold)
+      return
+    end if
+    allocate (before, source=state%u)
+    newton%has_moved = moves
+    newton%may_retreat = .not. moves
+    if (moves) then
+      newton%moved = newton%move
+      newton%move = (1.0_wp - s)*newton%moved
+    end if
+    call step_by(state, du, s)
+    newton%last = s*newton%dx
+    call form_system(newton, model, state, newton%symmetric, pass, error)
+    if (allocated(error) .or. .not. pass%ok) return
+    call note_move(newton%hold, state%u - before)
+  end subroutine fly
+
+  !> The fraction of an increment that may be taken while there are springs: all of it, unless it is
+  !! mainly a motion that only the springs resist.
+  subroutine find_fraction(newton, model, state, du, s)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(out) :: du(:, :)    !! (3, nnode) the increment [L]
+    real(wp), intent(out) :: s
+    real(wp), allocatable :: force(:, :)
+    real(wp) :: energy, longest, reach
+
+    call full_vector(model%eq, newton%dx, du)
+    if (newton%moves) du = du + newton%move
+    s = 1.0_wp
+    allocate (force(3, model%mesh%nnode))
+    call multiply(newton%asm%k, du, force)
+    energy = spring_energy(newton%hold, newton%asm%k, du)
+    if (energy <= NO_ENERGY*abs(sum(du*force))) return
+    longest = sqrt(maxval(sum(du**2, 1)))
+    if (newton%moves .and. longest <= MANY_TIMES*maxval(abs(newton%move))) return
+    call find_reach(newton%hold, model, state, reach)
+    if (longest > reach) s = reach/longest
+  end subroutine find_fraction
 
   !> The increment of all dofs, and the largest energy of an increment so far.
   subroutine find_increment(newton, model, moved, du, pass)
@@ -220,8 +393,17 @@ contains
       call multiply(newton%asm%k, newton%move, force)
       call free_part(model%eq, -state%reaction - force, newton%rhs)
     end if
-    call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, FORCING, pass%solve, error)
-    if (allocated(error)) return
+    do
+      if (newton%hold%springs) call add_springs(newton%hold, newton%asm%k)
+      call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, FORCING, pass%solve, error)
+      if (.not. (allocated(error) .or. pass%solve%singular)) then
+        call solve_anchored(newton, model, pass%solve, error)
+      end if
+      if (newton%hold%springs) call remove_springs(newton%hold, newton%asm%k)
+      if (allocated(error)) return
+      if (.not. pass%solve%singular) exit
+      if (.not. use_springs(newton%hold, state)) exit
+    end do
     if (pass%solve%singular) then
       pass%ok = .false.
       call name_singularity(model, state, pass%solve%null, pass%trouble, pass%hopeless)
@@ -230,6 +412,48 @@ contains
       pass%trouble = 'the tangent is so nearly singular that its system cannot be solved'
     end if
   end subroutine solve_tangent
+
+  !> Correct the increment for the stiffness of the anchors, w w^T of each with w = D v, which is no
+  !! part of the matrix A (the formula of Sherman, Morrison and Woodbury); then the signs of the
+  !! pivots, by det(A + W W^T) = det(A) det(S) and Sylvester's law of inertia, S = 1 + W^T A^-1 W.
+  subroutine solve_anchored(newton, model, report, error)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(solve_report_t), intent(inout) :: report !! of the system without anchors
+    type(error_t), allocatable, intent(out) :: error
+    type(solve_report_t) :: other
+    real(wp), allocatable :: w(:, :), y(:, :), s(:, :), c(:), value(:), work(:), lower(:, :)
+    integer, allocatable :: pivot(:)
+    integer :: i, info, m
+
+    if (.not. allocated(newton%asm%anchors%dv)) return
+    m = size(newton%asm%anchors%dv, 3)
+    allocate (w(size(newton%dx), m), y(size(newton%dx), m), pivot(m))
+    do i = 1, m
+      call free_part(model%eq, newton%asm%anchors%dv(:, :, i), w(:, i))
+      call newton%system%solve(newton%asm%k, w(:, i), y(:, i), CLOSE, other, error, &
+                               same_matrix=.true.)
+      if (allocated(error)) return
+    end do
+    s = matmul(transpose(w), y)
+    do i = 1, m
+      s(i, i) = s(i, i) + 1.0_wp
+    end do
+    c = matmul(newton%dx, w)
+    if (newton%symmetric) then
+      allocate (value(m), work(8*m), lower(m, m))
+      lower = s
+      call dsyev('N', 'L', m, lower, m, value, work, size(work), info)
+      report%negative = max(0, report%negative - count(value < 0.0_wp))
+    end if
+    call dgesv(m, 1, s, m, pivot, c, m, info)
+    if (info /= 0) return
+    newton%dx = newton%dx - matmul(y, c)
+    do i = 1, m ! the diagonal of U and the exchanges of rows give the sign of det(S)
+      if (s(i, i) < 0.0_wp) report%determinant = -report%determinant
+      if (pivot(i) /= i) report%determinant = -report%determinant
+    end do
+  end subroutine solve_anchored
 
   !> Reactions at the final displacements; a step whose test has not passed yet is tested once more.
   subroutine close_newton(newton, model, state, pass, error)

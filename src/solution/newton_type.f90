@@ -4,6 +4,7 @@ module newton_type
   use base_kinds, only: wp
   use continuation_type, only: path_constraint_t
   use linear_system, only: linear_system_t, solve_report_t, FULL
+  use stabilisation, only: stabilisation_t
   implicit none
   private
   public :: newton_t, pass_t, floor_t
@@ -12,6 +13,7 @@ module newton_type
     type(assembler_t) :: asm
     type(linear_system_t) :: system
     type(path_constraint_t) :: constraint !! for a step whose time is unknown
+    type(stabilisation_t) :: hold      !! of bodies that contact does not hold yet
     logical :: ready = .false.         !! matrix pattern and symbolic factorisation exist
     logical :: symmetric = .true.      !! they are for a symmetric matrix
     integer :: mode = FULL             !! FACTor
@@ -56,6 +58,7 @@ module newton_type
     real(wp) :: residual = 0.0_wp      !! largest component at a free dof [F]
     integer :: worst(2) = 0            !! its direction and node
     real(wp) :: line = 1.0_wp          !! fraction of the increment that was taken
+    integer :: short = 0               !! solves whose increments were shortened by `hold`
   end type pass_t
 
 end module newton_type

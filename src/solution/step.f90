@@ -13,12 +13,14 @@ module step
   use contact_pair, only: MORTAR
   use contact_report, only: report_contact_changes, measure_contacts, find_jump
   use continuation, only: begin_increment, change_method, adapt_method
+  use continuation_type, only: PATH_OFF
   use convergence, only: turns_back
   use energy_balance, only: accept_solution
   use model, only: model_t, state_t
-  use newton, only: begin_newton, form_system, solve_system, close_newton
+  use newton, only: begin_newton, form_system, solve_system, close_newton, sum_of_loads
   use newton_type, only: pass_t
   use solution_state, only: open_step, restore_step
+  use stabilisation_report, only: report_stabilisation
   use step_control, only: set_dt, set_end, accept_time, pass_target, cut_time
   use step_type, only: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   implicit none
@@ -102,7 +104,7 @@ contains
       return
     end if
     step%solved = .true.
-    step%total%iterations = step%total%iterations + 1
+    step%total%iterations = step%total%iterations + 1 + step%pass%short
     if (step%newton%constraint%on) then  ! its time is known only now
       call set_end(step%control, state%time, step%newton%constraint%at_limit)
     end if
@@ -121,7 +123,8 @@ contains
     logical :: possible
 
     possible = .false.
-    if (step%pass%hopeless) then
+    if (step%pass%hopeless .and. .not. (step%continuation%given .and. &
+                                        step%continuation%method /= PATH_OFF)) then
       call fail_step(step, model, state, why, place, error)
       return
     end if
@@ -180,8 +183,10 @@ contains
                //'determinants of opposite sign: the load path turns back here, and smaller ' &
                //'steps do not help; a softer penalty may help'
       end if
-      if (pass%solve%singular) then
+      if (pass%solve%singular .or. pass%hopeless) then
         hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'
+        if (.not. pass%solve%singular) hint = hint//'; or check the faces of the contacts, or ' &
+                                              //'add friction'
       end if
     end associate
     call fail(error, NO_SOLUTION, 'step '//to_text(state%step)//' failed'//cuts//': '//why, place, &
@@ -236,6 +241,10 @@ contains
                 hint='use more iterations, or AUTO,,dtmin,dtmax; the run will end with code 2')
     end if
     if (.not. step%newton%constraint%on) call check_stability(step, state)
+    associate (asm => step%newton%asm)
+      call report_stabilisation(step%newton%hold, model, state, asm%f_ext, asm%anchors, &
+                                sum_of_loads(step%newton, model, state))
+    end associate
     call report_contact_changes(model, state)
     step%total%inertia = step%total%inertia .or. state%dynamics%on
     call accept_solution(step%newton%asm, model, state)

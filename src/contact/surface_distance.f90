@@ -1,0 +1,52 @@
+!> How far the two surfaces of a contact are apart.
+module surface_distance
+  use base_kinds, only: wp
+  use contact_pair, only: contact_t
+  use projection, only: project
+  use projection_search, only: grid_t, update_grid
+  use projection_type, only: foot_t, shape_t
+  use surface_geometry, only: update_shape, surface_point
+  implicit none
+  private
+  public :: find_distance
+
+contains
+
+  !> The smallest distance of an integration point of one surface from the other one, or zero if one
+  !! has come through. Where no point has a projection, it is the distance of the boxes around both
+  !! surfaces.
+  real(wp) function find_distance(contact, x) result(distance)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
+    type(shape_t) :: shape(2)
+    type(grid_t) :: grid(2)
+    type(foot_t) :: foot
+    real(wp) :: xp(3), a(3, 2), b(3, 3), low(3, 2), high(3, 2)
+    integer :: e, k, q
+
+    do k = 1, 2
+      call update_shape(contact%side(k), x, shape(k))
+      low(:, k) = minval(shape(k)%low, 2)
+      high(:, k) = maxval(shape(k)%high, 2)
+    end do
+    do k = 1, 2
+      if (.not. contact%side(3 - k)%rigid) call update_grid(contact%side(k), shape(k), grid(k))
+    end do
+    distance = huge(distance)
+    do k = 1, 2
+      if (contact%side(k)%rigid) cycle
+      do e = 1, contact%side(k)%nelem
+        do q = 1, contact%nplain
+          call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), xp, a, b)
+          foot%elem = 0
+          call project(contact%side(3 - k), shape(3 - k), grid(3 - k), xp, foot)
+          if (foot%elem == 0 .or. foot%gap < -contact%depth) cycle
+          distance = min(distance, max(foot%gap, 0.0_wp))
+        end do
+      end do
+    end do
+    if (distance < huge(distance)) return
+    distance = norm2(max(0.0_wp, low(:, 1) - high(:, 2), low(:, 2) - high(:, 1)))
+  end function find_distance
+
+end module surface_distance

@@ -1,0 +1,394 @@
+!> Bodies that supports do not hold, while contact does not hold them yet, or not in all directions.
+!!
+!! The rigid motions v of such bodies are sorted by their stiffness v.K v/v.D v, with the tangent K
+!! and with D, the mean stiffness of each node on its diagonal.
+!!
+!! 1. No stiffness (below NO_STIFFNESS), and a load acts along a translation: the body flies. It is
+!!    moved in that direction, up to the nearest other surface and then by a distance that begins
+!!    with a thousandth of an element and doubles. As soon as contact resists, Newton's iteration
+!!    goes on from there. A body that does not meet anything is given up.
+!! 2. Little stiffness (below WEAK, or negative): a ball can turn and slide on a plate without
+!!    friction. The motion since the start of the step is held by an anchor (module anchors). If the
+!!    iteration converges with a load of more than NO_LOAD of all loads in an anchor, the motion is
+!!    released, and the iteration goes on.
+!! 3. Springs of SPRING D in the tangent alone, not in the residual, make every system regular. An
+!!    increment whose energy is mainly that of the springs is shortened as in 1.
+!!
+!! Until the tangent does not resist some motion, nothing of this is done. All limits are relative.
+!! Theory: doc/theory/contact.md.
+module stabilisation
+  use anchors, only: anchors_t, find_load, node_stiffness, rigid_field
+  use base_kinds, only: wp
+  use csr, only: block_matrix_t, block_position, multiply
+  use lapack, only: dsyev
+  use model, only: model_t, state_t
+  use rigid_modes, only: free_body_t, find_free_bodies, find_motions, rigid_motion, null_vectors
+  use surface_distance, only: find_distance
+  implicit none
+  private
+  public :: stabilisation_t, begin_stabilisation, find_unheld, use_springs, find_flight, &
+            release_loaded, find_reach, add_springs, remove_springs, spring_energy, note_move, &
+            is_lost, is_restless
+
+  real(wp), parameter :: SPRING = 1.0e-10_wp   !! stiffness of the springs, relative to the node's
+  real(wp), parameter :: NO_STIFFNESS = 1.0e-9_wp
+  real(wp), parameter :: WEAK = 1.0e-4_wp
+  real(wp), parameter :: NO_LOAD = 2.0e-2_wp   !! largest force of an anchor, relative to all loads
+  real(wp), parameter :: PURE = 1.0e-6_wp      !! largest rotation in a translation
+  real(wp), parameter :: UNLOADED = 1.0e-6_wp  !! a smaller force, relative to the largest one of a
+  !! node, is no load
+  real(wp), parameter :: FIRST = 1.0e-3_wp     !! first move of a body that touches, relative to an
+  !! element
+  real(wp), parameter :: LONGEST = 0.25_wp     !! longest one, relative to an element or DEPTh
+  real(wp), parameter :: FAR = 2.0_wp          !! a body that moved so far, relative to the model,
+  !! is lost
+  integer, parameter :: MOST_MOVES = 100       !! number of moves in a step
+
+  type :: stabilisation_t
+    logical :: known = .false.           !! `body` is known
+    type(free_body_t), allocatable :: body(:) !! bodies that only contact can hold
+    logical :: active = .false.          !! the tangent did not resist some motion
+    logical :: springs = .false.         !! the tangent of this iteration has springs
+    logical :: used = .false.            !! an earlier one of this step had them
+    integer :: moves = 0                 !! number of moves in this step
+    integer :: at_contact = 0            !! those that began at another surface
+    real(wp), allocatable :: shift(:, :) !! (3, body) sum of these moves [L]
+    !> (6, body, m) Motions that nothing resists; the 6*body coefficients of each are orthonormal.
+    real(wp), allocatable :: unheld(:, :, :)
+    real(wp), allocatable :: weak(:, :, :) !! (6, body, m) motions of little stiffness, v.D v = 1
+    real(wp), allocatable :: released(:, :, :) !! (6, body, m) those without an anchor in this step
+    real(wp) :: energy = 0.0_wp          !! of the anchors, sum over the steps [F L]
+    real(wp) :: work = 0.0_wp            !! of loads and supports in the same steps [F L]
+    real(wp), allocatable :: kept(:, :, :) !! (3, 3, node) blocks without the springs
+    logical :: warned = .false.          !! the warning about free motions was issued
+    logical :: warned_energy = .false.   !! and that with an energy that is not small
+  end type stabilisation_t
+
+contains
+
+  !> Begin a step.
+  subroutine begin_stabilisation(hold, model)
+    type(stabilisation_t), intent(inout) :: hold
+    type(model_t), intent(in) :: model
+    type(free_body_t), allocatable :: body(:)
+    integer, allocatable :: list(:)
+    integer :: b
+
+    if (.not. hold%known) then
+      allocate (hold%body(0))
+      if (size(model%contact) > 0) then
+        call find_free_bodies(model, model%mesh%xr, body)
+        list = pack([(b, b=1, size(body))], body%in_contact .and. .not. body%bonded)
+        deallocate (hold%body)
+        allocate (hold%body(size(list)))
+        do b = 1, size(list)
+          hold%body(b) = body(list(b))
+        end do
+      end if
+      allocate (hold%shift(3, size(hold%body)), hold%unheld(6, size(hold%body), 0), &
+                hold%weak(6, size(hold%body), 0))
+      hold%known = .true.
+    end if
+    hold%springs = .false.
+    hold%used = .false.
+    hold%moves = 0
+    hold%at_contact = 0
+    hold%shift = 0.0_wp
+    if (allocated(hold%released)) deallocate (hold%released)
+    allocate (hold%released(6, size(hold%body), 0))
+  end subroutine begin_stabilisation
+
+  !> Find the rigid motions that neither supports nor the tangent resist. Inertia holds every body.
+  subroutine find_unheld(hold, model, state, k)
+    type(stabilisation_t), intent(inout) :: hold
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(block_matrix_t), intent(in) :: k
+    real(wp), allocatable :: x(:, :), v(:, :, :), kv(:, :), c(:, :, :), g(:, :), d(:, :), t(:, :)
+    real(wp), allocatable :: kernel(:, :), q(:, :)
+    integer, allocatable :: owner(:)
+    integer :: b, i, j, m, n
+
+    hold%springs = .false.
+    if (size(hold%weak, 3) > 0) then
+      deallocate (hold%unheld, hold%weak)
+      allocate (hold%unheld(6, size(hold%body), 0), hold%weak(6, size(hold%body), 0))
+    end if
+    if (size(hold%body) == 0 .or. state%dynamics%on) return
+    allocate (x, source=model%mesh%xr + state%u)
+    m = 0
+    do b = 1, size(hold%body)
+      call find_motions(model%eq, x, hold%body(b))
+      m = m + hold%body(b)%nmotion
+    end do
+    if (m == 0) return
+    allocate (v(3, model%mesh%nnode, m), kv(3, model%mesh%nnode), owner(m))
+    allocate (c(6, size(hold%body), m), source=0.0_wp)
+    v = 0.0_wp
+    m = 0
+    do b = 1, size(hold%body)
+      do i = 1, hold%body(b)%nmotion
+        m = m + 1
+        owner(m) = b
+        c(:, b, m) = hold%body(b)%motion(:, i)
+        v(:, hold%body(b)%node, m) = rigid_motion(hold%body(b), c(:, b, m), model%eq, x)
+      end do
+    end do
+    allocate (g(m, m), d(m, m), source=0.0_wp)
+    do j = 1, m
+      call multiply(k, v(:, :, j), kv)
+      do i = 1, m
+        g(i, j) = sum(v(:, :, i)*kv)
+      end do
+      do n = 1, size(hold%body(owner(j))%node)
+        b = hold%body(owner(j))%node(n)
+        kv(:, b) = node_stiffness(k, b)*v(:, b, j)
+      end do
+      do i = 1, m
+        if (owner(i) /= owner(j)) cycle
+        associate (node => hold%body(owner(j))%node)
+          d(i, j) = sum(v(:, node, i)*kv(:, node))
+        end associate
+      end do
+    end do
+    call inverse_root(d, t)
+    g = matmul(transpose(t), matmul(0.5_wp*(g + transpose(g)), t))
+    if (.not. hold%active) then
+      call null_vectors(g, NO_STIFFNESS, kernel)
+      hold%active = size(kernel, 2) > 0
+    end if
+    if (.not. hold%active) return
+    call null_vectors(g, WEAK, kernel, or_less=.true.)
+    if (size(kernel, 2) == 0) return
+    hold%springs = .true.
+    hold%used = .true.
+    q = matmul(reshape(c, [6*size(hold%body), m]), matmul(t, kernel))
+    hold%weak = reshape(q, [6, size(hold%body), size(q, 2)])
+    call null_vectors(g, NO_STIFFNESS, kernel)
+    if (size(kernel, 2) == 0) return
+    q = matmul(reshape(c, [6*size(hold%body), m]), matmul(t, kernel))
+    call orthonormalise(q)
+    hold%unheld = reshape(q, [6, size(hold%body), size(q, 2)])
+  end subroutine find_unheld
+
+  !> The tangent is singular although every motion seemed to be resisted: try with springs. The
+  !! result is false if there is no body that they could hold.
+  logical function use_springs(hold, state) result(possible)
+    type(stabilisation_t), intent(inout) :: hold
+    type(state_t), intent(in) :: state
+
+    possible = .not. (hold%springs .or. state%dynamics%on) .and. size(hold%body) > 0
+    if (.not. possible) return
+    hold%active = .true.
+    hold%springs = .true.
+    hold%used = .true.
+  end function use_springs
+
+  !> T with T^T D T = 1 for a symmetric positive definite matrix.
+  subroutine inverse_root(d, t)
+    real(wp), intent(in) :: d(:, :)
+    real(wp), allocatable, intent(out) :: t(:, :)
+    real(wp) :: value(size(d, 1)), work(8*size(d, 1))
+    integer :: i, info
+
+    allocate (t, source=d)
+    call dsyev('V', 'U', size(d, 1), t, size(d, 1), value, work, size(work), info)
+    do i = 1, size(value)
+      t(:, i) = t(:, i)/sqrt(max(value(i), tiny(value)))
+    end do
+  end subroutine inverse_root
+
+  !> Orthonormalise columns by Gram and Schmidt, twice.
+  pure subroutine orthonormalise(q)
+    real(wp), intent(inout) :: q(:, :)
+    integer :: i, j, pass
+
+    do i = 1, size(q, 2)
+      do pass = 1, 2
+        do j = 1, i - 1
+          q(:, i) = q(:, i) - dot_product(q(:, j), q(:, i))*q(:, j)
+        end do
+        q(:, i) = q(:, i)/norm2(q(:, i))
+      end do
+    end do
+  end subroutine orthonormalise
+
+  !> Does a load act along a translation that nothing resists? Then `du` is the translation in the
+  !! direction of the load, of length one.
+  subroutine find_flight(hold, model, state, force, floor, du, loaded)
+    type(stabilisation_t), intent(in) :: hold
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(in) :: force(:, :)  !! (3, nnode) external minus internal force [F]
+    real(wp), intent(in) :: floor        !! force that counts as zero [F]
+    real(wp), intent(out) :: du(:, :)    !! (3, nnode)
+    logical, intent(out) :: loaded
+    real(wp), allocatable :: kernel(:, :), turn(:, :), x(:, :), motions(:, :)
+    real(wp) :: c(6, size(hold%body)), motion(6, size(hold%body)), along, largest
+    integer :: b, i, m
+
+    du = 0.0_wp
+    m = size(hold%unheld, 3)
+    loaded = .false.
+    if (m == 0) return
+    turn = reshape(hold%unheld(4:, :, :), [3*size(hold%body), m])
+    call null_vectors(matmul(transpose(turn), turn), PURE**2, kernel)
+    allocate (x, source=model%mesh%xr + state%u)
+    c = 0.0_wp
+    largest = 0.0_wp
+    do b = 1, size(hold%body)
+      largest = max(largest, maxval(abs(force(:, hold%body(b)%node)), &
+                                    model%eq(:, hold%body(b)%node) > 0))
+    end do
+    motions = reshape(hold%unheld, [6*size(hold%body), m])
+    do i = 1, size(kernel, 2)
+      motion = reshape(matmul(motions, kernel(:, i)), [6, size(hold%body)])
+      call rigid_field(hold%body, motion, model%eq, x, du)
+      along = sum(force*du)
+      if (abs(along) <= max(UNLOADED*largest, floor)) cycle
+      loaded = .true.
+      c = c + along*motion
+    end do
+    if (.not. loaded) return
+    call rigid_field(hold%body, c, model%eq, x, du)
+    du = du/sqrt(maxval(sum(du**2, 1)))
+  end subroutine find_flight
+
+  !> Do the anchors bear a load that is not small? Then the motion along it is released for the rest
+  !! of the step.
+  subroutine release_loaded(hold, model, state, anchors, scale, loaded)
+    type(stabilisation_t), intent(inout) :: hold
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(anchors_t), intent(in) :: anchors
+    real(wp), intent(in) :: scale        !! sum of all loads [F]
+    logical, intent(out) :: loaded
+    real(wp) :: motion(6, size(hold%body)), load
+
+    loaded = .false.
+    if (.not. allocated(anchors%dv)) return
+    call find_load(anchors, hold%body, model%eq, model%mesh%xr + state%u, &
+                   state%u - state%u_step, motion, load)
+    loaded = load > NO_LOAD*scale
+    if (.not. loaded) return
+    hold%released = reshape([hold%released, motion], &
+                            [6, size(hold%body), size(hold%released, 3) + 1])
+  end subroutine release_loaded
+
+  !> How far a body may move at once [L]: to the nearest other surface, and a little into it.
+  subroutine find_reach(hold, model, state, reach)
+    type(stabilisation_t), intent(inout) :: hold
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(out) :: reach
+    real(wp), allocatable :: x(:, :)
+    real(wp) :: depth, gap, h
+    integer :: c, k
+
+    allocate (x, source=model%mesh%xr + state%u)
+    gap = huge(gap)
+    h = huge(h)
+    depth = huge(depth)
+    do c = 1, size(model%contact)
+      associate (contact => model%contact(c))
+        gap = min(gap, find_distance(contact, x))
+        depth = min(depth, contact%depth)
+        do k = 1, 2
+          if (.not. contact%side(k)%rigid) h = min(h, minval(contact%side(k)%width))
+        end do
+      end associate
+    end do
+    if (gap <= LONGEST*min(h, depth)) hold%at_contact = hold%at_contact + 1
+    reach = gap + min(LONGEST*min(h, depth), FIRST*h*2.0_wp**min(20, max(0, hold%at_contact - 1)))
+  end subroutine find_reach
+
+  !> Add the springs to the tangent.
+  subroutine add_springs(hold, k)
+    type(stabilisation_t), intent(inout) :: hold
+    type(block_matrix_t), intent(inout) :: k
+    integer :: b, i, j, m, p
+
+    m = 0
+    do b = 1, size(hold%body)
+      m = m + size(hold%body(b)%node)
+    end do
+    if (allocated(hold%kept)) deallocate (hold%kept)
+    allocate (hold%kept(3, 3, m))
+    m = 0
+    do b = 1, size(hold%body)
+      do j = 1, size(hold%body(b)%node)
+        p = block_position(k, hold%body(b)%node(j), hold%body(b)%node(j))
+        m = m + 1
+        hold%kept(:, :, m) = k%val(:, :, p)
+        do i = 1, 3
+          k%val(i, i, p) = k%val(i, i, p) + SPRING*node_stiffness(k, hold%body(b)%node(j))
+        end do
+      end do
+    end do
+  end subroutine add_springs
+
+  !> Restore the tangent without springs, bit for bit.
+  subroutine remove_springs(hold, k)
+    type(stabilisation_t), intent(inout) :: hold
+    type(block_matrix_t), intent(inout) :: k
+    integer :: b, j, m, p
+
+    m = 0
+    do b = 1, size(hold%body)
+      do j = 1, size(hold%body(b)%node)
+        p = block_position(k, hold%body(b)%node(j), hold%body(b)%node(j))
+        m = m + 1
+        k%val(:, :, p) = hold%kept(:, :, m)
+      end do
+    end do
+  end subroutine remove_springs
+
+  !> Work of the springs along an increment [F L].
+  pure real(wp) function spring_energy(hold, k, du) result(energy)
+    type(stabilisation_t), intent(in) :: hold
+    type(block_matrix_t), intent(in) :: k
+    real(wp), intent(in) :: du(:, :)     !! (3, nnode) [L]
+    integer :: b, j
+
+    energy = 0.0_wp
+    do b = 1, size(hold%body)
+      do j = 1, size(hold%body(b)%node)
+        associate (n => hold%body(b)%node(j))
+          energy = energy + SPRING*node_stiffness(k, n)*sum(du(:, n)**2)
+        end associate
+      end do
+    end do
+  end function spring_energy
+
+  !> Note that bodies have moved by du.
+  subroutine note_move(hold, du)
+    type(stabilisation_t), intent(inout) :: hold
+    real(wp), intent(in) :: du(:, :)     !! (3, nnode) [L]
+    integer :: b
+
+    hold%moves = hold%moves + 1
+    do b = 1, size(hold%body)
+      associate (node => hold%body(b)%node)
+        hold%shift(:, b) = hold%shift(:, b) + sum(du(:, node), 2)/size(node)
+      end associate
+    end do
+  end subroutine note_move
+
+  !> Has a body moved farther than the model is wide?
+  pure logical function is_lost(hold, model)
+    type(stabilisation_t), intent(in) :: hold
+    type(model_t), intent(in) :: model
+    real(wp) :: extent
+
+    extent = maxval(maxval(model%mesh%xr, 2) - minval(model%mesh%xr, 2))
+    is_lost = maxval(norm2(hold%shift, 1)) > FAR*extent
+  end function is_lost
+
+  !> Have bodies moved too often without coming to rest?
+  pure logical function is_restless(hold)
+    type(stabilisation_t), intent(in) :: hold
+
+    is_restless = hold%moves >= MOST_MOVES
+  end function is_restless
+
+end module stabilisation

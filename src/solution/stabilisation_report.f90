@@ -1,0 +1,130 @@
+!> What the log and the screen say of bodies that contact does not hold: where they were moved to,
+!! and the motions that only anchors resist.
+module stabilisation_report
+  use anchors, only: anchors_t, anchor_force, find_load
+  use base_kinds, only: wp
+  use base_log, only: note, warn
+  use base_text, only: to_text
+  use model, only: model_t, state_t
+  use rigid_modes, only: motion_text
+  use stabilisation, only: stabilisation_t
+  implicit none
+  private
+  public :: report_stabilisation, lost_text
+
+  real(wp), parameter :: ROUGH = 0.2_wp    !! smaller parts of a motion are not named
+  real(wp), parameter :: ALONG = 1.0e-6_wp !! largest component of a direction across its axis
+  real(wp), parameter :: MUCH = 1.0e-3_wp  !! work of anchors that is worth another warning
+
+contains
+
+  !> Say what was done in a step that is accepted.
+  subroutine report_stabilisation(hold, model, state, f_ext, anchors, scale)
+    type(stabilisation_t), intent(inout) :: hold
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(in) :: f_ext(:, :)  !! (3, nnode) loads [F]
+    type(anchors_t), intent(in) :: anchors
+    real(wp), intent(in) :: scale        !! sum of all loads [F]
+    real(wp), allocatable :: q(:, :), force(:, :), du(:, :)
+    character(:), allocatable :: start, names
+    real(wp) :: motion(6, size(hold%body)), load, share
+    integer :: b
+
+    if (.not. hold%used) return
+    start = 'step '//to_text(state%step)//': '
+    do b = 1, size(hold%body)
+      if (hold%moves == 0 .or. .not. norm2(hold%shift(:, b)) > 0.0_wp) cycle
+      call note(start//hold%body(b)%name//' was moved by '//to_text(norm2(hold%shift(:, b)), 3) &
+                //' along '//direction(hold%shift(:, b))//' to where contact holds it')
+    end do
+    if (.not. allocated(anchors%dv)) return
+    allocate (force(3, model%mesh%nnode), source=0.0_wp)
+    allocate (du, source=state%u - state%u_step)
+    call anchor_force(anchors, du, force)
+    hold%energy = hold%energy + 0.5_wp*abs(sum(force*du))
+    force = f_ext
+    where (model%eq == 0) force = force + state%reaction
+    hold%work = hold%work + 0.5_wp*sum(abs(force*du))
+    share = 0.0_wp
+    if (hold%work > 0.0_wp) share = hold%energy/hold%work
+    if (hold%warned .and. (hold%warned_energy .or. share <= MUCH)) return
+    hold%warned = .true.
+    hold%warned_energy = share > MUCH
+    names = ''
+    do b = 1, size(hold%body)
+      call span_of(anchors%motion, b, q)
+      if (size(q, 2) == 0) cycle
+      if (len(names) > 0) names = names//'; '
+      names = names//hold%body(b)%name//' can '//motion_text(q, ROUGH)
+    end do
+    call find_load(anchors, hold%body, model%eq, model%mesh%xr + state%u, du, motion, load)
+    if (scale > 0.0_wp) load = load/scale
+    call warn(start//'contact does not prevent motions along which no load acts: '//names//'; ' &
+              //'springs prevent them, with '//percent(load)//' of the loads and '//percent(share) &
+              //' of the work', hint='support the bodies against these motions, or add friction')
+  end subroutine report_stabilisation
+
+  !> A share in per cent; shares that are rounding are less than 1e-6 %.
+  function percent(share) result(text)
+    real(wp), intent(in) :: share
+    character(:), allocatable :: text
+
+    text = 'less than 1e-6 %'
+    if (share >= 1.0e-8_wp) text = to_text(100*share, 2)//' %'
+  end function percent
+
+  !> Orthonormal basis of those motions of body b in which it takes part.
+  subroutine span_of(motion, b, basis)
+    real(wp), intent(in) :: motion(:, :, :) !! (6, body, m)
+    integer, intent(in) :: b
+    real(wp), allocatable, intent(out) :: basis(:, :) !! (6, n)
+    real(wp) :: d(6), part
+    integer :: i, j, pass
+
+    allocate (basis(6, 0))
+    do i = 1, size(motion, 3)
+      part = norm2(motion(:, b, i))/norm2(motion(:, :, i))
+      if (.not. part > ROUGH) cycle
+      d = motion(:, b, i)/norm2(motion(:, b, i))
+      do pass = 1, 2
+        do j = 1, size(basis, 2)
+          d = d - dot_product(basis(:, j), d)*basis(:, j)
+        end do
+      end do
+      if (.not. norm2(d) > ROUGH) cycle
+      basis = reshape([basis, d/norm2(d)], [6, size(basis, 2) + 1])
+    end do
+  end subroutine span_of
+
+  !> The reason why a step fails in which a body is lost.
+  function lost_text(hold) result(text)
+    type(stabilisation_t), intent(in) :: hold
+    character(:), allocatable :: text
+    integer :: b
+
+    b = maxloc(norm2(hold%shift, 1), 1)
+    text = hold%body(b)%name//' moves under its loads along ' &
+           //direction(hold%shift(:, b))//' by '//to_text(norm2(hold%shift(:, b)), 3) &
+           //', and contact does not stop it'
+  end function lost_text
+
+  !> The direction of a vector: -z, or its unit vector.
+  function direction(v) result(text)
+    real(wp), intent(in) :: v(3)
+    character(:), allocatable :: text
+    real(wp) :: d(3)
+    integer :: i
+
+    d = 0.0_wp
+    if (norm2(v) > 0.0_wp) d = v/norm2(v)
+    i = maxloc(abs(d), 1)
+    if (abs(d(i)) > 1.0_wp - ALONG) then
+      text = trim(merge('-', ' ', d(i) < 0.0_wp))//'xyz' (i:i)
+    else
+      where (abs(d) < ALONG) d = 0.0_wp
+      text = '('//to_text(d(1), 3)//', '//to_text(d(2), 3)//', '//to_text(d(3), 3)//')'
+    end if
+  end function direction
+
+end module stabilisation_report
