@@ -249,7 +249,7 @@ contains
           if (.not. s < 1.0_wp) return
           pass%short = pass%short + 1
         end if
-        call fly(newton, model, state, du, s, newton%moves .and. .not. loaded, pass, error)
+        call fly(newton, model, state, du, s, loaded, pass, error)
         if (allocated(error) .or. .not. pass%ok) return
       end do
     end associate
@@ -303,13 +303,13 @@ contains
   end function sum_of_loads
 
   !> Take the fraction s of an increment in which bodies fly, and form the system there.
-  subroutine fly(newton, model, state, du, s, moves, pass, error)
+  subroutine fly(newton, model, state, du, s, rigid, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: du(:, :)     !! (3, nnode) [L]
     real(wp), intent(in) :: s
-    logical, intent(in) :: moves         !! the increment contains prescribed motion
+    logical, intent(in) :: rigid         !! it is a translation, and no solution of the system
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: before(:, :)
@@ -321,9 +321,9 @@ contains
       return
     end if
     allocate (before, source=state%u)
-    newton%has_moved = moves
-    newton%may_retreat = .not. moves
-    if (moves) then
+    newton%has_moved = newton%moves .and. .not. rigid
+    newton%may_retreat = .not. (newton%moves .or. rigid)
+    if (newton%has_moved) then
       newton%moved = newton%move
       newton%move = (1.0_wp - s)*newton%moved
     end if

@@ -5,8 +5,8 @@
 !!
 !! 1. No stiffness (below NO_STIFFNESS), and a load acts along a translation: the body flies. It is
 !!    moved in that direction, up to the nearest other surface and then by a distance that begins
-!!    with a thousandth of an element and doubles. As soon as contact resists, Newton's iteration
-!!    goes on from there. A body that does not meet anything is given up.
+!!    with a millionth of an element and grows. As soon as contact resists, Newton's iteration goes
+!!    on from there. A body that does not meet anything is given up.
 !! 2. Little stiffness (below WEAK, or negative): a ball can turn and slide on a plate without
 !!    friction. The motion since the start of the step is held by an anchor (module anchors). If the
 !!    iteration converges with a load of more than NO_LOAD of all loads in an anchor, the motion is
@@ -37,8 +37,9 @@ module stabilisation
   real(wp), parameter :: PURE = 1.0e-6_wp      !! largest rotation in a translation
   real(wp), parameter :: UNLOADED = 1.0e-6_wp  !! a smaller force, relative to the largest one of a
   !! node, is no load
-  real(wp), parameter :: FIRST = 1.0e-3_wp     !! first move of a body that touches, relative to an
+  real(wp), parameter :: FIRST = 1.0e-6_wp     !! first move of a body that touches, relative to an
   !! element
+  real(wp), parameter :: GROWTH = 4.0_wp       !! and the ratio of the following ones
   real(wp), parameter :: LONGEST = 0.25_wp     !! longest one, relative to an element or DEPTh
   real(wp), parameter :: FAR = 2.0_wp          !! a body that moved so far, relative to the model,
   !! is lost
@@ -51,7 +52,7 @@ module stabilisation
     logical :: springs = .false.         !! the tangent of this iteration has springs
     logical :: used = .false.            !! an earlier one of this step had them
     integer :: moves = 0                 !! number of moves in this step
-    integer :: at_contact = 0            !! those that began at another surface
+    integer :: at_contact = 0            !! the last of them, if they began at another surface
     real(wp), allocatable :: shift(:, :) !! (3, body) sum of these moves [L]
     !> (6, body, m) Motions that nothing resists; the 6*body coefficients of each are orthonormal.
     real(wp), allocatable :: unheld(:, :, :)
@@ -282,7 +283,7 @@ contains
     type(state_t), intent(in) :: state
     real(wp), intent(out) :: reach
     real(wp), allocatable :: x(:, :)
-    real(wp) :: depth, gap, h
+    real(wp) :: depth, gap, h, little
     integer :: c, k
 
     allocate (x, source=model%mesh%xr + state%u)
@@ -298,8 +299,9 @@ contains
         end do
       end associate
     end do
-    if (gap <= LONGEST*min(h, depth)) hold%at_contact = hold%at_contact + 1
-    reach = gap + min(LONGEST*min(h, depth), FIRST*h*2.0_wp**min(20, max(0, hold%at_contact - 1)))
+    little = min(LONGEST*min(h, depth), FIRST*h*GROWTH**min(20, hold%at_contact))
+    hold%at_contact = merge(hold%at_contact + 1, 0, gap <= little)
+    reach = gap + little
   end subroutine find_reach
 
   !> Add the springs to the tangent.
