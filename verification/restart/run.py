@@ -38,6 +38,7 @@ DECKS = [
     "local.inp",
     "length.inp",
     "spline.inp",
+    "loose.inp",
 ]
 
 
