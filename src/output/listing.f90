@@ -11,6 +11,8 @@ module listing
   private
   public :: list_model, list_free_bodies, warn_loose, warn_unread
 
+  integer, parameter :: MOST = 10      !! largest number of free bodies that are listed
+
 contains
 
   !> List sizes, element types and laws with their sources, contacts, and warnings about the model.
@@ -76,7 +78,9 @@ contains
     asked = .false.
     if (present(warns)) asked = warns
     call find_free_bodies(model, model%mesh%xr, body)
-    do b = 1, size(body)
+    if (size(body) > MOST) call log_line('free      '//to_text(size(body)) &
+                                         //' bodies, of which '//to_text(MOST)//' are listed')
+    do b = 1, min(size(body), MOST)
       motions = motion_text(body(b)%motion(:, :body(b)%nmotion))
       if (body(b)%in_contact) then
         call log_line('free      '//body(b)%name//' can '//motions//' unless contact holds it')

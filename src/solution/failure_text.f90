@@ -9,7 +9,7 @@ module failure_text
   private
   public :: name_element, name_singularity
 
-  integer, parameter :: MOST = 4       !! largest number of dofs that are named
+  integer, parameter :: MOST = 4       !! largest number of dofs and of bodies that are named
 
 contains
 
@@ -37,7 +37,7 @@ contains
     character(:), allocatable, intent(out) :: text
     logical, intent(out) :: hopeless
     type(free_body_t), allocatable :: body(:)
-    integer :: b, i
+    integer :: b, i, named
 
     text = 'the tangent is singular'
     do i = 1, min(size(null), MOST)
@@ -46,8 +46,11 @@ contains
     if (size(null) > MOST) text = text//' and '//to_text(size(null) - MOST)//' more'
     call find_free_bodies(model, model%mesh%xr + state%u, body)
     hopeless = .not. all(body%in_contact)
+    named = 0
     do b = 1, size(body)
       if (body(b)%in_contact .and. hopeless) cycle
+      named = named + 1
+      if (named > MOST) cycle
       if (body(b)%in_contact) then
         text = text//'; only contact can hold '
       else
@@ -55,6 +58,7 @@ contains
       end if
       text = text//body(b)%name//', which can '//motion_text(body(b)%motion(:, :body(b)%nmotion))
     end do
+    if (named > MOST) text = text//'; and '//to_text(named - MOST)//' more bodies'
   end subroutine name_singularity
 
 end module failure_text
