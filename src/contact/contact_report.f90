@@ -29,6 +29,7 @@ module contact_report
   real(wp), parameter :: UNBALANCED = 0.02_wp !! difference of the forces that is worth a warning
   real(wp), parameter :: TOO_DEEP = 0.02_wp   !! and penetration, relative to an element
   real(wp), parameter :: HALF = 0.5_wp        !! of a motion
+  real(wp), parameter :: NEAREST = 0.01_wp    !! of an element's width: gaps that are hardly larger
   real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! relative to the largest force so far
 
   !> How two surfaces are placed at the start.
@@ -116,7 +117,7 @@ contains
     real(wp), allocatable :: reach_of(:, :) ! distance of an element to the other surface [L]
     logical, allocatable :: behind(:)    ! it is behind the other body
     real(wp) :: thin                     ! thickness of the thinner body [L]; huge: unknown
-    real(wp) :: h, reach, near, xp(3), a(3, 2), b(3, 3)
+    real(wp) :: h, reach, near, beside, xp(3), a(3, 2), b(3, 3)
     integer :: e, k, n, q
 
     h = huge(1.0_wp)
@@ -178,12 +179,14 @@ contains
     do k = 1, 2
       associate (width => contact%side(k)%width)
         if (.not. allocated(contact%side(k)%width)) cycle
-        e = count(reach_of(:size(width), k) <= near)
-        if (e == 0) then
-          start%width(k) = sqrt(sum(width**2)/max(1, size(width)))
-        else
-          start%width(k) = sqrt(sum(width**2, mask=reach_of(:size(width), k) <= near)/e)
+        ! on graded meshes a wider band would take in large elements far from the contact
+        beside = huge(beside)
+        if (any(reach_of(:size(width), k) < huge(h))) then
+          e = minloc(reach_of(:size(width), k), dim=1)
+          beside = reach_of(e, k) + NEAREST*width(e)
         end if
+        e = count(reach_of(:size(width), k) <= beside)
+        start%width(k) = sqrt(sum(width**2, mask=reach_of(:size(width), k) <= beside)/max(1, e))
       end associate
     end do
     start%nnear = count(abs(gap(:n)) <= near)
