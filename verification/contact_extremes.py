@@ -2,7 +2,7 @@
 
     python -m verification.contact_extremes [--bezel PROGRAM] [--only WORD] [--out DIR]
 
-The table has a row for each run with outcome and reason, as in doc/verification/contact.md. Penalties
+The table has a row for each run with outcome and reason, as in doc/verification/contact_points.md. Penalties
 are multiples of the automatic one.
 """
 
