@@ -267,6 +267,29 @@ def mindlin(runner):
     return heading, rows, curves
 
 
+def mindlin_sphere(runner):
+    """Partial slip of a sphere: tangential approach and the area that sticks."""
+    run = runner("mindlin/sphere")
+    if failed(run):
+        return ["Q/(mu P)"], [[failed(run)]], None
+    c = run.curve("mindlin")
+    press, pull = -2 * c["force_3"], 2 * c["force_1"]
+    share = np.minimum(pull / (0.3 * press), 1.0)
+    a = (30 * press * 1.82 / 4) ** (1 / 3)
+    left = (1 - share) ** (2 / 3)
+    exact = 3 * 0.3 * press * 1.7 * 2.6 / (8 * a) * (1 - left)
+    rows = []
+    for i in range(2, len(share) - 1):
+        got = c["contact_mindlin_1_stick"][i]
+        rows.append([
+            f"{share[i]:.3f}", f"{c['disp_1'][i]:.4e}", f"{exact[i]:.4e}",
+            percent(c["disp_1"][i] / exact[i] - 1), f"{got:.3f}", f"{left[i]:.3f}",
+            f"{got - left[i]:+.3f}", int(c["iterations"][i]),
+        ])  # fmt: skip
+    heading = ["Q/(mu P)", "approach", "Mindlin", "difference", "share that sticks", "(c/a)^2", "difference", "iterations"]  # fmt: skip
+    return heading, rows, None
+
+
 def turn(runner):
     """A sheared pair turned by 90 degrees, and only held."""
     rows = []
@@ -474,4 +497,4 @@ def extremes(runner):
 
 
 TABLES = {f.__name__: f for f in (
-    patch, sphere, cylinder, ironing, rings, mindlin, turn, seal, cord, drag, beams, cycle, extremes)}  # fmt: skip
+    patch, sphere, cylinder, ironing, rings, mindlin, mindlin_sphere, turn, seal, cord, drag, beams, cycle, extremes)}  # fmt: skip
