@@ -75,6 +75,8 @@ def hertz(folder, plt):
         ax.set_xticks(ticks, [str(t) for t in ticks])
         ax.minorticks_off()
         ax.set_xlabel("elements over 1.3 radii")
+    for ax, ticks in zip(axes[1:], ((0.05, 0.1, 0.2, 0.4), (0.02, 0.05, 0.1)), strict=True):
+        ax.set_yticks(ticks, [str(t) for t in ticks])
     axes[0].set_ylabel("relative error")
     axes[2].legend()
     return drawing

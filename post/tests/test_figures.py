@@ -9,7 +9,7 @@ import numpy as np
 from post import _style, convergence, curve
 from post.__main__ import main
 from post._error import Unreadable
-from post.figures import section4
+from post.figures import contact, section4
 from post.tests.samples import Scratch, write_curve
 
 TABLE = """# made up
@@ -118,6 +118,18 @@ class Section4(Scratch):
                 section4.main(["--results", str(self.results), "--to", str(self.folder)]), 0
             )
         self.assertEqual(len(list(self.folder.glob("section4_*.png"))), 4)
+
+
+class Contact(Scratch):
+    def test_the_committed_curves_are_drawn(self):
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(contact.main(["--to", str(self.folder)]), 0)
+        names = sorted(path.name for path in self.folder.glob("*.png"))
+        self.assertEqual(names, [f"contact_{n}.png" for n in ("hertz", "ironing", "mindlin")])
+
+    def test_a_folder_without_curves_is_an_error(self):
+        with self.assertRaisesRegex(Unreadable, "cannot be read"):
+            contact.draw(self.folder, self.folder)
 
 
 if __name__ == "__main__":
