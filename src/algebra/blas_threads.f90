@@ -2,7 +2,7 @@
 module blas_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
-  use base_kinds, only: wp
+  use base_kinds, only: wp, i8
   use base_text, only: to_text
   use lapack, only: dgemm
   implicit none
@@ -26,26 +26,29 @@ contains
 
   !> Use n threads in factorisations.
   !!
-  !! A first product makes OpenBLAS allocate its buffer, which it then keeps, while there is enough
-  !! memory. Without enough memory it would retry forever, so the memory is tested first. Products
-  !! of small matrices need no buffer.
+  !! A thread of OpenBLAS allocates its buffer when it starts, and the first one in a first product.
+  !! Without enough memory they would retry forever, so the memory is tested first. Products of small
+  !! matrices need no buffer.
   subroutine set_threads(n, error)
     integer, intent(in) :: n
     type(error_t), allocatable, intent(out) :: error
-    integer, parameter :: LARGE = 128, BUFFER_MB = 192 !! OpenBLAS takes 128 MB and some more
+    integer, parameter :: LARGE = 128, BUFFER_MB = 192, FURTHER_MB = 480
+    !! Address space: the first thread takes 128 MB and some more, each further one up to 480 MB.
     real(wp), allocatable :: a(:, :), c(:, :)
     character(:), allocatable :: room !! never touched, so that it takes no memory
-    integer :: status
+    integer :: megabytes, status
 
-    call openblas_set_num_threads(int(max(n, 1), c_int))
-    allocate (character(BUFFER_MB*2**20) :: room, stat=status)
+    megabytes = BUFFER_MB + FURTHER_MB*max(n - 1, 0)
+    allocate (character(int(megabytes, i8)*2**20) :: room, stat=status)
     if (status /= 0) then
       call fail(error, SYSTEM_ERROR, 'not enough memory for the linear algebra, which needs ' &
-                //to_text(BUFFER_MB)//' MB before a model is read', &
-                hint='see the limits that ulimit -a shows')
+                //to_text(megabytes)//' MB before a model is read', &
+                hint='see the limits that ulimit -a shows'// &
+                trim(merge(', or use fewer threads', '                      ', n > 1)))
       return
     end if
     deallocate (room)
+    call openblas_set_num_threads(int(max(n, 1), c_int))
     allocate (a(LARGE, LARGE), c(LARGE, LARGE), source=0.0_wp)
     call dgemm('N', 'N', LARGE, LARGE, LARGE, 1.0_wp, a, LARGE, a, LARGE, 0.0_wp, c, LARGE)
   end subroutine set_threads

@@ -7,7 +7,7 @@ module base_file
   implicit none
   private
   public :: file_t, inspect, make_folder, replace_file, remove_file, lock_file, unlock_file, &
-            lock_t, folder_of, base_name, system_reason
+            lock_t, folder_of, base_name, system_reason, detach, note_input, input_of
 
   integer, parameter, public :: FILE_ABSENT = 0, FILE_REGULAR = 1, FILE_FOLDER = 2, FILE_OTHER = 3
 
@@ -26,7 +26,17 @@ module base_file
     integer(c_int) :: fd = -1
   end type lock_t
 
+  !> A file that the process has read.
+  type :: input_t
+    character(:), allocatable :: path
+    integer(i8) :: identity(2) = 0
+    logical :: checkpoint = .false. !! the run may replace it by its own checkpoints
+  end type input_t
+
+  type(input_t), allocatable :: inputs(:) !! all of them, as the log has all messages
+
   integer(c_int), parameter :: AT_FDCWD = -100, AT_EMPTY_PATH = 4096, F_TLOCK = 2
+  integer(c_int), parameter :: AT_SYMLINK_NOFOLLOW = 256
   integer(c_int), parameter :: STATX_BASIC = 2047
 
   !> The structure statx of the C library, which is the same on every architecture.
@@ -139,6 +149,47 @@ contains
     file%identity = identity_of(buffer)
   end subroutine inspect
 
+  !> Note that a file is read, so that no output replaces it.
+  subroutine note_input(path, checkpoint)
+    character(*), intent(in) :: path
+    logical, intent(in), optional :: checkpoint !! a file of checkpoints
+    type(input_t), allocatable :: longer(:)
+    type(file_t) :: file
+    integer :: n
+
+    call inspect(path, file)
+    if (file%kind == FILE_ABSENT) return
+    n = 0
+    if (allocated(inputs)) n = size(inputs)
+    allocate (longer(n + 1))
+    if (n > 0) longer(:n) = inputs
+    longer(n + 1)%path = path
+    longer(n + 1)%identity = file%identity
+    if (present(checkpoint)) longer(n + 1)%checkpoint = checkpoint
+    call move_alloc(longer, inputs)
+  end subroutine note_input
+
+  !> The name under which the file at a path has been read; blank if it has not.
+  function input_of(path, checkpoint) result(name)
+    character(*), intent(in) :: path
+    logical, intent(in), optional :: checkpoint !! files of checkpoints do not count
+    character(:), allocatable :: name
+    type(file_t) :: file
+    integer :: i
+
+    name = ''
+    call inspect(path, file)
+    if (file%kind == FILE_ABSENT .or. .not. allocated(inputs)) return
+    do i = 1, size(inputs)
+      if (any(inputs(i)%identity /= file%identity)) cycle
+      if (present(checkpoint)) then
+        if (checkpoint .and. inputs(i)%checkpoint) cycle
+      end if
+      name = inputs(i)%path
+      return
+    end do
+  end function input_of
+
   pure function identity_of(buffer) result(identity)
     type(statx_t), intent(in) :: buffer
     integer(i8) :: identity(2)
@@ -187,6 +238,19 @@ contains
     failed = c_unlink(c_text(path))
   end subroutine remove_file
 
+  !> Remove a name that is a symbolic link, or one of several names of a file, so that a file which
+  !! is then created under this name changes no other one.
+  subroutine detach(path)
+    character(*), intent(in) :: path
+    integer, parameter :: REGULAR = 8, LINK = 10
+    type(statx_t) :: buffer
+    integer :: kind
+
+    if (c_statx(AT_FDCWD, c_text(path), AT_SYMLINK_NOFOLLOW, STATX_BASIC, buffer) /= 0) return
+    kind = iand(ishft(int(buffer%mode), -12), 15)
+    if (kind == LINK .or. (kind == REGULAR .and. buffer%nlink > 1)) call remove_file(path)
+  end subroutine detach
+
   !> Take the lock `path`, which lasts until the process ends or unlock_file is called. This fails
   !! at once if another process holds the lock.
   subroutine lock_file(path, lock, error)
@@ -198,6 +262,7 @@ contains
     integer(c_int) :: failed
     integer :: try
 
+    call detach(path)
     do try = 1, 100
       lock%fd = c_creat(c_text(path), int(o'666', c_int))
       if (lock%fd < 0) then

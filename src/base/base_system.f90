@@ -7,14 +7,23 @@ module base_system
   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
   implicit none
   private
-  public :: finish, finish_now, stderr_is_terminal, catch_signals, hold_signals, let_signals_in, &
+  public :: finish, finish_now, stderr_is_terminal, catch_signals, release_signals, &
+            keep_signals_waiting, hold_signals, let_signals_in, &
             stop_requested, stop_signal, start_clock, wall_seconds, cpu_seconds, &
-            seconds_of_both, process_id, &
+            seconds_of_both, process_id, clock_text, &
             peak_memory_mb, available_memory_mb, keep_memory, return_memory
 
   integer(c_int), parameter :: M_TRIM_THRESHOLD = -1, M_MMAP_MAX = -4 ! mallopt
-  integer(c_int), parameter :: SIGINT = 2, SIGUSR1 = 10, SIGPIPE = 13, SIGTERM = 15, SIGXFSZ = 25
-  integer(c_int), parameter :: SIG_BLOCK = 0, SIG_SETMASK = 2
+  integer(c_int), parameter :: SIGHUP = 1, SIGINT = 2, SIGUSR1 = 10, SIGUSR2 = 12, SIGPIPE = 13, &
+                               SIGTERM = 15, SIGXCPU = 24, SIGXFSZ = 25
+  !> The signals that request a stop, and their names.
+  integer(c_int), parameter :: STOPS(6) = [SIGTERM, SIGINT, SIGUSR1, SIGUSR2, SIGHUP, SIGXCPU]
+  character(7), parameter :: STOP_NAMES(6) = [character(7) :: 'SIGTERM', 'SIGINT', 'SIGUSR1', &
+                                              'SIGUSR2', 'SIGHUP', 'SIGXCPU']
+  integer(c_int), parameter :: SIG_BLOCK = 0, SIG_UNBLOCK = 1, SIG_SETMASK = 2
+
+  integer(c_intptr_t), parameter :: SIG_IGN = 1
+  character(*), parameter, public :: CLOCK_NAME = 'BEZEL_CLOCK'
 
   !> A set of signals: 1024 bits.
   type, bind(C) :: sigset_t
@@ -124,18 +133,53 @@ contains
     yes = c_isatty(2_c_int) == 1
   end function stderr_is_terminal
 
-  !> Let SIGTERM, SIGINT and SIGUSR1 request a stop from now on; a second SIGINT ends the process.
-  !! If a pipe is closed or a file grows too large, the write that fails reports it.
+  !> Let the signals of STOPS request a stop from now on; a second SIGINT ends the process. SIGHUP
+  !! stays ignored if it is, as under nohup. If a pipe is closed or a file grows too large, the write
+  !! that fails reports it.
   subroutine catch_signals()
     type(c_funptr) :: old
+    integer :: i
 
     caught = 0
-    old = c_signal(SIGTERM, c_funloc(note_signal))
-    old = c_signal(SIGINT, c_funloc(note_signal))
-    old = c_signal(SIGUSR1, c_funloc(note_signal))
-    old = c_signal(SIGPIPE, transfer(1_c_intptr_t, old))  ! SIG_IGN
-    old = c_signal(SIGXFSZ, transfer(1_c_intptr_t, old))
+    old = c_signal(SIGPIPE, transfer(SIG_IGN, old))
+    old = c_signal(SIGXFSZ, transfer(SIG_IGN, old))
+    do i = 1, size(STOPS)
+      old = c_signal(STOPS(i), c_funloc(note_signal))
+      if (STOPS(i) /= SIGHUP .or. transfer(old, SIG_IGN) /= SIG_IGN) cycle
+      old = c_signal(SIGHUP, transfer(SIG_IGN, old))
+    end do
+    call block_stops(SIG_UNBLOCK)
   end subroutine catch_signals
+
+  !> Keep the signals that request a stop waiting, until catch_signals is called: in this process,
+  !! or in the program that takes its place.
+  subroutine keep_signals_waiting()
+    call block_stops(SIG_BLOCK)
+  end subroutine keep_signals_waiting
+
+  !> Let signals end the process again, in a run that has nothing to be saved.
+  subroutine release_signals()
+    type(c_funptr) :: old
+    integer :: i
+
+    do i = 1, size(STOPS)
+      old = c_signal(STOPS(i), transfer(0_c_intptr_t, old)) ! SIG_DFL
+      if (transfer(old, SIG_IGN) == SIG_IGN) old = c_signal(STOPS(i), transfer(SIG_IGN, old))
+    end do
+  end subroutine release_signals
+
+  subroutine block_stops(how)
+    integer(c_int), intent(in) :: how
+    type(sigset_t) :: set, old
+    integer(c_int) :: failed
+    integer :: i
+
+    failed = c_sigemptyset(set)
+    do i = 1, size(STOPS)
+      failed = c_sigaddset(set, STOPS(i))
+    end do
+    failed = c_sigprocmask(how, set, old)
+  end subroutine block_stops
 
   subroutine note_signal(number) bind(C)
     integer(c_int), value :: number
@@ -173,19 +217,38 @@ contains
   !> Name of the signal that requested the stop; blank: none.
   function stop_signal() result(name)
     character(:), allocatable :: name
+    integer :: i
 
-    select case (caught)
-    case (0); name = ''
-    case (SIGTERM); name = 'SIGTERM'
-    case (SIGINT); name = 'SIGINT'
-    case default; name = 'SIGUSR1'
-    end select
+    name = ''
+    do i = 1, size(STOPS)
+      if (STOPS(i) == caught) name = trim(STOP_NAMES(i))
+    end do
   end function stop_signal
 
-  !> Set the beginning of the run; otherwise the run begins when the clock is first read.
+  !> Set the beginning of the run; otherwise the run begins when the clock is first read. If this
+  !! program has taken the place of another one, the run began with that one.
   subroutine start_clock()
-    call system_clock(origin)
+    integer(i8), parameter :: LONGEST = 60 !! seconds that loading a program may take
+    character(24) :: text
+    integer(i8) :: earlier, rate
+    integer :: io
+
+    call system_clock(origin, rate)
+    call get_environment_variable(CLOCK_NAME, text, status=io)
+    if (io == 0) read (text, *, iostat=io) earlier
+    if (io /= 0) return
+    if (earlier <= origin .and. origin - earlier < LONGEST*rate) origin = earlier
   end subroutine start_clock
+
+  !> The beginning of the run, as start_clock reads it from the environment variable CLOCK_NAME.
+  function clock_text() result(text)
+    character(:), allocatable :: text
+    character(24) :: digits
+
+    if (origin < 0) call start_clock()
+    write (digits, '(i0)') origin
+    text = trim(digits)
+  end function clock_text
 
   !> Seconds since the run began.
   function wall_seconds() result(seconds)

@@ -2,7 +2,7 @@
 !! (libgfortran 12 returns iostat 0 from write, flush and close).
 module byte_file
   use base_error, only: error_t, fail, SYSTEM_ERROR
-  use base_file, only: replace_file, remove_file, system_reason
+  use base_file, only: detach, replace_file, remove_file, system_reason
   use base_kinds, only: i8
   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_ptr, c_null_ptr, c_null_char, &
                                                                             c_loc, c_associated
@@ -51,7 +51,8 @@ module byte_file
 
 contains
 
-  !> Open a file for writing: a new file, or an existing one, to be continued at its end.
+  !> Open a file for writing: a new file, or an existing one, to be continued at its end. A new file
+  !! takes the place of a link, so that it never lies in another folder.
   subroutine open_bytes(file, path, appends, error)
     type(byte_file_t), intent(out) :: file
     character(*), intent(in) :: path
@@ -59,6 +60,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     file%path = path
+    if (.not. appends) call detach(path)
     file%stream = c_fopen(path//c_null_char, merge('ab', 'wb', appends)//c_null_char)
     if (.not. c_associated(file%stream)) call refuse('create', path, error)
   end subroutine open_bytes

@@ -1,7 +1,7 @@
 !> Text files in memory, cut into lines.
 module deck_source
   use base_error, only: error_t, place_t, fail, DECK_ERROR
-  use base_file, only: file_t, inspect, FILE_ABSENT, FILE_REGULAR, FILE_FOLDER, base_name
+  use base_file, only: file_t, inspect, note_input, FILE_ABSENT, FILE_REGULAR, FILE_FOLDER, base_name
   use base_kinds, only: i8
   use base_text, only: to_text
   implicit none
@@ -53,6 +53,7 @@ contains
       call refuse('is not a regular file')
     end select
     if (allocated(error)) return
+    call note_input(path)
     source%path = path
     source%identity = file%identity
     allocate (character(file%size) :: source%text)

@@ -2,7 +2,7 @@
 module format_text
   use base_kinds, only: wp, i8
   use base_error, only: error_t, place_t, fail, DECK_ERROR
-  use base_file, only: file_t, inspect, FILE_ABSENT, FILE_REGULAR
+  use base_file, only: file_t, inspect, note_input, FILE_ABSENT, FILE_REGULAR
   use base_text, only: to_text, quoted
   use deck_number, only: whole_number
   implicit none
@@ -44,6 +44,7 @@ contains
                 //to_text(file%size)//' bytes', place, 'expected a text file of less than 1 GB')
     end if
     if (allocated(error)) return
+    call note_input(path)
     text%path = path
     text%place = place
     allocate (character(int(file%size)) :: text%all)

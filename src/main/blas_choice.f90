@@ -1,17 +1,20 @@
-!> Makes OpenBLAS use the vector unit of the processor.
+!> Makes OpenBLAS use the vector unit of the processor, and start no threads that are not used.
 !!
 !! OpenBLAS chooses its kernels when it is loaded, according to the model number of the processor. A
 !! processor that is newer than the library gets the oldest kernels (version 0.3.21 of Debian 12 on
-!! a processor of 2023 runs dgemm at 9 instead of 70 GFLOP/s). In that case this program restarts
-!! itself with OPENBLAS_CORETYPE set to the best kernels that the processor supports. A value that
-!! the user has set is never changed.
+!! a processor of 2023 runs dgemm at 9 instead of 70 GFLOP/s). When it is loaded it also starts a
+!! thread per processor, and these wait forever for memory that a limit refuses. Therefore this
+!! program restarts itself with OPENBLAS_CORETYPE set to the best kernels that the processor
+!! supports, and OPENBLAS_NUM_THREADS to 1; `set_threads` starts further threads when it has found
+!! memory for them. A value that the user has set is never changed.
 module blas_choice
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use base_cpu, only: vector_level
+  use base_system, only: clock_text, keep_signals_waiting, CLOCK_NAME
   use blas_threads, only: blas_kernel
   implicit none
   private
-  public :: choose_blas_kernel
+  public :: prepare_blas
 
   ! allow(assumed-size)
   interface
@@ -32,25 +35,35 @@ module blas_choice
 
 contains
 
-  !> Restart with better kernels if the library does not know the processor.
-  subroutine choose_blas_kernel()
-    character(:), allocatable :: wanted
-    integer :: length, status
+  !> Restart if the library does not know the processor, or has started its own number of threads.
+  subroutine prepare_blas()
+    character(:), allocatable :: kernel
+    integer :: status
+    logical :: again
 
-    call get_environment_variable('OPENBLAS_CORETYPE', length=length, status=status)
-    if (status == 0) return
-    if (all(blas_kernel() /= [character(8) :: 'Prescott', 'Generic', 'Core2'])) return
-    select case (vector_level())
-    case (4)
-      wanted = 'SkylakeX'
-    case (3)
-      wanted = 'Haswell'
-    case default
-      return
-    end select
-    if (c_setenv('OPENBLAS_CORETYPE'//c_null_char, wanted//c_null_char, 0_c_int) /= 0) return
-    call start_again()
-  end subroutine choose_blas_kernel
+    again = .false.
+    kernel = blas_kernel()
+    call get_environment_variable('OPENBLAS_CORETYPE', status=status)
+    if (status == 1 .and. any(kernel == [character(8) :: 'Prescott', 'Generic', 'Core2'])) then
+      select case (vector_level())
+      case (4)
+        call set('OPENBLAS_CORETYPE', 'SkylakeX', again)
+      case (3)
+        call set('OPENBLAS_CORETYPE', 'Haswell', again)
+      end select
+    end if
+    call get_environment_variable('OPENBLAS_NUM_THREADS', status=status)
+    if (status == 1) call set('OPENBLAS_NUM_THREADS', '1', again)
+    if (again) call start_again()
+  end subroutine prepare_blas
+
+  !> Set an environment variable; `done` becomes true if this succeeds.
+  subroutine set(name, value, done)
+    character(*), intent(in) :: name, value
+    logical, intent(inout) :: done
+
+    if (c_setenv(name//c_null_char, value//c_null_char, 1_c_int) == 0) done = .true.
+  end subroutine set
 
   !> Replace this process by the same program with the same arguments. It returns only on failure.
   subroutine start_again()
@@ -59,6 +72,7 @@ contains
     type(c_ptr), allocatable :: argv(:)
     character(LONGEST - 1) :: argument
     integer :: i, j, length, n, status
+    logical :: done
 
     n = command_argument_count()
     allocate (text(LONGEST, 0:n), argv(0:n + 1))
@@ -72,6 +86,8 @@ contains
       argv(i) = c_loc(text(1, i))
     end do
     argv(n + 1) = c_null_ptr
+    call set(CLOCK_NAME, clock_text(), done)
+    call keep_signals_waiting()
     status = c_execv('/proc/self/exe'//c_null_char, argv)
   end subroutine start_again
 

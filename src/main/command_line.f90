@@ -184,6 +184,10 @@ contains
         call fail_usage(error, 'expected a name without a folder, found '//quoted(value), &
                         'choose the folder with -o')
       end if
+      if (verify(value, '.') == 0) then
+        call fail_usage(error, 'expected a name of files, found '//quoted(value), &
+                        'choose the folder with -o')
+      end if
       options%stem = value
     case ('--set')
       options%settings = [character(len(options%settings)) :: options%settings, value]

@@ -1,33 +1,34 @@
 !> The main program, from arguments to exit code. Start reading at run.f90.
 program main
   use base_error, only: error_t, render, DECK_ERROR, error_list_t
-  use base_file, only: make_folder, lock_file, unlock_file, lock_t
+  use base_file, only: make_folder, lock_file, unlock_file, lock_t, note_input
   use base_log, only: open_log, close_log, log_line, set_quiet, progress
-  use base_system, only: finish, finish_now, catch_signals, start_clock, wall_seconds, keep_memory
+  use base_system, only: finish, finish_now, catch_signals, release_signals, start_clock, &
+                         wall_seconds, keep_memory
   use base_text, only: to_text
   use base_timer, only: new_timers
-  use blas_choice, only: choose_blas_kernel
+  use blas_choice, only: prepare_blas
   use blas_threads, only: set_threads
   use check_deck, only: print_check
   use command_checkpoint, only: restore_run
   use command_line, only: options_t, read_command_line, print_help
   use command_type, only: run_t
   use listing, only: list_model
+  use output_guard, only: check_outputs
   use program_list, only: print_list
   use program_version, only: VERSION
   use run, only: read_deck, execute
-  use run_report, only: report_run
+  use run_report, only: reserve_report, drop_reserve, report_run
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
   type(options_t) :: options
   type(run_t), allocatable :: job
   type(error_list_t) :: errors
-  type(error_t), allocatable :: error, second, refused
+  type(error_t), allocatable :: error, unreported, unlogged, refused
   type(lock_t) :: lock
   integer :: code
 
   call start_clock()
-  call choose_blas_kernel()
   call keep_memory()
   call read_command_line(options, error)
   call stop_on(error)
@@ -42,6 +43,9 @@ program main
     call finish(0)
   end if
 
+  call prepare_blas()
+  call catch_signals()
+  if (options%check) call release_signals()
   call set_quiet(options%quiet)
   call set_threads(options%threads, error)
   if (allocated(error)) then
@@ -57,6 +61,9 @@ program main
     write (error_unit, '(a)') errors%render()
     call finish(1)
   end if
+  call stop_on(error)
+  if (allocated(options%restart)) call note_input(options%restart, checkpoint=.true.)
+  call check_outputs(job, error)
   call stop_on(error)
   if (options%check) then
     call print_check(job, error)
@@ -75,15 +82,20 @@ program main
   job%time_limit = options%time_limit
   call lock_file(job%files%stem//'.lock', lock, error)
   call stop_on(error)
+  call reserve_report(job)
   call open_log(job%files%stem//'.log', error)
-  call stop_on(error)
+  if (allocated(error)) then
+    call drop_reserve(job)
+    call unlock_file(lock)
+    call stop_on(error)
+  end if
   call log_line('bezel '//VERSION//', deck '//options%deck)
   call list_model(job%model)
-  call catch_signals()
 
   if (.not. allocated(refused)) call execute(job, error)
   if (allocated(refused)) call move_alloc(refused, error)
   call progress('')
+  call drop_reserve(job) ! the last lines of the log need space too
   code = 0
   if (allocated(error)) then
     code = error%code
@@ -93,10 +105,11 @@ program main
   call log_line('')
   call log_line(job%timers%table())
   call log_line('exit code '//to_text(code)//', '//to_text(wall_seconds(), 4)//' s')
-  call report_run(job, options%deck, code, second)
-  call close_log(second)
+  call report_run(job, options%deck, code, unreported)
+  call close_log(unlogged)
   call unlock_file(lock)
-  if (code == 0) call stop_on(second)
+  if (code == 0) call stop_on(unreported)
+  if (code == 0) call stop_on(unlogged)
   call finish(code)
 
 contains

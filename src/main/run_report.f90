@@ -1,9 +1,11 @@
 !> The report of a run.
 module run_report
   use base_error, only: error_t, NO_SOLUTION, STOPPED
-  use base_kinds, only: wp
+  use base_file, only: remove_file
+  use base_kinds, only: wp, i8
   use base_log, only: warning_text
   use base_system, only: peak_memory_mb
+  use byte_file, only: take_room
   use command_type, only: run_t
   use contact_resultant, only: resultant_t, side_resultant
   use curve_file, only: curve_names
@@ -11,9 +13,37 @@ module run_report
   use report_file, only: report_t, message_row_t, write_report, add_count, add_real, add_curve
   implicit none
   private
-  public :: report_run
+  public :: reserve_report, drop_reserve, report_run
+
+  integer(i8), parameter :: RESERVE = 16384 !! bytes; reports have about a thousand
 
 contains
+
+  !> Claim space on the disk for the report, so that a run that fills the disk can still write it. The
+  !! report of an earlier run is removed, as it would describe results that are about to change. A
+  !! disk that is full already is noticed by the next file.
+  subroutine reserve_report(job)
+    type(run_t), intent(in) :: job
+    type(error_t), allocatable :: ignored
+
+    call remove_file(job%files%stem//'.report.json')
+    call drop_reserve(job)
+    call take_room(reserve_path(job), RESERVE, ignored)
+  end subroutine reserve_report
+
+  !> Release the space for the report.
+  subroutine drop_reserve(job)
+    type(run_t), intent(in) :: job
+
+    call remove_file(reserve_path(job))
+  end subroutine drop_reserve
+
+  function reserve_path(job) result(path)
+    type(run_t), intent(in) :: job
+    character(:), allocatable :: path
+
+    path = job%files%stem//'.report.json.part'
+  end function reserve_path
 
   !> Write <stem>.report.json.
   subroutine report_run(job, deck, code, error)

@@ -14,6 +14,7 @@ module hdf5_object
                   h5screate_simple_f, h5sclose_f, h5lexists_f, h5ocopy_f, h5aget_storage_size_f, &
                   h5oopen_f, h5oclose_f, h5aopen_f, h5acreate_f, h5pset_meta_block_size_f
   use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_file, only: detach
   use byte_file, only: reason
   implicit none
   private
@@ -55,7 +56,7 @@ module hdf5_object
 
 contains
 
-  !> Create a file. An existing file of that name is replaced.
+  !> Create a file. An existing file or link of that name is replaced.
   subroutine create_file(file, path, error)
     type(hdf5_t), intent(out) :: file
     character(*), intent(in) :: path
@@ -65,6 +66,7 @@ contains
 
     call start_library(access)
     file%path = path
+    call detach(path)
     call h5fcreate_f(path, H5F_ACC_TRUNC_F, file%id, status, access_prp=access)
     if (status /= 0) call refuse(file, 'cannot create', error)
     call h5pclose_f(access, status)

@@ -5,7 +5,7 @@
 !! read only by the version of the program that wrote it, and for the same deck and mesh.
 module restart_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
-  use base_file, only: file_t, inspect, replace_file, remove_file
+  use base_file, only: file_t, inspect, note_input, replace_file, remove_file
   use base_kinds, only: i8
   use base_text, only: to_text
   use byte_file, only: take_room
@@ -129,6 +129,7 @@ contains
       if (index(error%message, ''': ') == 0 .and. exists) call refuse_file(path, error)
       return
     end if
+    call note_input(path, checkpoint=.true.)
     call check_fingerprint(archive%file, path, print, error, any_deck)
     group = 'last'
     if (present(before)) then

@@ -4,7 +4,7 @@ program bench_kernel
   use base_cpu, only: vector_level
   use base_kinds, only: wp, i8
   use basis_type, only: basis_t
-  use blas_choice, only: choose_blas_kernel
+  use blas_choice, only: prepare_blas
   use blas_threads, only: blas_kernel, set_threads
   use element_table, only: load_elements
   use element_type, only: element_t, cell_t, rule_t, topology_t, form_report_t, NB
@@ -22,7 +22,7 @@ program bench_kernel
   real(wp) :: check
 
   check = 0.0_wp
-  call choose_blas_kernel()
+  call prepare_blas()
   call set_threads(1)
   print '(a, i0, 2a)', ' element kernels, one thread; x86-64 level ', vector_level(), &
     ', BLAS kernel ', blas_kernel()

@@ -1,0 +1,53 @@
+!> Refuses to write results over a file that the run has read.
+module output_guard
+  use base_error, only: error_t, fail, DECK_ERROR
+  use base_file, only: base_name, input_of
+  use base_text, only: quoted, to_text
+  use command_type, only: run_t
+  implicit none
+  private
+  public :: check_outputs
+
+  integer, parameter :: LONGEST = 255 !! bytes in the name of a file, of most file systems
+
+contains
+
+  !> Check every name under which the run may write, before it writes anything.
+  subroutine check_outputs(job, error)
+    type(run_t), intent(in) :: job
+    type(error_t), allocatable, intent(out) :: error
+    character(12), parameter :: ENDINGS(7) = [character(12) :: '.log', '.lock', '.out', '.pvd', &
+                                              '.vtkhdf', '.restart.h5', '.report.json']
+    integer :: i
+
+    do i = 1, size(ENDINGS)
+      call check_name(job%files%stem//trim(ENDINGS(i)), error)
+      if (allocated(error)) return
+    end do
+    do i = 1, size(job%model%curve)
+      call check_name(job%files%stem//'_'//job%model%curve(i)%name//'.dat', error)
+      if (allocated(error)) return
+    end do
+  end subroutine check_outputs
+
+  !> Check a name, and the name that the file has until it is complete.
+  subroutine check_name(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    character(*), parameter :: HINT = 'give the results another folder (-o) or name (--name)'
+    character(:), allocatable :: name
+
+    name = input_of(path, checkpoint=index(path, '.restart.h5') > 0)
+    if (name == '') name = input_of(path//'.part')
+    if (name == '') name = input_of(path//'.probe')
+    if (name /= '') then
+      call fail(error, DECK_ERROR, 'the results would overwrite '//quoted(name) &
+                //', which this run reads', hint=HINT)
+    else if (len(base_name(path)) + len('.probe') > LONGEST) then
+      call fail(error, DECK_ERROR, 'the name of a result would have ' &
+                //to_text(len(base_name(path)) + len('.probe'))//' characters, more than ' &
+                //to_text(LONGEST), hint=HINT)
+    end if
+  end subroutine check_name
+
+end module output_guard
