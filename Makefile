@@ -90,13 +90,13 @@ endif
 # --- Tests -------------------------------------------------------------------------------------
 include verification/unit/unit.mk
 
-.PHONY: check tests deck_errors post_tests patch setup
+.PHONY: check tests deck_errors post_tests patch trouble setup
 setup:
 	@tools/setup.sh
 check: setup
 	@$(MAKE) tests
 tests:
-	@for goal in $(B)/bezel runner unit deck_errors manual post_tests patch; do $(MAKE) $$goal || exit 1; done
+	@for goal in $(B)/bezel runner unit deck_errors manual post_tests patch trouble; do $(MAKE) $$goal || exit 1; done
 deck_errors: $(B)/bezel
 	@$(PYTHON) -m verification.deck_errors.run --bezel $<
 post_tests:
@@ -105,6 +105,10 @@ PATCHES := $(patsubst verification/patch/%/expect.toml,%,$(wildcard verification
 patch: $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
 	  > $(B)/patch.txt; code=$$?; grep -v '  ok$$' $(B)/patch.txt; exit $$code
+
+# Files, signals, limits and restarts, then decks that must not go wrong silently.
+trouble: $(B)/bezel
+	@BEZEL=$< $(PYTHON) -m unittest discover -q -s verification/trouble -t .
 
 .PHONY: verify verify-all verify-long tradeoff bench demo demo-rocker
 verify: setup
@@ -189,7 +193,7 @@ clean:
 	@rm -rf $(BUILD)
 
 #: make               $(BUILD)/release/bezel
-#: make check         unit tests, bad decks, manual, post, patch tests: what a commit must pass
+#: make check         unit tests, bad decks, manual, post, patch tests, files and signals: what a commit must pass
 #: make unit T=word   the unit tests whose path has the word, and what they need
 #: make verify        patch tests and quick benchmarks; verify-all: every one
 #: make demo          runs three decks, draws their figures, says where they are

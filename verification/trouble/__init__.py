@@ -1,0 +1,1 @@
+"""Runs that must not go wrong silently: files, signals, limits and restarts (here), and decks (`decks`)."""

@@ -1,0 +1,175 @@
+"""Results never replace what a run reads, and every way to end leaves whole files.
+
+The program is that of the environment variable BEZEL, by default build/release/bezel.
+"""
+
+import json
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+BEZEL = pathlib.Path(os.environ.get("BEZEL", HERE / "../../build/release/bezel")).resolve()
+SECONDS = 60
+
+
+class Folder(unittest.TestCase):
+    """Each test works in an empty folder that holds the deck box.inp."""
+
+    def setUp(self):
+        self.at = pathlib.Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.at)
+        self.deck = (HERE / "box.inp").read_text()
+        (self.at / "box.inp").write_text(self.deck)
+
+    def run_bezel(self, *arguments, limits=(), **more):
+        """Run the program in the folder; limits are pairs of a resource and a number."""
+
+        def set_limits():
+            for kind, most in limits:
+                resource.setrlimit(kind, (most, most))
+
+        return subprocess.run(
+            [BEZEL, *map(str, arguments)],
+            cwd=self.at,
+            capture_output=True,
+            text=True,
+            timeout=SECONDS,
+            preexec_fn=set_limits if limits else None,
+            check=False,
+            **more,
+        )
+
+    def files(self):
+        return sorted(path.name for path in self.at.iterdir())
+
+
+class Inputs(Folder):
+    def refused(self, *arguments):
+        """The run ends with code 1 and leaves every file as it was."""
+        before = {path.name: path.read_text() for path in self.at.iterdir()}
+        done = self.run_bezel(*arguments)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("would overwrite", done.stderr)
+        self.assertEqual(before, {path.name: path.read_text() for path in self.at.iterdir()})
+
+    def test_a_deck_named_like_the_log_is_kept(self):
+        (self.at / "my.log").write_text(self.deck)
+        self.refused("my.log")
+
+    def test_an_included_file_named_like_a_curve_is_kept(self):
+        (self.at / "x_force.dat").write_text("! nothing\n")
+        (self.at / "box.inp").write_text(
+            self.deck.replace("PARAmeters", "INCLude x_force.dat\n\nPARAmeters")
+        )
+        self.refused("--name", "x", "box.inp")
+
+    def test_a_deck_is_kept_under_another_name_of_the_same_file(self):
+        os.link(self.at / "box.inp", self.at / "y.report.json.part")
+        self.refused("--name", "y", "box.inp")
+
+    def test_a_mesh_named_like_the_report_is_kept(self):
+        mesh = HERE.parent / "deck_errors" / "mesh_good.msh"
+        shutil.copy(mesh, self.at / "m.report.json")
+        (self.at / "m.inp").write_text(
+            "FEAP ** mesh\n  ndm = 3\n\nMATErial 1\n  SOLId\n    ELAStic NEOHook 1 0.3\n    FINIte VOLUme 3\n\n"
+            "MESH,a FILE m.report.json\n  MATErial 1\n\nEND\n\nSTOP\n"
+        )
+        self.refused("m.inp")
+
+    def test_links_of_results_are_replaced_and_not_followed(self):
+        out = self.at / "out"
+        out.mkdir()
+        (self.at / "precious").write_text("precious\n")
+        for name in ("log", "lock", "report.json.part", "restart.h5.part", "vtkhdf.part"):
+            (out / f"box.{name}").symlink_to("../precious")
+        os.link(self.at / "precious", out / "box_force.dat.part")
+        done = self.run_bezel("-o", "out", "box.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.at / "precious").read_text(), "precious\n")
+        self.assertFalse((out / "box.log").is_symlink())
+
+    def test_a_bad_name_makes_no_folder(self):
+        for name in (".", "..", "a/b", 300 * "a"):
+            done = self.run_bezel("-o", "out", "--name", name, "box.inp")
+            self.assertEqual(done.returncode, 1, name)
+            self.assertEqual(self.files(), ["box.inp"])
+
+
+class Limits(Folder):
+    def test_files_that_cannot_grow_end_with_code_3_and_a_report(self):
+        for room in (1024, 8192, 40960):
+            out = self.at / str(room)
+            done = self.run_bezel(
+                "-o", out, "box.inp", limits=[(resource.RLIMIT_FSIZE, room)]
+            )
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertEqual(json.loads((out / "box.report.json").read_text())["exit_code"], 3)
+            self.assertFalse((out / "box.lock").exists())
+            self.assertFalse((out / "box.report.json.part").exists())
+
+    def test_no_room_at_all_ends_with_code_3(self):
+        done = self.run_bezel("box.inp", limits=[(resource.RLIMIT_FSIZE, 0)])
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertFalse((self.at / "box.lock").exists())
+
+    def test_small_address_spaces_end_at_once(self):
+        """The threads of OpenBLAS waited forever for their memory at some limits."""
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("OPENBLAS_NUM")}
+        for threads, sizes in ((1, (250, 310, 340)), (2, (320, 480, 700, 900))):
+            for size in sizes:
+                done = self.run_bezel(
+                    "--threads",
+                    threads,
+                    "box.inp",
+                    limits=[(resource.RLIMIT_AS, size * 2**20)],
+                    env=environment,
+                )
+                self.assertIn(done.returncode, (0, 3), f"{threads} threads, {size} MB")
+
+
+class Signals(Folder):
+    def stopped(self, number, delay, *arguments, ignore=None):
+        """Exit code of a run that gets a signal after a delay."""
+        process = subprocess.Popen(
+            [BEZEL, "--quiet", *arguments, "box.inp"],
+            cwd=self.at,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            preexec_fn=ignore,
+        )
+        time.sleep(delay)
+        process.send_signal(number)
+        return process.wait(SECONDS)
+
+    def test_a_signal_in_a_step_writes_a_checkpoint(self):
+        for number in (signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGTERM):
+            code = self.stopped(number, 0.6, "--set", "n=14", "-o", number.name)
+            self.assertEqual(code, 4, number)
+            left = {path.suffix for path in (self.at / number.name).iterdir()}
+            self.assertEqual(left & {".lock", ".part"}, set())
+            self.assertTrue((self.at / number.name / "box.restart.h5").exists())
+
+    def test_a_signal_while_the_deck_is_read_writes_a_checkpoint(self):
+        for number in (signal.SIGHUP, signal.SIGTERM):
+            self.assertEqual(self.stopped(number, 0.3, "--set", "n=70", "-o", number.name), 4)
+            self.assertTrue((self.at / number.name / "box.restart.h5").exists())
+
+    def test_nohup_stays_in_force(self):
+        ignore = lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        self.assertEqual(self.stopped(signal.SIGHUP, 0.3, "--set", "n=8", ignore=ignore), 0)
+
+    def test_the_time_limit_includes_reading(self):
+        done = self.run_bezel("--set", "n=60", "--time-limit", "0.05", "box.inp")
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertEqual(json.loads((self.at / "box.report.json").read_text())["steps"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
