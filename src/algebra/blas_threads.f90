@@ -3,6 +3,7 @@ module blas_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_kinds, only: wp, i8
+  use base_system, only: return_memory
   use base_text, only: to_text
   use lapack, only: dgemm
   implicit none
@@ -32,8 +33,8 @@ contains
   subroutine set_threads(n, error)
     integer, intent(in) :: n
     type(error_t), allocatable, intent(out) :: error
-    integer, parameter :: LARGE = 128, BUFFER_MB = 192, FURTHER_MB = 480
-    !! Address space: the first thread takes 128 MB and some more, each further one up to 480 MB.
+    integer, parameter :: LARGE = 128, BUFFER_MB = 192, FURTHER_MB = 400
+    !! Address space: the first thread takes 128 MB and some more, each further one up to 400 MB.
     real(wp), allocatable :: a(:, :), c(:, :)
     character(:), allocatable :: room !! never touched, so that it takes no memory
     integer :: megabytes, status
@@ -48,6 +49,7 @@ contains
       return
     end if
     deallocate (room)
+    call return_memory()
     call openblas_set_num_threads(int(max(n, 1), c_int))
     allocate (a(LARGE, LARGE), c(LARGE, LARGE), source=0.0_wp)
     call dgemm('N', 'N', LARGE, LARGE, LARGE, 1.0_wp, a, LARGE, a, LARGE, 0.0_wp, c, LARGE)

@@ -122,7 +122,7 @@ class Limits(Folder):
     def test_small_address_spaces_end_at_once(self):
         """The threads of OpenBLAS waited forever for their memory at some limits."""
         environment = {k: v for k, v in os.environ.items() if not k.startswith("OPENBLAS_NUM")}
-        for threads, sizes in ((1, (250, 310, 340)), (2, (320, 480, 700, 900))):
+        for threads, sizes in ((1, (250, 310, 340)), (2, (320, 480, 600, 700, 900))):
             for size in sizes:
                 done = self.run_bezel(
                     "--threads",
