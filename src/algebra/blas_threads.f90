@@ -28,8 +28,8 @@ contains
   !> Use n threads in factorisations.
   !!
   !! A thread of OpenBLAS allocates its buffer when it starts, and the first one in a first product.
-  !! Without enough memory they would retry forever, so the memory is tested first. Products of small
-  !! matrices need no buffer.
+  !! Without enough memory they would retry forever, so the memory is tested first. Products of
+  !! small matrices need no buffer.
   subroutine set_threads(n, error)
     integer, intent(in) :: n
     type(error_t), allocatable, intent(out) :: error

@@ -134,8 +134,8 @@ contains
   end function stderr_is_terminal
 
   !> Let the signals of STOPS request a stop from now on; a second SIGINT ends the process. SIGHUP
-  !! stays ignored if it is, as under nohup. If a pipe is closed or a file grows too large, the write
-  !! that fails reports it.
+  !! stays ignored if it is, as under nohup. If a pipe is closed or a file grows too large, the
+  !! write that fails reports it.
   subroutine catch_signals()
     type(c_funptr) :: old
     integer :: i

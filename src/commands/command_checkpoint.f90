@@ -213,7 +213,11 @@ contains
     call exchange(x, 'loop_limit', limit)
     call exchange(x, 'visits', visit)
     if (x%writes .or. .not. x%whole) return
-    x%whole = size(visit) == size(program%command)
+    x%whole = size(visit) == size(program%command) .and. size(count) == size(at) &
+              .and. size(limit) == size(at)
+    if (x%whole) x%whole = program%counter >= 1 .and. program%counter <= size(visit) + 1 &
+                           .and. all(at >= 1 .and. at <= size(visit)) .and. all(visit >= 0) &
+                           .and. all(count >= 0)
     if (.not. x%whole) return
     if (allocated(program%loop)) deallocate (program%loop)
     allocate (program%loop(size(at)))

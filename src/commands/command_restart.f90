@@ -20,18 +20,20 @@ contains
   function restart_rows() result(row)
     type(command_row_t) :: row(1)
 
-    row(1) = new_row('RESTart', 'RESTart [file]', 1, run_restart)
+    row(1) = new_row('RESTart', 'RESTart[,file][,CONStants]', 2, run_restart)
+    row(1)%reads = .true.
   end function restart_rows
 
   !> Take displacements, history, time and step number from the checkpoint. The load tables remain
   !! those of this deck, and the next target of DT is counted from the time of the checkpoint. The
-  !! mesh must be the same.
+  !! model must be the same but for its loads, and with CONStants but for its constants.
   subroutine run_restart(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
     type(load_table_t), allocatable :: table(:)
     type(state_t) :: state
+    character(:), allocatable :: changed
     integer :: i
 
     do i = 1, run%program%counter - 1
@@ -42,15 +44,22 @@ contains
       end associate
       return
     end do
+    if (.not. command%record%is_empty(3)) then
+      if (command%record%key(3) /= 'cons') then
+        call fail(error, DECK_ERROR, 'expected CONStants, found '//quoted(command%record%text(3)), &
+                  command%record%place(3), 'RESTart[,file][,CONStants]')
+        return
+      end if
+    end if
     if (run%program%dry) then          ! report a wrong file before anything is written
       call new_state(run%model, state)
-      call read_state(run, command, state, error)
+      call read_state(run, command, state, changed, error)
       if (.not. allocated(error)) return
       if (error%code /= DECK_ERROR) deallocate (error) ! the real run reports this error
       return
     end if
     table = run%state%table
-    call read_state(run, command, run%state, error)
+    call read_state(run, command, run%state, changed, error)
     if (allocated(error)) return
     call move_alloc(table, run%state%table)
     call set_factors(run%state)
@@ -59,22 +68,30 @@ contains
     end associate
     run%files%kept = run%state%step
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
+    if (changed == '') changed = 'nothing'
+    call log_line('changed since that analysis: '//changed)
   end subroutine run_restart
 
   !> Read the state in the file that the command names.
-  subroutine read_state(run, command, state, error)
+  subroutine read_state(run, command, state, changed, error)
     type(run_t), intent(in) :: run
     type(command_t), intent(in) :: command
     type(state_t), intent(inout) :: state
+    character(:), allocatable, intent(out) :: changed !! accepted differences
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: text
     type(fingerprint_t) :: print
     type(named_values_t) :: values
 
-    call make_fingerprint(VERSION, '', run%model, print)
-    call read_checkpoint(path_of(run, command), print, state, values, error, any_deck=.true.)
+    text = ''
+    if (allocated(run%files%deck_text)) text = run%files%deck_text
+    call make_fingerprint(VERSION, text, run%model, print)
+    call read_checkpoint(path_of(run, command), print, state, values, error, any_deck=.true., &
+                         constants=.not. command%record%is_empty(3), changed=changed)
     if (.not. allocated(error)) return
     error%place = command%record%place(1)
-    if (error%code == DECK_ERROR) error%hint = 'the file must come from the same mesh and version'
+    if (error%code == DECK_ERROR) error%hint = 'only loads, load tables, steps, ' &
+      //'tolerances and output may differ, and with RESTart,file,CONStants also constants'
   end subroutine read_state
 
   function path_of(run, command) result(path)
@@ -83,7 +100,7 @@ contains
     character(:), allocatable :: path
 
     path = run%files%stem//'.restart.h5'
-    if (command%record%n > 1) path = command%record%text(2)
+    if (.not. command%record%is_empty(2)) path = command%record%text(2)
   end function path_of
 
 end module command_restart

@@ -1,7 +1,8 @@
 !> Text files in memory, cut into lines.
 module deck_source
   use base_error, only: error_t, place_t, fail, DECK_ERROR
-  use base_file, only: file_t, inspect, note_input, FILE_ABSENT, FILE_REGULAR, FILE_FOLDER, base_name
+  use base_file, only: file_t, inspect, note_input, base_name, FILE_ABSENT, FILE_REGULAR, &
+                       FILE_FOLDER
   use base_kinds, only: i8
   use base_text, only: to_text
   implicit none

@@ -119,8 +119,12 @@ contains
     call h5sget_simple_extent_ndims_f(space, n, status)
     if (n == 1 .or. n == 2) then
       call h5sget_simple_extent_dims_f(space, shape(1:n), most(1:n), status)
-      nrow = int(shape(n))
-      if (n == 2) ncol = int(shape(1))
+      if (all(shape(1:n) <= huge(n))) then
+        nrow = int(shape(n))
+        if (n == 2) ncol = int(shape(1))
+      else
+        call refuse(file, 'cannot use the size of '''//name//''' in', error)
+      end if
     end if
     call h5sclose_f(space, status)
     call h5dclose_f(set, status)

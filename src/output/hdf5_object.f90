@@ -217,7 +217,9 @@ contains
     character(:), allocatable, intent(out), target :: value
     type(error_t), allocatable, intent(inout) :: error
     integer(HID_T) :: type, attribute
+    integer(SIZE_T), parameter :: LONGEST = 2_SIZE_T**30
     integer(SIZE_T) :: length
+    integer(HSIZE_T) :: bytes
     type(c_ptr) :: place
     integer :: status, ignored
 
@@ -227,9 +229,13 @@ contains
     if (status == 0) then
       call h5aget_type_f(attribute, type, status)
       call h5tget_size_f(type, length, status)
-      deallocate (value)
-      allocate (character(int(length)) :: value)
-      place = c_loc(value(1:1))
+      call h5aget_storage_size_f(attribute, bytes, ignored)
+      if (length < 1 .or. length > LONGEST .or. bytes /= length) status = -1 ! a damaged file
+      if (status == 0) then
+        deallocate (value)
+        allocate (character(int(length)) :: value)
+        place = c_loc(value(1:1))
+      end if
       if (status == 0) call h5aread_f(attribute, type, place, status)
       call h5tclose_f(type, ignored)
       call h5aclose_f(attribute, ignored)

@@ -4,10 +4,11 @@
 module restart_archive
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, SYSTEM_ERROR
+  use base_hash, only: hash_t
   use base_text, only: to_text
-  use hdf5_file, only: hdf5_t, has_object, make_group, reserve, put, get, get_shape, &
+  use hdf5_file, only: hdf5_t, make_group, reserve, put, get, get_shape, &
                        put_attribute, get_attribute, AS_REAL, AS_INT32, AS_UINT8
-  use named_values, only: named_values_t, put_value => put, REAL_VALUE, INTEGER_VALUE
+  use named_values, only: named_values_t, put_value => put, REAL_VALUE, INTEGER_VALUE, TEXT_VALUE
   implicit none
   private
   public :: archive_t, exchange, exchange_list, enter_group, numbered
@@ -84,6 +85,7 @@ contains
     else if (.not. allocated(error)) then
       call get(archive%file, path, values, error)
     end if
+    call sum_reals(archive, path, values, error)
   end subroutine exchange_reals
 
   subroutine exchange_integers(archive, path, values, error)
@@ -99,6 +101,7 @@ contains
     else if (.not. allocated(error)) then
       call get(archive%file, path, values, error)
     end if
+    call sum_integers(archive, path, values, error)
   end subroutine exchange_integers
 
   subroutine exchange_logicals(archive, path, values, error)
@@ -126,6 +129,7 @@ contains
     else if (.not. allocated(error)) then
       call get(archive%file, path, values, error)
     end if
+    call sum_reals(archive, path, pack(values, .true.), error)
   end subroutine exchange_matrix
 
   !> Exchange a list whose length comes from the file; a list that is not allocated is not stored.
@@ -134,19 +138,17 @@ contains
     character(*), intent(in) :: path
     real(wp), allocatable, intent(inout) :: values(:)
     type(error_t), allocatable, intent(inout) :: error
-    integer :: ncol, nrow
+    integer :: length
 
-    if (archive%writes) then
-      if (.not. allocated(values)) return
-      call reserve(archive%file, path, AS_REAL, 0, size(values, kind=i8), error)
-      call put(archive%file, path, values, error)
-    else
+    length = -1
+    if (allocated(values)) length = size(values)
+    call exchange(archive, path//'_length', length, error)
+    if (allocated(error)) return
+    if (.not. archive%writes) then
       if (allocated(values)) deallocate (values)
-      if (.not. has_object(archive%file, path)) return
-      call get_shape(archive%file, path, ncol, nrow, error)
-      allocate (values(nrow))
-      call get(archive%file, path, values, error)
+      if (length >= 0) allocate (values(length), source=0.0_wp)
     end if
+    if (length > 0) call exchange(archive, path, values, error)
   end subroutine exchange_list
 
   !> Exchange named values. They are numbered in the file, as their names are free text.
@@ -158,6 +160,7 @@ contains
     character(:), allocatable :: path, name, text
     real(wp), allocatable :: reals(:)
     integer, allocatable :: integers(:)
+    integer, parameter :: MOST = 10000 !! values, and characters of a name
     integer :: i, k, count(1), ncol, nrow, type(1)
 
     call enter_group(archive, group, error)
@@ -166,7 +169,9 @@ contains
       call put_attribute(archive%file, group, 'count', count, error)
     else
       call get_attribute(archive%file, group, 'count', count, error)
+      if (count(1) < 0 .or. count(1) > MOST) call refuse_value(group, error)
     end if
+    if (allocated(error)) return
     do k = 1, count(1)
       path = group//numbered('/value', k)
       if (archive%writes) then
@@ -175,13 +180,16 @@ contains
           case (REAL_VALUE)
             call reserve(archive%file, path, AS_REAL, 0, size(value%reals, kind=i8), error)
             call put(archive%file, path, value%reals, error)
+            call sum_reals(archive, path, value%reals, error)
           case (INTEGER_VALUE)
             call reserve(archive%file, path, AS_INT32, 0, size(value%integers, kind=i8), error)
             call put(archive%file, path, value%integers, error)
+            call sum_integers(archive, path, value%integers, error)
           case default
             integers = [(iachar(value%text(i:i)), i=1, len(value%text))]
             call reserve(archive%file, path, AS_UINT8, 0, size(integers, kind=i8), error)
             call put(archive%file, path, integers, error)
+            call sum_integers(archive, path, integers, error)
           end select
           call put_attribute(archive%file, path, 'name', value%name, error)
           call put_attribute(archive%file, path, 'type', [value%type], error)
@@ -190,15 +198,21 @@ contains
         call get_attribute(archive%file, path, 'name', name, error)
         call get_attribute(archive%file, path, 'type', type, error)
         call get_shape(archive%file, path, ncol, nrow, error)
+        if (all(type(1) /= [REAL_VALUE, INTEGER_VALUE, TEXT_VALUE])) call refuse_value(path, error)
         if (allocated(error)) return
         select case (type(1))
         case (REAL_VALUE)
           reals = spread(0.0_wp, 1, nrow)
           call get(archive%file, path, reals, error)
+          call sum_reals(archive, path, reals, error)
           call put_value(values, name, reals)
         case default
           integers = spread(0, 1, nrow)
           call get(archive%file, path, integers, error)
+          call sum_integers(archive, path, integers, error)
+          if (any(integers < 0 .or. integers > 127) .and. type(1) == TEXT_VALUE) &
+            call refuse_value(path, error)
+          if (allocated(error)) return
           if (type(1) == INTEGER_VALUE) then
             call put_value(values, name, integers)
           else
@@ -212,6 +226,56 @@ contains
       end if
     end do
   end subroutine exchange_values
+
+  !> Store the checksum of a dataset, or compare it with the values that were read.
+  subroutine sum_reals(archive, path, values, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    real(wp), intent(in) :: values(:)
+    type(error_t), allocatable, intent(inout) :: error
+    type(hash_t) :: hash
+
+    if (allocated(error)) return
+    call hash%add(values)
+    call check_sum(archive, path, hash, error)
+  end subroutine sum_reals
+
+  subroutine sum_integers(archive, path, values, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    integer, intent(in) :: values(:)
+    type(error_t), allocatable, intent(inout) :: error
+    type(hash_t) :: hash
+
+    if (allocated(error)) return
+    call hash%add(values)
+    call check_sum(archive, path, hash, error)
+  end subroutine sum_integers
+
+  !> The name of the dataset counts too, without its first group: a checkpoint may be moved from
+  !! `last` to `before`.
+  subroutine check_sum(archive, path, hash, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: path
+    type(hash_t), intent(inout) :: hash
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: found
+
+    call hash%add(path(index(path, '/') + 1:))
+    if (archive%writes) then
+      call put_attribute(archive%file, path, 'checksum', hash%digits(), error)
+    else
+      call get_attribute(archive%file, path, 'checksum', found, error)
+      if (found /= hash%digits() .and. .not. allocated(error)) call refuse_value(path, error)
+    end if
+  end subroutine check_sum
+
+  subroutine refuse_value(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (.not. allocated(error)) call fail(error, SYSTEM_ERROR, ''''//path//''' is damaged')
+  end subroutine refuse_value
 
   !> Create a dataset, or check the shape of an existing one.
   subroutine prepare(archive, path, type, ncol, nrow, error)

@@ -5,27 +5,31 @@
 !! read only by the version of the program that wrote it, and for the same deck and mesh.
 module restart_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
-  use base_file, only: file_t, inspect, note_input, replace_file, remove_file
+  use base_file, only: file_t, inspect, note_input, replace_file, remove_file, FILE_REGULAR
+  use base_hash, only: file_hash, text_hash
   use base_kinds, only: i8
   use base_text, only: to_text
-  use byte_file, only: take_room
+  use byte_file, only: byte_file_t, open_bytes, close_bytes, write_text, take_room
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, has_object, copy_object, get, &
                        put_attribute, get_attribute, flush_file
   use model, only: model_t, state_t
+  use model_hash, only: hash_model, NPART, PART, CONSTANT_PART, LOAD_PART
   use named_values, only: named_values_t
-  use restart_archive, only: archive_t, exchange
+  use restart_archive, only: archive_t, exchange, numbered
   use restart_state, only: exchange_state
   implicit none
   private
-  public :: fingerprint_t, make_fingerprint, write_checkpoint, read_checkpoint, text_hash
+  public :: fingerprint_t, make_fingerprint, write_checkpoint, read_checkpoint
 
   !> This number is increased when the names or the meaning of the stored values change.
-  integer, parameter :: FORMAT = 2
+  integer, parameter :: FORMAT = 3
+  character(*), parameter :: SEAL_MARK = new_line('a')//'bezel checksum '
 
   !> The version, deck and mesh that a checkpoint belongs to.
   type :: fingerprint_t
     character(:), allocatable :: version, deck_hash
     integer :: sizes(4) = 0 !! nodes, blocks, elements, equations
+    character(16) :: hash(NPART) = '' !! of the parts of the model
   end type fingerprint_t
 
 contains
@@ -39,6 +43,7 @@ contains
     print%version = version
     print%deck_hash = text_hash(deck_text)
     print%sizes = [model%mesh%nnode, size(model%mesh%block), sum(model%mesh%block%nelem), model%neq]
+    call hash_model(model, print%hash)
   end subroutine make_fingerprint
 
   !> Write a checkpoint and keep the one before it.
@@ -52,6 +57,7 @@ contains
     type(archive_t) :: archive
     type(state_t) :: state_copy ! a copy, as an archive may change what it exchanges
     type(named_values_t) :: values_copy
+    integer :: i
 
     call create_file(archive%file, path//'.part', error)
     call put_attribute(archive%file, '/', 'content', 'bezel restart', error)
@@ -59,6 +65,9 @@ contains
     call put_attribute(archive%file, '/', 'version', print%version, error)
     call put_attribute(archive%file, '/', 'deck_hash', print%deck_hash, error)
     call put_attribute(archive%file, '/', 'sizes', print%sizes, error)
+    do i = 1, NPART
+      call put_attribute(archive%file, '/', numbered('hash', i), print%hash(i), error)
+    end do
     state_copy = state
     values_copy = values
     call exchange_state(archive, 'last', state_copy, error)
@@ -69,6 +78,7 @@ contains
     else
       call close_file(archive%file, error)
     end if
+    if (.not. allocated(error)) call seal(path//'.part', error)
     if (.not. allocated(error)) call replace_file(path//'.part', path, error)
     if (allocated(error)) call remove_file(path//'.part')
   end subroutine write_checkpoint
@@ -84,7 +94,7 @@ contains
     type(error_t), allocatable :: ignored
     type(hdf5_t) :: old
     type(file_t) :: written
-    character(:), allocatable :: group
+    character(:), allocatable :: differing, group
     integer :: old_step(1)
     logical :: exists
 
@@ -92,7 +102,7 @@ contains
     if (.not. exists) return
     call open_file(old, path, .false., ignored)
     if (allocated(ignored)) return ! it is not a checkpoint: it is replaced
-    call check_fingerprint(old, path, print, ignored)
+    call check_fingerprint(old, path, print, ignored, differing)
     call get(old, 'last/step', old_step, ignored)
     if (allocated(ignored)) old_step = huge(1)
     group = trim(merge('last  ', 'before', old_step(1) < step))
@@ -109,7 +119,8 @@ contains
   end subroutine keep_before
 
   !> Read the last checkpoint, or the one before it.
-  subroutine read_checkpoint(path, print, state, values, error, before, any_deck)
+  subroutine read_checkpoint(path, print, state, values, error, before, any_deck, constants, &
+                             changed)
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
     type(state_t), intent(inout) :: state !! at time 0, to give the sizes of the model
@@ -117,20 +128,26 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: before
     logical, intent(in), optional :: any_deck !! accept a checkpoint of another deck with the same
-    !! mesh
+    !! model, whatever its loads
+    logical, intent(in), optional :: constants !! accept other constants with any_deck
+    character(:), allocatable, intent(out), optional :: changed !! which accepted parts differ
     type(error_t), allocatable :: second
     type(archive_t) :: archive
     character(:), allocatable :: group
+    character(:), allocatable :: differing
     logical :: exists
 
     inquire (file=path, exist=exists)
+    call check_seal(path, error)
+    if (allocated(error)) return
     call open_file(archive%file, path, .false., error)
     if (allocated(error)) then
       if (index(error%message, ''': ') == 0 .and. exists) call refuse_file(path, error)
       return
     end if
     call note_input(path, checkpoint=.true.)
-    call check_fingerprint(archive%file, path, print, error, any_deck)
+    call check_fingerprint(archive%file, path, print, error, differing, any_deck, constants)
+    if (present(changed)) changed = differing
     group = 'last'
     if (present(before)) then
       if (before) group = 'before'
@@ -148,21 +165,28 @@ contains
     call close_file(archive%file, second)
   end subroutine read_checkpoint
 
-  subroutine check_fingerprint(file, path, print, error, any_deck)
+  subroutine check_fingerprint(file, path, print, error, changed, any_deck, constants)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable, intent(out) :: changed !! parts that differ and are accepted
     logical, intent(in), optional :: any_deck
+    logical, intent(in), optional :: constants
     character(*), parameter :: SAME = 'restart with the deck, the included files and the --set ' &
                                //'values of that analysis'
+    character(*), parameter :: SIZE_OF(4) = [character(15) :: 'nodes', 'element blocks', &
+                                             'elements', 'equations']
     type(error_t), allocatable :: ignored
-    character(:), allocatable :: content, version, deck_hash
-    integer :: format_found(1), sizes(4)
-    logical :: same_deck
+    character(:), allocatable :: content, version, deck_hash, hash, differs, accepted
+    integer :: format_found(1), i, sizes(4)
+    logical :: same_deck, same_constants
 
     same_deck = .true.
     if (present(any_deck)) same_deck = .not. any_deck
+    same_constants = .true.
+    if (present(constants)) same_constants = .not. constants
+    changed = ''
     call get_attribute(file, '/', 'content', content, error)
     call get_attribute(file, '/', 'version', version, error)
     call get_attribute(file, '/', 'deck_hash', deck_hash, error)
@@ -171,17 +195,50 @@ contains
     if (allocated(ignored)) format_found = 1 ! files of format 1 do not contain the number
     if (allocated(error)) then
       call refuse_file(path, error)
+      return
     else if (version /= print%version) then
       call fail(error, DECK_ERROR, ''''//path//''' was written by version '//version// &
                 ', but this is '//print%version, hint='restart with the version that wrote it')
+      return
     else if (format_found(1) /= FORMAT) then
       call fail(error, DECK_ERROR, ''''//path//''' has checkpoint format ' &
                 //to_text(format_found(1))//', expected '//to_text(FORMAT), &
                 hint='start again from the deck, or restart with the program that wrote the file')
+      return
     else if (same_deck .and. deck_hash /= print%deck_hash) then
       call fail(error, DECK_ERROR, ''''//path//''' belongs to another deck', hint=SAME)
-    else if (any(sizes /= print%sizes)) then
-      call fail(error, DECK_ERROR, ''''//path//''' belongs to another mesh', hint=SAME)
+      return
+    end if
+    do i = 1, size(sizes)
+      if (sizes(i) == print%sizes(i)) cycle
+      call fail(error, DECK_ERROR, ''''//path//''' belongs to another model: it has ' &
+                //to_text(sizes(i))//' '//trim(SIZE_OF(i))//', and this one has ' &
+                //to_text(print%sizes(i)), hint=SAME)
+      return
+    end do
+    differs = ''
+    accepted = ''
+    do i = 1, NPART
+      call get_attribute(file, '/', numbered('hash', i), hash, error)
+      if (allocated(error)) then
+        call refuse_file(path, error)
+        return
+      end if
+      if (hash == print%hash(i)) cycle
+      if (.not. same_deck .and. (i == LOAD_PART .or. &
+                                 (i == CONSTANT_PART .and. .not. same_constants))) then
+        accepted = accepted//', '//trim(PART(i))
+      else
+        differs = differs//', '//trim(PART(i))
+      end if
+    end do
+    if (differs /= '') then
+      call fail(error, DECK_ERROR, ''''//path//''' belongs to another model, which differs in ' &
+                //differs(3:), hint=SAME)
+    else if (accepted /= '') then
+      changed = accepted(3:)
+    else if (deck_hash /= print%deck_hash) then
+      changed = 'only load tables, steps, tolerances or output'
     end if
   end subroutine check_fingerprint
 
@@ -193,19 +250,48 @@ contains
               hint='restart from a file <deck>.restart.h5 of this program')
   end subroutine refuse_file
 
-  !> 16 hexadecimal digits that distinguish texts.
-  pure function text_hash(text) result(digits)
-    character(*), intent(in) :: text
+  !> Append the hash of a complete file to it. HDF5 does not read what follows its own data.
+  subroutine seal(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: second
+    type(byte_file_t) :: bytes
+    type(file_t) :: file
     character(16) :: digits
-    integer(i8) :: h(2)
-    integer :: i
 
-    h = [7_i8, 11_i8]
-    do i = 1, len(text)
-      h(1) = modulo(h(1)*131_i8 + iachar(text(i:i)) + 1, 2147483647_i8)
-      h(2) = modulo(h(2)*257_i8 + iachar(text(i:i)) + 1, 2147483629_i8)
-    end do
-    write (digits, '(2z8.8)') h
-  end function text_hash
+    call inspect(path, file)
+    call file_hash(path, file%size, digits, error)
+    if (allocated(error)) return
+    call open_bytes(bytes, path, .true., error)
+    if (allocated(error)) return
+    call write_text(bytes, SEAL_MARK//digits//new_line('a'), error)
+    call close_bytes(bytes, second)
+    if (allocated(second) .and. .not. allocated(error)) call move_alloc(second, error)
+  end subroutine seal
+
+  !> Check the hash at the end of a file, before HDF5 trips over bytes that have changed. A file
+  !! that another program has written to has none; then only the checksums of its datasets count.
+  subroutine check_seal(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    character(len(SEAL_MARK) + 17) :: mark
+    character(16) :: digits
+    type(file_t) :: file
+    integer(i8) :: length
+    integer :: unit, status
+
+    call inspect(path, file)
+    length = file%size - len(mark)
+    if (file%kind /= FILE_REGULAR .or. length < 0) return
+    open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &
+          action='read', iostat=status)
+    if (status /= 0) return
+    read (unit, pos=length + 1, iostat=status) mark
+    close (unit)
+    if (status /= 0 .or. index(mark, SEAL_MARK) /= 1) return
+    call file_hash(path, length, digits, error)
+    if (allocated(error)) return
+    if (mark(len(SEAL_MARK) + 1:len(mark) - 1) /= digits) call refuse_file(path, error)
+  end subroutine check_seal
 
 end module restart_file

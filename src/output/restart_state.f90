@@ -118,6 +118,7 @@ contains
     if (archive%writes) n = size(table)
     call enter_group(archive, group, error)
     call exchange(archive, group//'/count', n, error)
+    if (allocated(error)) return
     if (.not. archive%writes) then
       if (allocated(table)) deallocate (table)
       allocate (table(n))

@@ -1,0 +1,103 @@
+"""A checkpoint is read only by its own model, and a damaged one is refused in one sentence."""
+
+import random
+import shutil
+
+import h5py
+
+from verification.trouble.test_files import Folder
+
+SEED = 3
+
+
+class Restart(Folder):
+    def setUp(self):
+        super().setUp()
+        done = self.run_bezel("--set", "ends=0.5", "box.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.checkpoint = self.at / "box.restart.h5"
+
+    def continued(self, *settings, word="", text=None):
+        """Run a deck with RESTart, and with parameters or a text that differ."""
+        deck = (text or self.deck).replace("BATCh", f"BATCh\n  RESTart,box.restart.h5{word}")
+        (self.at / "next.inp").write_text(deck)
+        more = [part for setting in settings for part in ("--set", setting)]
+        return self.run_bezel(*more, "next.inp")
+
+    def refused(self, done, what):
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn(what, done.stderr)
+        self.assertFalse((self.at / "next.log").exists())
+
+    def test_another_model_is_refused_and_the_message_says_what_differs(self):
+        self.refused(self.continued("lz=2"), "differs in the coordinates of nodes")
+        self.refused(self.continued("e=200"), "differs in the constants of materials")
+        self.refused(self.continued("n=3"), "it has 27 nodes, and this one has 64")
+        other = self.deck.replace("TYPE Q1", "TYPE Q1E9")
+        self.refused(self.continued(text=other), "differs in the element types")
+        other = self.deck.replace("NEOHook e nu\n    FINIte VOLUme 3", "ISOTropic e nu\n    SMALl")
+        self.refused(self.continued(text=other), "the material laws")
+        other = self.deck.replace("FIX,a,3- 1 1 1", "FIX,a,2- 1 1 1")
+        self.refused(self.continued(text=other), "it has 27 equations, and this one has 36")
+
+    def test_loads_may_change_and_the_log_says_so(self):
+        done = self.continued("way=0.2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(
+            "changed since that analysis: the loads and prescribed motions\n",
+            (self.at / "next.log").read_text(),
+        )
+
+    def test_constants_change_only_by_a_word(self):
+        done = self.continued("e=200", word=",CONStants")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("analysis: the constants of materials", (self.at / "next.log").read_text())
+        (self.at / "next.log").unlink()
+        self.refused(self.continued("lz=2", word=",CONStants"), "the coordinates of nodes")
+        self.refused(self.continued(word=",all"), "expected CONStants, found 'all'")
+
+    def test_another_mesh_file_is_refused(self):
+        mesh = (self.at / "mesh.inc")
+        mesh.write_text("  BOX 0 0 0  1 1 lz\n")
+        text = self.deck.replace("  BOX 0 0 0  1 1 lz\n", "  INCLude mesh.inc\n")
+        (self.at / "in.inp").write_text(text)
+        self.assertEqual(self.run_bezel("in.inp").returncode, 0)
+        mesh.write_text("  BOX 0 0 0  1 2 lz\n")
+        done = self.run_bezel("--restart", "in.restart.h5", "in.inp")
+        self.assertEqual(done.returncode, 1, done.stderr)
+
+    def test_damaged_bytes_are_refused_in_one_sentence(self):
+        whole = self.checkpoint.read_bytes()
+        chance = random.Random(SEED)
+        for _ in range(40):
+            at = chance.randrange(len(whole) - 40)
+            damaged = bytearray(whole)
+            damaged[at] ^= 1 << chance.randrange(8)
+            self.checkpoint.write_bytes(damaged)
+            done = self.run_bezel("--restart", "box.restart.h5", "--set", "ends=0.5", "box.inp")
+            self.assertEqual(done.returncode, 3, f"byte {at}: {done.stderr}")
+            self.assertEqual(done.stderr.count("error:"), 1)
+        for size in (0, 10, 1000, len(whole) // 2):
+            self.checkpoint.write_bytes(whole[:size])
+            done = self.run_bezel("--restart", "box.restart.h5", "--set", "ends=0.5", "box.inp")
+            self.assertEqual(done.returncode, 3, f"{size} bytes: {done.stderr}")
+
+    def test_changed_datasets_are_refused(self):
+        names = []
+        with h5py.File(self.checkpoint) as file:
+            file["last"].visititems(
+                lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None
+            )
+        kept = self.at / "kept.h5"
+        shutil.copy(self.checkpoint, kept)
+        for name in names:
+            shutil.copy(kept, self.checkpoint)
+            with h5py.File(self.checkpoint, "r+") as file:
+                values = file["last"][name][...]
+                if values.size == 0:
+                    continue
+                values.flat[0] += 1
+                file["last"][name][...] = values
+            done = self.run_bezel("--restart", "box.restart.h5", "--set", "ends=0.5", "box.inp")
+            self.assertEqual(done.returncode, 3, f"{name}: {done.stderr}")
+            self.assertEqual(done.stderr.count("error:"), 1)
