@@ -5,6 +5,7 @@ module command_step
   use command_checkpoint, only: write_checkpoint, set_restart_point
   use command_files, only: open_files, write_rows, write_fields
   use command_type, only: run_t
+  use command_watch, only: watch_step
   use linear_system, only: FULL
   use listing_contact, only: list_contacts
   use program_position, only: save_position, rewind_program, leave_loop, current_place
@@ -53,6 +54,7 @@ contains
     if (allocated(error)) return
     call take_outcome(run, outcome)
     if (outcome /= STEP_ACCEPTED) return
+    call watch_step(run)
     call run%timers%start('output')
     call write_step(run, error)
     call run%timers%stop('output')

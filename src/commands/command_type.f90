@@ -83,6 +83,7 @@ module command_type
     integer :: every = 0                        !! OUTPut: fields every n steps; 0: only by PLOT
     integer :: tplot_every = 1                  !! steps between rows of TPLOt's table
     logical :: prints = .true.                  !! PRINt and NOPRint
+    logical :: turn_warned = .false., strain_warned = .false. !! see command_watch
   end type plan_t
 
   !> Values of one row of a curve.

@@ -80,9 +80,10 @@ contains
     integer, intent(out) :: first, last
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: type, id, found, others, what, plural, hint
-    integer :: n, length, tag
+    integer :: n, ntaken, length, tag
 
     found = ''
+    ntaken = 0
     others = ''
     n = 0
     first = 0
@@ -96,6 +97,7 @@ contains
       if (type == 'TensorNurbs'//to_text(ndir) .or. type == 'TensorBSpline'//to_text(ndir)) then
         n = n + 1
         found = found//' '//id
+        if (id == name) ntaken = ntaken + 1
         if (id == name .or. len_trim(name) == 0) first = tag
       else
         others = others//' '//type
@@ -119,6 +121,9 @@ contains
     else if (first == 0) then
       call fail_in_file(text, 'the file has no '//what//' '//quoted(trim(name)), error, &
                         'it has'//found)
+    else if (ntaken > 1) then
+      call fail_in_file(text, 'the file has '//to_text(ntaken)//plural//' with the id ' &
+                        //quoted(trim(name)), error, 'give each its own id')
     else if (n > 1 .and. len_trim(name) == 0) then
       call fail_in_file(text, 'the file has '//to_text(n)//plural//', and the deck names none', &
                         error, 'name one by its id:'//found)

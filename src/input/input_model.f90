@@ -8,6 +8,7 @@ module input_model
   use input_conditions, only: apply_conditions, note_loose
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
+  use input_doubts, only: check_twice, warn_locking
   use input_draft, only: draft_t, mesh_read_i, skip_set, row_of, known_word
   use input_loads, only: integrate_loads
   use input_mesh, only: make_mesh, count_mesh, make_bodies
@@ -67,7 +68,9 @@ contains
         call resolve_curves(draft, draft%model)
         if (draft%errors%count() > 0) exit stages
         call check_jacobians(draft, mesh)
+        if (draft%errors%count() == 0) call check_twice(draft, mesh)
         if (draft%errors%count() > 0) exit stages
+        call warn_locking(draft, mesh)
         call build_contacts(draft, draft%model)
         if (draft%errors%count() == 0) call warn_untied(draft, mesh)
         if (draft%errors%count() > 0) exit stages

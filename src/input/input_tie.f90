@@ -6,7 +6,9 @@
 !! Source: FEAPpv's manual
 module input_tie
   use base_kinds, only: wp
+  use base_log, only: log_line, warn
   use base_sort, only: sort_index, unique
+  use base_text, only: to_text
   use boundary, only: boundary_t
   use input_draft, only: draft_t, tie_entry_t
   use mesh, only: mesh_t, is_rigid
@@ -42,6 +44,12 @@ contains
     do i = 1, count(draft%tie%from > 0)
       call find_pairs(draft, draft%tie(i), mesh, new)
     end do
+    n = count(new /= [(i, i=1, mesh%nnode)])
+    call log_line('TIE       joins '//to_text(n)//' nodes with others')
+    if (n == 0) then
+      call warn('TIE joins no nodes', draft%tie(1)%place, 'no two nodes lie at the same place, ' &
+                //'or they are not those that TIE names')
+    end if
     do n = 1, mesh%nnode
       new(n) = new(new(n)) ! numbers only decrease, so the target is final
     end do

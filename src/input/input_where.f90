@@ -3,6 +3,7 @@
 module input_where
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: lower, to_text, quoted
   use deck_record, only: record_t, get_word
   use deck_stream, only: deck_t, get_integer, get_real
@@ -190,7 +191,10 @@ contains
       on(place%node) = .true.
     case (W_POINT)
       distance = [(norm2(mesh%xr(:, i) - place%x), i=1, mesh%nnode)]
-      on(max(1, minloc(distance, 1, mesh%used))) = .true.
+      i = max(1, minloc(distance, 1, mesh%used))
+      on(i) = .true.
+      call check_near(mesh, place, i, error)
+      if (allocated(error)) return
     case default ! W_PLANE
       associate (x => mesh%xr(place%direction, :))
         gap = ON_PLANE*(maxval(x, mesh%used) - minval(x, mesh%used))/sqrt(real(mesh%nnode, wp))
@@ -201,6 +205,44 @@ contains
     node = pack([(i, i=1, mesh%nnode)], on)
     if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies there', place%place)
   end subroutine find_nodes
+
+  !> The node nearest to a POINt may lie as far from it as from its neighbours. A point outside the
+  !! model by more than its extent cannot be meant; nearer ones are warned of.
+  subroutine check_near(mesh, place, node, error)
+    type(mesh_t), intent(in) :: mesh
+    type(where_t), intent(in) :: place
+    integer, intent(in) :: node
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: text
+    real(wp) :: away, extent, reach
+    integer :: b, e, i, k
+
+    away = norm2(mesh%xr(:, node) - place%x)
+    reach = 0.0_wp
+    do b = 1, size(mesh%block)
+      do e = 1, mesh%block(b)%nelem
+        associate (conn => mesh%block(b)%conn(:, e))
+          if (all(conn /= node)) cycle
+          do i = 1, size(conn)
+            reach = max(reach, norm2(mesh%xr(:, conn(i)) - mesh%xr(:, node)))
+          end do
+        end associate
+      end do
+    end do
+    if (away <= reach) return
+    extent = 0.0_wp
+    do k = 1, 3
+      extent = max(extent, maxval(mesh%xr(k, :), mesh%used) - minval(mesh%xr(k, :), mesh%used))
+    end do
+    text = 'the node nearest to this point, '//to_text(node)//', is '//to_text(away, 3)//' away'
+    if (away > extent) then
+      call fail(error, DECK_ERROR, text//', more than the extent of the model, ' &
+                //to_text(extent, 3), place%place, 'give a point of a body')
+    else
+      call warn(text//', more than the size of an element, '//to_text(reach, 3), place%place, &
+                'give a point of a body')
+    end if
+  end subroutine check_near
 
   !> Index of a named group of a body; 0: there is none.
   pure integer function group_index(body, name) result(g)

@@ -5,6 +5,7 @@
 module word_nodes
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: to_text
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
@@ -60,6 +61,9 @@ contains
         return
       end if
       call grow_nodes(draft%nodes, n)
+      if (draft%nodes%given(n) .and. n /= last) then
+        call warn('node '//to_text(n)//' is given twice', line%place(1), 'the later record counts')
+      end if
       call set_point(n, matmul(draft%turn, x) + draft%shift, w)
       if (n == last) then
         call fail(error, DECK_ERROR, 'node '//to_text(n)//' is given twice in succession', &

@@ -14,6 +14,7 @@ module run
   use contact_augment, only: share_penalty
   use command_step, only: finish_step
   use command_type, only: run_t
+  use command_watch, only: watch_end
   use deck_stream, only: open_deck, check_settings, deck_text
   use dof_map, only: number_equations
   use input_model, only: build_model
@@ -78,6 +79,7 @@ contains
     end do
     call close_files(job, error)
     if (allocated(error)) return
+    call watch_end(job)
     if (job%step%total%iterations == 0 .and. job%model%neq > 0) then
       call warn('no system was solved: all displacements are those of the start', &
                 hint='TANG,,1 and UTAN,,1 solve; TANG and UTAN alone only form the tangent')

@@ -1,0 +1,104 @@
+!> Warnings about converged steps that are hardly meant.
+module command_watch
+  use base_kinds, only: wp
+  use base_log, only: warn
+  use base_text, only: quoted, to_text
+  use command_type, only: run_t
+  use load_curve, only: load_factor, table_factor
+  use mesh, only: is_rigid
+  implicit none
+  private
+  public :: watch_step, watch_end
+
+  real(wp), parameter :: HALF_TURN = 180.0_wp, DEGREE = acos(-1.0_wp)/180.0_wp
+  real(wp), parameter :: SMALL = 0.1_wp !! largest displacement gradient of small strains
+
+contains
+
+  !> Look at the step that was closed; each warning is given once.
+  subroutine watch_step(run)
+    type(run_t), intent(inout) :: run
+
+    if (.not. run%plan%turn_warned) call watch_rotations(run)
+    if (.not. run%plan%strain_warned) call watch_strains(run)
+  end subroutine watch_step
+
+  !> Warn of a MOVE that turns by half a turn or more in one step: displacements know only where a
+  !! turn ends, so that a full one moves nothing.
+  subroutine watch_rotations(run)
+    type(run_t), intent(inout) :: run
+    real(wp) :: before(size(run%state%table)), angle, factor, start
+    integer :: i
+
+    associate (state => run%state)
+      do i = 1, size(before)
+        before(i) = 0.0_wp
+        if (state%dt > 0.0_wp) before(i) = table_factor(state%table(i), state%time - state%dt)
+      end do
+      do i = 1, size(run%model%bc%motion)
+        associate (motion => run%model%bc%motion(i))
+          if (.not. motion%rotates) cycle
+          factor = load_factor(state%factor, motion%table)
+          start = load_factor(before, motion%table)
+          if (size(before) == 0) start = merge(0.0_wp, factor, state%step == 1)
+          angle = abs(motion%angle*(factor - start))/DEGREE
+          if (angle < HALF_TURN*(1.0_wp - 1.0e-9_wp)) cycle
+          call warn('MOVE turns by '//to_text(angle, 5)//' degrees in step '//to_text(state%step), &
+                    motion%place, 'a step sees only where a turn ends: use steps of less than ' &
+                    //'180 degrees, better of 10')
+          run%plan%turn_warned = .true.
+        end associate
+      end do
+    end associate
+  end subroutine watch_rotations
+
+  !> Warn where materials for small strains are stretched or turned much.
+  subroutine watch_strains(run)
+    type(run_t), intent(inout) :: run
+    real(wp) :: largest
+    integer :: a, b, e
+
+    do b = 1, size(run%model%mesh%block)
+      associate (block => run%model%mesh%block(b))
+        if (is_rigid(block)) cycle
+        if (run%model%material(block%material)%row%finite) cycle
+        largest = 0.0_wp
+        do e = 1, block%nelem
+          associate (x => run%model%mesh%xr(:, block%conn(:, e)), &
+                     u => run%state%u(:, block%conn(:, e)))
+            do a = 2, size(x, 2)
+              if (all(abs(x(:, a) - x(:, 1)) <= 0.0_wp)) cycle
+              largest = max(largest, norm2(u(:, a) - u(:, 1))/norm2(x(:, a) - x(:, 1)))
+            end do
+          end associate
+        end do
+        if (largest <= SMALL) cycle
+        call warn('displacement gradients of '//to_text(100*largest, 3)//' % in step ' &
+                  //to_text(run%state%step)//' with SMALl strains (material ' &
+                  //to_text(run%model%material(block%material)%number)//')', &
+                  run%model%material(block%material)%place, 'small strains and turns are a few ' &
+                  //'per cent; beyond, use NEOHook with FINIte')
+        run%plan%strain_warned = .true.
+        return
+      end associate
+    end do
+  end subroutine watch_strains
+
+  !> At the end of a run, warn of friction that was never switched on.
+  subroutine watch_end(run)
+    type(run_t), intent(in) :: run
+    integer :: c
+
+    do c = 1, size(run%model%contact)
+      associate (contact => run%model%contact(c))
+        if (.not. contact%friction%given .or. run%state%step == 0) cycle
+        if (contact%after < run%state%time) cycle
+        call warn('contact '//quoted(contact%name)//': friction never acts, as AFTEr ' &
+                  //to_text(contact%after)//' is not before the end of the run, ' &
+                  //to_text(run%state%time), contact%place, 'friction acts in steps that start ' &
+                  //'at or after that time')
+      end associate
+    end do
+  end subroutine watch_end
+
+end module command_watch

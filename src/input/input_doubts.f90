@@ -1,0 +1,203 @@
+!> Models that can be solved and are hardly meant: elements given twice, elements that lock.
+module input_doubts
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_kinds, only: wp
+  use base_log, only: warn
+  use base_sort, only: sort, sort_index
+  use base_text, only: quoted, to_text
+  use elastic_constants, only: NU
+  use input_draft, only: draft_t
+  use mesh, only: mesh_t, is_rigid
+  implicit none
+  private
+  public :: check_twice, warn_locking
+
+  real(wp), parameter :: NEAR = 1.0e-6_wp        !! distance of equal positions over that of nodes
+  real(wp), parameter :: LOCKING_FROM = 0.49_wp  !! Poisson's ratio
+
+  !> An element of any block.
+  type :: member_t
+    integer :: block = 0, elem = 0
+    real(wp) :: centre(3) = 0.0_wp, size = 0.0_wp !! size: shortest distance of two nodes [L]
+  end type member_t
+
+contains
+
+  !> Refuse elements of one material that have the same nodes, and warn of elements in the same
+  !! place. The stiffness there counts twice.
+  subroutine check_twice(draft, mesh)
+    type(draft_t), intent(inout) :: draft
+    type(mesh_t), intent(in) :: mesh
+    type(error_t), allocatable :: error
+    type(member_t), allocatable :: list(:)
+    real(wp), allocatable :: key(:)
+    integer, allocatable :: order(:)
+    integer, allocatable :: first(:), second(:)
+    integer :: i, j, nplace
+    logical :: same
+
+    call list_members(mesh, list)
+    if (size(list) < 2) return
+    allocate (key(size(list)), order(size(list)))
+    do i = 1, size(list) ! a direction in which the centres of few meshes coincide
+      key(i) = dot_product(list(i)%centre, [1.0_wp, 0.7320508075688772_wp, 0.4142135623730951_wp])
+    end do
+    call sort_index(key, order)
+    nplace = 0
+    do i = 1, size(order)
+      associate (a => list(order(i)))
+        do j = i + 1, size(order)
+          associate (b => list(order(j)))
+            if (key(order(j)) - key(order(i)) > 2*NEAR*a%size) exit
+            if (any(abs(a%centre - b%centre) > NEAR*a%size)) cycle
+            if (abs(a%size - b%size) > NEAR*a%size) cycle
+            first = nodes_of(mesh, a)
+            second = nodes_of(mesh, b)
+            if (size(first) /= size(second)) cycle
+            same = all(first == second)
+            if (same .and. mesh%block(a%block)%material == mesh%block(b%block)%material) then
+              call fail(error, DECK_ERROR, element_text(mesh, b)//' has the same nodes as ' &
+                        //element_text(mesh, a), place_of(draft, mesh, b), 'remove one of them: ' &
+                        //'the stiffness would count twice')
+              call draft%errors%add(error)
+              return
+            end if
+            if (.not. same) same = same_positions(mesh, first, second, NEAR*a%size)
+            if (same) nplace = nplace + 1
+            if (same .and. nplace == 1) then
+              call warn(element_text(mesh, b)//' lies in the same place as ' &
+                        //element_text(mesh, a), place_of(draft, mesh, b), 'the stiffness counts ' &
+                        //'twice there, if both are meant')
+            end if
+          end associate
+        end do
+      end associate
+    end do
+  end subroutine check_twice
+
+  !> All elements that deform, with centre and size of their nodes.
+  subroutine list_members(mesh, list)
+    type(mesh_t), intent(in) :: mesh
+    type(member_t), allocatable, intent(out) :: list(:)
+    integer :: b, e, n
+
+    n = 0
+    do b = 1, size(mesh%block)
+      if (.not. is_rigid(mesh%block(b))) n = n + mesh%block(b)%nelem
+    end do
+    allocate (list(n))
+    n = 0
+    do b = 1, size(mesh%block)
+      if (is_rigid(mesh%block(b))) cycle
+      do e = 1, mesh%block(b)%nelem
+        n = n + 1
+        associate (x => mesh%xr(:, mesh%block(b)%conn(:, e)))
+          list(n)%block = b
+          list(n)%elem = e
+          list(n)%centre = sum(x, 2)/size(x, 2)
+          list(n)%size = shortest(x)
+        end associate
+      end do
+    end do
+  end subroutine list_members
+
+  !> Shortest distance of two nodes that lie apart.
+  pure real(wp) function shortest(x)
+    real(wp), intent(in) :: x(:, :) !! (3, n) [L]
+    real(wp) :: square
+    integer :: i, j
+
+    shortest = huge(1.0_wp)
+    do i = 2, size(x, 2)
+      do j = 1, i - 1
+        square = sum((x(:, i) - x(:, j))**2)
+        if (square > 0.0_wp) shortest = min(shortest, square)
+      end do
+    end do
+    shortest = sqrt(shortest)
+  end function shortest
+
+  !> Nodes of an element in ascending order.
+  function nodes_of(mesh, member) result(node)
+    type(mesh_t), intent(in) :: mesh
+    type(member_t), intent(in) :: member
+    integer, allocatable :: node(:)
+
+    node = mesh%block(member%block)%conn(:, member%elem)
+    call sort(node)
+  end function nodes_of
+
+  !> Has each node of the first list one of the second at its position?
+  pure function same_positions(mesh, first, second, near) result(same)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: first(:), second(:)
+    real(wp), intent(in) :: near
+    logical :: same
+    integer :: i, j
+
+    same = .true.
+    do i = 1, size(first)
+      do j = 1, size(second)
+        if (all(abs(mesh%xr(:, first(i)) - mesh%xr(:, second(j))) <= near)) exit
+      end do
+      same = j <= size(second)
+      if (.not. same) return
+    end do
+  end function same_positions
+
+  function element_text(mesh, member) result(text)
+    type(mesh_t), intent(in) :: mesh
+    type(member_t), intent(in) :: member
+    character(:), allocatable :: text
+
+    associate (block => mesh%block(member%block))
+      text = 'element '//to_text(block%number(member%elem))
+      if (block%body > 0) text = text//' of '//quoted(mesh%body(block%body)%name)
+    end associate
+  end function element_text
+
+  function place_of(draft, mesh, member) result(place)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    type(member_t), intent(in) :: member
+    type(place_t) :: place
+
+    associate (block => mesh%block(member%block))
+      if (block%body > 0) then
+        place = mesh%body(block%body)%place
+      else
+        place = draft%places%at(draft%elements%place(block%number(member%elem)))
+      end if
+    end associate
+  end function place_of
+
+  !> Warn of linear displacement elements of nearly incompressible materials.
+  subroutine warn_locking(draft, mesh)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    integer, allocatable :: warned(:)
+    integer :: b
+
+    allocate (warned(0))
+    do b = 1, size(mesh%block)
+      if (is_rigid(mesh%block(b))) cycle
+      associate (block => mesh%block(b), m => draft%model%material(mesh%block(b)%material))
+        if (block%row%nmode > 0 .or. .not. linear(block%name) .or. any(warned == m%number)) cycle
+        if (m%prop(NU) < LOCKING_FROM) cycle
+        warned = [warned, m%number]
+        call warn(trim(block%name)//' elements lock: material '//to_text(m%number) &
+                  //" has Poisson's ratio "//to_text(m%prop(NU)), m%place, &
+                  'use Q1E9 (ELEM: ENHAnced), ENRIch ... EAS, Q2 or IGA; displacements of ' &
+                  //'elements that lock are far too small')
+      end associate
+    end do
+  end subroutine warn_locking
+
+  pure logical function linear(name)
+    character(*), intent(in) :: name
+
+    linear = index(name, 'Q1') == 1 .or. &
+             any(name == ['TET4    ', 'WEDGE6  ', 'PYRAMID5'])
+  end function linear
+
+end module input_doubts
