@@ -18,6 +18,7 @@ module deck_reader
   integer, parameter :: MOST_LOOPS = 10         !! depth to which loops are nested
   integer, parameter :: MOST_PASSES = 1000000   !! passes of one loop
   integer, parameter :: MOST_REPEATED = 10000000 !! records that all loops together read again
+  integer, parameter :: MOST_INCLUDED = 100000   !! INCLude records that are executed
 
   !> A file that is being read.
   type :: frame_t
@@ -29,6 +30,7 @@ module deck_reader
   type :: loop_t
     integer :: frame = 0, line = 0 !! where its body begins
     integer :: left = 0            !! number of passes that follow this one
+    integer :: passes = 1
     integer :: nrecord = 0         !! number of records in its first pass
     type(place_t) :: place
   end type loop_t
@@ -37,7 +39,8 @@ module deck_reader
     private
     type(source_list_t) :: files !! every file that was named; all are kept
     integer :: nframe = 0, nloop = 0
-    integer :: repeated = 0      !! records read in second and later passes
+    integer :: repeated = 0      !! records read in second and later passes, or included again
+    integer :: nincluded = 0     !! INCLude records executed
     type(frame_t) :: frame(MOST_FILES)
     type(loop_t) :: loop(MOST_LOOPS)
   end type reader_t
@@ -115,9 +118,7 @@ contains
         if (reader%repeated > MOST_REPEATED) then
           call fail(error, DECK_ERROR, 'loops repeat more than '//to_text(MOST_REPEATED) &
                     //' records', reader%loop(1)%place, 'use fewer passes')
-          reader%nloop = 0
-          reader%nframe = 1
-          reader%frame(1)%line = reader%files%item(1)%file%nline + 1
+          call stop_reading(reader)
           exit
         end if
       end if
@@ -154,6 +155,15 @@ contains
     reader%loop(:reader%nloop)%left = 0
   end subroutine cancel_loops
 
+  !> Go to the end of the deck after an error that reading on would only repeat.
+  subroutine stop_reading(reader)
+    type(reader_t), intent(inout) :: reader
+
+    reader%nloop = 0
+    reader%nframe = 1
+    reader%frame(1)%line = reader%files%item(1)%file%nline + 1
+  end subroutine stop_reading
+
   !> Continue in the file that the record names.
   subroutine include_file(reader, record, error)
     type(reader_t), intent(inout) :: reader
@@ -189,8 +199,17 @@ contains
       return
     end if
     i = find_source(reader%files, file)
+    if (i > 0) reader%repeated = reader%repeated + reader%files%item(i)%file%nline
     if (i == 0) call add_source(reader%files, path, i, error, record%place(2))
     if (allocated(error)) return
+    reader%nincluded = reader%nincluded + 1
+    if (reader%nincluded > MOST_INCLUDED .or. reader%repeated > MOST_REPEATED) then
+      call fail(error, DECK_ERROR, 'more than '//to_text(MOST_INCLUDED)//' files or ' &
+                //to_text(MOST_REPEATED)//' lines are included', record%place(2), &
+                'files that include each other in turn multiply')
+      call stop_reading(reader)
+      return
+    end if
     reader%nframe = reader%nframe + 1
     reader%frame(reader%nframe) = frame_t(source=i, line=1)
   end subroutine include_file
@@ -225,6 +244,13 @@ contains
       return
     end if
     reader%loop(reader%nloop)%left = nint(n) - 1
+    reader%loop(reader%nloop)%passes = nint(n)
+    n = product(real(reader%loop(:reader%nloop)%passes, wp))
+    if (n > MOST_REPEATED) then
+      call fail(error, DECK_ERROR, 'nested loops make '//to_text(n)//' passes, more than ' &
+                //to_text(MOST_REPEATED), record%place(2), 'use fewer passes')
+      call cancel_loops(reader)
+    end if
   end subroutine begin_loop
 
   !> End a pass (NEXT): return to the body of the loop, or continue after it.

@@ -20,7 +20,7 @@ module input_draft
   public :: draft_t, mesh_word_t, mesh_read_i, patch_entry_t, npatch_entry_t, knot_vector_t, &
             support_entry_t, motion_entry_t, pressure_entry_t, contact_entry_t, column_entry_t, &
             curve_entry_t, condition_entry_t, tie_entry_t, next_data, next_line, skip_set, &
-            known_word, check_number, row_of
+            known_word, check_number, check_increment, row_of
 
   integer, parameter :: MOST_RECORDS = 24 !! limit of the number of different words in a set
 
@@ -142,6 +142,7 @@ module input_draft
     type(element_list_t) :: elements
     type(named_nodes_t) :: named_nodes
     type(place_list_t) :: places
+    logical :: node_twice = .false.      !! the warning about nodes given twice was issued
     type(unread_constraints_t) :: tables !! constraint tables next to mesh files
     real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3]) !! TRAN
     real(wp) :: shift(3) = 0.0_wp
@@ -333,5 +334,18 @@ contains
                 place, 'a mesh may have at most '//to_text(MAX_NUMBER)//' nodes and elements')
     end if
   end subroutine check_number
+
+  !> Check the increment of numbers that are generated: larger ones would overflow.
+  subroutine check_increment(step, place, error)
+    integer, intent(in) :: step
+    type(place_t), intent(in) :: place
+    type(error_t), allocatable, intent(out) :: error
+
+    if (abs(step) > MAX_NUMBER) then
+      call fail(error, DECK_ERROR, 'the increment '//to_text(step)//' is larger than ' &
+                //to_text(MAX_NUMBER), place, 'a mesh has at most '//to_text(MAX_NUMBER) &
+                //' nodes and elements')
+    end if
+  end subroutine check_increment
 
 end module input_draft

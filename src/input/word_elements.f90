@@ -14,7 +14,7 @@ module word_elements
   use deck_stream, only: deck_t, get_integer
   use element_table, only: load_elements
   use element_type, only: element_t
-  use input_draft, only: draft_t, next_data, check_number
+  use input_draft, only: draft_t, next_data, check_number, check_increment
   use input_lists, only: grow_elements, add_place
   use mesh_shape, only: node_counts
   implicit none
@@ -136,6 +136,8 @@ contains
       return
     end if
     e%node = field(:n)
+    call check_increment(e%increment, record%place(merge(1, 2, old)), error)
+    if (allocated(error)) return
     if (e%increment == 0) e%increment = 1
   end subroutine read_entry
 

@@ -11,7 +11,7 @@ module word_nodal
   use boundary, only: note_load_number
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
-  use input_draft, only: draft_t, next_data, check_number
+  use input_draft, only: draft_t, next_data, check_number, check_increment
   use input_fields, only: get_numbers
   use input_lists, only: grow_nodes, add_named_node
   implicit none
@@ -150,6 +150,7 @@ contains
     call check_count(record, 3, 5, usage, error)
     if (.not. allocated(error)) call check_number('node', n, record%place(1), error)
     if (.not. allocated(error)) call get_integer(deck, record, 2, step, error, 0)
+    if (.not. allocated(error)) call check_increment(step, record%place(2), error)
     if (allocated(error)) return
     call grow_nodes(draft%nodes, n)
     if (.not. draft%nodes%given(n)) call add_named_node(draft%named_nodes, n, record%place(1))

@@ -9,7 +9,7 @@ module word_nodes
   use base_text, only: to_text
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: draft_t, next_data, check_number
+  use input_draft, only: draft_t, next_data, check_number, check_increment
   use input_fields, only: get_numbers
   use input_lists, only: grow_nodes
   use tensor, only: det3
@@ -51,6 +51,7 @@ contains
       call check_count(line, 3, merge(6, 5, weighted), 'write a point as '//fields, error)
       if (.not. allocated(error)) call check_number('node', n, line%place(1), error)
       if (.not. allocated(error)) call get_integer(deck, line, 2, step, error, 0)
+      if (.not. allocated(error)) call check_increment(step, line%place(2), error)
       if (.not. allocated(error)) call get_numbers(deck, line, 3, x, error, 0.0_wp)
       w = 0.0_wp
       if (weighted .and. .not. allocated(error)) call get_real(deck, line, 6, w, error)
@@ -61,8 +62,10 @@ contains
         return
       end if
       call grow_nodes(draft%nodes, n)
-      if (draft%nodes%given(n) .and. n /= last) then
-        call warn('node '//to_text(n)//' is given twice', line%place(1), 'the later record counts')
+      if (draft%nodes%given(n) .and. n /= last .and. .not. draft%node_twice) then
+        draft%node_twice = .true.
+        call warn('node '//to_text(n)//' is given twice; others are not reported', &
+                  line%place(1), 'the later record counts')
       end if
       call set_point(n, matmul(draft%turn, x) + draft%shift, w)
       if (n == last) then
