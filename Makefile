@@ -109,6 +109,8 @@ patch: $(B)/bezel
 # Files, signals, limits and restarts, then decks that must not go wrong silently.
 trouble: $(B)/bezel
 	@BEZEL=$< $(PYTHON) -m unittest discover -q -s verification/trouble -t .
+	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify --case silent \
+	  > $(B)/silent.txt; code=$$?; grep -v '  ok$$' $(B)/silent.txt; exit $$code
 
 .PHONY: verify verify-all verify-long tradeoff bench demo demo-rocker
 verify: setup

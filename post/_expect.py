@@ -16,6 +16,9 @@ want   = 6.937
 rel    = 1e-3                                # or abs; at least one
 slow   = true                                # only with --all
 
+warning = "lies in the same place"           # instead of curve: a warning of the report and of the log has these words; "": there is none
+error  = "left-handed"                         # the same of the first message on the screen, with exit = 1 to 3
+
 report = "dofs"                              # instead of curve: an entry of the report (final.tip.disp, elements.Q1)
 
 field  = "stress"                            # instead of curve: all points of a field at a step
@@ -54,7 +57,7 @@ from post._tolerance import DEFAULT, KINDS, Tolerance, Tolerances
 DIFF_KEYS = {*KINDS, "column", "interpolate", "key", "only", "ignore"}
 CHECK_KEYS = {
     "name", "deck", "set", "options", "exit", "source", "slow", "row", "factor", "time_limit", "formula",
-    "curve", "column", "report", "field", "affine", "want", "rel", "abs", "scaled",
+    "curve", "column", "report", "warning", "error", "field", "affine", "want", "rel", "abs", "scaled",
     "reference", "interpolate", "key", "only", "ignore", "each", "vary", "where", "map",
 }  # fmt: skip
 STUDY_KEYS = {

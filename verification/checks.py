@@ -124,6 +124,10 @@ def plan_check(folder, check):
     def judge(out, outcomes):
         try:
             exit_code(run, outcomes[run.name], check.get("exit", 0))
+            if "error" in check and check["error"] not in outcomes[run.name].reason:
+                raise Unreadable(f"{run.name} said: {outcomes[run.name].reason}")
+            if "warning" in check:
+                warned(out / run.name, run.deck.stem, check["warning"])
             rows = _rows_of(folder, check, quantity, out / run.name, run.deck.stem)
         except (Unreadable, ModuleNotFoundError) as error:
             rows = [failed(folder.name, quantity, str(error))]
@@ -148,6 +152,17 @@ def exit_code(run, outcome, wanted):
             else f"ended with code {outcome.code}, expected {wanted}: {outcome.reason}"
         )
         raise Unreadable(f"{run.name} {how}")
+
+
+def warned(place, stem, wanted):
+    """The report and the log have a warning with these words; without words there is none."""
+    warnings = json.loads((place / f"{stem}.report.json").read_text())["warnings"]
+    if not wanted and warnings:
+        raise Unreadable(f"unexpected warning: {warnings[0]}")
+    if wanted and not any(wanted in text for text in warnings):
+        raise Unreadable(f"no warning has the words '{wanted}': {warnings}")
+    if wanted and wanted not in (place / f"{stem}.log").read_text():
+        raise Unreadable(f"the log does not have the warning '{wanted}'")
 
 
 def _rows_of(folder, check, quantity, place, stem):

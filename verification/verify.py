@@ -2,7 +2,7 @@
 
     python3 -m verification.verify [--bezel build/release/bezel] [--case NAME] [--all] [--study]
 
-A case is a folder of verification/patch, benchmark or contact with decks and an expect.toml, whose
+A case is a folder of verification/patch, benchmark, contact or trouble with decks and an expect.toml, whose
 keys are described in post/_expect.py. Runs go into build/verify/<case>/. All checks are made even if
 some fail; the result is one table with a count in its last line. The exit code is 0 only if at least
 one check ran and none failed. It needs numpy, and h5py for checks of fields.
@@ -24,7 +24,7 @@ from post._error import Unreadable  # noqa: E402
 from post._expect import read_expect  # noqa: E402
 from verification import checks, studies  # noqa: E402
 
-ROOTS = tuple(TOP / "verification" / name for name in ("patch", "benchmark", "contact"))
+ROOTS = tuple(TOP / "verification" / name for name in ("patch", "benchmark", "contact", "trouble"))
 
 
 def main(argv=None):

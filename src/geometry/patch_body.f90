@@ -2,17 +2,18 @@
 module patch_body
   use base_error, only: error_t
   use base_kinds, only: wp
+  use base_log, only: log_line
   use base_text, only: to_text
   use element_type, only: element_t, cell_t
-  use mesh, only: mesh_t
+  use mesh, only: mesh_t, body_face_t
   use nurbs, only: nurbs_t, elevate, insert_knots, is_rational
   use patch_check, only: check_patch, check_enrichment, hemisphere_degree
   use patch_draft, only: draft_t, span_t, append_draft, find_row, add_node, new_block, add_face, &
                          add_operators
   use patch_geometry, only: geometry_t, new_geometry, greville_points
   use patch_lagrange, only: build_lagrange
-  use patch_nurbs, only: check_orientation
-  use patch_spec, only: patch_spec_t, GEO_BOX
+  use patch_nurbs, only: check_orientation, turn_right_handed, mirrored
+  use patch_spec, only: patch_spec_t, GEO_BOX, GEO_NURBS
   implicit none
   private
   public :: build_body
@@ -27,6 +28,7 @@ contains
     type(patch_spec_t) :: s
     type(geometry_t) :: geo
     type(draft_t) :: draft
+    logical :: turned
     integer :: b, degree, d
 
     s = spec
@@ -36,6 +38,9 @@ contains
     end do
     call check_patch(s, error)
     if (allocated(error)) return
+    turned = .false.
+    if (s%geometry == GEO_NURBS) call turn_right_handed(s%nurbs, turned)
+    if (turned) call turn_records(s)
     call hemisphere_degree(s, degree, error)
     if (allocated(error)) return
     call new_geometry(s, degree, geo, error)
@@ -60,8 +65,41 @@ contains
       call build_lagrange(s, geo, draft, error)
     end if
     if (allocated(error)) return
+    if (turned) call turn_faces(draft)
     call append_draft(draft, s, mesh)
   end subroutine build_body
+
+  !> Let the records that name faces and knots of direction 3 mean those of the reversed direction.
+  subroutine turn_records(spec)
+    type(patch_spec_t), intent(inout) :: spec
+    integer :: i
+
+    call log_line("patch     '"//spec%name//"' is left-handed: its direction 3 is reversed " &
+                  //'inside; faces keep their names')
+    do i = 1, size(spec%enrich)
+      if (spec%enrich(i)%face > 4) spec%enrich(i)%face = 11 - spec%enrich(i)%face
+    end do
+    if (allocated(spec%knots(3)%u)) then
+      spec%knots(3)%u = mirrored(spec%knots(3)%u, spec%nurbs%dir(3)%knots)
+    end if
+  end subroutine turn_records
+
+  !> Give the faces of direction 3 their names of before the reversal.
+  pure subroutine turn_faces(draft)
+    type(draft_t), intent(inout) :: draft
+    type(body_face_t) :: face
+    integer :: i
+
+    face = draft%face(5)
+    draft%face(5) = draft%face(6)
+    draft%face(6) = face
+    draft%nface(5:6) = draft%nface([6, 5])
+    do i = 1, draft%nnode
+      if (btest(draft%mask(i), 4) .neqv. btest(draft%mask(i), 5)) then
+        draft%mask(i) = ieor(draft%mask(i), 48) ! bits 4 and 5
+      end if
+    end do
+  end subroutine turn_faces
 
   !> Make the control points, the block and the faces of a body of type IGA p, by k-refinement of
   !! the geometry.

@@ -9,7 +9,7 @@ module patch_nurbs
   use tensor, only: det3
   implicit none
   private
-  public :: check_nurbs, check_orientation
+  public :: check_nurbs, check_orientation, turn_right_handed, mirrored
 
   integer, parameter, public :: MAX_DEGREE = 10 !! largest degree of any surface or solid
 
@@ -80,9 +80,58 @@ contains
     character(*), intent(in) :: name
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
+    real(wp) :: least, most
+    integer :: bad(3)
+
+    call jacobian_range(patch, least, most, bad)
+    if (least > 0.0_wp) return
+    if (most <= 0.0_wp .and. least < 0.0_wp) then
+      call fail(error, DECK_ERROR, "patch '"//name//"' is left-handed: its Jacobian is negative", &
+                place, 'exchange directions 1 and 2 (numbers, knots and order of the points), ' &
+                //'or reverse direction 3')
+    else if (least < 0.0_wp) then
+      call fail(error, DECK_ERROR, "patch '"//name//"' folds over: its Jacobian changes sign", &
+                place, 'worst in knot span '//to_text(bad(1))//' '//to_text(bad(2))//' ' &
+                //to_text(bad(3)))
+    else
+      call fail(error, DECK_ERROR, "patch '"//name//"' has no volume in knot span " &
+                //to_text(bad(1))//' '//to_text(bad(2))//' '//to_text(bad(3)), place, &
+                'use more elements, or another order')
+    end if
+  end subroutine check_orientation
+
+  !> Reverse direction 3 of a left-handed patch; files of other programs have such patches.
+  subroutine turn_right_handed(patch, turned)
+    type(nurbs_t), intent(inout) :: patch
+    logical, intent(out) :: turned
+    real(wp) :: least, most
+    integer :: bad(3), n
+
+    call jacobian_range(patch, least, most, bad)
+    turned = least < 0.0_wp .and. most <= 0.0_wp
+    if (.not. turned) return
+    n = size(patch%cp, 4)
+    patch%cp = patch%cp(:, :, :, n:1:-1)
+    patch%dir(3)%knots = mirrored(patch%dir(3)%knots, patch%dir(3)%knots)
+  end subroutine turn_right_handed
+
+  !> Mirror knots about the middle of a knot vector.
+  pure function mirrored(u, knots) result(v)
+    real(wp), intent(in) :: u(:), knots(:)
+    real(wp) :: v(size(u))
+
+    v = (knots(1) + knots(size(knots))) - u(size(u):1:-1)
+  end function mirrored
+
+  !> Smallest and largest Jacobian of a patch, times the extent of the knot span, and the span of
+  !! the smallest.
+  subroutine jacobian_range(patch, least, most, bad)
+    type(nurbs_t), intent(in) :: patch
+    real(wp), intent(out) :: least, most
+    integer, intent(out) :: bad(3)
     integer, allocatable :: k1(:), k2(:), k3(:)
-    real(wp) :: least, most, range(2)
-    integer :: i, j, l, bad(3)
+    real(wp) :: range(2)
+    integer :: i, j, l
 
     call span_list(patch%dir(1), k1)
     call span_list(patch%dir(2), k2)
@@ -100,21 +149,7 @@ contains
         end do
       end do
     end do
-    if (least > 0.0_wp) return
-    if (most <= 0.0_wp .and. least < 0.0_wp) then
-      call fail(error, DECK_ERROR, "patch '"//name//"' is left-handed: its Jacobian is negative", &
-                place, 'exchange directions 1 and 2 (numbers, knots and order of the points), ' &
-                //'or reverse direction 3')
-    else if (least < 0.0_wp) then
-      call fail(error, DECK_ERROR, "patch '"//name//"' folds over: its Jacobian changes sign", &
-                place, 'worst in knot span '//to_text(bad(1))//' '//to_text(bad(2))//' ' &
-                //to_text(bad(3)))
-    else
-      call fail(error, DECK_ERROR, "patch '"//name//"' has no volume in knot span " &
-                //to_text(bad(1))//' '//to_text(bad(2))//' '//to_text(bad(3)), place, &
-                'use more elements, or another order')
-    end if
-  end subroutine check_orientation
+  end subroutine jacobian_range
 
   !> Smallest and largest Jacobian at the Gauss points of a knot span, times the extent of the span;
   !! values as small as rounding count as zero.

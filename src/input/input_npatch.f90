@@ -2,6 +2,7 @@
 module input_npatch
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: log_line
   use base_text, only: to_text
   use bspline, only: spline_t, extraction
   use element_table, only: load_elements
@@ -10,7 +11,7 @@ module input_npatch
   use input_draft, only: draft_t
   use mesh, only: mesh_t, block_t, body_t, operator_t, append_blocks, append_body
   use nurbs, only: nurbs_t, is_rational
-  use patch_nurbs, only: check_nurbs, check_orientation
+  use patch_nurbs, only: check_nurbs, check_orientation, turn_right_handed
   use word_material, only: material_index
   implicit none
   private
@@ -84,33 +85,40 @@ contains
     type(block_t) :: block
     type(body_t) :: body
     integer, allocatable :: mask(:, :, :), elem(:, :, :)
+    integer, allocatable :: node(:, :, :)
+    logical :: turned
     integer :: n(3), b, d, e, f, last
 
     call npatch_geometry(draft, k, patch, error)
     if (allocated(error)) return
+    call turn_right_handed(patch, turned)
     call check_orientation(patch, npatch_name(k), draft%npatch(k)%place, error)
     if (allocated(error)) return
+    node = draft%npatch(k)%node
+    if (turned) then
+      node = node(:, :, size(node, 3):1:-1)
+      call log_line('NPATch    '//npatch_name(k)//' is left-handed: its direction 3 is reversed ' &
+                    //'inside; faces keep their names')
+    end if
     block%body = size(mesh%body) + 1
     body%name = npatch_name(k)
     body%place = draft%npatch(k)%place
-    call fill_block(draft, k, patch, block)
+    call fill_block(draft, k, patch, node, block)
     last = 0
     do b = 1, size(mesh%block)
       last = max(last, maxval(mesh%block(b)%number))
     end do
     block%number = block%number + last
-    associate (node => draft%npatch(k)%node)
-      n = shape(node)
-      allocate (mask(n(1), n(2), n(3)), source=0) ! bits of the faces on which a control point lies
-      mask(1, :, :) = ibset(mask(1, :, :), 0)
-      mask(n(1), :, :) = ibset(mask(n(1), :, :), 1)
-      mask(:, 1, :) = ibset(mask(:, 1, :), 2)
-      mask(:, n(2), :) = ibset(mask(:, n(2), :), 3)
-      mask(:, :, 1) = ibset(mask(:, :, 1), 4)
-      mask(:, :, n(3)) = ibset(mask(:, :, n(3)), 5)
-      body%node = reshape(node, [size(node)])
-      body%mask = reshape(mask, [size(mask)])
-    end associate
+    n = shape(node)
+    allocate (mask(n(1), n(2), n(3)), source=0) ! bits of the faces on which a control point lies
+    mask(1, :, :) = ibset(mask(1, :, :), 0)
+    mask(n(1), :, :) = ibset(mask(n(1), :, :), 1)
+    mask(:, 1, :) = ibset(mask(:, 1, :), 2)
+    mask(:, n(2), :) = ibset(mask(:, n(2), :), 3)
+    mask(:, :, 1) = ibset(mask(:, :, 1), merge(5, 4, turned))
+    mask(:, :, n(3)) = ibset(mask(:, :, n(3)), merge(4, 5, turned))
+    body%node = reshape(node, [size(node)])
+    body%mask = reshape(mask, [size(mask)])
     do d = 1, 3
       associate (u => patch%dir(d)%knots)
         n(d) = count(u(2:) > u(:size(u) - 1)) ! number of elements
@@ -121,12 +129,12 @@ contains
     body%face(2)%elem = reshape(elem(n(1), :, :), [n(2)*n(3)])
     body%face(3)%elem = reshape(elem(:, 1, :), [n(1)*n(3)])
     body%face(4)%elem = reshape(elem(:, n(2), :), [n(1)*n(3)])
-    body%face(5)%elem = reshape(elem(:, :, 1), [n(1)*n(2)])
-    body%face(6)%elem = reshape(elem(:, :, n(3)), [n(1)*n(2)])
+    body%face(merge(6, 5, turned))%elem = reshape(elem(:, :, 1), [n(1)*n(2)])
+    body%face(merge(5, 6, turned))%elem = reshape(elem(:, :, n(3)), [n(1)*n(2)])
     do f = 1, 6
       associate (face => body%face(f))
         allocate (face%block(size(face%elem)), source=size(mesh%block) + 1)
-        allocate (face%side(size(face%elem)), source=f)
+        allocate (face%side(size(face%elem)), source=merge(11 - f, f, turned .and. f > 4))
       end associate
     end do
     call append_blocks(mesh%block, [block])
@@ -135,10 +143,11 @@ contains
   end subroutine append_npatch
 
   !> Make one element for each box of nonempty knot spans; direction 1 varies fastest.
-  subroutine fill_block(draft, k, patch, block)
+  subroutine fill_block(draft, k, patch, node, block)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: k
     type(nurbs_t), intent(in) :: patch
+    integer, intent(in) :: node(:, :, :) !! its control points
     type(block_t), intent(inout) :: block
     integer, allocatable :: first1(:), first2(:), first3(:), iop1(:), iop2(:), iop3(:)
     type(element_t), allocatable :: rows(:)
@@ -168,8 +177,7 @@ contains
           e = e + 1
           block%ext%iop(:, e) = [iop1(i), iop2(j), iop3(l)]
           associate (a => first1(i), b => first2(j), c => first3(l))
-            block%conn(:, e) = reshape(draft%npatch(k)%node(a:a + p(1), b:b + p(2), c:c + p(3)), &
-                                       [block%nen])
+            block%conn(:, e) = reshape(node(a:a + p(1), b:b + p(2), c:c + p(3)), [block%nen])
             if (allocated(block%ext%w)) block%ext%w(:, e) = &
               reshape(patch%cp(4, a:a + p(1), b:b + p(2), c:c + p(3)), [block%nen])
           end associate
