@@ -13,6 +13,7 @@ debonding_points    accuracy and cost of the integration points of bonds
 mutate              mutated decks
 deck_errors.run     bad decks and their messages
 restart.run         stopped and restarted runs
+trouble             files, signals, limits, damaged checkpoints; decks that must not go wrong silently
 performance.bench   comparison of speed with other programs (`make bench`)
 
 Programs in `benchmark` and `patch` write the references, decks and tables of their folder.

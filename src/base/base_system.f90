@@ -18,8 +18,8 @@ module base_system
                                SIGTERM = 15, SIGXCPU = 24, SIGXFSZ = 25
   !> The signals that request a stop, and their names.
   integer(c_int), parameter :: STOPS(6) = [SIGTERM, SIGINT, SIGUSR1, SIGUSR2, SIGHUP, SIGXCPU]
-  character(7), parameter :: STOP_NAMES(6) = [character(7) :: 'SIGTERM', 'SIGINT', 'SIGUSR1', &
-                                              'SIGUSR2', 'SIGHUP', 'SIGXCPU']
+  character(7), parameter :: STOP_NAMES(6) = ['SIGTERM', 'SIGINT ', 'SIGUSR1', 'SIGUSR2', &
+                                              'SIGHUP ', 'SIGXCPU']
   integer(c_int), parameter :: SIG_BLOCK = 0, SIG_UNBLOCK = 1, SIG_SETMASK = 2
 
   integer(c_intptr_t), parameter :: SIG_IGN = 1

@@ -90,8 +90,10 @@ contains
                          constants=.not. command%record%is_empty(3), changed=changed)
     if (.not. allocated(error)) return
     error%place = command%record%place(1)
-    if (error%code == DECK_ERROR) error%hint = 'only loads, load tables, steps, ' &
-      //'tolerances and output may differ, and with RESTart,file,CONStants also constants'
+    if (error%code == DECK_ERROR) then
+      error%hint = 'only loads, load tables, steps, tolerances and output may differ, and with ' &
+                   //'RESTart,file,CONStants also constants'
+    end if
   end subroutine read_state
 
   function path_of(run, command) result(path)

@@ -50,6 +50,7 @@ contains
         call set('OPENBLAS_CORETYPE', 'SkylakeX', again)
       case (3)
         call set('OPENBLAS_CORETYPE', 'Haswell', again)
+      case default ! the oldest kernels are right
       end select
     end if
     call get_environment_variable('OPENBLAS_NUM_THREADS', status=status)

@@ -210,8 +210,9 @@ contains
           integers = spread(0, 1, nrow)
           call get(archive%file, path, integers, error)
           call sum_integers(archive, path, integers, error)
-          if (any(integers < 0 .or. integers > 127) .and. type(1) == TEXT_VALUE) &
+          if (any(integers < 0 .or. integers > 127) .and. type(1) == TEXT_VALUE) then
             call refuse_value(path, error)
+          end if
           if (allocated(error)) return
           if (type(1) == INTEGER_VALUE) then
             call put_value(values, name, integers)

@@ -175,8 +175,8 @@ contains
     logical, intent(in), optional :: constants
     character(*), parameter :: SAME = 'restart with the deck, the included files and the --set ' &
                                //'values of that analysis'
-    character(*), parameter :: SIZE_OF(4) = [character(15) :: 'nodes', 'element blocks', &
-                                             'elements', 'equations']
+    character(*), parameter :: SIZE_OF(4) = ['nodes         ', 'element blocks', &
+                                             'elements      ', 'equations     ']
     type(error_t), allocatable :: ignored
     character(:), allocatable :: content, version, deck_hash, hash, differs, accepted
     integer :: format_found(1), i, sizes(4)

@@ -106,9 +106,7 @@ class Limits(Folder):
     def test_files_that_cannot_grow_end_with_code_3_and_a_report(self):
         for room in (1024, 8192, 40960):
             out = self.at / str(room)
-            done = self.run_bezel(
-                "-o", out, "box.inp", limits=[(resource.RLIMIT_FSIZE, room)]
-            )
+            done = self.run_bezel("-o", out, "box.inp", limits=[(resource.RLIMIT_FSIZE, room)])
             self.assertEqual(done.returncode, 3, done.stderr)
             self.assertEqual(json.loads((out / "box.report.json").read_text())["exit_code"], 3)
             self.assertFalse((out / "box.lock").exists())

@@ -57,7 +57,7 @@ class Restart(Folder):
         self.refused(self.continued(word=",all"), "expected CONStants, found 'all'")
 
     def test_another_mesh_file_is_refused(self):
-        mesh = (self.at / "mesh.inc")
+        mesh = self.at / "mesh.inc"
         mesh.write_text("  BOX 0 0 0  1 1 lz\n")
         text = self.deck.replace("  BOX 0 0 0  1 1 lz\n", "  INCLude mesh.inc\n")
         (self.at / "in.inp").write_text(text)
