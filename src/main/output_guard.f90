@@ -16,8 +16,9 @@ contains
   subroutine check_outputs(job, error)
     type(run_t), intent(in) :: job
     type(error_t), allocatable, intent(out) :: error
-    character(12), parameter :: ENDINGS(7) = [character(12) :: '.log', '.lock', '.out', '.pvd', &
-                                                           '.vtkhdf', '.restart.h5', '.report.json']
+    character(12), parameter :: ENDINGS(7) = ['.log        ', '.lock       ', '.out        ', &
+                                              '.pvd        ', '.vtkhdf     ', '.restart.h5 ', &
+                                              '.report.json']
     integer :: i
 
     do i = 1, size(ENDINGS)
