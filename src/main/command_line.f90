@@ -141,7 +141,10 @@ contains
     do row = size(TABLE), 1, -1
       if (TABLE(row)%name == name) exit
     end do
-    if (row == 0) then
+    if (row == 0 .and. index(name, '--o') == 1) then
+      call fail_usage(error, 'unknown option '//quoted(name), &
+                      '-o DIR names the folder of the results; '//MORE)
+    else if (row == 0) then
       call fail_usage(error, 'unknown option '//quoted(name), &
                       'nearest known: '//nearest(name, TABLE%name)//'; '//MORE)
     else if (TABLE(row)%value == '') then

@@ -133,7 +133,8 @@ contains
     integer :: i
 
     place = 0
-    text = '<VTKFile type="UnstructuredGrid" version="2.2" byte_order="LittleEndian" '// &
+    text = '<VTKFile type="UnstructuredGrid" version="'// & ! Bezier cells need 2.2
+           merge('2.2', '1.0', view%has_bezier)//'" byte_order="LittleEndian" '// &
            'header_type="UInt64">'//LF//'<UnstructuredGrid>'//LF//'<Piece NumberOfPoints="'// &
            to_text(view%npoint)//'" NumberOfCells="'// &
            to_text(view%ncell)//'">'//LF//'<Points>'//LF// &

@@ -102,6 +102,22 @@ class Inputs(Folder):
             self.assertEqual(self.files(), ["box.inp"])
 
 
+class Words(Folder):
+    def test_out_is_answered_with_o(self):
+        done = self.run_bezel("--out", "folder", "box.inp")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("hint: -o DIR", done.stderr)
+
+    def test_a_file_without_bezier_cells_has_the_version_that_others_read(self):
+        for kind, version in (("Q1", "1.0"), ("IGA 2", "2.2")):
+            text = self.deck.replace("TYPE Q1", f"TYPE {kind}").replace("    SAVE\n", "    PLOT\n")
+            (self.at / "box.inp").write_text(text)
+            self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+            for file in self.at.glob("box_*.vtu"):
+                self.assertIn(f'version="{version}"'.encode(), file.read_bytes()[:200])
+            self.assertTrue(list(self.at.glob("box_*.vtu")))
+
+
 class Limits(Folder):
     def test_files_that_cannot_grow_end_with_code_3_and_a_report(self):
         for room in (1024, 8192, 40960):
