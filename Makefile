@@ -96,7 +96,10 @@ setup:
 check: setup
 	@$(MAKE) tests
 tests:
-	@for goal in $(B)/bezel runner unit deck_errors manual post_tests patch trouble; do $(MAKE) $$goal || exit 1; done
+	@$(MAKE) $(B)/bezel
+	@failed=; for goal in runner unit deck_errors manual post_tests patch trouble; do echo "== $$goal"; \
+	  $(MAKE) $$goal || failed="$$failed $$goal"; done; \
+	[ -z "$$failed" ] || { echo "make: failed:$$failed" >&2; exit 1; }
 deck_errors: $(B)/bezel
 	@$(PYTHON) -m verification.deck_errors.run --bezel $<
 post_tests:
