@@ -12,7 +12,7 @@ module contact_report
   use contact_history, only: new_contact_state, had_touched
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, MORTAR
   use contact_resultant, only: resultant_t, side_resultant
-  use contact_type, only: OPEN, STICK
+  use contact_type, only: OPEN, STICK, NORMAL
   use model, only: model_t, state_t
   use projection, only: project
   use projection_search, only: grid_t, update_grid
@@ -22,13 +22,14 @@ module contact_report
   implicit none
   private
   public :: start_t, look_at_start, warn_contacts, report_contact_changes, measure_contacts, &
-            find_jump
+            find_jump, warn_soft_penalty
 
   !> Fraction of the size of an element: a smaller gap is rounding.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
   real(wp), parameter :: UNBALANCED = 0.02_wp !! difference of the forces that is worth a warning
   real(wp), parameter :: TOO_DEEP = 0.02_wp   !! and penetration, relative to an element
   real(wp), parameter :: HALF = 0.5_wp        !! of a motion
+  real(wp), parameter :: SOFT = 0.2_wp        !! of the work of supports and loads, by penetration
   real(wp), parameter :: NEAREST = 0.01_wp    !! of an element's width: gaps that are hardly larger
   real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! relative to the largest force so far
 
@@ -234,6 +235,7 @@ contains
     real(wp) :: largest, deepest
     integer :: c, k
 
+    call follow_penalty_work(model, state)
     do c = 1, size(model%contact)
       associate (contact => model%contact(c), now => state%contact(c))
         do k = 1, 2
@@ -277,6 +279,34 @@ contains
       end associate
     end do
   end subroutine measure_contacts
+
+  !> Keep the largest work against the pressure so far, and its fraction of the work of supports and
+  !! loads then. Bonds and inertia work too, so models with them are left out.
+  pure subroutine follow_penalty_work(model, state)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+
+    if (size(model%contact) == 0 .or. .not. state%energy%on .or. state%dynamics%on) return
+    if (any(model%contact%cohesive%given)) return
+    associate (now => state%contact(1), work => state%energy%contact(NORMAL))
+      if (work <= now%penalty_work .or. .not. state%energy%outer > 0.0_wp) return
+      now%penalty_work = work
+      now%penalty_share = work/state%energy%outer
+    end associate
+  end subroutine follow_penalty_work
+
+  !> At the end of a run: warn if penetration has taken so much of the work that the bodies are
+  !! hardly deformed as they would be. The share does not depend on meshes or units.
+  subroutine warn_soft_penalty(model, state)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+
+    if (size(model%contact) == 0) return
+    if (.not. state%contact(1)%penalty_share > SOFT) return
+    call warn('penetration takes '//to_text(100*state%contact(1)%penalty_share, 3) &
+              //' % of the work of supports and loads: the penalty is too soft', &
+              model%contact(1)%place, 'use a stiffer one, NORMal PENAlty AUTO, or a finer mesh')
+  end subroutine warn_soft_penalty
 
   !> The smallest width of the elements of both sides that are not rigid, or thickness [L].
   pure real(wp) function smallest(contact) result(h)

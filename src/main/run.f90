@@ -12,6 +12,7 @@ module run
   use command_load, only: check_tables
   use command_program, only: read_program, has_command, execute_next
   use contact_augment, only: share_penalty
+  use contact_report, only: warn_soft_penalty
   use command_step, only: finish_step
   use command_type, only: run_t
   use command_watch, only: watch_end
@@ -84,6 +85,7 @@ contains
       call warn('no system was solved: all displacements are those of the start', &
                 hint='TANG,,1 and UTAN,,1 solve; TANG and UTAN alone only form the tangent')
     end if
+    call warn_soft_penalty(job%model, job%state)
     if (job%step%total%unconverged) then
       call fail(error, NO_SOLUTION, 'some steps were closed before they converged', &
                 hint='see the warnings in the log')
