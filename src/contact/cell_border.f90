@@ -98,8 +98,8 @@ contains
     end do
   end subroutine find_border
 
-  !> The point of the own part that faces a point of the other surface. Where there is none near xi,
-  !! xi stays.
+  !> The point of the own part that faces a point of the other surface. If there is none near
+  !! xi, xi stays as it is.
   pure subroutine find_facing(own, shape, mine, other, opposite, elem, zeta, xi, found)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite
@@ -130,8 +130,8 @@ contains
     if (present(found)) found = .true.
   end subroutine find_facing
 
-  !> Where edge k of the own part crosses edge i of the other one. Where they do not near xi and
-  !! zeta, these stay.
+  !> Where edge k of the own part crosses edge i of the other one. If they do not cross near
+  !! xi and zeta, these stay as they are.
   pure subroutine find_crossing(own, shape, mine, k, other, opposite, theirs, i, xi, zeta)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite

@@ -138,7 +138,8 @@ contains
     normal = normal/max(norm2(normal), tiny(1.0_wp))
   end subroutine place_facet
 
-  !> Has an element a collapsed edge? Its functions are polynomials of the position if it is flat.
+  !> Does an element have a collapsed edge? If it is flat, its functions are polynomials of the
+  !! position.
   pure logical function is_triangle(surface, e)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e

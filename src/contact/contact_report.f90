@@ -295,8 +295,8 @@ contains
     end associate
   end subroutine follow_penalty_work
 
-  !> At the end of a run: warn if penetration has taken so much of the work that the bodies are
-  !! hardly deformed as they would be. The share does not depend on meshes or units.
+  !> At the end of a run: warn if penetration has taken so much of the work that the bodies deform
+  !! much less than they should. The fraction does not depend on the units.
   subroutine warn_soft_penalty(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
