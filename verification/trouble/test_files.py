@@ -148,6 +148,10 @@ class Limits(Folder):
                 self.assertIn(done.returncode, (0, 3), f"{threads} threads, {size} MB")
 
 
+def heed():
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 class Signals(Folder):
     def stopped(self, number, delay, *arguments, ignore=None):
         """Exit code of a run that gets a signal after a delay."""
@@ -156,7 +160,7 @@ class Signals(Folder):
             cwd=self.at,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            preexec_fn=ignore,
+            preexec_fn=ignore or heed,  # under nohup the tests themselves ignore SIGHUP
         )
         time.sleep(delay)
         process.send_signal(number)
