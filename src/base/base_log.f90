@@ -8,8 +8,8 @@ module base_log
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
   private
-  public :: open_log, close_log, log_line, note, warn, warning_count, warning_text, progress, &
-            set_quiet, print_lines
+  public :: open_log, close_log, log_line, note, warn, warning_count, message_count, &
+            get_warning, progress, set_quiet, print_lines
 
   !> The message of a warning.
   type :: message_t
@@ -23,6 +23,7 @@ module base_log
   integer :: nkept = 0
   integer :: nwarning = 0
   type(message_t), allocatable :: message_of(:) !! the warnings of the run, equal ones once
+  integer :: nmessage = 0                  !! of them; the array may be longer
   integer :: shown = 0                     !! characters of the progress line on the screen
   logical :: quiet = .false., asked = .false., terminal = .false.
   logical :: prints = .false.              !! lines go to standard output; there is no log
@@ -133,24 +134,37 @@ contains
   !> Keep a message for the report, unless it is there already.
   subroutine keep(message)
     character(*), intent(in) :: message
+    type(message_t), allocatable :: more(:)
     integer :: i
 
-    if (.not. allocated(message_of)) allocate (message_of(0))
-    do i = 1, size(message_of)
+    if (.not. allocated(message_of)) allocate (message_of(8))
+    do i = 1, nmessage
       if (message_of(i)%text == message) return
     end do
-    message_of = [message_of, message_t(message)]
+    if (nmessage == size(message_of)) then
+      allocate (more(2*nmessage))
+      do i = 1, nmessage
+        call move_alloc(message_of(i)%text, more(i)%text)
+      end do
+      call move_alloc(more, message_of)
+    end if
+    nmessage = nmessage + 1
+    message_of(nmessage)%text = message
   end subroutine keep
 
-  !> Different warning i of the run; empty if there are not so many.
-  function warning_text(i) result(text)
-    integer, intent(in) :: i
-    character(:), allocatable :: text
+  !> Different warnings of the run.
+  integer function message_count() result(n)
 
-    text = ''
-    if (.not. allocated(message_of)) return
-    if (i <= size(message_of)) text = message_of(i)%text
-  end function warning_text
+    n = nmessage
+  end function message_count
+
+  !> Different warning i of the run.
+  subroutine get_warning(i, text)
+    integer, intent(in) :: i              !! 1 to message_count()
+    character(:), allocatable, intent(out) :: text
+
+    text = message_of(i)%text
+  end subroutine get_warning
 
   function warning_count() result(n)
     integer :: n

@@ -3,14 +3,14 @@ module run_report
   use base_error, only: error_t, NO_SOLUTION, STOPPED
   use base_file, only: remove_file
   use base_kinds, only: wp, i8
-  use base_log, only: warning_text
+  use base_log, only: get_warning, message_count
   use base_system, only: peak_memory_mb
   use byte_file, only: take_room
   use command_type, only: run_t
   use contact_resultant, only: resultant_t, side_resultant
   use curve_file, only: curve_names
   use program_version, only: VERSION
-  use report_file, only: report_t, message_row_t, write_report, add_count, add_real, add_curve
+  use report_file, only: report_t, write_report, add_count, add_real, add_curve
   implicit none
   private
   public :: reserve_report, drop_reserve, report_run
@@ -86,9 +86,9 @@ contains
     end do
     call add_last_rows(job, report)
     report%equilibrium = .not. (job%step%total%unconverged .or. job%step%total%inertia)
-    allocate (report%warning(0))
-    do while (warning_text(size(report%warning) + 1) /= '')
-      report%warning = [report%warning, message_row_t(warning_text(size(report%warning) + 1))]
+    allocate (report%warning(message_count()))
+    do i = 1, size(report%warning)
+      call get_warning(i, report%warning(i)%text)
     end do
     if (size(job%model%contact) > 0) allocate (report%contact(size(job%model%contact)))
     do c = 1, size(job%model%contact)
