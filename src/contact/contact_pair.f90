@@ -198,9 +198,6 @@ module contact_pair
     !> Of all steps: largest |F1 + F2| relative to the larger force, and largest penetration
     !! relative to the smaller of element and thickness [-]; the largest force [F].
     real(wp) :: balance = 0.0_wp, deepest = 0.0_wp, largest_force = 0.0_wp
-    !> Of the first contact, for all contacts: the largest work against the pressure so far [F L],
-    !! and its fraction of the work of supports and loads at that time.
-    real(wp) :: penalty_work = 0.0_wp, penalty_share = 0.0_wp
     logical :: balance_warned = .false., penetration_warned = .false., friction_warned = .false.
   end type contact_state_t
 

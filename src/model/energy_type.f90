@@ -12,6 +12,8 @@ module energy_type
     real(wp) :: inertia = 0.0_wp      !! work against inertia, partly dissipated in time [F L]
     real(wp) :: kinetic = 0.0_wp      !! current kinetic energy [F L]
     real(wp) :: contact(3) = 0.0_wp   !! work against pressure, friction and cohesion [F L]
+    !> The largest work against the pressure so far, and its fraction of `outer` at that time.
+    real(wp) :: penetration = 0.0_wp, penetration_share = 0.0_wp
     !> Forces at the end of the last step.
     real(wp), allocatable :: f_outer(:, :), f_inert(:, :) !! (3, nnode) [F]
     real(wp), allocatable :: f_contact(:, :, :)           !! (3, nnode, 3)

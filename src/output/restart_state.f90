@@ -4,9 +4,9 @@
 !! `restart_archive`). A state that is read must have the sizes of the model.
 module restart_state
   use base_error, only: error_t
-  use contact_pair, only: contact_points_t, control_points_t, friction_points_t
-  use dynamics_type, only: new_dynamics
-  use energy_type, only: open_book
+  use contact_pair, only: contact_points_t, contact_state_t, control_points_t, friction_points_t
+  use dynamics_type, only: dynamics_t, new_dynamics
+  use energy_type, only: energy_t, open_book
   use load_curve, only: load_table_t
   use model, only: state_t
   use restart_archive, only: archive_t, exchange, exchange_list, enter_group, numbered
@@ -22,8 +22,7 @@ contains
     type(state_t), intent(inout) :: state
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: path
-    logical :: stored
-    integer :: b, c, k
+    integer :: b, c
 
     call enter_group(archive, group, error)
     call exchange(archive, group//'/step', state%step, error)
@@ -45,65 +44,94 @@ contains
       call exchange(archive, path//'/iter', state%history(b)%iter, error)
     end do
     do c = 1, size(state%contact)
-      path = group//numbered('/contact', c)
-      call enter_group(archive, path, error)
-      do k = 1, 2
-        call exchange_points(archive, path//numbered('/side', k), state%contact(c)%side(k), error)
-        call exchange_control(archive, path//numbered('/control', k), state%contact(c)%control(k), &
-                              error)
-        call exchange_rubbed(archive, path//numbered('/friction', k), state%contact(c)%rubbed(k), &
-                             error)
-      end do
-      call exchange(archive, path//'/balance', state%contact(c)%balance, error)
-      call exchange(archive, path//'/deepest', state%contact(c)%deepest, error)
-      call exchange(archive, path//'/largest_force', state%contact(c)%largest_force, error)
-      call exchange(archive, path//'/dissipated', state%contact(c)%dissipated, error)
-      call exchange(archive, path//'/area', state%contact(c)%area, error)
-      call exchange(archive, path//'/sticks', state%contact(c)%sticks, error)
-      call exchange(archive, path//'/slips', state%contact(c)%slips, error)
-      call exchange(archive, path//'/penetration', state%contact(c)%penetration, error)
-      call exchange(archive, path//'/sheared', state%contact(c)%sheared, error)
-      call exchange(archive, path//'/force', state%contact(c)%force, error)
-      call exchange(archive, path//'/moment', state%contact(c)%moment, error)
+      call exchange_contact(archive, group//numbered('/contact', c), state%contact(c), error)
     end do
-    associate (dynamics => state%dynamics)
-      path = group//'/dynamics'
-      stored = allocated(dynamics%v) ! only if the analysis has rates
-      call enter_group(archive, path, error)
-      call exchange(archive, path//'/stored', stored, error)
-      if (stored) then
-        if (.not. archive%writes) call new_dynamics(dynamics, size(state%u, 2))
-        call exchange(archive, path//'/on', dynamics%on, error)
-        call exchange(archive, path//'/method', dynamics%method, error)
-        call exchange(archive, path//'/lumped', dynamics%lumped, error)
-        call exchange(archive, path//'/beta', dynamics%beta, error)
-        call exchange(archive, path//'/gamma', dynamics%gamma, error)
-        call exchange(archive, path//'/alpha', dynamics%alpha, error)
-        call exchange(archive, path//'/density', dynamics%density, error)
-        call exchange(archive, path//'/v', dynamics%v, error)
-        call exchange(archive, path//'/a', dynamics%a, error)
-        call exchange(archive, path//'/held', dynamics%held, error)
-      end if
-    end associate
-    associate (energy => state%energy)
-      path = group//'/energy'
-      stored = energy%on
-      call enter_group(archive, path, error)
-      call exchange(archive, path//'/stored', stored, error)
-      if (stored) then
-        if (.not. archive%writes) call open_book(energy, size(state%u, 2))
-        call exchange(archive, path//'/outer', energy%outer, error)
-        call exchange(archive, path//'/inertia', energy%inertia, error)
-        call exchange(archive, path//'/kinetic', energy%kinetic, error)
-        call exchange(archive, path//'/contact', energy%contact, error)
-        call exchange(archive, path//'/f_outer', energy%f_outer, error)
-        call exchange(archive, path//'/f_inert', energy%f_inert, error)
-        do k = 1, 3
-          call exchange(archive, path//numbered('/f_contact', k), energy%f_contact(:, :, k), error)
-        end do
-      end if
-    end associate
+    call exchange_dynamics(archive, group//'/dynamics', state%dynamics, size(state%u, 2), error)
+    call exchange_energy(archive, group//'/energy', state%energy, size(state%u, 2), error)
   end subroutine exchange_state
+
+  !> Exchange the history of one contact, and what its results of the last step need.
+  subroutine exchange_contact(archive, group, contact, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: group
+    type(contact_state_t), intent(inout) :: contact
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: k
+
+    call enter_group(archive, group, error)
+    do k = 1, 2
+      call exchange_points(archive, group//numbered('/side', k), contact%side(k), error)
+      call exchange_control(archive, group//numbered('/control', k), contact%control(k), error)
+      call exchange_rubbed(archive, group//numbered('/friction', k), contact%rubbed(k), error)
+    end do
+    call exchange(archive, group//'/balance', contact%balance, error)
+    call exchange(archive, group//'/deepest', contact%deepest, error)
+    call exchange(archive, group//'/largest_force', contact%largest_force, error)
+    call exchange(archive, group//'/dissipated', contact%dissipated, error)
+    call exchange(archive, group//'/area', contact%area, error)
+    call exchange(archive, group//'/sticks', contact%sticks, error)
+    call exchange(archive, group//'/slips', contact%slips, error)
+    call exchange(archive, group//'/penetration', contact%penetration, error)
+    call exchange(archive, group//'/sheared', contact%sheared, error)
+    call exchange(archive, group//'/force', contact%force, error)
+    call exchange(archive, group//'/moment', contact%moment, error)
+  end subroutine exchange_contact
+
+  !> Exchange velocities, accelerations and the method of integration in time, if there are any.
+  subroutine exchange_dynamics(archive, group, dynamics, nnode, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: group
+    type(dynamics_t), intent(inout) :: dynamics
+    integer, intent(in) :: nnode
+    type(error_t), allocatable, intent(inout) :: error
+    logical :: stored
+
+    stored = allocated(dynamics%v) ! only if the analysis has rates
+    call enter_group(archive, group, error)
+    call exchange(archive, group//'/stored', stored, error)
+    if (stored) then
+      if (.not. archive%writes) call new_dynamics(dynamics, nnode)
+      call exchange(archive, group//'/on', dynamics%on, error)
+      call exchange(archive, group//'/method', dynamics%method, error)
+      call exchange(archive, group//'/lumped', dynamics%lumped, error)
+      call exchange(archive, group//'/beta', dynamics%beta, error)
+      call exchange(archive, group//'/gamma', dynamics%gamma, error)
+      call exchange(archive, group//'/alpha', dynamics%alpha, error)
+      call exchange(archive, group//'/density', dynamics%density, error)
+      call exchange(archive, group//'/v', dynamics%v, error)
+      call exchange(archive, group//'/a', dynamics%a, error)
+      call exchange(archive, group//'/held', dynamics%held, error)
+    end if
+  end subroutine exchange_dynamics
+
+  !> Exchange the energy balance, if it is kept.
+  subroutine exchange_energy(archive, group, energy, nnode, error)
+    type(archive_t), intent(in) :: archive
+    character(*), intent(in) :: group
+    type(energy_t), intent(inout) :: energy
+    integer, intent(in) :: nnode
+    type(error_t), allocatable, intent(inout) :: error
+    logical :: stored
+    integer :: k
+
+    stored = energy%on
+    call enter_group(archive, group, error)
+    call exchange(archive, group//'/stored', stored, error)
+    if (stored) then
+      if (.not. archive%writes) call open_book(energy, nnode)
+      call exchange(archive, group//'/outer', energy%outer, error)
+      call exchange(archive, group//'/inertia', energy%inertia, error)
+      call exchange(archive, group//'/kinetic', energy%kinetic, error)
+      call exchange(archive, group//'/contact', energy%contact, error)
+      call exchange(archive, group//'/penetration', energy%penetration, error)
+      call exchange(archive, group//'/penetration_share', energy%penetration_share, error)
+      call exchange(archive, group//'/f_outer', energy%f_outer, error)
+      call exchange(archive, group//'/f_inert', energy%f_inert, error)
+      do k = 1, 3
+        call exchange(archive, group//numbered('/f_contact', k), energy%f_contact(:, :, k), error)
+      end do
+    end if
+  end subroutine exchange_energy
 
   !> Exchange the load tables; their number comes from the file.
   subroutine exchange_tables(archive, group, table, error)
