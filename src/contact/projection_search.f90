@@ -3,12 +3,12 @@
 module projection_search
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
-  use contact_pair, only: surface_t
+  use contact_pair, only: contact_t, surface_t
   use projection_type, only: shape_t
-  use surface_geometry, only: surface_point
+  use surface_geometry, only: surface_point, update_shape
   implicit none
   private
-  public :: grid_t, update_grid, nearest_start, is_near
+  public :: grid_t, place_surfaces, update_grid, nearest_start, is_near
 
   integer, parameter :: MOST_CELLS = 4            !! largest number of cells per sample
   real(wp), parameter :: FAR = sqrt(huge(1.0_wp)) !! the squares of larger numbers overflow
@@ -30,6 +30,21 @@ module projection_search
   end type grid_t
 
 contains
+
+  !> Shapes of both surfaces at the positions x, and grids of those that points are projected on.
+  subroutine place_surfaces(contact, x, shape, grid)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x(:, :)               !! (3, nnode) [L]
+    type(shape_t), intent(inout) :: shape(2)
+    type(grid_t), intent(inout) :: grid(2)
+    integer :: k
+
+    do k = 1, 2
+      call update_shape(contact%side(k), x, shape(k))
+      if (contact%side(3 - k)%rigid) cycle        ! its points are not integrated
+      call update_grid(contact%side(k), shape(k), grid(k))
+    end do
+  end subroutine place_surfaces
 
   !> Sample a surface that has moved, with cells about as wide as the spacing of the samples.
   subroutine update_grid(surface, shape, grid)

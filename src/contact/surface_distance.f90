@@ -3,9 +3,9 @@ module surface_distance
   use base_kinds, only: wp
   use contact_pair, only: contact_t
   use projection, only: project
-  use projection_search, only: grid_t, update_grid
+  use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t
-  use surface_geometry, only: update_shape, surface_point
+  use surface_geometry, only: surface_point
   implicit none
   private
   public :: find_distance
@@ -24,13 +24,10 @@ contains
     real(wp) :: xp(3), a(3, 2), b(3, 3), low(3, 2), high(3, 2)
     integer :: e, k, q
 
+    call place_surfaces(contact, x, shape, grid)
     do k = 1, 2
-      call update_shape(contact%side(k), x, shape(k))
       low(:, k) = minval(shape(k)%low, 2)
       high(:, k) = maxval(shape(k)%high, 2)
-    end do
-    do k = 1, 2
-      if (.not. contact%side(3 - k)%rigid) call update_grid(contact%side(k), shape(k), grid(k))
     end do
     distance = huge(distance)
     do k = 1, 2

@@ -5,7 +5,7 @@ module check_deck
   use base_system, only: available_memory_mb
   use base_text, only: to_text
   use command_type, only: run_t
-  use contact_report, only: warn_contacts
+  use contact_start, only: warn_contacts
   use command_program, only: has_command
   use listing, only: list_free_bodies, warn_loose, warn_unread
   use listing_contact, only: contact_size

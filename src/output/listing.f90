@@ -2,7 +2,7 @@
 module listing
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use contact_report, only: warn_contacts
+  use contact_start, only: warn_contacts
   use listing_contact, only: list_contact
   use mesh, only: is_rigid
   use model, only: model_t
