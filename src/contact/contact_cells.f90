@@ -3,15 +3,16 @@
 !! A function of both surfaces has kinks where an element of the other one begins. Gauss points of
 !! whole elements integrate it badly: blocks with different meshes then miss the patch test (Puso
 !! and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are divided into facets that are
-!! nearly flat; each facet of the integrated side is clipped, in its own plane, by the facets of the
-!! other side that face it, and the pieces are mapped back to the parameters of the element. What
-!! lies beyond the border of the other surface belongs to no cell.
+!! nearly flat (contact_facets); each facet of the integrated side is clipped, in its own plane, by
+!! the facets of the other side that face it, and the pieces are mapped back to the parameters of
+!! the element. What lies beyond the border of the other surface belongs to no cell.
 !!
 !! The points of the cells have reference areas as weights, so that only positions vary while the
 !! cells are kept.
 module contact_cells
   use base_kinds, only: wp
   use cell_border, only: part_t, find_border, bend_functions, NBEND
+  use contact_facets, only: facets_t, find_near
   use contact_pair, only: contact_t, surface_t
   use polygon, only: clip, signed_area, integrate_polygon, MOST_CORNERS
   use projection_type, only: foot_t, shape_t
@@ -20,15 +21,8 @@ module contact_cells
   use tensor, only: cross
   implicit none
   private
-  public :: cells_t, facets_t, divide_surface, cut_cells
+  public :: cells_t, cut_cells
 
-  !> A facet is divided while its normals differ by more than the angle with this cosine,
-  real(wp), parameter :: NEARLY_FLAT = 0.7_wp
-  !> or while its edges deviate from straight ones by more than this fraction of their length.
-  real(wp), parameter :: NEARLY_STRAIGHT = 0.1_wp
-  !> or while its tangents change by more than this fraction from the middle to the corners.
-  real(wp), parameter :: NEARLY_EVEN = 0.4_wp
-  integer, parameter :: MOST_DIVISIONS = 4     !! of an element, in one direction
   !> Facets face each other up to this cosine of their normals.
   real(wp), parameter :: FACING = -0.1_wp
   real(wp), parameter :: NO_AREA = 1.0e-12_wp  !! of a piece, relative to its facet
@@ -47,26 +41,6 @@ module contact_cells
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
 
-  !> Nearly flat quadrilaterals that cover a surface.
-  type :: facets_t
-    integer :: n = 0
-    integer, allocatable :: elem(:)         !! (n)
-    real(wp), allocatable :: from(:, :), to(:, :) !! (2, n) ranges of the parameters
-    !> (3, 4, n) corners, counter-clockwise about the outward normal [L]
-    real(wp), allocatable :: x(:, :, :)
-    real(wp), allocatable :: normal(:, :)   !! (3, n) unit normals
-    real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) boxes [L]
-    !> (n) Relative change of the tangents from the middle to the corners; 0: the map is affine.
-    real(wp), allocatable :: uneven(:)
-    real(wp) :: size = 0.0_wp               !! of the largest box [L]
-    real(wp) :: least = huge(1.0_wp)        !! of the smallest one [L]
-    !> Buckets along the longest axis of the surface, for the search.
-    integer :: axis = 1
-    real(wp) :: span(2) = 0.0_wp            !! range of `low` along the axis [L]
-    integer, allocatable :: bucket(:)       !! (n+1) where the facets of each bucket begin
-    integer, allocatable :: order(:)        !! (n)
-  end type facets_t
-
   !> Points of the cells of one side.
   type :: cells_t
     integer :: n = 0
@@ -77,134 +51,16 @@ module contact_cells
     type(foot_t), allocatable :: foot(:)    !! (n) projection
   end type cells_t
 
+  !> Gauss points of every order, and the functions that bend the edges of cells there.
+  type :: rule_t
+    real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) of order n
+    real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
+    integer :: least = 1                    !! points that polynomials of both surfaces need
+    integer :: further = 0                  !! points that QUADrature asks for beyond the usual ones
+    integer :: whole = 1                    !! points of a whole element
+  end type rule_t
+
 contains
-
-  !> Facets of a surface at its current positions.
-  subroutine divide_surface(surface, shape, facets)
-    type(surface_t), intent(in) :: surface
-    type(shape_t), intent(in) :: shape
-    type(facets_t), intent(out) :: facets
-    integer :: e, i, j, m, n, total
-    integer :: division(surface%nelem)
-
-    do e = 1, surface%nelem
-      division(e) = divisions(surface, shape, e)
-    end do
-    total = sum(division**2)
-    allocate (facets%elem(total), facets%from(2, total), facets%to(2, total))
-    allocate (facets%x(3, 4, total), facets%normal(3, total), facets%low(3, total), &
-              facets%high(3, total), facets%uneven(total))
-    n = 0
-    do e = 1, surface%nelem
-      m = division(e)
-      do j = 1, m
-        do i = 1, m
-          n = n + 1
-          facets%elem(n) = e
-          facets%from(:, n) = real(2*[i - 1, j - 1], wp)/m - 1.0_wp
-          facets%to(:, n) = real(2*[i, j], wp)/m - 1.0_wp
-          call place_facet(surface, shape, e, facets%from(:, n), facets%to(:, n), &
-                           facets%x(:, :, n), facets%normal(:, n), facets%uneven(n))
-          facets%low(:, n) = minval(facets%x(:, :, n), 2)
-          facets%high(:, n) = maxval(facets%x(:, :, n), 2)
-          facets%size = max(facets%size, maxval(facets%high(:, n) - facets%low(:, n)))
-          facets%least = min(facets%least, maxval(facets%high(:, n) - facets%low(:, n)))
-        end do
-      end do
-    end do
-    facets%n = n
-    call sort_facets(facets)
-  end subroutine divide_surface
-
-  !> Corners and normal of the part of an element between two parameters.
-  pure subroutine place_facet(surface, shape, e, from, to, x, normal, uneven)
-    type(surface_t), intent(in) :: surface
-    type(shape_t), intent(in) :: shape
-    integer, intent(in) :: e
-    real(wp), intent(in) :: from(2), to(2)
-    real(wp), intent(out) :: x(3, 4), normal(3), uneven
-    real(wp) :: y(3), a(3, 2), b(3, 3), middle(3, 2), at(2, 4)
-    integer :: c
-
-    at = reshape([from, to(1), from(2), to, from(1), to(2)], [2, 4])
-    call surface_point(surface, shape, e, 0.5_wp*(from + to), y, middle, b)
-    uneven = 0.0_wp
-    do c = 1, 4
-      call surface_point(surface, shape, e, at(:, c), x(:, c), a, b)
-      uneven = max(uneven, change(middle, a))
-    end do
-    if (is_triangle(surface, e)) uneven = 0.0_wp
-    normal = cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2))
-    normal = normal/max(norm2(normal), tiny(1.0_wp))
-  end subroutine place_facet
-
-  !> Does an element have a collapsed edge? If it is flat, its functions are polynomials of the
-  !! position.
-  pure logical function is_triangle(surface, e)
-    type(surface_t), intent(in) :: surface
-    integer, intent(in) :: e
-
-    is_triangle = .false.
-    if (allocated(surface%point)) is_triangle = any(surface%point(:, e))
-  end function is_triangle
-
-  !> Change of tangents, in those of the middle.
-  pure real(wp) function change(middle, a) result(r)
-    real(wp), intent(in) :: middle(3, 2), a(3, 2)
-    real(wp) :: m(2, 2), d(2, 2), det
-
-    m = matmul(transpose(middle), middle)
-    d = matmul(transpose(middle), a - middle)
-    det = m(1, 1)*m(2, 2) - m(1, 2)**2
-    r = huge(1.0_wp)
-    if (.not. det > tiny(1.0_wp)) return
-    r = max(sum(abs(m(2, 2)*d(1, :) - m(1, 2)*d(2, :))), &
-            sum(abs(m(1, 1)*d(2, :) - m(1, 2)*d(1, :))))/det
-  end function change
-
-  !> Divisions of an element in each direction that make its parts flat and their edges straight.
-  pure integer function divisions(surface, shape, e) result(m)
-    type(surface_t), intent(in) :: surface
-    type(shape_t), intent(in) :: shape
-    integer, intent(in) :: e
-    real(wp) :: x(3), a(3, 2), b(3, 3), n(3, 9), p(3, 9), bend, turn, length, uneven, middle(3, 2)
-    integer :: i, j, q
-    !> Ends and middles of the edges and of the lines through the middle, among the 3 x 3 points.
-    integer, parameter :: LINES(3, 6) = reshape([1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 4, 7, 2, 5, 8, &
-                                                 3, 6, 9], [3, 6])
-
-    call surface_point(surface, shape, e, [0.0_wp, 0.0_wp], x, middle, b)
-    uneven = 0.0_wp
-    do j = -1, 1
-      do i = -1, 1
-        q = 5 + i + 3*j
-        call surface_point(surface, shape, e, real([i, j], wp), x, a, b)
-        if (abs(i*j) == 1) uneven = max(uneven, min(change(middle, a), real(MOST_DIVISIONS, wp)))
-        p(:, q) = x
-        n(:, q) = cross(a(:, 1), a(:, 2))
-        n(:, q) = n(:, q)/max(norm2(n(:, q)), tiny(1.0_wp))
-      end do
-    end do
-    if (is_triangle(surface, e)) uneven = 0.0_wp
-    turn = 1.0_wp
-    bend = 0.0_wp
-    do q = 1, 9
-      if (norm2(n(:, q)) > 0.5_wp) turn = min(turn, dot_product(n(:, 5), n(:, q)))
-    end do
-    do q = 1, 6
-      length = norm2(p(:, LINES(3, q)) - p(:, LINES(1, q)))
-      if (.not. length > 0.0_wp) cycle
-      x = p(:, LINES(2, q)) - 0.5_wp*(p(:, LINES(1, q)) + p(:, LINES(3, q)))
-      a(:, 1) = (p(:, LINES(3, q)) - p(:, LINES(1, q)))/length
-      x = x - dot_product(x, a(:, 1))*a(:, 1)
-      x = x - dot_product(x, n(:, 5))*n(:, 5) ! within the tangent plane
-      bend = max(bend, norm2(x)/length)
-    end do
-    ! the deviation falls with the square of the divisions, the angle with their number
-    m = ceiling(max(sqrt(bend/NEARLY_STRAIGHT), acos(max(-1.0_wp, turn))/acos(NEARLY_FLAT), &
-                    uneven/NEARLY_EVEN) - 1.0e-9_wp)
-    m = max(1, min(m, MOST_DIVISIONS))
-  end function divisions
 
   !> Cut the elements of side k along the borders of the facets of the other side.
   subroutine cut_cells(contact, k, shape, reference, facets, reach, cells)
@@ -215,29 +71,21 @@ contains
     type(facets_t), intent(in) :: facets(2) !! of both sides
     real(wp), intent(in) :: reach           !! [L] facets farther apart do not touch
     type(cells_t), intent(out) :: cells
-    real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER)
-    real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
+    type(rule_t) :: rule
     real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
     real(wp) :: point(2, MOST_POINTS), weight(MOST_POINTS)
     real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2), b(3, 3)
     integer, allocatable :: near(:)
     integer :: tag(MOST_CORNERS), ray(MOST_CORNERS)
-    integer :: e, further, order, i, j, least, m, n, nnear, npoint, q
+    integer :: e, i, j, m, n, nnear, npoint, q
     type(part_t) :: part
     logical :: mapped
 
     associate (own => contact%side(k), mine => facets(k), theirs => facets(3 - k))
-      further = 2*max(0, maxval(contact%ngauss) - USUAL_POINTS)
-      least = 1 + max(highest_degree(contact%side(1)), highest_degree(contact%side(2)))
-      do n = 1, MOST_ORDER
-        call gauss(n, g(:n, n), w(:n, n))
-        do q = 1, n
-          call bend_functions(g(q, n), f(:, q, n), df(:, q, n))
-        end do
-      end do
+      call find_rule(contact, rule)
       allocate (near(theirs%n))
       allocate (cells%first(own%nelem + 1))
-      call reserve(cells, 16*least**2)
+      call reserve(cells, 16*rule%least**2)
       e = 0
       do i = 1, mine%n
         do while (e < mine%elem(i))
@@ -265,17 +113,9 @@ contains
             call find_border(own, shape(k), part, contact%side(3 - k), shape(3 - k), &
                              part_t(theirs%elem(near(j)), from, to), m, tag, corner, zeta, bend)
           end associate
-          ! a whole element has the points of QUADrature, a small piece those that it needs
-          n = ceiling(maxval(contact%ngauss)*sqrt(0.25_wp*max(0.0_wp, signed_area(corner(:, :m)))))
-          x(1) = maxval((maxval(corner(:, :m), 2) - minval(corner(:, :m), 2))/(part%to - part%from))
-          x(2) = x(1)*maxval(mine%high(:, i) - mine%low(:, i)) &
-                 /maxval(theirs%high(:, near(j)) - theirs%low(:, near(j)))
-          x(3) = max(mine%uneven(i)*min(1.0_wp, x(1)), theirs%uneven(near(j))*min(1.0_wp, x(2)))
-          order = further_order(x(3))
-          order = min(order, merge(1, 0, order <= MANY) + further)
-          n = min(max(n, least + order), MOST_ORDER)
-          call integrate_polygon(corner(:, :m), bend(:, :, :m), g(:n, n), w(:n, n), f(:, :n, n), &
-                                 df(:, :n, n), npoint, point, weight)
+          n = order_of_piece(rule, corner(:, :m), part, mine, i, theirs, near(j))
+          call integrate_polygon(corner(:, :m), bend(:, :, :m), rule%g(:n, n), rule%w(:n, n), &
+                                 rule%f(:, :n, n), rule%df(:, :n, n), npoint, point, weight)
           call reserve(cells, npoint)
           do q = 1, npoint
             if (.not. abs(weight(q)) > 0.0_wp) cycle
@@ -292,6 +132,44 @@ contains
       cells%first(e + 1:) = cells%n + 1
     end associate
   end subroutine cut_cells
+
+  !> The rule of a contact.
+  subroutine find_rule(contact, rule)
+    type(contact_t), intent(in) :: contact
+    type(rule_t), intent(out) :: rule
+    integer :: n, q
+
+    do n = 1, MOST_ORDER
+      call gauss(n, rule%g(:n, n), rule%w(:n, n))
+      do q = 1, n
+        call bend_functions(rule%g(q, n), rule%f(:, q, n), rule%df(:, q, n))
+      end do
+    end do
+    rule%least = 1 + max(highest_degree(contact%side(1)), highest_degree(contact%side(2)))
+    rule%further = 2*max(0, maxval(contact%ngauss) - USUAL_POINTS)
+    rule%whole = maxval(contact%ngauss)
+  end subroutine find_rule
+
+  !> Gauss points in each direction of a piece of facet i that faces facet j of the other side: a
+  !! whole element has the points of QUADrature, a small piece those that it needs.
+  pure integer function order_of_piece(rule, corner, part, mine, i, theirs, j) result(n)
+    type(rule_t), intent(in) :: rule
+    real(wp), intent(in) :: corner(:, :)    !! (2, m) in the parameters of the element
+    type(part_t), intent(in) :: part        !! facet i
+    type(facets_t), intent(in) :: mine, theirs
+    integer, intent(in) :: i, j
+    real(wp) :: fraction, other_fraction    ! of the piece, of the widths of both facets [-]
+    integer :: order
+
+    n = ceiling(rule%whole*sqrt(0.25_wp*max(0.0_wp, signed_area(corner))))
+    fraction = maxval((maxval(corner, 2) - minval(corner, 2))/(part%to - part%from))
+    other_fraction = fraction*maxval(mine%high(:, i) - mine%low(:, i)) &
+                     /maxval(theirs%high(:, j) - theirs%low(:, j))
+    order = further_order(max(mine%uneven(i)*min(1.0_wp, fraction), &
+                              theirs%uneven(j)*min(1.0_wp, other_fraction)))
+    order = min(order, merge(1, 0, order <= MANY) + rule%further)
+    n = min(max(n, rule%least + order), MOST_ORDER)
+  end function order_of_piece
 
   !> Gauss points beyond those of polynomials where tangents change by the fraction r over a cell:
   !! the error of n points for 1/(1 + r t) falls with rho^(-2n).
@@ -338,65 +216,6 @@ contains
     call move_alloc(big%weight, cells%weight)
     call move_alloc(big%foot, cells%foot)
   end subroutine reserve
-
-  !> Sort facets into buckets along the longest axis of their surface.
-  subroutine sort_facets(facets)
-    type(facets_t), intent(inout) :: facets
-    integer :: at(facets%n), b, i, n
-
-    n = facets%n
-    facets%axis = maxloc(maxval(facets%low, 2) - minval(facets%low, 2), 1)
-    facets%span = [minval(facets%low(facets%axis, :)), maxval(facets%low(facets%axis, :))]
-    allocate (facets%bucket(n + 1), facets%order(n))
-    facets%bucket = 0
-    do i = 1, n
-      at(i) = bucket_of(facets, facets%low(facets%axis, i))
-      facets%bucket(at(i) + 1) = facets%bucket(at(i) + 1) + 1
-    end do
-    facets%bucket(1) = 1
-    do b = 2, n + 1
-      facets%bucket(b) = facets%bucket(b) + facets%bucket(b - 1)
-    end do
-    do i = n, 1, -1 ! bucket(b + 1) moves from the end of bucket b to its beginning
-      facets%bucket(at(i) + 1) = facets%bucket(at(i) + 1) - 1
-      facets%order(facets%bucket(at(i) + 1)) = i
-    end do
-    facets%bucket(:n) = facets%bucket(2:)
-    facets%bucket(n + 1) = n + 1
-  end subroutine sort_facets
-
-  pure integer function bucket_of(facets, x) result(b)
-    type(facets_t), intent(in) :: facets
-    real(wp), intent(in) :: x
-    real(wp) :: width
-
-    b = 1
-    width = facets%span(2) - facets%span(1)
-    if (.not. width > 0.0_wp) return
-    b = 1 + int(facets%n*min(1.0_wp, max(0.0_wp, (x - facets%span(1))/width)))
-    b = min(b, facets%n)
-  end function bucket_of
-
-  !> Facets of the other side whose boxes are no farther than `reach` from that of facet i.
-  pure subroutine find_near(mine, i, theirs, reach, near, nnear)
-    type(facets_t), intent(in) :: mine, theirs
-    integer, intent(in) :: i
-    real(wp), intent(in) :: reach
-    integer, intent(inout) :: near(:)
-    integer, intent(out) :: nnear
-    integer :: b, from, j, to
-
-    from = bucket_of(theirs, mine%low(theirs%axis, i) - reach - theirs%size)
-    to = bucket_of(theirs, mine%high(theirs%axis, i) + reach)
-    nnear = 0
-    do b = theirs%bucket(from), theirs%bucket(to + 1) - 1
-      j = theirs%order(b)
-      if (any(theirs%low(:, j) > mine%high(:, i) + reach) .or. &
-          any(theirs%high(:, j) < mine%low(:, i) - reach)) cycle
-      nnear = nnear + 1
-      near(nnear) = j
-    end do
-  end subroutine find_near
 
   !> Orthonormal frame of a facet: two directions of its plane, and its normal.
   pure subroutine make_frame(x, normal, frame)

@@ -20,7 +20,8 @@
 module contact_mortar
   use base_kinds, only: wp
   use contact_active, only: pairs_t, need_pair
-  use contact_cells, only: facets_t, divide_surface, cut_cells
+  use contact_cells, only: cut_cells
+  use contact_facets, only: facets_t, divide_surface
   use contact_history, only: trail_behind
   use contact_pair, only: contact_t, contact_state_t, friction_points_t, surface_t
   use contact_scatter, only: scatter_element

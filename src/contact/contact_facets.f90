@@ -1,0 +1,229 @@
+!> Facets of a surface: its elements, divided until they are nearly flat, with a search for those of
+!! another surface that are near.
+module contact_facets
+  use base_kinds, only: wp
+  use contact_pair, only: surface_t
+  use projection_type, only: shape_t
+  use surface_geometry, only: surface_point
+  use tensor, only: cross
+  implicit none
+  private
+  public :: facets_t, divide_surface, find_near
+
+  !> A facet is divided while its normals differ by more than the angle with this cosine,
+  real(wp), parameter :: NEARLY_FLAT = 0.7_wp
+  !> or while its edges deviate from straight ones by more than this fraction of their length.
+  real(wp), parameter :: NEARLY_STRAIGHT = 0.1_wp
+  !> or while its tangents change by more than this fraction from the middle to the corners.
+  real(wp), parameter :: NEARLY_EVEN = 0.4_wp
+  integer, parameter :: MOST_DIVISIONS = 4     !! of an element, in one direction
+
+  !> Nearly flat quadrilaterals that cover a surface.
+  type :: facets_t
+    integer :: n = 0
+    integer, allocatable :: elem(:)         !! (n)
+    real(wp), allocatable :: from(:, :), to(:, :) !! (2, n) ranges of the parameters
+    !> (3, 4, n) corners, counter-clockwise about the outward normal [L]
+    real(wp), allocatable :: x(:, :, :)
+    real(wp), allocatable :: normal(:, :)   !! (3, n) unit normals
+    real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) boxes [L]
+    !> (n) Relative change of the tangents from the middle to the corners; 0: the map is affine.
+    real(wp), allocatable :: uneven(:)
+    real(wp) :: size = 0.0_wp               !! of the largest box [L]
+    real(wp) :: least = huge(1.0_wp)        !! of the smallest one [L]
+    !> Buckets along the longest axis of the surface, for the search.
+    integer :: axis = 1
+    real(wp) :: span(2) = 0.0_wp            !! range of `low` along the axis [L]
+    integer, allocatable :: bucket(:)       !! (n+1) where the facets of each bucket begin
+    integer, allocatable :: order(:)        !! (n)
+  end type facets_t
+
+contains
+
+  !> Facets of a surface at its current positions.
+  subroutine divide_surface(surface, shape, facets)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    type(facets_t), intent(out) :: facets
+    integer :: e, i, j, m, n, total
+    integer :: division(surface%nelem)
+
+    do e = 1, surface%nelem
+      division(e) = divisions(surface, shape, e)
+    end do
+    total = sum(division**2)
+    allocate (facets%elem(total), facets%from(2, total), facets%to(2, total))
+    allocate (facets%x(3, 4, total), facets%normal(3, total), facets%low(3, total), &
+              facets%high(3, total), facets%uneven(total))
+    n = 0
+    do e = 1, surface%nelem
+      m = division(e)
+      do j = 1, m
+        do i = 1, m
+          n = n + 1
+          facets%elem(n) = e
+          facets%from(:, n) = real(2*[i - 1, j - 1], wp)/m - 1.0_wp
+          facets%to(:, n) = real(2*[i, j], wp)/m - 1.0_wp
+          call place_facet(surface, shape, e, facets%from(:, n), facets%to(:, n), &
+                           facets%x(:, :, n), facets%normal(:, n), facets%uneven(n))
+          facets%low(:, n) = minval(facets%x(:, :, n), 2)
+          facets%high(:, n) = maxval(facets%x(:, :, n), 2)
+          facets%size = max(facets%size, maxval(facets%high(:, n) - facets%low(:, n)))
+          facets%least = min(facets%least, maxval(facets%high(:, n) - facets%low(:, n)))
+        end do
+      end do
+    end do
+    facets%n = n
+    call sort_facets(facets)
+  end subroutine divide_surface
+
+  !> Corners and normal of the part of an element between two parameters.
+  pure subroutine place_facet(surface, shape, e, from, to, x, normal, uneven)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: e
+    real(wp), intent(in) :: from(2), to(2)
+    real(wp), intent(out) :: x(3, 4), normal(3), uneven
+    real(wp) :: y(3), a(3, 2), b(3, 3), middle(3, 2), at(2, 4)
+    integer :: c
+
+    at = reshape([from, to(1), from(2), to, from(1), to(2)], [2, 4])
+    call surface_point(surface, shape, e, 0.5_wp*(from + to), y, middle, b)
+    uneven = 0.0_wp
+    do c = 1, 4
+      call surface_point(surface, shape, e, at(:, c), x(:, c), a, b)
+      uneven = max(uneven, change(middle, a))
+    end do
+    if (is_triangle(surface, e)) uneven = 0.0_wp
+    normal = cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2))
+    normal = normal/max(norm2(normal), tiny(1.0_wp))
+  end subroutine place_facet
+
+  !> Does an element have a collapsed edge? If it is flat, its functions are polynomials of the
+  !! position.
+  pure logical function is_triangle(surface, e)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+
+    is_triangle = .false.
+    if (allocated(surface%point)) is_triangle = any(surface%point(:, e))
+  end function is_triangle
+
+  !> Change of tangents, in those of the middle.
+  pure real(wp) function change(middle, a) result(r)
+    real(wp), intent(in) :: middle(3, 2), a(3, 2)
+    real(wp) :: m(2, 2), d(2, 2), det
+
+    m = matmul(transpose(middle), middle)
+    d = matmul(transpose(middle), a - middle)
+    det = m(1, 1)*m(2, 2) - m(1, 2)**2
+    r = huge(1.0_wp)
+    if (.not. det > tiny(1.0_wp)) return
+    r = max(sum(abs(m(2, 2)*d(1, :) - m(1, 2)*d(2, :))), &
+            sum(abs(m(1, 1)*d(2, :) - m(1, 2)*d(1, :))))/det
+  end function change
+
+  !> Divisions of an element in each direction that make its parts flat and their edges straight.
+  pure integer function divisions(surface, shape, e) result(m)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: e
+    real(wp) :: x(3), a(3, 2), b(3, 3), n(3, 9), p(3, 9), bend, turn, length, uneven, middle(3, 2)
+    integer :: i, j, q
+    !> Ends and middles of the edges and of the lines through the middle, among the 3 x 3 points.
+    integer, parameter :: LINES(3, 6) = reshape([1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 4, 7, 2, 5, 8, &
+                                                 3, 6, 9], [3, 6])
+
+    call surface_point(surface, shape, e, [0.0_wp, 0.0_wp], x, middle, b)
+    uneven = 0.0_wp
+    do j = -1, 1
+      do i = -1, 1
+        q = 5 + i + 3*j
+        call surface_point(surface, shape, e, real([i, j], wp), x, a, b)
+        if (abs(i*j) == 1) uneven = max(uneven, min(change(middle, a), real(MOST_DIVISIONS, wp)))
+        p(:, q) = x
+        n(:, q) = cross(a(:, 1), a(:, 2))
+        n(:, q) = n(:, q)/max(norm2(n(:, q)), tiny(1.0_wp))
+      end do
+    end do
+    if (is_triangle(surface, e)) uneven = 0.0_wp
+    turn = 1.0_wp
+    bend = 0.0_wp
+    do q = 1, 9
+      if (norm2(n(:, q)) > 0.5_wp) turn = min(turn, dot_product(n(:, 5), n(:, q)))
+    end do
+    do q = 1, 6
+      length = norm2(p(:, LINES(3, q)) - p(:, LINES(1, q)))
+      if (.not. length > 0.0_wp) cycle
+      x = p(:, LINES(2, q)) - 0.5_wp*(p(:, LINES(1, q)) + p(:, LINES(3, q)))
+      a(:, 1) = (p(:, LINES(3, q)) - p(:, LINES(1, q)))/length
+      x = x - dot_product(x, a(:, 1))*a(:, 1)
+      x = x - dot_product(x, n(:, 5))*n(:, 5) ! within the tangent plane
+      bend = max(bend, norm2(x)/length)
+    end do
+    ! the deviation falls with the square of the divisions, the angle with their number
+    m = ceiling(max(sqrt(bend/NEARLY_STRAIGHT), acos(max(-1.0_wp, turn))/acos(NEARLY_FLAT), &
+                    uneven/NEARLY_EVEN) - 1.0e-9_wp)
+    m = max(1, min(m, MOST_DIVISIONS))
+  end function divisions
+
+  !> Sort facets into buckets along the longest axis of their surface.
+  subroutine sort_facets(facets)
+    type(facets_t), intent(inout) :: facets
+    integer :: at(facets%n), b, i, n
+
+    n = facets%n
+    facets%axis = maxloc(maxval(facets%low, 2) - minval(facets%low, 2), 1)
+    facets%span = [minval(facets%low(facets%axis, :)), maxval(facets%low(facets%axis, :))]
+    allocate (facets%bucket(n + 1), facets%order(n))
+    facets%bucket = 0
+    do i = 1, n
+      at(i) = bucket_of(facets, facets%low(facets%axis, i))
+      facets%bucket(at(i) + 1) = facets%bucket(at(i) + 1) + 1
+    end do
+    facets%bucket(1) = 1
+    do b = 2, n + 1
+      facets%bucket(b) = facets%bucket(b) + facets%bucket(b - 1)
+    end do
+    do i = n, 1, -1 ! bucket(b + 1) moves from the end of bucket b to its beginning
+      facets%bucket(at(i) + 1) = facets%bucket(at(i) + 1) - 1
+      facets%order(facets%bucket(at(i) + 1)) = i
+    end do
+    facets%bucket(:n) = facets%bucket(2:)
+    facets%bucket(n + 1) = n + 1
+  end subroutine sort_facets
+
+  pure integer function bucket_of(facets, x) result(b)
+    type(facets_t), intent(in) :: facets
+    real(wp), intent(in) :: x
+    real(wp) :: width
+
+    b = 1
+    width = facets%span(2) - facets%span(1)
+    if (.not. width > 0.0_wp) return
+    b = 1 + int(facets%n*min(1.0_wp, max(0.0_wp, (x - facets%span(1))/width)))
+    b = min(b, facets%n)
+  end function bucket_of
+
+  !> Facets of the other side whose boxes are no farther than `reach` from that of facet i.
+  pure subroutine find_near(mine, i, theirs, reach, near, nnear)
+    type(facets_t), intent(in) :: mine, theirs
+    integer, intent(in) :: i
+    real(wp), intent(in) :: reach
+    integer, intent(inout) :: near(:)
+    integer, intent(out) :: nnear
+    integer :: b, from, j, to
+
+    from = bucket_of(theirs, mine%low(theirs%axis, i) - reach - theirs%size)
+    to = bucket_of(theirs, mine%high(theirs%axis, i) + reach)
+    nnear = 0
+    do b = theirs%bucket(from), theirs%bucket(to + 1) - 1
+      j = theirs%order(b)
+      if (any(theirs%low(:, j) > mine%high(:, i) + reach) .or. &
+          any(theirs%high(:, j) < mine%low(:, i) - reach)) cycle
+      nnear = nnear + 1
+      near(nnear) = j
+    end do
+  end subroutine find_near
+
+end module contact_facets
