@@ -2,7 +2,6 @@
 !! tangent.
 module mortar_control
   use base_kinds, only: wp
-  use contact_cells, only: cells_t
   use contact_pair, only: contact_t, surface_t, control_points_t
   use contact_point, only: traction_derivatives_t, vary_normal, outer
   use contact_type, only: PENALTY, SLIP
@@ -40,7 +39,7 @@ contains
         side%volume = 0.0_wp
         do i = 1, cells%n
           if (cells%foot(i)%elem == 0) cycle
-          call control_at(own, cells, i, psi)
+          call control_at(own, side, i, psi)
           do j = 1, number_at(own, cells%elem(i))
             a = own%control(own%control_first(cells%elem(i)) + j - 1)
             side%a(a) = side%a(a) + cells%weight(i)*psi(j)
@@ -63,7 +62,7 @@ contains
         if (cells%foot(i)%elem == 0) cycle
         call law%normal(prop, cells%foot(i)%gap, 0.0_wp, side%p(i), side%dp(i), energy)
         if (.not. contact%control_penalty > 0.0_wp) cycle
-        call control_at(own, cells, i, psi)
+        call control_at(own, side, i, psi)
         do j = 1, number_at(own, cells%elem(i))
           a = own%control(own%control_first(cells%elem(i)) + j - 1)
           side%p(i) = side%p(i) + psi(j)*side%q(a)
@@ -73,19 +72,16 @@ contains
   end subroutine find_pressures
 
   !> Functions of the control points at point i.
-  pure subroutine control_at(surface, cells, i, psi)
+  pure subroutine control_at(surface, side, i, psi)
     type(surface_t), intent(in) :: surface
-    type(cells_t), intent(in) :: cells
+    type(mortar_side_t), intent(in) :: side
     integer, intent(in) :: i
     real(wp), intent(out) :: psi(:)
-    real(wp) :: shp(size(psi)), dshp(2, size(psi))
-    integer :: n
 
-    n = surface%first(cells%elem(i) + 1) - surface%first(cells%elem(i))
-    if (.not. surface%hats) then
-      call element_functions(surface, cells%elem(i), cells%xi(:, i), shp(:n), dshp(:, :n))
-    end if
-    call control_functions(surface, cells%xi(:, i), shp(:n), psi)
+    associate (e => side%cells%elem(i))
+      call control_functions(surface, side%cells%xi(:, i), &
+                             side%shp(:surface%first(e + 1) - surface%first(e), i), psi)
+    end associate
   end subroutine control_at
 
   !> Pressure on the reference area at a point with a given gap.
@@ -209,16 +205,11 @@ contains
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :)
     type(block_matrix_t), intent(inout) :: a
-    real(wp), allocatable :: slope(:, :)     ! (3, nodes) of the sum of w N g
-    real(wp), allocatable :: rows(:, :)      ! (3, nodes) forces by the pressure, friction included
-    integer, allocatable :: at(:), list(:)
-    real(wp) :: psi(size_of_element(contact%side(k)))
-    real(wp) :: shp(size_of_element(contact%side(k))), dshp(2, size_of_element(contact%side(k)))
-    real(wp) :: there(size_of_element(contact%side(3 - k))), &
-                dthere(2, size_of_element(contact%side(3 - k)))
-    type(traction_derivatives_t) :: dn
-    real(wp) :: xi(3), n(3), t(3), w, stiffness
-    integer :: c, e, i, j, l, most, r, nk, nl, p
+    real(wp), allocatable :: slope(:, :)     ! (3, nodes) derivatives of the sum of w N g [L^2]
+    real(wp), allocatable :: rows(:, :)      ! (3, nodes) forces by a unit pressure [L^2]
+    integer, allocatable :: at(:)            ! (nnode) place of a node in a list
+    real(wp) :: stiffness
+    integer :: c, i, j, most, p
 
     most = 0
     do c = 1, size(side%known)
@@ -226,52 +217,13 @@ contains
     end do
     allocate (at(size(x, 2)), source=0)
     allocate (slope(3, most), rows(3, most))
-    associate (own => contact%side(k), other => contact%side(3 - k), cells => side%cells)
-      do c = 1, own%ncontrol
-        if (.not. side%dq(c) < 0.0_wp) cycle
-        list = side%known(c)%node
+    do c = 1, contact%side(k)%ncontrol
+      if (.not. side%dq(c) < 0.0_wp) cycle
+      associate (list => side%known(c)%node)
         do j = 1, size(list)
           at(list(j)) = j
         end do
-        slope = 0.0_wp
-        rows = 0.0_wp
-        do r = side%round_first(c), side%round_first(c + 1) - 1
-          e = side%round(r)
-          nk = own%first(e + 1) - own%first(e)
-          do i = cells%first(e), cells%first(e + 1) - 1
-            if (cells%foot(i)%elem == 0) cycle
-            call element_functions(own, e, cells%xi(:, i), shp(:nk), dshp(:, :nk))
-            call control_functions(own, cells%xi(:, i), shp(:nk), psi)
-            w = 0.0_wp
-            do j = 1, number_at(own, e)
-              if (own%control(own%control_first(e) + j - 1) == c) w = w + psi(j)
-            end do
-            w = w*cells%weight(i)
-            if (.not. abs(w) > 0.0_wp) cycle
-            xi = 0.0_wp
-            do j = 1, nk
-              xi = xi + shp(j)*x(:, own%node(own%first(e) + j - 1))
-            end do
-            call vary_normal(cells%foot(i), xi, n, dn)
-            t = n                              ! traction by pressure
-            if (side%state(i) == SLIP) t = n + side%friction(:, i)/side%p(i)
-            do j = 1, nk
-              l = at(own%node(own%first(e) + j - 1))
-              slope(:, l) = slope(:, l) + w*shp(j)*n
-              rows(:, l) = rows(:, l) + w*shp(j)*t
-            end do
-            associate (first => other%first(cells%foot(i)%elem))
-              nl = other%first(cells%foot(i)%elem + 1) - first
-              call element_functions(other, cells%foot(i)%elem, cells%foot(i)%xi, there(:nl), &
-                                     dthere(:, :nl))
-              do j = 1, nl
-                l = at(other%node(first + j - 1))
-                slope(:, l) = slope(:, l) - w*there(j)*n
-                rows(:, l) = rows(:, l) - w*there(j)*t
-              end do
-            end associate
-          end do
-        end do
+        call vary_gap(side, contact, k, c, x, at, slope, rows)
         stiffness = -own_share(contact)*side%dq(c)/side%a(c)
         do j = 1, size(list)
           do i = 1, size(list)
@@ -286,8 +238,66 @@ contains
           end do
         end do
         at(list) = 0
+      end associate
+    end do
+  end subroutine add_control_tangent
+
+  !> Derivatives of the sum of w N_c g of control point c with respect to the nodes that it couples,
+  !! and the forces on them by a unit pressure there, with the friction of points that slip.
+  subroutine vary_gap(side, contact, k, c, x, at, slope, rows)
+    type(mortar_side_t), intent(in) :: side
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, c
+    real(wp), intent(in) :: x(:, :)          !! (3, nnode) [L]
+    integer, intent(in) :: at(:)             !! (nnode) column of a node
+    real(wp), intent(out) :: slope(:, :), rows(:, :) !! (3, nodes) [L^2]
+    real(wp) :: psi(size_of_element(contact%side(k)))
+    real(wp) :: there(size_of_element(contact%side(3 - k))), &
+                dthere(2, size_of_element(contact%side(3 - k)))
+    type(traction_derivatives_t) :: dn
+    real(wp) :: xp(3), n(3), t(3), w
+    integer :: e, i, j, l, nk, nl, r
+
+    slope = 0.0_wp
+    rows = 0.0_wp
+    associate (own => contact%side(k), other => contact%side(3 - k), cells => side%cells)
+      do r = side%round_first(c), side%round_first(c + 1) - 1
+        e = side%round(r)
+        nk = own%first(e + 1) - own%first(e)
+        do i = cells%first(e), cells%first(e + 1) - 1
+          if (cells%foot(i)%elem == 0) cycle
+          call control_at(own, side, i, psi)
+          w = 0.0_wp
+          do j = 1, number_at(own, e)
+            if (own%control(own%control_first(e) + j - 1) == c) w = w + psi(j)
+          end do
+          w = w*cells%weight(i)
+          if (.not. abs(w) > 0.0_wp) cycle
+          xp = 0.0_wp
+          do j = 1, nk
+            xp = xp + side%shp(j, i)*x(:, own%node(own%first(e) + j - 1))
+          end do
+          call vary_normal(cells%foot(i), xp, n, dn)
+          t = n
+          if (side%state(i) == SLIP) t = n + side%friction(:, i)/side%p(i)
+          do j = 1, nk
+            l = at(own%node(own%first(e) + j - 1))
+            slope(:, l) = slope(:, l) + w*side%shp(j, i)*n
+            rows(:, l) = rows(:, l) + w*side%shp(j, i)*t
+          end do
+          associate (first => other%first(cells%foot(i)%elem))
+            nl = other%first(cells%foot(i)%elem + 1) - first
+            call element_functions(other, cells%foot(i)%elem, cells%foot(i)%xi, there(:nl), &
+                                   dthere(:, :nl))
+            do j = 1, nl
+              l = at(other%node(first + j - 1))
+              slope(:, l) = slope(:, l) - w*there(j)*n
+              rows(:, l) = rows(:, l) - w*there(j)*t
+            end do
+          end associate
+        end do
       end do
     end associate
-  end subroutine add_control_tangent
+  end subroutine vary_gap
 
 end module mortar_control

@@ -4,9 +4,9 @@ module mortar_results
   use contact_pair, only: contact_t, contact_state_t, friction_points_t
   use contact_point, only: traction_derivatives_t, vary_normal
   use contact_type, only: OPEN, STICK, SLIP
-  use contact_work, only: element_functions, own_share
+  use contact_work, only: own_share
   use mortar_control, only: pressure_at
-  use mortar_type, only: mortar_t, mortar_side_t, size_of_element
+  use mortar_type, only: mortar_t, mortar_side_t
   use projection, only: project
   use projection_search, only: grid_t
   use projection_type, only: foot_t, shape_t, touches
@@ -168,20 +168,17 @@ contains
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :)
     real(wp), intent(inout) :: f(:, :)       !! (3, nnode) [F]
-    real(wp) :: shp(size_of_element(contact%side(k))), dshp(2, size_of_element(contact%side(k)))
     type(traction_derivatives_t) :: dn
     real(wp) :: at(3), n(3), t(3)
-    integer :: e, i, j, nk
+    integer :: e, i, j
 
     associate (own => contact%side(k), side => mortar%side(k), cells => mortar%side(k)%cells)
       do i = 1, cells%n
         if (.not. side%p(i) > 0.0_wp) cycle
         e = cells%elem(i)
-        nk = own%first(e + 1) - own%first(e)
-        call element_functions(own, e, cells%xi(:, i), shp(:nk), dshp(:, :nk))
         at = 0.0_wp
-        do j = 1, nk
-          at = at + shp(j)*x(:, own%node(own%first(e) + j - 1))
+        do j = 1, own%first(e + 1) - own%first(e)
+          at = at + side%shp(j, i)*x(:, own%node(own%first(e) + j - 1))
         end do
         call vary_normal(cells%foot(i), at, n, dn)
         t = cells%weight(i)*own_share(contact)*side%p(i)*n

@@ -101,34 +101,28 @@ contains
   subroutine find_rounds(surface, side)
     type(surface_t), intent(in) :: surface
     type(mortar_side_t), intent(inout) :: side
-    integer :: a, e, i
+    integer :: a, e, i, pass
     integer :: last(surface%ncontrol), n(surface%ncontrol)
 
     n = 0
-    last = 0
-    do e = 1, surface%nelem
-      do i = surface%control_first(e), surface%control_first(e + 1) - 1
-        a = surface%control(i)
-        if (last(a) == e) cycle
-        last(a) = e
-        n(a) = n(a) + 1
+    do pass = 1, 2 ! count, then enter
+      last = 0
+      do e = 1, surface%nelem
+        do i = surface%control_first(e), surface%control_first(e + 1) - 1
+          a = surface%control(i)
+          if (last(a) == e) cycle
+          last(a) = e
+          if (pass == 2) side%round(side%round_first(a) + n(a)) = e
+          n(a) = n(a) + 1
+        end do
       end do
-    end do
-    allocate (side%round_first(surface%ncontrol + 1), side%round(sum(n)))
-    side%round_first(1) = 1
-    do a = 1, surface%ncontrol
-      side%round_first(a + 1) = side%round_first(a) + n(a)
-    end do
-    n = side%round_first(:surface%ncontrol)
-    last = 0
-    do e = 1, surface%nelem
-      do i = surface%control_first(e), surface%control_first(e + 1) - 1
-        a = surface%control(i)
-        if (last(a) == e) cycle
-        last(a) = e
-        side%round(n(a)) = e
-        n(a) = n(a) + 1
+      if (pass == 2) exit
+      allocate (side%round_first(surface%ncontrol + 1), side%round(sum(n)))
+      side%round_first(1) = 1
+      do a = 1, surface%ncontrol
+        side%round_first(a + 1) = side%round_first(a) + n(a)
       end do
+      n = 0
     end do
   end subroutine find_rounds
 
