@@ -18,15 +18,14 @@ module contact_assembly
   use mortar_control, only: mortar_clique
   use mortar_results, only: accept_mortar, split_mortar_forces
   use mortar_type, only: mortar_t, new_mortar
-  use projection_search, only: grid_t, update_grid
+  use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t, touches
   use rigid_surface, only: react
   use subcell_quadrature, only: acting
-  use surface_geometry, only: update_shape
   implicit none
   private
-  public :: contact_work_t, new_contact_work, find_contact, contact_cliques, map_contact, &
-            add_contact, split_contact_forces, accept_contact
+  public :: contact_work_t, new_contact_work, begin_contact, find_contact, contact_cliques, &
+            map_contact, add_contact, split_contact_forces, accept_contact
 
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of a contact
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr is reached
@@ -70,6 +69,13 @@ contains
     end do
   end subroutine new_contact_work
 
+  !> A step begins, perhaps once more after a cut-back: cells are cut anew.
+  elemental subroutine begin_contact(work)
+    type(contact_work_t), intent(inout) :: work
+
+    work%mortar%step = -1
+  end subroutine begin_contact
+
   !> Does friction act? It does in steps that start at AFTEr or later.
   pure logical function friction_acts(contact, state) result(acts)
     type(contact_t), intent(in) :: contact
@@ -100,12 +106,7 @@ contains
     do c = 1, size(work)
       associate (contact => model%contact(c))
         slides = friction_acts(contact, state)
-        do k = 1, 2
-          call update_shape(contact%side(k), x, work(c)%shape(k))
-          if (.not. contact%side(3 - k)%rigid) then
-            call update_grid(contact%side(k), work(c)%shape(k), work(c)%grid(k))
-          end if
-        end do
+        call place_surfaces(contact, x, work(c)%shape, work(c)%grid)
         if (contact%scheme == MORTAR) then
           call find_mortar(work(c)%mortar, contact, x, model%mesh%xr + state%u_step, state%step, &
                            slides, trial, work(c)%shape, work(c)%grid, state%contact(c), &

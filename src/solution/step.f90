@@ -6,6 +6,7 @@
 !! chooses another method of continuation or a smaller step; the outcome STEP_REWOUND tells the
 !! caller to go back to where the step began. If nothing is left to try, cut_step fails.
 module step
+  use anchored_newton, only: sum_of_loads
   use base_error, only: error_t, place_t, fail, NO_SOLUTION
   use base_kinds, only: wp
   use base_log, only: log_line, warn
@@ -17,7 +18,7 @@ module step
   use convergence, only: turns_back
   use energy_balance, only: accept_solution
   use model, only: model_t, state_t
-  use newton, only: begin_newton, form_system, solve_system, close_newton, sum_of_loads
+  use newton, only: begin_newton, form_system, solve_system, close_newton
   use newton_type, only: pass_t
   use solution_state, only: open_step, restore_step
   use stabilisation_report, only: report_stabilisation
