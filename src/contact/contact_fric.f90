@@ -19,7 +19,7 @@ contains
 
     row%name = 'COULomb'
     row%role = FRICTION
-    row%usage = 'FRICtion COULomb mu PENAlty eps | AUTO'
+    row%usage = 'FRICtion COULomb mu [PENAlty eps | AUTO]'
     row%source = 'Coulomb friction; Corbett and Sauer 2015, eqs (27) to (29)'
     row%nprop = 2
     row%friction => coulomb

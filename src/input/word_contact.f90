@@ -13,7 +13,7 @@ module word_contact
   use input_option, only: next_option, read_positive, with_options
   use input_record, only: check_record, record_word_t
   use input_where, only: read_where, W_FACES, W_GROUP
-  use word_contact_law, only: read_normal, read_friction, read_cohesive
+  use word_contact_law, only: read_normal, read_friction, read_cohesive, set_usual_normal
   implicit none
   private
   public :: read_contact, contact_named
@@ -120,6 +120,7 @@ contains
       end select
       if (allocated(error)) return
     end do
+    if (.not. entry%contact%normal%given) call set_usual_normal(entry%contact%normal)
     call check_complete(entry, error)
     draft%contact(size(draft%contact)) = entry
   end subroutine read_contact
@@ -154,9 +155,6 @@ contains
       if (entry%at(1)%type == 0) then
         call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has no SURFaces', &
                   contact%place, 'give '//SURFACE_USAGE)
-      else if (.not. contact%normal%given) then
-        call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has no NORMal', &
-                  contact%place, 'give NORMal PENAlty eps, or NORMal PENAlty AUTO')
       else if (allocated(entry%bond_place%file) .and. .not. contact%cohesive%given) then
         call fail(error, DECK_ERROR, 'BONDed without COHEsive', entry%bond_place, &
                   'give the law of the bonds, COHEsive EXPOnential T0 g0, or remove BONDed')

@@ -16,7 +16,7 @@ module word_contact_law
   use input_option, only: next_option, option_row, read_positive, with_options
   implicit none
   private
-  public :: read_normal, read_friction, read_cohesive, law_usage
+  public :: read_normal, read_friction, read_cohesive, set_usual_normal, law_usage
 
   !> Options, each with the value that follows it.
   character(*), parameter :: NORMAL_OPTION(3) = [character(8) :: 'PAIR', 'SMOOth d', 'BORDer w']
@@ -116,7 +116,18 @@ contains
     end associate
   end subroutine read_normal
 
-  !> Read FRICtion COULomb mu PENAlty eps, or PENAlty AUTO; then the options.
+  !> The normal law of a contact without NORMal: NORMal PENAlty AUTO.
+  subroutine set_usual_normal(law)
+    type(assigned_law_t), intent(inout) :: law
+    type(record_t) :: nothing
+    type(error_t), allocatable :: error
+
+    call find_law(nothing, 1, NORMAL, law, error)
+    law%auto = .true.
+  end subroutine set_usual_normal
+
+  !> Read FRICtion COULomb mu, with PENAlty eps or PENAlty AUTO, which is the default; then the
+  !! options.
   subroutine read_friction(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -131,21 +142,26 @@ contains
       call find_law(line, 2, FRICTION, law, error)
       if (allocated(error)) return
       usage = law_usage(law%law)
-      call check_count(line, 5, huge(i), usage, error)
+      call check_count(line, 3, huge(i), usage, error)
       if (.not. allocated(error)) call get_real(deck, line, 3, law%prop(MU), error)
       if (allocated(error)) return
-      law%auto = line%key(5) == 'auto'
       if (.not. law%prop(MU) >= 0.0_wp) then
         call fail(error, DECK_ERROR, 'the coefficient of friction must not be negative, found ' &
                   //to_text(law%prop(MU)), line%place(3), usage)
-      else if (line%key(4) /= 'pena') then
-        call fail(error, DECK_ERROR, 'expected PENAlty, found '//quoted(line%text(4)), &
-                  line%place(4), usage)
-      else if (.not. law%auto) then
-        call read_positive(deck, line, 5, 'tangential penalty', law%prop(TANGENTIAL_PENALTY), error)
+        return
+      end if
+      i = 3
+      law%auto = line%key(4) /= 'pena'
+      if (.not. law%auto) then
+        i = 5
+        law%auto = line%key(5) == 'auto'
+        call check_count(line, 5, huge(i), usage, error)
+        if (.not. (law%auto .or. allocated(error))) then
+          call read_positive(deck, line, 5, 'tangential penalty', law%prop(TANGENTIAL_PENALTY), &
+                             error)
+        end if
       end if
     end associate
-    i = 5
     seen = .false.
     do
       if (.not. allocated(error)) call next_option(line, i, FRICTION_OPTION, usage, seen, key, &
