@@ -13,7 +13,7 @@ module rigid_modes
   implicit none
   private
   public :: free_body_t, find_free_bodies, find_motions, rigid_motion, motion_text, list_text, &
-            null_vectors
+            null_vectors, find_pieces
 
   !> Eigenvalues of a matrix of supports count as zero below this; one support has an eigenvalue of
   !! one.
@@ -43,7 +43,8 @@ contains
     integer, allocatable :: piece(:), index_of(:)
     integer :: b, c, k, n, npiece
 
-    call find_pieces(model%mesh, piece, npiece)
+    call find_pieces(model%mesh, piece)
+    npiece = maxval(piece)
     allocate (all_of(npiece))
     do n = 1, npiece
       all_of(n)%node = pack([(k, k=1, size(piece))], piece == n)
@@ -76,13 +77,12 @@ contains
   end subroutine find_free_bodies
 
   !> Number the connected pieces of the mesh.
-  subroutine find_pieces(mesh, piece, npiece)
+  subroutine find_pieces(mesh, piece)
     type(mesh_t), intent(in) :: mesh
     integer, allocatable, intent(out) :: piece(:) !! (nnode) piece of each node; 0: of no element
     !! that deforms
-    integer, intent(out) :: npiece
     integer, allocatable :: root(:)
-    integer :: b, e, i, n
+    integer :: b, e, i, n, npiece
 
     allocate (root(mesh%nnode), source=0)
     do b = 1, size(mesh%block)

@@ -65,7 +65,7 @@ contains
     newton%predicted = .false.
     ! the moves of a body to contact do not go on
     if (.not. predicts .or. newton%constraint%on .or. newton%hold%active) return
-    call predict(model, state, newton%move, newton%predicted)
+    call predict(model, state, newton%move, newton%piece, newton%predicted)
     newton%moves = newton%moves .and. .not. newton%predicted
   end subroutine begin_newton
 

@@ -35,6 +35,7 @@ module newton_type
     logical :: moves = .false.         !! some of `move` is not zero
     real(wp), allocatable :: moved(:, :) !! (3, nnode) what the last increment prescribed [L]
     logical :: has_moved = .false.     !! some of `moved` is not zero
+    integer, allocatable :: piece(:)   !! (nnode) body of a node, for the predictor
     logical :: predicted = .false.     !! displacements are predicted ones, without forces so far
     logical :: may_retreat = .false.   !! the last increment moved no prescribed dof, and was needed
   end type newton_t

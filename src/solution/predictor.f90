@@ -1,14 +1,20 @@
 !> Predictor of a step with contact: displacements go on as in the last step.
 !!
 !! Where bodies slide, each step resembles the one before, and Newton's iteration that starts from
-!! the continued displacements saves up to half of its iterations. Prescribed displacements take
-!! their values at the end of the step. HALFpass has no predictor, so that its iterations stay those
-!! of the published scheme; where the schemes are mixed in a model, neither do the others.
+!! the continued displacements saves up to half of its iterations. Each body goes on with the rigid
+!! motion that fits its last increment best; the rest of the increment, its deformation, goes on
+!! linearly and turns with it. A linear continuation of rotations would make bodies grow. Prescribed
+!! displacements take their values at the end of the step.
+!!
+!! HALFpass has no predictor, so that its iterations stay those of the published scheme; where the
+!! schemes are mixed in a model, neither do the others.
 module predictor
   use base_kinds, only: wp
   use contact_pair, only: MORTAR
   use load_curve, only: table_factor
   use model, only: model_t, state_t
+  use rigid_modes, only: find_pieces
+  use screw_motion, only: screw_t, fit_screw, continue_screw, rotate
   implicit none
   private
   public :: predict
@@ -21,12 +27,13 @@ module predictor
 contains
 
   !> Move the displacements to the predicted ones, if the last step allows to predict them.
-  subroutine predict(model, state, move, predicted)
+  subroutine predict(model, state, move, piece, predicted)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: move(:, :)       !! (3, nnode) prescribed increments [L]
+    integer, allocatable, intent(inout) :: piece(:) !! (nnode) body of a node; found if not known
     logical, intent(out) :: predicted
-    integer :: i, n
+    real(wp) :: goes_on(3, size(move, 2))    ! continued increments [L]
     real(wp) :: ratio
 
     predicted = .false.
@@ -36,19 +43,39 @@ contains
     ratio = state%dt/state%last_dt
     if (ratio > LONGEST .or. .not. loads_go_on(state)) return
     if (.not. any(abs(state%last_increment) > 0.0_wp)) return
-    do n = 1, size(model%eq, 2)
-      do i = 1, 3
-        if (model%eq(i, n) /= 0) then
-          state%u(i, n) = state%u(i, n) + ratio*state%last_increment(i, n)
-        else
-          state%u(i, n) = state%u(i, n) + move(i, n)
-        end if
-      end do
-    end do
+    if (.not. allocated(piece)) call find_pieces(model%mesh, piece)
+    call continue_increment(model%mesh%xr + state%u_step, state%last_increment, ratio, piece, &
+                            goes_on)
+    state%u = state%u + merge(goes_on, move, model%eq /= 0)
     ! Enhanced parameters stay: after a restart, their derivatives are not known.
     state%u_base = state%u
     predicted = .true.
   end subroutine predict
+
+  !> The increment after the positions x, if the last one goes on for `ratio` of it.
+  subroutine continue_increment(x, last, ratio, piece, increment)
+    real(wp), intent(in) :: x(:, :)          !! (3, nnode) [L]
+    real(wp), intent(in) :: last(:, :)       !! (3, nnode) the last increment, which led there [L]
+    real(wp), intent(in) :: ratio
+    integer, intent(in) :: piece(:)          !! (nnode) body of a node; 0: of none
+    real(wp), intent(out) :: increment(:, :) !! (3, nnode) [L]
+    type(screw_t) :: screw
+    integer, allocatable :: node(:)
+    real(wp) :: rest(3)
+    integer :: b, i, k
+
+    increment = ratio*last
+    do b = 1, maxval(piece)
+      node = pack([(i, i=1, size(piece))], piece == b)
+      call fit_screw(x(:, node) - last(:, node), x(:, node), screw)
+      do k = 1, size(node)
+        i = node(k)
+        rest = x(:, i) - continue_screw(screw, 1.0_wp, x(:, i) - last(:, i))
+        increment(:, i) = continue_screw(screw, ratio, x(:, i)) - x(:, i) &
+                          + ratio*rotate(ratio*screw%w, rest)
+      end do
+    end do
+  end subroutine continue_increment
 
   !> Do all load tables go on at about the rate of the last step?
   pure logical function loads_go_on(state) result(yes)
