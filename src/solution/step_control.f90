@@ -22,12 +22,15 @@ module step_control
     integer :: accepted = 0          !! steps since the last cut-back
     integer :: cuts = 0              !! cut-backs of the current step
     logical :: reduced = .false.     !! after many iterations the next step is smaller
+    real(wp) :: failed = huge(1.0_wp) !! length of the last step that was cut back
   end type step_control_t
 
   real(wp), parameter :: NEARLY = 1.0e-9_wp !! of dt: a corner this near a target is on it
   integer, parameter :: FEW = 6      !! iterations up to which a step may grow
   integer, parameter :: FAIR = 10    !! up to which one smaller than dt may grow
   integer, parameter :: MANY = 15    !! above which the next one is smaller
+  integer, parameter :: PATIENCE = 8 !! steps after a cut-back that stay shorter than the failed one
+  real(wp), parameter :: SHORTER = 0.75_wp !! than the failed one; if that is longer than dt
 
 contains
 
@@ -132,6 +135,9 @@ contains
     else if (control%accepted > 1 .and. &
              (iterations <= FEW .or. (iterations <= FAIR .and. control%size < control%dt))) then
       control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
+      if (control%accepted < PATIENCE) then ! what failed just now would fail again
+        control%size = min(control%size, max(control%dt, SHORTER*control%failed))
+      end if
     end if
   end subroutine accept_time
 
@@ -151,7 +157,8 @@ contains
 
     possible = .false.
     if (.not. control%automatic) return
-    control%size = 0.5_wp*(control%to - control%from)
+    control%failed = control%to - control%from
+    control%size = 0.5_wp*control%failed
     control%accepted = 0
     control%cuts = control%cuts + 1
     possible = control%size >= control%dtmin .and. control%from + control%size > control%from
