@@ -124,56 +124,57 @@ contains
     type(surface_t), intent(in) :: own, other
     logical, intent(in) :: whole         !! are the partners of an element coupled too?
     type(clique_t), intent(out) :: clique
-    integer :: e, i, m, n, npair(size(pairs%head))
+    integer, allocatable :: mark(:)      ! the column that a node was put into last
+    integer, allocatable :: conn(:, :), length(:)
+    integer :: e, i, n, npair(size(pairs%head))
 
     npair = 0
     do i = 1, pairs%n
       npair(pairs%own(i)) = npair(pairs%own(i)) + 1
     end do
-    n = maxval([0, npair])
-    if (.not. whole) n = 1
-    n = maxval(own%basis%nsf) + maxval(other%basis%nsf)*n
+    allocate (mark(max(maxval(own%node), maxval(other%node))), source=0)
+    n = maxval(own%basis%nsf) + maxval(other%basis%nsf)*merge(maxval([0, npair]), 1, whole)
+    allocate (conn(n, merge(count(npair > 0), pairs%n, whole)))
+    allocate (length(size(conn, 2)), source=0)
+    n = 0
     if (whole) then
-      allocate (clique%conn(n, count(npair > 0)))
-      n = 0
       do e = 1, size(npair)
         if (npair(e) == 0) cycle
         n = n + 1
-        call start_column(e)
+        call add(own, e)
         i = pairs%head(e)
         do while (i > 0)
-          call add_partner(pairs%partner(i))
+          call add(other, pairs%partner(i))
           i = pairs%next(i)
         end do
       end do
     else
-      allocate (clique%conn(n, pairs%n))
       do n = 1, pairs%n
-        call start_column(pairs%own(n))
-        call add_partner(pairs%partner(n))
+        call add(own, pairs%own(n))
+        call add(other, pairs%partner(n))
       end do
     end if
+    allocate (clique%conn(maxval([0, length]), size(length)))
+    do n = 1, size(length) ! filled up with a node that is in the column
+      clique%conn(:, n) = conn(1, n)
+      clique%conn(:length(n), n) = conn(:length(n), n)
+    end do
 
   contains
 
-    !> Begin column n with the nodes of element e.
-    subroutine start_column(e)
+    !> Append the nodes of element e that column n does not contain yet.
+    subroutine add(surface, e)
+      type(surface_t), intent(in) :: surface
       integer, intent(in) :: e
+      integer :: j
 
-      m = own%first(e + 1) - own%first(e)
-      clique%conn(:, n) = own%node(own%first(e))
-      clique%conn(:m, n) = own%node(own%first(e):own%first(e + 1) - 1)
-    end subroutine start_column
-
-    !> Append the nodes of element p of the other side.
-    subroutine add_partner(p)
-      integer, intent(in) :: p
-      integer :: nl
-
-      nl = other%first(p + 1) - other%first(p)
-      clique%conn(m + 1:m + nl, n) = other%node(other%first(p):other%first(p + 1) - 1)
-      m = m + nl
-    end subroutine add_partner
+      do j = surface%first(e), surface%first(e + 1) - 1
+        if (mark(surface%node(j)) == n) cycle
+        mark(surface%node(j)) = n
+        length(n) = length(n) + 1
+        conn(length(n), n) = surface%node(j)
+      end do
+    end subroutine add
   end subroutine pair_clique
 
   !> Find the positions of all pairs in a matrix.
