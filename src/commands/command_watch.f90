@@ -1,4 +1,4 @@
-!> Warnings about converged steps that are hardly meant.
+!> Warnings about converged steps that the deck can hardly intend.
 module command_watch
   use base_kinds, only: wp
   use base_log, only: warn

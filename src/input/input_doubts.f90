@@ -1,4 +1,5 @@
-!> Models that can be solved and are hardly meant: elements given twice, elements that lock.
+!> Warnings about models that can be solved, but that the deck can hardly intend: elements that are
+!! given twice, elements that lock.
 module input_doubts
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -127,7 +128,7 @@ contains
     call sort(node)
   end function nodes_of
 
-  !> Has each node of the first list one of the second at its position?
+  !> Does every node of the first list have a node of the second list at its position?
   pure function same_positions(mesh, first, second, near) result(same)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: first(:), second(:)
