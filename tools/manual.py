@@ -5,6 +5,7 @@
 The words are those of `bezel --list commands` and of src/input/word_table.f90. A page is doc/manual/<KEY>.md, where
 KEY is the first four letters of the word; its lines `Example: [...](../../input/manual/<name>.inp)` name examples,
 which must use the word and end with code 0. A word whose page says that it is not available yet needs no example.
+The words of FEAP in src/deck/deck_feap.f90 are those of doc/manual/feap.md, and no word of the deck is among them.
 The exit code is 1 if anything is wrong.
 """
 
@@ -32,7 +33,9 @@ def main(argv=None):
     keys = sorted(
         {word[:4].upper() for word in mesh_words() + command_words(o.bezel) + OF_THE_STREAM}
     )
-    complaints = check_index(keys)
+    complaints = check_index(keys) + check_feap(
+        mesh_words() + OF_THE_STREAM, command_words(o.bezel)
+    )
     examples = {}
     for key in keys:
         complaints += check_page(key, examples)
@@ -78,6 +81,29 @@ def check_index(keys):
     """Complaints about the list of words."""
     linked = re.findall(r"\((\w+)\.md\)", (PAGES / "index.md").read_text())
     return [f"index.md: missing link to {key}.md" for key in keys if key not in linked]
+
+
+def check_feap(mesh, commands):
+    """Complaints about words of FEAP: the hints of the program and their page must agree."""
+    source = (TOP / "src/deck/deck_feap.f90").read_text()
+    functions = source.split("select case")[1:]
+    hinted = [
+        [key.strip() for case in re.findall(r"^ *case \((.*)\)$", part, re.M)
+         for key in re.findall(r"'(....)'", case)]
+        for part in functions
+    ]  # fmt: skip
+    page = (PAGES / "feap.md").read_text().split("\n## ")
+    listed = [re.findall(r"^\| `(\w+)` \|", part, re.M) for part in page[1:4]]
+    listed = [[word[:4].lower() for word in words] for words in listed]
+    complaints = [
+        f"feap.md and deck_feap.f90: '{key}' is only in one of them"
+        for here, there in zip(hinted, listed, strict=True)
+        for key in sorted(set(here) ^ set(there))
+    ]
+    for known, keys in zip((mesh, commands), hinted):
+        ours = {word[:4].lower() for word in known}
+        complaints += [f"deck_feap.f90: the deck knows '{key}'" for key in keys if key in ours]
+    return complaints
 
 
 def check_page(key, examples):

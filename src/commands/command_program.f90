@@ -9,6 +9,7 @@ module command_program
   use command_table, only: load_commands
   use command_type, only: run_t, program_t, command_t, data_t
   use deck_expression, only: params_t
+  use deck_feap, only: command_hint
   use deck_record, only: record_t, check_count, RECORD_WORDS, RECORD_END
   use deck_stream, only: get_real
   use step_control, only: step_control_t
@@ -79,6 +80,7 @@ contains
     type(record_t) :: record
     type(error_t), allocatable :: found
     type(command_t), allocatable :: list(:), longer(:) !! may be longer than the n commands in it
+    character(:), allocatable :: hint
     integer :: first, n, i
 
     n = size(run%program%command)
@@ -103,8 +105,10 @@ contains
           if (row(i)%key == record%key(1)) exit
         end do
         if (i == 0) then
+          hint = command_hint(record%text(1))
+          if (len(hint) == 0) hint = 'nearest known: '//nearest(record%text(1), row(:)%word)
           call fail(found, DECK_ERROR, "unknown command '"//record%text(1)//"'", record%place(1), &
-                    'nearest known: '//nearest(record%text(1), row(:)%word))
+                    hint)
         else
           call check_count(record, 1, row(i)%nmax + 1, trim(row(i)%usage), found)
         end if

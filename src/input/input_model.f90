@@ -2,6 +2,7 @@
 module input_model
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_text, only: to_text, quoted, nearest
+  use deck_feap, only: mesh_hint
   use deck_record, only: record_t, RECORD_WORDS
   use deck_stream, only: deck_t
   use input_check, only: check_references, check_size, check_jacobians
@@ -210,10 +211,11 @@ contains
     r = row_of(draft, word)
     to_blank = draft%row(r)%has_set .and. .not. draft%row(r)%has_numbers
     hint = closed_hint(draft, record)
-    if (len(hint) == 0) then
-      hint = 'nearest known: '//word
-    else
+    if (len(hint) > 0) then
       to_blank = .true.
+    else
+      hint = mesh_hint(record%text(1))
+      if (len(hint) == 0) hint = 'nearest known: '//word
     end if
     call fail(found, DECK_ERROR, 'unknown word '//quoted(record%text(1)), record%place(1), hint)
     if (record%assigns()) then

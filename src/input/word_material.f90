@@ -13,6 +13,7 @@ module word_material
   use base_error, only: error_t, fail, DECK_ERROR, place_t
   use base_kinds, only: wp
   use base_text, only: to_text, quoted, nearest, key_of
+  use deck_feap, only: property_hint
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use input_draft, only: draft_t, next_data
@@ -108,6 +109,7 @@ contains
     type(material_t), allocatable :: laws(:)
     type(law_entry_t) :: given
     type(record_t) :: line
+    character(:), allocatable :: hint
     logical :: more, seen(size(WORD))
     integer :: w
 
@@ -121,8 +123,9 @@ contains
         if (key_of(WORD(w)) == line%key(1)) exit
       end do
       if (w == 0) then
-        call fail(error, DECK_ERROR, 'unknown property '//quoted(line%text(1)), line%place(1), &
-                  'nearest known: '//nearest(line%text(1), WORD))
+        hint = property_hint(line%text(1))
+        if (len(hint) == 0) hint = 'nearest known: '//nearest(line%text(1), WORD)
+        call fail(error, DECK_ERROR, 'unknown property '//quoted(line%text(1)), line%place(1), hint)
         return
       end if
       if (seen(w)) then
