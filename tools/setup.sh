@@ -27,9 +27,27 @@ links() {
   $FC $INCLUDE "$work/try.f90" $folders $1 -J"$work" -o "$work/try" >/dev/null 2>&1
 }
 
+# Whether library $1 seems to be installed: without a compiler nothing can be linked.
+installed() {
+  for folder in $(printf '%s\n' $folders | sed 's/^-L//') /usr/lib /usr/lib64 /usr/lib/* \
+      /usr/lib/*/hdf5/serial /usr/local/lib /usr/local/lib64; do
+    for file in "$folder/lib$1".so "$folder/lib$1".a "$folder/lib$1".dylib; do
+      [ ! -e "$file" ] || return 0
+    done
+  done
+  return 1
+}
+
 missing_libraries() {
-  eval "$(make -s settings)"
+  LIBS='' INCLUDE='' MUMPS_LIBS=${MUMPS_LIBS:-}
+  ! has make || eval "$(make -s settings)"
   folders=$(printf '%s\n' $LIBS | grep '^-L' || true)
+  if ! has "$FC"; then
+    name=$(printf '%s\n' $MUMPS_LIBS | sed -n 's/^-l//p' | head -n 1)
+    installed "${name:-dmumps_seq}" || echo mumps
+    for name in metis hdf5_fortran openblas; do installed $name || echo ${name%_fortran}; done
+    return
+  fi
   links "$LIBS" "use hdf5
 include 'dmumps_struc.h'
 include 'smumps_struc.h'" && return
@@ -50,8 +68,9 @@ find_python() {
 }
 
 missing_program() {
-  has make || { echo make; return; }
-  has "${FC:-gfortran}" || { echo gfortran; return; }
+  FC=${FC:-gfortran}
+  has make || echo make
+  has "$FC" || echo gfortran
   missing_libraries
 }
 
