@@ -55,11 +55,15 @@ endif
 OBJECTS := $(patsubst %.f90,$(B)/%.o,$(notdir $(SOURCES) $(COPIES)))
 vpath %.f90 $(wildcard src/*) $(sort $(dir $(COPIES)))
 
+# Names the first three files that a make compiles, then counts.
+TELL = @echo '$<' >> $(B)/compiled; n=$$(grep -nxF '$<' $(B)/compiled | sed 's/:.*//;q'); \
+       if [ $$n -le 3 ]; then echo '  $<'; elif [ $$((n % 50)) = 0 ]; then echo "  $$n files compiled"; fi
+
 # A module file keeps its time while its interface does not change, so that its users are not recompiled.
 $(B)/%.mod:
 	@test -f $@ || { rm -f $<; echo "make: $@ is missing, run make again" >&2; exit 1; }
 $(B)/%.o: %.f90 $(B)/flags | $(B)/libraries
-	@echo "  $<"
+	$(TELL)
 	@$(FC) -std=f2008 $(WARN) $(OPT) $(call kernel,$*) $(INCLUDE) -J$(B) -c $< -o $@
 $(B)/libbezel.a: $(OBJECTS)
 	@rm -f $@; ar rcs $@ $(filter-out %/main.o,$^)
@@ -84,6 +88,7 @@ $(B)/depend.mk: FORCE $(COPIES)
 FORCE:
 COMPILES := all unit $(B)/%
 ifneq ($(filter $(COMPILES),$(or $(MAKECMDGOALS),all)),)
+$(shell rm -f $(B)/compiled)
 include $(B)/depend.mk
 endif
 
@@ -95,15 +100,23 @@ setup:
 	@tools/setup.sh
 check: setup
 	@$(MAKE) tests
+GOALS := runner unit deck_errors manual post_tests patch trouble
+WHAT_runner      := the runner of the unit tests judges failures as failures
+WHAT_unit        := unit tests; they are compiled first, which takes some minutes
+WHAT_deck_errors := bad decks, each with the message that it must give
+WHAT_manual      := a page and an example for every word; theory and tests for every element and law
+WHAT_post_tests  := tests of post, verify and tools; a dot each
+WHAT_patch       := patch tests: comparisons with exact answers
+WHAT_trouble     := files, signals, restarts; then decks that must not go wrong silently
 tests:
 	@$(MAKE) $(B)/bezel
-	@failed=; for goal in runner unit deck_errors manual post_tests patch trouble; do echo "== $$goal"; \
-	  $(MAKE) $$goal || failed="$$failed $$goal"; done; \
+	@failed=; $(foreach goal,$(GOALS),echo "== $(goal): $(WHAT_$(goal))"; \
+	  $(MAKE) $(goal) || failed="$$failed $(goal)"; ) \
 	[ -z "$$failed" ] || { echo "make: failed:$$failed" >&2; exit 1; }
 deck_errors: $(B)/bezel
 	@$(PYTHON) -m verification.deck_errors.run --bezel $<
 post_tests:
-	@$(PYTHON) -W error::DeprecationWarning:post -m unittest discover -q -s post/tests -t .
+	@$(PYTHON) -W error::DeprecationWarning:post -m unittest discover -s post/tests -t .
 PATCHES := $(patsubst verification/patch/%/expect.toml,%,$(wildcard verification/patch/*/expect.toml))
 patch: $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
@@ -111,7 +124,7 @@ patch: $(B)/bezel
 
 # Files, signals, limits and restarts, then decks that must not go wrong silently.
 trouble: $(B)/bezel
-	@BEZEL=$< $(PYTHON) -m unittest discover -q -s verification/trouble -t .
+	@BEZEL=$< $(PYTHON) -m unittest discover -s verification/trouble -t .
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify --case silent \
 	  > $(B)/silent.txt; code=$$?; grep -v '  ok$$' $(B)/silent.txt; exit $$code
 

@@ -14,6 +14,7 @@ import os
 import pathlib
 import shutil
 import sys
+import time
 
 from verification import TOP, need_numpy
 
@@ -82,14 +83,18 @@ def read_cases(names):
 
 
 def run_all(bezel, out, runs, jobs):
-    """{name of the run: Outcome}; a terminal shows the progress."""
+    """{name of the run: Outcome}; a terminal shows the progress, and other outputs a line every ten seconds."""
     outcomes = {}
+    said = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
         waiting = {pool.submit(checks.execute, bezel, out, run): run for run in runs}
         for done in concurrent.futures.as_completed(waiting):
             outcomes[waiting[done].name] = done.result()
             if sys.stderr.isatty():
                 print(f"\r{len(outcomes)} of {len(runs)} runs", end="", file=sys.stderr)
+            elif time.monotonic() - said > 10:
+                said = time.monotonic()
+                print(f"{len(outcomes)} of {len(runs)} runs", file=sys.stderr, flush=True)
     if sys.stderr.isatty():
         print("\r", end="", file=sys.stderr)
     return outcomes

@@ -24,6 +24,7 @@ $(U)/run: FORCE $(TESTS) $(U)/driver.o $(if $(T),,$(B)/libbezel.a)
 	@rm -f $(U)/lib.a; ar rcs $(U)/lib.a $$(ls $(B)/*.o 2>/dev/null | grep -v '/main\.o$$') $(U)/funit*.o
 	@$(FC) $(OPT) $(U)/driver.o $(TESTS) $(U)/lib.a $(PFUNIT_LIBRARIES) $(LIBS) -o $@
 $(U)/test_%.o: $(U)/test_%.f90 $(U)/funit.o
+	$(TELL)
 	@$(FC) $(TESTF) $(OPT) $(INCLUDE) $(PFUNIT_EXTRA_FFLAGS) -I$(B) -J$(U) -c $< -o $@
 $(U)/driver.o: $(U)/driver.f90 $(TESTS) $(U)/funit.o
 	@$(FC) $(TESTF) $(OPT) $(PFUNIT_EXTRA_FFLAGS) -J$(U) -c $< -o $@
