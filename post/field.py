@@ -89,7 +89,7 @@ def _camera(view):
 
 def main(argv):
     """Run the command; return its exit code."""
-    o = _parser().parse_args(argv)
+    o = _parser().parse_args(_joined(argv))
     paths = [o.run] + (o.beside or [])
     if o.labels and len(o.labels) != len(paths):
         raise Unreadable(f"expected {len(paths)} labels, one for each file, found {len(o.labels)}")
@@ -103,6 +103,21 @@ def main(argv):
     draw(paths, o.output, o.scalar, o.component, step, o.warp, o.view, o.range, o.cmap, labels,
          not o.no_edges, not o.no_outline, o.level, tuple(o.size), o.mirror)  # fmt: skip
     return 0
+
+
+def _joined(argv):
+    """The arguments with `--view -y` as one: -y and -52,16 are views here and no options.
+
+    >>> _joined(["a.vtkhdf", "--view", "-y"])
+    ['a.vtkhdf', '--view=-y']
+    """
+    joined = []
+    for argument in argv:
+        if joined and joined[-1] == "--view":
+            joined[-1] = f"--view={argument}"
+        else:
+            joined.append(argument)
+    return joined
 
 
 def _parser():

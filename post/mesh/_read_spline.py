@@ -11,6 +11,7 @@ from post.mesh._surface import Surface
 from post.mesh._tokens import Tokens, text_of
 
 HEAD = ["B", "E", "X", "T", "2.0"]
+KINDS = {1: "curves", 3: "a solid"}
 
 
 def is_spline(path):
@@ -76,6 +77,8 @@ def _json(path):
             f"'{path}' is not BEXT 2.0 in JSON: its lists are nested too deeply"
         ) from None
     try:
+        if data.get("dim", 2) != 2:
+            raise Unreadable(_no_surface(path, data["dim"]))
         _json_counts(path, data)
         degrees = {(b["deg_s"], b["deg_t"]) for b in data["elements"]["element_block_info"]}
         if len(degrees) != 1 or min(min(degrees)) < 1:
@@ -87,11 +90,18 @@ def _json(path):
         nodes = [_whole(b["node_ids"]) for b in data["elements"]["element_blocks"]]
         rows = [vectors[b["coeff_vector_ids"]] for b in data["elements"]["element_blocks"]]
         sets = {name: _whole(ids) for name, ids in data.get("sets", {}).items()}
-        if data.get("dim", 2) != 2:
-            raise Unreadable(f"'{path}': expected splines of 2 parameters, found {data['dim']}")
     except (AttributeError, KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
         raise Unreadable(f"'{path}' is not BEXT 2.0 in JSON ({error!r})") from None
     return degrees.pop(), full[:, :3], full[:, 3], nodes, rows, sets
+
+
+def _no_surface(path, dim):
+    """The sentence for splines with another number of parameters than two."""
+    kind = KINDS.get(dim, f"splines of {dim} parameters") if isinstance(dim, int) else "no surface"
+    return (
+        f"'{path}' holds {kind}; a surface is expected, of which the command fills the inside: "
+        "give the boundary of the body as splines of two parameters"
+    )
 
 
 def _whole(numbers):
@@ -139,6 +149,9 @@ def _text(path):
     blocks, degrees = [], set()
     # The count of numbers of a block tells a curve (5) from a surface (6) and a solid (7).
     for _ in range(t.count("the blocks of elements")):
+        dim = t.left_in_line() - 4
+        if dim in KINDS:
+            raise Unreadable(_no_surface(path, dim))
         _, ne, nn, nc, p, q = t.numbers(6, "a block of elements", int)
         degrees.add((int(p), int(q)))
         blocks.append((ne, nn, nc))

@@ -27,6 +27,15 @@ class Tokens:
         """Raise Unreadable with the name of the file in front of the message."""
         raise Unreadable(f"'{self.path}': {text}")
 
+    def left_in_line(self):
+        """Number of words from the next one to the end of its line."""
+        end = 0
+        for line in self.lines:
+            end += len(line.split())
+            if end > self.at:
+                break
+        return end - self.at
+
     def word(self, what):
         """The next word."""
         if not self.more():
