@@ -9,7 +9,7 @@ module base_log
   implicit none
   private
   public :: open_log, close_log, log_line, note, warn, warning_count, message_count, &
-            get_warning, progress, set_quiet, print_lines
+            get_warning, progress, summary, set_quiet, print_lines
 
   !> The message of a warning.
   type :: message_t
@@ -30,7 +30,7 @@ module base_log
 
 contains
 
-  !> Show no warnings and no progress on the screen; the log still gets the warnings.
+  !> Show no warnings, no progress and no summary on the screen; the log still gets the warnings.
   subroutine set_quiet(yes)
     logical, intent(in) :: yes
 
@@ -171,6 +171,15 @@ contains
 
     n = nwarning
   end function warning_count
+
+  !> Show a line at the end of a run, on a terminal and elsewhere.
+  subroutine summary(text)
+    character(*), intent(in) :: text
+
+    if (quiet) return
+    call clear_progress()
+    call show(text//new_line('a'))
+  end subroutine summary
 
   !> Show a line that the next one overwrites; this is done only on a terminal.
   subroutine progress(text)

@@ -40,7 +40,7 @@ module command_line
     option_t('--restart', 'FILE', 'continue from a checkpoint'), &
     option_t('--threads', 'N', 'threads of the linear algebra'), &
     option_t('--time-limit', 'SECONDS', 'stop with a checkpoint after this wall time'), &
-    option_t('--quiet', '', 'no progress and no warnings on the screen'), &
+    option_t('--quiet', '', 'no progress, warnings and summary on the screen'), &
     option_t('--list', '[WHAT]', 'list elements, materials, contacts or commands'), &
     option_t('--version', '', 'print the version'), &
     option_t('--help', '', 'print this')]

@@ -2,7 +2,7 @@
 program main
   use base_error, only: error_t, render, DECK_ERROR, error_list_t
   use base_file, only: make_folder, lock_file, unlock_file, lock_t, note_input
-  use base_log, only: open_log, close_log, log_line, set_quiet, progress
+  use base_log, only: open_log, close_log, log_line, set_quiet, progress, summary
   use base_system, only: finish, finish_now, catch_signals, release_signals, start_clock, &
                          wall_seconds, keep_memory
   use base_text, only: to_text
@@ -18,7 +18,7 @@ program main
   use program_list, only: print_list
   use program_version, only: VERSION
   use run, only: read_deck, execute
-  use run_report, only: reserve_report, drop_reserve, report_run
+  use run_report, only: reserve_report, drop_reserve, report_run, run_summary
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
   type(options_t) :: options
@@ -106,6 +106,7 @@ program main
   call log_line(job%timers%table())
   call log_line('exit code '//to_text(code)//', '//to_text(wall_seconds(), 4)//' s')
   call report_run(job, options%deck, code, unreported)
+  call summary(run_summary(job, code))
   call close_log(unlogged)
   call unlock_file(lock)
   if (code == 0) call stop_on(unreported)

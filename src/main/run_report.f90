@@ -3,8 +3,9 @@ module run_report
   use base_error, only: error_t, NO_SOLUTION, STOPPED
   use base_file, only: remove_file
   use base_kinds, only: wp, i8
-  use base_log, only: get_warning, message_count
-  use base_system, only: peak_memory_mb
+  use base_log, only: get_warning, message_count, warning_count
+  use base_system, only: peak_memory_mb, wall_seconds
+  use base_text, only: to_text
   use byte_file, only: take_room
   use command_type, only: run_t
   use contact_resultant, only: resultant_t, side_resultant
@@ -13,7 +14,7 @@ module run_report
   use report_file, only: report_t, write_report, add_count, add_real, add_curve
   implicit none
   private
-  public :: reserve_report, drop_reserve, report_run
+  public :: reserve_report, drop_reserve, report_run, run_summary
 
   integer(i8), parameter :: RESERVE = 16384 !! bytes; reports have about a thousand
 
@@ -59,16 +60,7 @@ contains
     report%version = VERSION
     report%deck = deck
     report%exit_code = code
-    select case (code)
-    case (0)
-      report%status = 'done'
-    case (NO_SOLUTION)
-      report%status = 'no_solution'
-    case (STOPPED)
-      report%status = 'stopped'
-    case default
-      report%status = 'failed'
-    end select
+    report%status = status_of(code)
     report%steps = job%state%step
     report%iterations = job%step%total%iterations
     report%cutbacks = job%step%total%cutbacks
@@ -106,6 +98,50 @@ contains
     end do
     call write_report(job%files%stem//'.report.json', report, error)
   end subroutine report_run
+
+  !> How a run ended, as a word of the report.
+  pure function status_of(code) result(status)
+    integer, intent(in) :: code !! exit code
+    character(:), allocatable :: status
+
+    select case (code)
+    case (0)
+      status = 'done'
+    case (NO_SOLUTION)
+      status = 'no_solution'
+    case (STOPPED)
+      status = 'stopped'
+    case default
+      status = 'failed'
+    end select
+  end function status_of
+
+  !> How a run ended, as one line for the screen.
+  function run_summary(job, code) result(line)
+    type(run_t), intent(in) :: job
+    integer, intent(in) :: code !! exit code
+    character(:), allocatable :: line, status
+    integer :: i
+
+    status = status_of(code)
+    i = index(status, '_')
+    if (i > 0) status(i:i) = ' '
+    line = 'bezel: '//status//', '//number_of(job%state%step, 'step')//', ' &
+           //number_of(job%step%total%iterations, 'iteration')//', ' &
+           //number_of(job%step%total%cutbacks, 'cut-back')//', ' &
+           //number_of(warning_count(), 'warning')//', '//to_text(wall_seconds(), 3)//' s; see ' &
+           //job%files%stem//'.log'
+  end function run_summary
+
+  !> A number and what it counts.
+  pure function number_of(n, what) result(text)
+    integer, intent(in) :: n
+    character(*), intent(in) :: what
+    character(:), allocatable :: text
+
+    text = to_text(n)//' '//what
+    if (n /= 1) text = text//'s'
+  end function number_of
 
   !> Add the last row of every curve.
   subroutine add_last_rows(job, report)

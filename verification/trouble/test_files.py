@@ -108,6 +108,11 @@ class Words(Folder):
         self.assertEqual(done.returncode, 1)
         self.assertIn("hint: -o DIR", done.stderr)
 
+    def test_a_run_ends_with_one_line(self):
+        done = self.run_bezel("box.inp")
+        self.assertRegex(done.stderr, r"\Abezel: done, .* steps?, .* s; see ./box\.log\n\Z")
+        self.assertEqual(self.run_bezel("--quiet", "box.inp").stderr, "")
+
     def test_a_file_without_bezier_cells_has_the_version_that_others_read(self):
         for kind, version in (("Q1", "1.0"), ("IGA 2", "2.2")):
             text = self.deck.replace("TYPE Q1", f"TYPE {kind}").replace("    SAVE\n", "    PLOT\n")
