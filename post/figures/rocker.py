@@ -74,11 +74,12 @@ def draw_run(out):
     """Draw the stress in the arm at the end, the tractions on its surface, and the forces."""
     result = out / "rocker.vtkhdf"
     field.draw([result], out / "rocker_stress.png", scalar="mises", view="60,25", labels=["the pin at its end"],
-               say_step=False)  # fmt: skip
+               say_step=False, outline=False)  # fmt: skip
     steps = {1.05: "just sliding", 1.5: "halfway", 2.0: "at the end"}
     for name in ("pressure", "friction"):
         contact_map.draw([result] * len(steps), out / f"rocker_{name}.png", scalar=f"contact_{name}", axis="y",
-                         step=[("time", t) for t in steps], labels=list(steps.values()), say_step=False, columns=3)  # fmt: skip
+                         step=[("time", t) for t in steps], labels=list(steps.values()), say_step=False, columns=3,
+                         turn=True)  # fmt: skip
     table = read_table(out / "rocker_pin.dat").columns
     with _style.styled() as plt:
         figure, ax = plt.subplots(figsize=(4.6, 3.0))
