@@ -9,7 +9,10 @@ from post._error import Unreadable
 from post._table import Table, read_text
 
 #: Entries about where and when a run was made, which are not results.
-NOT_RESULTS = ("version", "deck", "seconds", "peak_memory_mb")
+NOT_RESULTS = ("format", "version", "deck", "seconds", "peak_memory_mb")
+
+#: Format of the reports that can be read; those without a format have this one.
+FORMAT = 1
 
 
 def read_report(path, everything=False):
@@ -38,6 +41,10 @@ def load(path):
         ) from None
     if not isinstance(content, dict):
         raise Unreadable(f"'{path}' is not a report: its top level is not a JSON object")
+    if content.get("format", FORMAT) != FORMAT:
+        raise Unreadable(
+            f"'{path}' has report format {content['format']}, and this program reads format {FORMAT}"
+        )
     return content
 
 

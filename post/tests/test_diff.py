@@ -6,6 +6,8 @@ import json
 import unittest
 from xml.etree import ElementTree
 
+from post import _report
+from post._error import Unreadable
 from post.diff import main
 from post.tests.samples import Scratch, write_curve, write_report, write_run
 
@@ -155,6 +157,13 @@ class Runs(Diff):
         write_report(b / "cube.report.json", status="stopped")
         self.assertEqual(self.diff(a, b), 1)
         self.assertRegex(self.said, "status .*done .*stopped")
+
+    def test_a_report_of_another_format_is_unreadable(self):
+        write_report(self.folder / "a.report.json", format=2)
+        with self.assertRaisesRegex(
+            Unreadable, "has report format 2, and this program reads format 1"
+        ):
+            _report.load(self.folder / "a.report.json")
 
     def test_a_file_on_one_side_only_differs(self):
         a, b = write_run(self.folder / "a"), write_run(self.folder / "b")

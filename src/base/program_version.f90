@@ -2,5 +2,5 @@
 module program_version
   implicit none
   private
-  character(*), parameter, public :: VERSION = '0.1.0' !! as printed by --version
+  character(*), parameter, public :: VERSION = '0.2.0' !! as printed by --version
 end module program_version

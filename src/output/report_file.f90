@@ -8,6 +8,9 @@ module report_file
   private
   public :: report_t, message_row_t, write_report, add_count, add_real, add_curve
 
+  !> This number is increased when a member changes its name or its meaning; new members leave it.
+  integer, parameter :: FORMAT = 1
+
   type :: named_count_t
     character(:), allocatable :: name
     integer :: n = 0
@@ -80,6 +83,7 @@ contains
       end do
     end if
     text = '{'//new_line('a')//'  '// &
+           json_member('format', json_number(FORMAT))//SEP// &
            json_member('version', json_string(given(report%version)))//SEP// &
            json_member('deck', json_string(given(report%deck)))//SEP// &
            json_member('status', json_string(trim(report%status)))//SEP// &
