@@ -32,15 +32,15 @@ OPT_coverage := -O0 -g --coverage -Wno-uninitialized # gives false warnings with
 OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
 
 # --- Libraries: from pkg-config, else from the folders of the distributions -----------------------
-PREFIX     := $(wildcard /usr $(CONDA_PREFIX) $(MUMPS_DIR) $(HDF5_DIR) $(METIS_DIR))
+ROOTS      := $(wildcard /usr $(CONDA_PREFIX) $(MUMPS_DIR) $(HDF5_DIR) $(METIS_DIR))
 HDF5_PC    := $(shell pkg-config --libs-only-L hdf5-serial 2>/dev/null)
 HDF5_MOD   := $(firstword $(wildcard $(addsuffix /hdf5.mod,/usr/include/hdf5/serial \
-              $(addsuffix /include,$(PREFIX)) /usr/lib64/gfortran/modules)))
-INCLUDE    := $(addprefix -I,$(HDF5_MOD:/hdf5.mod=) $(wildcard $(addsuffix /include,$(PREFIX)) \
-              $(addsuffix /include/mumps_seq,$(PREFIX))))
+              $(addsuffix /include,$(ROOTS)) /usr/lib64/gfortran/modules)))
+INCLUDE    := $(addprefix -I,$(HDF5_MOD:/hdf5.mod=) $(wildcard $(addsuffix /include,$(ROOTS)) \
+              $(addsuffix /include/mumps_seq,$(ROOTS))))
 MUMPS_LIBS ?= -ldmumps_seq -lsmumps_seq -lmumps_common_seq -lpord_seq -lmpiseq_seq
 LIBS       := $(or $(HDF5_PC),$(addprefix -L,$(wildcard /usr/lib/*/hdf5/serial))) \
-              $(addprefix -L,$(wildcard $(addsuffix /lib,$(filter-out /usr,$(PREFIX))))) \
+              $(addprefix -L,$(wildcard $(addsuffix /lib,$(filter-out /usr,$(ROOTS))))) \
               $(MUMPS_LIBS) -lmetis -lhdf5_fortran -lhdf5 -lopenblas $(LDFLAGS)
 
 # --- The program -------------------------------------------------------------------------------
@@ -86,7 +86,7 @@ $(B)/depend.mk: FORCE $(COPIES)
 	@mkdir -p $(B); awk -v b=$(B) -v u='$$(U)' -f src/depend.awk $(SOURCES) $(COPIES) $(wildcard verification/unit/*/*.pf) > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 FORCE:
-COMPILES := all unit $(B)/%
+COMPILES := all unit install deb $(B)/%
 ifneq ($(filter $(COMPILES),$(or $(MAKECMDGOALS),all)),)
 $(shell rm -f $(B)/compiled)
 include $(B)/depend.mk
@@ -94,6 +94,7 @@ endif
 
 # --- Tests -------------------------------------------------------------------------------------
 include verification/unit/unit.mk
+include tools/packages/packages.mk
 
 .PHONY: check tests deck_errors post_tests patch trouble setup
 setup:
@@ -206,6 +207,7 @@ doc:
 	@echo "  $(BUILD)/doc/index.html"
 manual: $(B)/bezel
 	@$(PYTHON) tools/rows.py --bezel $<
+	@$(PYTHON) tools/grammar.py --bezel $<
 	@$(PYTHON) tools/manual.py --bezel $< --out $(B)/manual $(if $(filter release,$(KIND)),,--longest 60)
 clean:
 	@rm -rf $(BUILD)
@@ -221,6 +223,7 @@ clean:
 #: make debug | sanitize | coverage   the tests with checks, with sanitizers, with lines counted
 #: make lint | format                 style, layers; write the formatting
 #: make doc | manual                  pages into $(BUILD)/doc; every deck word has a page and an example
+#: make install       into PREFIX=/usr/local, below DESTDIR=; make deb: a Debian package
 #: make clean         removes $(BUILD)/
 #:
 #: check, demo and verify install what is missing where they may (apt, pip); else they name it.
