@@ -73,7 +73,9 @@ def make_plan():
     goal = np.array([plan.points[i] for i in to_right])
     bar(plan, sector(left, 0)[::-1], (goal, to_right), LINK, waist=0.2)
     start = sector(left, AROUND // 2)[::-1]
-    tip = np.column_stack([np.full(ACROSS + 1, -3.6), np.linspace(0.1, 0.75, ACROSS + 1), np.full(ACROSS + 1, 0.4)])
+    tip = np.column_stack(
+        [np.full(ACROSS + 1, -3.6), np.linspace(0.1, 0.75, ACROSS + 1), np.full(ACROSS + 1, 0.4)]
+    )
     rows = bar(plan, start, (tip, None), ARM, waist=0.0)
     return plan, [row[-1] for row in rows]
 

@@ -83,7 +83,9 @@ def fitted(surface, points):
     t = np.linspace(-0.9, 0.9, 4)
     u, v = (k.ravel() for k in np.meshgrid(t, t))
     p, q = surface.degree
-    shape = (_surface.bernstein(q, v)[:, :, None] * _surface.bernstein(p, u)[:, None]).reshape(16, 16)
+    shape = (_surface.bernstein(q, v)[:, :, None] * _surface.bernstein(p, u)[:, None]).reshape(
+        16, 16
+    )
     elements = [(ids, shape @ c.T) for ids, c in zip(surface.nodes, surface.coefficients)]
     way = _surface.unit(points)
     for _ in range(ROUNDS):
