@@ -63,6 +63,8 @@ contains
              //'between BATCh and END'
     case ('moda')
       hint = 'there are no modes; a body is elastic, or a PATCh of TYPE RIGId'
+    case ('nblo', 'nsid')
+      hint = 'NPATch takes the control points of a whole solid'
     case ('nopa', 'pars')
       hint = 'expressions are always evaluated; leave it out'
     case ('orde')
