@@ -7,7 +7,7 @@
 # stack: allocating them would cost as much as the loops.
 KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
                 solid_form solid_condense mate_neohooke mate_linear surface_geometry surface_basis \
-                projection projection_iterate surface_traversal contact_element contact_point \
+                projection projection_iterate surface_traversal surface_chart contact_element contact_point \
                 contact_work contact_bond edge_taper contact_facets contact_cells contact_mortar \
                 contact_scatter csr_coupling polygon bspline
 # These are also compiled for wider vector registers under other names (@ becomes _v3, _v4); the

@@ -1,22 +1,24 @@
 !> Borders of a cell: from the corners of a polygon of straight edges to those of the elements,
 !! which are curved if elements are.
 !!
-!! An edge of a cell lies on an edge of its own facet, straight in the parameters of the element, or
-!! on one of the facet of the other side. Of the latter the points are found that face the other
-!! edge: their distance from it is normal to the other surface, which is where projections change
-!! from one element to the next. Two cells that share an edge find the same points of it.
+!! An edge of a cell lies on an edge of its own facet, straight in the chart of the element
+!! (surface_chart), or on one of the facet of the other side. Of the latter the points are found
+!! that face the other edge: their distance from it is normal to the other surface, which is where
+!! projections change from one element to the next. Two cells that share an edge find the same
+!! points of it.
 module cell_border
   use base_kinds, only: wp
   use contact_pair, only: surface_t
   use polygon, only: MOST_CORNERS
   use projection_type, only: shape_t
+  use surface_chart, only: collapsed_side, to_chart, from_chart, chart_point
   use surface_geometry, only: surface_point
   implicit none
   private
   public :: part_t, find_border, bend_functions, NBEND
 
   integer, parameter :: NBEND = 8            !! points of an edge between its ends
-  !> Largest correction of a straight edge, relative to the facet.
+  !> Largest correction of a straight edge, relative to the facet (of a corner: in the chart).
   real(wp), parameter :: MOST_BEND = 0.25_wp
   real(wp), parameter :: STRAIGHT = 1.0e-13_wp !! rounding of parameters
   real(wp), parameter :: CONVERGED = 1.0e-13_wp, STALLED = 1.0e-9_wp
@@ -75,7 +77,8 @@ contains
     integer, intent(in) :: tag(:)               !! (m)
     real(wp), intent(inout) :: xi(:, :)         !! (2, m) parameters of the own part
     real(wp), intent(inout) :: zeta(:, :)       !! (2, m) of the other part, on its edges
-    real(wp), intent(out) :: bend(2, NBEND, MOST_CORNERS) !! see integrate_polygon
+    !> In the chart of the element; see integrate_polygon.
+    real(wp), intent(out) :: bend(2, NBEND, MOST_CORNERS)
     integer :: before, c, i
 
     bend = 0.0_wp
@@ -108,25 +111,28 @@ contains
     real(wp), intent(in) :: zeta(2)
     real(wp), intent(inout) :: xi(2)
     logical, intent(out), optional :: found
-    real(wp) :: at(2), x(3), a(3, 2), b(3, 3), y(3), p(3, 2), j(2, 2), r(2), d(2), det
-    integer :: step
+    real(wp) :: from(2), at(2), x(3), a(3, 2), y(3), p(3, 2), j(2, 2), r(2), d(2), det
+    integer :: side, step
 
     if (present(found)) found = .false.
-    call surface_point(other, opposite, elem, zeta, y, p, b)
-    at = xi
+    call chart_point(other, opposite, elem, collapsed_side(other, elem), &
+                     to_chart(collapsed_side(other, elem), zeta), y, p)
+    side = collapsed_side(own, mine%elem)
+    from = to_chart(side, xi)
+    at = from
     do step = 1, MOST_STEPS
-      call surface_point(own, shape, mine%elem, at, x, a, b)
+      call chart_point(own, shape, mine%elem, side, at, x, a)
       r = matmul(y - x, p)
       j = matmul(transpose(p), a)
       det = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
       if (.not. abs(det) > 0.0_wp) return
       d = [j(2, 2)*r(1) - j(1, 2)*r(2), j(1, 1)*r(2) - j(2, 1)*r(1)]/det
       at = at + d
-      if (.not. maxval(abs(at - xi)) <= MOST_BEND*maxval(mine%to - mine%from)) return
+      if (.not. maxval(abs(at - from)) <= MOST_BEND*maxval(mine%to - mine%from)) return
       if (maxval(abs(d)) < CONVERGED) exit
     end do
     if (maxval(abs(d)) > STALLED) return
-    xi = max(mine%from, min(mine%to, at))
+    xi = max(mine%from, min(mine%to, from_chart(side, at)))
     if (present(found)) found = .true.
   end subroutine find_facing
 
@@ -145,6 +151,8 @@ contains
     g = 3 - FIXED(i)
     at = xi
     to = zeta
+    ! at a vertex zeta may be that of another edge
+    to(FIXED(i)) = merge(theirs%from(FIXED(i)), theirs%to(FIXED(i)), i == 1 .or. i == 4)
     do step = 1, MOST_STEPS
       call surface_point(own, shape, mine%elem, at, x, a, b)
       call surface_point(other, opposite, theirs%elem, to, y, p, b)
@@ -166,7 +174,7 @@ contains
   end subroutine find_crossing
 
   !> How the image of a straight edge of the other surface deviates from the straight line between
-  !! its ends.
+  !! its ends, in the charts of both elements.
   pure subroutine find_bend(own, shape, mine, other, opposite, elem, xi, xi_to, zeta, zeta_to, bend)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite
@@ -174,26 +182,32 @@ contains
     integer, intent(in) :: elem
     real(wp), intent(in) :: xi(2), xi_to(2), zeta(2), zeta_to(2)
     real(wp), intent(out) :: bend(2, NBEND)
-    real(wp) :: off(2), off_to(2), s, line(2), at(2)
-    integer :: k
+    real(wp) :: off(2), off_to(2), s, line(2), at(2), edge(2), edge_to(2)
+    integer :: k, side, opposite_side
     logical :: found
 
     bend = 0.0_wp
+    side = collapsed_side(own, mine%elem)
+    opposite_side = collapsed_side(other, elem)
     off = xi                                 ! corners that were not found lie beside the edge
     call find_facing(own, shape, mine, other, opposite, elem, zeta, off)
     off_to = xi_to
     call find_facing(own, shape, mine, other, opposite, elem, zeta_to, off_to)
+    off = to_chart(side, off)
+    off_to = to_chart(side, off_to)
+    edge = to_chart(opposite_side, zeta)
+    edge_to = to_chart(opposite_side, zeta_to)
     do k = 1, NBEND
       s = 0.5_wp*(1.0_wp + bend_at(k))
       line = off + s*(off_to - off)
-      at = line
-      call find_facing(own, shape, mine, other, opposite, elem, zeta + s*(zeta_to - zeta), &
-                       at, found)
+      at = from_chart(side, line)
+      call find_facing(own, shape, mine, other, opposite, elem, &
+                       from_chart(opposite_side, edge + s*(edge_to - edge)), at, found)
       if (.not. found) then
         bend = 0.0_wp
         return
       end if
-      bend(:, k) = at - line
+      bend(:, k) = to_chart(side, at) - line
       if (k == 2 .and. maxval(abs(bend(:, :2))) < STRAIGHT) exit ! an affine map
     end do
   end subroutine find_bend

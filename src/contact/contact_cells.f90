@@ -4,8 +4,9 @@
 !! whole elements integrate it badly: blocks with different meshes then miss the patch test (Puso
 !! and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are divided into facets that are
 !! nearly flat (contact_facets); each facet of the integrated side is clipped, in its own plane, by
-!! the facets of the other side that face it, and the pieces are mapped back to the parameters of
-!! the element. What lies beyond the border of the other surface belongs to no cell.
+!! the facets of the other side that face it, and the pieces are mapped back to the chart of the
+!! element (surface_chart): its parameters or, on a triangle, coordinates of the triangle. What lies
+!! beyond the border of the other surface belongs to no cell.
 !!
 !! The points of the cells have reference areas as weights, so that only positions vary while the
 !! cells are kept.
@@ -17,7 +18,7 @@ module contact_cells
   use polygon, only: clip, signed_area, integrate_polygon, MOST_CORNERS
   use projection_type, only: foot_t, shape_t
   use quadrature, only: gauss
-  use surface_geometry, only: surface_point
+  use surface_chart, only: collapsed_side, to_chart, from_chart, chart_point
   use tensor, only: cross
   implicit none
   private
@@ -32,7 +33,6 @@ module contact_cells
   real(wp), parameter :: EVEN = 1.0e-8_wp      !! change of tangents that is none
   real(wp), parameter :: MOST_UNEVEN = 0.9_wp
   integer, parameter :: MOST_STEPS = 20        !! of Newton's method
-  real(wp), parameter :: NEARLY = 0.9_wp       !! largest fraction of the way to a collapsed edge
   integer, parameter :: USUAL_POINTS = 5       !! of QUADrature
   !> Maps that are no polynomials have a further point in each direction by default, unless they
   !! need more than MANY for an exact result, as those of strongly deformed surfaces do: points
@@ -74,10 +74,10 @@ contains
     type(rule_t) :: rule
     real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
     real(wp) :: point(2, MOST_POINTS), weight(MOST_POINTS)
-    real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2), b(3, 3)
+    real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2)
     integer, allocatable :: near(:)
-    integer :: tag(MOST_CORNERS), ray(MOST_CORNERS)
-    integer :: e, i, j, m, n, nnear, npoint, q
+    integer :: tag(MOST_CORNERS)
+    integer :: e, flat, i, j, m, n, nnear, npoint, q
     type(part_t) :: part
     logical :: mapped
 
@@ -91,6 +91,7 @@ contains
         do while (e < mine%elem(i))
           e = e + 1
           cells%first(e) = cells%n + 1
+          flat = collapsed_side(own, e)
         end do
         call find_near(mine, i, theirs, reach, near, nnear)
         if (nnear == 0) cycle
@@ -102,9 +103,9 @@ contains
           if (dot_product(mine%normal(:, i), theirs%normal(:, near(j))) > FACING) cycle
           call overlap(mine%x(:, 1, i), frame, quad, theirs%x(:, :, near(j)), &
                        contact%depth, reach, m, corner, tag, zeta)
+          call join_corners(ON_EDGE*maxval(abs(quad)), m, corner, tag, zeta)
           if (m == 0) cycle
-          call split_vertex(quad, m, corner, tag, zeta, ray)
-          call map_corners(own, shape(k), e, mine, i, frame, quad, m, ray, corner, mapped)
+          call map_corners(own, shape(k), e, flat, mine, i, frame, quad, m, corner, mapped)
           if (.not. mapped) cycle
           associate (from => theirs%from(:, near(j)), to => theirs%to(:, near(j)))
             do q = 1, m
@@ -113,6 +114,9 @@ contains
             call find_border(own, shape(k), part, contact%side(3 - k), shape(3 - k), &
                              part_t(theirs%elem(near(j)), from, to), m, tag, corner, zeta, bend)
           end associate
+          do q = 1, m
+            corner(:, q) = to_chart(flat, corner(:, q))
+          end do
           n = order_of_piece(rule, corner(:, :m), part, mine, i, theirs, near(j))
           call integrate_polygon(corner(:, :m), bend(:, :, :m), rule%g(:n, n), rule%w(:n, n), &
                                  rule%f(:, :n, n), rule%df(:, :n, n), npoint, point, weight)
@@ -121,8 +125,8 @@ contains
             if (.not. abs(weight(q)) > 0.0_wp) cycle
             cells%n = cells%n + 1
             cells%elem(cells%n) = e
-            cells%xi(:, cells%n) = max(-1.0_wp, min(1.0_wp, point(:, q)))
-            call surface_point(own, reference, e, cells%xi(:, cells%n), x, a, b)
+            cells%xi(:, cells%n) = max(-1.0_wp, min(1.0_wp, from_chart(flat, point(:, q))))
+            call chart_point(own, reference, e, flat, to_chart(flat, cells%xi(:, cells%n)), x, a)
             cells%weight(cells%n) = weight(q)*norm2(cross(a(:, 1), a(:, 2)))
             cells%foot(cells%n)%elem = theirs%elem(near(j))
             cells%foot(cells%n)%xi = 0.5_wp*(theirs%from(:, near(j)) + theirs%to(:, near(j)))
@@ -154,7 +158,7 @@ contains
   !! whole element has the points of QUADrature, a small piece those that it needs.
   pure integer function order_of_piece(rule, corner, part, mine, i, theirs, j) result(n)
     type(rule_t), intent(in) :: rule
-    real(wp), intent(in) :: corner(:, :)    !! (2, m) in the parameters of the element
+    real(wp), intent(in) :: corner(:, :)    !! (2, m) in the chart of the element
     type(part_t), intent(in) :: part        !! facet i
     type(facets_t), intent(in) :: mine, theirs
     integer, intent(in) :: i, j
@@ -279,75 +283,50 @@ contains
     end do
   end subroutine overlap
 
-  !> The edge of a facet that is collapsed to a point; 0: none.
-  pure integer function collapsed_edge(quad) result(k)
-    real(wp), intent(in) :: quad(2, 4)
-
-    do k = 4, 1, -1
-      if (norm2(quad(:, mod(k, 4) + 1) - quad(:, k)) <= ON_EDGE*maxval(abs(quad))) return
-    end do
-  end function collapsed_edge
-
-  !> A corner at a collapsed edge becomes two, one for each edge of the cell that ends there: lines
-  !! to it are lines of one parameter. ray(c) is the corner that has the parameter of corner c; 0: c
-  !! is not such a corner.
-  pure subroutine split_vertex(quad, m, corner, tag, zeta, ray)
-    real(wp), intent(in) :: quad(2, 4)
-    integer, intent(inout) :: m, tag(MOST_CORNERS)
+  !> Join corners that are nearer to each other than `same`: facets may have collapsed edges.
+  pure subroutine join_corners(same, m, corner, tag, zeta)
+    real(wp), intent(in) :: same            !! [L]
+    integer, intent(inout) :: m             !! corners; 0: nothing is left
+    integer, intent(inout) :: tag(MOST_CORNERS)
     real(wp), intent(inout) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS)
-    integer, intent(out) :: ray(MOST_CORNERS)
-    integer :: c, d, k
+    integer :: c
 
-    ray = 0
-    k = collapsed_edge(quad)
-    if (k == 0) return
-    d = 0
-    do c = m, 1, -1                      ! corners there are neighbours: the last one remains
-      if (norm2(corner(:, c) - quad(:, k)) > ON_EDGE*maxval(abs(quad))) cycle
-      if (d > 0) then
-        corner(:, c:m - 1) = corner(:, c + 1:m)
-        zeta(:, c:m - 1) = zeta(:, c + 1:m)
-        tag(c:m - 1) = tag(c + 1:m)
-        m = m - 1
-        if (d > m + 1) d = m + 1
-        d = d - 1
-      else
-        d = c
+    c = 1
+    do while (c <= m)
+      if (norm2(corner(:, mod(c, m) + 1) - corner(:, c)) > same) then
+        c = c + 1
+        cycle
       end if
+      corner(:, c:m - 1) = corner(:, c + 1:m)
+      zeta(:, c:m - 1) = zeta(:, c + 1:m)
+      tag(c:m - 1) = tag(c + 1:m)
+      m = m - 1
     end do
-    if (d == 0 .or. m < 3 .or. m == MOST_CORNERS) return
-    corner(:, d + 1:m + 1) = corner(:, d:m)
-    zeta(:, d + 1:m + 1) = zeta(:, d:m)
-    tag(d + 1:m + 1) = tag(d:m)
-    m = m + 1
-    tag(d) = -k
-    ray(d) = mod(d + m - 2, m) + 1
-    ray(d + 1) = mod(d + 1, m) + 1
-  end subroutine split_vertex
+    if (m < 3) m = 0
+  end subroutine join_corners
 
   !> From the plane of a facet to the parameters of its element. Corners on an edge of the facet
   !! stay on it.
-  pure subroutine map_corners(own, shape, e, facets, i, frame, quad, m, ray, corner, mapped)
+  pure subroutine map_corners(own, shape, e, flat, facets, i, frame, quad, m, corner, mapped)
     type(surface_t), intent(in) :: own
     type(shape_t), intent(in) :: shape
-    integer, intent(in) :: e, i
+    integer, intent(in) :: e, flat               !! element, its collapsed side
     type(facets_t), intent(in) :: facets
+    integer, intent(in) :: i
     real(wp), intent(in) :: frame(3, 3), quad(2, 4)
-    integer, intent(in) :: m, ray(MOST_CORNERS)  !! see split_vertex
+    integer, intent(in) :: m
     real(wp), intent(inout) :: corner(2, MOST_CORNERS)
     logical, intent(out) :: mapped
-    real(wp) :: edge(2), xi(2), x(3), a(3, 2), b(3, 3), r(2), j(2, 2), d(2), det
-    real(wp) :: bound(4)
-    integer :: c, flat, k, step
+    real(wp) :: edge(2), u(2), xi(2), x(3), a(3, 2), r(2), j(2, 2), d(2), det
+    real(wp) :: bound(4), image(2, MOST_CORNERS)
+    integer :: c, k, step
 
     mapped = .true.
-    flat = collapsed_edge(quad)
     bound = [facets%from(2, i), facets%to(1, i), facets%to(2, i), facets%from(1, i)]
     do c = 1, m
-      if (ray(c) > 0) cycle
-      xi = 0.5_wp*(facets%from(:, i) + facets%to(:, i))
+      u = to_chart(flat, 0.5_wp*(facets%from(:, i) + facets%to(:, i)))
       do step = 1, MOST_STEPS
-        call surface_point(own, shape, e, xi, x, a, b)
+        call chart_point(own, shape, e, flat, u, x, a)
         x = x - facets%x(:, 1, i)
         r = corner(:, c) - [dot_product(x, frame(:, 1)), dot_product(x, frame(:, 2))]
         j = matmul(transpose(frame(:, :2)), a)
@@ -355,20 +334,14 @@ contains
         if (.not. det > 0.0_wp) exit
         d = [j(2, 2)*r(1) - j(1, 2)*r(2), j(1, 1)*r(2) - j(2, 1)*r(1)]/det
         d = max(-1.0_wp, min(1.0_wp, d))
-        if (flat > 0) then ! a tangent vanishes at the collapsed edge: not beyond it
-          r(1) = NEARLY*(bound(flat) - xi(merge(2, 1, mod(flat, 2) == 1)))
-          det = d(merge(2, 1, mod(flat, 2) == 1))/r(1)
-          if (det > 1.0_wp) d = d/det
-          det = 1.0_wp
-        end if
-        xi = max(facets%from(:, i) - 0.5_wp, min(facets%to(:, i) + 0.5_wp, xi + d))
+        u = max(-1.5_wp, min(1.5_wp, u + d))
         if (maxval(abs(d)) < 1.0e-13_wp) exit
       end do
       if (.not. det > 0.0_wp) then
         mapped = .false.
         return
       end if
-      xi = max(facets%from(:, i), min(facets%to(:, i), xi))
+      xi = max(facets%from(:, i), min(facets%to(:, i), from_chart(flat, u)))
       do k = 1, 4
         edge = quad(:, mod(k, 4) + 1) - quad(:, k)
         r = corner(:, c) - quad(:, k)
@@ -376,13 +349,9 @@ contains
         xi(merge(2, 1, mod(k, 2) == 1)) = bound(k)
       end do
       corner(:, c) = xi
+      image(:, c) = to_chart(flat, xi)
     end do
-    do c = 1, m
-      if (ray(c) == 0) cycle
-      corner(:, c) = corner(:, ray(c))
-      corner(merge(2, 1, mod(flat, 2) == 1), c) = bound(flat)
-    end do
-    mapped = signed_area(corner(:, :m)) > 0.0_wp
+    mapped = signed_area(image(:, :m)) > 0.0_wp
   end subroutine map_corners
 
 end module contact_cells

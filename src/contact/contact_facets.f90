@@ -4,6 +4,7 @@ module contact_facets
   use base_kinds, only: wp
   use contact_pair, only: surface_t
   use projection_type, only: shape_t
+  use surface_chart, only: collapsed_side, to_chart, chart_point
   use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
@@ -27,7 +28,7 @@ module contact_facets
     real(wp), allocatable :: x(:, :, :)
     real(wp), allocatable :: normal(:, :)   !! (3, n) unit normals
     real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) boxes [L]
-    !> (n) Relative change of the tangents from the middle to the corners; 0: the map is affine.
+    !> (n) Relative change of the tangents of the chart from the middle to the corners; 0: affine.
     real(wp), allocatable :: uneven(:)
     real(wp) :: size = 0.0_wp               !! of the largest box [L]
     real(wp) :: least = huge(1.0_wp)        !! of the smallest one [L]
@@ -84,30 +85,20 @@ contains
     integer, intent(in) :: e
     real(wp), intent(in) :: from(2), to(2)
     real(wp), intent(out) :: x(3, 4), normal(3), uneven
-    real(wp) :: y(3), a(3, 2), b(3, 3), middle(3, 2), at(2, 4)
-    integer :: c
+    real(wp) :: y(3), a(3, 2), middle(3, 2), at(2, 4)
+    integer :: c, flat
 
+    flat = collapsed_side(surface, e)
     at = reshape([from, to(1), from(2), to, from(1), to(2)], [2, 4])
-    call surface_point(surface, shape, e, 0.5_wp*(from + to), y, middle, b)
+    call chart_point(surface, shape, e, flat, to_chart(flat, 0.5_wp*(from + to)), y, middle)
     uneven = 0.0_wp
     do c = 1, 4
-      call surface_point(surface, shape, e, at(:, c), x(:, c), a, b)
+      call chart_point(surface, shape, e, flat, to_chart(flat, at(:, c)), x(:, c), a)
       uneven = max(uneven, change(middle, a))
     end do
-    if (is_triangle(surface, e)) uneven = 0.0_wp
     normal = cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2))
     normal = normal/max(norm2(normal), tiny(1.0_wp))
   end subroutine place_facet
-
-  !> Does an element have a collapsed edge? If it is flat, its functions are polynomials of the
-  !! position.
-  pure logical function is_triangle(surface, e)
-    type(surface_t), intent(in) :: surface
-    integer, intent(in) :: e
-
-    is_triangle = .false.
-    if (allocated(surface%point)) is_triangle = any(surface%point(:, e))
-  end function is_triangle
 
   !> Change of tangents, in those of the middle.
   pure real(wp) function change(middle, a) result(r)
@@ -146,7 +137,7 @@ contains
         n(:, q) = n(:, q)/max(norm2(n(:, q)), tiny(1.0_wp))
       end do
     end do
-    if (is_triangle(surface, e)) uneven = 0.0_wp
+    if (collapsed_side(surface, e) > 0) uneven = 0.0_wp ! of its parameters
     turn = 1.0_wp
     bend = 0.0_wp
     do q = 1, 9
