@@ -3,7 +3,8 @@
 !! Within an element the distance is minimised under the bounds -1 <= xi <= 1. If it would decrease
 !! further beyond an edge, the search continues in the neighbour if the distance decreases there
 !! too; otherwise the surface has a ridge there, and the projection is a point of the edge. At a
-!! vertex, all elements around it are tried. Projections onto the outer boundary are rejected.
+!! vertex, all elements around it are tried; of a triangle, the vertex may be a collapsed edge, at
+!! which a tangent vanishes (surface_chart). Projections onto the outer boundary are rejected.
 !!
 !! Read on: projection_type (the result of a projection), projection_iterate (one Newton step),
 !! projection_search (starting points), then contact_point (gap, traction and tangent at a
@@ -16,6 +17,7 @@ module projection
                                 take_last_step, is_rounding
   use projection_search, only: grid_t, nearest_start, is_near
   use projection_type, only: foot_t, shape_t
+  use surface_chart, only: collapsed_side
   use surface_traversal, only: step_across, corner_at, corner_xi
   use tensor, only: cross
   implicit none
@@ -34,9 +36,11 @@ module projection
   !> A step shorter than this, which squares the error, is the last one and needs no further
   !! evaluation.
   real(wp), parameter :: LAST_STEP = 3.0e-8_wp
-  !> If an iterate is closer than this to a collapsed edge, the other elements around the edge are
-  !! tried.
-  real(wp), parameter :: BESIDE = 1.0e-3_wp
+  !> If an iterate is closer than BESIDE to a collapsed edge and would pass it, the other elements
+  !! around the edge are tried. It has arrived if it is closer than ARRIVED.
+  real(wp), parameter :: BESIDE = 1.0e-3_wp, ARRIVED = 1.0e-9_wp
+  !> Where an element is evaluated instead of a collapsed edge, its distance from it.
+  real(wp), parameter :: INSIDE = 1.0e-6_wp
   !> Ways in which an iteration ends.
   integer, parameter :: LOST = 0, OUTER = 1, SMOOTH = 2, ON_EDGE = 3, ON_VERTEX = 4
 
@@ -104,10 +108,11 @@ contains
     integer, intent(out) :: edge(2)    !! active bounds; 0: none
     integer, intent(out) :: changes    !! number of changes of the element
     real(wp) :: d(2), push(2), size, last
-    integer :: i, step, idle
+    integer :: i, side, step, idle
     logical :: moved, definite, squares
 
     ending = LOST
+    call leave_vertex(surface, shape, x, iterate)
     idle = 0
     changes = 0
     last = huge(1.0_wp)
@@ -123,6 +128,25 @@ contains
         end if
       end if
       call find_step(iterate, edge > 0, d, definite, squares)
+      side = vertex_ahead(surface, iterate, d)
+      if (side > 0 .and. idle < MOST_CHANGES) then
+        call try_ring(surface, shape, x, iterate, moved)
+        if (moved) then
+          if (idle == 0) changes = changes + 1
+          idle = idle + 1
+          cycle
+        end if
+      end if
+      if (side > 0) then
+        i = (side + 1)/2
+        if (1.0_wp - abs(iterate%xi(i)) < ARRIVED) then
+          edge(i) = side
+          edge(3 - i) = merge(2, 1, iterate%xi(3 - i) > 0.0_wp) + 2*(2 - i)
+          ending = ON_VERTEX
+          if (surface%outer(surface%vertex(corner_at(iterate%xi), iterate%elem))) ending = OUTER
+          return
+        end if
+      end if
       size = max(abs(d(1)), abs(d(2)))
       if (squares .and. size < LAST_STEP) then
         if (all(abs(iterate%xi + d) < 1.0_wp)) then
@@ -148,8 +172,68 @@ contains
     end do
   end subroutine minimise
 
-  !> Change to an element across an active edge, around a vertex or around a collapsed edge if the
-  !! distance decreases there.
+  !> Start beside a collapsed edge instead of on it.
+  pure subroutine leave_vertex(surface, shape, x, iterate)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    real(wp), intent(in) :: x(3)
+    type(iterate_t), intent(inout) :: iterate
+    real(wp) :: xi(2)
+
+    if (.not. allocated(surface%point)) return
+    xi = iterate%xi
+    call move_inside(surface, iterate%elem, xi)
+    if (any(abs(xi - iterate%xi) > 0.0_wp)) then
+      call evaluate(surface, shape, iterate%elem, xi, x, iterate)
+    end if
+  end subroutine leave_vertex
+
+  !> Move a point off the collapsed edge of its element.
+  pure subroutine move_inside(surface, elem, xi)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: elem
+    real(wp), intent(inout) :: xi(2)
+    integer :: g, side
+
+    side = vertex_at(surface, elem, xi)
+    if (side == 0) return
+    g = (side + 1)/2
+    xi(g) = (1.0_wp - INSIDE)*xi(g)
+  end subroutine move_inside
+
+  !> The collapsed side on which a point of an element lies; 0: none.
+  pure integer function vertex_at(surface, elem, xi) result(side)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: elem
+    real(wp), intent(in) :: xi(2)
+
+    side = collapsed_side(surface, elem)
+    if (side == 0) return
+    if (abs(xi((side + 1)/2) - merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)) >= ARRIVED) side = 0
+  end function vertex_at
+
+  !> The collapsed side that the step d would pass from nearby, before any other edge; 0: none.
+  pure integer function vertex_ahead(surface, iterate, d) result(side)
+    type(surface_t), intent(in) :: surface
+    type(iterate_t), intent(in) :: iterate
+    real(wp), intent(in) :: d(2)
+    real(wp) :: way, distance
+    integer :: f, g
+
+    side = collapsed_side(surface, iterate%elem)
+    if (side == 0) return
+    g = (side + 1)/2
+    f = 3 - g
+    way = d(g)*merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
+    distance = 1.0_wp - iterate%xi(g)*merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
+    if (distance > BESIDE .or. way < distance) then
+      side = 0
+    else if (abs(iterate%xi(f) + d(f)*(distance/way)) > 1.0_wp) then
+      side = 0
+    end if
+  end function vertex_ahead
+
+  !> Change to an element across an active edge or around a vertex if the distance decreases there.
   pure subroutine change_element(surface, shape, x, edge, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -168,6 +252,7 @@ contains
       xi = iterate%xi
       if (surface%neighbour(edge(i), elem) == 0) cycle
       call step_across(surface, edge(i), elem, xi, behind)
+      if (vertex_at(surface, elem, xi) > 0) cycle
       call evaluate(surface, shape, elem, xi, x, other)
       moved = falls_inwards(other, (behind + 1)/2)
       if (moved) then
@@ -176,16 +261,11 @@ contains
       end if
     end do
     if (all(edge > 0)) call try_ring(surface, shape, x, iterate, moved)
-    if (moved .or. .not. allocated(surface%point)) return
-    do i = 1, 2
-      if (1.0_wp - abs(iterate%xi(i)) > BESIDE) cycle
-      if (.not. surface%point(merge(2*i - 1, 2*i, iterate%xi(i) < 0.0_wp), iterate%elem)) cycle
-      call try_ring(surface, shape, x, iterate, moved)
-      return
-    end do
   end subroutine change_element
 
-  !> Change to an element around the nearest vertex if the distance decreases there.
+  !> Change to an element around the nearest vertex if the distance decreases there. An element
+  !! whose collapsed edge is the vertex is entered along its other edges, which end there: both are
+  !! in the ring.
   pure subroutine try_ring(surface, shape, x, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -193,15 +273,27 @@ contains
     type(iterate_t), intent(inout) :: iterate
     logical, intent(out) :: moved
     type(iterate_t) :: other
-    integer :: vertex, r, elem
+    real(wp) :: xi(2)
+    integer :: vertex, r, elem, g, side
 
     moved = .false.
     vertex = surface%vertex(corner_at(iterate%xi), iterate%elem)
     do r = surface%ring_first(vertex), surface%ring_first(vertex + 1) - 1
       elem = surface%ring_elem(r)
       if (elem == iterate%elem) cycle
-      call evaluate(surface, shape, elem, corner_xi(surface%ring_corner(r)), x, other)
-      moved = falls_inwards(other, 1) .or. falls_inwards(other, 2)
+      xi = corner_xi(surface%ring_corner(r))
+      call evaluate(surface, shape, elem, xi, x, other)
+      side = vertex_at(surface, elem, xi)
+      if (side == 0) then
+        moved = falls_inwards(other, 1) .or. falls_inwards(other, 2)
+      else
+        g = (side + 1)/2
+        moved = other%g(g)*xi(g) < 0.0_wp .and. .not. is_rounding(other, g, other%g(g)/other%m(g))
+        if (moved) then
+          xi(g) = xi(g) + max(-1.0_wp, min(1.0_wp, other%g(g)/other%m(g)))
+          call evaluate(surface, shape, elem, xi, x, other)
+        end if
+      end if
       if (moved) then
         iterate = other
         return
@@ -289,8 +381,9 @@ contains
       vertex = surface%vertex(corner_at(iterate%xi), iterate%elem)
       do r = surface%ring_first(vertex), surface%ring_first(vertex + 1) - 1
         if (surface%ring_elem(r) == iterate%elem) cycle
-        call evaluate(surface, shape, surface%ring_elem(r), corner_xi(surface%ring_corner(r)), x, &
-                      other)
+        xi = corner_xi(surface%ring_corner(r))
+        call move_inside(surface, surface%ring_elem(r), xi)
+        call evaluate(surface, shape, surface%ring_elem(r), xi, x, other)
         if (other%regular) n = n + normal(other)
       end do
     end if
