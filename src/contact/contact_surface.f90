@@ -64,7 +64,7 @@ contains
         end do
       end associate
     end do
-    call connect_elements(mesh%xr, surface, error)
+    call connect_elements(mesh%xr, mesh%constraint, surface, error)
     if (allocated(error)) return
     call number_controls(surface)
   end subroutine build_surface

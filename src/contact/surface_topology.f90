@@ -4,12 +4,14 @@
 !! Two edges are the same if the same nodes have a trace on them and if they have the same position
 !! in the reference configuration. An edge that is collapsed to a point (prisms) has no neighbour.
 !! At a T-junction, an edge meets several others, each of which is a part of it
-!! (surface_t_junctions).
+!! (surface_t_junctions): control points of a spline have traces on all of them, or the nodes of the
+!! parts hang on those of the whole edge.
 module surface_topology
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
   use base_sort, only: sort_index, unique, hash
   use base_text, only: to_text
+  use constraint, only: constraint_t, slave_marks
   use contact_pair, only: surface_t
   use surface_t_junctions, only: edge_point, match_t_junctions
   implicit none
@@ -37,8 +39,9 @@ module surface_topology
 contains
 
   !> Set neighbour, edge, part, point, vertex, ring and outer of a surface.
-  subroutine connect_elements(xr, surface, error)
+  subroutine connect_elements(xr, hanging, surface, error)
     real(wp), intent(in) :: xr(:, :)
+    type(constraint_t), intent(in) :: hanging
     type(surface_t), intent(inout) :: surface
     type(error_t), allocatable, intent(out) :: error
     type(edges_t) :: edges
@@ -50,7 +53,8 @@ contains
     if (allocated(error)) return
     free = pack([(i, i=1, size(edges%key))], &
                 reshape(surface%neighbour == 0 .and. .not. edges%point, [size(edges%key)]))
-    call match_t_junctions(xr, free, edges%key(free), NEAR*edges%length, surface)
+    call match_t_junctions(xr, free, master_keys(edges, free, hanging, size(xr, 2)), &
+                           NEAR*edges%length, surface)
     call number_vertices(surface, edges%point)
     if (any(edges%point)) surface%point = edges%point
   end subroutine connect_elements
@@ -99,6 +103,34 @@ contains
       end associate
     end do
   end subroutine find_edges
+
+  !> Keys that are equal for edges whose nodes depend on the same nodes.
+  pure function master_keys(edges, edge, hanging, nnode) result(key)
+    type(edges_t), intent(in) :: edges
+    integer, intent(in) :: edge(:)
+    type(constraint_t), intent(in) :: hanging
+    integer, intent(in) :: nnode
+    integer(i8) :: key(size(edge))
+    integer, allocatable :: list(:)
+    integer :: mark(merge(nnode, 0, hanging%n > 0))
+    integer :: e, i
+
+    key = edges%key(edge)
+    if (hanging%n == 0) return
+    mark = slave_marks(hanging, nnode)
+    do e = 1, size(edge)
+      associate (node => edges%node(edges%first(edge(e)):edges%first(edge(e) + 1) - 1))
+        if (all(mark(node) == 0)) cycle
+        list = pack(node, mark(node) == 0)
+        do i = 1, size(node)
+          if (mark(node(i)) == 0) cycle
+          list = [list, hanging%master(hanging%first(mark(node(i))): &
+                                       hanging%first(mark(node(i)) + 1) - 1)]
+        end do
+        key(e) = hash(unique(list))
+      end associate
+    end do
+  end function master_keys
 
   !> Find the pairs of edges that are the same: they have the same nodes at the same positions, in
   !! either direction.
