@@ -1,7 +1,7 @@
 !> Results of the mortar scheme when a step is accepted.
 module mortar_results
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_state_t, friction_points_t
+  use contact_pair, only: contact_t, contact_state_t, friction_points_t, surface_t
   use contact_point, only: traction_derivatives_t, vary_normal
   use contact_type, only: OPEN, STICK, SLIP
   use contact_work, only: own_share
@@ -11,6 +11,7 @@ module mortar_results
   use projection_search, only: grid_t
   use projection_type, only: foot_t, shape_t, touches
   use rigid_surface, only: put_force
+  use surface_chart, only: collapsed_side, to_chart
   use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
@@ -59,7 +60,7 @@ contains
           if (.not. touches(foot, contact%depth)) cycle
           p = pressure_at(side, contact, k, e, contact%xi(:, q), foot%gap)
           if (.not. (p > 0.0_wp .and. stretch > 0.0_wp)) cycle
-          j = nearest_closed(side, e, contact%xi(:, q))
+          j = nearest_closed(own, side, e, contact%xi(:, q))
           if (j == 0) cycle                  ! beyond the border of the other side, or looking away
           call vary_normal(foot, at, n, dn)
           p = p*reference/stretch
@@ -105,25 +106,33 @@ contains
     end associate
   end subroutine keep_friction
 
-  !> The nearest point of the cells of an element that carries a pressure; 0: there is none.
-  pure integer function nearest_closed(side, e, xi) result(j)
+  !> The nearest point of the cells of an element that carries a pressure; 0: xi lies in no cell
+  !! with such a point.
+  pure integer function nearest_closed(own, side, e, xi) result(j)
+    type(surface_t), intent(in) :: own
     type(mortar_side_t), intent(in) :: side
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
-    real(wp) :: d, least
-    integer :: i, n
+    real(wp) :: area, d, least, u(2)
+    integer :: flat, i
+    logical :: inside
 
     j = 0
     least = huge(least)
+    inside = .false.
+    flat = collapsed_side(own, e)
+    u = to_chart(flat, xi)
+    area = merge(2.0_wp, 4.0_wp, flat > 0)/own%width(e)**2 ! of the chart, relative to that of e
     do i = side%cells%first(e), side%cells%first(e + 1) - 1
       if (.not. side%p(i) > 0.0_wp) cycle
-      d = sum((side%cells%xi(:, i) - xi)**2)
+      d = sum((to_chart(flat, side%cells%xi(:, i)) - u)**2)
+      ! no farther than about two points of this cell are from each other
+      inside = inside .or. d <= 4.0_wp*area*abs(side%cells%weight(i))
       if (d >= least) cycle
       least = d
       j = i
     end do
-    n = max(1, side%cells%first(e + 1) - side%cells%first(e))
-    if (least > 16.0_wp/n) j = 0 ! farther than about two points are from each other
+    if (.not. inside) j = 0
   end function nearest_closed
 
   !> Area in contact, its parts that stick and slip, and the largest penetration of side k.
