@@ -283,7 +283,8 @@ contains
     end do
   end subroutine overlap
 
-  !> Join corners that are nearer to each other than `same`: facets may have collapsed edges.
+  !> Join corners that are nearer to each other than `same`: facets may have collapsed edges, and
+  !! corners may lie on edges of the other side.
   pure subroutine join_corners(same, m, corner, tag, zeta)
     real(wp), intent(in) :: same            !! [L]
     integer, intent(inout) :: m             !! corners; 0: nothing is left
@@ -297,6 +298,8 @@ contains
         c = c + 1
         cycle
       end if
+      ! the edge before the corner that remains is then that before corner c
+      if (tag(mod(c + m - 2, m) + 1) > 0) zeta(:, mod(c, m) + 1) = zeta(:, c)
       corner(:, c:m - 1) = corner(:, c + 1:m)
       zeta(:, c:m - 1) = zeta(:, c + 1:m)
       tag(c:m - 1) = tag(c + 1:m)
