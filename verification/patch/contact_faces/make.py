@@ -304,7 +304,9 @@ class Case:
         x = fields.points
         inside = ((x[:, :2] > 1e-12) & (x[:, :2] < 1 - 1e-12)).all(1) | (self.state == "pressed")
         pressure = pressure[(np.abs(x[:, 2]) < 1e-12) & inside]
-        true = self.p if self.state == "pressed" else -stress[2] / np.linalg.det(np.eye(2) + A[:2, :2])
+        true = (
+            self.p if self.state == "pressed" else -stress[2] / np.linalg.det(np.eye(2) + A[:2, :2])
+        )
         return (force, worst, np.abs(pressure / true - 1).max()), 0
 
 
@@ -318,7 +320,11 @@ def cases():
              ("hexahedra", "hexahedra"), ("hanging", "hexahedra"), ("hanging", "hanging"), ("hanging", "tet10")]  # fmt: skip
     for state in ("pressed", "sheared"):
         for low, high in pairs:
-            for n, m in [((3, 2, 2), (4, 5, 1)), ((1, 1, 1), (10, 10, 1)), ((10, 10, 1), (1, 1, 1))]:
+            for n, m in [
+                ((3, 2, 2), (4, 5, 1)),
+                ((1, 1, 1), (10, 10, 1)),
+                ((10, 10, 1), (1, 1, 1)),
+            ]:
                 out.append(Case(low, high, n, m, state))
             if QUADS & {low, high}:
                 out.append(Case(low, high, (3, 2, 2), (4, 5, 1), state, distorted=True))
