@@ -16,7 +16,7 @@ module command_checkpoint
   use program_version, only: VERSION
   use restart_file, only: fingerprint_t, make_fingerprint, store => write_checkpoint, &
                           read_checkpoint
-  use step, only: rewind_step
+  use step, only: abandon_step
   implicit none
   private
   public :: write_checkpoint, set_restart_point, restore_run, stop_wanted, stop_run
@@ -99,9 +99,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (run%step%open) then
-      call rewind_step(run%step, run%state)
+      call abandon_step(run%step, run%state)
       call rewind_program(run%program, run%deck%params)
-      run%step%retry = run%step%cutbacks > 0 ! a restarted run counts cut-backs too
     end if
     if (run%step%newton%mode == FULL .or. .not. run%restart_point%set) then
       call write_checkpoint(run, error)
@@ -146,6 +145,7 @@ contains
       call exchange(x, 'total_cutbacks', total%cutbacks)
       call exchange(x, 'total_negative_pivots', total%negative_pivots)
       call exchange(x, 'total_unconverged', total%unconverged)
+      call exchange(x, 'total_inertia', total%inertia)
     end associate
     associate (newton => run%step%newton)
       call exchange(x, 'newton_tolerance', newton%tolerance)

@@ -39,7 +39,8 @@ contains
           if (allocated(error)) return
           deallocate (column)
         end associate
-        if (allocated(files%kept) .and. has_row(run, i)) call note_row(run, i) ! may be the last one
+        if (.not. allocated(files%kept)) cycle
+        if (files%kept > 0 .and. has_row(run, i)) call note_row(run, i) ! may be the last one
       end do
       files%curves_open = .true.
       if (allocated(files%kept)) call open_fields(run, error)

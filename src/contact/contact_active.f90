@@ -14,8 +14,8 @@ module contact_active
   use subcell_quadrature, only: acting, begin_refinement, is_refined, silence
   implicit none
   private
-  public :: pairs_t, new_pairs, need_pair, find_pair, has_idle, prune_pairs, pair_clique, &
-            map_pairs, project_side, follow_silent
+  public :: pairs_t, new_pairs, need_pair, find_pair, forget_need, has_idle, prune_pairs, &
+            pair_clique, map_pairs, project_side, follow_silent
 
   !> Positions in the matrix of the blocks of one pair.
   type :: map_t
@@ -94,6 +94,13 @@ contains
 
     has_idle = any(pairs%used(:pairs%n) < step)
   end function has_idle
+
+  !> Begin a step, or a step once more: no pair has been needed in it.
+  pure subroutine forget_need(pairs)
+    type(pairs_t), intent(inout) :: pairs
+
+    pairs%used(:pairs%n) = -1
+  end subroutine forget_need
 
   !> Remove the pairs that were last needed before `step`.
   subroutine prune_pairs(pairs, step)

@@ -2,8 +2,8 @@
 !! and adds their forces and derivatives. When a step is accepted: moves the sliding points.
 module contact_assembly
   use base_kinds, only: wp
-  use contact_active, only: pairs_t, new_pairs, need_pair, has_idle, prune_pairs, pair_clique, &
-                            map_pairs, project_side, follow_silent
+  use contact_active, only: pairs_t, new_pairs, need_pair, forget_need, has_idle, prune_pairs, &
+                            pair_clique, map_pairs, project_side, follow_silent
   use contact_bond, only: needs_projection
   use contact_element, only: form_element
   use contact_forces, only: add_force_parts
@@ -69,11 +69,19 @@ contains
     end do
   end subroutine new_contact_work
 
-  !> A step begins, perhaps once more after a cut-back: cells are cut anew.
-  elemental subroutine begin_contact(work)
-    type(contact_work_t), intent(inout) :: work
+  !> Begin a step, also after a cut-back: its pattern must not depend on what earlier attempts
+  !! coupled, since a restarted run knows nothing of them.
+  pure subroutine begin_contact(work)
+    type(contact_work_t), intent(inout) :: work(:)
+    integer :: c, k
 
-    work%mortar%step = -1
+    do c = 1, size(work)
+      work(c)%step = -1
+      work(c)%mortar%step = -1
+      do k = 1, 2
+        call forget_need(work(c)%pairs(k))
+      end do
+    end do
   end subroutine begin_contact
 
   !> Does friction act? It does in steps that start at AFTEr or later.

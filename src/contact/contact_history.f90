@@ -67,6 +67,8 @@ contains
     type(contact_state_t), intent(inout) :: state
     integer :: k
 
+    state%force = state%force_step
+    state%moment = state%moment_step
     do k = 1, 2
       associate (points => state%side(k))
         points%closest = points%closest_step
@@ -88,6 +90,8 @@ contains
     type(contact_state_t), intent(inout) :: state
     integer :: k
 
+    state%force_step = state%force
+    state%moment_step = state%moment
     do k = 1, 2
       associate (points => state%side(k))
         points%closest_step = points%closest

@@ -191,6 +191,7 @@ module contact_pair
     real(wp) :: dissipated = 0.0_wp          !! MORTAR: work of all slip [F L]
     !> MORTAR: force on each side and its moment about the origin, of the last assembly [F], [F L]
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
+    real(wp) :: force_step(3, 2) = 0.0_wp, moment_step(3, 2) = 0.0_wp !! at the start of the step
     !> MORTAR: of each side that is integrated, current area in contact and those parts of it that
     !! stick and slip [L^2], largest penetration [L].
     real(wp) :: area(2) = 0.0_wp, sticks(2) = 0.0_wp, slips(2) = 0.0_wp, penetration(2) = 0.0_wp

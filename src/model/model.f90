@@ -70,6 +70,7 @@ module model
     real(wp) :: scale = 0.0_wp            !! fraction of the Newton step in u - u_base
     real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; at free
     !! dofs the residual
+    real(wp), allocatable :: reaction_step(:, :) !! the same at the start of the step [F]
     real(wp), allocatable :: factor(:)    !! factor of each load table
     type(load_table_t), allocatable :: table(:)
     type(history_t), allocatable :: history(:) !! one for each block

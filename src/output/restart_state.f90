@@ -35,6 +35,7 @@ contains
     call exchange(archive, group//'/u_base', state%u_base, error)
     call exchange(archive, group//'/scale', state%scale, error)
     call exchange(archive, group//'/reaction', state%reaction, error)
+    if (.not. archive%writes) state%reaction_step = state%reaction
     call exchange_list(archive, group//'/factor', state%factor, error)
     call exchange_tables(archive, group//'/table', state%table, error)
     do b = 1, size(state%history)
@@ -75,6 +76,9 @@ contains
     call exchange(archive, group//'/sheared', contact%sheared, error)
     call exchange(archive, group//'/force', contact%force, error)
     call exchange(archive, group//'/moment', contact%moment, error)
+    if (archive%writes) return
+    contact%force_step = contact%force
+    contact%moment_step = contact%moment
   end subroutine exchange_contact
 
   !> Exchange velocities, accelerations and the method of integration in time, if there are any.

@@ -25,7 +25,7 @@ contains
 
     n = model%mesh%nnode
     allocate (state%u(3, n), state%u_step(3, n), state%u_base(3, n), state%last_increment(3, n), &
-              state%reaction(3, n), source=0.0_wp)
+              state%reaction(3, n), state%reaction_step(3, n), source=0.0_wp)
     allocate (state%table(0), state%factor(0), state%history(size(model%mesh%block)))
     do b = 1, size(model%mesh%block)
       associate (block => model%mesh%block(b))
@@ -112,6 +112,7 @@ contains
     state%last_increment = state%u - state%u_step
     state%last_dt = state%dt
     state%u_step = state%u
+    state%reaction_step = state%reaction
     do b = 1, size(state%history)
       state%history(b)%step = state%history(b)%iter(:size(state%history(b)%step, 1), :)
     end do
@@ -132,6 +133,7 @@ contains
     state%u = state%u_step
     state%u_base = state%u_step
     state%scale = 0.0_wp
+    state%reaction = state%reaction_step
     do b = 1, size(state%history)
       state%history(b)%iter = 0.0_wp
       state%history(b)%iter(:size(state%history(b)%step, 1), :) = state%history(b)%step

@@ -27,7 +27,7 @@ module step
   implicit none
   private
   public :: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
-  public :: change_dt, begin_step, form_pass, solve_pass, cut_step, rewind_step, close_step
+  public :: change_dt, begin_step, form_pass, solve_pass, cut_step, abandon_step, close_step
 
   !> Displacement in a step from which on a body counts as lost, relative to the size of the model.
   real(wp), parameter :: FAR = 2.0_wp
@@ -56,6 +56,8 @@ contains
 
     step%start_step = state%step
     step%start_time = state%time
+    step%start_iterations = step%total%iterations
+    step%start_held = step%newton%hold%active
     step%open = .true.
     step%solved = .false.
     step%timed = present(left)
@@ -154,6 +156,18 @@ contains
     step%open = .false.
     step%solved = .false.
   end subroutine rewind_step
+
+  !> Forget the current step when a run is stopped, and undo what it has set: a restarted run begins
+  !! it again, and counts its iterations and cut-backs as if the run had not been stopped.
+  subroutine abandon_step(step, state)
+    type(step_t), intent(inout) :: step
+    type(state_t), intent(inout) :: state
+
+    call rewind_step(step, state)
+    step%total%iterations = step%start_iterations
+    step%newton%hold%active = step%start_held
+    step%retry = step%cutbacks > 0
+  end subroutine abandon_step
 
   !> The error of a step that cannot be cut back any further, with what may help.
   subroutine fail_step(step, model, state, why, place, error)

@@ -38,6 +38,8 @@ module step_type
     integer :: cutbacks = 0              !! cut-backs of this step, without changes of method
     integer :: start_step = 0            !! number and time of the state at its start
     real(wp) :: start_time = 0.0_wp
+    integer :: start_iterations = 0      !! total of the iterations when it began
+    logical :: start_held = .false.      !! a body had needed to be held when it began
     type(step_totals_t) :: total
   end type step_t
 

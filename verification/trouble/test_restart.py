@@ -1,11 +1,15 @@
-"""A checkpoint is read only by its own model, and a damaged one is refused in one sentence."""
+"""A checkpoint is read only by its own model, a damaged one is refused in one sentence, and a run that is
+stopped anywhere ends like one that is not."""
 
 import random
 import shutil
 
 import h5py
 
-from verification.trouble.test_files import Folder
+from verification import TOP
+from verification.checks import Run
+from verification.recover import difference, run
+from verification.trouble.test_files import BEZEL, Folder
 
 SEED = 3
 
@@ -101,3 +105,31 @@ class Restart(Folder):
             done = self.run_bezel("--restart", "box.restart.h5", "--set", "ends=0.5", "box.inp")
             self.assertEqual(done.returncode, 3, f"{name}: {done.stderr}")
             self.assertEqual(done.stderr.count("error:"), 1)
+
+
+class Stops(Folder):
+    def stopped(self, deck, *commands):
+        """Stop a run before each of these commands; the restarted run must be equal bit for bit, with the
+        same numbers of iterations and cut-backs."""
+        call = Run(f"stop/{deck.stem}", deck)
+        self.assertEqual(run(BEZEL, call, self.at / "whole"), 0)
+        for command in commands:
+            out = self.at / str(command)
+            self.assertEqual(run(BEZEL, call, out, stop=command), 4, command)
+            self.assertEqual(run(BEZEL, call, out, "--restart", str(out / f"{deck.stem}.restart.h5")), 0)
+            self.assertIsNone(difference(self.at / "whole", out, deck.stem), command)
+
+    def test_between_a_cut_back_and_the_end_of_its_step(self):
+        """The pattern of the tangent must not depend on what the failed attempt coupled."""
+        self.stopped(TOP / "input/manual/arcl.inp", 59, 349)
+
+    def test_within_an_iteration_that_started_from_a_prediction(self):
+        """The energy of the step is measured with the reactions at its start."""
+        self.stopped(TOP / "verification/soak/decks/friction.inp", 126)
+
+    def test_where_a_step_has_found_that_a_body_must_be_held(self):
+        self.stopped(TOP / "verification/trouble/silent/pressed.inp", 3, 28)
+
+    def test_a_restarted_run_knows_that_it_has_needed_inertia(self):
+        """The report must not say `equilibrium` if only the part before the stop had inertia."""
+        self.stopped(TOP / "verification/soak/decks/cohesive.inp", 383)

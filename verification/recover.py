@@ -1,0 +1,121 @@
+"""Stop runs at an exact command, restart them, and compare them with the uninterrupted runs.
+
+`verify --recover` does this with the runs of the quick checks. The environment variable BEZEL_STOP=n
+stops a run before its n-th command as a signal would, so that a stop can be repeated exactly.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+
+import numpy as np
+
+from post._error import Unreadable
+from verification.checks import Row
+
+STOPPED = 4  # exit code
+COUNTS = ("exit_code", "iterations", "cutbacks", "steps", "final", "contacts", "equilibrium")
+
+
+def run(bezel, run, place, *options, stop=None):
+    """Exit code of one call of the program; `stop` is the number of the command that is not reached."""
+    place.mkdir(parents=True, exist_ok=True)
+    command = [str(bezel), "--quiet", "-o", str(place), *run.options, *options]
+    for setting in run.settings:
+        command += ["--set", setting]
+    env = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
+    env.pop("BEZEL_STOP", None)
+    if stop:
+        env["BEZEL_STOP"] = str(stop)
+    try:
+        done = subprocess.run(
+            [*command, str(run.deck)], cwd=place, env=env, timeout=run.time_limit,
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False)  # fmt: skip
+    except subprocess.TimeoutExpired as error:
+        raise Unreadable(f"took longer than {run.time_limit:g} s") from error
+    return done.returncode
+
+
+def datasets(path):
+    """All datasets of a result file: {name: array}."""
+    import h5py
+
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(
+            lambda name, item: (
+                found.update({name: item[...]}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
+    return found
+
+
+def difference(one, other, stem):
+    """The reason why the results of two folders are not equal bit for bit, or None."""
+    for path in sorted([*one.glob(f"{stem}_*.dat"), *one.glob(f"{stem}*.pvd"), *one.glob("*.vtu")]):
+        if not (other / path.name).exists():
+            return f"{path.name} is missing"
+        if path.read_bytes() != (other / path.name).read_bytes():
+            return f"{path.name} differs"
+    for path in sorted(one.glob(f"{stem}*.vtkhdf")):
+        if not (other / path.name).exists():
+            return f"{path.name} is missing"
+        left, right = datasets(path), datasets(other / path.name)
+        if left.keys() != right.keys():
+            return f"{path.name} holds other datasets"
+        for name in left:
+            if left[name].shape != right[name].shape:
+                return f"{path.name}: {name} has another size"
+            if left[name].tobytes() != right[name].tobytes():
+                rows = np.unique(np.nonzero(left[name] != right[name])[0])
+                return f"{path.name}: {name} differs in {len(rows)} rows, the first is {rows[:1]}"
+    left, right = (json.loads((at / f"{stem}.report.json").read_text()) for at in (one, other))
+    for name in COUNTS:
+        if left.get(name) != right.get(name):
+            return f"the reports differ in {name}"
+    return None
+
+
+def recover(bezel, out, run_, parts=3):
+    """Stop a run in the middle and once more, continue it, and compare: a row of the table, or None if
+    the deck is refused."""
+    folder = out / run_.name
+    whole, broken = folder / "whole", folder / "stopped"
+    stem = run_.deck.stem
+    row = Row(run_.name.split("/")[0], f"restart of {run_.name.split('/')[1]}", tolerance="equal")
+    shutil.rmtree(folder, ignore_errors=True)
+    try:
+        wanted = run(bezel, run_, whole)
+        if wanted == 1:
+            return None
+        report = json.loads((whole / f"{stem}.report.json").read_text())
+        stop = max(1, report["iterations"] + 2 * report["steps"])  # about half of the commands
+        stops = []
+        code = run(bezel, run_, broken, stop=stop)
+        while code == wanted and stop > 1:  # the run has fewer commands
+            shutil.rmtree(broken)
+            stop = stop // 2
+            code = run(bezel, run_, broken, stop=stop)
+        while code == STOPPED:
+            stops.append(stop)
+            stop = 1 + stop // 3
+            checkpoint = broken / f"{stem}.restart.h5"
+            code = run(
+                bezel, run_, broken, "--restart", str(checkpoint),
+                stop=stop if len(stops) < parts - 1 else None,
+            )  # fmt: skip
+        row.got, row.want = f"{len(stops)} stops", "equal"
+        if not stops:
+            row.reason = "the run could not be stopped"
+        elif code != wanted:
+            row.reason = f"exit code {code} after stops at {stops}, uninterrupted {wanted}"
+        else:
+            row.reason = difference(whole, broken, stem) or ""
+            row.reason = row.reason and f"stops at {stops}: {row.reason}"
+    except (Unreadable, OSError, ValueError) as error:
+        row.reason = str(error)
+    row.ok = not row.reason
+    if row.ok:
+        shutil.rmtree(folder, ignore_errors=True)
+    return row
