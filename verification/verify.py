@@ -1,6 +1,6 @@
 """Run the verification cases and compare their results with references.
 
-    python3 -m verification.verify [--bezel build/release/bezel] [--case NAME] [--all] [--study]
+    python3 -m verification.verify [--bezel build/release/bezel] [--case NAME] [--all] [--study] [--recover]
 
 A case is a folder of verification/patch, benchmark, contact or trouble with decks and an expect.toml, whose
 keys are described in post/_expect.py. Runs go into build/verify/<case>/. All checks are made even if
@@ -23,7 +23,7 @@ need_numpy()
 from post import _emit  # noqa: E402
 from post._error import Unreadable  # noqa: E402
 from post._expect import read_expect  # noqa: E402
-from verification import checks, studies  # noqa: E402
+from verification import checks, recover, studies  # noqa: E402
 
 ROOTS = tuple(TOP / "verification" / name for name in ("patch", "benchmark", "contact", "trouble"))
 
@@ -47,6 +47,9 @@ def main(argv=None):
         print(f"0 passed, {len(plans)} failed")
         return 1
     out = pathlib.Path(o.out).resolve()
+    if o.recover:
+        rows += recover_all(bezel, out / "recover", list(runs.values()), o.jobs)
+        return report(rows)
     for folder, _ in cases:
         shutil.rmtree(out / folder.name, ignore_errors=True)
     outcomes = run_all(bezel, out, list(runs.values()), o.jobs)
@@ -100,6 +103,20 @@ def run_all(bezel, out, runs, jobs):
     return outcomes
 
 
+def recover_all(bezel, out, runs, jobs):
+    """Rows of all runs that were stopped and restarted; a terminal shows the progress."""
+    rows = []
+    with concurrent.futures.ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
+        work = [pool.submit(recover.recover, bezel, out, run) for run in runs]
+        for i, one in enumerate(work):
+            rows += [one.result()] if one.result() else []
+            if sys.stderr.isatty():
+                print(f"\r{i + 1} of {len(runs)} runs", end="", file=sys.stderr)
+    if sys.stderr.isatty():
+        print("\r", end="", file=sys.stderr)
+    return rows
+
+
 def report(rows):
     """Print the table and the count; return 0 if a check passed and none failed."""
     heading = ("case", "quantity", "got", "wanted", "difference", "tolerance", "ok")
@@ -149,6 +166,12 @@ def parser():
         default=str(TOP / "build/verify"),
         metavar="DIR",
         help="folder of the runs (default build/verify)",
+    )
+    p.add_argument(
+        "--recover",
+        action="store_true",
+        help="instead of the checks, stop each of their runs in the middle and restart it: the results "
+        "must be those of the uninterrupted run, bit for bit",
     )
     p.add_argument("--json", metavar="FILE", help="write the table as JSON")
     return p
