@@ -94,9 +94,11 @@ contains
       k = max(table%power, 1)
       slope = table%a(2) + table%a(3)*k*sin(s)**(k - 1)*cos(s)*table%a(4)
     case (2)
+      ! targets that are computed may miss a corner by rounding
+      gap = 8*epsilon(time)*max(abs(time), maxval(abs(table%t)))
       do i = 2, size(table%t)
-        if (time > table%t(i) .or. (ahead .and. time >= table%t(i))) cycle
-        if (time < table%t(1)) exit
+        if (time > table%t(i) + gap .or. (ahead .and. time >= table%t(i) - gap)) cycle
+        if (time < table%t(1) - gap) exit
         slope = (table%p(i) - table%p(i - 1))/(table%t(i) - table%t(i - 1))
         exit
       end do
