@@ -67,7 +67,7 @@ contains
     character(:), allocatable :: text
 
     text = head('error', error%message, error%place)
-    if (allocated(error%hint)) text = text//new_line('a')//'hint: '//error%hint
+    if (allocated(error%hint)) text = text//new_line('a')//'hint: '//visible(error%hint)
   end function render
 
   !> Text of a warning or a note in the same form; `kind` is the word that it begins with.
@@ -80,9 +80,9 @@ contains
     if (present(place)) then
       text = head(kind, message, place)
     else
-      text = kind//': '//message
+      text = kind//': '//visible(message)
     end if
-    if (present(hint)) text = text//new_line('a')//'hint: '//hint
+    if (present(hint)) text = text//new_line('a')//'hint: '//visible(hint)
   end function render_note
 
   !> First part of a message: place and text, the source line, and carets under the place.
@@ -92,7 +92,7 @@ contains
     character(:), allocatable :: text, source, number
     integer :: margin, column, nchar, first, last, i, n
 
-    text = kind//': '//message
+    text = kind//': '//visible(message)
     if (.not. allocated(place%file)) return
     if (place%line <= 0) then
       text = place%file//': '//text
@@ -118,10 +118,7 @@ contains
         if (column > 0) column = column + 4
       end if
     end if
-    do i = 1, len(source) ! control characters would disturb the terminal
-      if ((iachar(source(i:i)) < 32 .and. source(i:i) /= achar(9)) &
-          .or. iachar(source(i:i)) == 127) source(i:i) = '?'
-    end do
+    source = visible(source)
     nchar = 0
     if (place%column > 0) nchar = characters(place%text(:min(place%column - 1, len(place%text)))) &
                                   + max(place%column - 1 - len(place%text), 0) + 1
@@ -145,6 +142,19 @@ contains
     if (last > column) n = max(characters(source(column:last)), 1)
     text = text//'^'//repeat('~', n - 1)
   end function head
+
+  !> The text without control characters, which would disturb the terminal; tabs stay.
+  pure function visible(text) result(plain)
+    character(*), intent(in) :: text
+    character(len(text)) :: plain
+    integer :: i
+
+    plain = text
+    do i = 1, len(text)
+      if (text(i:i) == achar(9)) cycle
+      if (iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) plain(i:i) = '?'
+    end do
+  end function visible
 
   !> Number of characters in a UTF-8 text.
   pure function characters(text) result(n)

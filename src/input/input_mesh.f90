@@ -194,6 +194,7 @@ contains
         end select
       end associate
       if (allocated(error)) call draft%errors%add(error)
+      if (allocated(error)) deallocate (error) ! the next body is independent of it
     end do
     if (draft%errors%count() > 0) return
     mesh%used = .false.
