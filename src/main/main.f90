@@ -4,7 +4,7 @@ program main
   use base_file, only: make_folder, lock_file, unlock_file, lock_t, note_input
   use base_log, only: open_log, close_log, log_line, set_quiet, progress, summary
   use base_system, only: finish, finish_now, catch_signals, release_signals, start_clock, &
-                         wall_seconds, keep_memory
+                         keep_signals_waiting, wall_seconds, keep_memory
   use base_text, only: to_text
   use base_timer, only: new_timers
   use blas_choice, only: prepare_blas
@@ -28,6 +28,7 @@ program main
   type(lock_t) :: lock
   integer :: code
 
+  call keep_signals_waiting() ! until catch_signals
   call start_clock()
   call keep_memory()
   call read_command_line(options, error)
