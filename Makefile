@@ -11,6 +11,8 @@ BUILD  ?= build
 J      ?= $(shell nproc 2>/dev/null || echo 1)
 NATIVE ?=
 PFUNIT ?=
+MINUTES ?= 60
+SEED   ?= 1
 T      ?=
 B      := $(BUILD)/$(KIND)
 U      := $(B)/$(if $(PFUNIT),pfunit,unit)
@@ -129,7 +131,7 @@ trouble: $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify --case silent \
 	  > $(B)/silent.txt; code=$$?; grep -v '  ok$$' $(B)/silent.txt; exit $$code
 
-.PHONY: verify verify-all verify-long tradeoff bench demo demo-rocker
+.PHONY: verify verify-all verify-long mutants soak tradeoff bench demo demo-rocker
 verify: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $(B)/bezel
@@ -137,10 +139,20 @@ verify-all: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $(B)/bezel --all
 	@$(PYTHON) -m verification.restart.run $(B)/bezel
+	@$(PYTHON) -m verification.verify --bezel $(B)/bezel --recover
+	@$(MAKE) mutants
 	@tools/setup.sh mesh || echo "section 3: checks that need Gmsh or TetGen are skipped" >&2
 	@$(PYTHON) -m verification.section3 check --bezel $(B)/bezel --work $(BUILD)/section3
 	@$(PYTHON) -m verification.section5_contact --bezel $(B)/bezel --mesh 1 2 --jobs $(J) $(ARGS)
 	@$(PYTHON) -m verification.section5_debonding --bezel $(B)/bezel --suite all --jobs $(J) $(ARGS)
+# 500 mutated decks, meshes and splines under the sanitizers; make sanitize runs the tests under them.
+mutants: setup
+	@$(MAKE) KIND=sanitize $(BUILD)/sanitize/bezel
+	@$(PYTHON) -m verification.soak --mutants 500 --bezel $(BUILD)/sanitize/bezel --jobs $(J)
+# Hostile inputs, kills, signals, limits and units for MINUTES, drawn from SEED. ARGS=--write updates the page.
+soak: setup
+	@$(MAKE) $(B)/bezel
+	@$(PYTHON) -m verification.soak --bezel $(B)/bezel --minutes $(MINUTES) --seed $(SEED) --jobs $(J) $(ARGS)
 # Takes hours and continues after an interruption. ARGS=--write updates the committed tables.
 verify-long: setup
 	@$(MAKE) $(B)/bezel
@@ -215,7 +227,8 @@ clean:
 #: make               $(BUILD)/release/bezel
 #: make check         unit tests, bad decks, manual, post, patch tests, files and signals: what a commit must pass
 #: make unit T=word   the unit tests whose path has the word, and what they need
-#: make verify        patch tests and quick benchmarks; verify-all: every one
+#: make verify        patch tests and quick benchmarks; verify-all: every one, restarts, sanitizers
+#: make soak          MINUTES= of hostile inputs, kills, signals, limits and units, drawn from SEED=
 #: make demo          runs three decks, draws their figures, says where they are
 #: make demo-rocker   a body below a net of quads, a pin pressed on it and slid; Gmsh or TetGen
 #: make tradeoff      speed for accuracy of contact: what to choose (an hour)

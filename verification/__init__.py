@@ -13,6 +13,8 @@ debonding_points    accuracy and cost of the integration points of bonds
 mutate              mutated decks
 deck_errors.run     bad decks and their messages
 restart.run         stopped and restarted runs
+recover             the same for the runs of all quick checks (`verify --recover`)
+soak                hostile inputs, kills, signals, limits, units for an hour (`make soak`)
 trouble             files, signals, limits, damaged checkpoints; decks that must not go wrong silently
 performance.bench   comparison of speed with other programs (`make bench`)
 

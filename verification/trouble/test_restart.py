@@ -116,7 +116,9 @@ class Stops(Folder):
         for command in commands:
             out = self.at / str(command)
             self.assertEqual(run(BEZEL, call, out, stop=command), 4, command)
-            self.assertEqual(run(BEZEL, call, out, "--restart", str(out / f"{deck.stem}.restart.h5")), 0)
+            self.assertEqual(
+                run(BEZEL, call, out, "--restart", str(out / f"{deck.stem}.restart.h5")), 0
+            )
             self.assertIsNone(difference(self.at / "whole", out, deck.stem), command)
 
     def test_between_a_cut_back_and_the_end_of_its_step(self):
