@@ -71,6 +71,8 @@ def difference(one, other, stem):
                 rows = np.unique(np.nonzero(left[name] != right[name])[0])
                 return f"{path.name}: {name} differs in {len(rows)} rows, the first is {rows[:1]}"
     left, right = (json.loads((at / f"{stem}.report.json").read_text()) for at in (one, other))
+    if sorted(left["warnings"]) != sorted(right["warnings"]):
+        return "the reports differ in warnings"
     for name in COUNTS:
         if left.get(name) != right.get(name):
             return f"the reports differ in {name}"

@@ -9,7 +9,7 @@ module base_log
   implicit none
   private
   public :: open_log, close_log, log_line, note, warn, warning_count, message_count, &
-            get_warning, progress, summary, set_quiet, print_lines
+            get_warning, recall_warning, progress, summary, set_quiet, print_lines
 
   !> The message of a warning.
   type :: message_t
@@ -165,6 +165,19 @@ contains
 
     text = message_of(i)%text
   end subroutine get_warning
+
+  !> Take over a warning that was given before a restart: it goes into the log and the report, too.
+  subroutine recall_warning(message)
+    character(*), intent(in) :: message
+    integer :: i
+
+    do i = 1, nmessage
+      if (message_of(i)%text == message) return
+    end do
+    nwarning = nwarning + 1
+    call keep(message)
+    call log_line('warning, before the restart: '//message)
+  end subroutine recall_warning
 
   function warning_count() result(n)
     integer :: n

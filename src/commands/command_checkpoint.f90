@@ -3,7 +3,7 @@
 module command_checkpoint
   use base_error, only: error_t, fail, SYSTEM_ERROR, STOPPED
   use base_kinds, only: wp
-  use base_log, only: log_line
+  use base_log, only: log_line, message_count, get_warning, recall_warning
   use base_system, only: stop_requested, wall_seconds
   use base_text, only: quoted, to_text
   use command_files, only: close_files
@@ -194,6 +194,12 @@ contains
       call exchange(x, 'path_opening', path%opening)
       call exchange(x, 'path_patience', path%patience)
     end associate
+    call exchange(x, 'path_warned', run%step%continuation%warned)
+    call exchange(x, 'path_warned_energy', run%step%continuation%warned_energy)
+    call exchange(x, 'total_unstable', run%step%total%unstable)
+    call exchange(x, 'turn_warned', run%plan%turn_warned)
+    call exchange(x, 'strain_warned', run%plan%strain_warned)
+    call exchange_warnings(x)
     call exchange(x, 'output_every', run%plan%every)
   end subroutine exchange_run
 
@@ -260,6 +266,35 @@ contains
       call set_parameter(params, trim(names(len(name)*(i - 1) + 1:len(name)*i)), value(i))
     end do
   end subroutine exchange_parameters
+
+  !> Exchange the messages of the warnings, one a line, so that the report of a restarted run has
+  !! all of them.
+  subroutine exchange_warnings(x)
+    type(exchange_t), intent(inout) :: x
+    character(:), allocatable :: message, text
+    integer :: first, i, length
+    logical :: there
+
+    if (x%writes) then
+      text = ''
+      do i = 1, message_count()
+        call get_warning(i, message)
+        text = text//message//new_line('a')
+      end do
+      call put(x%values, 'warnings', text)
+      return
+    end if
+    call get(x%values, 'warnings', text, there)
+    x%whole = x%whole .and. there
+    if (.not. there) return
+    first = 1
+    do
+      length = index(text(first:), new_line('a')) - 1
+      if (length < 0) exit
+      call recall_warning(text(first:first + length - 1))
+      first = first + length + 1
+    end do
+  end subroutine exchange_warnings
 
   !> Exchange a number or a logical.
   subroutine exchange_scalar(x, name, value)

@@ -76,6 +76,10 @@ contains
     call exchange(archive, group//'/sheared', contact%sheared, error)
     call exchange(archive, group//'/force', contact%force, error)
     call exchange(archive, group//'/moment', contact%moment, error)
+    call exchange(archive, group//'/depth_warned', contact%depth_warned, error)
+    call exchange(archive, group//'/balance_warned', contact%balance_warned, error)
+    call exchange(archive, group//'/penetration_warned', contact%penetration_warned, error)
+    call exchange(archive, group//'/friction_warned', contact%friction_warned, error)
     if (archive%writes) return
     contact%force_step = contact%force
     contact%moment_step = contact%moment

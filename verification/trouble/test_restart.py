@@ -1,6 +1,7 @@
 """A checkpoint is read only by its own model, a damaged one is refused in one sentence, and a run that is
 stopped anywhere ends like one that is not."""
 
+import json
 import random
 import shutil
 
@@ -131,6 +132,13 @@ class Stops(Folder):
 
     def test_where_a_step_has_found_that_a_body_must_be_held(self):
         self.stopped(TOP / "verification/trouble/silent/pressed.inp", 3, 28)
+
+    def test_warnings_given_before_the_stop_are_in_the_report(self):
+        """Once each; so is the one that penetration has taken the work, which is known at the end only."""
+        deck = TOP / "verification/trouble/silent/soft_penalty.inp"
+        self.stopped(deck, 20)
+        report = json.loads((self.at / "20" / "soft_penalty.report.json").read_text())
+        self.assertIn("too soft", " ".join(report["warnings"]))
 
     def test_a_restarted_run_knows_that_it_has_needed_inertia(self):
         """The report must not say `equilibrium` if only the part before the stop had inertia."""
