@@ -12,6 +12,7 @@ import collections
 import concurrent.futures
 import csv
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -35,6 +36,7 @@ def main(argv=None):
     if not bezel.is_file():
         print(f"soak: error: there is no program '{bezel}'", file=sys.stderr)
         return 1
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # folders and mounts are cleared up
     kept = Path(o.keep).resolve()
     kinds = FUZZ if o.mutants else o.only or list(KINDS)
     work = schedule(o.seed, kinds)
