@@ -22,7 +22,7 @@ module step_control
     integer :: accepted = 0          !! steps since the last cut-back
     integer :: cuts = 0              !! cut-backs of the current step
     logical :: reduced = .false.     !! after many iterations the next step is smaller
-    real(wp) :: failed = huge(1.0_wp) !! length of the last step that was cut back
+    real(wp) :: failed = 0.0_wp      !! length of the last step that was cut back; 0: there is none
   end type step_control_t
 
   real(wp), parameter :: NEARLY = 1.0e-9_wp !! of dt: a corner this near a target is on it
@@ -135,7 +135,7 @@ contains
     else if (control%accepted > 1 .and. &
              (iterations <= FEW .or. (iterations <= FAIR .and. control%size < control%dt))) then
       control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
-      if (control%accepted < PATIENCE) then ! what failed just now would fail again
+      if (control%failed > 0.0_wp .and. control%accepted < PATIENCE) then ! what failed just now would fail again
         control%size = min(control%size, max(control%dt, SHORTER*control%failed))
       end if
     end if
