@@ -135,7 +135,8 @@ contains
     else if (control%accepted > 1 .and. &
              (iterations <= FEW .or. (iterations <= FAIR .and. control%size < control%dt))) then
       control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
-      if (control%failed > 0.0_wp .and. control%accepted < PATIENCE) then ! what failed just now would fail again
+      ! what failed just now would fail again
+      if (control%failed > 0.0_wp .and. control%accepted < PATIENCE) then
         control%size = min(control%size, max(control%dt, SHORTER*control%failed))
       end if
     end if
