@@ -9,7 +9,7 @@ module contact_assembly
   use contact_forces, only: add_force_parts
   use contact_history, only: side_positions, mark_beside, BESIDE, accept_slides
   use contact_mortar, only: find_mortar, add_mortar
-  use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t, is_integrated, MORTAR
   use contact_scatter, only: scatter_element
   use contact_type, only: NORMAL
   use contact_work, only: work_t, new_work, loads_both
@@ -60,7 +60,7 @@ contains
         associate (contact => model%contact(c))
           call new_pairs(work(c)%pairs(k), contact%side(k)%nelem)
           call new_work(contact, k, work(c)%element(k))
-          if (contact%side(k)%rigid) cycle
+          if (.not. is_integrated(contact, k)) cycle
           allocate (work(c)%feet(k)%at(contact%nq*contact%side(k)%nelem))
         end associate
       end do
@@ -121,7 +121,7 @@ contains
                            work(c)%pairs, grown)
         end if
         do k = 1, 2
-          if (contact%side(k)%rigid) cycle
+          if (.not. is_integrated(contact, k)) cycle
           if (contact%scheme /= MORTAR) then
             call project_side(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
                               work(c)%feet(k)%at, state%contact(c)%side(k))
@@ -189,7 +189,7 @@ contains
           call pair_clique(work(c)%pairs(k), contact%side(k), contact%side(3 - k), &
                            loads_both(contact) .and. contact%friction%given, &
                            clique(CLIQUES*(c - 1) + k))
-          if (contact%scheme == MORTAR .and. .not. contact%side(k)%rigid) then
+          if (contact%scheme == MORTAR .and. is_integrated(contact, k)) then
             call mortar_clique(work(c)%mortar, k, clique(CLIQUES*(c - 1) + 2 + k))
           else
             allocate (clique(CLIQUES*(c - 1) + 2 + k)%conn(0, 0))
@@ -237,7 +237,7 @@ contains
       state%contact(c)%force = 0.0_wp
       state%contact(c)%moment = 0.0_wp
       do k = 1, 2
-        if (model%contact(c)%side(k)%rigid) cycle
+        if (.not. is_integrated(model%contact(c), k)) cycle
         state%contact(c)%side(k)%dt = state%dt
         if (model%contact(c)%scheme == MORTAR) then
           call add_mortar(work(c)%mortar, model%contact(c), k, x, state%u, state%dt, &
@@ -291,7 +291,7 @@ contains
     f = 0.0_wp
     do c = 1, size(work)
       do k = 1, 2
-        if (model%contact(c)%side(k)%rigid) cycle
+        if (.not. is_integrated(model%contact(c), k)) cycle
         if (model%contact(c)%scheme == MORTAR) then
           call split_mortar_forces(work(c)%mortar, model%contact(c), k, model%mesh%xr + state%u, &
                                    f(:, :, NORMAL))
@@ -315,7 +315,7 @@ contains
     do c = 1, size(work)
       associate (contact => model%contact(c), point => state%contact(c)%side)
         do k = 1, 2
-          if (contact%side(k)%rigid) cycle
+          if (.not. is_integrated(contact, k)) cycle
           if (contact%scheme == MORTAR) then
             call accept_mortar(work(c)%mortar, contact, k, work(c)%shape, work(c)%grid, &
                                state%contact(c))

@@ -13,19 +13,19 @@
 module contact_cells
   use base_kinds, only: wp
   use cell_border, only: part_t, find_border, bend_functions, NBEND
-  use contact_facets, only: facets_t, find_near
+  use contact_facets, only: facets_t, find_near, FACING
   use contact_pair, only: contact_t, surface_t
   use polygon, only: clip, signed_area, integrate_polygon, MOST_CORNERS
   use projection_type, only: foot_t, shape_t
   use quadrature, only: gauss
+  use self_contact, only: may_touch
   use surface_chart, only: collapsed_side, to_chart, from_chart, chart_point
+  use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
   private
   public :: cells_t, cut_cells
 
-  !> Facets face each other up to this cosine of their normals.
-  real(wp), parameter :: FACING = -0.1_wp
   real(wp), parameter :: NO_AREA = 1.0e-12_wp  !! of a piece, relative to its facet
   real(wp), parameter :: ON_EDGE = 1.0e-10_wp  !! distance to an edge, relative to its length
   !> Error of the points of a cell where functions of both sides are no polynomials, relative.
@@ -49,6 +49,9 @@ module contact_cells
     real(wp), allocatable :: xi(:, :)       !! (2, n)
     real(wp), allocatable :: weight(:)      !! (n) reference area [L^2]
     type(foot_t), allocatable :: foot(:)    !! (n) projection
+    !> Self-contact: where the facet is that a point faces, from which projections start.
+    integer, allocatable :: faced(:)        !! (n)
+    real(wp), allocatable :: faced_xi(:, :) !! (2, n)
   end type cells_t
 
   !> Gauss points of every order, and the functions that bend the edges of cells there.
@@ -101,6 +104,9 @@ contains
         part = part_t(e, mine%from(:, i), mine%to(:, i))
         do j = 1, nnear
           if (dot_product(mine%normal(:, i), theirs%normal(:, near(j))) > FACING) cycle
+          if (contact%self) then
+            if (.not. may_touch(own, reference, shape(k), e, theirs%elem(near(j)))) cycle
+          end if
           call overlap(mine%x(:, 1, i), frame, quad, theirs%x(:, :, near(j)), &
                        contact%depth, reach, m, corner, tag, zeta)
           call join_corners(ON_EDGE*maxval(abs(quad)), m, corner, tag, zeta)
@@ -130,6 +136,8 @@ contains
             cells%weight(cells%n) = weight(q)*norm2(cross(a(:, 1), a(:, 2)))
             cells%foot(cells%n)%elem = theirs%elem(near(j))
             cells%foot(cells%n)%xi = 0.5_wp*(theirs%from(:, near(j)) + theirs%to(:, near(j)))
+            cells%faced(cells%n) = cells%foot(cells%n)%elem
+            cells%faced_xi(:, cells%n) = cells%foot(cells%n)%xi
           end do
         end do
       end do
@@ -208,17 +216,22 @@ contains
       if (cells%n + more <= size(cells%elem)) return
     end if
     n = 2*(cells%n + more)
-    allocate (big%elem(n), big%xi(2, n), big%weight(n), big%foot(n))
+    allocate (big%elem(n), big%xi(2, n), big%weight(n), big%foot(n), big%faced(n), &
+              big%faced_xi(2, n))
     if (allocated(cells%elem)) then
       big%elem(:cells%n) = cells%elem(:cells%n)
       big%xi(:, :cells%n) = cells%xi(:, :cells%n)
       big%weight(:cells%n) = cells%weight(:cells%n)
       big%foot(:cells%n) = cells%foot(:cells%n)
+      big%faced(:cells%n) = cells%faced(:cells%n)
+      big%faced_xi(:, :cells%n) = cells%faced_xi(:, :cells%n)
     end if
     call move_alloc(big%elem, cells%elem)
     call move_alloc(big%xi, cells%xi)
     call move_alloc(big%weight, cells%weight)
     call move_alloc(big%foot, cells%foot)
+    call move_alloc(big%faced, cells%faced)
+    call move_alloc(big%faced_xi, cells%faced_xi)
   end subroutine reserve
 
   !> Orthonormal frame of a facet: two directions of its plane, and its normal.

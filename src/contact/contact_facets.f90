@@ -11,6 +11,8 @@ module contact_facets
   private
   public :: facets_t, divide_surface, find_near
 
+  !> Surfaces face each other up to this cosine of their normals.
+  real(wp), parameter, public :: FACING = -0.1_wp
   !> A facet is divided while its normals differ by more than the angle with this cosine,
   real(wp), parameter :: NEARLY_FLAT = 0.7_wp
   !> or while its edges deviate from straight ones by more than this fraction of their length.

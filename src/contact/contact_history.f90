@@ -8,7 +8,8 @@
 !! (multipliers).
 module contact_history
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_state_t, contact_points_t, surface_t, MORTAR
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, surface_t, &
+                          MORTAR
   use contact_type, only: OPEN, MAX_PAST, STICK, SLIP
   use projection_type, only: foot_t, shape_t
   use surface_geometry, only: surface_point
@@ -27,7 +28,7 @@ module contact_history
 
 contains
 
-  !> Make a history in which no point is in contact; a rigid side has no points.
+  !> Make a history in which no point is in contact; a side that is not integrated has no points.
   subroutine new_contact_state(contact, state)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(out) :: state
@@ -35,7 +36,7 @@ contains
 
     do k = 1, 2
       np = contact%side(k)%nelem*contact%nq
-      if (contact%side(k)%rigid) np = 0
+      if (.not. is_integrated(contact, k)) np = 0
       associate (p => state%side(k))
         allocate (p%closest(np), p%closest_step(np), p%slide(np), p%bond(np), source=0)
         allocate (p%closest_xi(2, np), p%closest_xi_step(2, np), p%slide_xi(2, np), &
@@ -54,7 +55,7 @@ contains
         allocate (rubbed%elem(0), rubbed%xi(2, 0), rubbed%elastic(3, 0), rubbed%slip_rate(0))
       end associate
       np = 0 ! control points of MORTar
-      if (contact%scheme == MORTAR .and. .not. contact%side(k)%rigid) np = contact%side(k)%ncontrol
+      if (contact%scheme == MORTAR .and. is_integrated(contact, k)) np = contact%side(k)%ncontrol
       associate (p => state%control(k))
         allocate (p%multiplier(np), p%multiplier_step(np), p%pressure(np), source=0.0_wp)
         allocate (p%gap(np), source=huge(1.0_wp))

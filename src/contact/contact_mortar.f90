@@ -20,10 +20,10 @@
 module contact_mortar
   use base_kinds, only: wp
   use contact_active, only: pairs_t, need_pair
-  use contact_cells, only: cut_cells
+  use contact_cells, only: cells_t, cut_cells
   use contact_facets, only: facets_t, divide_surface
   use contact_history, only: trail_behind
-  use contact_pair, only: contact_t, contact_state_t, friction_points_t, surface_t
+  use contact_pair, only: contact_t, contact_state_t, friction_points_t, is_integrated, surface_t
   use contact_scatter, only: scatter_element
   use contact_work, only: work_t, element_functions
   use csr, only: block_matrix_t
@@ -33,6 +33,7 @@ module contact_mortar
   use projection, only: project
   use projection_search, only: grid_t, update_grid
   use projection_type, only: foot_t, shape_t, touches
+  use self_contact, only: project_on_itself
   use surface_geometry, only: update_shape, surface_point
   implicit none
   private
@@ -78,16 +79,17 @@ contains
       do k = 1, 2
         if (.not. slides) exit
         call update_shape(contact%side(k), x_start, mortar%start(k))
-        if (contact%side(3 - k)%rigid) cycle
+        if (.not. is_integrated(contact, 3 - k)) cycle
         call update_grid(contact%side(k), mortar%start(k), mortar%start_grid(k))
       end do
     end if
     call find_motion(mortar, contact, x, motion)
     call recut(mortar, contact, x, step, motion, trial, shape, grid)
     do k = 1, 2
-      if (contact%side(k)%rigid) cycle
+      if (.not. is_integrated(contact, k)) cycle
       associate (cells => mortar%side(k)%cells, side => mortar%side(k))
-        call project_points(contact, k, x, mortar%travel, shape(3 - k), grid(3 - k), side)
+        call project_points(contact, k, x, mortar%travel, mortar%reference(k), shape(3 - k), &
+                            grid(3 - k), side)
         call find_pressures(contact, k, side, state%control(k))
         faced = 0
         slid = 0
@@ -140,10 +142,11 @@ contains
 
   !> Project the points of side k. Points that cannot have closed since their last projection stay
   !! open, unless control points need their gaps.
-  subroutine project_points(contact, k, x, travel, shape, grid, side)
+  subroutine project_points(contact, k, x, travel, reference, shape, grid, side)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :), travel
+    type(shape_t), intent(in) :: reference    !! of side k, before it deformed
     type(shape_t), intent(in) :: shape        !! of the other side
     type(grid_t), intent(in) :: grid
     type(mortar_side_t), intent(inout) :: side
@@ -156,6 +159,11 @@ contains
           if (side%seen(i) >= 0.0_wp .and. foot%elem > 0 .and. &
               .not. contact%control_penalty > 0.0_wp) then
             if (foot%gap > travel - side%seen(i)) cycle
+          end if
+          if (contact%self) then
+            call project_again(contact, shape, reference, i, cells)
+            side%seen(i) = travel
+            cycle
           end if
           first = own%first(cells%elem(i)) - 1
           nk = own%first(cells%elem(i) + 1) - 1 - first
@@ -170,6 +178,23 @@ contains
       end do
     end associate
   end subroutine project_points
+
+  !> Project a point of self-contact from where it was projected last, or from the facet it faces.
+  subroutine project_again(contact, shape, reference, i, cells)
+    type(contact_t), intent(in) :: contact
+    type(shape_t), intent(in) :: shape, reference
+    integer, intent(in) :: i
+    type(cells_t), intent(inout) :: cells
+
+    associate (foot => cells%foot(i))
+      if (foot%elem == 0) then
+        foot%elem = cells%faced(i)
+        foot%xi = cells%faced_xi(:, i)
+      end if
+      call project_on_itself(contact, shape, reference, cells%elem(i), cells%xi(:, i), foot)
+      if (.not. touches(foot, contact%depth)) foot%elem = 0
+    end associate
+  end subroutine project_again
 
   !> The sliding point of a point that touches: where it faced the other side at the start of the
   !! step, less the elastic slip that it takes over.
@@ -186,7 +211,12 @@ contains
       call surface_point(contact%side(k), mortar%start(k), cells%elem(i), cells%xi(:, i), at, a, b)
       foot%elem = cells%foot(i)%elem
       foot%xi = cells%foot(i)%xi
-      call project(contact%side(3 - k), mortar%start(3 - k), mortar%start_grid(3 - k), at, foot)
+      if (contact%self) then
+        call project_on_itself(contact, mortar%start(3 - k), mortar%reference(k), cells%elem(i), &
+                               cells%xi(:, i), foot)
+      else
+        call project(contact%side(3 - k), mortar%start(3 - k), mortar%start_grid(3 - k), at, foot)
+      end if
       side%slide(i) = -1
       if (foot%elem > 0) then
         side%slide(i) = foot%elem
@@ -290,12 +320,13 @@ contains
     mortar%x_cut = x
     mortar%travel = 0.0_wp                   ! no point has been projected
     if (any(grid(1)%n == 0) .and. any(grid(2)%n == 0)) return ! a surface is not finite
-    do k = 1, 2
+    do k = 1, merge(1, 2, contact%self)
       call divide_surface(contact%side(k), shape(k), facets(k))
     end do
+    if (contact%self) facets(2) = facets(1)
     mortar%least = min(facets(1)%least, facets(2)%least)
     do k = 1, 2
-      if (contact%side(k)%rigid) cycle
+      if (.not. is_integrated(contact, k)) cycle
       associate (side => mortar%side(k), cells => mortar%side(k)%cells)
         call cut_cells(contact, k, shape, mortar%reference(k), facets, &
                        max(facets(1)%least, facets(2)%least), cells)

@@ -12,7 +12,7 @@ module contact_pair
   private
   public :: contact_t, surface_t, surface_basis_t, contact_points_t, contact_state_t, bond_t, &
             edge_part_t, assigned_law_t, control_points_t, &
-            friction_points_t, option_text
+            friction_points_t, option_text, is_integrated
 
   !> SCHEme: where the laws act, and which bodies their tractions load.
   integer, parameter, public :: HALFPASS = 1 !! integration points, each loads its own side
@@ -96,6 +96,9 @@ module contact_pair
     character(:), allocatable :: name
     type(place_t) :: place
     type(surface_t) :: side(2)
+    !> Both sides are the same surface: side 1 is integrated over its cells with itself, and side 2
+    !! is what it is projected on.
+    logical :: self = .false.
     type(assigned_law_t) :: normal, friction, cohesive
     !> PAIR: the penalty of bonded points acts between point and partner until the bond is released.
     logical :: on_pair = .false.
@@ -203,6 +206,14 @@ module contact_pair
   end type contact_state_t
 
 contains
+
+  !> Is a side integrated? Each point then loads its own side and the other one.
+  pure logical function is_integrated(contact, k)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+
+    is_integrated = .not. (contact%side(k)%rigid .or. (contact%self .and. k == 2))
+  end function is_integrated
 
   !> Options of a contact, for the line of its normal law in the log: one line here for each option.
   function option_text(contact) result(text)

@@ -5,13 +5,14 @@ module contact_report
   use base_log, only: log_line, warn
   use base_text, only: to_text
   use contact_history, only: had_touched
-  use contact_pair, only: contact_t, contact_state_t, contact_points_t, MORTAR
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, MORTAR
   use contact_resultant, only: resultant_t, side_resultant
   use contact_type, only: OPEN, STICK, NORMAL
   use model, only: model_t, state_t
   use projection, only: project
   use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t
+  use self_search, only: find_own_jump
   use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
@@ -31,6 +32,7 @@ contains
   subroutine report_contact_changes(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
+    character(:), allocatable :: text
     integer :: c, k, n(2)
 
     do c = 1, size(model%contact)
@@ -49,8 +51,9 @@ contains
         n = [(count(side(k)%state /= OPEN), k=1, 2)]
         if (had_touched(state%contact(c)) .eqv. any(n > 0)) cycle
         if (any(n > 0)) then
-          call log_line('contact '//contact%name//': closed, '//to_text(n(1))//' + ' &
-                        //to_text(n(2))//' points in contact')
+          text = to_text(n(1))
+          if (.not. contact%self) text = text//' + '//to_text(n(2))
+          call log_line('contact '//contact%name//': closed, '//text//' points in contact')
         else
           call log_line('contact '//contact%name//': lost, no point is in contact')
         end if
@@ -74,12 +77,12 @@ contains
         end do
         largest = max(norm2(side(1)%force), norm2(side(2)%force))
         now%largest_force = max(now%largest_force, largest)
-        if (largest > NO_FORCE*now%largest_force) then
+        if (largest > NO_FORCE*now%largest_force .and. .not. contact%self) then
           now%balance = max(now%balance, norm2(side(1)%force + side(2)%force)/largest)
         end if
         deepest = 0.0_wp
         do k = 1, 2
-          if (contact%side(k)%rigid) cycle
+          if (.not. is_integrated(contact, k)) cycle
           if (contact%scheme == MORTAR) then
             deepest = max(deepest, now%penetration(k)/smallest(contact))
           else
@@ -163,7 +166,7 @@ contains
 
     yes = .false.
     do k = 1, 2
-      if (contact%side(k)%rigid) cycle
+      if (.not. is_integrated(contact, k)) cycle
       elastic = 0.0_wp
       associate (points => state%side(k))
         do i = 1, size(points%state)
@@ -226,6 +229,15 @@ contains
         if (.not. allocated(x)) then
           x = model%mesh%xr + state%u
           x_start = model%mesh%xr + state%u_step
+        end if
+        if (contact%self) then
+          call find_own_jump(contact, model%mesh%xr, x_start, x, far, gap)
+          if (gap < 0.0_wp) trouble = 'in contact '//contact%name//' a point of ' &
+                                      //contact%side(1)%name//' has passed through its own ' &
+                                      //'surface to a depth of '//to_text(-gap, 3) &
+                                      //', more than DEPTh '//to_text(contact%depth, 3)
+          if (allocated(trouble)) return
+          cycle
         end if
         call place_surfaces(contact, x, shape, grid)
         call place_surfaces(contact, x_start, start, start_grid)

@@ -10,7 +10,7 @@
 module contact_resultant
   use base_kinds, only: wp
   use contact_history, only: side_positions
-  use contact_pair, only: contact_t, contact_points_t, surface_t, MORTAR
+  use contact_pair, only: contact_t, contact_points_t, is_integrated, surface_t, MORTAR
   use contact_smooth, only: smooth_t, smooth_side, largest_pressure, largest_tangential
   use contact_type, only: OPEN, STICK, SLIP
   use contact_work, only: own_share, position_at
@@ -54,7 +54,7 @@ contains
     associate (contact => state%contact(c))
       total%force = contact%force(:, k)
       total%moment = contact%moment(:, k) - cross(about, contact%force(:, k))
-      own = merge(3 - k, k, model%contact(c)%side(k)%rigid)
+      own = merge(k, 3 - k, is_integrated(model%contact(c), k))
       total%area = contact%area(own)
       total%penetration = contact%penetration(own)
       total%stick = contact%sticks(own)
@@ -74,7 +74,7 @@ contains
     real(wp) :: force(3), moment(3), at_partner(3), at_projection(3), weight
     integer :: i, own
 
-    own = merge(3 - k, k, contact%side(k)%rigid)
+    own = merge(k, 3 - k, is_integrated(contact, k))
     call sum_points(contact, own, points(own), x, about, total)
     if (contact%scheme == MORTAR) return ! side_resultant has its forces
     if (.not. (own /= k .or. contact%balanced)) return
@@ -167,7 +167,7 @@ contains
 
     associate (contact => model%contact(quantity%contact))
       k = quantity%side
-      if (contact%side(k)%rigid) k = 3 - k ! points and fields are those of the other side
+      if (.not. is_integrated(contact, k)) k = 3 - k ! points and fields are those of the other side
       associate (points => state%contact(quantity%contact)%side(k))
         select case (quantity%id)
         case (Q_CONTACT_PRESSURE)

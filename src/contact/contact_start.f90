@@ -15,6 +15,7 @@ module contact_start
   use projection, only: project
   use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t, touches
+  use self_search, only: nearness_t, search_itself
   use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
@@ -39,6 +40,9 @@ module contact_start
     real(wp) :: width(2) = 0.0_wp        !! mean width of the elements that are nearest [L]
     real(wp) :: gap = huge(1.0_wp)       !! smallest gap of a point outside the other body [L]
     real(wp) :: x_gap(3) = 0.0_wp        !! the point that has it [L]
+    !> Self-contact: points no farther than DEPTh from the far side of the body, and one of them.
+    integer :: nthrough = 0
+    real(wp) :: x_through(3) = 0.0_wp
   end type start_t
 
 contains
@@ -66,7 +70,13 @@ contains
                                      //'points up to a distance d')
         end if
         call look_at_start(contact, model%mesh%xr, start)
-        if (2*sum(start%naway) > start%nnear) then
+        if (start%nthrough > 0) then
+          call warn(name//to_text(start%nthrough)//' of '//to_text(start%npoint)//' points, such ' &
+                    //'as '//position(start%x_through)//', lie less than DEPTh '//to_text( &
+                    contact%depth, 3)//' behind the face that they face: it counts as the far ' &
+                    //'side of the body and does not touch them', contact%place, 'give a DEPTh ' &
+                    //'less than the thickness there; if the faces overlap, move them apart')
+        else if (2*sum(start%naway) > start%nnear) then
           k = merge(1, 2, start%naway(1) >= start%naway(2))
           call warn(name//contact%side(k)%name//' faces away from '//contact%side(3 - k)%name &
                     //': at '//to_text(sum(start%naway))//' of the '//to_text(start%nnear) &
@@ -77,24 +87,30 @@ contains
                     //' face away from each other: a whole body lies between them', &
                     contact%place, 'check the faces; 3- and 3+, for example, are on opposite ' &
                     //'sides of a patch')
-        else if (start%nnear == 0) then
+        else if (start%nnear == 0 .and. .not. contact%self) then
           call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
                     //' are not opposite each other at the start', contact%place, &
                     'they touch only if a motion brings them together')
         else if (start%ninside > 0) then
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint) &
                     //' points penetrate at the start, by up to '//to_text(start%deepest, 3) &
-                    //' at ('//to_text(start%x(1), 4)//', '//to_text(start%x(2), 4)//', ' &
-                    //to_text(start%x(3), 4)//')', contact%place, 'the first step pushes them ' &
+                    //' at '//position(start%x), contact%place, 'the first step pushes them ' &
                     //'out; if no press fit is intended, move one of the bodies')
         else if (start%gap < huge(start%gap)) then
           call log_line('contact '//contact%name//': smallest gap at the start ' &
-                        //to_text(start%gap, 3)//' at ('//to_text(start%x_gap(1), 4)//', ' &
-                        //to_text(start%x_gap(2), 4)//', '//to_text(start%x_gap(3), 4)//')')
+                        //to_text(start%gap, 3)//' at '//position(start%x_gap))
         end if
       end associate
     end do
   end subroutine warn_contacts
+
+  !> A position as text.
+  pure function position(x) result(text)
+    real(wp), intent(in) :: x(3)
+    character(:), allocatable :: text
+
+    text = '('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', '//to_text(x(3), 4)//')'
+  end function position
 
   !> Project all points of a contact at the positions x, no farther than the thickness of the
   !! thicker body plus the width of an element.
@@ -113,6 +129,10 @@ contains
     real(wp) :: h, reach, near, xp(3), a(3, 2), b(3, 3)
     integer :: e, k, n, q
 
+    if (contact%self) then
+      call look_at_itself(contact, x, start)
+      return
+    end if
     h = huge(1.0_wp)
     call place_surfaces(contact, x, shape, grid)
     do k = 1, 2
@@ -177,6 +197,27 @@ contains
     start%nbehind = count(abs(gap(:n)) <= near .and. behind(:n))
     start%naway = [(count(abs(gap(:n)) <= near .and. away(:n) == k), k=1, 2)]
   end subroutine look_at_start
+
+  !> The same for self-contact.
+  subroutine look_at_itself(contact, x, start)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
+    type(start_t), intent(out) :: start
+    type(nearness_t) :: near
+
+    associate (surface => contact%side(1))
+      call search_itself(contact, x, x, surface%thickness + maxval(surface%width), near)
+      start%npoint = near%npoint
+      start%ninside = near%ninside
+      start%deepest = near%deepest
+      start%x = near%x
+      start%gap = near%gap
+      start%x_gap = near%x_gap
+      start%nthrough = near%nthrough
+      start%x_through = near%x_through
+      start%width = nearest_width(surface%width, near%reach_of)
+    end associate
+  end subroutine look_at_itself
 
   !> Mean width of the elements of a surface that are about as near the other surface as the nearest
   !! one. On graded meshes a wider band would take in large elements far from the contact.

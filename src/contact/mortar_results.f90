@@ -1,6 +1,7 @@
 !> Results of the mortar scheme when a step is accepted.
 module mortar_results
   use base_kinds, only: wp
+  use contact_cells, only: cells_t
   use contact_pair, only: contact_t, contact_state_t, friction_points_t, surface_t
   use contact_point, only: traction_derivatives_t, vary_normal
   use contact_type, only: OPEN, STICK, SLIP
@@ -11,6 +12,7 @@ module mortar_results
   use projection_search, only: grid_t
   use projection_type, only: foot_t, shape_t, touches
   use rigid_surface, only: put_force
+  use self_contact, only: project_on_itself
   use surface_chart, only: collapsed_side, to_chart
   use surface_geometry, only: surface_point
   use tensor, only: cross
@@ -51,9 +53,15 @@ contains
           call surface_point(own, shape(k), e, contact%xi(:, q), at, a, b)
           stretch = norm2(cross(a(:, 1), a(:, 2)))
           points%area(i) = contact%wgt(q)*stretch
-          foot%elem = points%closest(i)
-          foot%xi = points%closest_xi(:, i)
-          call project(contact%side(3 - k), shape(3 - k), grid(3 - k), at, foot, contact%depth)
+          if (contact%self) then
+            call find_faced(side%cells, e, contact%xi(:, q), foot)
+            call project_on_itself(contact, shape(k), mortar%reference(k), e, contact%xi(:, q), &
+                                   foot)
+          else
+            foot%elem = points%closest(i)
+            foot%xi = points%closest_xi(:, i)
+            call project(contact%side(3 - k), shape(3 - k), grid(3 - k), at, foot, contact%depth)
+          end if
           points%closest(i) = foot%elem
           points%closest_xi(:, i) = foot%xi
           points%gap(i) = foot%gap
@@ -134,6 +142,26 @@ contains
     end do
     if (.not. inside) j = 0
   end function nearest_closed
+
+  !> Where the nearest point of the cells of an element is projected, or the facet that it faces;
+  !! element 0: the element faces nothing.
+  pure subroutine find_faced(cells, e, xi, foot)
+    type(cells_t), intent(in) :: cells
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    type(foot_t), intent(inout) :: foot
+    integer :: i
+
+    foot%elem = 0
+    if (cells%first(e) == cells%first(e + 1)) return
+    i = cells%first(e) - 1 + minloc([(sum((cells%xi(:, i) - xi)**2), &
+                                      i=cells%first(e), cells%first(e + 1) - 1)], 1)
+    foot%elem = cells%foot(i)%elem
+    foot%xi = cells%foot(i)%xi
+    if (foot%elem > 0) return
+    foot%elem = cells%faced(i)
+    foot%xi = cells%faced_xi(:, i)
+  end subroutine find_faced
 
   !> Area in contact, its parts that stick and slip, and the largest penetration of side k.
   subroutine measure_cells(mortar, contact, k, shape, state)

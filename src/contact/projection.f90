@@ -22,7 +22,7 @@ module projection
   use tensor, only: cross
   implicit none
   private
-  public :: project
+  public :: project, project_from
 
   integer, parameter :: MOST_STEPS = 100
   !> Limit of the changes of the element without a step: as many as a ring of elements may need.
@@ -97,6 +97,34 @@ contains
       foot%outer_gap = dot_product(second%r, normal(second))
     end if
   end subroutine project
+
+  !> Project the point x on the part of a surface where foot%elem and foot%xi are: the search starts
+  !! nowhere else, so the projection is a local minimum of the distance. There is none (element 0)
+  !! if it ends at the outer boundary or fails.
+  pure subroutine project_from(surface, shape, x, foot)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    real(wp), intent(in) :: x(3)
+    type(foot_t), intent(inout) :: foot
+    type(iterate_t) :: iterate
+    integer :: elem, ending, changes, edge(2)
+
+    elem = foot%elem
+    foot%elem = 0
+    foot%outer = 0
+    foot%gap = huge(1.0_wp)
+    if (elem < 1 .or. elem > surface%nelem) return
+    if (.not. all(abs(x) < 0.5_wp*sqrt(huge(1.0_wp)))) return
+    call evaluate(surface, shape, elem, max(-1.0_wp, min(1.0_wp, foot%xi)), x, iterate)
+    call minimise(surface, shape, x, iterate, ending, edge, changes)
+    if (ending >= SMOOTH) then
+      call set_foot(surface, shape, x, iterate, ending, edge, foot)
+    else if (ending == OUTER) then
+      foot%outer = iterate%elem
+      foot%outer_xi = iterate%xi
+      foot%outer_gap = dot_product(iterate%r, normal(iterate))
+    end if
+  end subroutine project_from
 
   !> Minimise the distance, beginning from an iterate.
   pure subroutine minimise(surface, shape, x, iterate, ending, edge, changes)

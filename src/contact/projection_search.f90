@@ -3,7 +3,7 @@
 module projection_search
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, surface_t
+  use contact_pair, only: contact_t, surface_t, is_integrated
   use projection_type, only: shape_t
   use surface_geometry, only: surface_point, update_shape
   implicit none
@@ -41,7 +41,7 @@ contains
 
     do k = 1, 2
       call update_shape(contact%side(k), x, shape(k))
-      if (contact%side(3 - k)%rigid) cycle        ! its points are not integrated
+      if (.not. is_integrated(contact, 3 - k)) cycle ! no points are projected
       call update_grid(contact%side(k), shape(k), grid(k))
     end do
   end subroutine place_surfaces

@@ -5,6 +5,7 @@ module surface_distance
   use projection, only: project
   use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t
+  use self_search, only: nearness_t, search_itself
   use surface_geometry, only: surface_point
   implicit none
   private
@@ -13,17 +14,27 @@ module surface_distance
 contains
 
   !> The smallest distance of an integration point of one surface from the other one, or zero if one
-  !! has come through. Where no point has a projection, it is the distance of the boxes around both
+  !! has come through. In self-contact it is that of the parts that face each other, and huge if
+  !! there are none. Where no point has a projection, it is the distance of the boxes around both
   !! surfaces.
-  real(wp) function find_distance(contact, x) result(distance)
+  real(wp) function find_distance(contact, xr, x) result(distance)
     type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
+    real(wp), intent(in) :: xr(:, :), x(:, :) !! (3, nnode) before the deformation, and now [L]
     type(shape_t) :: shape(2)
     type(grid_t) :: grid(2)
     type(foot_t) :: foot
+    type(nearness_t) :: near
     real(wp) :: xp(3), a(3, 2), b(3, 3), low(3, 2), high(3, 2)
     integer :: e, k, q
 
+    if (contact%self) then
+      associate (node => contact%side(1)%node)
+        call search_itself(contact, xr, x, norm2(maxval(x(:, node), 2) - minval(x(:, node), 2)), &
+                           near)
+      end associate
+      distance = near%gap
+      return
+    end if
     call place_surfaces(contact, x, shape, grid)
     do k = 1, 2
       low(:, k) = minval(shape(k)%low, 2)

@@ -13,14 +13,15 @@
 !! E/L and 500 E/L on blocks with modulus E and elements of length L, L/2 and L/4.
 module input_contact
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_kinds, only: wp
+  use base_kinds, only: wp, i8
+  use base_sort, only: sort_index
   use base_text, only: quoted, to_text, nearest, lower
   use contact_pair, only: contact_t, surface_t, BALANCED, MORTAR
   use contact_start, only: start_t, look_at_start
   use contact_surface, only: build_surface, tabulate_contact
   use contact_type, only: PENALTY, SMOOTHING, TANGENTIAL_PENALTY
   use curve_type, only: Q_CONTACT_DEBONDED
-  use input_draft, only: draft_t
+  use input_draft, only: draft_t, contact_entry_t
   use input_rigid, only: is_rigid_patch
   use input_thickness, only: body_thickness
   use input_where, only: find_faces, where_t, body_index
@@ -56,9 +57,31 @@ contains
     do i = 1, size(draft%contact)
       model%contact(i) = draft%contact(i)%contact
       call resolve_contact(draft, draft%contact(i)%at, model, model%contact(i), error)
+      if (.not. allocated(error)) call check_counted_once(model%contact(:i), error)
       if (allocated(error)) call draft%errors%add(error)
     end do
   end subroutine build_contacts
+
+  !> Do two surfaces that touch in the last contact also touch in an earlier one?
+  subroutine check_counted_once(contact, error)
+    type(contact_t), intent(in) :: contact(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: j, k
+
+    associate (new => contact(size(contact)))
+      do j = 1, size(contact) - 1
+        if (.not. allocated(contact(j)%side(2)%elem)) cycle ! it has an error
+        do k = 1, 2
+          if (common_faces(contact(j)%side(1), new%side(k)) == 0) cycle
+          if (common_faces(contact(j)%side(2), new%side(3 - k)) == 0) cycle
+          call fail(error, DECK_ERROR, 'contact '//quoted(new%name)//' acts between faces that ' &
+                    //'contact '//quoted(contact(j)%name)//' acts between', new%place, &
+                  'its pressures and bonds would count twice: leave these faces out of one of them')
+          return
+        end do
+      end do
+    end associate
+  end subroutine check_counted_once
 
   !> Find what the deck does not give: surfaces, integration points, default depth, penalties.
   subroutine resolve_contact(draft, at, model, contact, error)
@@ -73,10 +96,19 @@ contains
     logical :: smooths
     integer :: k
 
+    contact%self = same_place(at(1), at(2))
     do k = 1, 2
       call make_side(draft, at(k), model%mesh, contact%side(k), error)
       if (allocated(error)) return
     end do
+    if (.not. contact%self .and. common_faces(contact%side(1), contact%side(2)) > 0) then
+      call fail(error, DECK_ERROR, quoted(contact%side(1)%name)//' and ' &
+                //quoted(contact%side(2)%name)//' of contact '//quoted(contact%name)//' have ' &
+                //to_text(common_faces(contact%side(1), contact%side(2)))//' common element ' &
+                //'faces', at(2)%face_place, &
+                'give two surfaces without a common face, or the same one twice')
+      return
+    end if
     n = real(product(contact%ngauss), wp)*maxval(contact%side%nelem)
     if (contact%ncell > 1) n = n*(1 + contact%ncell**2)
     if (n > MOST_POINTS) then
@@ -150,6 +182,26 @@ contains
               //'), deeper than DEPTh '//to_text(contact%depth, 3), contact%place, &
               'move one of them; or give DEPTh d, the largest penetration that counts as contact')
   end subroutine resolve_contact
+
+  !> Number of element faces that belong to both surfaces.
+  integer function common_faces(a, b) result(n)
+    type(surface_t), intent(in) :: a, b
+    integer(i8) :: key(a%nelem + b%nelem)
+    integer :: i, order(size(key))
+
+    key(:a%nelem) = face_keys(a)
+    key(a%nelem + 1:) = face_keys(b)
+    call sort_index(key, order)
+    n = count([(key(order(i)) == key(order(i + 1)), i=1, size(key) - 1)])
+  end function common_faces
+
+  !> A number for each element face of a surface.
+  pure function face_keys(surface) result(key)
+    type(surface_t), intent(in) :: surface
+    integer(i8) :: key(surface%nelem)
+
+    key = 6*(int(surface%block, i8)*huge(1) + surface%elem) + surface%face
+  end function face_keys
 
   !> Make the surface that a WHERE names.
   subroutine make_side(draft, at, mesh, s, error)
@@ -265,11 +317,14 @@ contains
       if (draft%contact(i)%at(2)%type == 0) cycle ! the error in its record is in the list already
       associate (a => draft%contact(i)%at(1), b => draft%contact(i)%at(2), &
                  name => draft%contact(i)%contact%name)
-        if (lower(a%body) == lower(b%body) .and. &
-            (iand(a%mask, b%mask) /= 0 .or. lower(a%face) == lower(b%face))) then
+        if (same_place(a, b)) then
+          call check_self(draft, draft%contact(i), error)
+          if (.not. allocated(error)) cycle
+        else if (lower(a%body) == lower(b%body) .and. &
+                 (iand(a%mask, b%mask) /= 0 .or. lower(a%face) == lower(b%face))) then
           call fail(error, DECK_ERROR, 'a face of patch '//quoted(b%body) &
                     //' is on both sides of contact '//quoted(name), b%face_place, &
-                    'give two surfaces without a common face')
+                    'give two surfaces without a common face, or the same one twice')
         else if (is_rigid_patch(draft, a%body) .and. is_rigid_patch(draft, b%body)) then
           call fail(error, DECK_ERROR, 'both bodies of contact '//quoted(name)//' are rigid', &
                     b%place, 'give one of them a TYPE of solid elements')
@@ -325,17 +380,35 @@ contains
 
     same_faces = .false.
     if (any(a%type == 0) .or. any(b%type == 0)) return
-    same_faces = (same(a(1), b(1)) .and. same(a(2), b(2))) &
-                 .or. (same(a(1), b(2)) .and. same(a(2), b(1)))
-
-  contains
-
-    pure logical function same(p, q)
-      type(where_t), intent(in) :: p, q
-
-      same = lower(p%body) == lower(q%body) .and. p%mask == q%mask
-      if (same .and. p%mask == 0) same = lower(p%face) == lower(q%face)
-    end function same
+    same_faces = (same_place(a(1), b(1)) .and. same_place(a(2), b(2))) &
+                 .or. (same_place(a(1), b(2)) .and. same_place(a(2), b(1)))
   end function same_faces
+
+  !> Do two places name the same faces of the same body?
+  pure logical function same_place(p, q) result(same)
+    type(where_t), intent(in) :: p, q
+
+    same = lower(p%body) == lower(q%body) .and. p%mask == q%mask
+    if (same .and. p%mask == 0) same = lower(p%face) == lower(q%face)
+  end function same_place
+
+  !> Check the records of a contact of a surface with itself.
+  subroutine check_self(draft, entry, error)
+    type(draft_t), intent(in) :: draft
+    type(contact_entry_t), intent(in) :: entry
+    type(error_t), allocatable, intent(out) :: error
+
+    associate (contact => entry%contact, at => entry%at(2))
+      if (is_rigid_patch(draft, at%body)) then
+        call fail(error, DECK_ERROR, 'the body of self-contact '//quoted(contact%name) &
+                  //' is rigid', at%place, 'a rigid body cannot touch itself')
+      else if ((contact%scheme /= 0 .and. contact%scheme /= MORTAR) .or. contact%cohesive%given &
+               .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
+        call fail(error, DECK_ERROR, 'self-contact '//quoted(contact%name)//' needs ' &
+                  //'SCHEme MORTar, without COHEsive, BORDer and REFIne', at%face_place, &
+                  'the other schemes and these records need two different surfaces')
+      end if
+    end associate
+  end subroutine check_self
 
 end module input_contact

@@ -8,6 +8,7 @@ module run_report
   use base_text, only: to_text
   use byte_file, only: take_room
   use command_type, only: run_t
+  use contact_pair, only: is_integrated
   use contact_resultant, only: resultant_t, side_resultant
   use curve_file, only: curve_names
   use program_version, only: VERSION
@@ -87,7 +88,7 @@ contains
       associate (row => report%contact(c))
         row%name = job%model%contact(c)%name
         do k = 1, 2
-          if (job%model%contact(c)%side(k)%rigid) cycle
+          if (.not. is_integrated(job%model%contact(c), k)) cycle
           call side_resultant(job%model, job%state, c, k, [0.0_wp, 0.0_wp, 0.0_wp], side)
           row%points = row%points + side%npoint
           row%closed = row%closed + side%nclosed

@@ -6,14 +6,15 @@
 module rigid_modes
   use base_kinds, only: wp
   use base_text, only: to_text
+  use contact_pair, only: contact_t
   use lapack, only: dsyev
   use mesh, only: mesh_t, is_rigid
   use model, only: model_t
   use tensor, only: cross
   implicit none
   private
-  public :: free_body_t, find_free_bodies, find_motions, rigid_motion, motion_text, list_text, &
-            null_vectors, find_pieces
+  public :: free_body_t, find_free_bodies, is_within_body, find_motions, rigid_motion, motion_text, &
+            list_text, null_vectors, find_pieces
 
   !> Eigenvalues of a matrix of supports count as zero below this; one support has an eigenvalue of
   !! one.
@@ -50,6 +51,7 @@ contains
       all_of(n)%node = pack([(k, k=1, size(piece))], piece == n)
     end do
     do c = 1, size(model%contact)
+      if (touches_one_body(model%contact(c), piece)) cycle
       do k = 1, 2
         associate (side => model%contact(c)%side(k))
           if (side%rigid) cycle
@@ -75,6 +77,27 @@ contains
       body(b) = all_of(index_of(b))
     end do
   end subroutine find_free_bodies
+
+  !> Does a contact of a body with itself hold no other one?
+  logical function is_within_body(model, c) result(yes)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: c
+    integer, allocatable :: piece(:)
+
+    yes = model%contact(c)%self
+    if (.not. yes) return
+    call find_pieces(model%mesh, piece)
+    yes = touches_one_body(model%contact(c), piece)
+  end function is_within_body
+
+  pure logical function touches_one_body(contact, piece) result(yes)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: piece(:)      !! (nnode)
+
+    associate (node => contact%side(1)%node)
+      yes = contact%self .and. all(piece(node) == piece(node(1)))
+    end associate
+  end function touches_one_body
 
   !> Number the connected pieces of the mesh.
   subroutine find_pieces(mesh, piece)

@@ -4,6 +4,7 @@
 module fields
   use base_kinds, only: wp
   use base_text, only: lower, key_of
+  use contact_pair, only: is_integrated
   use contact_smooth, only: smooth_t, smooth_side
   use model, only: model_t, state_t
   use stress_projection, only: project_stress
@@ -165,7 +166,8 @@ contains
     end do
   end subroutine collect_fields
 
-  !> Smooth all sides of all contacts. A rigid side has no points and stays zero.
+  !> Smooth all sides of all contacts. A side that is not integrated has no points and stays
+  !! zero.
   subroutine gather_contact(model, state, nodal)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -180,7 +182,7 @@ contains
     allocate (met(n), source=.false.)
     do c = 1, size(model%contact)
       do k = 1, 2
-        if (model%contact(c)%side(k)%rigid) cycle
+        if (.not. is_integrated(model%contact(c), k)) cycle
         call smooth_side(model%contact(c), k, state%contact(c)%side(k), field)
         do a = 1, size(field%node)
           n = field%node(a)

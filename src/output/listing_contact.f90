@@ -68,7 +68,12 @@ contains
     type(contact_t), intent(in) :: contact
     character(:), allocatable :: text
 
-    text = "'"//contact%name//"': "//side(contact%side(1))//', '//side(contact%side(2))
+    text = "'"//contact%name//"': "//side(contact%side(1))
+    if (contact%self) then
+      text = text//' with itself'
+    else
+      text = text//', '//side(contact%side(2))
+    end if
 
   contains
 
@@ -95,6 +100,7 @@ contains
     real(wp), intent(in) :: f_ext(:, :)         !! (3, nnode) loads [F]
     type(resultant_t) :: side(2), both, all_sides
     real(wp) :: force(3), moment(3), load(3), load_moment(3), r(3), x(3)
+    character(:), allocatable :: text
     integer :: c, k, n
 
     if (size(model%contact) == 0) return
@@ -111,10 +117,13 @@ contains
                       //ratio(both%force, both%force_size/2)//'; moments' &
                       //vector(side(1)%moment)//' and'//vector(side(2)%moment)//', relative sum' &
                       //ratio(both%moment, both%moment_size/2))
-        call log_line(repeat(' ', len('contact '//name))//'  in contact '//text_of(side%nclosed) &
-                      //' of '//text_of(side%npoint)//' points: stick '//text_of(side%nstick) &
-                      //', slip '//text_of(side%nslip)//', area'//number(side(1)%area) &
-                      //number(side(2)%area)//', largest penetration' &
+        n = merge(1, 2, model%contact(c)%self)
+        text = number(side(1)%area)
+        if (n == 2) text = text//number(side(2)%area)
+        call log_line(repeat(' ', len('contact '//name))//'  in contact ' &
+                      //text_of(side(:n)%nclosed)//' of '//text_of(side(:n)%npoint) &
+                      //' points: stick '//text_of(side(:n)%nstick)//', slip ' &
+                      //text_of(side(:n)%nslip)//', area'//text//', largest penetration' &
                       //number(maxval(side%penetration)))
       end associate
     end do
@@ -175,12 +184,13 @@ contains
     text = ' '//trim(adjustl(field))
   end function number
 
-  !> The numbers of the two sides.
+  !> The numbers of the two sides, or of the one of self-contact.
   pure function text_of(n) result(text)
-    integer, intent(in) :: n(2)
+    integer, intent(in) :: n(:)
     character(:), allocatable :: text
 
-    text = to_text(n(1))//' + '//to_text(n(2))
+    text = to_text(n(1))
+    if (size(n) > 1) text = text//' + '//to_text(n(2))
   end function text_of
 
 end module listing_contact

@@ -22,7 +22,8 @@ module stabilisation
   use csr, only: block_matrix_t, block_position, multiply
   use lapack, only: dsyev
   use model, only: model_t, state_t
-  use rigid_modes, only: free_body_t, find_free_bodies, find_motions, rigid_motion, null_vectors
+  use rigid_modes, only: free_body_t, find_free_bodies, is_within_body, find_motions, &
+                         rigid_motion, null_vectors
   use surface_distance, only: find_distance
   implicit none
   private
@@ -292,7 +293,7 @@ contains
     depth = huge(depth)
     do c = 1, size(model%contact)
       associate (contact => model%contact(c))
-        gap = min(gap, find_distance(contact, x))
+        if (.not. is_within_body(model, c)) gap = min(gap, find_distance(contact, model%mesh%xr, x))
         depth = min(depth, contact%depth)
         do k = 1, 2
           if (.not. contact%side(k)%rigid) h = min(h, minval(contact%side(k)%width))

@@ -1,0 +1,133 @@
+!> Contact of a surface with itself: which parts of it may touch, and projections that stay there.
+!!
+!! The nearest point of the surface is the point itself. A projection therefore begins on a part
+!! that faces the point (contact_cells), goes downhill from there, and counts only if the normal
+!! where it ends faces that of the point. The far side of a thin body faces its near side as two
+!! parts do that have passed through each other; only the reference configuration tells them apart:
+!! the body is between the former.
+module self_contact
+  use base_kinds, only: wp
+  use contact_facets, only: FACING
+  use contact_pair, only: contact_t, surface_t
+  use projection, only: project_from
+  use projection_type, only: foot_t, shape_t
+  use surface_geometry, only: surface_point
+  use tensor, only: cross
+  implicit none
+  private
+  public :: may_touch, project_on_itself
+
+  !> Elements of one edge whose normals have a smaller cosine meet at a corner of the body.
+  real(wp), parameter :: CORNER = 0.9_wp
+  real(wp), parameter :: LEVEL = 1.0e-6_wp   !! height over the width of an element: rounding
+  real(wp), parameter :: FOLDED = 0.1_wp     !! height of elements that a motion has folded
+  !> Parts that overlap no deeper at the start, over the width of an element, touch there: surfaces
+  !! in contact are curved and their meshes need not match.
+  real(wp), parameter :: MISFIT = 0.01_wp
+  !> Cosine of the angle between the line through the body and the normals, at least.
+  real(wp), parameter :: ACROSS = 0.25_wp
+  !> A body is compressed to no less than the inverse of this.
+  real(wp), parameter :: MOST_COMPRESSED = 4.0_wp
+
+contains
+
+  !> May two elements of a surface touch? An element does not touch itself, and those on both sides
+  !! of a convex edge of the body do not touch each other, however sharp a motion makes the edge.
+  pure logical function may_touch(surface, reference, shape, e, f) result(may)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: reference, shape !! before the deformation, and now
+    integer, intent(in) :: e, f
+    real(wp) :: x(3), y(3), n(3), m(3), far
+
+    may = e /= f
+    if (.not. may) return
+    if (.not. share_node(surface, e, f)) return
+    call place(surface, reference, e, [0.0_wp, 0.0_wp], x, n)
+    call place(surface, reference, f, [0.0_wp, 0.0_wp], y, m)
+    if (dot_product(n, m) < CORNER) then
+      far = maxval(reference%high(:, e) - reference%low(:, e))
+      may = max(dot_product(y - x, n), dot_product(x - y, m)) > -LEVEL*far
+    else ! a smooth surface: where it is folded inwards now, its parts touch
+      call place(surface, shape, e, [0.0_wp, 0.0_wp], x, n)
+      call place(surface, shape, f, [0.0_wp, 0.0_wp], y, m)
+      may = max(dot_product(y - x, n), dot_product(x - y, m)) > -FOLDED*norm2(y - x)
+    end if
+  end function may_touch
+
+  pure logical function share_node(surface, e, f) result(share)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e, f
+    integer :: i
+
+    share = .true.
+    do i = surface%first(e), surface%first(e + 1) - 1
+      if (any(surface%node(surface%first(f):surface%first(f + 1) - 1) == surface%node(i))) return
+    end do
+    share = .false.
+  end function share_node
+
+  !> Position and unit normal of a point of an element.
+  pure subroutine place(surface, shape, e, xi, x, n)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: x(3), n(3)
+    real(wp) :: a(3, 2), b(3, 3)
+
+    call surface_point(surface, shape, e, xi, x, a, b)
+    n = cross(a(:, 1), a(:, 2))
+    n = n/max(norm2(n), tiny(1.0_wp))
+  end subroutine place
+
+  !> Project the point xi of element e on the part of its own surface where `foot` is. There is no
+  !! projection (element 0) if the surface does not face the point where it ends, or if the two are
+  !! on opposite faces of the body.
+  pure subroutine project_on_itself(contact, shape, reference, e, xi, foot, through)
+    type(contact_t), intent(in) :: contact
+    type(shape_t), intent(in) :: shape, reference !! now, and before the deformation
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    type(foot_t), intent(inout) :: foot
+    !> They are on opposite faces, though no farther from each other than DEPTh.
+    logical, intent(out), optional :: through
+    real(wp) :: x(3), n(3)
+    logical :: touches
+
+    if (present(through)) through = .false.
+    call place(contact%side(1), shape, e, xi, x, n)
+    call project_from(contact%side(1), shape, x, foot)
+    if (foot%elem == 0) return
+    touches = foot%elem /= e .and. dot_product(n, foot%n) < FACING
+    if (touches .and. foot%gap < 0.0_wp) then
+      touches = .not. is_opposite(contact, reference, e, xi, foot)
+      if (present(through)) through = .not. touches .and. foot%gap >= -contact%depth
+    end if
+    if (touches) return
+    if (.not. all(foot%free)) then ! the edge where both parts meet ends them as a border does
+      foot%outer = foot%elem
+      foot%outer_xi = foot%xi
+    end if
+    foot%elem = 0
+    foot%gap = huge(1.0_wp)
+  end subroutine project_on_itself
+
+  !> Were a point and its projection on opposite faces of the body, before it deformed?
+  pure logical function is_opposite(contact, reference, e, xi, foot) result(yes)
+    type(contact_t), intent(in) :: contact
+    type(shape_t), intent(in) :: reference
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    type(foot_t), intent(in) :: foot
+    real(wp) :: x(3), y(3), n(3), m(3), height(2), far
+
+    call place(contact%side(1), reference, e, xi, x, n)
+    call place(contact%side(1), reference, foot%elem, foot%xi, y, m)
+    far = norm2(y - x)
+    height = [dot_product(y - x, n), dot_product(x - y, m)] ! of each above the other
+    yes = far < MOST_COMPRESSED*contact%depth .and. all(height < 0.0_wp) .and. &
+          sum(height) < -2*ACROSS*far .and. &
+          sum(height) < -2*MISFIT*maxval(reference%high(:, e) - reference%low(:, e))
+  end function is_opposite
+
+end module self_contact
