@@ -212,11 +212,8 @@ contains
     type(state_t), intent(in) :: state
     character(:), allocatable, intent(out) :: trouble
     real(wp), allocatable :: x(:, :), x_start(:, :)
-    type(shape_t) :: shape(2), start(2)
-    type(grid_t) :: grid(2), start_grid(2)
-    type(foot_t) :: foot
-    real(wp) :: far, xp(3, 1), a(3, 2), b(3, 3), gap
-    integer :: c, e, k, q
+    real(wp) :: far, gap
+    integer :: c, k, side
 
     do c = 1, size(model%contact)
       associate (contact => model%contact(c))
@@ -232,37 +229,54 @@ contains
         end if
         if (contact%self) then
           call find_own_jump(contact, model%mesh%xr, x_start, x, far, gap)
-          if (gap < 0.0_wp) trouble = 'in contact '//contact%name//' a point of ' &
-                                      //contact%side(1)%name//' has passed through its own ' &
-                                      //'surface to a depth of '//to_text(-gap, 3) &
-                                      //', more than DEPTh '//to_text(contact%depth, 3)
-          if (allocated(trouble)) return
-          cycle
+          if (.not. gap < 0.0_wp) cycle
+          trouble = contact%side(1)%name//' has passed through its own surface'
+        else
+          call find_jump_through(contact, x_start, x, gap, side)
+          if (.not. gap < 0.0_wp) cycle
+          trouble = contact%side(side)%name//' has passed through '//contact%side(3 - side)%name
         end if
-        call place_surfaces(contact, x, shape, grid)
-        call place_surfaces(contact, x_start, start, start_grid)
-        do k = 1, 2
-          if (contact%side(k)%rigid) cycle
-          do e = 1, contact%side(k)%nelem
-            do q = 1, contact%nplain
-              call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), xp(:, 1), a, b)
-              foot%elem = 0
-              call project(contact%side(3 - k), shape(3 - k), grid(3 - k), xp(:, 1), foot)
-              if (foot%elem == 0 .or. foot%gap >= -contact%depth) cycle
-              gap = foot%gap
-              if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) >= 0.0_wp) cycle
-              call surface_point(contact%side(k), start(k), e, contact%xi(:, q), xp(:, 1), a, b)
-              call project(contact%side(3 - k), start(3 - k), start_grid(3 - k), xp(:, 1), foot)
-              if (foot%elem == 0 .or. foot%gap < -contact%depth) cycle
-              trouble = 'in contact '//contact%name//' a point of '//contact%side(k)%name &
-                        //' has passed through '//contact%side(3 - k)%name//' to a depth of ' &
-                        //to_text(-gap, 3)//', more than DEPTh '//to_text(contact%depth, 3)
-              return
-            end do
-          end do
-        end do
+        trouble = 'in contact '//contact%name//' a point of '//trouble//' to a depth of ' &
+                  //to_text(-gap, 3)//', more than DEPTh '//to_text(contact%depth, 3)
+        return
       end associate
     end do
   end subroutine find_jump
+
+  !> The same for one contact of two surfaces.
+  subroutine find_jump_through(contact, x_start, x, gap, side)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now
+    real(wp), intent(out) :: gap                   !! the point's [L]; positive: there is none
+    integer, intent(out) :: side                   !! whose point it is
+    type(shape_t) :: shape(2), start(2)
+    type(grid_t) :: grid(2), start_grid(2)
+    type(foot_t) :: foot
+    real(wp) :: xp(3), a(3, 2), b(3, 3)
+    integer :: e, k, q
+
+    call place_surfaces(contact, x, shape, grid)
+    call place_surfaces(contact, x_start, start, start_grid)
+    side = 0
+    do k = 1, 2
+      if (contact%side(k)%rigid) cycle
+      do e = 1, contact%side(k)%nelem
+        do q = 1, contact%nplain
+          call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), xp, a, b)
+          foot%elem = 0
+          call project(contact%side(3 - k), shape(3 - k), grid(3 - k), xp, foot)
+          if (foot%elem == 0 .or. foot%gap >= -contact%depth) cycle
+          gap = foot%gap
+          if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) >= 0.0_wp) cycle
+          call surface_point(contact%side(k), start(k), e, contact%xi(:, q), xp, a, b)
+          call project(contact%side(3 - k), start(3 - k), start_grid(3 - k), xp, foot)
+          if (foot%elem == 0 .or. foot%gap < -contact%depth) cycle
+          side = k
+          return
+        end do
+      end do
+    end do
+    gap = huge(gap)
+  end subroutine find_jump_through
 
 end module contact_report
