@@ -76,7 +76,8 @@ contains
           if (common_faces(contact(j)%side(2), new%side(3 - k)) == 0) cycle
           call fail(error, DECK_ERROR, 'contact '//quoted(new%name)//' acts between faces that ' &
                     //'contact '//quoted(contact(j)%name)//' acts between', new%place, &
-                  'its pressures and bonds would count twice: leave these faces out of one of them')
+                    'its pressures and bonds would count twice: leave these ' &
+                    //'faces out of one of them')
           return
         end do
       end do
