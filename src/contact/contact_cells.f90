@@ -20,7 +20,6 @@ module contact_cells
   use quadrature, only: gauss
   use self_contact, only: may_touch
   use surface_chart, only: collapsed_side, to_chart, from_chart, chart_point
-  use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
   private

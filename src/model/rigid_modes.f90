@@ -13,8 +13,8 @@ module rigid_modes
   use tensor, only: cross
   implicit none
   private
-  public :: free_body_t, find_free_bodies, is_within_body, find_motions, rigid_motion, motion_text, &
-            list_text, null_vectors, find_pieces
+  public :: free_body_t, find_free_bodies, is_within_body, find_motions, rigid_motion, &
+            motion_text, list_text, null_vectors, find_pieces
 
   !> Eigenvalues of a matrix of supports count as zero below this; one support has an eigenvalue of
   !! one.

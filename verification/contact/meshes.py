@@ -6,6 +6,7 @@ slit/slit.msh: a block 4 x 1 x 2 with a slit at half of its height, from x = 1 t
 its faces do not match. Groups: slit, and its faces upper and lower; bottom, top.
 slit/cut.msh: two blocks 1 x 1 x 1 at a distance of 0.01, of 3 x 3 x 3 and 4 x 4 x 4 elements, in one mesh. Groups: slit (both
 faces between them), upper, lower; bottom, top.
+shared/posts.msh: two blocks 1 x 1 x 1 at a distance of 1. Groups: first and second, their tops; both; bottom.
 """
 
 import pathlib
@@ -117,6 +118,17 @@ def cut(path):
     mesh.write(path)
 
 
+def posts(path):
+    """Two blocks beside each other."""
+    mesh = Mesh()
+    for name, x, n in (("first", 0, 3), ("second", 2, 2)):
+        block = mesh.box((n, n, 2), lambda i, j, k, x=x, n=n: (x + i / n, j / n, k / 2))
+        mesh.layer(block[:, :, 0], "bottom")
+        mesh.layer(block[:, :, 2], name, "both")
+    mesh.write(path)
+
+
 if __name__ == "__main__":
+    posts(HERE / "shared/posts.msh")
     slit(HERE / "slit/slit.msh")
     cut(HERE / "slit/cut.msh")

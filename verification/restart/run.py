@@ -39,6 +39,7 @@ DECKS = [
     "length.inp",
     "spline.inp",
     "loose.inp",
+    "self.inp",
 ]
 
 
