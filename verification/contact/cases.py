@@ -422,6 +422,84 @@ def cycle(runner):
     return heading, rows, None
 
 
+def own(runner):
+    """Surfaces in contact with themselves and a face in two contacts: what must be equal."""
+
+    def differ(c, a, b, angle=0.0, rows=slice(None)):
+        """Forces of copy b, turned back, less those of copy a, over the largest force."""
+        x, z = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        one, two = c["force_1" + b][rows], c["force_3" + b][rows]
+        off = np.hypot(
+            x * one + z * two - c["force_1" + a][rows], x * two - z * one - c["force_3" + a][rows]
+        )
+        return np.max(off) / np.max(np.abs(c["force_3" + a]))
+
+    rows = []
+    for mu in (0, 0.1):
+        for deck, what in (("slit", "slit with ends"), ("cut", "blocks of one mesh")):
+            c = runner(f"slit/{deck}", mu=mu).curve("slit")
+            rows.append(
+                [f"{what}: self-contact and pair", mu, f"{differ(c, '', '_2'):.0e}", iterations(c)]
+            )
+    c = runner("slit/patch").curve("patch")
+    rows.append(
+        [
+            "patch test: pressure",
+            0,
+            f"{abs(c['contact_slit_1_pressure'][-1] / 0.1 - 1):.0e}",
+            iterations(c),
+        ]
+    )
+    for mu in (0, 0.3):
+        c = runner("fin/fin", mu=mu).curve("fin")
+        rows.append(
+            [
+                "fin, turned by 37 degrees: all steps",
+                mu,
+                f"{differ(c, '', '_2', 37):.0e}",
+                iterations(c),
+            ]
+        )
+        rows.append(
+            [
+                "fin, turned by 37 degrees: last step",
+                mu,
+                f"{differ(c, '', '_2', 37, slice(-1, None)):.0e}",
+                "-",
+            ]
+        )
+        rows.append(
+            [
+                "fin: sum of the forces on its ends along the table",
+                mu,
+                f"{np.max(np.abs(c['force_1'] + c['force_1_3'])) / np.max(np.abs(c['force_3'])):.0e}",
+                "-",
+            ]
+        )
+    c = runner("fin/fin", turn=0, n2=40, m2=4).curve("fin")
+    rows.append(
+        [
+            "fin: mesh twice as fine, last step",
+            0,
+            f"{abs(c['force_3_2'][-1] / c['force_3'][-1] - 1):.0e}",
+            iterations(c),
+        ]
+    )
+    for mu in (0, 0.2):
+        c = runner("shared/shared", mu=mu).curve("shared")
+        rows.append(
+            ["face in two contacts: other order", mu, f"{differ(c, '', '_2'):.0e}", iterations(c)]
+        )
+        rows.append(
+            ["face in two contacts: one contact instead", mu, f"{differ(c, '', '_3'):.0e}", "-"]
+        )
+    return (
+        ["what is compared", "friction", "difference over the largest force", "iterations"],
+        rows,
+        None,
+    )
+
+
 def verdict(error, bound):
     return "right" if abs(error) <= bound else "wrong"
 
@@ -497,4 +575,4 @@ def extremes(runner):
 
 
 TABLES = {f.__name__: f for f in (
-    patch, sphere, cylinder, ironing, rings, mindlin, mindlin_sphere, turn, seal, cord, drag, beams, cycle, extremes)}  # fmt: skip
+    patch, sphere, cylinder, ironing, rings, mindlin, mindlin_sphere, turn, seal, cord, drag, beams, cycle, own, extremes)}  # fmt: skip
