@@ -23,7 +23,7 @@ module base_log
   integer :: nkept = 0
   integer :: nwarning = 0
   type(message_t), allocatable :: message_of(:) !! the warnings of the run, equal ones once
-  integer :: nmessage = 0                  !! of them; the array may be longer
+  integer :: nmessage = 0                  !! their number; the array may be longer
   integer :: shown = 0                     !! characters of the progress line on the screen
   logical :: quiet = .false., asked = .false., terminal = .false.
   logical :: prints = .false.              !! lines go to standard output; there is no log
@@ -112,7 +112,7 @@ contains
     call show_above(text)
   end subroutine warn
 
-  !> Write what a user should know, and what is no reason for doubt, into the log and on the screen.
+  !> Write a note, which reports no problem, into the log and on the screen.
   subroutine note(message)
     character(*), intent(in) :: message
     character(:), allocatable :: text
@@ -152,13 +152,13 @@ contains
     message_of(nmessage)%text = message
   end subroutine keep
 
-  !> Different warnings of the run.
+  !> Number of different warnings of the run.
   integer function message_count() result(n)
 
     n = nmessage
   end function message_count
 
-  !> Different warning i of the run.
+  !> The i-th of the different warnings of the run.
   subroutine get_warning(i, text)
     integer, intent(in) :: i              !! 1 to message_count()
     character(:), allocatable, intent(out) :: text
@@ -185,7 +185,7 @@ contains
     n = nwarning
   end function warning_count
 
-  !> Show a line at the end of a run, on a terminal and elsewhere.
+  !> Show a line at the end of a run, whether or not the screen is a terminal.
   subroutine summary(text)
     character(*), intent(in) :: text
 

@@ -207,7 +207,8 @@ contains
     failed = c_sigprocmask(SIG_BLOCK, set, before)
   end subroutine hold_signals
 
-  !> Restore the mask before hold_signals; a signal that has arrived meanwhile is delivered now.
+  !> Restore the signal mask as it was before hold_signals; a signal that has arrived meanwhile is
+  !! delivered now.
   subroutine let_signals_in()
     type(sigset_t) :: set
     integer(c_int) :: failed

@@ -26,7 +26,7 @@ contains
 
   !> Take displacements, history, time and step number from the checkpoint. The load tables remain
   !! those of this deck, and the next target of DT is counted from the time of the checkpoint. The
-  !! model must be the same but for its loads, and with CONStants but for its constants.
+  !! model must be the same except for its loads and, with CONStants, except for its constants.
   subroutine run_restart(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

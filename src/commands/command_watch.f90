@@ -23,8 +23,8 @@ contains
     if (.not. run%plan%strain_warned) call watch_strains(run)
   end subroutine watch_step
 
-  !> Warn of a MOVE that turns by half a turn or more in one step: displacements know only where a
-  !! turn ends, so that a full one moves nothing.
+  !> Warn of a MOVE that turns by half a turn or more in one step: displacements depend only on
+  !! where a turn ends, so that a full turn moves nothing.
   subroutine watch_rotations(run)
     type(run_t), intent(inout) :: run
     real(wp) :: before(size(run%state%table)), angle, factor, start

@@ -1,11 +1,11 @@
-!> Borders of a cell: from the corners of a polygon of straight edges to those of the elements,
-!! which are curved if elements are.
+!> Borders of a cell: corrects the corners of a polygon of straight edges, and bends its edges where
+!! the elements are curved.
 !!
-!! An edge of a cell lies on an edge of its own facet, straight in the chart of the element
-!! (surface_chart), or on one of the facet of the other side. Of the latter the points are found
-!! that face the other edge: their distance from it is normal to the other surface, which is where
-!! projections change from one element to the next. Two cells that share an edge find the same
-!! points of it.
+!! An edge of a cell lies on an edge of its own facet, which is straight in the chart of the element
+!! (surface_chart), or comes from an edge of a facet of the other side. In the latter case, points
+!! are found that face the other edge exactly: the line from such a point to the edge is normal to
+!! the other surface, so that projections change there from one element to the next. Two cells that
+!! share an edge find the same points on it.
 module cell_border
   use base_kinds, only: wp
   use contact_pair, only: surface_t
@@ -18,11 +18,11 @@ module cell_border
   public :: part_t, find_border, bend_functions, NBEND
 
   integer, parameter :: NBEND = 8            !! points of an edge between its ends
-  !> Largest correction of a straight edge, relative to the facet (of a corner: in the chart).
+  !> Largest correction of a straight edge relative to the facet, or of a corner in the chart.
   real(wp), parameter :: MOST_BEND = 0.25_wp
   real(wp), parameter :: STRAIGHT = 1.0e-13_wp !! rounding of parameters
   real(wp), parameter :: CONVERGED = 1.0e-13_wp, STALLED = 1.0e-9_wp
-  !> Sine of the angle between edges that do not cut each other.
+  !> Edges do not cut each other if the sine of the angle between them is smaller than this.
   real(wp), parameter :: PARALLEL = 1.0e-3_wp
   integer, parameter :: MOST_STEPS = 12      !! of Newton's method
   !> Parameters that are constant on edges 1 to 4 of a facet, counter-clockwise.
@@ -36,14 +36,15 @@ module cell_border
 
 contains
 
-  !> Where the functions f_k of a bent edge are one, on [-1,1]; symmetric about zero.
+  !> The point on [-1,1] at which the function f_k of a bent edge is one; symmetric about zero.
   pure real(wp) function bend_at(k) result(t)
     integer, intent(in) :: k
 
     t = -cos(acos(-1.0_wp)*k/(NBEND + 1))
   end function bend_at
 
-  !> Polynomials f_k(t) that vanish at the ends and at all bend_at but the k-th, and derivatives.
+  !> Polynomials f_k(t) that vanish at the ends and at all bend_at but the k-th, and their
+  !! derivatives.
   pure subroutine bend_functions(t, f, df)
     real(wp), intent(in) :: t
     real(wp), intent(out) :: f(NBEND), df(NBEND)
@@ -68,7 +69,7 @@ contains
   end subroutine bend_functions
 
   !> Correct the corners of a cell, and find how its edges are bent. `tag` says where the edge after
-  !! a corner comes from: -k: edge k of the own part, k: edge k of the other one.
+  !! a corner comes from: -k means edge k of the own part, k means edge k of the other one.
   pure subroutine find_border(own, shape, mine, other, opposite, theirs, m, tag, xi, zeta, bend)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite

@@ -28,7 +28,7 @@ module contact_assembly
             map_contact, add_contact, split_contact_forces, accept_contact
 
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of a contact
-  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step: AFTEr is reached
+  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step by which AFTEr may be missed
 
   !> Projections of the points of one side on the other.
   type :: feet_t

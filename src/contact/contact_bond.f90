@@ -1,7 +1,7 @@
 !> Bonds: which points are bonded to which partners, and the tractions between them.
 !!
 !! The partner of a point is its projection in the reference configuration, eq. (30) of Corbett and
-!! Sauer 2015. Between the two act the cohesive law and, with PAIR, the penalty.
+!! Sauer 2015. The cohesive law and, with PAIR, the penalty act between the two.
 !!
 !! g is the vector from the partner x_p = x_l(xi_0) to the point x, and n is the outward unit normal
 !! of side l at xi_0. Both surfaces move while xi_0 is constant, so that with the tangents a_1, a_2

@@ -1,12 +1,12 @@
 !> Cells of a surface: its elements, cut along the borders of the elements that they touch.
 !!
-!! A function of both surfaces has kinks where an element of the other one begins. Gauss points of
-!! whole elements integrate it badly: blocks with different meshes then miss the patch test (Puso
-!! and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are divided into facets that are
-!! nearly flat (contact_facets); each facet of the integrated side is clipped, in its own plane, by
-!! the facets of the other side that face it, and the pieces are mapped back to the chart of the
-!! element (surface_chart): its parameters or, on a triangle, coordinates of the triangle. What lies
-!! beyond the border of the other surface belongs to no cell.
+!! An integrand that depends on both surfaces has kinks at the borders of the elements of the other
+!! one. Gauss points of whole elements integrate it badly: blocks with different meshes then miss
+!! the patch test (Puso and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are divided
+!! into facets that are nearly flat (contact_facets); each facet of the integrated side is clipped,
+!! in its own plane, by the facets of the other side that face it, and the pieces are mapped back to
+!! the chart of the element (surface_chart): its parameters or, on a triangle, coordinates of the
+!! triangle. What lies beyond the border of the other surface belongs to no cell.
 !!
 !! The points of the cells have reference areas as weights, so that only positions vary while the
 !! cells are kept.
@@ -27,15 +27,15 @@ module contact_cells
 
   real(wp), parameter :: NO_AREA = 1.0e-12_wp  !! of a piece, relative to its facet
   real(wp), parameter :: ON_EDGE = 1.0e-10_wp  !! distance to an edge, relative to its length
-  !> Error of the points of a cell where functions of both sides are no polynomials, relative.
+  !> Relative error of the points of a cell where functions of both sides are not polynomials.
   real(wp), parameter :: ACCURACY = 1.0e-10_wp
-  real(wp), parameter :: EVEN = 1.0e-8_wp      !! change of tangents that is none
+  real(wp), parameter :: EVEN = 1.0e-8_wp      !! a smaller change of tangents is rounding
   real(wp), parameter :: MOST_UNEVEN = 0.9_wp
   integer, parameter :: MOST_STEPS = 20        !! of Newton's method
   integer, parameter :: USUAL_POINTS = 5       !! of QUADrature
-  !> Maps that are no polynomials have a further point in each direction by default, unless they
-  !! need more than MANY for an exact result, as those of strongly deformed surfaces do: points
-  !! would then cost more than they give.
+  !> By default, maps that are not polynomials have one more point in each direction. Those that
+  !! need more than MANY further points for an exact result, as on strongly deformed surfaces, have
+  !! none, because these would cost more than they are worth.
   integer, parameter :: MANY = 5
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
@@ -144,7 +144,7 @@ contains
     end associate
   end subroutine cut_cells
 
-  !> The rule of a contact.
+  !> The quadrature rule of a contact.
   subroutine find_rule(contact, rule)
     type(contact_t), intent(in) :: contact
     type(rule_t), intent(out) :: rule
@@ -162,14 +162,14 @@ contains
   end subroutine find_rule
 
   !> Gauss points in each direction of a piece of facet i that faces facet j of the other side: a
-  !! whole element has the points of QUADrature, a small piece those that it needs.
+  !! whole element has the points of QUADrature, a small piece only those that it needs.
   pure integer function order_of_piece(rule, corner, part, mine, i, theirs, j) result(n)
     type(rule_t), intent(in) :: rule
     real(wp), intent(in) :: corner(:, :)    !! (2, m) in the chart of the element
     type(part_t), intent(in) :: part        !! facet i
     type(facets_t), intent(in) :: mine, theirs
     integer, intent(in) :: i, j
-    real(wp) :: fraction, other_fraction    ! of the piece, of the widths of both facets [-]
+    real(wp) :: fraction, other_fraction    ! width of the piece over those of the facets
     integer :: order
 
     n = ceiling(rule%whole*sqrt(0.25_wp*max(0.0_wp, signed_area(corner))))
@@ -182,8 +182,8 @@ contains
     n = min(max(n, rule%least + order), MOST_ORDER)
   end function order_of_piece
 
-  !> Gauss points beyond those of polynomials where tangents change by the fraction r over a cell:
-  !! the error of n points for 1/(1 + r t) falls with rho^(-2n).
+  !> Number of Gauss points needed beyond those for polynomials where tangents change by the
+  !! fraction r over a cell. The error of n points for 1/(1 + r t) falls with rho^(-2n).
   pure integer function further_order(r) result(n)
     real(wp), intent(in) :: r
     real(wp) :: q
@@ -310,7 +310,7 @@ contains
         c = c + 1
         cycle
       end if
-      ! the edge before the corner that remains is then that before corner c
+      ! the corner that remains takes over the edge before corner c
       if (tag(mod(c + m - 2, m) + 1) > 0) zeta(:, mod(c, m) + 1) = zeta(:, c)
       corner(:, c:m - 1) = corner(:, c + 1:m)
       zeta(:, c:m - 1) = zeta(:, c + 1:m)

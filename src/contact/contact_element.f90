@@ -134,7 +134,7 @@ contains
     call taper_edge(contact%taper, outside, foot, point, dt)
   end subroutine find_traction
 
-  !> Record the results of the laws at a point, per current area whichever area the laws refer to.
+  !> Record the results of the laws at a point, per current area, whichever area the laws refer to.
   pure subroutine record(foot, i, point, bond, da, points)
     type(foot_t), intent(in) :: foot
     integer, intent(in) :: i

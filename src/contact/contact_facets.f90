@@ -1,5 +1,5 @@
-!> Facets of a surface: its elements, divided until they are nearly flat, with a search for those of
-!! another surface that are near.
+!> Facets of a surface: its elements, divided until they are nearly flat; and a search for the
+!! facets of another surface that are near.
 module contact_facets
   use base_kinds, only: wp
   use contact_pair, only: surface_t
@@ -102,7 +102,7 @@ contains
     normal = normal/max(norm2(normal), tiny(1.0_wp))
   end subroutine place_facet
 
-  !> Change of tangents, in those of the middle.
+  !> Change of the tangents from those in the middle, expressed in the latter.
   pure real(wp) function change(middle, a) result(r)
     real(wp), intent(in) :: middle(3, 2), a(3, 2)
     real(wp) :: m(2, 2), d(2, 2), det
@@ -139,7 +139,7 @@ contains
         n(:, q) = n(:, q)/max(norm2(n(:, q)), tiny(1.0_wp))
       end do
     end do
-    if (collapsed_side(surface, e) > 0) uneven = 0.0_wp ! of its parameters
+    if (collapsed_side(surface, e) > 0) uneven = 0.0_wp ! only its parameters are
     turn = 1.0_wp
     bend = 0.0_wp
     do q = 1, 9

@@ -1,22 +1,21 @@
 !> The mortar scheme (SCHEme MORTar): one energy of the normal contact of both sides, integrated
 !! over cells.
 !!
-!! Each side k that is not rigid is integrated over its cells (contact_cells), with the share c of
-!! 1/2, or 1 if the other side is rigid. N_A are the functions of its control points, g the gap to
-!! the closest point of the other side, and w the reference areas of the points:
+!! Each side k that is not rigid is integrated over its cells (contact_cells). The share c is 1/2,
+!! or 1 if the other side is rigid. N_A are the functions of its control points, g the gap to the
+!! closest point of the other side, and w the reference areas of the points:
 !!
 !!   E   = c sum_i w_i W(g_i; eps_1) + c sum_A a_A W(g_A; eps_2),    a_A = sum_i w_i N_A,
 !!   g_A = sum_i w_i N_A g_i/a_A,     p_i = p(g_i; eps_1) + sum_A N_A q_A,    q_A = p(g_A; eps_2).
 !!
-!! Its gradient, c w_i p_i n_i, acts on the point and, reversed, on its projection: the forces of
-!! the two sides are equal and opposite. The part eps_1 of the penalty acts at points and resolves
-!! the edge of the contact area; the rest, of stiff penalties, acts at control points, where it does
-!! not lock.
+!! Its gradient, the force c w_i p_i n_i, acts on the point and, reversed, on its projection: the
+!! forces of the two sides are equal and opposite. The part eps_1 of the penalty acts at points and
+!! resolves the edge of the contact area. If the penalty is stiff, the rest of it, eps_2, acts at
+!! control points, where it does not lock.
 !!
 !! Friction acts at the points of the cells too, so that its bound is mu times their pressure. When
 !! cells are cut, a point takes over the elastic slip of the nearest point of the last step in its
-!! element: its sliding point is where it faced the other side at the start of the step, less that
-!! slip.
+!! element: its sliding point is its projection at the start of the step, moved back by that slip.
 module contact_mortar
   use base_kinds, only: wp
   use contact_active, only: pairs_t, need_pair
@@ -39,16 +38,17 @@ module contact_mortar
   private
   public :: find_mortar, add_mortar
 
-  !> Cells are cut again if a node has moved farther than the smallest facet since,
+  !> Cells are cut again if a node has since moved farther than the smallest facet,
   real(wp), parameter :: MOVED_FAR = 1.0_wp
-  !> or, when the iteration settles and the last increment was less than this fraction of a facet,
+  !> or, once the iteration settles, with a last increment below this fraction of the facet,
   real(wp), parameter :: SETTLES = 0.3_wp
   !> if a node has moved farther than this fraction of it. The converged state then does not depend
   !! on where the iteration began: it has a potential without friction, and turns with the bodies.
   real(wp), parameter :: MOVED = 1.0e-8_wp
-  !> The latter no more often than this in a step.
+  !> Largest number of such cuts in a step once the iteration settles.
   integer, parameter :: MOST_CUTS = 8
-  !> Points of a surface move no more than this times its nodes: functions may be negative.
+  !> A point of a surface moves at most this times as far as its nodes, as functions may be
+  !! negative.
   real(wp), parameter :: OVERSHOOT = 2.0_wp
 
 contains
@@ -116,7 +116,7 @@ contains
     mortar%step = step
   end subroutine find_mortar
 
-  !> What the nodes of both sides have moved since the last projection.
+  !> How far the nodes of both sides have moved since the last projection.
   subroutine find_motion(mortar, contact, x, motion)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact

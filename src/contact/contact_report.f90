@@ -1,4 +1,4 @@
-!> What the log says of contacts during a run: contacts that close or are lost in a step, points
+!> What the log reports about contacts during a run: contacts that close or open in a step, points
 !! that have passed through the other body, and warnings of results that cannot be right.
 module contact_report
   use base_kinds, only: wp
@@ -19,15 +19,15 @@ module contact_report
   private
   public :: report_contact_changes, measure_contacts, find_jump, warn_soft_penalty
 
-  real(wp), parameter :: UNBALANCED = 0.02_wp !! difference of the forces that is worth a warning
-  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! and penetration, relative to an element
-  real(wp), parameter :: HALF = 0.5_wp        !! of a motion
-  real(wp), parameter :: SOFT = 0.2_wp        !! of the work of supports and loads, by penetration
+  real(wp), parameter :: UNBALANCED = 0.02_wp !! relative difference of forces to warn of
+  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration to warn of, relative to an element
+  real(wp), parameter :: HALF = 0.5_wp        !! of a motion: elastic slip to warn of
+  real(wp), parameter :: SOFT = 0.2_wp        !! share of the work that penetration may take
   real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! relative to the largest force so far
 
 contains
 
-  !> Log which contacts a step has closed or lost, before it is accepted, and warn of points that
+  !> Before a step is accepted, log which contacts it has closed or opened, and warn of points that
   !! were in contact and are now deeper than DEPTh.
   subroutine report_contact_changes(model, state)
     type(model_t), intent(in) :: model
@@ -115,7 +115,7 @@ contains
   end subroutine measure_contacts
 
   !> Keep the largest work against the pressure so far, and its fraction of the work of supports and
-  !! loads then. Bonds and inertia work too, so models with them are left out.
+  !! loads at that time. Models with bonds or inertia are left out, because these do work too.
   pure subroutine follow_penalty_work(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state

@@ -153,9 +153,9 @@ contains
     end do
   end subroutine add_point
 
-  !> Friction at a point. It acts along the elastic part of the slip, the pressure across it. An
-  !! elastic part that is only rounding has an arbitrary direction, so friction is limited to the
-  !! part of t that is not pressure.
+  !> Friction at a point. It acts along the elastic part of the slip, and the pressure acts across
+  !! it. An elastic part that is only rounding has an arbitrary direction, so friction is limited to
+  !! the part of t that is not pressure.
   pure function friction_of(t, p, elastic) result(friction)
     real(wp), intent(in) :: t(3), p, elastic(3)
     real(wp) :: friction(3)

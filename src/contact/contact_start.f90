@@ -1,5 +1,5 @@
-!> What the log says of contacts before the first step: their bonds, and warnings of faces that look
-!! wrong and of initial penetrations.
+!> What the log reports about contacts before the first step: their bonds, and warnings of faces
+!! that look wrong and of initial penetrations.
 !!
 !! All points are projected in the reference configuration. Points that are inside the other body
 !! already mean a press fit or a mistake; if the outward normals of two surfaces point the same way
@@ -24,7 +24,7 @@ module contact_start
 
   !> Fraction of the size of an element: a smaller gap is rounding.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
-  real(wp), parameter :: NEAREST = 0.01_wp    !! of an element's width: gaps that are hardly larger
+  real(wp), parameter :: NEAREST = 0.01_wp    !! band of the nearest gaps, over an element's width
 
   !> How two surfaces are placed at the start.
   type :: start_t

@@ -34,8 +34,8 @@ module contact_work
     real(wp), allocatable :: back(:, :, :)     !! (3, nl, npartner) [F]
     real(wp), allocatable :: lk(:, :, :)       !! (3*nl, 3*nk, npartner) [F/L]
     real(wp), allocatable :: ll(:, :, :)       !! (3*nl, 3*nl, npartner)
-    !> And with respect to the nodes of another partner: the force on slot pair(1) varies with the
-    !! nodes of slot pair(2).
+    !> BALAnced: derivatives of the force on one partner, slot pair(1), with respect to the nodes of
+    !! another one, slot pair(2).
     integer :: ncross = 0
     integer, allocatable :: pair(:, :)         !! (2, ncross)
     real(wp), allocatable :: cross(:, :, :)    !! (3*nl, 3*nl, ncross)
@@ -93,7 +93,7 @@ contains
     allocate (work%kl(nk, nl, m), work%back(3, nl/3, m), work%lk(nl, nk, m), work%ll(nl, nl, m))
   end subroutine reserve_partners
 
-  !> Make room for n pairs of partners; those that there are remain.
+  !> Make room for n pairs of partners; the existing ones remain.
   pure subroutine reserve_crosses(n, work)
     integer, intent(in) :: n
     type(work_t), intent(inout) :: work

@@ -13,7 +13,7 @@ module mortar_control
   private
   public :: find_pressures, pressure_at, need_lists, mortar_clique, add_control_tangent
 
-  !> Overlap of a control point, relative to the largest, that does not count.
+  !> A smaller overlap of a control point, relative to the largest one, does not count.
   real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
 
 contains
@@ -134,7 +134,7 @@ contains
         end if
         mark(list(:n)) = 0
         associate (known => side%known(a))
-          if (new) then ! a list that is the same needs no new pattern
+          if (new) then ! an unchanged list needs no new pattern
             if (n /= size(known%node)) then
               grown = .true.
             else if (n > 0) then

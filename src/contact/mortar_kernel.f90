@@ -2,8 +2,8 @@
 !!
 !! A point of element e loads its own nodes b with -N_b w t and the nodes c of the element that it
 !! faces with M_c(xi) w t. Of these, t and xi vary. For all points of e that face the same element,
-!! the derivatives of the forces by the positions x_d of the nodes of both elements are products of
-!! matrices, which BLAS computes:
+!! the derivatives of the forces with respect to the positions x_d of the nodes of both elements are
+!! products of matrices, which BLAS computes:
 !!
 !!   dr_b = -sum N_b (w dt/dx_d),
 !!   dr_c =  sum M_c (w dt/dx_d) + sum_a sum (M_c,a t) (w dxi_a/dx_d).
@@ -69,7 +69,7 @@ contains
     end associate
   end subroutine form_cells
 
-  !> List the points of element e that carry a pressure by the elements that they face. Partners are
+  !> Sort the points of element e that carry a pressure by the elements that they face. Partners are
   !! these elements first, and then those of the sliding points. The results of all points are
   !! cleared.
   pure subroutine list_points(side, e, slides, kernel, work, n, faced)
@@ -124,7 +124,7 @@ contains
     end do
   end subroutine list_points
 
-  !> The slot of a partner, a new one where it has none.
+  !> The slot of a partner; it gets a new one if it has none.
   pure subroutine find_slot(partner, work, slot)
     integer, intent(in) :: partner
     type(work_t), intent(inout) :: work
@@ -256,7 +256,8 @@ contains
     end associate
   end subroutine form_points
 
-  !> Derivatives of the traction and the parameters of a point by the nodes of both elements.
+  !> Derivatives of the traction and the parameters of a point with respect to the nodes of both
+  !! elements.
   pure subroutine vary_both(nk, nl, own_shp, shp, dshp, load, d, h, c, g, dt, dxi)
     integer, intent(in) :: nk, nl
     real(wp), intent(in) :: own_shp(nk), shp(nl), dshp(2, nl), load
@@ -338,7 +339,8 @@ contains
     end do
   end subroutine add_block
 
-  !> Add the derivatives by sliding points that belong to other elements than the points face.
+  !> Add the derivatives with respect to sliding points that lie on other elements than those that
+  !! the points face.
   pure subroutine add_away(contact, k, slot, nk, nl, m, point, slide_slot, slide_shp, own_shp, &
                            shp, ds, work)
     type(contact_t), intent(in) :: contact
@@ -375,7 +377,7 @@ contains
     end associate
   end subroutine add_away
 
-  !> The number of a pair of slots, a new one where it has none.
+  !> The number of a pair of slots; it gets a new one if it has none.
   pure subroutine find_cross(slot, other, work, c)
     integer, intent(in) :: slot, other
     type(work_t), intent(inout) :: work

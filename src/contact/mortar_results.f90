@@ -22,8 +22,9 @@ module mortar_results
 
 contains
 
-  !> A step is accepted: where friction acted, the work of slip, and the results at the integration
-  !! points, which serve fields, curves and reports: tractions on the current area.
+  !> Accept a step: keep what friction leaves to the next one, add up the work of slip, and set the
+  !! results at the integration points for fields, curves and reports. Tractions refer to the
+  !! current area.
   subroutine accept_mortar(mortar, contact, k, shape, grid, state)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact
@@ -69,7 +70,7 @@ contains
           p = pressure_at(side, contact, k, e, contact%xi(:, q), foot%gap)
           if (.not. (p > 0.0_wp .and. stretch > 0.0_wp)) cycle
           j = nearest_closed(own, side, e, contact%xi(:, q))
-          if (j == 0) cycle                  ! beyond the border of the other side, or looking away
+          if (j == 0) cycle                  ! beyond the border of the other side, or facing away
           call vary_normal(foot, at, n, dn)
           p = p*reference/stretch
           points%pressure(i) = p
@@ -84,7 +85,7 @@ contains
     end associate
   end subroutine accept_mortar
 
-  !> What the points of the next step take over, and the work of the slip of this one.
+  !> Keep what the points of the next step take over, and add the work of slip in this step.
   subroutine keep_friction(side, contact, dt, rubbed, dissipated)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact
@@ -134,7 +135,7 @@ contains
     do i = side%cells%first(e), side%cells%first(e + 1) - 1
       if (.not. side%p(i) > 0.0_wp) cycle
       d = sum((to_chart(flat, side%cells%xi(:, i)) - u)**2)
-      ! no farther than about two points of this cell are from each other
+      ! no farther than about the distance of two points of this cell
       inside = inside .or. d <= 4.0_wp*area*abs(side%cells%weight(i))
       if (d >= least) cycle
       least = d

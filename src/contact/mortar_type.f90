@@ -21,12 +21,12 @@ module mortar_type
     type(cells_t) :: cells
     real(wp), allocatable :: shp(:, :)        !! (nk, n) functions of a point's own element
     real(wp), allocatable :: seen(:)          !! (n) `travel` at the last projection; negative: none
-    real(wp), allocatable :: p(:), dp(:)      !! (n) pressure of a point, and its part's derivative
+    real(wp), allocatable :: p(:), dp(:)      !! (n) pressure, and the derivative of its eps_1 part
     integer, allocatable :: slide(:)          !! (n) element of the sliding point; 0: not looked for
     !! yet, negative: there is none
     real(wp), allocatable :: slide_xi(:, :)   !! (2, n)
     real(wp), allocatable :: slide_shp(:, :)  !! (nl, n) functions there
-    !> (n) Slip over time that is expected [L/T]; negative: none.
+    !> (n) Expected rate of slip [L/T]; negative: none.
     real(wp), allocatable :: ahead(:)
     real(wp), allocatable :: friction(:, :)   !! (3, n) traction of friction [F/L^2]
     real(wp), allocatable :: elastic(:, :)    !! (3, n) see friction_law_i [L]
@@ -154,7 +154,7 @@ contains
     call control_functions(surface, xi, shp(:n), psi)
   end subroutine functions_at
 
-  !> Most functions of an element of a surface, of its nodes or control points.
+  !> Largest number of functions in an element of a surface, for its nodes or its control points.
   pure integer function size_of_element(surface) result(n)
     type(surface_t), intent(in) :: surface
 

@@ -3,7 +3,7 @@
 !! Within an element the distance is minimised under the bounds -1 <= xi <= 1. If it would decrease
 !! further beyond an edge, the search continues in the neighbour if the distance decreases there
 !! too; otherwise the surface has a ridge there, and the projection is a point of the edge. At a
-!! vertex, all elements around it are tried; of a triangle, the vertex may be a collapsed edge, at
+!! vertex, all elements around it are tried; in a triangle, the vertex may be a collapsed edge, at
 !! which a tangent vanishes (surface_chart). Projections onto the outer boundary are rejected.
 !!
 !! Read on: projection_type (the result of a projection), projection_iterate (one Newton step),
@@ -25,7 +25,7 @@ module projection
   public :: project, project_from
 
   integer, parameter :: MOST_STEPS = 100
-  !> Limit of the changes of the element without a step: as many as a ring of elements may need.
+  !> Largest number of changes of the element without a step, enough for a ring of elements.
   integer, parameter :: MOST_CHANGES = 12
   !> Number of changes of the element with steps after which a better start is looked for.
   integer, parameter :: FAR_AWAY = 3
@@ -39,7 +39,7 @@ module projection
   !> If an iterate is closer than BESIDE to a collapsed edge and would pass it, the other elements
   !! around the edge are tried. It has arrived if it is closer than ARRIVED.
   real(wp), parameter :: BESIDE = 1.0e-3_wp, ARRIVED = 1.0e-9_wp
-  !> Where an element is evaluated instead of a collapsed edge, its distance from it.
+  !> Distance from a collapsed edge at which an element is evaluated instead of on the edge.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
   !> Ways in which an iteration ends.
   integer, parameter :: LOST = 0, OUTER = 1, SMOOTH = 2, ON_EDGE = 3, ON_VERTEX = 4
@@ -47,9 +47,10 @@ module projection
 contains
 
   !> Project the point x onto a surface whose grid is up to date. The iteration starts at foot%elem
-  !! and foot%xi; it starts from the grid if there is no such element, or if it ends farther away
-  !! than `reach`. There is no projection (element 0) if x lies beyond the outer boundary, if it is
-  !! farther than `reach` from the box around the surface, or if the tangents are parallel.
+  !! and foot%xi; if there is no such element, or if the iteration ends farther away than `reach`,
+  !! it starts from the grid. There is no projection (element 0) if x lies beyond the outer
+  !! boundary, if it is farther than `reach` from the box around the surface, or if the tangents are
+  !! parallel.
   pure subroutine project(surface, shape, grid, x, foot, reach)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

@@ -13,7 +13,7 @@ module projection_iterate
   real(wp), parameter :: SAME_XI = 1.0e-13_wp
   !> Relative rounding error of a coordinate.
   real(wp), parameter :: ROUNDING = 4.0_wp*epsilon(1.0_wp)
-  !> Below this squared sine between them, tangents span no plane.
+  !> Tangents span no plane if the squared sine of the angle between them is smaller than this.
   real(wp), parameter :: FLAT = 1.0e-12_wp
   !> Newton's step needs a Hessian whose determinant is at least this fraction of the metric's.
   real(wp), parameter :: PROPER = 1.0e-6_wp

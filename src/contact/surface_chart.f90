@@ -19,9 +19,9 @@ module surface_chart
   private
   public :: collapsed_side, to_chart, from_chart, chart_point
 
-  !> Heights above the vertex at which tangents are those of the limit.
+  !> Below this height above the vertex, tangents are replaced by their limits.
   real(wp), parameter :: AT_VERTEX = 1.0e-8_wp
-  !> Heights below which points beyond the sides of the triangle are moved to them.
+  !> Below this height, points beyond the sides of the triangle are moved to the sides.
   real(wp), parameter :: NEAR_VERTEX = 1.0e-3_wp
 
 contains
@@ -81,7 +81,7 @@ contains
     end if
   end function from_chart
 
-  !> Position, and its derivatives by the coordinates of the chart.
+  !> Position, and its derivatives with respect to the coordinates of the chart.
   pure subroutine chart_point(surface, shape, e, side, u, x, a)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

@@ -1,5 +1,5 @@
-!> Words of FEAP that this program does not have: what to do instead. doc/manual/feap.md lists them
-!! for users.
+!> What to do instead of the words of FEAP that this program does not have. doc/manual/feap.md lists
+!! them for users.
 !!
 !! Source: the manual of FEAPpv, and that of FEAP for words that decks use often; SPRIng is in
 !!         neither, but is often tried.

@@ -127,7 +127,8 @@ contains
     if (e > 0) call fail_in_file(text, 'the list has more elements than the blocks', error)
   end subroutine read_elements
 
-  !> Get numbers of an element, which count from 0 in the file and from 1 here.
+  !> Get the numbers of nodes or operators of an element, which are counted from 0 in the file and
+  !! from 1 here.
   subroutine get_ids(text, json, e, name, id, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json

@@ -269,7 +269,7 @@ contains
   end subroutine read_element
 
   !> Read node numbers and coordinates. Version 4.1 has blocks: their entity and number of nodes,
-  !! the numbers, and the coordinates, which parameters of the entity may follow.
+  !! the numbers, and the coordinates, possibly followed by parameters of the entity.
   subroutine read_nodes(text, is_new, file, error)
     type(text_t), intent(inout) :: text
     logical, intent(in) :: is_new

@@ -42,8 +42,8 @@ contains
   end subroutine check_shapes
 
   !> Check that the nodes of an element differ and that its map is right-handed at all integration
-  !! points. The map is that from the reference element, because the map from the parent cube of a
-  !! collapsed element is nearly singular where the cube is collapsed.
+  !! points. The map from the reference element is checked, because the map from the parent cube of
+  !! a collapsed element is nearly singular where the cube is collapsed.
   subroutine check_elements(file, text, volume, error)
     type(mesh_file_t), intent(in) :: file
     type(text_t), intent(inout) :: text

@@ -84,7 +84,7 @@ contains
     end if
   end subroutine turn_records
 
-  !> Give the faces of direction 3 their names of before the reversal.
+  !> Give the faces of direction 3 the names that they had before the reversal.
   pure subroutine turn_faces(draft)
     type(draft_t), intent(inout) :: draft
     type(body_face_t) :: face

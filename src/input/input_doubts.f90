@@ -13,7 +13,7 @@ module input_doubts
   private
   public :: check_twice, warn_locking
 
-  real(wp), parameter :: NEAR = 1.0e-6_wp        !! distance of equal positions over that of nodes
+  real(wp), parameter :: NEAR = 1.0e-6_wp        !! positions closer than this times size are equal
   real(wp), parameter :: LOCKING_FROM = 0.49_wp  !! Poisson's ratio
 
   !> An element of any block.
@@ -40,7 +40,7 @@ contains
     call list_members(mesh, list)
     if (size(list) < 2) return
     allocate (key(size(list)), order(size(list)))
-    do i = 1, size(list) ! a direction in which the centres of few meshes coincide
+    do i = 1, size(list) ! along a direction in which the centres of meshes hardly ever coincide
       key(i) = dot_product(list(i)%centre, [1.0_wp, 0.7320508075688772_wp, 0.4142135623730951_wp])
     end do
     call sort_index(key, order)

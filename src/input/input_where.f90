@@ -206,8 +206,8 @@ contains
     if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies there', place%place)
   end subroutine find_nodes
 
-  !> The node nearest to a POINt may lie as far from it as from its neighbours. A point outside the
-  !! model by more than its extent cannot be meant; nearer ones are warned of.
+  !> The node nearest to a POINt may be as far from the point as from its neighbouring nodes. A
+  !! point farther away than the extent of the model is an error; a nearer one causes a warning.
   subroutine check_near(mesh, place, node, error)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place

@@ -66,9 +66,10 @@ contains
     end do
   end function signed_area
 
-  !> Points and weights of a convex polygon: Gauss points of quadrilaterals from its first corner,
-  !! the last one collapsed to a triangle where the number of corners is odd. Edge i is curved: at
-  !! the parameter t it deviates from the straight one by sum_k bend(:, k, i) f_k(t).
+  !> Points and weights of a convex polygon: Gauss points of the quadrilaterals into which lines
+  !! from its first corner divide it, of which the last one is a triangle if the number of corners
+  !! is odd. Edge i is curved: at the parameter t it deviates from the straight one by sum_k
+  !! bend(:,k,i) f_k(t).
   pure subroutine integrate_polygon(x, bend, g, w, f, df, npoint, xi, weight)
     real(wp), intent(in) :: x(:, :)       !! (2, n) corners
     real(wp), intent(in) :: bend(:, :, :) !! (2, :, n)

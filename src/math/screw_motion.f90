@@ -26,8 +26,8 @@ module screw_motion
 
 contains
 
-  !> The rigid motion that carries the points `from` nearest to the points `to`, in the mean of
-  !! squares (Horn 1987: the eigenvector of a 4 x 4 matrix is the quaternion of the rotation).
+  !> The rigid motion that carries the points `from` nearest to the points `to`, in the sense of
+  !! least squares (Horn 1987: the eigenvector of a 4 x 4 matrix is the quaternion of the rotation).
   subroutine fit_screw(from, to, screw)
     real(wp), intent(in) :: from(:, :), to(:, :) !! (3, n), n > 0 [L]
     type(screw_t), intent(out) :: screw
@@ -66,7 +66,7 @@ contains
     screw%v = d - 0.5_wp*c0 + f*cross(w, c0)
   end subroutine fit_screw
 
-  !> Where the point x comes to if the motion goes on for the fraction s of it.
+  !> The position of the point x after the motion has continued by the fraction s of itself.
   pure function continue_screw(screw, s, x) result(y)
     type(screw_t), intent(in) :: screw
     real(wp), intent(in) :: s, x(3)

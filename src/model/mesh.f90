@@ -24,7 +24,8 @@ module mesh
     type(operator_t), allocatable :: op(:)  !! distinct operators; not allocated: Lagrange functions
     integer, allocatable :: iop(:, :)       !! (3, nelem) operator of each direction; 0: none
     real(wp), allocatable :: w(:, :)        !! (ncp, nelem) weights; not allocated: all one
-    !> Distinct operators of whole surfaces (cell%c), and each element's; not allocated: none.
+    !> Distinct operators of whole surfaces (cell%c), and the operator of each element; not
+    !! allocated: none.
     type(operator_t), allocatable :: surface(:)
     integer, allocatable :: isurface(:)     !! (nelem)
   end type extraction_t

@@ -304,7 +304,7 @@ contains
     if (allocated(mesh%body)) size_of = size(mesh%body)
   end function size_of
 
-  !> Describe a space of motions: move along z, turn about x.
+  !> Describe a space of motions, such as: move along z, turn about x.
   function motion_text(motion, tolerance) result(text)
     real(wp), intent(in) :: motion(:, :) !! (6, m) coefficients (t, w), orthonormal
     real(wp), intent(in), optional :: tolerance !! smaller parts of a motion do not matter

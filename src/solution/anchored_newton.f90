@@ -18,8 +18,8 @@ module anchored_newton
 
 contains
 
-  !> Set the anchors of bodies that contact does not hold, and the residual with them; none while
-  !! bodies fly.
+  !> Set the anchors of bodies that contact does not hold, and the residual with them. There are
+  !! none while bodies fly, that is, while they are moved to a contact.
   subroutine renew_anchors(newton, model, state, flies)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -45,9 +45,10 @@ contains
     end associate
   end subroutine renew_anchors
 
-  !> Correct the increment for the stiffness of the anchors, w w^T of each with w = D v, which is no
-  !! part of the matrix A (the formula of Sherman, Morrison and Woodbury); then the signs of the
-  !! pivots, by det(A + W W^T) = det(A) det(S) and Sylvester's law of inertia, S = 1 + W^T A^-1 W.
+  !> Correct the increment for the stiffness of the anchors, which is not part of the matrix A: each
+  !! of them adds w w^T with w = D v (formula of Sherman, Morrison and Woodbury). Then correct the
+  !! signs of the pivots by det(A + W W^T) = det(A) det(S), S = 1 + W^T A^-1 W, and by Sylvester's
+  !! law of inertia.
   subroutine solve_anchored(newton, model, report, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model

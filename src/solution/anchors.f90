@@ -11,7 +11,8 @@ module anchors
   private
   public :: anchors_t, set_anchors, anchor_force, find_load, node_stiffness, rigid_field
 
-  !> A weak motion of which a smaller part is left is one that was released.
+  !> A weak motion counts as released if only a smaller part of it is left without the released
+  !! ones.
   real(wp), parameter :: LEFT = 0.2_wp
 
   type :: anchors_t

@@ -233,7 +233,7 @@ contains
     end associate
   end subroutine form_batches
 
-  !> Add what an element reported.
+  !> Add the report of an element.
   pure subroutine note(sweep, report, b, e, r, u)
     type(sweep_t), intent(inout) :: sweep
     type(form_report_t), intent(in) :: report

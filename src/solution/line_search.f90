@@ -89,8 +89,8 @@ contains
     call form(asm, model, state, sweep, error) ! its tangent is used
   end subroutine retreat
 
-  !> From the slope g at s, which `sweep` found, to a small slope, by regula falsi with the Illinois
-  !! modification.
+  !> Search for a small slope, beginning with the slope g at s, which `sweep` found, by regula falsi
+  !! with the Illinois modification.
   subroutine close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model

@@ -33,10 +33,10 @@ module newton
   !> Tolerance of the relative residual of a linear solve with kept factors.
   real(wp), parameter :: FORCING = 1.0e-3_wp
   integer, parameter :: MOST_HALVINGS = 6   !! of a prescribed increment
-  !> Energy of the springs of `stabilisation` in an increment, relative to its whole energy, that
-  !! does not matter.
+  !> A smaller energy of the springs of `stabilisation` in an increment, relative to its whole
+  !! energy, does not matter.
   real(wp), parameter :: NO_ENERGY = 1.0e-3_wp
-  real(wp), parameter :: MANY_TIMES = 4.0_wp !! an increment may exceed prescribed motion so often
+  real(wp), parameter :: MANY_TIMES = 4.0_wp !! allowed ratio of increment to prescribed motion
 
 contains
 
@@ -63,13 +63,14 @@ contains
     call begin_stabilisation(newton%hold, model)
     newton%asm%anchors = anchors_t()
     newton%predicted = .false.
-    ! the moves of a body to contact do not go on
+    ! the moves of a body to contact are not continued
     if (.not. predicts .or. newton%constraint%on .or. newton%hold%active) return
     call predict(model, state, newton%move, newton%piece, newton%predicted)
     newton%moves = newton%moves .and. .not. newton%predicted
   end subroutine begin_newton
 
-  !> Forces and tangent at the current displacements; the trial history becomes the iteration's.
+  !> Form forces and tangent at the current displacements; the trial history becomes that of this
+  !! iteration.
   subroutine form_system(newton, model, state, symmetric, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -111,8 +112,8 @@ contains
     end if
   end subroutine form_system
 
-  !> The forces at the predicted displacements are known: find the energy of the step. If an element
-  !! is inverted there, return to the displacements at the start of the step.
+  !> Find the energy of the step from the forces at the predicted displacements. If an element is
+  !! inverted there, return to the displacements at the start of the step.
   subroutine check_prediction(newton, model, state, sweep, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -132,8 +133,8 @@ contains
     end if
   end subroutine check_prediction
 
-  !> The increment with the prescribed motion inverts an element: a part of it is taken, and the
-  !! rest of the motion is left to the next iterations.
+  !> If the increment with the prescribed motion inverts an element, take only a part of it, and
+  !! leave the rest of the motion to the next iterations.
   subroutine move_less(newton, model, state, sweep, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -213,8 +214,8 @@ contains
     newton%asm%new_pattern = .false.
   end subroutine take_pattern
 
-  !> Solve the system. As long as bodies fly, because contact does not hold them, they are moved,
-  !! and the system is formed and solved again.
+  !> Solve the system. As long as bodies fly, that is, contact does not hold them yet, they are
+  !! moved, and the system is formed and solved again.
   subroutine solve_held(newton, model, state, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -262,7 +263,7 @@ contains
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: du(:, :)     !! (3, nnode) [L]
     real(wp), intent(in) :: s
-    logical, intent(in) :: rigid         !! it is a translation, and no solution of the system
+    logical, intent(in) :: rigid         !! it is a translation, not a solution of the system
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: before(:, :)
@@ -386,7 +387,7 @@ contains
                        .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
   end subroutine close_newton
 
-  !> Pattern and analysis: once, and again only when TANG and UTAN alternate.
+  !> Find the pattern and analyse it: once, and again only when TANG and UTAN alternate.
   subroutine prepare_newton(newton, model, symmetric, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model

@@ -1,13 +1,13 @@
-!> Predictor of a step with contact: displacements go on as in the last step.
+!> Predictor of a step with contact: displacements continue as in the last step.
 !!
 !! Where bodies slide, each step resembles the one before, and Newton's iteration that starts from
-!! the continued displacements saves up to half of its iterations. Each body goes on with the rigid
-!! motion that fits its last increment best; the rest of the increment, its deformation, goes on
-!! linearly and turns with it. A linear continuation of rotations would make bodies grow. Prescribed
-!! displacements take their values at the end of the step.
+!! the continued displacements saves up to half of its iterations. Each body continues with the
+!! rigid motion that fits its last increment best; the rest of the increment, its deformation, is
+!! continued linearly and turns with the body. A linear continuation of rotations would make bodies
+!! grow. Prescribed displacements take their values at the end of the step.
 !!
-!! HALFpass has no predictor, so that its iterations stay those of the published scheme; where the
-!! schemes are mixed in a model, neither do the others.
+!! HALFpass has no predictor, so that its iterations stay those of the published scheme. In a model
+!! with several schemes, the others have none either.
 module predictor
   use base_kinds, only: wp
   use contact_pair, only: MORTAR
@@ -26,7 +26,7 @@ module predictor
 
 contains
 
-  !> Move the displacements to the predicted ones, if the last step allows to predict them.
+  !> Move the displacements to the predicted ones, if the last step allows a prediction.
   subroutine predict(model, state, move, piece, predicted)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -52,12 +52,12 @@ contains
     predicted = .true.
   end subroutine predict
 
-  !> The increment after the positions x, if the last one goes on for `ratio` of it.
+  !> The increment from the positions x that continues the last one, times `ratio`.
   subroutine continue_increment(x, last, ratio, piece, increment)
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) [L]
     real(wp), intent(in) :: last(:, :)       !! (3, nnode) the last increment, which led there [L]
     real(wp), intent(in) :: ratio
-    integer, intent(in) :: piece(:)          !! (nnode) body of a node; 0: of none
+    integer, intent(in) :: piece(:)          !! (nnode) body of a node; 0: none
     real(wp), intent(out) :: increment(:, :) !! (3, nnode) [L]
     type(screw_t) :: screw
     integer, allocatable :: node(:)
@@ -77,7 +77,7 @@ contains
     end do
   end subroutine continue_increment
 
-  !> Do all load tables go on at about the rate of the last step?
+  !> Do all load tables continue at about the rate of the last step?
   pure logical function loads_go_on(state) result(yes)
     type(state_t), intent(in) :: state
     real(wp) :: last, now, start

@@ -14,7 +14,7 @@
 !! 3. Springs of SPRING D in the tangent alone, not in the residual, make every system regular. An
 !!    increment whose energy is mainly that of the springs is shortened as in 1.
 !!
-!! Until the tangent does not resist some motion, nothing of this is done. All limits are relative.
+!! As long as the tangent resists every motion, none of this is done. All limits are relative.
 !! Theory: doc/theory/contact.md.
 module stabilisation
   use anchors, only: anchors_t, find_load, node_stiffness, rigid_field

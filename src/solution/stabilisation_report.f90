@@ -1,5 +1,5 @@
-!> What the log and the screen say of bodies that contact does not hold: where they were moved to,
-!! and the motions that only anchors resist.
+!> What the log and the screen report about bodies that contact does not hold: where they were moved
+!! to, and the motions that only anchors resist.
 module stabilisation_report
   use anchors, only: anchors_t, anchor_force, find_load
   use base_kinds, only: wp

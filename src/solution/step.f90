@@ -31,7 +31,8 @@ module step
 
   !> Displacement in a step from which on a body counts as lost, relative to the size of the model.
   real(wp), parameter :: FAR = 2.0_wp
-  !> Iterations in which the cells of the mortar scheme settle; they say nothing of the step size.
+  !> Iterations in which the cells of the mortar scheme settle, which say nothing about the step
+  !! size.
   integer, parameter :: SETTLING = 2
 
 contains
@@ -77,7 +78,7 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     logical, intent(in) :: symmetric     !! only the symmetric part of the tangent
-    type(place_t), intent(in) :: place   !! to blame if the step fails for good
+    type(place_t), intent(in) :: place   !! named in the error if the step fails for good
     integer, intent(out) :: outcome      !! STEP_GOES_ON or STEP_REWOUND
     type(error_t), allocatable, intent(out) :: error
 

@@ -27,10 +27,10 @@ module step_control
 
   real(wp), parameter :: NEARLY = 1.0e-9_wp !! of dt: a corner this near a target is on it
   integer, parameter :: FEW = 6      !! iterations up to which a step may grow
-  integer, parameter :: FAIR = 10    !! up to which one smaller than dt may grow
-  integer, parameter :: MANY = 15    !! above which the next one is smaller
+  integer, parameter :: FAIR = 10    !! iterations up to which a step smaller than dt may grow
+  integer, parameter :: MANY = 15    !! iterations above which the next step is smaller
   integer, parameter :: PATIENCE = 8 !! steps after a cut-back that stay shorter than the failed one
-  real(wp), parameter :: SHORTER = 0.75_wp !! than the failed one; if that is longer than dt
+  real(wp), parameter :: SHORTER = 0.75_wp !! step after a failed one that is longer than dt
 
 contains
 
