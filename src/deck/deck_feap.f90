@@ -31,77 +31,78 @@ contains
     case ('cdam', 'damp')
       hint = 'there are no dampers; TRANsient,HHT and TRANsient,BACK dissipate energy'
     case ('cmas', 'mpro')
-      hint = 'there are no masses at nodes; DENSity of MATErial gives mass'
+      hint = 'there are no point masses; DENSity of MATErial gives the mass'
     case ('coun')
-      hint = 'sizes are counted; leave it out'
+      hint = 'nodes and elements are counted automatically; remove this word'
     case ('cpro')
       hint = 'EPROportional and FPROportional choose the load table of a node'
     case ('csti', 'spri', 'stif')
-      hint = 'there are no springs; elements with a small modulus act as one'
+      hint = 'there are no springs; use elements with a small modulus'
     case ('debu')
-      hint = 'every deck is checked; leave it out'
+      hint = 'every deck is checked; remove this word'
     case ('elin', 'link', 'slav')
-      hint = 'TIE joins nodes at one place, CONStraint of MESH ties a node to others'
+      hint = 'TIE joins nodes at the same position, and CONStraint of MESH ties a node to others'
     case ('ereg', 'regi')
       hint = 'there are no regions; give each body its own PATCh, or its own material'
     case ('flex')
-      hint = 'every body is flexible but a PATCh of TYPE RIGId'
+      hint = 'every body is flexible, except a PATCh of TYPE RIGId'
     case ('foll')
       hint = 'PRESsure with FOLLower follows the surface'
     case ('glob')
-      hint = 'ndm and ndf stand in the control record, the type of strains in MATErial'
+      hint = 'the control record gives ndm and ndf, and MATErial the type of strains'
     case ('join')
-      hint = 'TIE joins nodes at one place; there are no other joints'
+      hint = 'TIE joins nodes at the same position; there are no other joints'
     case ('lfor')
-      hint = 'FORCe, EFORce and CFORce load nodes, PRESsure loads faces'
+      hint = 'FORCe, EFORce and CFORce load nodes, and PRESsure loads faces'
     case ('load')
-      hint = 'FORCe, EFORce and CFORce load nodes, PRESsure loads faces; PROP gives their course'
+      hint = 'FORCe, EFORce and CFORce load nodes, and PRESsure loads faces; PROP defines how ' &
+             //'loads vary in time'
     case ('manu')
-      hint = 'it concerns input by hand; leave it out'
+      hint = 'there is no interactive input; remove this word'
     case ('mass')
-      hint = 'there are no masses at nodes; DENSity of MATErial gives mass; MASS is a command, ' &
-             //'between BATCh and END'
+      hint = 'there are no point masses; DENSity of MATErial gives the mass, and MASS is a ' &
+             //'command between BATCh and END'
     case ('moda')
-      hint = 'there are no modes; a body is elastic, or a PATCh of TYPE RIGId'
+      hint = 'there are no modes; a body is either elastic or a PATCh of TYPE RIGId'
     case ('nblo', 'nsid')
       hint = 'NPATch takes the control points of a whole solid'
     case ('nopa', 'pars')
-      hint = 'expressions are always evaluated; leave it out'
+      hint = 'expressions are always evaluated; remove this word'
     case ('orde')
-      hint = 'equations are ordered by METIS: leave it out'
+      hint = 'METIS orders the equations; remove this word'
     case ('peri')
       hint = 'CONStraint of MESH ties a node to others; there are no other periodic conditions'
     case ('pola')
       hint = 'COORdinates take expressions, such as r*cosd(30); TRANsform rotates and shifts nodes'
     case ('reac')
-      hint = 'FORCe loads nodes; REAC is a command, between BATCh and END'
+      hint = 'FORCe loads nodes; REAC is a command between BATCh and END'
     case ('read')
       hint = 'INCLude reads another file'
     case ('rese')
-      hint = 'restraints cannot be taken back; give each of them only where it is meant'
+      hint = 'restraints cannot be removed; give each of them only where it is needed'
     case ('rigi')
       hint = 'a rigid body is a PATCh of TYPE RIGId'
     case ('rota')
       hint = 'ROTAte is a record of PATCh, MESH and SPLIne; TRANsform rotates nodes'
     case ('save')
-      hint = 'it concerns records of the mesh; INCLude reads a file; SAVE is a command, ' &
-             //'between BATCh and END'
+      hint = 'records of the mesh cannot be saved; INCLude reads them from a file, and SAVE is a ' &
+             //'command between BATCh and END'
     case ('sblo')
       hint = 'BLOCk makes 8-node elements in a mapped region'
     case ('shif')
-      hint = 'TRANslate of PATCh and MESH shifts a body, TRANsform shifts nodes'
+      hint = 'TRANslate of PATCh and MESH shifts a body, and TRANsform shifts nodes'
     case ('sloa')
-      hint = 'PRESsure loads faces of bodies, CSURface a surface that is given by points'
+      hint = 'PRESsure loads faces of bodies, and CSURface a surface that is given by points'
     case ('sphe')
       hint = 'COORdinates take expressions, such as r*cosd(30); HEMIsphere of PATCh is half of ' &
              //'a hollow sphere'
     case ('spin')
-      hint = 'there are no centrifugal forces; BODY FORCe of MATErial is constant; MOVE with ' &
+      hint = 'there are no centrifugal forces: BODY FORCe of MATErial is constant; MOVE with ' &
              //'ROTAte turns a body'
     case ('swee')
       hint = 'MOVE with ROTAte prescribes a rotation'
     case ('titl')
-      hint = 'the title stands behind FEAP in the first record; leave it out'
+      hint = 'the title follows FEAP in the first record; remove this word'
     case default
       hint = ''
     end select
@@ -119,7 +120,7 @@ contains
     case ('acti', 'deac')
       hint = 'parts of a body cannot be added or removed'
     case ('back')
-      hint = 'AUTO takes a failed step back and repeats it in smaller ones'
+      hint = 'AUTO repeats a failed step in smaller steps'
     case ('base')
       hint = 'MOVE prescribes the motion of supports'
     case ('beta')
@@ -127,17 +128,17 @@ contains
     case ('bfgs')
       hint = 'UTAN,LINE,1 searches along the increment; FACTor REUSe solves with an earlier tangent'
     case ('chec')
-      hint = 'every deck is checked before it is solved; bezel --check does nothing else'
+      hint = 'every deck is checked before it is solved; bezel --check only checks it'
     case ('comm')
       hint = '! starts a comment'
     case ('cont')
-      hint = 'contact is searched in each iteration; leave it out'
+      hint = 'contact is searched in each iteration; remove this word'
     case ('damp')
       hint = 'there is no damping matrix; TRANsient,HHT and TRANsient,BACK dissipate energy'
     case ('data')
-      hint = 'give DT and TOL their values where they stand; INCLude reads another file'
+      hint = 'write the values of DT and TOL in these commands; INCLude reads another file'
     case ('debu', 'echo', 'show')
-      hint = 'the log says what was read and done; leave it out'
+      hint = 'the log lists what was read and done; remove this word'
     case ('dire', 'iter', 'meth')
       hint = 'FACTor chooses how linear systems are solved'
     case ('eige', 'eigv', 'subs')
@@ -147,17 +148,17 @@ contains
     case ('erro')
       hint = 'errors are not estimated; compare two meshes'
     case ('expl')
-      hint = 'TRANsient is implicit; BACK, NEWMark or HHT'
+      hint = 'time integration is implicit: TRANsient,BACK, TRANsient,NEWMark or TRANsient,HHT'
     case ('geom')
-      hint = 'TANG has the geometric stiffness of FINIte strains; leave it out'
+      hint = 'TANG includes the geometric stiffness of FINIte strains; remove this word'
     case ('hist', 'manu')
-      hint = 'it concerns input by hand; leave it out'
+      hint = 'there is no interactive input; remove this word'
     case ('iden')
-      hint = 'there are no eigenvalues; leave it out'
+      hint = 'there are no eigenvalues; remove this word'
     case ('init')
-      hint = 'bodies start from rest and without displacements'
+      hint = 'bodies start at rest, with zero displacements'
     case ('jint')
-      hint = 'there are no J integrals; bonds of CONTact tear with an energy of their own'
+      hint = 'there are no J integrals; COHEsive of CONTact gives bonds a fracture energy'
     case ('line')
       hint = 'the law of MATErial decides; ELAStic ISOTropic is linear'
     case ('list')
@@ -168,33 +169,34 @@ contains
     case ('moda')
       hint = 'there are no modes; TRANsient integrates in time'
     case ('newf')
-      hint = 'give loads that stay a load table of their own; PROP, FPROportional and EPROportional'
+      hint = 'give a separate load table to loads that must remain: PROP, FPROportional ' &
+             //'and EPROportional'
     case ('nonl')
       hint = 'the law of MATErial decides; ELAStic NEOHook is nonlinear'
     case ('ntan')
       hint = 'TANG and UTAN form the tangent of all elements'
     case ('outm')
-      hint = 'the result file has the mesh; the log says what was read'
+      hint = 'the result file contains the mesh, and the log lists what was read'
     case ('paus')
-      hint = 'a run never waits for input; leave it out'
+      hint = 'a run never waits for input; remove this word'
     case ('quit')
-      hint = 'END closes the commands, STOP the deck'
+      hint = 'END closes the commands, and STOP the deck'
     case ('read')
       hint = 'RESTart continues from a checkpoint; INCLude reads another file'
     case ('renu')
-      hint = 'equations are ordered by METIS: leave it out'
+      hint = 'METIS orders the equations; remove this word'
     case ('resi')
       hint = 'FORM forms the residual'
     case ('scre')
       hint = 'bezel --quiet shows less on the screen'
     case ('tie ')
-      hint = 'TIE stands before BATCh'
+      hint = 'TIE belongs before BATCh'
     case ('velo')
       hint = 'velocities are not printed; DISP prints displacements'
     case ('writ')
-      hint = 'PLOT and OUTPut write fields, SAVE a checkpoint'
+      hint = 'PLOT and OUTPut write fields, and SAVE writes a checkpoint'
     case ('zero')
-      hint = 'give another analysis a deck of its own'
+      hint = 'write a separate deck for another analysis'
     case default
       hint = ''
     end select
@@ -212,15 +214,15 @@ contains
     case ('axis', 'plan')
       hint = 'models are three-dimensional (ndm = 3)'
     case ('cree', 'plas', 'visc')
-      hint = 'ELAStic ISOTropic and ELAStic NEOHook are the laws'
+      hint = 'the only laws are ELAStic ISOTropic and ELAStic NEOHook'
     case ('damp')
       hint = 'there is no damping; TRANsient,HHT and TRANsient,BACK dissipate energy'
     case ('four', 'ther')
       hint = 'there are no temperatures'
     case ('geom')
-      hint = 'FINIte strains contain the geometric stiffness; leave it out'
+      hint = 'FINIte strains include the geometric stiffness; remove this record'
     case ('mass')
-      hint = 'MASS is a command, between BATCh and END; DENSity gives mass'
+      hint = 'MASS is a command between BATCh and END; DENSity gives the mass'
     case ('mixe')
       hint = 'ENHAnced elements do not lock'
     case ('nonl')
