@@ -46,7 +46,7 @@ contains
       else if (command%option /= 'loca') then
         if (.not. x >= 0.0_wp) then
           call fail(error, DECK_ERROR, 'expected a positive density, found '//to_text(x), &
-                    record%place(3), 'leave it out, and it is chosen from the work done')
+                    record%place(3), 'omit it to have it chosen from the work done')
         end if
       else if (.not. any(run%model%contact(:)%cohesive%given)) then
         call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
@@ -54,7 +54,7 @@ contains
                   //'ARCLength,DYNAmic')
       else if (x < 0.0_wp .or. x >= 1.0_wp) then
         call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &
-                  //to_text(x), record%place(3), 'leave it out for the default, 0.01')
+                  //to_text(x), record%place(3), 'omit it to use the default, 0.01')
       end if
     end associate
     if (allocated(error) .or. run%program%dry) return

@@ -44,8 +44,8 @@ contains
           angle = abs(motion%angle*(factor - start))/DEGREE
           if (angle < HALF_TURN*(1.0_wp - 1.0e-9_wp)) cycle
           call warn('MOVE turns by '//to_text(angle, 5)//' degrees in step '//to_text(state%step), &
-                    motion%place, 'a step sees only where a turn ends: use steps of less than ' &
-                    //'180 degrees, better of 10')
+                    motion%place, 'a step knows only where a rotation ends: use steps of less ' &
+                    //'than 180 degrees, preferably of about 10')
           run%plan%turn_warned = .true.
         end associate
       end do
@@ -76,8 +76,8 @@ contains
         call warn('displacement gradients of '//to_text(100*largest, 3)//' % in step ' &
                   //to_text(run%state%step)//' with SMALl strains (material ' &
                   //to_text(run%model%material(block%material)%number)//')', &
-                  run%model%material(block%material)%place, 'small strains and turns are a few ' &
-                  //'per cent; beyond, use NEOHook with FINIte')
+                  run%model%material(block%material)%place, 'SMALl is valid for strains and ' &
+                  //'rotations of a few per cent; beyond that, use NEOHook with FINIte')
         run%plan%strain_warned = .true.
         return
       end associate

@@ -206,7 +206,7 @@ contains
     if (reader%nincluded > MOST_INCLUDED .or. reader%repeated > MOST_REPEATED) then
       call fail(error, DECK_ERROR, 'more than '//to_text(MOST_INCLUDED)//' files or ' &
                 //to_text(MOST_REPEATED)//' lines are included', record%place(2), &
-                'files that include each other in turn multiply')
+                'repeated INCLude records in included files multiply the number of files')
       call stop_reading(reader)
       return
     end if

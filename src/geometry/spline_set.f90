@@ -49,8 +49,8 @@ contains
         set(n)%elem(i) = set(n)%elem(i) + 1 ! numbers count from 1 here
         if (set(n)%elem(i) < 1 .or. set(n)%elem(i) > surface%nelem) then
           text%at = json%at(e)
-          call fail_in_file(text, 'set '//quoted(set(n)%name)//' has element ' &
-                            //to_text(set(n)%elem(i) - 1)//', but the elements are 0 to ' &
+          call fail_in_file(text, 'set '//quoted(set(n)%name)//' contains element ' &
+                            //to_text(set(n)%elem(i) - 1)//', but the surface has elements 0 to ' &
                             //to_text(surface%nelem - 1), error, 'elements are counted from 0')
           return
         end if

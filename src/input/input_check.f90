@@ -219,7 +219,8 @@ contains
       names(size(draft%patch) + i) = npatch_name(i)
     end do
     if (size(names) == 0) then
-      hint = 'the deck has no PATCh; NODE n, POINt x y z and PLANe direction coordinate need none'
+      hint = 'the deck has no PATCh; without one, use NODE n, POINt x y z or PLANe direction ' &
+             //'coordinate'
     else
       hint = 'nearest known: '//nearest(name, names)
     end if

@@ -67,8 +67,8 @@ contains
             if (same) nplace = nplace + 1
             if (same .and. nplace == 1) then
               call warn(element_text(mesh, b)//' lies in the same place as ' &
-                        //element_text(mesh, a), place_of(draft, mesh, b), 'the stiffness counts ' &
-                        //'twice there, if both are meant')
+                        //element_text(mesh, a), place_of(draft, mesh, b), 'if both are ' &
+                        //'intended, the stiffness counts twice there')
             end if
           end associate
         end do
@@ -188,8 +188,8 @@ contains
         warned = [warned, m%number]
         call warn(trim(block%name)//' elements lock: material '//to_text(m%number) &
                   //" has Poisson's ratio "//to_text(m%prop(NU)), m%place, &
-                  'use Q1E9 (ELEM: ENHAnced), ENRIch ... EAS, Q2 or IGA; displacements of ' &
-                  //'elements that lock are far too small')
+                  'use Q1E9 (ENHAnced with ELEMents), ENRIch ... EAS, Q2 or IGA; elements ' &
+                  //'that lock give displacements that are far too small')
       end associate
     end do
   end subroutine warn_locking

@@ -118,8 +118,8 @@ contains
         e%increment = field(n + 2)
         n = n - 1
       else if (any(counts == n - 1) .and. nen == 0) then
-        call fail(error, DECK_ERROR, 'found '//to_text(n)//' nodes, or '//to_text(n - 1) &
-                  //' nodes and an increment', record%place(1), &
+        call fail(error, DECK_ERROR, 'found either '//to_text(n)//' nodes, or ' &
+                  //to_text(n - 1)//' nodes and an increment', record%place(1), &
                   'give nen in the control record, or write n g m and the nodes without OLD')
         return
       end if

@@ -64,7 +64,7 @@ contains
       call grow_nodes(draft%nodes, n)
       if (draft%nodes%given(n) .and. n /= last .and. .not. draft%node_twice) then
         draft%node_twice = .true.
-        call warn('node '//to_text(n)//' is given twice; others are not reported', &
+        call warn('node '//to_text(n)//' is given twice; further ones are not reported', &
                   line%place(1), 'the later record counts')
       end if
       call set_point(n, matmul(draft%turn, x) + draft%shift, w)

@@ -100,7 +100,7 @@ contains
 
     if (.not. allocated(model%bc%loose)) return
     do i = 1, size(model%bc%loose)
-      call warn('a displacement is prescribed where the node is free: it has no effect there', &
+      call warn('a displacement is prescribed at a free dof, where it has no effect', &
                 model%bc%loose(i), hint='restrain it: BOUN, EBOU, CBOU or FIX')
     end do
   end subroutine warn_loose

@@ -61,8 +61,9 @@ contains
     call find_load(anchors, hold%body, model%eq, model%mesh%xr + state%u, du, motion, load)
     if (scale > 0.0_wp) load = load/scale
     call warn(start//'contact does not prevent motions along which no load acts: '//names//'; ' &
-              //'springs prevent them, with '//percent(load)//' of the loads and '//percent(share) &
-              //' of the work', hint='support the bodies against these motions, or add friction')
+              //'springs prevent them and take '//percent(load)//' of the loads and ' &
+              //percent(share)//' of the work', &
+              hint='support the bodies against these motions, or add friction')
   end subroutine report_stabilisation
 
   !> A share in per cent; shares that are rounding are less than 1e-6 %.
