@@ -372,7 +372,7 @@ def cord(runner):
 
 
 def drag(runner):
-    """A block dragged forth and back on a plane."""
+    """A block dragged back and forth on a plane."""
     exact = np.array(spring_and_slider())
     run = runner("drag/plane")
     c = run.curve("force")
