@@ -88,8 +88,8 @@ contains
     call analyse(ls%factors, a, error)
   end subroutine new_linear_system
 
-  !> Take a matrix of another pattern (contact). Existing factors remain the preconditioner if the
-  !! equations are the same.
+  !> Take a matrix with another pattern, as contact causes it. Existing factors remain the
+  !! preconditioner if the equations are the same.
   subroutine change_pattern(ls, a, eq, error)
     type(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a

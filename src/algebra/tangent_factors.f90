@@ -66,8 +66,8 @@ contains
     if (present(available_mb)) factors%available_mb = available_mb
   end subroutine new_factors
 
-  !> Take a matrix of another pattern. Existing factors are kept if the equations are the same; the
-  !! new pattern is analysed at the next factorisation.
+  !> Take a matrix with another pattern. Existing factors are kept if the equations are the same;
+  !! the new pattern is analysed at the next factorisation.
   subroutine take_equations(factors, a, eq, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a

@@ -19,8 +19,9 @@ module mesh_shape
     type(topology_t) :: topology     !! its topology
   end type shape_t
 
-  !> Gmsh types that need no row because they bound a body, and two types that are rejected by name
-  !! as long as no row has them (Gmsh reference manual, section MSH file format).
+  !> Gmsh types without a row in the table of elements: points, curves and surfaces, which need
+  !! none, and two solids, which are rejected by name as long as no row has them (Gmsh reference
+  !! manual, section MSH file format).
   character(10), parameter :: OTHER_NAME(10) = [ &
                               'point     ', 'line      ', 'triangle  ', 'quadrangle', &
                               'line      ', 'triangle  ', 'quadrangle', 'quadrangle', &

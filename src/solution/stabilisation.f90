@@ -5,12 +5,12 @@
 !!
 !! 1. No stiffness (below NO_STIFFNESS), and a load acts along a translation: the body flies. It is
 !!    moved in that direction, up to the nearest other surface and then by a distance that begins
-!!    with a millionth of an element and grows. As soon as contact resists, Newton's iteration goes
-!!    on from there. A body that does not meet anything is given up.
+!!    with a millionth of an element and grows. As soon as contact resists, Newton's iteration
+!!    continues from there. A body that does not meet anything is given up.
 !! 2. Little stiffness (below WEAK, or negative): a ball can turn and slide on a plate without
 !!    friction. The motion since the start of the step is held by an anchor (module anchors). If the
 !!    iteration converges with a load of more than NO_LOAD of all loads in an anchor, the motion is
-!!    released, and the iteration goes on.
+!!    released, and the iteration continues.
 !! 3. Springs of SPRING D in the tangent alone, not in the residual, make every system regular. An
 !!    increment whose energy is mainly that of the springs is shortened as in 1.
 !!
