@@ -50,7 +50,7 @@ contains
         end if
       else if (.not. any(run%model%contact(:)%cohesive%given)) then
         call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
-                  record%place(2), 'give a CONTact COHEsive, or use ' &
+                  record%place(2), 'give a CONTact with COHEsive, or use ' &
                   //'ARCLength,DYNAmic')
       else if (x < 0.0_wp .or. x >= 1.0_wp) then
         call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &

@@ -90,10 +90,10 @@ contains
     end do
     do b = 1, size(c, 2)
       if (abs(sum(c(:, b)) - 1.0_wp) <= UNITY) cycle
-      call fail_in_file(text, 'the functions of element '//to_text(e)//' sum to ' &
-                        //to_text(sum(c(:, b)))//' at its Bernstein polynomial '//to_text(b), &
-                        error, 'the coefficients of all functions of an element must sum to ' &
-                        //'1 for each polynomial: one may be missing, or have too few digits')
+      call fail_in_file(text, 'the coefficients of Bernstein polynomial '//to_text(b) &
+                        //' in the functions of element '//to_text(e)//' sum to ' &
+                        //to_text(sum(c(:, b))), error, 'they must sum to 1 for each ' &
+                        //'polynomial: one may be missing, or have too few digits')
       return
     end do
     first = s%first(e)

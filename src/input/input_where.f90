@@ -15,8 +15,8 @@ module input_where
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
                                 W_GROUP = 6
 
-  character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is given ' &
-                             //'by its two faces: 1-,3+'
+  character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is ' &
+                             //'given by its two faces: 1-,3+'
   real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent / sqrt(nodes), as in
   !! EBOUndary
 
@@ -234,13 +234,13 @@ contains
     do k = 1, 3
       extent = max(extent, maxval(mesh%xr(k, :), mesh%used) - minval(mesh%xr(k, :), mesh%used))
     end do
-    text = 'the node nearest to this point, '//to_text(node)//', is '//to_text(away, 3)//' away'
+    text = 'the nearest node, '//to_text(node)//', is '//to_text(away, 3)//' away from this point'
     if (away > extent) then
-      call fail(error, DECK_ERROR, text//', more than the extent of the model, ' &
+      call fail(error, DECK_ERROR, text//', which is more than the extent of the model, ' &
                 //to_text(extent, 3), place%place, 'give a point of a body')
     else
-      call warn(text//', more than the size of an element, '//to_text(reach, 3), place%place, &
-                'give a point of a body')
+      call warn(text//', which is more than the size of an element, '//to_text(reach, 3), &
+                place%place, 'give a point of a body')
     end if
   end subroutine check_near
 

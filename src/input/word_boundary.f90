@@ -122,7 +122,7 @@ contains
     if (allocated(error)) return
     if (table < 0) call fail(error, DECK_ERROR, 'load table number '//to_text(table) &
                              //' is negative', record%place(i + 1), &
-                             'give the number of a PROP table, or 0 for their sum')
+                             'give the number of a PROP table, or 0 for the sum of all tables')
     i = i + 2
   end subroutine read_table
 

@@ -187,7 +187,7 @@ contains
       if (.not. allocated(error)) call read_where(deck, line, i, entry%at(k), error)
       if (allocated(error)) return
       if (entry%at(k)%type /= W_FACES .and. entry%at(k)%type /= W_GROUP) then
-        call fail(error, DECK_ERROR, 'a contact acts between faces of patches', &
+        call fail(error, DECK_ERROR, 'a side of a contact is not a face of a patch', &
                   entry%at(k)%place, SURFACE_USAGE//'; SIDEs and ALL stand for several faces')
         return
       end if

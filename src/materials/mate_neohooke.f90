@@ -54,7 +54,7 @@ contains
     if (size(value) < 3) return
     prop(VOLUME) = value(3)
     if (error%value == 0 .and. all(nint(value(3)) /= [1, 2, 3])) then
-      error = constant_error_t(3, 'volumetric function '//to_text(value(3)), &
+      error = constant_error_t(3, 'unknown volumetric function '//to_text(value(3)), &
                                'VOLUme must be 1, 2 or 3; 3 is Lam/2 (ln J)^2')
     end if
   end subroutine set
