@@ -15,9 +15,11 @@ module contact_facets
   real(wp), parameter, public :: FACING = -0.1_wp
   !> A facet is divided while its normals differ by more than the angle with this cosine,
   real(wp), parameter :: NEARLY_FLAT = 0.7_wp
-  !> or while its edges deviate from straight ones by more than this fraction of their length.
+  !> A facet is divided while its edges deviate from straight ones by more than this fraction of
+  !! their length.
   real(wp), parameter :: NEARLY_STRAIGHT = 0.1_wp
-  !> or while its tangents change by more than this fraction from the middle to the corners.
+  !> A facet is divided while its tangents change by more than this fraction from the middle to the
+  !! corners.
   real(wp), parameter :: NEARLY_EVEN = 0.4_wp
   integer, parameter :: MOST_DIVISIONS = 4     !! of an element, in one direction
 

@@ -38,12 +38,13 @@ module contact_mortar
   private
   public :: find_mortar, add_mortar
 
-  !> Cells are cut again if a node has since moved farther than the smallest facet,
+  !> Cells are cut again if a node has since moved farther than this many times the smallest facet.
   real(wp), parameter :: MOVED_FAR = 1.0_wp
-  !> or, once the iteration settles, with a last increment below this fraction of the facet,
+  !> The iteration settles when its last increment is below this fraction of the smallest facet.
   real(wp), parameter :: SETTLES = 0.3_wp
-  !> if a node has moved farther than this fraction of it. The converged state then does not depend
-  !! on where the iteration began: it has a potential without friction, and turns with the bodies.
+  !> Once the iteration settles, cells are cut again if a node has moved farther than this fraction
+  !! of the smallest facet. The converged state then does not depend on where the iteration began:
+  !! it has a potential without friction, and turns with the bodies.
   real(wp), parameter :: MOVED = 1.0e-8_wp
   !> Largest number of such cuts in a step once the iteration settles.
   integer, parameter :: MOST_CUTS = 8

@@ -1,4 +1,4 @@
-!> TIE: nodes at the same position become one node, that with the lowest number.
+!> TIE: nodes at the same position become one node, the one with the lowest number.
 !!
 !! The tolerance is FEAP's: 1e-3 of the mesh's extent in each direction over the square root of the
 !! number of nodes. Restraints of tied nodes are combined, and their forces are added.
