@@ -72,6 +72,7 @@ contains
 
     at%type = W_FACES
     at%body = mesh%body(body)%name
+    at%face = 'ALL'
     at%mask = ALL_FACES
     at%place = mesh%body(body)%place
     at%face_place = at%place
