@@ -66,16 +66,17 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     type(resultant_t) :: side(2)
-    real(wp) :: largest, deepest
+    real(wp) :: largest, deepest, most
     integer :: c, k
 
-    call follow_penalty_work(model, state)
+    most = 0.0_wp
     do c = 1, size(model%contact)
       associate (contact => model%contact(c), now => state%contact(c))
         do k = 1, 2
           call side_resultant(model, state, c, k, [0.0_wp, 0.0_wp, 0.0_wp], side(k))
         end do
         largest = max(norm2(side(1)%force), norm2(side(2)%force))
+        most = most + max(largest, maxval(side%force_size))*maxval(side%penetration)
         now%largest_force = max(now%largest_force, largest)
         if (largest > NO_FORCE*now%largest_force .and. .not. contact%self) then
           now%balance = max(now%balance, norm2(side(1)%force + side(2)%force)/largest)
@@ -112,17 +113,24 @@ contains
         end if
       end associate
     end do
+    call follow_penalty_work(model, state, most)
   end subroutine measure_contacts
 
   !> Keep the largest work against the pressure so far, and its fraction of the work of supports and
-  !! loads at that time. Models with bonds or inertia are left out, because these do work too.
-  pure subroutine follow_penalty_work(model, state)
+  !! loads at that time. Models with bonds or inertia are left out, because these do work too. The
+  !! mean force of a step that closes a gap works along the whole gap, although no pressure acts
+  !! there: the work counts only up to the forces times the largest penetrations, which no penalty can
+  !! exceed.
+  pure subroutine follow_penalty_work(model, state, most)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: most         !! forces times penetrations, over all contacts [F L]
+    real(wp) :: work
 
     if (size(model%contact) == 0 .or. .not. state%energy%on .or. state%dynamics%on) return
     if (any(model%contact%cohesive%given)) return
-    associate (energy => state%energy, work => state%energy%contact(NORMAL))
+    associate (energy => state%energy)
+      work = min(energy%contact(NORMAL), most)
       if (work <= energy%penetration .or. .not. energy%outer > 0.0_wp) return
       energy%penetration = work
       energy%penetration_share = work/energy%outer
