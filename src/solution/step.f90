@@ -17,6 +17,7 @@ module step
   use continuation_type, only: PATH_OFF
   use convergence, only: turns_back
   use energy_balance, only: accept_solution
+  use linear_system, only: FULL
   use model, only: model_t, state_t
   use newton, only: begin_newton, form_system, solve_system, close_newton
   use newton_type, only: pass_t
@@ -193,6 +194,9 @@ contains
       if (size(model%contact) > 0 .and. ncut > 2) then
         hint = hint//'; if contact points alternate at an edge or where the gap is zero, no step ' &
                //'is small enough: remove SCHEme HALFpass, or use NORMal ... SMOOth d'
+      end if
+      if (.not. step%newton%exact .and. step%newton%mode == FULL) then
+        hint = 'TANG leaves out the unsymmetric part of the tangent: use UTAN,,1; '//hint
       end if
       if (turns_back(step%newton)) then
         hint = 'Newton alternates between two states of contact whose tangents have ' &

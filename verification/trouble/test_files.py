@@ -50,6 +50,19 @@ class Folder(unittest.TestCase):
         return sorted(path.name for path in self.at.iterdir())
 
 
+class Hints(Folder):
+    def test_a_symmetric_tangent_of_friction_that_fails_names_utan(self):
+        """Without the hint, a deck with TANG is advised to take smaller steps, which do not help."""
+        deck = (HERE / "tangent_friction.inp").read_text()
+        (self.at / "tang.inp").write_text(deck)
+        done = self.run_bezel("tang.inp")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("use UTAN,,1", done.stderr)
+        (self.at / "utan.inp").write_text(deck.replace("TANG,,1", "UTAN,,1"))
+        done = self.run_bezel("utan.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+
 class Inputs(Folder):
     def refused(self, *arguments):
         """The run ends with code 1 and leaves every file as it was."""
