@@ -10,7 +10,8 @@ module contact_start
   use base_text, only: to_text
   use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state
-  use contact_pair, only: contact_t, contact_state_t
+  use contact_pair, only: contact_t, contact_state_t, surface_t
+  use mesh, only: mesh_t
   use model, only: model_t
   use projection, only: project
   use projection_search, only: grid_t, place_surfaces
@@ -25,6 +26,7 @@ module contact_start
   !> Fraction of the size of an element: a smaller gap is rounding.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
   real(wp), parameter :: NEAREST = 0.01_wp    !! band of the nearest gaps, over an element's width
+  real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of the bonded areas
 
   !> How two surfaces are placed at the start.
   type :: start_t
@@ -68,7 +70,9 @@ contains
           if (sum(n) == 0) call warn(name//'no point is bonded', contact%place, 'the surfaces ' &
                                      //'are apart, or BONDed excludes all points; GAP d bonds ' &
                                      //'points up to a distance d')
+          call warn_unequal_bonds(contact, state)
         end if
+        if (.not. contact%self) call warn_tied(contact)
         call look_at_start(contact, model%mesh%xr, start)
         if (start%nthrough > 0) then
           call warn(name//to_text(start%nthrough)//' of '//to_text(start%npoint)//' points, such ' &
@@ -111,6 +115,69 @@ contains
 
     text = '('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', '//to_text(x(3), 4)//')'
   end function position
+
+  !> Warn if the bonds of the two sides stand for different areas: points count with all of their
+  !! area or not at all, so few of them find the edge of a bond badly.
+  subroutine warn_unequal_bonds(contact, state)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(in) :: state
+    real(wp) :: area(2)
+    integer :: k
+
+    if (any(contact%side%rigid)) return
+    area = [(sum(state%side(k)%area0, mask=state%side(k)%bond > 0), k=1, 2)]
+    if (.not. maxval(area) - minval(area) > UNEQUAL*maxval(area)) return
+    call warn("contact '"//contact%name//"': the bonded areas of its two sides differ, " &
+              //to_text(area(1), 3)//' and '//to_text(area(2), 3), contact%place, &
+              'use more points, QUADrature 10 10, or elements whose borders follow the edge of ' &
+              //'the bonds')
+  end subroutine warn_unequal_bonds
+
+  !> Warn of elements of side 1 all of whose nodes belong to side 2: contact cannot open there.
+  subroutine warn_tied(contact)
+    type(contact_t), intent(in) :: contact
+    logical :: shared(max(maxval(contact%side(1)%node), maxval(contact%side(2)%node)))
+    integer :: e, n
+
+    shared = .false.
+    shared(contact%side(2)%node) = .true.
+    n = 0
+    associate (own => contact%side(1))
+      do e = 1, own%nelem
+        if (all(shared(own%node(own%first(e):own%first(e + 1) - 1)))) n = n + 1
+      end do
+      if (n == 0) return
+      call warn("contact '"//contact%name//"': the two sides have all nodes of "//to_text(n) &
+                //' of the '//to_text(own%nelem)//' elements of '//own%name//' in common, and ' &
+                //'cannot part or slide there', contact%place, 'TIE joins nodes of bodies that ' &
+                //'touch: use TIE,NODE or TIE,MATErial, or no TIE')
+    end associate
+  end subroutine warn_tied
+
+  !> Do two surfaces have a face of an element in common?
+  pure logical function share_a_face(mesh, s, t)
+    type(mesh_t), intent(in) :: mesh
+    type(surface_t), intent(in) :: s, t
+    integer :: first(size(mesh%block) + 1)   ! where the elements of a block begin
+    integer, allocatable :: faces(:)         ! of s, one bit each
+    integer :: b, e
+
+    first(1) = 0
+    do b = 1, size(mesh%block)
+      first(b + 1) = first(b) + mesh%block(b)%nelem
+    end do
+    allocate (faces(first(size(first))), source=0)
+    do e = 1, s%nelem
+      associate (i => first(s%block(e)) + s%elem(e))
+        faces(i) = ibset(faces(i), s%face(e))
+      end associate
+    end do
+    share_a_face = .false.
+    do e = 1, t%nelem
+      share_a_face = btest(faces(first(t%block(e)) + t%elem(e)), t%face(e))
+      if (share_a_face) return
+    end do
+  end function share_a_face
 
   !> Project all points of a contact at the positions x, no farther than the thickness of the
   !! thicker body plus the width of an element.
