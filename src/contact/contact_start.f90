@@ -10,8 +10,7 @@ module contact_start
   use base_text, only: to_text
   use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state
-  use contact_pair, only: contact_t, contact_state_t, surface_t
-  use mesh, only: mesh_t
+  use contact_pair, only: contact_t, contact_state_t, is_integrated
   use model, only: model_t
   use projection, only: project
   use projection_search, only: grid_t, place_surfaces
@@ -153,31 +152,6 @@ contains
                 //'touch: use TIE,NODE or TIE,MATErial, or no TIE')
     end associate
   end subroutine warn_tied
-
-  !> Do two surfaces have a face of an element in common?
-  pure logical function share_a_face(mesh, s, t)
-    type(mesh_t), intent(in) :: mesh
-    type(surface_t), intent(in) :: s, t
-    integer :: first(size(mesh%block) + 1)   ! where the elements of a block begin
-    integer, allocatable :: faces(:)         ! of s, one bit each
-    integer :: b, e
-
-    first(1) = 0
-    do b = 1, size(mesh%block)
-      first(b + 1) = first(b) + mesh%block(b)%nelem
-    end do
-    allocate (faces(first(size(first))), source=0)
-    do e = 1, s%nelem
-      associate (i => first(s%block(e)) + s%elem(e))
-        faces(i) = ibset(faces(i), s%face(e))
-      end associate
-    end do
-    share_a_face = .false.
-    do e = 1, t%nelem
-      share_a_face = btest(faces(first(t%block(e)) + t%elem(e)), t%face(e))
-      if (share_a_face) return
-    end do
-  end function share_a_face
 
   !> Project all points of a contact at the positions x, no farther than the thickness of the
   !! thicker body plus the width of an element.
