@@ -10,7 +10,7 @@ module contact_start
   use base_text, only: to_text
   use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state
-  use contact_pair, only: contact_t, contact_state_t, is_integrated
+  use contact_pair, only: contact_t, contact_state_t
   use model, only: model_t
   use projection, only: project
   use projection_search, only: grid_t, place_surfaces
