@@ -119,8 +119,8 @@ contains
   !> Keep the largest work against the pressure so far, and its fraction of the work of supports and
   !! loads at that time. Models with bonds or inertia are left out, because these do work too. The
   !! mean force of a step that closes a gap works along the whole gap, although no pressure acts
-  !! there: the work counts only up to the forces times the largest penetrations, which no penalty can
-  !! exceed.
+  !! there: the work counts only up to the forces times the largest penetrations, which no penalty
+  !! can exceed.
   pure subroutine follow_penalty_work(model, state, most)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
