@@ -89,6 +89,7 @@ contains
     type(contact_points_t) :: part
 
     part = points
+    if (allocated(part%spread)) deallocate (part%spread)
     part%pressure = value
     part%state = TOUCH
     part%traction = 0.0_wp

@@ -10,6 +10,7 @@ module contact_history
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, surface_t, &
                           MORTAR
+  use contact_smooth, only: count_nodes, NSPREAD
   use contact_type, only: OPEN, MAX_PAST, STICK, SLIP
   use projection_type, only: foot_t, shape_t
   use surface_geometry, only: surface_point
@@ -50,6 +51,10 @@ contains
         allocate (p%gap(np), source=huge(1.0_wp))
         allocate (p%state(np), p%state_step(np), source=OPEN)
         allocate (p%beside(np), p%refined(np/max(1, contact%nq)), source=.false.)
+        if (contact%scheme == MORTAR) then
+          if (np > 0) np = count_nodes(contact%side(k)%node)
+          allocate (p%spread(NSPREAD, np), source=0.0_wp)
+        end if
       end associate
       associate (rubbed => state%rubbed(k))
         allocate (rubbed%elem(0), rubbed%xi(2, 0), rubbed%elastic(3, 0), rubbed%slip_rate(0))

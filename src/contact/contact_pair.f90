@@ -166,6 +166,10 @@ module contact_pair
     real(wp), allocatable :: elastic(:, :)
     real(wp), allocatable :: slip(:)         !! (np) length of the remaining part [L]
     real(wp), allocatable :: area(:)         !! (np) current area of the point [L^2]
+    !> MORTAR: (NSPREAD, n) sums over the points of the cells of their values times the functions of
+    !! the n nodes of the side, for smooth fields (contact_smooth). Not allocated: the integration
+    !! points serve.
+    real(wp), allocatable :: spread(:, :)
   end type contact_points_t
 
   !> MORTAR: multipliers of the control points of one side, and results of the last assembly there.

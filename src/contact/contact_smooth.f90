@@ -4,9 +4,13 @@
 !!
 !! on the current surface, interpolated with the same functions (Sauer 2013). N_A^2 replaces N_A in
 !! elements with functions whose integral vanishes. Values at the integration points oscillate; only
-!! these smooth fields should be compared and plotted. The traction of friction is smoothed
-!! separately: the tangential part of the smooth traction would contain some of the pressure
-!! wherever the surface is curved (5 % of the values of Table 5, Corbett and Sauer 2015).
+!! these smooth fields should be compared and plotted. With the mortar scheme the upper integral is
+!! taken over the cells, which carry the forces: a contact that lies between the integration points
+!! of whole elements would have no pressure.
+!!
+!! The traction of friction is smoothed separately: the tangential part of the smooth traction would
+!! contain some of the pressure wherever the surface is curved (5 % of the values of Table 5,
+!! Corbett and Sauer 2015).
 module contact_smooth
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t, surface_basis_t
@@ -14,7 +18,8 @@ module contact_smooth
   use surface_basis, only: surface_functions_at, make_rational
   implicit none
   private
-  public :: smooth_t, smooth_side, largest_pressure, largest_tangential
+  public :: smooth_t, smooth_side, largest_pressure, largest_tangential, number_nodes, &
+            count_nodes, has_no_area
 
   !> Coefficients at the nodes of a side.
   type :: smooth_t
@@ -31,7 +36,9 @@ module contact_smooth
   !> Fraction of a squared pressure that may be due to rounding.
   real(wp), parameter :: ROUNDING = 64.0_wp*epsilon(1.0_wp)
 
-  !> Rows of the sums; rows 1 to 11 are those of add_point.
+  !> Rows of the sums that points%spread has: traction, pressure, elastic slip, state, friction.
+  integer, parameter, public :: NSPREAD = 11
+  !> Further rows.
   integer, parameter :: AREA = 12, GAP = 13, GAP_AREA = 14, NSUM = 14
 
   !> Largest values are taken over NGRID x NGRID points per element, evenly spaced from edge to
@@ -71,6 +78,7 @@ contains
         end associate
       end do
     end associate
+    if (allocated(points%spread)) total(:NSPREAD, :) = points%spread
     far = maxval(points%gap, mask=points%closest > 0 .and. points%gap < huge(far))
     if (far < -0.5_wp*huge(far)) far = 0.0_wp   ! no point has a projection
     allocate (field%traction(3, n), field%friction(3, n), field%slip(3, n), source=0.0_wp)
@@ -122,6 +130,15 @@ contains
     allocate (node(n))
     node(at) = list
   end subroutine number_nodes
+
+  !> The number of nodes of a side, each counted once.
+  pure integer function count_nodes(list) result(n)
+    integer, intent(in) :: list(:)
+    integer, allocatable :: node(:), at(:)
+
+    call number_nodes(list, node, at)
+    n = size(node)
+  end function count_nodes
 
   !> Add the values of one point, multiplied by its area and by the functions there.
   pure subroutine add_point(points, i, shp, at, total)

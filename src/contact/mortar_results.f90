@@ -2,8 +2,10 @@
 module mortar_results
   use base_kinds, only: wp
   use contact_cells, only: cells_t
-  use contact_pair, only: contact_t, contact_state_t, friction_points_t, surface_t
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t, friction_points_t, &
+                          surface_t
   use contact_point, only: traction_derivatives_t, vary_normal
+  use contact_smooth, only: number_nodes, has_no_area, NSPREAD
   use contact_type, only: OPEN, STICK, SLIP
   use contact_work, only: own_share
   use mortar_control, only: pressure_at
@@ -83,7 +85,56 @@ contains
         end do
       end do
     end associate
+    call spread_cells(mortar, contact, k, shape(k), state%side(k))
   end subroutine accept_mortar
+
+  !> Spread tractions, elastic slip and state of the points of the cells to the nodes of their
+  !! elements.
+  subroutine spread_cells(mortar, contact, k, shape, points)
+    type(mortar_t), intent(in) :: mortar
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(shape_t), intent(in) :: shape       !! of side k
+    type(contact_points_t), intent(inout) :: points
+    type(traction_derivatives_t) :: dn
+    integer, allocatable :: node(:), at(:)
+    real(wp) :: x(3), a(3, 2), b(3, 3), n(3), area, reference, value(NSPREAD), friction(3), shp
+    integer :: e, i, j, last
+    logical :: squares
+
+    associate (own => contact%side(k), side => mortar%side(k), cells => mortar%side(k)%cells)
+      call number_nodes(own%node, node, at)
+      points%spread = 0.0_wp
+      squares = .false.
+      last = 0
+      do i = 1, cells%n
+        if (.not. side%p(i) > 0.0_wp) cycle
+        e = cells%elem(i)
+        if (e /= last) squares = has_no_area(own%basis(own%ibasis(e)), &
+                                             points%area((e - 1)*contact%nq + 1:e*contact%nq))
+        last = e
+        call surface_point(own, mortar%reference(k), e, cells%xi(:, i), x, a, b)
+        reference = norm2(cross(a(:, 1), a(:, 2)))
+        if (.not. reference > 0.0_wp) cycle
+        call surface_point(own, shape, e, cells%xi(:, i), x, a, b)
+        area = cells%weight(i)*norm2(cross(a(:, 1), a(:, 2)))/reference
+        call vary_normal(cells%foot(i), x, n, dn)
+        friction = side%friction(:, i) - dot_product(side%friction(:, i), n)*n
+        value(1:3) = cells%weight(i)*(side%p(i)*n + friction)
+        value(4) = cells%weight(i)*side%p(i)
+        value(5:7) = area*side%elastic(:, i)
+        value(8) = area*merge(2.0_wp, 1.0_wp, side%state(i) == SLIP)
+        value(9:11) = cells%weight(i)*friction
+        do j = 1, own%first(e + 1) - own%first(e)
+          shp = side%shp(j, i)
+          if (squares) shp = shp**2
+          associate (sums => points%spread(:, at(own%first(e) + j - 1)))
+            sums = sums + shp*value
+          end associate
+        end do
+      end do
+    end associate
+  end subroutine spread_cells
 
   !> Keep what the points of the next step take over, and add the work of slip in this step.
   subroutine keep_friction(side, contact, dt, rubbed, dissipated)

@@ -193,6 +193,7 @@ contains
     call exchange(archive, group//'/state_step', points%state_step, error)
     call exchange(archive, group//'/gap', points%gap, error)
     call exchange(archive, group//'/pressure', points%pressure, error)
+    if (allocated(points%spread)) call exchange(archive, group//'/spread', points%spread, error)
     call exchange(archive, group//'/traction', points%traction, error)
     call exchange(archive, group//'/elastic', points%elastic, error)
     call exchange(archive, group//'/area', points%area, error)
