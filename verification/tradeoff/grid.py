@@ -18,7 +18,12 @@ ELEMENTS = (
 )  # fmt: skip
 
 #: The first word of the deck, and its option of contact.
-SCHEMES = {"balanced": "BALAnced", "refined": "REFIne 3"}
+SCHEMES = {"mortar": "MORTar", "balanced": "BALAnced", "refined": "REFIne 3"}
+#: What is not run with every element type.
+SOME = {
+    "balanced": ("Q1E9", "Q1E9+Q1N2", ENRICHED, SPLINE, "Q2"),
+    "refined": (ENRICHED, SPLINE),
+}
 
 #: Element types that are also run on mesh 2.
 BEST = (
@@ -121,23 +126,24 @@ def penalties():
 
 
 def schemes():
-    """Two half passes, BALAnced (also with larger penalties), subcells at the contact boundary."""
-    for mesh, types in (
-        (1, ("Q1E9", "Q1E9+Q1N2", ENRICHED, SPLINE, "Q2")),
-        (2, ("Q1E9", ENRICHED, SPLINE)),
-    ):
+    """Two half passes, the default, BALAnced (also with larger penalties), subcells at the boundary."""
+    for mesh, types in ((1, (*BEST, "Q2")), (2, BEST)):
         for name in types:
             plain = new_run("scheme", "half passes", mesh, name)
             yield plain
             for word, scheme in SCHEMES.items():
-                if word == "balanced" or name in (ENRICHED, SPLINE):
+                if name in SOME.get(word, types) and (mesh, name, word) != (
+                    2,
+                    "Q1E9+Q1N2",
+                    "balanced",
+                ):
                     deck = f"{word}_{deck_of(name)}"
                     yield new_run("scheme", scheme, mesh, name, deck, plain, plain)
     usual = MESHES[1]["eps"]
-    for x in (3, 10, 100):
-        name = f"BALAnced, penalty x {x}"
-        deck = f"balanced_{deck_of(ENRICHED)}"
-        yield new_run("scheme", name, 1, ENRICHED, deck, eps=x * usual)
+    for word in ("mortar", "balanced"):
+        for x in (3, 10, 100):
+            name = f"{SCHEMES[word]}, penalty x {x}"
+            yield new_run("scheme", name, 1, ENRICHED, f"{word}_{deck_of(ENRICHED)}", eps=x * usual)
 
 
 def steps():
