@@ -180,8 +180,8 @@ module contact_pair
     real(wp), allocatable :: gap(:)          !! (n) weighted gap [L]; huge where there is no overlap
   end type control_points_t
 
-  !> MORTAR: the points at which friction acted in the previous step. A point of the new cells takes
-  !! over the values of the nearest of these in its element.
+  !> MORTAR: the points at which friction acted in the previous step. Each point of the new cells
+  !! takes over the values of the nearest old point in the same element.
   type :: friction_points_t
     integer, allocatable :: elem(:)          !! (n) ascending
     real(wp), allocatable :: xi(:, :)        !! (2, n)

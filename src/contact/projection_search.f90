@@ -46,7 +46,8 @@ contains
     end do
   end subroutine place_surfaces
 
-  !> Sample a surface that has moved, with cells about as wide as the spacing of the samples.
+  !> Sample a surface that has moved, and sort the samples into a grid whose cells are about as wide
+  !! as the samples are apart.
   subroutine update_grid(surface, shape, grid)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

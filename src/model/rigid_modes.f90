@@ -176,7 +176,7 @@ contains
     node = pack(node, is_free(node))
   end subroutine leave_slaves
 
-  !> Find the motions of a body that its supports leave at the positions x.
+  !> Find the rigid motions of a body, with its nodes at x, that its supports do not prevent.
   subroutine find_motions(eq, x, body)
     integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]

@@ -13,7 +13,7 @@ module vtkhdf_layout
   private
   public :: run_info_t, write_layout
 
-  !> What a result file tells about its analysis.
+  !> What a result file records about the analysis that wrote it.
   type :: run_info_t
     character(:), allocatable :: version
     character(:), allocatable :: deck  !! text of the deck
