@@ -75,8 +75,9 @@ contains
   !> Add the release of side k, which is the sum over bonded points of their area times 1 - (1 +
   !! r/d) exp(-r/d), and its derivative.
   !!
-  !! The factor 1 - (1 + r/d) exp(-r/d) is the released fraction of the energy of an exponential bond
-  !! (eq. 31 of Corbett and Sauer 2015). For bonds of every law, the measure increases as a crack advances.
+  !! The factor 1 - (1 + r/d) exp(-r/d) is the released fraction of the energy of an exponential
+  !! bond (eq. 31 of Corbett and Sauer 2015). For bonds of every law, the measure increases as a
+  !! crack advances.
   subroutine add_release(contact, k, x, scale, points, released, slope)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
