@@ -9,6 +9,147 @@ module deck_feap
   private
   public :: mesh_hint, command_hint, property_hint
 
+  type :: advice_t
+    character(29) :: words !! the first four letters of each word, separated by a space
+    character(120) :: hint
+  end type advice_t
+
+  !> What FEAP has in the mesh part.
+  !&< keeps the rows where they are
+  type(advice_t), parameter :: MESH_WORDS(*) = [ &
+    advice_t('angl cang ceul eang eule tria', &
+      'nodes have no axes of their own; rotate the body so that its supports lie ' &
+        //'along the axes (TRANsform, or ROTAte of PATCh)'), &
+    advice_t('base cbas ebas', 'MOVE prescribes the motion of supports'), &
+    advice_t('blen side snod', &
+      'curved bodies are read by PATCh with FILE, by NPATch, or by MESH'), &
+    advice_t('body', 'BODY FORCe is a record of MATErial'), &
+    advice_t('btem temp', 'there are no temperatures'), &
+    advice_t('cdam damp', &
+      'there are no dampers; TRANsient,HHT and TRANsient,BACK dissipate energy'), &
+    advice_t('cmas mpro', 'there are no point masses; DENSity of MATErial gives the mass'), &
+    advice_t('coun', 'nodes and elements are counted automatically; remove this word'), &
+    advice_t('cpro', 'EPROportional and FPROportional choose the load table of a node'), &
+    advice_t('csti spri stif', 'there are no springs; use elements with a small modulus'), &
+    advice_t('debu', 'every deck is checked; remove this word'), &
+    advice_t('elin link slav', &
+      'TIE joins nodes at the same position, and CONStraint of MESH ties a node to others'), &
+    advice_t('ereg regi', &
+      'there are no regions; give each body its own PATCh, or its own material'), &
+    advice_t('flex', 'every body is flexible, except a PATCh of TYPE RIGId'), &
+    advice_t('foll', 'PRESsure with FOLLower follows the surface'), &
+    advice_t('glob', 'the control record gives ndm and ndf, and MATErial the type of strains'), &
+    advice_t('join', 'TIE joins nodes at the same position; there are no other joints'), &
+    advice_t('lfor', 'FORCe, EFORce and CFORce load nodes, and PRESsure loads faces'), &
+    advice_t('load', &
+      'FORCe, EFORce and CFORce load nodes, and PRESsure loads faces; PROP defines ' &
+        //'how loads vary in time'), &
+    advice_t('manu', 'there is no interactive input; remove this word'), &
+    advice_t('mass', &
+      'there are no point masses; DENSity of MATErial gives the mass, and MASS is ' &
+        //'a command between BATCh and END'), &
+    advice_t('moda', 'there are no modes; a body is either elastic or a PATCh of TYPE RIGId'), &
+    advice_t('nblo nsid', 'NPATch takes the control points of a whole solid'), &
+    advice_t('nopa pars', 'expressions are always evaluated; remove this word'), &
+    advice_t('orde', 'METIS orders the equations; remove this word'), &
+    advice_t('peri', &
+      'CONStraint of MESH ties a node to others; there are no other periodic conditions'), &
+    advice_t('pola', &
+      'COORdinates take expressions, such as r*cosd(30); TRANsform rotates and shifts nodes'), &
+    advice_t('reac', 'FORCe loads nodes; REAC is a command between BATCh and END'), &
+    advice_t('read', 'INCLude reads another file'), &
+    advice_t('rese', 'restraints cannot be removed; give each of them only where it is needed'), &
+    advice_t('rigi', 'a rigid body is a PATCh of TYPE RIGId'), &
+    advice_t('rota', 'ROTAte is a record of PATCh, MESH and SPLIne; TRANsform rotates nodes'), &
+    advice_t('save', &
+      'records of the mesh cannot be saved; INCLude reads them from a file, and ' &
+        //'SAVE is a command between BATCh and END'), &
+    advice_t('sblo', 'BLOCk makes 8-node elements in a mapped region'), &
+    advice_t('shif', 'TRANslate of PATCh and MESH shifts a body, and TRANsform shifts nodes'), &
+    advice_t('sloa', &
+      'PRESsure loads faces of bodies, and CSURface a surface that is given by points'), &
+    advice_t('sphe', &
+      'COORdinates take expressions, such as r*cosd(30); HEMIsphere of PATCh is ' &
+        //'half of a hollow sphere'), &
+    advice_t('spin', &
+      'there are no centrifugal forces: BODY FORCe of MATErial is constant; MOVE ' &
+        //'with ROTAte turns a body'), &
+    advice_t('swee', 'MOVE with ROTAte prescribes a rotation'), &
+    advice_t('titl', 'the title follows FEAP in the first record; remove this word') ]
+  !&>
+
+  !> What FEAP has in the solution part.
+  !&< keeps the rows where they are
+  type(advice_t), parameter :: COMMANDS(*) = [ &
+    advice_t('acce', 'accelerations are not printed; DISP prints displacements'), &
+    advice_t('acti deac', 'parts of a body cannot be added or removed'), &
+    advice_t('back', 'AUTO repeats a failed step in smaller steps'), &
+    advice_t('base', 'MOVE prescribes the motion of supports'), &
+    advice_t('beta', 'TRANsient chooses the scheme of time integration'), &
+    advice_t('bfgs', &
+      'UTAN,LINE,1 searches along the increment; FACTor REUSe solves with an earlier tangent'), &
+    advice_t('chec', 'every deck is checked before it is solved; bezel --check only checks it'), &
+    advice_t('comm', '! starts a comment'), &
+    advice_t('cont', 'contact is searched in each iteration; remove this word'), &
+    advice_t('damp', &
+      'there is no damping matrix; TRANsient,HHT and TRANsient,BACK dissipate energy'), &
+    advice_t('data', &
+      'write the values of DT and TOL in these commands; INCLude reads another file'), &
+    advice_t('debu echo show', 'the log lists what was read and done; remove this word'), &
+    advice_t('dire iter meth', 'FACTor chooses how linear systems are solved'), &
+    advice_t('eige eigv subs', &
+      'there are no eigenvalues; the report counts the negative pivots of the tangent'), &
+    advice_t('else endi if  ', &
+      'there are no conditions; a loop of Newton''s iteration ends when it has converged'), &
+    advice_t('erro', 'errors are not estimated; compare two meshes'), &
+    advice_t('expl', &
+      'time integration is implicit: TRANsient,BACK, TRANsient,NEWMark or TRANsient,HHT'), &
+    advice_t('geom', 'TANG includes the geometric stiffness of FINIte strains; remove this word'), &
+    advice_t('hist manu', 'there is no interactive input; remove this word'), &
+    advice_t('iden', 'there are no eigenvalues; remove this word'), &
+    advice_t('init', 'bodies start at rest, with zero displacements'), &
+    advice_t('jint', &
+      'there are no J integrals; COHEsive of CONTact gives bonds a fracture energy'), &
+    advice_t('line', 'the law of MATErial decides; ELAStic ISOTropic is linear'), &
+    advice_t('list', 'CURVe names the quantities of a table'), &
+    advice_t('mesh', &
+      'the mesh cannot change during the solution; PROP, MOVE and DISPlacement ' &
+        //'change loads and motions'), &
+    advice_t('moda', 'there are no modes; TRANsient integrates in time'), &
+    advice_t('newf', &
+      'give a separate load table to loads that must remain: PROP, FPROportional ' &
+        //'and EPROportional'), &
+    advice_t('nonl', 'the law of MATErial decides; ELAStic NEOHook is nonlinear'), &
+    advice_t('ntan', 'TANG and UTAN form the tangent of all elements'), &
+    advice_t('outm', 'the result file contains the mesh, and the log lists what was read'), &
+    advice_t('paus', 'a run never waits for input; remove this word'), &
+    advice_t('quit', 'END closes the commands, and STOP the deck'), &
+    advice_t('read', 'RESTart continues from a checkpoint; INCLude reads another file'), &
+    advice_t('renu', 'METIS orders the equations; remove this word'), &
+    advice_t('resi', 'FORM forms the residual'), &
+    advice_t('scre', 'bezel --quiet shows less on the screen'), &
+    advice_t('tie ', 'TIE belongs before BATCh'), &
+    advice_t('velo', 'velocities are not printed; DISP prints displacements'), &
+    advice_t('writ', 'PLOT and OUTPut write fields, and SAVE writes a checkpoint'), &
+    advice_t('zero', 'write a separate deck for another analysis') ]
+  !&>
+
+  !> What FEAP has in MATErial.
+  !&< keeps the rows where they are
+  type(advice_t), parameter :: PROPERTIES(*) = [ &
+    advice_t('angl', 'materials are isotropic and have no axes'), &
+    advice_t('axis plan', 'models are three-dimensional (ndm = 3)'), &
+    advice_t('cree plas visc', 'the only laws are ELAStic ISOTropic and ELAStic NEOHook'), &
+    advice_t('damp', 'there is no damping; TRANsient,HHT and TRANsient,BACK dissipate energy'), &
+    advice_t('four ther', 'there are no temperatures'), &
+    advice_t('geom', 'FINIte strains include the geometric stiffness; remove this record'), &
+    advice_t('mass', 'MASS is a command between BATCh and END; DENSity gives the mass'), &
+    advice_t('mixe', 'ENHAnced elements do not lock'), &
+    advice_t('nonl', 'FINIte, with ELAStic NEOHook, is for large deformations'), &
+    advice_t('pres', 'PRESsure is a word of the mesh, outside of MATErial'), &
+    advice_t('quad', 'QUADrature is a record of PATCh') ]
+  !&>
+
 contains
 
   !> What to do instead of a word of FEAP of the mesh part; empty if the word is none of these.
@@ -16,97 +157,7 @@ contains
     character(*), intent(in) :: word
     character(:), allocatable :: hint
 
-    select case (key_of(word))
-    case ('angl', 'cang', 'ceul', 'eang', 'eule', 'tria')
-      hint = 'nodes have no axes of their own; rotate the body so that its supports lie along ' &
-             //'the axes (TRANsform, or ROTAte of PATCh)'
-    case ('base', 'cbas', 'ebas')
-      hint = 'MOVE prescribes the motion of supports'
-    case ('blen', 'side', 'snod')
-      hint = 'curved bodies are read by PATCh with FILE, by NPATch, or by MESH'
-    case ('body')
-      hint = 'BODY FORCe is a record of MATErial'
-    case ('btem', 'temp')
-      hint = 'there are no temperatures'
-    case ('cdam', 'damp')
-      hint = 'there are no dampers; TRANsient,HHT and TRANsient,BACK dissipate energy'
-    case ('cmas', 'mpro')
-      hint = 'there are no point masses; DENSity of MATErial gives the mass'
-    case ('coun')
-      hint = 'nodes and elements are counted automatically; remove this word'
-    case ('cpro')
-      hint = 'EPROportional and FPROportional choose the load table of a node'
-    case ('csti', 'spri', 'stif')
-      hint = 'there are no springs; use elements with a small modulus'
-    case ('debu')
-      hint = 'every deck is checked; remove this word'
-    case ('elin', 'link', 'slav')
-      hint = 'TIE joins nodes at the same position, and CONStraint of MESH ties a node to others'
-    case ('ereg', 'regi')
-      hint = 'there are no regions; give each body its own PATCh, or its own material'
-    case ('flex')
-      hint = 'every body is flexible, except a PATCh of TYPE RIGId'
-    case ('foll')
-      hint = 'PRESsure with FOLLower follows the surface'
-    case ('glob')
-      hint = 'the control record gives ndm and ndf, and MATErial the type of strains'
-    case ('join')
-      hint = 'TIE joins nodes at the same position; there are no other joints'
-    case ('lfor')
-      hint = 'FORCe, EFORce and CFORce load nodes, and PRESsure loads faces'
-    case ('load')
-      hint = 'FORCe, EFORce and CFORce load nodes, and PRESsure loads faces; PROP defines how ' &
-             //'loads vary in time'
-    case ('manu')
-      hint = 'there is no interactive input; remove this word'
-    case ('mass')
-      hint = 'there are no point masses; DENSity of MATErial gives the mass, and MASS is a ' &
-             //'command between BATCh and END'
-    case ('moda')
-      hint = 'there are no modes; a body is either elastic or a PATCh of TYPE RIGId'
-    case ('nblo', 'nsid')
-      hint = 'NPATch takes the control points of a whole solid'
-    case ('nopa', 'pars')
-      hint = 'expressions are always evaluated; remove this word'
-    case ('orde')
-      hint = 'METIS orders the equations; remove this word'
-    case ('peri')
-      hint = 'CONStraint of MESH ties a node to others; there are no other periodic conditions'
-    case ('pola')
-      hint = 'COORdinates take expressions, such as r*cosd(30); TRANsform rotates and shifts nodes'
-    case ('reac')
-      hint = 'FORCe loads nodes; REAC is a command between BATCh and END'
-    case ('read')
-      hint = 'INCLude reads another file'
-    case ('rese')
-      hint = 'restraints cannot be removed; give each of them only where it is needed'
-    case ('rigi')
-      hint = 'a rigid body is a PATCh of TYPE RIGId'
-    case ('rota')
-      hint = 'ROTAte is a record of PATCh, MESH and SPLIne; TRANsform rotates nodes'
-    case ('save')
-      hint = 'records of the mesh cannot be saved; INCLude reads them from a file, and SAVE is a ' &
-             //'command between BATCh and END'
-    case ('sblo')
-      hint = 'BLOCk makes 8-node elements in a mapped region'
-    case ('shif')
-      hint = 'TRANslate of PATCh and MESH shifts a body, and TRANsform shifts nodes'
-    case ('sloa')
-      hint = 'PRESsure loads faces of bodies, and CSURface a surface that is given by points'
-    case ('sphe')
-      hint = 'COORdinates take expressions, such as r*cosd(30); HEMIsphere of PATCh is half of ' &
-             //'a hollow sphere'
-    case ('spin')
-      hint = 'there are no centrifugal forces: BODY FORCe of MATErial is constant; MOVE with ' &
-             //'ROTAte turns a body'
-    case ('swee')
-      hint = 'MOVE with ROTAte prescribes a rotation'
-    case ('titl')
-      hint = 'the title follows FEAP in the first record; remove this word'
-    case default
-      hint = ''
-    end select
-    if (hint /= '') hint = 'not available here: '//hint
+    hint = advice(MESH_WORDS, word)
   end function mesh_hint
 
   !> What to do instead of a word of FEAP of the solution part; empty if the word is none of these.
@@ -114,93 +165,7 @@ contains
     character(*), intent(in) :: word
     character(:), allocatable :: hint
 
-    select case (key_of(word))
-    case ('acce')
-      hint = 'accelerations are not printed; DISP prints displacements'
-    case ('acti', 'deac')
-      hint = 'parts of a body cannot be added or removed'
-    case ('back')
-      hint = 'AUTO repeats a failed step in smaller steps'
-    case ('base')
-      hint = 'MOVE prescribes the motion of supports'
-    case ('beta')
-      hint = 'TRANsient chooses the scheme of time integration'
-    case ('bfgs')
-      hint = 'UTAN,LINE,1 searches along the increment; FACTor REUSe solves with an earlier tangent'
-    case ('chec')
-      hint = 'every deck is checked before it is solved; bezel --check only checks it'
-    case ('comm')
-      hint = '! starts a comment'
-    case ('cont')
-      hint = 'contact is searched in each iteration; remove this word'
-    case ('damp')
-      hint = 'there is no damping matrix; TRANsient,HHT and TRANsient,BACK dissipate energy'
-    case ('data')
-      hint = 'write the values of DT and TOL in these commands; INCLude reads another file'
-    case ('debu', 'echo', 'show')
-      hint = 'the log lists what was read and done; remove this word'
-    case ('dire', 'iter', 'meth')
-      hint = 'FACTor chooses how linear systems are solved'
-    case ('eige', 'eigv', 'subs')
-      hint = 'there are no eigenvalues; the report counts the negative pivots of the tangent'
-    case ('else', 'endi', 'if  ')
-      hint = 'there are no conditions; a loop of Newton''s iteration ends when it has converged'
-    case ('erro')
-      hint = 'errors are not estimated; compare two meshes'
-    case ('expl')
-      hint = 'time integration is implicit: TRANsient,BACK, TRANsient,NEWMark or TRANsient,HHT'
-    case ('geom')
-      hint = 'TANG includes the geometric stiffness of FINIte strains; remove this word'
-    case ('hist', 'manu')
-      hint = 'there is no interactive input; remove this word'
-    case ('iden')
-      hint = 'there are no eigenvalues; remove this word'
-    case ('init')
-      hint = 'bodies start at rest, with zero displacements'
-    case ('jint')
-      hint = 'there are no J integrals; COHEsive of CONTact gives bonds a fracture energy'
-    case ('line')
-      hint = 'the law of MATErial decides; ELAStic ISOTropic is linear'
-    case ('list')
-      hint = 'CURVe names the quantities of a table'
-    case ('mesh')
-      hint = 'the mesh cannot change during the solution; PROP, MOVE and DISPlacement change ' &
-             //'loads and motions'
-    case ('moda')
-      hint = 'there are no modes; TRANsient integrates in time'
-    case ('newf')
-      hint = 'give a separate load table to loads that must remain: PROP, FPROportional ' &
-             //'and EPROportional'
-    case ('nonl')
-      hint = 'the law of MATErial decides; ELAStic NEOHook is nonlinear'
-    case ('ntan')
-      hint = 'TANG and UTAN form the tangent of all elements'
-    case ('outm')
-      hint = 'the result file contains the mesh, and the log lists what was read'
-    case ('paus')
-      hint = 'a run never waits for input; remove this word'
-    case ('quit')
-      hint = 'END closes the commands, and STOP the deck'
-    case ('read')
-      hint = 'RESTart continues from a checkpoint; INCLude reads another file'
-    case ('renu')
-      hint = 'METIS orders the equations; remove this word'
-    case ('resi')
-      hint = 'FORM forms the residual'
-    case ('scre')
-      hint = 'bezel --quiet shows less on the screen'
-    case ('tie ')
-      hint = 'TIE belongs before BATCh'
-    case ('velo')
-      hint = 'velocities are not printed; DISP prints displacements'
-    case ('writ')
-      hint = 'PLOT and OUTPut write fields, and SAVE writes a checkpoint'
-    case ('zero')
-      hint = 'write a separate deck for another analysis'
-    case default
-      hint = ''
-    end select
-    if (hint /= '') hint = 'not available here: '//hint
+    hint = advice(COMMANDS, word)
   end function command_hint
 
   !> What to do instead of a record that FEAP has in MATErial; empty if the word is none of these.
@@ -208,33 +173,24 @@ contains
     character(*), intent(in) :: word
     character(:), allocatable :: hint
 
-    select case (key_of(word))
-    case ('angl')
-      hint = 'materials are isotropic and have no axes'
-    case ('axis', 'plan')
-      hint = 'models are three-dimensional (ndm = 3)'
-    case ('cree', 'plas', 'visc')
-      hint = 'the only laws are ELAStic ISOTropic and ELAStic NEOHook'
-    case ('damp')
-      hint = 'there is no damping; TRANsient,HHT and TRANsient,BACK dissipate energy'
-    case ('four', 'ther')
-      hint = 'there are no temperatures'
-    case ('geom')
-      hint = 'FINIte strains include the geometric stiffness; remove this record'
-    case ('mass')
-      hint = 'MASS is a command between BATCh and END; DENSity gives the mass'
-    case ('mixe')
-      hint = 'ENHAnced elements do not lock'
-    case ('nonl')
-      hint = 'FINIte, with ELAStic NEOHook, is for large deformations'
-    case ('pres')
-      hint = 'PRESsure is a word of the mesh, outside of MATErial'
-    case ('quad')
-      hint = 'QUADrature is a record of PATCh'
-    case default
-      hint = ''
-    end select
-    if (hint /= '') hint = 'not available here: '//hint
+    hint = advice(PROPERTIES, word)
   end function property_hint
+
+  !> The hint of the row that has the word; empty if none has it.
+  pure function advice(table, word) result(hint)
+    type(advice_t), intent(in) :: table(:)
+    character(*), intent(in) :: word
+    character(:), allocatable :: hint
+    integer :: i, at
+
+    hint = ''
+    do i = 1, size(table)
+      do at = 1, len_trim(table(i)%words), 5
+        if (table(i)%words(at:at + 3) /= key_of(word)) cycle
+        hint = 'not available here: '//trim(table(i)%hint)
+        return
+      end do
+    end do
+  end function advice
 
 end module deck_feap
