@@ -20,19 +20,16 @@ run; all without one. --write writes the decks, meshes and the expect.toml of th
 of the cases.
 """
 
-import argparse
 import itertools
 import pathlib
 import subprocess
 import sys
-import tempfile
 
 import numpy as np
 
 from post._fields import read_fields
 from post._table import read_table
-from verification import TOP
-from verification.patch.contact_mortar.make import LAME, MU, uniaxial
+from verification.patch.contact_mortar.make import LAME, MU, command, uniaxial
 from verification.patch.mesh_files.make import FACES, SIDES, save
 
 EPS = 100.0
@@ -362,32 +359,7 @@ def write_choice():
 
 
 def main(argv=None):
-    o = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    o.add_argument("--bezel", default=str(TOP / "build/release/bezel"))
-    o.add_argument("--keep", help="folder for the decks and results")
-    o.add_argument("--rule", default="", help="a further record of CONTact, such as QUADrature 8 8")
-    o.add_argument("--write", action="store_true", help="write the decks of this folder")
-    o.add_argument("name", nargs="*")
-    o = o.parse_args(argv)
-    if o.write:
-        write_choice()
-        return 0
-    print(f"{'case':44} {'force':>9} {'stress':>9} {'pressure':>9}")
-    for case in cases():
-        if o.name and not any(name in case.name for name in o.name):
-            continue
-        if o.rule:
-            case.rule = "  " + o.rule
-        with tempfile.TemporaryDirectory() as place:
-            folder = pathlib.Path(o.keep or place) / (case.name if o.keep else "")
-            folder.mkdir(parents=True, exist_ok=True)
-            errors, why = case.run(o.bezel, folder)
-        if errors is None:
-            print(f"{case.name:44} failed: {why}", flush=True)
-        else:
-            mark = "" if max(errors) < 1e-8 else "  *"
-            print(f"{case.name:44} " + " ".join(f"{e:9.1e}" for e in errors) + mark, flush=True)
-    return 0
+    return command(__doc__, cases(), write_choice, argv)
 
 
 if __name__ == "__main__":

@@ -388,8 +388,13 @@ def write_choice():
     (here / "expect.toml").write_text("\n".join(lines), encoding="utf-8")
 
 
-def main(argv=None):
-    o = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def command(description, cases, write, argv):
+    """Run the cases that the arguments name and print their errors, or write a choice of them.
+
+    A case has a `name`, a `rule` (a further record of CONTact) and `run(bezel, folder)`, which
+    returns its relative errors, or None and the reason.
+    """
+    o = argparse.ArgumentParser(description=description.splitlines()[0])
     o.add_argument("--bezel", default=str(TOP / "build/release/bezel"))
     o.add_argument("--keep", help="folder for the decks and results")
     o.add_argument("--rule", default="", help="a further record of CONTact, such as QUADrature 8 8")
@@ -397,26 +402,28 @@ def main(argv=None):
     o.add_argument("name", nargs="*")
     o = o.parse_args(argv)
     if o.write:
-        write_choice()
+        write()
         return 0
     print(f"{'case':44} {'force':>9} {'stress':>9} {'pressure':>9}")
-    for case in cases():
+    for case in cases:
         if o.name and not any(name in case.name for name in o.name):
             continue
-        case.rule = o.rule or case.rule
+        if o.rule:
+            case.rule = "  " + o.rule
         with tempfile.TemporaryDirectory() as place:
             folder = pathlib.Path(o.keep or place) / (case.name if o.keep else "")
             folder.mkdir(parents=True, exist_ok=True)
-            errors, _ = case.run(o.bezel, folder)
+            errors, why = case.run(o.bezel, folder)
         if errors is None:
-            print(f"{case.name:44} failed: {_}", flush=True)
+            print(f"{case.name:44} failed: {why}", flush=True)
         else:
             mark = "" if max(errors) < 1e-8 else "  *"
-            print(
-                f"{case.name:44} {errors[0]:9.1e} {errors[1]:9.1e} {errors[2]:9.1e}{mark}",
-                flush=True,
-            )
+            print(f"{case.name:44} " + " ".join(f"{e:9.1e}" for e in errors) + mark, flush=True)
     return 0
+
+
+def main(argv=None):
+    return command(__doc__, cases(), write_choice, argv)
 
 
 if __name__ == "__main__":
