@@ -92,9 +92,54 @@ contains
     type(contact_t), intent(inout) :: contact
     type(error_t), allocatable, intent(out) :: error
     type(start_t) :: start
-    real(wp), allocatable :: area(:), width(:)
-    real(wp) :: n, stiffness, h, times, usual
     logical :: smooths
+
+    call make_sides(draft, at, model, contact, error)
+    if (allocated(error)) return
+    smooths = .false.
+    if (contact%scheme == 0) then ! bonds and the edges of point schemes need integration points
+      contact%scheme = MORTAR
+      if (contact%cohesive%given .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
+        contact%scheme = BALANCED
+        smooths = contact%cohesive%given .and. .not. contact%normal%prop(SMOOTHING) > 0.0_wp
+      end if
+    end if
+    contact%default_depth = .not. contact%depth > 0.0_wp
+    associate (t => contact%side%thickness)
+      if (contact%default_depth) contact%depth = 0.5_wp*minval(t, t > 0.0_wp)
+      if (contact%default_depth .and. .not. any(t > 0.0_wp)) then
+        call fail(error, DECK_ERROR, 'the bodies of contact '//quoted(contact%name) &
+                  //' have no thickness behind these faces', contact%place, &
+                  'give DEPTh d, the largest penetration that counts as contact')
+        return
+      end if
+    end associate
+    call look_at_start(contact, model%mesh%xr, start)
+    call set_penalties(model, start, contact)
+    ! A rigid side bears all forces anyway.
+    contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
+    if (contact%cohesive%given) contact%released = &
+      contact%cohesive%law%released(contact%cohesive%prop)
+    ! Damaged bonds that close again have a gap of zero everywhere, where the penalty has a corner.
+    if (smooths) contact%normal%prop(SMOOTHING) = contact%released/CLOSING
+    if (.not. start%overlap > 0.0_wp) return
+    call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//': the bodies overlap by ' &
+              //to_text(start%overlap, 3)//' at the start, at ('//to_text(start%x_overlap(1), 4) &
+              //', '//to_text(start%x_overlap(2), 4)//', '//to_text(start%x_overlap(3), 4) &
+              //'), deeper than DEPTh '//to_text(contact%depth, 3), contact%place, &
+              'move one of them; or give DEPTh d, the largest penetration that counts as contact')
+  end subroutine resolve_contact
+
+  !> Make both surfaces with their integration points and the widths of their elements. Fails if
+  !! they have a common face, too many integration points or no area.
+  subroutine make_sides(draft, at, model, contact, error)
+    type(draft_t), intent(in) :: draft
+    type(where_t), intent(in) :: at(2)
+    type(model_t), intent(in) :: model
+    type(contact_t), intent(inout) :: contact
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: area(:), width(:)
+    real(wp) :: n
     integer :: k
 
     contact%self = same_place(at(1), at(2))
@@ -128,25 +173,18 @@ contains
                 'a contact acts between faces that have an area')
       return
     end do
-    smooths = .false.
-    if (contact%scheme == 0) then ! bonds and the edges of point schemes need integration points
-      contact%scheme = MORTAR
-      if (contact%cohesive%given .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
-        contact%scheme = BALANCED
-        smooths = contact%cohesive%given .and. .not. contact%normal%prop(SMOOTHING) > 0.0_wp
-      end if
-    end if
-    contact%default_depth = .not. contact%depth > 0.0_wp
-    associate (t => contact%side%thickness)
-      if (contact%default_depth) contact%depth = 0.5_wp*minval(t, t > 0.0_wp)
-      if (contact%default_depth .and. .not. any(t > 0.0_wp)) then
-        call fail(error, DECK_ERROR, 'the bodies of contact '//quoted(contact%name) &
-                  //' have no thickness behind these faces', contact%place, &
-                  'give DEPTh d, the largest penetration that counts as contact')
-        return
-      end if
-    end associate
-    call look_at_start(contact, model%mesh%xr, start)
+  end subroutine make_sides
+
+  !> Set the penalties that the deck leaves to AUTO, and the part of the penalty that MORTar applies
+  !! at control points: more than LOCKS times AUTO would lock at integration points.
+  subroutine set_penalties(model, start, contact)
+    type(model_t), intent(in) :: model
+    type(start_t), intent(in) :: start
+    type(contact_t), intent(inout) :: contact
+    real(wp), allocatable :: area(:), width(:)
+    real(wp) :: stiffness, h, times, usual
+    integer :: k
+
     times = merge(STIFF_AT_CELLS, STIFF, contact%scheme == MORTAR)
     usual = huge(usual)
     do k = 1, 2
@@ -164,25 +202,13 @@ contains
       end associate
     end do
     if (contact%normal%auto) contact%normal%prop(PENALTY) = contact%normal%factor*usual
-    if (contact%scheme == MORTAR) then ! more than this would lock at points
+    if (contact%scheme == MORTAR) then
       contact%control_penalty = max(0.0_wp, contact%normal%prop(PENALTY) - LOCKS*usual)
       if (contact%control_penalty < ROUNDING*usual) contact%control_penalty = 0.0_wp
     end if
     if (contact%friction%auto) contact%friction%prop(TANGENTIAL_PENALTY) &
       = contact%normal%prop(PENALTY)
-    ! A rigid side bears all forces anyway.
-    contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
-    if (contact%cohesive%given) contact%released = &
-      contact%cohesive%law%released(contact%cohesive%prop)
-    ! Damaged bonds that close again have a gap of zero everywhere, where the penalty has a corner.
-    if (smooths) contact%normal%prop(SMOOTHING) = contact%released/CLOSING
-    if (.not. start%overlap > 0.0_wp) return
-    call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//': the bodies overlap by ' &
-              //to_text(start%overlap, 3)//' at the start, at ('//to_text(start%x_overlap(1), 4) &
-              //', '//to_text(start%x_overlap(2), 4)//', '//to_text(start%x_overlap(3), 4) &
-              //'), deeper than DEPTh '//to_text(contact%depth, 3), contact%place, &
-              'move one of them; or give DEPTh d, the largest penetration that counts as contact')
-  end subroutine resolve_contact
+  end subroutine set_penalties
 
   !> Number of element faces that belong to both surfaces.
   integer function common_faces(a, b) result(n)
