@@ -142,12 +142,15 @@ contains
   subroutine warn_soft_penalty(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
+    character(:), allocatable :: stiffer
 
     if (size(model%contact) == 0) return
     if (.not. state%energy%penetration_share > SOFT) return
+    stiffer = 'NORMal PENAlty AUTO'
+    if (all(model%contact%normal%auto)) stiffer = stiffer//' 10'
     call warn('penetration takes '//to_text(100*state%energy%penetration_share, 3) &
               //' % of the work of supports and loads: the penalty is too soft', &
-              model%contact(1)%place, 'use a stiffer one, NORMal PENAlty AUTO, or a finer mesh')
+              model%contact(1)%place, 'use a stiffer one, '//stiffer//', or a finer mesh')
   end subroutine warn_soft_penalty
 
   !> The smallest width of the elements of both sides that are not rigid, or thickness [L].
