@@ -95,12 +95,12 @@ contains
         faced = 0
         slid = 0
         do i = 1, cells%n
-          if (.not. side%p(i) > 0.0_wp) cycle
+          if (.not. (side%p(i) > 0.0_wp .or. side%dp(i) < 0.0_wp)) cycle
           if (any([cells%elem(i), cells%foot(i)%elem] /= faced)) then
             faced = [cells%elem(i), cells%foot(i)%elem]
             call need_pair(pairs(k), faced(1), faced(2), step, grown)
           end if
-          if (.not. slides) cycle
+          if (.not. (slides .and. side%p(i) > 0.0_wp)) cycle
           if (side%slide(i) == 0) then
             call find_slide(mortar, contact, k, i, state%rubbed(k))
             call find_slide_functions(contact%side(3 - k), side, i)

@@ -4,7 +4,7 @@ module mortar_control
   use base_kinds, only: wp
   use contact_pair, only: contact_t, surface_t, control_points_t
   use contact_point, only: traction_derivatives_t, vary_normal, outer
-  use contact_type, only: PENALTY, SLIP
+  use contact_type, only: PENALTY, SLIP, SMOOTHING
   use contact_work, only: element_functions, own_share
   use csr, only: block_matrix_t, clique_t, block_position
   use mortar_type, only: mortar_t, mortar_side_t, control_functions, functions_at, number_at, &
@@ -15,19 +15,29 @@ module mortar_control
 
   !> A smaller overlap of a control point, relative to the largest one, does not count.
   real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
+  !> A gap below this fraction of the element's width is rounding.
+  real(wp), parameter :: NO_GAP = 1.0e-9_wp
 
 contains
 
   !> Weighted gaps and pressures of the control points, and the pressures of the points.
+  !!
+  !! Where surfaces just touch, rounding decides whether a point is open or closed. Such a point is
+  !! given the stiffness of a closed one: with that of a random half of the points, the first
+  !! iteration may leave for a state in which the edges of the bodies have lost each other.
   subroutine find_pressures(contact, k, side, control)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(mortar_side_t), intent(inout) :: side
     type(control_points_t), intent(inout) :: control
     real(wp) :: energy, prop(size(contact%normal%prop))
-    real(wp) :: psi(size_of_element(contact%side(k)))
+    real(wp) :: psi(size_of_element(contact%side(k))), width
     integer :: a, i, j
 
+    width = 0.0_wp
+    if (allocated(contact%side(k)%width) .and. .not. contact%normal%prop(SMOOTHING) > 0.0_wp) then
+      width = minval(contact%side(k)%width)
+    end if
     associate (own => contact%side(k), cells => side%cells, law => contact%normal%law)
       control%gap = huge(1.0_wp)
       control%pressure = 0.0_wp
@@ -52,6 +62,9 @@ contains
           control%gap(a) = side%volume(a)/side%a(a)
           call law%normal(prop, control%gap(a), control%multiplier(a), side%q(a), &
                           side%dq(a), energy)
+          if (touching(control%gap(a) - control%multiplier(a)/prop(PENALTY), width)) then
+            side%dq(a) = -prop(PENALTY)
+          end if
         end do
         control%pressure = side%q
       end if
@@ -61,6 +74,7 @@ contains
       do i = 1, cells%n
         if (cells%foot(i)%elem == 0) cycle
         call law%normal(prop, cells%foot(i)%gap, 0.0_wp, side%p(i), side%dp(i), energy)
+        if (touching(cells%foot(i)%gap, width)) side%dp(i) = -prop(PENALTY)
         if (.not. contact%control_penalty > 0.0_wp) cycle
         call control_at(own, side, i, psi)
         do j = 1, number_at(own, cells%elem(i))
@@ -70,6 +84,13 @@ contains
       end do
     end associate
   end subroutine find_pressures
+
+  !> Is this a gap, but no larger than rounding?
+  pure logical function touching(gap, width)
+    real(wp), intent(in) :: gap, width
+
+    touching = gap >= 0.0_wp .and. gap <= NO_GAP*width
+  end function touching
 
   !> Functions of the control points at point i.
   pure subroutine control_at(surface, side, i, psi)

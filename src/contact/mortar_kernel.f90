@@ -69,7 +69,7 @@ contains
     end associate
   end subroutine form_cells
 
-  !> Sort the points of element e that carry a pressure by the elements that they face. Partners are
+  !> Sort the points of element e that touch by the elements that they face. Partners are
   !! these elements first, and then those of the sliding points. The results of all points are
   !! cleared.
   pure subroutine list_points(side, e, slides, kernel, work, n, faced)
@@ -89,7 +89,7 @@ contains
       side%friction(:, i) = 0.0_wp
       side%elastic(:, i) = 0.0_wp
       side%slip(i) = 0.0_wp
-      if (.not. side%p(i) > 0.0_wp) cycle
+      if (.not. (side%p(i) > 0.0_wp .or. side%dp(i) < 0.0_wp)) cycle
       n = n + 1
       list(n) = i
     end do
@@ -119,6 +119,7 @@ contains
     kernel%slide_slot(:n) = 0
     if (.not. slides) return
     do i = 1, n
+      if (.not. side%p(kernel%point(i)) > 0.0_wp) cycle
       j = side%slide(kernel%point(i))
       if (j > 0) call find_slot(j, work, kernel%slide_slot(i))
     end do
@@ -202,7 +203,7 @@ contains
         associate (foot => side%cells%foot(i), dpdx => side%dp(i))
           own_shp(:, p) = side%shp(:nk, i)
           call element_functions(other, f, foot%xi, shp(:, p), dshp)
-          at = point_t(p=side%p(i), state=TOUCH)
+          at = point_t(p=side%p(i), state=merge(TOUCH, OPEN, side%p(i) > 0.0_wp))
           do b = 1, nk
             at%x = at%x + own_shp(b, p)*xe(:, b)
           end do
@@ -219,6 +220,8 @@ contains
             end do
             if (dt_first > 0.0_wp) at%ahead = side%ahead(i)*dt_first
             call add_friction(contact, dn, dpdx*at%n, at, d)
+          else
+            d%s = 0.0_wp
           end if
           side%state(i) = at%state
           side%friction(:, i) = at%friction
