@@ -166,7 +166,6 @@ contains
       call exchange(x, 'control_passed', control%passed)
       call exchange(x, 'control_accepted', control%accepted)
       call exchange(x, 'control_failed', control%failed)
-      call exchange(x, 'control_cuts', control%cuts)
     end associate
     associate (hold => run%step%newton%hold)
       call exchange(x, 'hold_active', hold%active)

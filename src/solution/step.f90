@@ -181,9 +181,10 @@ contains
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: cuts, hint
 
-    associate (pass => step%pass, ncut => step%control%cuts)
+    associate (pass => step%pass, ncut => step%cutbacks)
       cuts = ''
-      if (ncut > 0) cuts = ' after '//to_text(ncut)//' cut-backs'
+      if (ncut > 0) cuts = ' after '//to_text(ncut)//trim(merge(' cut-back ', ' cut-backs', &
+                                                                ncut == 1))
       hint = ''
       if (pass%worst(2) > 0) then
         hint = 'residual '//to_text(pass%residual)//', largest at node '//to_text(pass%worst(2)) &
@@ -191,7 +192,7 @@ contains
       end if
       hint = hint//'smaller steps may help: AUTO,,dtmin,dtmax'
       if (step%control%automatic) hint = hint//' with a smaller dtmin'
-      if (size(model%contact) > 0 .and. ncut > 2) then
+      if (size(model%contact) > 0 .and. ncut > 1) then
         hint = hint//'; if contact points alternate at an edge or where the gap is zero, no step ' &
                //'is small enough: remove SCHEme HALFpass, or use NORMal ... SMOOth d'
       end if

@@ -20,7 +20,6 @@ module step_control
     real(wp) :: from = 0.0_wp, to = 0.0_wp !! times at which the current step begins and ends
     integer :: passed = 0  !! number of targets that it passes; 0: it ends between two of them
     integer :: accepted = 0          !! steps since the last cut-back
-    integer :: cuts = 0              !! cut-backs of the current step
     logical :: reduced = .false.     !! after many iterations the next step is smaller
     real(wp) :: failed = 0.0_wp      !! length of the last step that was cut back; 0: there is none
   end type step_control_t
@@ -147,7 +146,6 @@ contains
     type(step_control_t), intent(inout) :: control
 
     control%target = control%target + control%passed
-    control%cuts = 0
     control%reduced = .false.
   end subroutine pass_target
 
@@ -161,7 +159,6 @@ contains
     control%failed = control%to - control%from
     control%size = 0.5_wp*control%failed
     control%accepted = 0
-    control%cuts = control%cuts + 1
     possible = control%size >= control%dtmin .and. control%from + control%size > control%from
   end function cut_time
 
