@@ -172,7 +172,11 @@ contains
     end associate
   end function place_of
 
-  !> Warn of linear displacement elements of nearly incompressible materials.
+  !> Warn of linear displacement elements of nearly incompressible materials. A cube of 3 x 3 x 3
+  !! elements with Poisson's ratio 0.499 that is squeezed between rough plates takes 16 times the
+  !! force of a fine mesh with Q1, 1.1 times with Q1E9 (also with a layer ENRIch ... EAS), and 1.2
+  !! times with Q2. The hint does not name IGA 2 (1.6 times), nor layers ENRIch ... EAS on Q1 (7.5
+  !! times), because the elements below the layer lock.
   subroutine warn_locking(draft, mesh)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -188,8 +192,8 @@ contains
         warned = [warned, m%number]
         call warn(trim(block%name)//' elements lock: material '//to_text(m%number) &
                   //" has Poisson's ratio "//to_text(m%prop(NU)), m%place, &
-                  'use Q1E9 (ENHAnced with ELEMents), ENRIch ... EAS, Q2 or IGA; elements ' &
-                  //'that lock give displacements that are far too small')
+                  'use TYPE Q1E9 (ENHAnced with ELEMents), with ENRIch ... EAS on it, or Q2; ' &
+                  //'elements that lock give displacements that are far too small')
       end associate
     end do
   end subroutine warn_locking
