@@ -10,17 +10,17 @@ module contact_start
   use base_text, only: to_text
   use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state
-  use contact_pair, only: contact_t, contact_state_t
+  use contact_pair, only: contact_t, contact_state_t, MORTAR
   use model, only: model_t
   use projection, only: project
-  use projection_search, only: grid_t, place_surfaces
+  use projection_search, only: grid_t, place_surfaces, update_grid
   use projection_type, only: foot_t, shape_t, touches
   use self_search, only: nearness_t, search_itself
   use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
   private
-  public :: start_t, look_at_start, warn_contacts
+  public :: start_t, look_at_start, warn_contacts, position_text
 
   !> Fraction of the size of an element: a smaller gap is rounding.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
@@ -29,7 +29,8 @@ module contact_start
 
   !> How two surfaces are placed at the start.
   type :: start_t
-    integer :: npoint = 0                !! points of both sides
+    !> Points of both sides; of the rigid side only, if no point of the other one faces it.
+    integer :: npoint = 0
     integer :: ninside = 0               !! of them, points that penetrate
     real(wp) :: deepest = 0.0_wp         !! largest penetration [L]
     real(wp) :: x(3) = 0.0_wp            !! and the point that has it [L]
@@ -38,6 +39,8 @@ module contact_start
     real(wp) :: overlap = 0.0_wp         !! largest penetration beyond DEPTh, not through a body [L]
     real(wp) :: x_overlap(3) = 0.0_wp    !! the point that has it [L]
     integer :: nbehind = 0               !! nearest points that are behind the whole other body
+    !> No integration point is opposite the other side; the points of the rigid side are.
+    logical :: unseen = .false.
     real(wp) :: width(2) = 0.0_wp        !! mean width of the elements that are nearest [L]
     real(wp) :: gap = huge(1.0_wp)       !! smallest gap of a point outside the other body [L]
     real(wp) :: x_gap(3) = 0.0_wp        !! the point that has it [L]
@@ -75,7 +78,7 @@ contains
         call look_at_start(contact, model%mesh%xr, start)
         if (start%nthrough > 0) then
           call warn(name//to_text(start%nthrough)//' of '//to_text(start%npoint)//' points, such ' &
-                    //'as '//position(start%x_through)//', lie less than DEPTh '//to_text( &
+                    //'as '//position_text(start%x_through)//', lie less than DEPTh '//to_text( &
                     contact%depth, 3)//' behind the face that they face: it counts as the far ' &
                     //'side of the body and does not touch them', contact%place, 'give a DEPTh ' &
                     //'less than the thickness there; if the faces overlap, move them apart')
@@ -94,26 +97,32 @@ contains
           call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
                     //' are not opposite each other at the start', contact%place, &
                     'they touch only if a motion brings them together')
+        else if (start%unseen .and. contact%scheme /= MORTAR) then
+          k = merge(1, 2, contact%side(2)%rigid)
+          call warn(name//contact%side(3 - k)%name//' lies between the integration points of ' &
+                    //contact%side(k)%name//' at the start: contact does not act there', &
+                    contact%place, 'use the default scheme, which has no SCHEme, smaller ' &
+                    //'elements, or more points, QUADrature 10 10')
         else if (start%ninside > 0) then
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint) &
                     //' points penetrate at the start, by up to '//to_text(start%deepest, 3) &
-                    //' at '//position(start%x), contact%place, 'the first step pushes them ' &
+                    //' at '//position_text(start%x), contact%place, 'the first step pushes them ' &
                     //'out; if no press fit is intended, move one of the bodies')
         else if (start%gap < huge(start%gap)) then
           call log_line('contact '//contact%name//': smallest gap at the start ' &
-                        //to_text(start%gap, 3)//' at '//position(start%x_gap))
+                        //to_text(start%gap, 3)//' at '//position_text(start%x_gap))
         end if
       end associate
     end do
   end subroutine warn_contacts
 
   !> A position as text.
-  pure function position(x) result(text)
+  pure function position_text(x) result(text)
     real(wp), intent(in) :: x(3)
     character(:), allocatable :: text
 
     text = '('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', '//to_text(x(3), 4)//')'
-  end function position
+  end function position_text
 
   !> Warn if the bonds of the two sides stand for different areas: points count with all of their
   !! area or not at all, so few of them find the edge of a bond badly.
@@ -161,14 +170,13 @@ contains
     type(start_t), intent(out) :: start
     type(shape_t) :: shape(2)
     type(grid_t) :: grid(2)
-    type(foot_t) :: foot
     real(wp), allocatable :: gap(:)      ! of the points that have a projection [L]
     integer, allocatable :: away(:)      ! the side that faces away there; 0: none
     real(wp), allocatable :: reach_of(:, :) ! distance of an element to the other surface [L]
     logical, allocatable :: behind(:)    ! it is behind the other body
     real(wp) :: thin                     ! thickness of the thinner body [L]; huge: unknown
-    real(wp) :: h, reach, near, xp(3), a(3, 2), b(3, 3)
-    integer :: e, k, n, q
+    real(wp) :: h, reach, near
+    integer :: k, n
 
     if (contact%self) then
       call look_at_itself(contact, x, start)
@@ -182,14 +190,44 @@ contains
       start%npoint = start%npoint + contact%side(k)%nelem*contact%nplain
     end do
     allocate (reach_of(maxval(contact%side%nelem), 2), source=huge(h))
-    allocate (gap(start%npoint), away(start%npoint), behind(start%npoint))
     thin = huge(thin)
     if (any(contact%side%thickness > 0.0_wp)) thin = minval(contact%side%thickness, &
                                                             contact%side%thickness > 0.0_wp)
     reach = h + maxval(contact%side%thickness)
+    n = contact%nplain*maxval(contact%side%nelem)*2
+    allocate (gap(n), away(n), behind(n))
     n = 0
     do k = 1, 2
-      if (contact%side(k)%rigid) cycle
+      if (.not. contact%side(k)%rigid) call look_from(k)
+    end do
+    do k = 1, 2 ! a rigid side may be narrower than the distances of the points of the other one
+      if (n > 0 .or. .not. contact%side(k)%rigid) cycle
+      call update_grid(contact%side(3 - k), shape(3 - k), grid(3 - k))
+      call look_from(k)
+      start%unseen = n > 0
+      if (start%unseen) start%npoint = contact%side(k)%nelem*contact%nplain
+    end do
+    where (abs(start%x) < INSIDE*h) start%x = 0.0_wp ! rounding, whose digits mean nothing
+    ! surfaces must face each other only where they are nearest: the far side of a ball need not
+    near = minval(abs(gap(:n))) + h
+    do k = 1, 2
+      if (allocated(contact%side(k)%width)) then
+        start%width(k) = nearest_width(contact%side(k)%width, reach_of(:, k))
+      end if
+    end do
+    start%nnear = count(abs(gap(:n)) <= near)
+    start%nbehind = count(abs(gap(:n)) <= near .and. behind(:n))
+    start%naway = [(count(abs(gap(:n)) <= near .and. away(:n) == k), k=1, 2)]
+
+  contains
+
+    !> Project the points of side k on the other side.
+    subroutine look_from(k)
+      integer, intent(in) :: k
+      type(foot_t) :: foot
+      real(wp) :: xp(3), a(3, 2), b(3, 3)
+      integer :: e, q
+
       do e = 1, contact%side(k)%nelem
         do q = 1, contact%nplain
           call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), xp, a, b)
@@ -225,18 +263,8 @@ contains
           start%x = xp
         end do
       end do
-    end do
-    where (abs(start%x) < INSIDE*h) start%x = 0.0_wp ! rounding, whose digits mean nothing
-    ! surfaces must face each other only where they are nearest: the far side of a ball need not
-    near = minval(abs(gap(:n))) + h
-    do k = 1, 2
-      if (allocated(contact%side(k)%width)) then
-        start%width(k) = nearest_width(contact%side(k)%width, reach_of(:, k))
-      end if
-    end do
-    start%nnear = count(abs(gap(:n)) <= near)
-    start%nbehind = count(abs(gap(:n)) <= near .and. behind(:n))
-    start%naway = [(count(abs(gap(:n)) <= near .and. away(:n) == k), k=1, 2)]
+    end subroutine look_from
+
   end subroutine look_at_start
 
   !> The same for self-contact.
