@@ -100,7 +100,6 @@ contains
     real(wp), intent(in) :: f_ext(:, :)         !! (3, nnode) loads [F]
     type(resultant_t) :: side(2), both, all_sides
     real(wp) :: force(3), moment(3), load(3), load_moment(3), r(3), x(3)
-    character(:), allocatable :: text
     integer :: c, k, n
 
     if (size(model%contact) == 0) return
@@ -118,13 +117,7 @@ contains
                       //vector(side(1)%moment)//' and'//vector(side(2)%moment)//', relative sum' &
                       //ratio(both%moment, both%moment_size/2))
         n = merge(1, 2, model%contact(c)%self)
-        text = number(side(1)%area)
-        if (n == 2) text = text//number(side(2)%area)
-        call log_line(repeat(' ', len('contact '//name))//'  in contact ' &
-                      //text_of(side(:n)%nclosed)//' of '//text_of(side(:n)%npoint) &
-                      //' points: stick '//text_of(side(:n)%nstick)//', slip ' &
-                      //text_of(side(:n)%nslip)//', area'//text//', largest penetration' &
-                      //number(maxval(side%penetration)))
+        call log_line(repeat(' ', len('contact '//name))//'  '//closed_text(side(:n)))
       end associate
     end do
     force = 0.0_wp
@@ -146,6 +139,24 @@ contains
                   //'; relative sum with contacts and loads'//ratio(load, all_sides%force_size/2) &
                   //', of the moments'//ratio(load_moment, all_sides%moment_size/2))
   end subroutine list_contacts
+
+  !> What is in contact of the two sides, or of the one of self-contact. The cells of the default
+  !! scheme can touch where no integration point lies.
+  pure function closed_text(side) result(text)
+    type(resultant_t), intent(in) :: side(:)
+    character(:), allocatable :: text
+
+    if (all(side%nclosed == 0) .and. .not. any(side%area > 0.0_wp)) then
+      text = 'nothing is in contact'
+      return
+    end if
+    text = 'in contact '//text_of(side%nclosed)//' of '//text_of(side%npoint)//' points: stick ' &
+           //text_of(side%nstick)//', slip '//text_of(side%nslip)
+    if (all(side%nclosed == 0)) text = 'in contact between the integration points'
+    text = text//', area'//number(side(1)%area)
+    if (size(side) > 1) text = text//number(side(2)%area)
+    text = text//', largest penetration'//number(maxval(side%penetration))
+  end function closed_text
 
   pure subroutine add(part, whole)
     type(resultant_t), intent(in) :: part
