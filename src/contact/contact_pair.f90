@@ -206,6 +206,10 @@ module contact_pair
     !> Of all steps: largest |F1 + F2| relative to the larger force, and largest penetration
     !! relative to the smaller of element and thickness [-]; the largest force [F].
     real(wp) :: balance = 0.0_wp, deepest = 0.0_wp, largest_force = 0.0_wp
+    !> Until it has closed in a step: the smallest gap of all steps [L], where and in which step.
+    logical :: touched = .false.
+    real(wp) :: nearest = huge(1.0_wp), x_nearest(3) = 0.0_wp
+    integer :: nearest_step = 0              !! 0: before the first step
     logical :: balance_warned = .false., penetration_warned = .false., friction_warned = .false.
   end type contact_state_t
 

@@ -12,6 +12,7 @@ module run
   use command_load, only: check_tables
   use command_program, only: read_program, has_command, execute_next
   use contact_augment, only: share_penalty
+  use contact_missed, only: note_missed
   use contact_report, only: warn_soft_penalty
   use command_step, only: finish_step
   use command_type, only: run_t
@@ -86,6 +87,7 @@ contains
                 hint='TANG,,1 and UTAN,,1 solve; TANG and UTAN alone only form the tangent')
     end if
     call warn_soft_penalty(job%model, job%state)
+    call note_missed(job%model, job%state)
     if (job%step%total%unconverged) then
       call fail(error, NO_SOLUTION, 'some steps were closed before they converged', &
                 hint='see the warnings in the log')

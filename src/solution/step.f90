@@ -11,6 +11,7 @@ module step
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
+  use contact_missed, only: follow_gaps
   use contact_pair, only: MORTAR
   use contact_report, only: report_contact_changes, measure_contacts, find_jump
   use continuation, only: begin_increment, change_method, adapt_method
@@ -270,6 +271,7 @@ contains
     step%total%inertia = step%total%inertia .or. state%dynamics%on
     call accept_solution(step%newton%asm, model, state)
     call measure_contacts(model, state)
+    call follow_gaps(model, state)
     if (step%timed .and. step%newton%constraint%on) then
       call pass_target(step%control)
     else if (step%timed) then

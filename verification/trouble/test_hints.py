@@ -34,3 +34,54 @@ class Locking(Folder):
                 force, said = self.force(name, record)
                 self.assertNotIn("lock", said)
                 self.assertLess(force, 1.25 * FINE)
+
+
+class Contact(Folder):
+    def run_deck(self, name, *changes):
+        """Run a deck of the folder `silent` with changes; what the screen and the log say."""
+        deck = (SILENT / f"{name}.inp").read_text()
+        for old, new in changes:
+            self.assertIn(old, deck)
+            deck = deck.replace(old, new)
+        (self.at / f"{name}.inp").write_text(deck)
+        done = self.run_bezel(f"{name}.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stderr, (self.at / f"{name}.log").read_text()
+
+    def test_a_contact_that_never_closes_is_noted_with_its_smallest_gap(self):
+        """The punch stops 0.02 above the block, or leaves it, or looks away from it."""
+        said, log = self.run_deck("narrow", ("0 0 -0.06", "0 0 -0.03"))
+        note = "note: contact 'c' has not closed in any step: the smallest gap was 0.02 at "
+        self.assertIn(note, said)
+        self.assertIn(", in step 1\n", said)
+        self.assertIn(note, log)
+        self.assertNotIn("warning:", said)
+        said, _ = self.run_deck("narrow", ("0 0 -0.06", "0 0 0.03"))
+        self.assertIn("the smallest gap was 0.05 at", said)
+        self.assertIn(", at the start\n", said)
+        said, _ = self.run_deck("back_to_back")
+        self.assertIn("'c' has not closed in any step: no point of one side came opposite", said)
+
+    def test_a_contact_that_closes_is_not_noted(self):
+        for name in ("narrow", "closed_gap", "slide"):
+            with self.subTest(name):
+                self.assertNotIn("note:", self.run_deck(name)[0])
+
+    def test_the_log_says_in_words_what_touches_without_points(self):
+        """The cells of the default scheme can touch between the points, of which none is closed."""
+        _, log = self.run_deck("narrow", ("0 0 -0.06", "0 0 -0.03"))
+        self.assertIn("  nothing is in contact\n", log)
+        _, log = self.run_deck("narrow")
+        self.assertIn("  in contact between the integration points, area 1.00E-02", log)
+        self.assertNotIn("in contact 0 + 0", log)
+
+    def test_schemes_without_cells_do_not_see_a_narrow_punch(self):
+        """Half passes have no point there, and more elements have one; cells need none."""
+        surfaces = "  SURFaces punch 3-  low 3+\n"
+        alarm = "punch 3- lies between the integration points of low 3+ at the start"
+        for scheme in ("HALFpass", "BALAnced"):
+            with self.subTest(scheme):
+                change = (surfaces, f"{surfaces}  SCHEme {scheme}\n")
+                self.assertIn(alarm, self.run_deck("narrow", change)[0])
+                said, _ = self.run_deck("narrow", change, ("n = 2", "n = 6"))
+                self.assertNotIn("warning:", said)

@@ -1,0 +1,84 @@
+!> Contacts that have not closed in any step of a run: their smallest gap, and a note at the end.
+!!
+!! Such a contact may be a stop that nothing should reach, so the note is no warning. A contact with
+!! bonds is left out: its faces are meant to part.
+module contact_missed
+  use base_kinds, only: wp
+  use base_log, only: note
+  use base_text, only: to_text
+  use contact_pair, only: contact_t, contact_state_t
+  use contact_resultant, only: resultant_t, side_resultant
+  use contact_start, only: start_t, look_at_start, position_text
+  use model, only: model_t, state_t
+  implicit none
+  private
+  public :: follow_gaps, note_missed
+
+contains
+
+  !> After a step is accepted: has a contact closed? If not, keep the smallest gap so far; that of
+  !! the reference configuration counts as well, as step 0.
+  subroutine follow_gaps(model, state)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(resultant_t) :: side
+    integer :: c, k
+
+    do c = 1, size(model%contact)
+      associate (contact => model%contact(c), now => state%contact(c))
+        if (now%touched .or. contact%cohesive%given) cycle
+        do k = 1, 2
+          call side_resultant(model, state, c, k, [0.0_wp, 0.0_wp, 0.0_wp], side)
+          now%touched = now%touched .or. side%nclosed > 0 .or. side%area > 0.0_wp
+        end do
+        if (now%touched) cycle
+        if (.not. now%nearest < huge(1.0_wp)) call keep_gap(contact, model%mesh%xr, 0, now)
+        call keep_gap(contact, model%mesh%xr + state%u, state%step, now)
+      end associate
+    end do
+  end subroutine follow_gaps
+
+  !> Keep the smallest gap at the positions x if it is less than those before.
+  subroutine keep_gap(contact, x, step, now)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
+    integer, intent(in) :: step
+    type(contact_state_t), intent(inout) :: now
+    type(start_t) :: start
+
+    call look_at_start(contact, x, start)
+    if (.not. start%gap < now%nearest) return
+    now%nearest = start%gap
+    now%x_nearest = start%x_gap
+    now%nearest_step = step
+  end subroutine keep_gap
+
+  !> At the end of a run: name the contacts that have not closed in any step.
+  subroutine note_missed(model, state)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    character(:), allocatable :: text
+    integer :: c
+
+    if (state%step == 0) return
+    do c = 1, size(model%contact)
+      associate (contact => model%contact(c), now => state%contact(c))
+        if (now%touched .or. contact%cohesive%given) cycle
+        text = "contact '"//contact%name//"' has not closed in any step: "
+        if (now%nearest < huge(1.0_wp)) then
+          text = text//'the smallest gap was '//to_text(now%nearest, 3)//' at ' &
+                 //position_text(now%x_nearest)
+          if (now%nearest_step == 0) then
+            text = text//', at the start'
+          else
+            text = text//', in step '//to_text(now%nearest_step)
+          end if
+        else
+          text = text//'no point of one side came opposite the other side'
+        end if
+        call note(text)
+      end associate
+    end do
+  end subroutine note_missed
+
+end module contact_missed
