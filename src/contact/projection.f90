@@ -177,6 +177,14 @@ contains
         end if
       end if
       size = max(abs(d(1)), abs(d(2)))
+      if (size < LAST_STEP .and. idle < MOST_CHANGES) then
+        call leave_edge(surface, shape, x, edge, iterate, moved)
+        if (moved) then
+          if (idle == 0) changes = changes + 1
+          idle = idle + 1
+          cycle
+        end if
+      end if
       if (squares .and. size < LAST_STEP) then
         if (all(abs(iterate%xi + d) < 1.0_wp)) then
           call take_last_step(x, d, iterate)
@@ -200,6 +208,26 @@ contains
       idle = 0
     end do
   end subroutine minimise
+
+  !> Change the element at the end of an iteration on an edge to which nothing pushes: on a face of a
+  !! block, the point nearest to a point of the next face is of the edge between the two.
+  pure subroutine leave_edge(surface, shape, x, edge, iterate, moved)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    real(wp), intent(in) :: x(3)
+    integer, intent(in) :: edge(2)     !! active bounds, whose neighbours were tried
+    type(iterate_t), intent(inout) :: iterate
+    logical, intent(out) :: moved
+    integer :: i, reached(2)
+
+    reached = edge
+    do i = 1, 2
+      if (1.0_wp - abs(iterate%xi(i)) >= ARRIVED) cycle
+      reached(i) = 2*i - merge(0, 1, iterate%xi(i) > 0.0_wp)
+    end do
+    moved = any(reached > edge)
+    if (moved) call change_element(surface, shape, x, reached, iterate, moved)
+  end subroutine leave_edge
 
   !> Start beside a collapsed edge instead of on it.
   pure subroutine leave_vertex(surface, shape, x, iterate)
