@@ -10,7 +10,7 @@ module stabilisation_report
   use stabilisation, only: stabilisation_t
   implicit none
   private
-  public :: report_stabilisation, lost_text
+  public :: report_stabilisation, lost_text, direction_text
 
   real(wp), parameter :: ROUGH = 0.2_wp    !! smaller parts of a motion are not named
   real(wp), parameter :: ALONG = 1.0e-6_wp !! largest component of a direction across its axis
@@ -36,7 +36,7 @@ contains
     do b = 1, size(hold%body)
       if (hold%moves == 0 .or. .not. norm2(hold%shift(:, b)) > 0.0_wp) cycle
       call note(start//hold%body(b)%name//' was moved by '//to_text(norm2(hold%shift(:, b)), 3) &
-                //' along '//direction(hold%shift(:, b))//' to where contact holds it')
+                //' along '//direction_text(hold%shift(:, b))//' to where contact holds it')
     end do
     if (.not. allocated(anchors%dv)) return
     allocate (force(3, model%mesh%nnode), source=0.0_wp)
@@ -106,12 +106,12 @@ contains
 
     b = maxloc(norm2(hold%shift, 1), 1)
     text = hold%body(b)%name//' moves under its loads along ' &
-           //direction(hold%shift(:, b))//' by '//to_text(norm2(hold%shift(:, b)), 3) &
+           //direction_text(hold%shift(:, b))//' by '//to_text(norm2(hold%shift(:, b)), 3) &
            //', and contact does not stop it'
   end function lost_text
 
   !> The direction of a vector: -z, or its unit vector.
-  function direction(v) result(text)
+  function direction_text(v) result(text)
     real(wp), intent(in) :: v(3)
     character(:), allocatable :: text
     real(wp) :: d(3)
@@ -126,6 +126,6 @@ contains
       where (abs(d) < ALONG) d = 0.0_wp
       text = '('//to_text(d(1), 3)//', '//to_text(d(2), 3)//', '//to_text(d(3), 3)//')'
     end if
-  end function direction
+  end function direction_text
 
 end module stabilisation_report

@@ -18,6 +18,7 @@ module step
   use continuation_type, only: PATH_OFF
   use convergence, only: turns_back
   use energy_balance, only: accept_solution
+  use friction_limit, only: sliding_text
   use linear_system, only: FULL
   use model, only: model_t, state_t
   use newton, only: begin_newton, form_system, solve_system, close_newton
@@ -180,8 +181,14 @@ contains
     character(*), intent(in) :: why
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: cuts, hint
+    character(:), allocatable :: cuts, hint, slides
 
+    slides = ''
+    if (allocated(step%newton%asm%f_ext) .and. allocated(step%newton%hold%body) .and. &
+        .not. (step%pass%hopeless .or. state%dynamics%on)) then
+      slides = sliding_text(model, step%newton%hold%body, model%mesh%xr + state%u_step, &
+                            step%newton%asm%f_ext)
+    end if
     associate (pass => step%pass, ncut => step%cutbacks)
       cuts = ''
       if (ncut > 0) cuts = ' after '//to_text(ncut)//trim(merge(' cut-back ', ' cut-backs', &
@@ -210,9 +217,14 @@ contains
         if (.not. pass%solve%singular) hint = hint//'; or check the faces of the contacts, or ' &
                                               //'add friction'
       end if
+      if (len(slides) > 0) then
+        hint = 'support the body against this motion with FIX or MOVE, or give more friction; ' &
+               //'smaller steps do not help beyond the load that friction bears'
+        slides = '; '//slides
+      end if
     end associate
-    call fail(error, NO_SOLUTION, 'step '//to_text(state%step)//' failed'//cuts//': '//why, place, &
-              hint)
+    call fail(error, NO_SOLUTION, 'step '//to_text(state%step)//' failed'//cuts//': '//why &
+              //slides, place, hint)
   end subroutine fail_step
 
   !> Close the current step, if any: test it once more, then accept it or cut it back.

@@ -5,7 +5,8 @@ import pathlib
 
 from verification.trouble.test_files import Folder
 
-SILENT = pathlib.Path(__file__).resolve().parent / "silent"
+HERE = pathlib.Path(__file__).resolve().parent
+SILENT = HERE / "silent"
 FINE = 14.06  # the force of 12 x 12 x 12 Q1E9; 8 x 8 x 8 Q2 give 14.54
 SQUEEZED = (SILENT / "locking.inp").read_text().replace("0.4999", "0.499").replace("0 0 0.02", "0 0 -0.1")
 
@@ -85,3 +86,32 @@ class Contact(Folder):
                 self.assertIn(alarm, self.run_deck("narrow", change)[0])
                 said, _ = self.run_deck("narrow", change, ("n = 2", "n = 6"))
                 self.assertNotIn("warning:", said)
+
+
+class Sliding(Folder):
+    def slide(self, *changes):
+        """What the screen says of a block that is pushed sideways."""
+        deck = (HERE / "slides.inp").read_text()
+        for old, new in changes:
+            self.assertIn(old, deck)
+            deck = deck.replace(old, new)
+        (self.at / "slides.inp").write_text(deck)
+        done = self.run_bezel("slides.inp")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        return done.stderr
+
+    def test_a_body_beyond_its_friction_is_named_with_its_motion(self):
+        """Half of the load from above pushes, and friction bears a twentieth of it."""
+        said = self.slide()
+        self.assertIn("body 'up' slides along x, where only friction holds it", said)
+        self.assertIn("along the contact are 0.5 of those across it, and friction bears 0.05", said)
+        self.assertIn("hint: support the body against this motion", said)
+        self.assertIn("slides along y", self.slide(("PRESsure,up,1-", "PRESsure,up,2-")))
+
+    def test_supports_across_the_motion_do_not_hide_it(self):
+        self.assertIn("slides along x", self.slide(("FIX,low", "FIX,up,2- 0 1 0\nFIX,low")))
+
+    def test_a_body_that_is_not_held_by_friction_alone_is_not_named(self):
+        """A support along the push holds the block, which fails for want of iterations."""
+        said = self.slide(("FIX,low", "FIX,up,1+ 1 0 0\nFIX,low"), ("newton,25", "newton,1"))
+        self.assertNotIn("slides along", said)

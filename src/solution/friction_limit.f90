@@ -1,0 +1,145 @@
+!> Bodies that slide away because friction alone holds them: their loads leave the cone of the forces
+!! that contact can bear.
+!!
+!! Contact pushes a body along directions d, those of the normals of its faces or of the faces
+!! opposite. If all of them are within the angle a of their mean m, every force that contact with
+!! friction mu can bear is within a + atan(mu) of m. Where the loads need a force beyond that, there
+!! is no equilibrium, whatever the step. Directions in which the body is supported do not count.
+module friction_limit
+  use base_kinds, only: wp
+  use base_text, only: to_text
+  use contact_pair, only: contact_t, surface_t
+  use contact_type, only: MU
+  use model, only: model_t
+  use projection_type, only: shape_t
+  use rigid_modes, only: free_body_t, is_within_body
+  use stabilisation_report, only: direction_text
+  use surface_geometry, only: surface_point, update_shape
+  use tensor, only: cross
+  implicit none
+  private
+  public :: sliding_text
+
+  real(wp), parameter :: RIGHT_ANGLE = acos(0.0_wp)
+  real(wp), parameter :: ACROSS = 1.0e-3_wp !! component of m along a support that may be neglected
+  real(wp), parameter :: MORE = 1.0e-3_wp   !! angle beyond the cone that is no rounding
+
+contains
+
+  !> Name the first body that friction cannot hold, and how it slides; empty if there is none.
+  function sliding_text(model, body, x, load) result(text)
+    type(model_t), intent(in) :: model
+    type(free_body_t), intent(in) :: body(:) !! those that only contact can hold
+    real(wp), intent(in) :: x(:, :)          !! (3, nnode) at the start of the step [L]
+    real(wp), intent(in) :: load(:, :)       !! (3, nnode) [F]
+    character(:), allocatable :: text
+    real(wp) :: m(3), r(3), along(3), spread, largest
+    integer :: b, i
+
+    text = ''
+    do b = 1, size(body)
+      call find_cone(model, body(b), x, m, spread, largest)
+      if (.not. largest > 0.0_wp) cycle
+      r = -sum(load(:, body(b)%node), 2)
+      do i = 1, 3
+        if (all(model%eq(i, body(b)%node) /= 0)) cycle
+        if (abs(m(i)) > ACROSS) exit
+        r(i) = 0.0_wp
+      end do
+      if (i <= 3) cycle
+      along = r - dot_product(r, m)*m
+      if (.not. dot_product(r, m) > 0.0_wp) cycle
+      if (spread + atan(largest) >= RIGHT_ANGLE) cycle
+      if (.not. atan2(norm2(along), dot_product(r, m)) > spread + atan(largest) + MORE) cycle
+      text = body(b)%name//' slides along '//direction_text(-along)//', where only friction holds ' &
+             //'it: its loads along the contact are '//to_text(norm2(along)/dot_product(r, m), 3) &
+             //' of those across it, and friction bears '//to_text(largest, 3)
+      return
+    end do
+  end function sliding_text
+
+  !> The mean direction in which contacts push a body, the largest angle to it, and the largest
+  !! coefficient of friction; zero if a body has no friction.
+  subroutine find_cone(model, body, x, m, spread, largest)
+    type(model_t), intent(in) :: model
+    type(free_body_t), intent(in) :: body
+    real(wp), intent(in) :: x(:, :)
+    real(wp), intent(out) :: m(3), spread, largest
+    real(wp), allocatable :: d(:, :), own(:, :), others(:, :)
+    logical :: inside(size(x, 2))
+    integer :: c, k
+
+    inside = .false.
+    inside(body%node) = .true.
+    largest = 0.0_wp
+    allocate (d(3, 0))
+    do c = 1, size(model%contact)
+      associate (contact => model%contact(c))
+        if (is_within_body(model, c)) cycle
+        do k = 1, 2
+          if (contact%side(k)%rigid) cycle
+          if (.not. any(inside(contact%side(k)%node))) cycle
+          if (contact%friction%given) largest = max(largest, contact%friction%prop(MU))
+          own = -normals(contact, contact%side(k), x, inside)
+          others = normals(contact, contact%side(3 - k), x)
+          if (spread_of(others) < spread_of(own)) own = others
+          d = reshape([d, own], [3, size(d, 2) + size(own, 2)])
+        end do
+      end associate
+    end do
+    m = mean_of(d)
+    spread = spread_of(d)
+  end subroutine find_cone
+
+  !> Outward unit normals of a surface at its integration points; of elements with a node inside.
+  function normals(contact, surface, x, inside) result(n)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: surface
+    real(wp), intent(in) :: x(:, :)
+    logical, intent(in), optional :: inside(:) !! (nnode)
+    real(wp), allocatable :: n(:, :)
+    type(shape_t) :: shape
+    real(wp) :: xp(3), a(3, 2), b(3, 3)
+    integer :: e, i, q
+
+    call update_shape(surface, x, shape)
+    allocate (n(3, surface%nelem*contact%nplain))
+    i = 0
+    do e = 1, surface%nelem
+      if (present(inside)) then
+        if (.not. inside(surface%node(surface%first(e)))) cycle
+      end if
+      do q = 1, contact%nplain
+        call surface_point(surface, shape, e, contact%xi(:, q), xp, a, b)
+        i = i + 1
+        n(:, i) = cross(a(:, 1), a(:, 2))
+        n(:, i) = n(:, i)/max(norm2(n(:, i)), tiny(1.0_wp))
+      end do
+    end do
+    n = n(:, :i)
+  end function normals
+
+  pure function mean_of(d) result(m)
+    real(wp), intent(in) :: d(:, :)      !! (3, n) unit vectors
+    real(wp) :: m(3)
+
+    m = sum(d, 2)
+    if (norm2(m) > 0.0_wp) m = m/norm2(m)
+  end function mean_of
+
+  !> Largest angle between unit vectors and their mean; pi if there are none.
+  pure real(wp) function spread_of(d) result(angle)
+    real(wp), intent(in) :: d(:, :)      !! (3, n)
+    real(wp) :: m(3)
+    integer :: i
+
+    angle = 2*RIGHT_ANGLE
+    if (size(d, 2) == 0) return
+    m = mean_of(d)
+    angle = 0.0_wp
+    do i = 1, size(d, 2)
+      angle = max(angle, atan2(norm2(cross(d(:, i), m)), dot_product(d(:, i), m)))
+    end do
+  end function spread_of
+
+end module friction_limit
