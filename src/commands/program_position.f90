@@ -72,11 +72,13 @@ contains
                    .and. .not. program%command(program%loop(top)%at)%holds_time
   end function is_last_pass
 
-  !> Place in the deck of the command at the counter, or of the last command if all are done.
+  !> Place in the deck of the command at the counter, or of the last command if all are done. It is
+  !! unknown if there are no commands.
   function current_place(program) result(place)
     type(program_t), intent(in) :: program
     type(place_t) :: place
 
+    if (size(program%command) == 0) return
     associate (command => program%command(min(program%counter, size(program%command))))
       place = command%record%place(1)
     end associate
