@@ -158,8 +158,9 @@ contains
 
     part = result%path//'.part'
     call create_file(new, part, error)
-    if (allocated(error)) return
-    call write_layout(new, view, result%xr, result%info, result%names, room, error)
+    if (.not. allocated(error)) then
+      call write_layout(new, view, result%xr, result%info, result%names, room, error)
+    end if
     if (result%nstep > 0 .and. .not. allocated(error)) then
       allocate (field(size(result%names)))
       do i = 1, size(field)

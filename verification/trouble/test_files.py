@@ -146,6 +146,23 @@ class Limits(Folder):
             self.assertFalse((out / "box.lock").exists())
             self.assertFalse((out / "box.report.json.part").exists())
 
+    @unittest.skipUnless(os.geteuid() == 0 and shutil.which("mount"), "only root mounts a disk")
+    def test_a_full_disk_leaves_no_unfinished_file(self):
+        """A file of fields of which not even the first bytes had room was left, and was empty."""
+        (self.at / "box.inp").write_text(self.deck.replace("    SAVE\n", "    PLOT\n    SAVE\n"))
+        for pages in range(2, 12):
+            out = self.at / str(pages)
+            out.mkdir()
+            mount = ["mount", "-t", "tmpfs", "-o", f"size={4096 * pages}", "none", out]
+            if subprocess.run(mount, capture_output=True, check=False).returncode != 0:
+                self.skipTest("this system mounts no disk")
+            try:
+                done = self.run_bezel("-o", out, "box.inp")
+                self.assertEqual(done.returncode, 3, done.stderr)
+                self.assertEqual([f.name for f in out.glob("*.part")], [], f"{pages} pages")
+            finally:
+                subprocess.run(["umount", out], check=True)
+
     def test_no_room_at_all_ends_with_code_3(self):
         done = self.run_bezel("box.inp", limits=[(resource.RLIMIT_FSIZE, 0)])
         self.assertEqual(done.returncode, 3, done.stderr)
