@@ -108,7 +108,6 @@ contains
           end if
           call overlap(mine%x(:, 1, i), frame, quad, theirs%x(:, :, near(j)), &
                        contact%depth, reach, m, corner, tag, zeta)
-          call join_corners(ON_EDGE*maxval(abs(quad)), m, corner, tag, zeta)
           if (m == 0) cycle
           call map_corners(own, shape(k), e, flat, mine, i, frame, quad, m, corner, mapped)
           if (.not. mapped) cycle
@@ -172,7 +171,7 @@ contains
     real(wp) :: fraction, other_fraction    ! width of the piece over those of the facets
     integer :: order
 
-    n = ceiling(rule%whole*sqrt(0.25_wp*max(0.0_wp, signed_area(corner))))
+    n = ceiling(rule%whole*sqrt(0.25_wp*max(0.0_wp, signed_area(corner))) - 1.0e-9_wp)
     fraction = maxval((maxval(corner, 2) - minval(corner, 2))/(part%to - part%from))
     other_fraction = fraction*maxval(mine%high(:, i) - mine%low(:, i)) &
                      /maxval(theirs%high(:, j) - theirs%low(:, j))
@@ -277,6 +276,8 @@ contains
     call clip(quad, m, corner, tag)
     if (m == 0) return
     if (signed_area(corner(:, :m)) < NO_AREA*signed_area(quad)) m = 0
+    call join_corners(ON_EDGE*maxval(abs(quad)), m, corner, tag)
+    call settle_edges(seen, m, corner, tag)
     zeta = 0.5_wp
     do c = 1, m
       i = tag(mod(c + m - 2, m) + 1)
@@ -297,11 +298,11 @@ contains
 
   !> Join corners that are nearer to each other than `same`: facets may have collapsed edges, and
   !! corners may lie on edges of the other side.
-  pure subroutine join_corners(same, m, corner, tag, zeta)
+  pure subroutine join_corners(same, m, corner, tag)
     real(wp), intent(in) :: same            !! [L]
     integer, intent(inout) :: m             !! corners; 0: nothing is left
     integer, intent(inout) :: tag(MOST_CORNERS)
-    real(wp), intent(inout) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS)
+    real(wp), intent(inout) :: corner(2, MOST_CORNERS)
     integer :: c
 
     c = 1
@@ -310,15 +311,66 @@ contains
         c = c + 1
         cycle
       end if
-      ! the corner that remains takes over the edge before corner c
-      if (tag(mod(c + m - 2, m) + 1) > 0) zeta(:, mod(c, m) + 1) = zeta(:, c)
-      corner(:, c:m - 1) = corner(:, c + 1:m)
-      zeta(:, c:m - 1) = zeta(:, c + 1:m)
-      tag(c:m - 1) = tag(c + 1:m)
-      m = m - 1
+      call remove_corner(c, m, corner, tag) ! the one that remains takes over the edge before it
     end do
     if (m < 3) m = 0
   end subroutine join_corners
+
+  pure subroutine remove_corner(c, m, corner, tag)
+    integer, intent(in) :: c
+    integer, intent(inout) :: m, tag(MOST_CORNERS)
+    real(wp), intent(inout) :: corner(2, MOST_CORNERS)
+
+    corner(:, c:m - 1) = corner(:, c + 1:m)
+    tag(c:m - 1) = tag(c + 1:m)
+    m = m - 1
+  end subroutine remove_corner
+
+  !> Where edges of both facets lie on one line, rounding decides which of them the clipping keeps,
+  !! whether it adds a corner between them, and which corner is the first. Here the edge of the other
+  !! facet is taken, all of it, and the order is that of the clipping of distinct lines.
+  pure subroutine settle_edges(seen, m, corner, tag)
+    real(wp), intent(in) :: seen(2, 4)      !! the other facet
+    integer, intent(inout) :: m             !! corners
+    integer, intent(inout) :: tag(MOST_CORNERS)
+    real(wp), intent(inout) :: corner(2, MOST_CORNERS)
+    integer, parameter :: ORDER(4) = [3, 2, 1, 4]
+    integer :: c, first, i
+
+    do c = 1, m
+      do i = 1, merge(4, 0, tag(c) < 0)
+        if (.not. is_on(i, corner(:, c))) cycle
+        if (is_on(i, corner(:, mod(c, m) + 1))) tag(c) = i
+      end do
+    end do
+    c = 1
+    do while (c <= m .and. m > 3)
+      if (tag(c) == tag(mod(c + m - 2, m) + 1)) then
+        call remove_corner(c, m, corner, tag)
+      else
+        c = c + 1
+      end if
+    end do
+    do i = 1, 4
+      first = findloc(tag(:m), ORDER(i), 1)
+      if (first == 0) cycle
+      corner(:, :m) = cshift(corner(:, :m), first - 1, 2)
+      tag(:m) = cshift(tag(:m), first - 1)
+      exit
+    end do
+
+  contains
+
+    pure logical function is_on(i, x)
+      integer, intent(in) :: i
+      real(wp), intent(in) :: x(2)
+      real(wp) :: edge(2), r(2)
+
+      edge = seen(:, mod(i, 4) + 1) - seen(:, i)
+      r = x - seen(:, i)
+      is_on = abs(edge(1)*r(2) - edge(2)*r(1)) < ON_EDGE*dot_product(edge, edge)
+    end function is_on
+  end subroutine settle_edges
 
   !> From the plane of a facet to the parameters of its element. Corners on an edge of the facet
   !! stay on it.
