@@ -35,6 +35,7 @@ KILLED = {
     SMALL / "cohesive.inp": ((1, 0, 0), (2, 1, 0), (0, 0, 0)),
     SMALL / "dynamic.inp": ((1, 0, 0), (2, 1, 0)),
     SMALL / "length.inp": ((1, 0, 0), (2, 1, 0)),
+    SMALL / "self.inp": ((2, 1, 0), (2, 1, 0), (2, 0, 0), (1, 0, 0), (0, 0, 0)),
 }
 STOPS = (
     signal.SIGTERM,
