@@ -379,13 +379,19 @@ def memory_trial(context, chance):
     done = context.call(
         home, "out", "--threads", threads, deck, limits=((resource.RLIMIT_AS, megabytes * 2**20),)
     )
-    if done.code == 127 and "shared libraries" in done.stderr:  # said by the loader of the system
+    wrong = judge(done, home / "out", (0, 3))
+    if wrong and not wrong.startswith("hang") and not done.files and not loads(context, megabytes):
         wrong = ""
-    else:
-        wrong = judge(done, home / "out", (0, 3))
     shutil.rmtree(home, ignore_errors=True)
     what = f"{megabytes} MB, {threads} threads, {deck.stem}; {done.stderr[:100]!r}"
     return done.code, Failure(f"{wrong} ({what})") if wrong else None
+
+
+def loads(context, megabytes):
+    """Does the program begin in this address space? Before that, the loader of the system, the Fortran
+    library or another one gives up with a code and a message of its own."""
+    limits = ((resource.RLIMIT_AS, megabytes * 2**20),)
+    return context.call(context.folder(), None, "--version", limits=limits).code == 0
 
 
 def units_trial(context, chance):

@@ -12,7 +12,7 @@ from verification.recover import difference
 from verification.soak import fuzz
 from verification.soak.launch import Call, call, errors, judge
 from verification.soak.minimise import minimise
-from verification.soak.trials import KILLED, Context, deck_trial, in_units, schedule
+from verification.soak.trials import KILLED, Context, deck_trial, in_units, memory_trial, schedule
 from verification.trouble.test_files import BEZEL, Folder
 
 SHELL = "#!/bin/sh\n"
@@ -118,6 +118,14 @@ class Trials(Folder):
         curve = self.at / "b" / "box_force.dat"
         curve.write_text(curve.read_text().replace("E-", "E+", 1))
         self.assertEqual(difference(self.at / "a", self.at / "b", "box"), "box_force.dat differs")
+
+    def test_a_program_that_memory_does_not_let_begin_is_no_failure(self):
+        program = self.at / "begins"
+        for code, failed in ((0, True), (1, False)):  # of --version
+            program.write_text(SHELL + f'[ "$2" = --version ] && exit {code}\nexit 1\n')
+            program.chmod(program.stat().st_mode | stat.S_IXUSR)
+            _, failure = memory_trial(Context(program, self.at), random.Random(1))
+            self.assertEqual(failure is not None, failed)
 
     def test_decks_that_are_killed_have_units_and_checkpoints(self):
         for deck, powers in KILLED.items():
