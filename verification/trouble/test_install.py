@@ -1,0 +1,50 @@
+"""What `make install PREFIX=` puts into a folder works there."""
+
+import gzip
+import os
+import subprocess
+import sys
+import unittest
+
+from verification import TOP
+from verification.trouble.test_files import BEZEL, SECONDS, Folder
+
+KINDS = ("release", "debug", "sanitize", "coverage")
+
+
+class Install(Folder):
+    def setUp(self):
+        super().setUp()
+        if BEZEL.parent.name not in KINDS:
+            self.skipTest("the program was not built by this Makefile")
+        self.prefix = self.at / "prefix"
+        self.call("make", "install", f"KIND={BEZEL.parent.name}", f"BUILD={BEZEL.parents[1]}",
+                  f"PREFIX={self.prefix}", cwd=TOP)  # fmt: skip
+
+    def call(self, *command, cwd=None):
+        """The output of a command that must succeed; make must not take over the jobs of another make."""
+        env = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))}
+        done = subprocess.run(
+            [*map(str, command)], cwd=cwd or self.at, env={**env, "PYTHON": sys.executable},
+            capture_output=True, text=True, timeout=SECONDS, check=False)  # fmt: skip
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def test_everything_is_installed_and_runs(self):
+        share = self.prefix / "share"
+        bezel, post = self.prefix / "bin/bezel", self.prefix / "bin/bezel-post"
+        self.call(bezel, "--quiet", "-o", "out", share / "doc/bezel/examples/manual/time.inp")
+        self.assertTrue((self.at / "out/time.report.json").is_file())
+        self.assertIn("curve", self.call(post, "--help"))
+        for name in ("bezel", "bezel-post"):
+            page = gzip.decompress((share / f"man/man1/{name}.1.gz").read_bytes()).decode()
+            self.assertTrue(page.startswith(".TH BEZEL"), page[:40])
+            self.assertTrue((share / "bash-completion/completions" / name).is_file())
+        self.assertIn(page.split('"')[3].removeprefix("bezel "), self.call(bezel, "--version"))
+        decks = {f.relative_to(TOP / "input") for f in (TOP / "input").rglob("*.inp")}
+        installed = share / "doc/bezel/examples"
+        self.assertEqual(decks, {f.relative_to(installed) for f in installed.rglob("*.inp")})
+
+
+if __name__ == "__main__":
+    unittest.main()
