@@ -209,8 +209,8 @@ contains
     end do
   end subroutine minimise
 
-  !> Change the element at the end of an iteration on an edge to which nothing pushes: on a face of a
-  !! block, the point nearest to a point of the next face is of the edge between the two.
+  !> Change the element at the end of an iteration on an edge beyond which nothing pushes: on a face
+  !! of a block, the foot of a point of the next face is on the edge between the two.
   pure subroutine leave_edge(surface, shape, x, edge, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

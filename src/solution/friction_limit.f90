@@ -1,5 +1,5 @@
-!> Bodies that slide away because friction alone holds them: their loads leave the cone of the forces
-!! that contact can bear.
+!> Bodies that slide away because friction alone holds them: their loads leave the cone of the
+!! forces that contact can bear.
 !!
 !! Contact pushes a body along directions d, those of the normals of its faces or of the faces
 !! opposite. If all of them are within the angle a of their mean m, every force that contact with
@@ -51,8 +51,9 @@ contains
       if (.not. dot_product(r, m) > 0.0_wp) cycle
       if (spread + atan(largest) >= RIGHT_ANGLE) cycle
       if (.not. atan2(norm2(along), dot_product(r, m)) > spread + atan(largest) + MORE) cycle
-      text = body(b)%name//' slides along '//direction_text(-along)//', where only friction holds ' &
-             //'it: its loads along the contact are '//to_text(norm2(along)/dot_product(r, m), 3) &
+      text = body(b)%name//' slides along '//direction_text(-along)//', where only friction ' &
+             //'holds it: its loads along the contact are ' &
+             //to_text(norm2(along)/dot_product(r, m), 3) &
              //' of those across it, and friction bears '//to_text(largest, 3)
       return
     end do

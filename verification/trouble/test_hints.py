@@ -8,7 +8,9 @@ from verification.trouble.test_files import Folder
 HERE = pathlib.Path(__file__).resolve().parent
 SILENT = HERE / "silent"
 FINE = 14.06  # the force of 12 x 12 x 12 Q1E9; 8 x 8 x 8 Q2 give 14.54
-SQUEEZED = (SILENT / "locking.inp").read_text().replace("0.4999", "0.499").replace("0 0 0.02", "0 0 -0.1")
+SQUEEZED = (
+    (SILENT / "locking.inp").read_text().replace("0.4999", "0.499").replace("0 0 0.02", "0 0 -0.1")
+)
 
 
 class Locking(Folder):
@@ -24,7 +26,9 @@ class Locking(Folder):
     def test_what_the_hint_recommends_does_not_lock(self):
         """Layers on Q1 and quadratic splines give 7.5 and 1.6 times the force of a fine mesh."""
         _, said = self.force("q1", "TYPE Q1\n")
-        self.assertIn("use TYPE Q1E9 (ENHAnced with ELEMents), with ENRIch ... EAS on it, or Q2", said)
+        self.assertIn(
+            "use TYPE Q1E9 (ENHAnced with ELEMents), with ENRIch ... EAS on it, or Q2", said
+        )
         self.assertNotIn("IGA", said)
         for name, record in {
             "q1e9": "TYPE Q1E9\n",
