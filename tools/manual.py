@@ -86,12 +86,11 @@ def check_index(keys):
 def check_feap(mesh, commands):
     """Complaints about words of FEAP: the hints of the program and their page must agree."""
     source = (TOP / "src/deck/deck_feap.f90").read_text()
-    functions = source.split("select case")[1:]
+    tables = source.split("type(advice_t), parameter ::")[1:]
     hinted = [
-        [key.strip() for case in re.findall(r"^ *case \((.*)\)$", part, re.M)
-         for key in re.findall(r"'(....)'", case)]
-        for part in functions
-    ]  # fmt: skip
+        [word for row in re.findall(r"advice_t\('([^']*)'", part) for word in row.split()]
+        for part in tables
+    ]
     page = (PAGES / "feap.md").read_text().split("\n## ")
     listed = [re.findall(r"^\| `(\w+)` \|", part, re.M) for part in page[1:4]]
     listed = [[word[:4].lower() for word in words] for words in listed]
