@@ -43,7 +43,7 @@ contains
     end if
     if (size(run%model%contact) == 0) then
       call fail(error, DECK_ERROR, 'AUGMent in a deck without CONTact', command%record%place(1), &
-                'it augments the pressures of contacts')
+                'AUGMent acts on the pressures of contacts: define a CONTact')
       return
     end if
     if (any(run%model%contact(:)%ncell > 1)) then

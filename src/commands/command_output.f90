@@ -82,14 +82,14 @@ contains
           if (all(wanted_fields(other) .eqv. wanted_fields(record))) cycle
           call fail(error, DECK_ERROR, 'OUTPut names other fields than the OUTPut in line ' &
                     //to_text(other%line), record%place(1), &
-                    'a result file has the same fields in all steps: name all of them in both')
+                    'a result file has the same fields in all steps: name the same fields in both')
         end associate
         return
       end do
     end associate
   end subroutine run_output
 
-  !> Which of the known fields an OUTPut names; if it names none, all of them.
+  !> Find the known fields that an OUTPut names; if it names none, all of them are meant.
   pure function wanted_fields(record) result(wanted)
     type(record_t), intent(in) :: record
     logical :: wanted(size(known_fields()))

@@ -1,5 +1,5 @@
-!> ARCLength: how the equilibrium path is continued when load control fails. TRANsient, MASS:
-!! dynamics.
+!> ARCLength selects how the equilibrium path is continued when load control fails; TRANsient and
+!! MASS select dynamics.
 module command_path
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -40,21 +40,22 @@ contains
       else if (command%option == 'leng') then
         if (abs(x) > 0.0_wp .and. .not. x >= 1.0_wp) then
           call fail(error, DECK_ERROR, 'expected a multiple of at least 1, found '//to_text(x), &
-                    record%place(3), 'it is the ratio of the longest step to the first; ' &
-                    //'the default is 4')
+                    record%place(3), 'the multiple is the length of the ' &
+                    //'longest step over that of the first; the default is 4')
         end if
       else if (command%option /= 'loca') then
         if (.not. x >= 0.0_wp) then
           call fail(error, DECK_ERROR, 'expected a positive density, found '//to_text(x), &
-                    record%place(3), 'omit it to have it chosen from the work done')
+                    record%place(3), 'omit the density to have it chosen from the work done')
         end if
       else if (.not. any(run%model%contact(:)%cohesive%given)) then
-        call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, and there are none', &
+        call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, but the model ' &
+                  //'has no bonds', &
                   record%place(2), 'give a CONTact with COHEsive, or use ' &
                   //'ARCLength,DYNAmic')
       else if (x < 0.0_wp .or. x >= 1.0_wp) then
         call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &
-                  //to_text(x), record%place(3), 'omit it to use the default, 0.01')
+                  //to_text(x), record%place(3), 'omit the fraction to use the default, 0.01')
       end if
     end associate
     if (allocated(error) .or. run%program%dry) return
@@ -81,8 +82,8 @@ contains
     if (.not. run%state%energy%on) call open_book(run%state%energy, run%model%mesh%nnode)
   end subroutine run_arcl
 
-  !> Switch to dynamics: bodies move in time, from rest, with the densities of their materials
-  !! (FEAP).
+  !> Switch to dynamics (FEAP): bodies start from rest and move in time, with the densities of their
+  !! materials.
   subroutine run_tran(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -114,7 +115,7 @@ contains
       if (off) return
       if (.not. allocated(dynamics%v)) call new_dynamics(dynamics, run%model%mesh%nnode)
       dynamics%density = -1.0_wp
-      run%step%continuation%given = .true. ! nothing but this scheme moves the bodies
+      run%step%continuation%given = .true. ! no inertia other than that of this scheme
       run%step%continuation%method = PATH_OFF
       if (allocated(run%step%newton%asm%mass)) deallocate (run%step%newton%asm%mass)
       dynamics%method = method

@@ -54,8 +54,8 @@ contains
         call fail(error, DECK_ERROR, "unexpected '"//record%text(1)//"'", record%place(1), &
                   'after the mesh come BATCh ... END, the data of its commands and STOP')
         if (scan(record%text(1)//' ', '0123456789.+-') == 1) then
-          error%hint = 'no remaining command reads this record; instead of the table of a ' &
-                       //'PROP, a blank record means p = t'
+          error%hint = 'no remaining command reads this record; a blank record instead ' &
+                       //'of the table of a PROP means p = t'
         end if
         return
       end if

@@ -1,5 +1,5 @@
-!> What the log reports about contacts during a run: contacts that close or open in a step, points
-!! that have passed through the other body, and warnings of results that cannot be right.
+!> Reports contacts during a run: contacts that close or open in a step, points that have passed
+!! through the other body, and warnings of results that cannot be right.
 module contact_report
   use base_kinds, only: wp
   use base_log, only: log_line, warn
@@ -19,9 +19,9 @@ module contact_report
   private
   public :: report_contact_changes, measure_contacts, find_jump, warn_soft_penalty
 
-  real(wp), parameter :: UNBALANCED = 0.02_wp !! relative difference of forces to warn of
-  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration to warn of, relative to an element
-  real(wp), parameter :: HALF = 0.5_wp        !! of a motion: elastic slip to warn of
+  real(wp), parameter :: UNBALANCED = 0.02_wp !! relative difference of forces for a warning
+  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration for a warning, relative to an element
+  real(wp), parameter :: HALF = 0.5_wp        !! elastic slip for a warning, relative to the motion
   real(wp), parameter :: SOFT = 0.2_wp        !! share of the work that penetration may take
   real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! relative to the largest force so far
 
@@ -61,7 +61,8 @@ contains
     end do
   end subroutine report_contact_changes
 
-  !> Balance and penetration of an accepted step; warnings if they mean wrong results.
+  !> Record the balance and the penetration of an accepted step, and warn if they show that results
+  !! are wrong.
   subroutine measure_contacts(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -94,8 +95,8 @@ contains
         if (now%balance > UNBALANCED .and. .not. now%balance_warned) then
           now%balance_warned = .true.
           call warn("contact '"//contact%name//"': the forces on its two sides differ by " &
-                    //to_text(100*now%balance, 3)//' %', contact%place, 'two half passes do ' &
-                    //'not balance on coarse or unequal meshes: remove SCHEme HALFpass')
+                    //to_text(100*now%balance, 3)//' %', contact%place, 'the forces of ' &
+                    //'HALFpass differ on coarse or unequal meshes: remove SCHEme HALFpass')
         end if
         if (contact%friction%given .and. .not. now%friction_warned) then
           if (is_soft(contact, now, state%u)) then
@@ -117,10 +118,10 @@ contains
   end subroutine measure_contacts
 
   !> Keep the largest work against the pressure so far, and its fraction of the work of supports and
-  !! loads at that time. Models with bonds or inertia are left out, because these do work too. The
-  !! mean force of a step that closes a gap works along the whole gap, although no pressure acts
-  !! there: the work counts only up to the forces times the largest penetrations, which no penalty
-  !! can exceed.
+  !! loads at that time. Models with bonds or inertia are left out, because these do work too. In a
+  !! step that closes a gap, the mean force does work along the whole gap, although no pressure acts
+  !! there. Therefore no more work is counted than the forces times the largest penetrations, which
+  !! the work against a penalty cannot exceed.
   pure subroutine follow_penalty_work(model, state, most)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -150,7 +151,8 @@ contains
     if (all(model%contact%normal%auto)) stiffer = stiffer//' 10'
     call warn('penetration takes '//to_text(100*state%energy%penetration_share, 3) &
               //' % of the work of supports and loads: the penalty is too soft', &
-              model%contact(1)%place, 'use a stiffer one, '//stiffer//', or a finer mesh')
+              model%contact(1)%place, 'use a stiffer penalty, such as '//stiffer &
+              //', or a finer mesh')
   end subroutine warn_soft_penalty
 
   !> The smallest width of the elements of both sides that are not rigid, or thickness [L].
@@ -216,8 +218,8 @@ contains
   end function deepest_point
 
   !> Find a point that was outside the other body at the start of the step, and is now behind its
-  !! surface and deeper than DEPTh: contact would never act on it. `trouble` is allocated if there
-  !! is such a point.
+  !! surface and deeper than DEPTh: contact would never act on this point. `trouble` is allocated if
+  !! there is such a point.
   subroutine find_jump(model, state, trouble)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -228,7 +230,7 @@ contains
 
     do c = 1, size(model%contact)
       associate (contact => model%contact(c))
-        far = 0.0_wp ! how far a point may have come
+        far = 0.0_wp ! how far points may have moved towards each other
         do k = 1, 2
           far = far + maxval(abs(state%u(:, contact%side(k)%node) &
                                  - state%u_step(:, contact%side(k)%node)))
@@ -254,7 +256,7 @@ contains
     end do
   end subroutine find_jump
 
-  !> The same for one contact of two surfaces.
+  !> Do the same as find_jump for one contact of two surfaces.
   subroutine find_jump_through(contact, x_start, x, gap, side)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now

@@ -1,9 +1,9 @@
 !> What the log reports about contacts before the first step: their bonds, and warnings of faces
 !! that look wrong and of initial penetrations.
 !!
-!! All points are projected in the reference configuration. Points that are inside the other body
-!! already mean a press fit or a mistake; if the outward normals of two surfaces point the same way
-!! where these are nearest, the deck names the wrong faces.
+!! All points are projected in the reference configuration. Points that are inside the other body at
+!! the start indicate a press fit or a mistake. If the outward normals of the two surfaces point the
+!! same way where the surfaces are nearest, the deck names the wrong faces.
 module contact_start
   use base_kinds, only: wp
   use base_log, only: log_line, warn
@@ -27,16 +27,16 @@ module contact_start
   real(wp), parameter :: NEAREST = 0.01_wp    !! band of the nearest gaps, over an element's width
   real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of the bonded areas
 
-  !> How two surfaces are placed at the start.
+  !> Position of two surfaces relative to each other at the start.
   type :: start_t
     !> Points of both sides; of the rigid side only, if no point of the other one faces it.
     integer :: npoint = 0
     integer :: ninside = 0               !! of them, points that penetrate
     real(wp) :: deepest = 0.0_wp         !! largest penetration [L]
     real(wp) :: x(3) = 0.0_wp            !! and the point that has it [L]
-    integer :: nnear = 0                 !! points about as near the other surface as the nearest
-    integer :: naway(2) = 0              !! of them, where side 1 and where side 2 faces away
-    real(wp) :: overlap = 0.0_wp         !! largest penetration beyond DEPTh, not through a body [L]
+    integer :: nnear = 0                 !! near points: about as near as the nearest point
+    integer :: naway(2) = 0              !! near points where side 1, or side 2, faces away
+    real(wp) :: overlap = 0.0_wp         !! largest penetration between DEPTh and a whole body [L]
     real(wp) :: x_overlap(3) = 0.0_wp    !! the point that has it [L]
     integer :: nbehind = 0               !! nearest points that are behind the whole other body
     !> No integration point is opposite the other side; the points of the rigid side are.
@@ -124,8 +124,8 @@ contains
     text = '('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', '//to_text(x(3), 4)//')'
   end function position_text
 
-  !> Warn if the bonds of the two sides stand for different areas: points count with all of their
-  !! area or not at all, so few of them find the edge of a bond badly.
+  !> Warn if the bonded areas of the two sides differ. Each point counts with all of its area or not
+  !! at all, so a few points cannot represent the edge of a bond well.
   subroutine warn_unequal_bonds(contact, state)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(in) :: state
@@ -241,7 +241,7 @@ contains
             away(n) = 0
             behind(n) = foot%gap < -thin*(1.0_wp - INSIDE)
             if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp) then
-              ! from outside the other body one sees its front, from inside its back
+              ! a point outside the other body sees its front, a point inside sees its back
               away(n) = merge(3 - k, k, foot%gap < 0.0_wp)
             end if
           end if
@@ -267,7 +267,7 @@ contains
 
   end subroutine look_at_start
 
-  !> The same for self-contact.
+  !> Do the same as look_at_start for self-contact.
   subroutine look_at_itself(contact, x, start)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
@@ -288,8 +288,8 @@ contains
     end associate
   end subroutine look_at_itself
 
-  !> Mean width of the elements of a surface that are about as near the other surface as the nearest
-  !! one. On graded meshes a wider band would take in large elements far from the contact.
+  !> Mean width of those elements of a surface that are about as near to the other surface as the
+  !! nearest element. On graded meshes, large elements far from the contact must not count.
   pure real(wp) function nearest_width(width, reach) result(mean)
     real(wp), intent(in) :: width(:)     !! (nelem) [L]
     real(wp), intent(in) :: reach(:)     !! distance to the other surface [L]; huge: not near

@@ -14,7 +14,7 @@ module deck_feap
     character(120) :: hint
   end type advice_t
 
-  !> What FEAP has in the mesh part.
+  !> Words that FEAP has in the mesh part.
   !&< keeps the rows where they are
   type(advice_t), parameter :: MESH_WORDS(*) = [ &
     advice_t('angl cang ceul eang eule tria', &
@@ -75,10 +75,10 @@ module deck_feap
       'there are no centrifugal forces: BODY FORCe of MATErial is constant; MOVE ' &
         //'with ROTAte turns a body'), &
     advice_t('swee', 'MOVE with ROTAte prescribes a rotation'), &
-    advice_t('titl', 'the title follows FEAP in the first record; remove this word') ]
+    advice_t('titl', 'the title follows the word FEAP in the first record; remove this word') ]
   !&>
 
-  !> What FEAP has in the solution part.
+  !> Words that FEAP has in the solution part.
   !&< keeps the rows where they are
   type(advice_t), parameter :: COMMANDS(*) = [ &
     advice_t('acce', 'accelerations are not printed; DISP prints displacements'), &
@@ -90,7 +90,7 @@ module deck_feap
       'UTAN,LINE,1 searches along the increment; FACTor REUSe solves with an earlier tangent'), &
     advice_t('chec', 'every deck is checked before it is solved; bezel --check only checks it'), &
     advice_t('comm', '! starts a comment'), &
-    advice_t('cont', 'contact is searched in each iteration; remove this word'), &
+    advice_t('cont', 'contact is found anew in each iteration; remove this word'), &
     advice_t('damp', &
       'there is no damping matrix; TRANsient,HHT and TRANsient,BACK dissipate energy'), &
     advice_t('data', &
@@ -100,7 +100,7 @@ module deck_feap
     advice_t('eige eigv subs', &
       'there are no eigenvalues; the report counts the negative pivots of the tangent'), &
     advice_t('else endi if  ', &
-      'there are no conditions; a loop of Newton''s iteration ends when it has converged'), &
+      'there are no conditions; a LOOP around TANG ends when the iteration has converged'), &
     advice_t('erro', 'errors are not estimated; compare two meshes'), &
     advice_t('expl', &
       'time integration is implicit: TRANsient,BACK, TRANsient,NEWMark or TRANsient,HHT'), &
@@ -110,8 +110,8 @@ module deck_feap
     advice_t('init', 'bodies start at rest, with zero displacements'), &
     advice_t('jint', &
       'there are no J integrals; COHEsive of CONTact gives bonds a fracture energy'), &
-    advice_t('line', 'the law of MATErial decides; ELAStic ISOTropic is linear'), &
-    advice_t('list', 'CURVe names the quantities of a table'), &
+    advice_t('line', 'the law of the material decides: ELAStic ISOTropic is linear'), &
+    advice_t('list', 'CURVe defines a table of quantities'), &
     advice_t('mesh', &
       'the mesh cannot change during the solution; PROP, MOVE and DISPlacement ' &
         //'change loads and motions'), &
@@ -119,11 +119,11 @@ module deck_feap
     advice_t('newf', &
       'give a separate load table to loads that must remain: PROP, FPROportional ' &
         //'and EPROportional'), &
-    advice_t('nonl', 'the law of MATErial decides; ELAStic NEOHook is nonlinear'), &
+    advice_t('nonl', 'the law of the material decides: ELAStic NEOHook is nonlinear'), &
     advice_t('ntan', 'TANG and UTAN form the tangent of all elements'), &
     advice_t('outm', 'the result file contains the mesh, and the log lists what was read'), &
     advice_t('paus', 'a run never waits for input; remove this word'), &
-    advice_t('quit', 'END closes the commands, and STOP the deck'), &
+    advice_t('quit', 'END ends the commands, and STOP ends the deck'), &
     advice_t('read', 'RESTart continues from a checkpoint; INCLude reads another file'), &
     advice_t('renu', 'METIS orders the equations; remove this word'), &
     advice_t('resi', 'FORM forms the residual'), &
@@ -134,7 +134,7 @@ module deck_feap
     advice_t('zero', 'write a separate deck for another analysis') ]
   !&>
 
-  !> What FEAP has in MATErial.
+  !> Records that FEAP has in MATErial.
   !&< keeps the rows where they are
   type(advice_t), parameter :: PROPERTIES(*) = [ &
     advice_t('angl', 'materials are isotropic and have no axes'), &
@@ -145,14 +145,14 @@ module deck_feap
     advice_t('geom', 'FINIte strains include the geometric stiffness; remove this record'), &
     advice_t('mass', 'MASS is a command between BATCh and END; DENSity gives the mass'), &
     advice_t('mixe', 'ENHAnced elements do not lock'), &
-    advice_t('nonl', 'FINIte, with ELAStic NEOHook, is for large deformations'), &
-    advice_t('pres', 'PRESsure is a word of the mesh, outside of MATErial'), &
+    advice_t('nonl', 'use FINIte with ELAStic NEOHook for large deformations'), &
+    advice_t('pres', 'PRESsure is a word of the mesh part, not a record of MATErial'), &
     advice_t('quad', 'QUADrature is a record of PATCh') ]
   !&>
 
 contains
 
-  !> What to do instead of a word of FEAP of the mesh part; empty if the word is none of these.
+  !> What to do instead of a word of FEAP's mesh part; empty if the table has no such word.
   pure function mesh_hint(word) result(hint)
     character(*), intent(in) :: word
     character(:), allocatable :: hint
@@ -160,7 +160,7 @@ contains
     hint = advice(MESH_WORDS, word)
   end function mesh_hint
 
-  !> What to do instead of a word of FEAP of the solution part; empty if the word is none of these.
+  !> What to do instead of a word of FEAP's solution part; empty if the table has no such word.
   pure function command_hint(word) result(hint)
     character(*), intent(in) :: word
     character(:), allocatable :: hint
@@ -168,7 +168,7 @@ contains
     hint = advice(COMMANDS, word)
   end function command_hint
 
-  !> What to do instead of a record that FEAP has in MATErial; empty if the word is none of these.
+  !> What to do instead of a record that FEAP has in MATErial; empty if the table has no such word.
   pure function property_hint(word) result(hint)
     character(*), intent(in) :: word
     character(:), allocatable :: hint
@@ -176,7 +176,7 @@ contains
     hint = advice(PROPERTIES, word)
   end function property_hint
 
-  !> The hint of the row that has the word; empty if none has it.
+  !> The hint of the row that has the word; empty if no row has it.
   pure function advice(table, word) result(hint)
     type(advice_t), intent(in) :: table(:)
     character(*), intent(in) :: word

@@ -46,7 +46,7 @@ contains
     call open_reader(deck%reader, path, error)
   end subroutine open_deck
 
-  !> Check, after the deck has been read, that it has the parameters that the command line sets.
+  !> Check, after the deck has been read, that it sets every parameter that the command line sets.
   subroutine check_settings(deck, error)
     type(deck_t), intent(in) :: deck
     type(error_t), allocatable, intent(out) :: error
@@ -226,7 +226,7 @@ contains
     if (.not. is_name(name)) then
       call fail(error, DECK_ERROR, quoted(record%text(1))//' is not a valid name', &
                 record%place(1), &
-                'a name begins with a letter, then letters, digits and underscores')
+                'a name is a letter, followed by letters, digits or underscores')
       return
     end if
     call check_count(record, 2, huge(1), 'name = expression', error)

@@ -24,7 +24,7 @@ module format_bext
   !> Vector i is value(first(i) : first(i+1)-1).
   type :: vectors_t
     integer :: n = 0
-    integer :: ndense = 0      !! later ones are sparse: zeros at their end are left out
+    integer :: ndense = 0      !! later vectors are sparse, without their last zeros
     integer, allocatable :: first(:)
     real(wp), allocatable :: value(:)
   end type vectors_t
@@ -101,7 +101,7 @@ contains
       if (words_left(text) /= 6) then
         call fail_in_file(text, 'expected a group of elements with 6 numbers, found ' &
                           //to_text(words_left(text)), error, &
-                          'they are etype ne nn ncv and the two degrees of a surface')
+                          'the numbers are etype ne nn ncv and the two degrees of a surface')
         return
       end if
       call next_integer(text, 'an element type', etype, error)

@@ -17,7 +17,8 @@ module format_gismo
 
 contains
 
-  !> Read the geometry with `ndir` directions and the id `name`, or the only one.
+  !> Read the geometry that has `ndir` directions and the id `name`, or the only one with `ndir`
+  !! directions.
   subroutine read_gismo(text, name, ndir, patch, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
@@ -29,7 +30,7 @@ contains
     real(wp), allocatable :: x(:), w(:)
     integer :: d, first, i, last, n, tag
 
-    first = index(text%all, '<!--') ! comments become blanks, so that the lines keep their numbers
+    first = index(text%all, '<!--') ! blank out comments: lines keep their numbers
     do while (first > 0)
       last = first + index(text%all(first:), '-->') + 1
       if (last == first + 1) last = len(text%all)
@@ -40,7 +41,7 @@ contains
     end do
     call find_geometry(text, name, ndir, first, last, error)
     if (allocated(error)) return
-    text%all = text%all(:last) ! nothing is read from the next geometry
+    text%all = text%all(:last) ! the next geometry is cut off
     text%at = first
     n = 1
     do d = 1, ndir
@@ -120,13 +121,14 @@ contains
       call fail_in_file(text, 'the file has no geometry', error, hint)
     else if (first == 0) then
       call fail_in_file(text, 'the file has no '//what//' '//quoted(trim(name)), error, &
-                        'it has'//found)
+                        'the file has'//found)
     else if (ntaken > 1) then
       call fail_in_file(text, 'the file has '//to_text(ntaken)//plural//' with the id ' &
-                        //quoted(trim(name)), error, 'give each its own id')
+                        //quoted(trim(name)), error, 'give each of them its own id')
     else if (n > 1 .and. len_trim(name) == 0) then
-      call fail_in_file(text, 'the file has '//to_text(n)//plural//', and the deck names none', &
-                        error, 'name one by its id:'//found)
+      call fail_in_file(text, 'the file has '//to_text(n)//plural &
+                        //', but the deck names none of them', &
+                        error, 'name one of them by its id:'//found)
     else
       length = index(text%all(first:), '</Geometry>')
       text%at = first
@@ -169,7 +171,7 @@ contains
     part%at = tag + index(text%all(tag:), '>')
     length = index(text%all(part%at:), '<')
     if (length == 0) length = len(text%all) - part%at + 2
-    part%all = text%all(:part%at + length - 2) ! from the beginning: lines keep their numbers
+    part%all = text%all(:part%at + length - 2) ! keeps the lines before it
     text%at = part%at
   end subroutine enter
 

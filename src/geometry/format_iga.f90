@@ -57,7 +57,7 @@ contains
       if (words_left(text) /= 3) then
         call fail_in_file(text, 'expected belem with 3 numbers, found ' &
                           //to_text(words_left(text)), error, &
-                          'they are the number of functions and the two degrees of a surface')
+                          'write belem, the number of functions and the two degrees of the surface')
         return
       end if
       call next_integer(text, 'the number of functions', n, error)
@@ -81,13 +81,13 @@ contains
     call next_word(text, word)
     if (len(word) == 0 .or. word == 'set') then
       call finish_surface(text, surface, error)
-    else ! more elements than were announced would be lost
+    else ! further elements would be lost
       call fail_in_file(text, 'unexpected '//quoted(word)//' after the last element', error, &
                         'elemN may be too small')
     end if
   end subroutine read_iga
 
-  !> Read a word that must be `key`.
+  !> Read a word, which must be `key`.
   subroutine next_keyword(text, key, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: key

@@ -1,4 +1,4 @@
-!> JSON files as a tree of values; errors give the line of the file.
+!> Reads JSON files as a tree of values; error messages give the line of the file.
 !!
 !! Values are numbered in the order of the file: i + 1 is the first member or element of value i.
 !! Names and strings are not decoded: escape sequences stay as they are. The depth of nesting and
@@ -128,8 +128,8 @@ contains
     i = 0
     call look(text, c)
     if (depth > DEEPEST .or. json%n >= MOST) then
-      call fail_in_file(text, 'the JSON value is too large', error, 'values may be nested ' &
-                        //to_text(DEEPEST)//' deep, and there may be '//to_text(MOST)//' of them')
+      call fail_in_file(text, 'the JSON value is too large', error, 'there may be at most ' &
+                        //to_text(MOST)//' values, nested at most '//to_text(DEEPEST)//' deep')
       return
     end if
     select case (c)

@@ -1,13 +1,13 @@
 !> Files `MFEM NURBS mesh v1.0`: NURBS blocks whose control points have a common numbering.
 !!
-!! The reader takes dimension, elements (cubes), edges, vertices, knotvectors, weights and the
-!! positions, which are Euclidean; the boundary is skipped. A knot vector has the direction in which
-!! its edge is written.
+!! The reader takes dimension, elements (cubes), edges, vertices, knotvectors, weights and
+!! positions, which are not multiplied by the weights; the boundary is skipped. A knot vector runs
+!! in the direction in which its edge is written.
 !!
 !! The control points are numbered in this order: the vertices; the inner points of the edges, in
-!! the order of the section `edges`, each from its lower to its higher vertex; those of the faces,
-!! in the order in which these first occur in the elements, along the first vertices of the face;
-!! those of the elements.
+!! the order of the section `edges`, each from its lower to its higher vertex; the inner points of
+!! the faces, in the order in which the faces first occur in the elements, along the first vertices
+!! of each face; the inner points of the elements.
 !! Source: mfem.org, mesh format; the files in the data folder of MFEM
 module format_mfem
   use base_kinds, only: wp, i8
@@ -24,10 +24,12 @@ module format_mfem
   !> Positions of the eight vertices of an element, 0 or 1 in each of its directions.
   integer, parameter :: CORNER(3, 0:7) = reshape([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &
                                                   0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
-  !> Vertices of the faces of an element, in the order that numbers the inner points.
+  !> Vertices of the faces of an element, in the order by which the inner points of a face are
+  !! numbered.
   integer, parameter :: QUAD(4, 6) = reshape([3, 2, 1, 0, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, &
                                               3, 0, 4, 7, 4, 5, 6, 7], [4, 6])
-  !> Positions, in the list of vertices, of the neighbours of the first one in the three directions.
+  !> Positions, in the list of vertices, of the neighbours of the first vertex in the three
+  !! directions.
   integer, parameter :: NEIGHBOUR(3) = [2, 4, 5]
 
   !> The content of a file.
@@ -70,11 +72,11 @@ contains
       text%at = 0
       if (len_trim(name) == 0) then
         call fail_in_file(text, 'the file has '//to_text(nelem) &
-                          //' patches, and the deck names none', &
-                          error, 'name one by its number: FILE path 1')
+                          //' patches, but the deck names none of them', &
+                          error, 'name a patch by its number: FILE path 1')
       else
         call fail_in_file(text, 'the file has no patch '//quoted(trim(name)), error, &
-                          'it has patches 1 to '//to_text(nelem))
+                          'the file has patches 1 to '//to_text(nelem))
       end if
       return
     end if

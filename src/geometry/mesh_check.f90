@@ -38,7 +38,7 @@ contains
     if (any(file%solid)) return
     text%at = 0
     call fail_in_file(text, 'the file has no solid elements', error, 'in Gmsh, make ' &
-                      //'a 3D mesh; if the file has physical groups, the volume needs one too')
+                      //'a 3D mesh; if there are physical groups, the volume must belong to one')
   end subroutine check_shapes
 
   !> Check that the nodes of an element differ and that its map is right-handed at all integration
@@ -92,11 +92,11 @@ contains
         name = trim(file%shapes(s)%name)//' '//to_text(file%label(e))
         if (least > -FLAT*extent**3) then
           call fail_in_file(text, name//' has no volume', error, &
-                            'its nodes lie in one plane: remove it, or mesh again')
+                            'all of its nodes lie in one plane: remove the element, or mesh again')
         else
           call fail_in_file(text, name//' is inverted', error, &
                             'reverse the order of its nodes (in Gmsh: ReorientMesh Volume), or ' &
-                            //'straighten it where it is curved (Mesh.ElementOrder = 1)')
+                            //'make a curved element straight (Mesh.ElementOrder = 1)')
         end if
         return
       end do

@@ -1,4 +1,5 @@
-!> Faces in a mesh file: those that bound the body, and those to which surface elements refer.
+!> Faces in a mesh file: finds the faces that bound the body, and those to which surface elements
+!!                       refer.
 module mesh_faces
   use base_kinds, only: i8
   use base_error, only: error_t
@@ -79,8 +80,9 @@ contains
       if (same < 2) cycle
       text%at = file%spot(newest)
       call fail_in_file(text, 'element '//to_text(file%label(newest)) &
-                        //' is the third one at a face', error, &
-                        'at most two elements share a face: remove repeated or overlapping ones')
+                        //' is the third element with the same face', error, &
+                        'only two elements can share a face: remove repeated or ' &
+                        //'overlapping elements')
       return
     end do
   end subroutine find_boundary

@@ -10,7 +10,7 @@ module patch_check
   private
   public :: check_patch, check_enrichment, hemisphere_degree, face_name
 
-  integer(i8), parameter :: MAX_NODE = 200000000_i8 !! of one body: three times this fits an integer
+  integer(i8), parameter :: MAX_NODE = 200000000_i8 !! of a body; 3*MAX_NODE fits an integer
   character(2), parameter :: FACE(6) = ['1-', '1+', '2-', '2+', '3-', '3+']
 
 contains
@@ -206,7 +206,7 @@ contains
                 //' share an edge but have orders '//to_text(a%degree)//' RAISe ' &
                 //to_text(a%raise)//' and '//to_text(b%degree)//' RAISe '//to_text(b%raise), &
                 b%place, &
-                'their edge is one curve: give both the same order and RAISe')
+                'their common edge is one curve: give both faces the same order and RAISe')
     end if
   end subroutine check_pair
 

@@ -1,5 +1,5 @@
-!> The geometry of a patch: a box, a hemisphere or a NURBS patch, and the ends of its elements,
-!! which are parameters given by ELEMents or KNOTs.
+!> The geometry of a patch (a box, a hemisphere or a NURBS patch), and the parameters at the ends of
+!! its elements, which ELEMents or KNOTs gives.
 module patch_geometry
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -54,7 +54,7 @@ contains
           geo%breaks(d)%u = [0.0_wp, spec%knots(d)%u, 1.0_wp]
           call check_rising(spec, d, geo%breaks(d)%u, error)
           if (allocated(error)) return
-        else ! whole numbers make equal spans exactly equal
+        else ! whole numbers: equal spans are exactly equal
           geo%breaks(d)%u = [(real(i, wp), i=0, spec%nelem(d))]
         end if
         allocate (geo%insert(d)%u(0))
@@ -167,12 +167,12 @@ contains
     if (geo%placed) x = matmul(geo%turn, x) + geo%shift
   end function point
 
-  !> Find the Euclidean positions of the control points of a space over the patch, after the
-  !! placement.
+  !> Find the positions of the control points of a spline space over the patch, without weights and
+  !! after the placement.
   subroutine greville_points(geo, space, dir, fixed, x)
     type(geometry_t), intent(in) :: geo
-    type(nurbs_t), intent(in) :: space            !! directions 1 to size(dir) are used
-    integer, intent(in) :: dir(:)                 !! the directions of the patch that these are
+    type(nurbs_t), intent(in) :: space            !! has size(dir) directions
+    integer, intent(in) :: dir(:)                 !! directions of the patch that it spans
     real(wp), intent(in) :: fixed(3)              !! parameters of the other directions
     real(wp), allocatable, intent(out) :: x(:, :) !! (3, ncp), direction 1 fastest [L]
     type(knot_list_t) :: g(3)
@@ -189,7 +189,7 @@ contains
       do j = 1, n(3)
         do i = 1, n(2)
           a = a + 1
-          if (geo%type == GEO_BOX) then ! this avoids the rounding of knot insertion
+          if (geo%type == GEO_BOX) then ! no rounding of knot insertion
             u = fixed
             u(dir(1)) = g(1)%u(i)
             u(dir(2)) = g(2)%u(j)
@@ -244,7 +244,7 @@ contains
         if (abs(breaks(i) - old(e)) > SAME*(old(size(old)) - old(1))) then
           call fail(error, DECK_ERROR, "patch '"//spec%name//"' has a knot at "//to_text(old(e)) &
                     //' in direction '//to_text(d)//' that is missing from KNOTs', spec%place, &
-                    'knots cannot be removed: add it to the list')
+                    'knots of the patch cannot be removed: add this knot to the list')
           return
         end if
         breaks(i) = old(e)

@@ -43,7 +43,7 @@ contains
         if (last /= n + p + 1 .or. n < p + 1) then
           call fail(error, DECK_ERROR, of//': '//to_text(last)//' knots for '//to_text(n) &
                     //' control points of degree '//to_text(p), place, &
-                    'the number of knots is control points + degree + 1')
+                    'there must be as many knots as control points, plus degree + 1')
         else if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
           call fail(error, DECK_ERROR, of//': the knots do not increase', place, &
                     'list them in increasing order')
@@ -123,8 +123,8 @@ contains
     v = (knots(1) + knots(size(knots))) - u(size(u):1:-1)
   end function mirrored
 
-  !> Smallest and largest Jacobian of a patch, times the extent of the knot span, and the span of
-  !! the smallest.
+  !> Find the smallest and the largest Jacobian of a patch, each multiplied by the extent of its
+  !! knot span, and the span that has the smallest one.
   subroutine jacobian_range(patch, least, most, bad)
     type(nurbs_t), intent(in) :: patch
     real(wp), intent(out) :: least, most
@@ -151,8 +151,8 @@ contains
     end do
   end subroutine jacobian_range
 
-  !> Smallest and largest Jacobian at the Gauss points of a knot span, times the extent of the span;
-  !! values as small as rounding count as zero.
+  !> Find the smallest and the largest Jacobian at the Gauss points of a knot span, multiplied by
+  !! the extent of the span. Values that may be rounding errors count as zero.
   function span_jacobian(patch, k) result(range)
     type(nurbs_t), intent(in) :: patch
     integer, intent(in) :: k(3)

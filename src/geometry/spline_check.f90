@@ -16,9 +16,9 @@ module spline_check
   public :: check_layer, orient_layer, orient_tool, number_corners, corner_point, &
             surface_measures, surface_at, spline_thickness
 
-  real(wp), parameter :: NOTHING = 1.0e-12_wp  !! a smaller function vanishes at the corner
+  real(wp), parameter :: NOTHING = 1.0e-12_wp  !! smaller values at a corner count as zero
   real(wp), parameter :: ALIKE = 1.0e-9_wp     !! tolerance of function values, which sum to one
-  integer, parameter :: MORE = 6               !! additional Gauss points, as weights may differ
+  integer, parameter :: MORE = 6               !! more Gauss points, for rational functions
   integer, parameter :: MOST_SAMPLES = 3000
   real(wp), parameter :: OPPOSITE = -0.5_wp, STRAIGHT = 0.8_wp !! cosines
   real(wp), parameter :: CLOSED = 1.0e-6_wp    !! largest |sum of area vectors|/area if closed
@@ -83,8 +83,8 @@ contains
     end associate
   end subroutine orient_layer
 
-  !> Check that inner nodes are in the order of the corners, and that corners at one point share a
-  !! node.
+  !> Check that inner nodes are listed in the order of the corners, and that corners of elements at
+  !! the same point have the same inner node.
   subroutine check_layer(spec, xr, inner, error)
     type(patch_spec_t), intent(in) :: spec
     real(wp), intent(in) :: xr(:, :)
@@ -101,13 +101,14 @@ contains
         do i = 1, 4
           x(:, i) = corner_point(s, e, i)
         end do
-        do k = 1, 4 ! no other order brings the nodes nearer to the corners
+        do k = 1, 4 ! fail if another order brings the nodes nearer to the corners
           way(k) = sum(norm2(xr(:, inner(:, e)) - cshift(x, k - 1, 2), 1))
         end do
         if (way(1) > minval(way(2:))) then
           call fail(error, DECK_ERROR, 'the inner nodes of element '//to_text(e)//' of layer ' &
-                    //quoted(spec%name)//' are not in the order of its corners', &
-                    spec%spline%layer_place, 'the order must be (-,-) (+,-) (+,+) (-,+)')
+                    //quoted(spec%name)//' are not in the order of the corners of the element', &
+                    spec%spline%layer_place, 'list the nodes that are opposite to the corners ' &
+                    //'(-,-) (+,-) (+,+) (-,+), in this order')
           return
         end if
         do c = 1, 4
@@ -117,9 +118,9 @@ contains
               elem(p) = e
             else if (node(p) /= inner(c, e)) then
               call fail(error, DECK_ERROR, 'elements '//to_text(elem(p))//' and '//to_text(e) &
-                        //' of layer '//quoted(spec%name)//' have a corner in common, but the ' &
-                        //'inner nodes '//to_text(node(p))//' and '//to_text(inner(c, e)) &
-                        //' there', spec%spline%layer_place, &
+                        //' of layer '//quoted(spec%name)//' have a corner in common, but ' &
+                        //'different inner nodes there, '//to_text(node(p))//' and ' &
+                        //to_text(inner(c, e)), spec%spline%layer_place, &
                         'elements that share a corner of the surface must share its inner node')
               return
             end if
@@ -262,8 +263,8 @@ contains
     end do
   end subroutine surface_measures
 
-  !> Smallest distance between the midpoints of elements that face each other through the body. Of
-  !! many elements, only a sample is compared.
+  !> Smallest distance between the midpoints of elements that face each other through the body. If
+  !! there are many elements, only a sample of them is compared.
   function spline_thickness(s, out) result(thickness)
     type(spline_surface_t), intent(in) :: s
     real(wp), intent(in) :: out !! 1: a_1 x a_2 points out of the body, -1: into it

@@ -1,4 +1,5 @@
-!> Tables in separate files: inner nodes of the layer below a spline surface, and hanging nodes.
+!> Reads tables from separate files: the inner nodes of the layer below a spline surface, and
+!! hanging nodes.
 module spline_layer
   use base_error, only: error_t, place_t
   use base_kinds, only: wp
@@ -33,7 +34,7 @@ contains
       if (words_left(text) /= 5) then
         call fail_in_file(text, 'expected a record of 5 numbers, found ' &
                           //to_text(words_left(text)), error, &
-                          'a record is an element of the surface and its four inner nodes')
+                          'a record consists of an element of the surface and its four inner nodes')
         return
       end if
       call next_integer(text, 'an element number', e, error)
@@ -41,7 +42,8 @@ contains
       if (allocated(error)) return
       if (e < 1 .or. e > nelem) then
         call fail_in_file(text, 'element '//to_text(e)//' is not in the surface', error, &
-                          'its elements are 1 to '//to_text(nelem)//', in the order of its file')
+                          'the elements of the surface are 1 to '//to_text(nelem) &
+                          //', in the order of its file')
       else if (any(node < 1)) then
         call fail_in_file(text, 'node number '//to_text(minval(node))//' is not positive', error)
       else if (inner(1, e) /= 0) then
@@ -84,7 +86,8 @@ contains
       if (n < 1 .or. n > MOST_MASTERS .or. i /= 2 + 2*n) then
         call fail_in_file(text, 'found a record of '//to_text(i)//' numbers for '//to_text(n) &
                           //' masters', error, &
-                          'a record is: slave, n, then n pairs of a master and its coefficient')
+                          'a record consists of the slave, n, and n pairs of a master ' &
+                          //'and its coefficient')
         return
       end if
       master = [(0, i=1, n)]

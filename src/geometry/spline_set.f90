@@ -1,5 +1,5 @@
-!> Named sets of elements of a spline surface: from the member `sets` of a BEXT file in JSON to the
-!! groups of the body, which FIX, loads and contact may name.
+!> Named sets of elements of a spline surface: reads them from the member `sets` of a BEXT file in
+!! JSON, and makes them groups of the body, which FIX, loads and contact may name.
 module spline_set
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, lower, nearest
@@ -71,7 +71,7 @@ contains
     character(:), allocatable :: hint
     integer :: i
 
-    hint = 'its file has no sets; the whole surface is its face 3-, or ALL'
+    hint = 'the file of the spline has no sets; 3- and ALL name the whole surface'
     if (allocated(s%set)) then
       allocate (names(size(s%set)))
       do i = 1, size(names)
@@ -84,8 +84,8 @@ contains
               place, hint)
   end subroutine check_set
 
-  !> Make the sets groups of the last body of the mesh, which is the surface's. The element faces of
-  !! a side come block after block, in the order of the elements.
+  !> Add the sets as groups to the last body of the mesh, which is that of the surface. A side lists
+  !! its element faces block after block, in the order of the elements.
   subroutine put_sets(s, new, iblock, side, mesh)
     type(spline_surface_t), intent(in) :: s
     integer, intent(in) :: new(:)      !! (nnode of the file) number in the body; 0: none

@@ -1,4 +1,4 @@
-!> A surface of spline functions, element by element, as it is given in files of extracted splines.
+!> A spline surface as files of extracted splines give it: the functions of each element.
 module spline_surface
   use base_error, only: error_t
   use base_grow, only: grow
@@ -12,9 +12,10 @@ module spline_surface
   public :: spline_surface_t, spline_set_t, start_surface, add_point, check_sizes, add_element, &
             finish_surface, transpose_surface
 
-  integer, parameter :: MOST_FUNCTIONS = 256 !! for one element
-  integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! for one function
-  !> Tolerance of the sum of the functions, as the files have splines with all digits.
+  integer, parameter :: MOST_FUNCTIONS = 256 !! of one element
+  integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! of one function
+  !> Tolerance of the sum of the functions; it can be small because files give coefficients in full
+  !! precision.
   real(wp), parameter :: UNITY = 1.0e-9_wp
 
   !> A named set of elements.
@@ -92,8 +93,8 @@ contains
       if (abs(sum(c(:, b)) - 1.0_wp) <= UNITY) cycle
       call fail_in_file(text, 'the coefficients of Bernstein polynomial '//to_text(b) &
                         //' in the functions of element '//to_text(e)//' sum to ' &
-                        //to_text(sum(c(:, b))), error, 'they must sum to 1 for each ' &
-                        //'polynomial: one may be missing, or have too few digits')
+                        //to_text(sum(c(:, b))), error, 'the sum must be 1 for each ' &
+                        //'polynomial: a coefficient may be missing or have too few digits')
       return
     end do
     first = s%first(e)

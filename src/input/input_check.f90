@@ -31,7 +31,7 @@ contains
     real(wp) :: n
     integer :: i, j, e, last
 
-    if (draft%incomplete) return ! an unknown word that was skipped may have been the definition
+    if (draft%incomplete) return ! the word that was skipped may have defined it
     do i = 1, size(draft%patch)
       associate (p => draft%patch(i))
         if (p%spec%type /= 'RIGID') then
@@ -40,14 +40,14 @@ contains
               call check_material(draft, p%mesh%material(j)%number, p%mesh%material(j)%place)
               call check_words(draft, p%mesh%material(j)%number, .false.)
             end do
-            cycle ! its nodes are counted at the end, as those of a spline
+            cycle ! its nodes are counted at the end, like those of a spline
           end if
           if (.not. allocated(p%material_place%file)) cycle ! its record has an error already
           call check_material(draft, p%material, p%material_place)
           call check_words(draft, p%material, .false.)
         end if
         n = product(real(p%spec%nelem, wp)*merge(2.0_wp, 1.0_wp, p%spec%type == 'Q2') + 1.0_wp)
-        if (n > MAX_NUMBER) then ! do not mesh what a mesh cannot hold
+        if (n > MAX_NUMBER) then ! a patch that is too large is not meshed
           call fail(error, DECK_ERROR, 'patch '//quoted(p%spec%name)//' has '//to_text(n) &
                     //' nodes', p%spec%place, 'a mesh may have at most '//to_text(MAX_NUMBER) &
                     //' nodes')
@@ -127,7 +127,7 @@ contains
   subroutine check_words(draft, number, is_npatch)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: number
-    logical, intent(in) :: is_npatch !! is the body an NPATch? otherwise a PATCh, MESH or SPLIne
+    logical, intent(in) :: is_npatch !! is it an NPATch, or else a PATCh, MESH or SPLIne?
     type(error_t), allocatable :: error
     integer :: m
 
@@ -137,7 +137,7 @@ contains
       if (set%given_formulation .and. .not. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
                   //' has DISPlacement or ENHAnced, but a PATCh uses it', &
-                  set%place, 'remove the word: TYPE of the PATCh decides')
+                  set%place, 'remove the word: TYPE of the PATCh gives the formulation')
       else if (set%enhanced .and. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
                   //' is ENHAnced, but an NPATch uses it', &
@@ -228,7 +228,7 @@ contains
     call draft%errors%add(error)
   end subroutine check_name
 
-  !> Check that the mesh has elements that are solved for, and not more nodes than can be numbered.
+  !> Check that the mesh has elements that can deform, and that its nodes are not too many.
   subroutine check_size(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh

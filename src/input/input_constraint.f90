@@ -75,8 +75,8 @@ contains
         depth = depth + 1
         if (depth > list%n .or. any(master == list%slave(i))) then
           call fail(error, DECK_ERROR, named(mesh, list%slave(i)) &
-                    //' depends on itself', list%place(i), 'remove a constraint: its masters are ' &
-                    //'in turn slaves of this node')
+                    //' depends on itself', list%place(i), 'remove a constraint: the masters of ' &
+                    //'this node follow it in turn')
           return
         end if
         j = findloc(mark(master) > 0, .true., 1)
@@ -115,7 +115,7 @@ contains
       if (.not. abs(sum(list%c(from:to)) - 1.0_wp) <= ROUNDING) then
         call fail(error, DECK_ERROR, 'the coefficients of '//named(mesh, s)//' sum to ' &
                   //to_text(sum(list%c(from:to))), list%place(list%n), &
-                  'they must sum to 1, so that the slave follows a rigid motion of its masters')
+                  'the sum must be 1, so that the slave follows a rigid motion of its masters')
         return
       end if
       x = 0.0_wp
@@ -161,7 +161,7 @@ contains
             if (.not. held(d, m)) then
               call fail(error, DECK_ERROR, named(mesh, s)//' is restrained, but its master ' &
                         //named(mesh, m)//' is free', list%place(i), &
-                        'restrain all masters of a hanging node; it follows them')
+                        'restrain all masters of the hanging node, which follows them')
               exit directions
             end if
             value = value + list%c(j)*bc%value(d, m)
@@ -170,7 +170,7 @@ contains
           if (abs(value - bc%value(d, s)) <= ROUNDING*largest) cycle directions
           call fail(error, DECK_ERROR, 'the displacement prescribed at '//named(mesh, s) &
                     //' does not follow from those of its masters', list%place(i), &
-                    'prescribe it at the masters only')
+                    'prescribe displacements at the masters only')
           exit directions
         end do directions
         if (allocated(error)) then

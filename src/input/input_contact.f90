@@ -5,12 +5,12 @@
 !!
 !!   eps = 125 min over the bodies of E/h,   h^2 the mean area of the surface's elements
 !!
-!! (with MORTar 100 times E/h, and h of the elements that are nearest to the other surface at the
-!! start).
+!! (with MORTar the factor is 100, and h is that of the elements that are nearest to the other
+!! surface at the start).
 !!
-!! E is Young's modulus of the body; rigid bodies do not count. Under a pressure p the penetration
-!! is (p/E) h/125. The constant is that of Corbett and Sauer 2015, section 5.3: eps = 125 E/L, 250
-!! E/L and 500 E/L on blocks with modulus E and elements of length L, L/2 and L/4.
+!! E is Young's modulus of a body; rigid bodies do not count. Under a pressure p the penetration is
+!! (p/E) h/125. The constant is that of Corbett and Sauer 2015, section 5.3: eps = 125 E/L, 250 E/L
+!! and 500 E/L on blocks with modulus E and elements of length L, L/2 and L/4.
 module input_contact
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
@@ -36,7 +36,7 @@ module input_contact
 
   real(wp), parameter :: STIFF = 125.0_wp, STIFF_AT_CELLS = 100.0_wp !! times E/h
   real(wp), parameter :: CLOSING = 32.0_wp     !! opening of release divided by d of SMOOth
-  real(wp), parameter :: LOCKS = 4.0_wp        !! times AUTO: the most that points may carry
+  real(wp), parameter :: LOCKS = 4.0_wp        !! largest penalty at points, relative to AUTO
   integer, parameter :: MOST_POINTS = 10000000 !! largest number of integration points of a surface
   real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! relative rounding error of a penalty
   real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! an element is collapsed below this area over
@@ -62,7 +62,8 @@ contains
     end do
   end subroutine build_contacts
 
-  !> Do two surfaces that touch in the last contact also touch in an earlier one?
+  !> Check that no element faces that may touch in the last contact may also touch in an earlier
+  !! one.
   subroutine check_counted_once(contact, error)
     type(contact_t), intent(in) :: contact(:)
     type(error_t), allocatable, intent(out) :: error
@@ -74,17 +75,18 @@ contains
         do k = 1, 2
           if (common_faces(contact(j)%side(1), new%side(k)) == 0) cycle
           if (common_faces(contact(j)%side(2), new%side(3 - k)) == 0) cycle
-          call fail(error, DECK_ERROR, 'contact '//quoted(new%name)//' acts between faces that ' &
-                    //'contact '//quoted(contact(j)%name)//' acts between', new%place, &
-                    'its pressures and bonds would count twice: leave these ' &
-                    //'faces out of one of them')
+          call fail(error, DECK_ERROR, 'contact '//quoted(new%name)//' has faces in common ' &
+                    //'with both sides of contact '//quoted(contact(j)%name), new%place, &
+                    'pressures and bonds there would count twice: leave these ' &
+                    //'faces out of one of the contacts')
           return
         end do
       end do
     end associate
   end subroutine check_counted_once
 
-  !> Find what the deck does not give: surfaces, integration points, default depth, penalties.
+  !> Find the data that the records do not give: surfaces, integration points, the default depth and
+  !! penalties.
   subroutine resolve_contact(draft, at, model, contact, error)
     type(draft_t), intent(in) :: draft
     type(where_t), intent(in) :: at(2)
@@ -97,7 +99,7 @@ contains
     call make_sides(draft, at, model, contact, error)
     if (allocated(error)) return
     smooths = .false.
-    if (contact%scheme == 0) then ! bonds and the edges of point schemes need integration points
+    if (contact%scheme == 0) then ! bonds, BORDer and REFIne need integration points
       contact%scheme = MORTAR
       if (contact%cohesive%given .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
         contact%scheme = BALANCED
@@ -116,11 +118,12 @@ contains
     end associate
     call look_at_start(contact, model%mesh%xr, start)
     call set_penalties(model, start, contact)
-    ! A rigid side bears all forces anyway.
+    ! If a side is rigid, BALAnced makes no difference, because that side bears all forces anyway.
     contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
     if (contact%cohesive%given) contact%released = &
       contact%cohesive%law%released(contact%cohesive%prop)
-    ! Damaged bonds that close again have a gap of zero everywhere, where the penalty has a corner.
+    ! When damaged bonds close again, all gaps are about zero. The penalty law has a kink there,
+    ! which SMOOth rounds off.
     if (smooths) contact%normal%prop(SMOOTHING) = contact%released/CLOSING
     if (.not. start%overlap > 0.0_wp) return
     call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//': the bodies overlap by ' &
@@ -130,8 +133,8 @@ contains
               'move one of them; or give DEPTh d, the largest penetration that counts as contact')
   end subroutine resolve_contact
 
-  !> Make both surfaces with their integration points and the widths of their elements. Fails if
-  !! they have a common face, too many integration points or no area.
+  !> Make both surfaces with their integration points and the widths of their elements. Fail if they
+  !! have a common face, too many integration points or no area.
   subroutine make_sides(draft, at, model, contact, error)
     type(draft_t), intent(in) :: draft
     type(where_t), intent(in) :: at(2)
@@ -152,7 +155,8 @@ contains
                 //quoted(contact%side(2)%name)//' of contact '//quoted(contact%name)//' have ' &
                 //to_text(common_faces(contact%side(1), contact%side(2)))//' common element ' &
                 //'faces', at(2)%face_place, &
-                'give two surfaces without a common face, or the same one twice')
+                'give two surfaces without a common face; for self-contact give ' &
+                //'the same surface twice')
       return
     end if
     n = real(product(contact%ngauss), wp)*maxval(contact%side%nelem)
@@ -351,7 +355,8 @@ contains
                  (iand(a%mask, b%mask) /= 0 .or. lower(a%face) == lower(b%face))) then
           call fail(error, DECK_ERROR, 'a face of patch '//quoted(b%body) &
                     //' is on both sides of contact '//quoted(name), b%face_place, &
-                    'give two surfaces without a common face, or the same one twice')
+                    'give two surfaces without a common face; for self-contact give ' &
+                    //'the same surface twice')
         else if (is_rigid_patch(draft, a%body) .and. is_rigid_patch(draft, b%body)) then
           call fail(error, DECK_ERROR, 'both bodies of contact '//quoted(name)//' are rigid', &
                     b%place, 'give one of them a TYPE of solid elements')
@@ -367,7 +372,7 @@ contains
         call fail(error, DECK_ERROR, 'contact '//quoted(draft%contact(i)%contact%name) &
                   //' acts between the same two faces as contact ' &
                   //quoted(draft%contact(j)%contact%name), draft%contact(i)%at(1)%place, &
-                  'its pressures and bonds would count twice: remove one of them')
+                  'pressures and bonds there would count twice: remove one of the contacts')
         call draft%errors%add(error)
         exit
       end do
@@ -391,7 +396,8 @@ contains
           else if (column%quantity%id == Q_CONTACT_DEBONDED .and. &
                    .not. draft%contact(c)%contact%cohesive%given) then
             call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' has no COHEsive', &
-                      column%contact_place, 'DEBOnded is the released fraction of its bonds')
+                      column%contact_place, 'DEBOnded is the released fraction of the bonds ' &
+                      //'of a contact')
           else
             cycle
           end if
@@ -419,7 +425,7 @@ contains
     if (same .and. p%mask == 0) same = lower(p%face) == lower(q%face)
   end function same_place
 
-  !> Check the records of a contact of a surface with itself.
+  !> Check the records of self-contact.
   subroutine check_self(draft, entry, error)
     type(draft_t), intent(in) :: draft
     type(contact_entry_t), intent(in) :: entry
@@ -433,7 +439,7 @@ contains
                .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
         call fail(error, DECK_ERROR, 'self-contact '//quoted(contact%name)//' needs ' &
                   //'SCHEme MORTar, without COHEsive, BORDer and REFIne', at%face_place, &
-                  'the other schemes and these records need two different surfaces')
+                  'COHEsive, BORDer, REFIne and the other schemes need two different surfaces')
       end if
     end associate
   end subroutine check_self

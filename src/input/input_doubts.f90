@@ -1,5 +1,5 @@
-!> Warnings about models that can be solved, but that the deck can hardly intend: elements that are
-!! given twice, elements that lock.
+!> Warnings about models that can be solved but are probably not intended: elements that are given
+!! twice, and elements that lock.
 module input_doubts
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -40,7 +40,7 @@ contains
     call list_members(mesh, list)
     if (size(list) < 2) return
     allocate (key(size(list)), order(size(list)))
-    do i = 1, size(list) ! along a direction in which the centres of meshes hardly ever coincide
+    do i = 1, size(list) ! a direction in which centres seldom coincide
       key(i) = dot_product(list(i)%centre, [1.0_wp, 0.7320508075688772_wp, 0.4142135623730951_wp])
     end do
     call sort_index(key, order)
@@ -67,8 +67,8 @@ contains
             if (same) nplace = nplace + 1
             if (same .and. nplace == 1) then
               call warn(element_text(mesh, b)//' lies in the same place as ' &
-                        //element_text(mesh, a), place_of(draft, mesh, b), 'if both are ' &
-                        //'intended, the stiffness counts twice there')
+                        //element_text(mesh, a), place_of(draft, mesh, b), 'if both elements ' &
+                        //'are intended, the stiffness counts twice there')
             end if
           end associate
         end do
@@ -76,7 +76,7 @@ contains
     end do
   end subroutine check_twice
 
-  !> All elements that deform, with centre and size of their nodes.
+  !> List all elements that deform, with the centre and the shortest distance of their nodes.
   subroutine list_members(mesh, list)
     type(mesh_t), intent(in) :: mesh
     type(member_t), allocatable, intent(out) :: list(:)

@@ -47,8 +47,8 @@ contains
     n = count(new /= [(i, i=1, mesh%nnode)])
     call log_line('TIE       joins '//to_text(n)//' nodes with others')
     if (n == 0) then
-      call warn('TIE joins no nodes', draft%tie(1)%place, 'no two nodes lie at the same place, ' &
-                //'or they are not those that TIE names')
+      call warn('TIE joins no nodes', draft%tie(1)%place, 'no two of the nodes that TIE ' &
+                //'selects lie at the same place')
     end if
     do n = 1, mesh%nnode
       new(n) = new(new(n)) ! numbers only decrease, so the target is final
@@ -77,7 +77,7 @@ contains
       end if
     end associate
     do b = 1, size(mesh%body)
-      associate (body => mesh%body(b)) ! each node once, with all faces of those it replaces
+      associate (body => mesh%body(b)) ! each node once, with the faces of all tied nodes
         if (allocated(body%group)) then
           do i = 1, size(body%group)
             body%group(i)%node = unique(new(body%group(i)%node))

@@ -20,8 +20,8 @@ module input_where
   real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent / sqrt(nodes), as in
   !! EBOUndary
 
-  !> A place in the reference mesh, resolved after TIE. W_GROUP is any name that is not that of a
-  !! face; the body must then be a MESH or a SPLIne.
+  !> A place in the reference mesh, resolved after TIE. W_GROUP stands for any name that is not the
+  !! name of a face; the body must then be a MESH or a SPLIne.
   type :: where_t
     integer :: type = 0                !! W_FACES to W_GROUP
     character(:), allocatable :: body  !! its name as written
@@ -206,8 +206,8 @@ contains
     if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies there', place%place)
   end subroutine find_nodes
 
-  !> The node nearest to a POINt may be as far from the point as from its neighbouring nodes. A
-  !! point farther away than the extent of the model is an error; a nearer one causes a warning.
+  !> Warn if the node nearest to a POINt is farther from the point than from any other node of its
+  !! elements. Fail if its distance from the point is larger than the extent of the model.
   subroutine check_near(mesh, place, node, error)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place
@@ -299,7 +299,7 @@ contains
     end do
     if (size(elem) == 0) call fail(error, DECK_ERROR, quoted(place%body)//' has no face ' &
                                    //quoted(place%face), place%face_place, &
-                                   'the surface of a spline is its face 3-, or ALL')
+                                   '3- and ALL name the whole surface of a spline')
   end subroutine find_faces
 
 end module input_where

@@ -72,7 +72,7 @@ contains
     entry%contact%name = record%text(2)
     entry%contact%place = record%place(2)
     allocate (entry%contact%bond(0))
-    draft%contact = [draft%contact, entry] ! its name must be known even if one of its records fails
+    draft%contact = [draft%contact, entry] ! the name is known even if a record fails
     seen = .false.
     do
       call next_line(draft, deck, line, more, error)
@@ -98,14 +98,14 @@ contains
         call check_count(line, 1, 1, 'BALAnced', error)
         if (.not. allocated(error) .and. entry%contact%scheme /= 0) then
           call fail(error, DECK_ERROR, 'both SCHEme and BALAnced are given', line%place(1), &
-                    'BALAnced alone stands for SCHEme BALAnced: give one of them')
+                    'BALAnced alone stands for SCHEme BALAnced: give only one of the two records')
         end if
         entry%contact%scheme = BALANCED
         entry%scheme_place = line%place(1)
       case ('sche')
         if (entry%contact%scheme /= 0) then
           call fail(error, DECK_ERROR, 'both SCHEme and BALAnced are given', line%place(1), &
-                    'BALAnced alone stands for SCHEme BALAnced: give one of them')
+                    'BALAnced alone stands for SCHEme BALAnced: give only one of the two records')
         else
           call read_scheme(line, entry, error)
         end if
@@ -164,8 +164,8 @@ contains
       else if (contact%scheme == MORTAR .and. (contact%cohesive%given .or. &
                                                contact%taper > 0.0_wp .or. contact%ncell > 1)) then
         call fail(error, DECK_ERROR, 'SCHEme MORTar with COHEsive, BORDer or REFIne', &
-                  entry%scheme_place, 'these act at integration points: give SCHEme BALAnced, or ' &
-                  //'no SCHEme')
+                  entry%scheme_place, 'these records need integration points: give SCHEme ' &
+                  //'BALAnced, or no SCHEme')
       else if (contact%ncell > 1 .and. contact%cohesive%given) then
         call fail(error, DECK_ERROR, 'REFIne with COHEsive', entry%refine_place, &
                   'bonds cannot be refined: use more integration points, QUADrature n1 n2')
@@ -292,7 +292,7 @@ contains
 
   contains
 
-    !> Read from field i a number that holds in each direction of an element.
+    !> Read field i: a number of points or cells in each direction of an element.
     subroutine read_number(i, least, most, what, n)
       integer, intent(in) :: i, least, most
       character(*), intent(in) :: what

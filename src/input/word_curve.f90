@@ -28,7 +28,7 @@ module word_curve
                                             record_word_t('MAXImum', .true.), &
                                             record_word_t('BOOK', .true.)]
 
-  !> A quantity of BOOK or CONTact. Its word in lower case is part of the name of its column.
+  !> A quantity of BOOK or CONTact. The name of its column contains its word in lower case.
   type :: quantity_word_t
     character(12) :: word
     integer :: id          !! B_... of BOOK, Q_CONTACT_... of CONTact
@@ -256,7 +256,7 @@ contains
     associate (q => column%quantity)
       if (q%side < 1 .or. q%side > 2) then
         call fail(error, DECK_ERROR, 'unknown side '//to_text(q%side)//' of a contact', &
-                  line%place(3), 'sides are 1 and 2, in the order of its SURFaces')
+                  line%place(3), 'sides are 1 and 2, in the order of SURFaces')
         return
       end if
       w = word_index(OF_CONTACT%word, line%key(4))

@@ -85,7 +85,7 @@ contains
     end do
   end subroutine read_elements
 
-  !> Read one element; number 0 ends the data as a blank record does (FEAP).
+  !> Read one element. The number 0 ends the data in the same way as a blank record (FEAP).
   subroutine read_entry(draft, deck, record, old, counts, e, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -113,7 +113,7 @@ contains
     if (old) then ! n m nodes [g]: is the last number the increment?
       e%material = field(2)
       n = size(field) - 2
-      nen = draft%control%nen ! 0: the control record does not say
+      nen = draft%control%nen ! 0: the control record does not give nen
       if (any(counts == n - 1) .and. (n == nen + 1 .or. .not. any(counts == n))) then
         e%increment = field(n + 2)
         n = n - 1
@@ -170,7 +170,7 @@ contains
     draft%in_set = .true. ! a blank second record consists of zeros
     if (.not. more) return
     call check_count(second, 1, FEAP_FIELDS, &
-                     'the second record of an element holds its other nodes', error)
+                     'write the other nodes of the element in its second record', error)
     if (allocated(error)) return
     field = [field, [(0, i=first%n + 1, FEAP_FIELDS)], [(0, i=1, second%n)]]
     do i = 1, second%n

@@ -19,8 +19,8 @@ module word_nodes
 
 contains
 
-  !> Read COORdinates: `n g x y z`, or NURBs: `n g x y z w`; n = 0 ends the data as a blank record
-  !! does (FEAP).
+  !> Read COORdinates: `n g x y z`, or NURBs: `n g x y z w`; n = 0 ends the data in the same way as
+  !! a blank record (FEAP).
   subroutine read_points(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -64,7 +64,7 @@ contains
       call grow_nodes(draft%nodes, n)
       if (draft%nodes%given(n) .and. n /= last .and. .not. draft%node_twice) then
         draft%node_twice = .true.
-        call warn('node '//to_text(n)//' is given twice; further ones are not reported', &
+        call warn('node '//to_text(n)//' is given twice; further such nodes are not reported', &
                   line%place(1), 'the later record counts')
       end if
       call set_point(n, matmul(draft%turn, x) + draft%shift, w)

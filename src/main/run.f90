@@ -83,7 +83,7 @@ contains
     if (allocated(error)) return
     call watch_end(job)
     if (job%step%total%iterations == 0 .and. job%model%neq > 0) then
-      call warn('no system was solved: all displacements are those of the start', &
+      call warn('no system was solved: displacements have not changed since the start', &
                 hint='TANG,,1 and UTAN,,1 solve; TANG and UTAN alone only form the tangent')
     end if
     call warn_soft_penalty(job%model, job%state)

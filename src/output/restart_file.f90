@@ -1,8 +1,8 @@
-!> Checkpoints: `<stem>.restart.h5` holds the last two.
+!> Checkpoints: `<stem>.restart.h5` holds the last two checkpoints.
 !!
-!! A new file is written next to the old one and takes its name when it is complete, so that a
-!! complete file is left whenever the program is killed. Real numbers keep all their bits. A file is
-!! read only by the version of the program that wrote it, and for the same deck and mesh.
+!! A new file is written next to the old one and takes the name of the old one when it is complete.
+!! There is thus a complete file, whenever the program is killed. Real numbers keep all their bits.
+!! A file is read only by the version of the program that wrote it, and for the same deck and mesh.
 module restart_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: file_t, inspect, note_input, replace_file, remove_file, FILE_REGULAR
@@ -101,7 +101,7 @@ contains
     inquire (file=path, exist=exists)
     if (.not. exists) return
     call open_file(old, path, .false., ignored)
-    if (allocated(ignored)) return ! it is not a checkpoint: it is replaced
+    if (allocated(ignored)) return ! not a checkpoint: the file is replaced
     call check_fingerprint(old, path, print, ignored, differing)
     call get(old, 'last/step', old_step, ignored)
     if (allocated(ignored)) old_step = huge(1)
@@ -212,7 +212,7 @@ contains
     do i = 1, size(sizes)
       if (sizes(i) == print%sizes(i)) cycle
       call fail(error, DECK_ERROR, ''''//path//''' belongs to another model: it has ' &
-                //to_text(sizes(i))//' '//trim(SIZE_OF(i))//', and this one has ' &
+                //to_text(sizes(i))//' '//trim(SIZE_OF(i))//', and this model has ' &
                 //to_text(print%sizes(i)), hint=SAME)
       return
     end do
@@ -269,8 +269,9 @@ contains
     if (allocated(second) .and. .not. allocated(error)) call move_alloc(second, error)
   end subroutine seal
 
-  !> Check the hash at the end of a file, before HDF5 trips over bytes that have changed. A file
-  !! that another program has written to has none; then only the checksums of its datasets count.
+  !> Check the hash at the end of a file, because HDF5 may crash if bytes have changed. If another
+  !! program has written to the file, there is no hash at its end; then only the checksums of the
+  !! datasets count.
   subroutine check_seal(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error

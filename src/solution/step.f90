@@ -32,10 +32,11 @@ module step
   public :: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   public :: change_dt, begin_step, form_pass, solve_pass, cut_step, abandon_step, close_step
 
-  !> Displacement in a step from which on a body counts as lost, relative to the size of the model.
+  !> A body counts as lost if its displacement in a step, relative to the size of the model, is
+  !! larger than this.
   real(wp), parameter :: FAR = 2.0_wp
-  !> Iterations in which the cells of the mortar scheme settle, which say nothing about the step
-  !! size.
+  !> Number of iterations in which the cells of the mortar scheme settle; they do not count for the
+  !! size of the next step.
   integer, parameter :: SETTLING = 2
 
 contains
@@ -46,11 +47,11 @@ contains
     real(wp), intent(in) :: time, dt
 
     call set_dt(step%control, time, dt)
-    ! closing the current step adds the targets that it passed
+    ! closing the current step will add the targets that it passed
     if (step%open .and. step%timed) step%control%target = -step%control%passed
   end subroutine change_dt
 
-  !> Begin a step; rewind_step will restore the state as it is now.
+  !> Begin a step; rewind_step can restore the state as it is now.
   subroutine begin_step(step, model, state, left)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -151,7 +152,7 @@ contains
     step%retry = .true.
   end subroutine cut_step
 
-  !> Restore the state at the start of the current step, which is forgotten.
+  !> Restore the state at the start of the current step, and forget the step.
   subroutine rewind_step(step, state)
     type(step_t), intent(inout) :: step
     type(state_t), intent(inout) :: state
@@ -300,9 +301,10 @@ contains
     outcome = STEP_ACCEPTED
   end subroutine close_step
 
-  !> Has a node of a model with contact moved farther than twice the sum of the size of the model
+  !> In a model with contact, has a node moved farther than twice the sum of the size of the model
   !! and the largest prescribed displacement? A body that neither contact nor bonds hold is in
-  !! equilibrium anywhere; with inertia its motion has a meaning.
+  !! equilibrium anywhere, so such a position has no meaning. Only inertia gives the motion of the
+  !! body a meaning.
   pure logical function flies_off(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -317,7 +319,8 @@ contains
     end associate
   end function flies_off
 
-  !> A converged state on an unstable branch: a warning the first time, then a line of the log.
+  !> Report a converged state on an unstable branch: by a warning the first time, later by a line in
+  !! the log.
   subroutine check_stability(step, state)
     type(step_t), intent(inout) :: step
     type(state_t), intent(in) :: state
@@ -337,7 +340,7 @@ contains
         if (total%unstable) then
           call log_line(text)
         else
-          call warn(text//'; later ones are only in the log', hint='possible causes: ' &
+          call warn(text//'; later unstable states are only in the log', hint='possible causes: ' &
                     //'hourglassing (ENHAnced in compression), buckling, a limit point; look at ' &
                     //'the deformed shape')
         end if

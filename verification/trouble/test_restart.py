@@ -37,13 +37,13 @@ class Restart(Folder):
     def test_another_model_is_refused_and_the_message_says_what_differs(self):
         self.refused(self.continued("lz=2"), "differs in the coordinates of nodes")
         self.refused(self.continued("e=200"), "differs in the constants of materials")
-        self.refused(self.continued("n=3"), "it has 27 nodes, and this one has 64")
+        self.refused(self.continued("n=3"), "it has 27 nodes, and this model has 64")
         other = self.deck.replace("TYPE Q1", "TYPE Q1E9")
         self.refused(self.continued(text=other), "differs in the element types")
         other = self.deck.replace("NEOHook e nu\n    FINIte VOLUme 3", "ISOTropic e nu\n    SMALl")
         self.refused(self.continued(text=other), "the material laws")
         other = self.deck.replace("FIX,a,3- 1 1 1", "FIX,a,2- 1 1 1")
-        self.refused(self.continued(text=other), "it has 27 equations, and this one has 36")
+        self.refused(self.continued(text=other), "it has 27 equations, and this model has 36")
 
     def test_loads_may_change_and_the_log_says_so(self):
         done = self.continued("way=0.2")
