@@ -70,7 +70,7 @@ contains
     if (allocated(error%hint)) text = text//new_line('a')//'hint: '//visible(error%hint)
   end function render
 
-  !> Text of a warning or a note in the same form; `kind` is the word that it begins with.
+  !> Text of a warning or a note, in the form of an error message; `kind` is its first word.
   pure function render_note(kind, message, place, hint) result(text)
     character(*), intent(in) :: kind, message
     type(place_t), intent(in), optional :: place

@@ -11,7 +11,7 @@ module base_file
 
   integer, parameter, public :: FILE_ABSENT = 0, FILE_REGULAR = 1, FILE_FOLDER = 2, FILE_OTHER = 3
 
-  !> What a path leads to.
+  !> The file, folder or other object to which a path leads.
   type :: file_t
     integer :: kind = FILE_ABSENT
     integer(i8) :: size = 0         !! bytes
@@ -33,7 +33,7 @@ module base_file
     logical :: checkpoint = .false. !! the run may replace it by its own checkpoints
   end type input_t
 
-  type(input_t), allocatable :: inputs(:) !! all of them, as the log has all messages
+  type(input_t), allocatable :: inputs(:) !! all files that the process has read
 
   integer(c_int), parameter :: AT_FDCWD = -100, AT_EMPTY_PATH = 4096, F_TLOCK = 2
   integer(c_int), parameter :: AT_SYMLINK_NOFOLLOW = 256
@@ -149,7 +149,7 @@ contains
     file%identity = identity_of(buffer)
   end subroutine inspect
 
-  !> Note that a file is read, so that no output replaces it.
+  !> Record that a file is read, so that no output replaces it.
   subroutine note_input(path, checkpoint)
     character(*), intent(in) :: path
     logical, intent(in), optional :: checkpoint !! a file of checkpoints
@@ -275,7 +275,8 @@ contains
                   hint='wait for it, or give this run another folder (-o) or name (--name)')
         return
       end if
-      ! The last holder may have removed the file between these two calls; then it locks nothing.
+      ! The last holder may have removed the file between these two calls. The lock on that file
+      ! then keeps nobody out, so the loop tries again.
       failed = c_statx(lock%fd, c_text(''), AT_EMPTY_PATH, STATX_BASIC, opened)
       call inspect(path, file)
       if (failed /= 0) exit

@@ -6,7 +6,7 @@ module base_hash
   private
   public :: hash_t, text_hash, file_hash
 
-  !> A hash of all that has been added, in its order.
+  !> A hash of everything that has been added; it depends on the order of the additions.
   type :: hash_t
     private
     integer(i8) :: h(2) = [7_i8, 11_i8]

@@ -1,6 +1,7 @@
 !> The log of a run, warnings, and the progress line.
 !!
-!! Lines are kept in memory until the log is opened: a deck with errors must not touch any file.
+!! Lines are kept in memory until the log is opened, because a run of a deck with errors must not
+!! touch any file.
 module base_log
   use base_error, only: error_t, place_t, render_note
   use base_system, only: stderr_is_terminal
@@ -22,8 +23,8 @@ module base_log
   type(error_t), allocatable :: trouble   !! error of the first line that could not be written
   integer :: nkept = 0
   integer :: nwarning = 0
-  type(message_t), allocatable :: message_of(:) !! the warnings of the run, equal ones once
-  integer :: nmessage = 0                  !! their number; the array may be longer
+  type(message_t), allocatable :: message_of(:) !! the different warnings of the run
+  integer :: nmessage = 0                  !! number of messages in use; the array may be longer
   integer :: shown = 0                     !! characters of the progress line on the screen
   logical :: quiet = .false., asked = .false., terminal = .false.
   logical :: prints = .false.              !! lines go to standard output; there is no log
@@ -166,7 +167,7 @@ contains
     text = message_of(i)%text
   end subroutine get_warning
 
-  !> Take over a warning that was given before a restart: it goes into the log and the report, too.
+  !> Take over a warning that was given before a restart into the log and the report of this run.
   subroutine recall_warning(message)
     character(*), intent(in) :: message
     integer :: i

@@ -60,7 +60,8 @@ contains
     end do
   end subroutine sort_index_long
 
-  !> Sort reals as the integers with the same bits, after the bits of negative ones are inverted.
+  !> Sort reals like the integers that have the same bits. For negative reals these bits are
+  !! inverted first.
   pure subroutine sort_index_real(key, order)
     real(wp), intent(in) :: key(:)
     integer, intent(out) :: order(:)

@@ -24,7 +24,8 @@ module base_system
 
   integer(c_intptr_t), parameter :: SIG_IGN = 1
   character(*), parameter, public :: CLOCK_NAME = 'BEZEL_CLOCK'
-  !> Environment variable for tests: the call of stop_requested that requests a stop.
+  !> Environment variable for tests: its value n lets the n-th call of stop_requested find a request
+  !! to stop.
   character(*), parameter :: STOP_NAME = 'BEZEL_STOP'
 
   !> A set of signals: 1024 bits.
@@ -136,9 +137,9 @@ contains
     yes = c_isatty(2_c_int) == 1
   end function stderr_is_terminal
 
-  !> Let the signals of STOPS request a stop from now on; a second SIGINT ends the process. SIGHUP
-  !! stays ignored if it is, as under nohup. If a pipe is closed or a file grows too large, the
-  !! write that fails reports it.
+  !> Let the signals of STOPS request a stop from now on; a second SIGINT ends the process. If
+  !! SIGHUP is ignored, as under nohup, it stays ignored. If a pipe is closed or a file grows too
+  !! large, the write that fails reports it.
   subroutine catch_signals()
     type(c_funptr) :: old
     character(24) :: text
@@ -158,7 +159,7 @@ contains
     if (io == 0) calls_left = calls
   end subroutine catch_signals
 
-  !> Keep the signals that request a stop waiting, until catch_signals is called: in this process,
+  !> Hold back the signals that request a stop until catch_signals is called, either in this process
   !! or in the program that takes its place.
   subroutine keep_signals_waiting()
     call block_stops(SIG_BLOCK)
@@ -216,7 +217,7 @@ contains
     failed = c_sigprocmask(SIG_SETMASK, before, set)
   end subroutine let_signals_in
 
-  !> Has a stop been requested by a signal? run asks before each command.
+  !> Has a stop been requested by a signal? The module run calls this function before each command.
   function stop_requested() result(yes)
     logical :: yes
 

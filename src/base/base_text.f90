@@ -42,7 +42,8 @@ contains
     key = lower(key)
   end function key_of
 
-  !> Can the text be part of the name of a file or a column? It may have letters, digits, _ and -.
+  !> Can the text be part of the name of a file or a column? Such a text has only letters, digits, _
+  !! and -.
   pure logical function fits_name(text, longest)
     character(*), intent(in) :: text
     integer, intent(in) :: longest !! characters
@@ -89,7 +90,7 @@ contains
     integer :: n, power, at
 
     text = ''
-    if (ieee_is_nan(x)) then ! no comparison: it would trap in the debug build
+    if (ieee_is_nan(x)) then ! x /= x would trap in the debug build
       text = 'NaN'
     else if (.not. ieee_is_finite(x)) then
       text = trim(merge('infinity ', '-infinity', x > 0.0_wp))

@@ -32,7 +32,7 @@ module base_timer
 
 contains
 
-  !> Set all timers to zero and begin to measure the total.
+  !> Remove all timers and begin to measure the total time.
   subroutine new_timers(timers)
     type(timers_t), intent(out) :: timers
 

@@ -80,7 +80,8 @@ contains
       if (text(1:1) == '-') value = -value
       if (n > 0 .and. n == len(text) - first + 1 .and. .not. allocated(reason)) return
     end if
-    ! Overflow and similar errors are seen in their results, so no trap may fire meanwhile.
+    ! Overflow and similar errors are recognised by their results, so floating-point traps are off
+    ! while the expression is evaluated.
     call ieee_get_status(status)
     call ieee_set_halting_mode(ieee_usual, .false.)
     p%text = text

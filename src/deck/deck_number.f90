@@ -37,7 +37,7 @@ contains
       if (at > 0) then
         do i = at + 1, n
           if (scan(text(i:i), '+-') > 0) cycle
-          power = min(10*power + iachar(text(i:i)) - 48, 100000) ! an absurdly large exponent is cut
+          power = min(10*power + iachar(text(i:i)) - 48, 100000) ! no overflow
         end do
         if (text(at + 1:at + 1) == '-') power = -power
       end if

@@ -14,11 +14,11 @@ module deck_reader
   public :: reader_t, open_reader, next_record, next_unrolled, include_file, cancel_loops, &
             check_loops, source_text
 
-  integer, parameter :: MOST_FILES = 16         !! depth to which files include each other
-  integer, parameter :: MOST_LOOPS = 10         !! depth to which loops are nested
-  integer, parameter :: MOST_PASSES = 1000000   !! passes of one loop
-  integer, parameter :: MOST_REPEATED = 10000000 !! records that all loops together read again
-  integer, parameter :: MOST_INCLUDED = 100000   !! INCLude records that are executed
+  integer, parameter :: MOST_FILES = 16         !! largest depth of nested INCLude records
+  integer, parameter :: MOST_LOOPS = 10         !! largest depth of nested loops
+  integer, parameter :: MOST_PASSES = 1000000   !! largest number of passes of one loop
+  integer, parameter :: MOST_REPEATED = 10000000 !! limit on records that loops read again
+  integer, parameter :: MOST_INCLUDED = 100000   !! largest number of INCLude records executed
 
   !> A file that is being read.
   type :: frame_t
@@ -148,14 +148,16 @@ contains
               'close it with NEXT in the same part of the deck')
   end subroutine check_loops
 
-  !> End all loops with this pass: repeating a record with an error would only repeat the message.
+  !> End all loops with this pass, because repeating a record with an error would only repeat the
+  !! message.
   subroutine cancel_loops(reader)
     type(reader_t), intent(inout) :: reader
 
     reader%loop(:reader%nloop)%left = 0
   end subroutine cancel_loops
 
-  !> Go to the end of the deck after an error that reading on would only repeat.
+  !> Go to the end of the deck after an error that would only be reported again if reading
+  !! continued.
   subroutine stop_reading(reader)
     type(reader_t), intent(inout) :: reader
 

@@ -54,7 +54,7 @@ contains
     if (.not. record%is_empty(i)) field = record%raw(record%first(i):record%last(i))
   end function text
 
-  !> Is field i missing, or has it no characters (two commas)?
+  !> Is field i missing, or is it empty, as between two commas?
   pure function is_empty(record, i) result(yes)
     class(record_t), intent(in) :: record
     integer, intent(in) :: i

@@ -1,5 +1,5 @@
-!> Tetrahedra and triangles as collapsed cubes and squares. All elements then share one parent, and
-!! all their faces are squares, so that rules, loads and contact need no special case.
+!> Tetrahedra and triangles as collapsed cubes and squares. All elements then have the same parent
+!! cell, whose faces are squares, so that rules, loads and contact treat them like hexahedra.
 !!
 !! With s = (1 + xi)/2, a point of the tetrahedron is t = (s1 (1-s2) (1-s3), s2 (1-s3), s3). Then
 !! face xi- is t1 = 0, xi+ is t1 + t2 + t3 = 1, eta- is t2 = 0, and zeta- is t3 = 0; eta+ is an

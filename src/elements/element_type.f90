@@ -30,8 +30,8 @@ module element_type
     real(wp), allocatable :: wgt(:)    !! (nq)
   end type rule_t
 
-  !> Faces of a member, and how it is drawn. The faces of a hexahedral parent are numbered
-  !! xi-, xi+, eta-, eta+, zeta-, zeta+ (1 to 6).
+  !> Faces of a member of a family of elements, and how the member is drawn. The faces of a
+  !! hexahedral parent are numbered xi-, xi+, eta-, eta+, zeta-, zeta+ (1 to 6).
   type :: topology_t
     integer :: nen = 0
     integer :: nface = 0
@@ -133,7 +133,7 @@ module element_type
       type(form_report_t), intent(out) :: report
     end subroutine element_form_i
 
-    !> Do the same for NB elements of one class; the first index is the element.
+    !> Do the same as element_form_i for NB elements of one class; the first index is the element.
     pure subroutine element_batch_i(basis, material, prop, xr, u, du, scale, h_old, h_new, &
                                     r, k, report)
       import :: basis_t, material_t, form_report_t, wp, NB

@@ -25,7 +25,8 @@ contains
                     //'eqs (8) to (14)')
   end function describe
 
-  !> Set p + 1 points in each direction; q alone counts for all three, as no direction is special.
+  !> Set p + 1 points in each direction. A q given without qz holds for all three directions,
+  !! because none of them is special.
   subroutine set_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz

@@ -2,7 +2,7 @@
 !!
 !! Nodes:  control points of zeta = -1, xi fastest, or in the order of an operator of the whole
 !!         element (any number of them); then the corners of zeta = +1, counter-clockwise from (-,-)
-!! Rule:   (p+1) x (p+1) x 2 Gauss points, p the degrees of the surface, raised ones too
+!! Rule:   (p+1) x (p+1) x 2 Gauss points, where p are the degrees of the surface after RAISe
 !! Source: Corbett and Sauer 2015, section 2.3, eq. (15)
 !! Limits: locks like Q1; a collapsed face zeta = +1 (prism) must not be evaluated at zeta = +1
 module elmt_q1n2

@@ -54,8 +54,8 @@ contains
     call tensor_functions(f(:, 1), d(:, 1), f(:, 2), d(:, 2), f(:, 3), d(:, 3), shp, dshp)
   end subroutine functions
 
-  !> Set faces and VTK nodes; vtk_node is for nodal values: corners, edges, faces and middle, in the
-  !! order of a VTK Lagrange or Bezier hexahedron of degree 2 (files of version 2.2 and later).
+  !> Set the faces and the order of the nodes in VTK: corners, edges, faces and middle, as in a VTK
+  !! Lagrange or Bezier hexahedron of degree 2 (files of version 2.2 and later).
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology

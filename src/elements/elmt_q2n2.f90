@@ -2,7 +2,8 @@
 !!
 !! Nodes:  control points of zeta = -1, xi fastest; then 9 nodes of zeta = 0 and 9 of zeta = +1,
 !!         each in tensor order, xi fastest
-!! Rule:   (p+1) x (p+1) x 3 Gauss points, p the degrees of the surface, at least 3 a direction
+!! Rule:   (p+1) x (p+1) x 3 Gauss points, where p are the degrees of the surface, and at least 3
+!!         points in each direction
 !! Source: Corbett and Sauer 2015, section 2.3, eq. (16)
 module elmt_q2n2
   use base_kinds, only: wp

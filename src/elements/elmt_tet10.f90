@@ -71,7 +71,7 @@ contains
     end do
   end subroutine functions
 
-  !> Set the faces: corners as in TET4; a mid-edge node lies on a face if both its corners do.
+  !> Set the faces: corners as in TET4; a mid-edge node lies on a face if both ends of its edge do.
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology

@@ -10,7 +10,7 @@ module hexa_shape
   public :: tensor_rule, tensor_marks, join_faces
   public :: CORNER_MARKS
 
-  integer, parameter, public :: MAX_DEGREE = 15 !! in a direction
+  integer, parameter, public :: MAX_DEGREE = 15 !! largest degree in one direction
   integer, parameter, public :: VTK_BEZIER_HEXAHEDRON = 79
 
   !> Signs of the corners, counter-clockwise from (-,-), lower plane first (FEAP and VTK order).
@@ -178,7 +178,7 @@ contains
     end if
   end subroutine touches
 
-  !> Marks of the nodes of a tensor product on each face; the first direction varies fastest.
+  !> Mark the nodes of a tensor product that lie on each face; the first direction varies fastest.
   pure function tensor_marks(cell) result(on)
     type(cell_t), intent(in) :: cell
     logical :: on(product(cell%degree + 1), 6)
@@ -201,7 +201,7 @@ contains
     end do
   end function tensor_marks
 
-  !> Make the lists of nodes of all faces from marks: on(a, f) says that node a lies on face f.
+  !> Make the lists of the nodes of all faces from marks: on(a, f) is true if node a lies on face f.
   subroutine join_faces(on, topology)
     logical, intent(in) :: on(:, :) !! (nen, nface)
     type(topology_t), intent(inout) :: topology

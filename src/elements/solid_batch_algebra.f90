@@ -66,7 +66,7 @@ contains
         k11 = 0.0_wp; k12 = 0.0_wp; k13 = 0.0_wp
         k21 = 0.0_wp; k22 = 0.0_wp; k23 = 0.0_wp
         k31 = 0.0_wp; k32 = 0.0_wp; k33 = 0.0_wp
-        do q = 1, NC ! many sums side by side make short chains of dependent additions
+        do q = 1, NC ! independent sums shorten the chains of dependent additions
           s1 = s1 + g(l, 1, q, a)*t(l, 1, q)
           s2 = s2 + g(l, 2, q, a)*t(l, 2, q)
           s3 = s3 + g(l, 3, q, a)*t(l, 3, q)

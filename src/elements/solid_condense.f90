@@ -52,7 +52,8 @@ contains
     end do
   end subroutine condense
 
-  !> Compute x K_aa^-1 with the factors of ldl_factor, for all rows at once, unlike ldl_solve.
+  !> Compute x K_aa^-1 with the factors of ldl_factor. Unlike ldl_solve, this handles all rows of x
+  !! at once.
   pure subroutine solve_rows(nd, np, f, x)
     integer, intent(in) :: nd, np
     real(wp), intent(in) :: f(np, np)

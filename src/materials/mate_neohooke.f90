@@ -149,7 +149,8 @@ contains
     end do
   end subroutine moduli_batch
 
-  !> Compute the determinants. If one is not positive and finite, it becomes 1 and its ok .false.
+  !> Compute the determinants. If a determinant is not positive and finite, it is set to 1 and its
+  !! ok to .false.
   pure subroutine find_volumes(dg, jac, ok)
     real(wp), intent(in) :: dg(NB, 3, 3)
     real(wp), intent(out) :: jac(NB)

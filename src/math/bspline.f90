@@ -276,14 +276,15 @@ contains
     real(wp), intent(out) :: w(:)  !! (p+1)
     integer :: k
 
-    ! The arguments rise from the span of knot i: in this order all factors are positive.
+    ! The blossom is taken in the span of knot i, and its arguments increase from there. In this
+    ! order all factors are positive.
     k = find_span(s, fine%knots(i))
     first = k - s%degree
     call blossom(s%knots, s%degree, k, fine%knots(i + 1:i + s%degree), w)
   end subroutine insertion_row
 
-  !> Express control point i of `high`, which is `elevated(s)`, by those of `s`: it is the mean of
-  !! the blossoms that each leave out one knot.
+  !> Express control point i of `high`, which is `elevated(s)`, by those of `s`: point i is the mean
+  !! of p + 1 blossoms, each of which leaves out one knot.
   pure subroutine elevation_row(s, high, i, first, w)
     type(spline_t), intent(in) :: s, high
     integer, intent(in) :: i

@@ -14,7 +14,7 @@ contains
     real(wp), intent(in) :: by(:, :)     !! (2, :) corners of the convex polygon
     integer, intent(inout) :: n          !! corners of the polygon; 0: nothing is left
     real(wp), intent(inout) :: x(2, MOST_CORNERS)
-    !> Where the edge from each corner to the next comes from: -k means edge k of `by`.
+    !> Origin of the edge from each corner to the next one: -k means edge k of `by`.
     integer, intent(inout) :: tag(MOST_CORNERS)
     real(wp) :: y(2, MOST_CORNERS), d(MOST_CORNERS), edge(2), s
     integer :: i, j, k, m, new(MOST_CORNERS)
@@ -36,7 +36,7 @@ contains
         end if
         if (inside .eqv. d(j) >= 0.0_wp) cycle
         s = d(i)/(d(i) - d(j))
-        ! a corner inside that rounding makes the intersection is kept anyway, one outside is not
+        ! where rounding puts the intersection at a corner: an inner corner is in the list already
         if (merge(s > 0.0_wp, s < 1.0_wp, inside) .and. m < MOST_CORNERS) then
           m = m + 1
           y(:, m) = x(:, i) + s*(x(:, j) - x(:, i))
@@ -66,10 +66,10 @@ contains
     end do
   end function signed_area
 
-  !> Points and weights of a convex polygon: Gauss points of the quadrilaterals into which lines
-  !! from its first corner divide it, of which the last one is a triangle if the number of corners
-  !! is odd. Edge i is curved: at the parameter t it deviates from the straight one by sum_k
-  !! bend(:,k,i) f_k(t).
+  !> Points and weights of a convex polygon. Lines from its first corner divide the polygon into
+  !! quadrilaterals, each of which has Gauss points. If the number of corners is odd, the last
+  !! quadrilateral is a triangle. Edge i is curved: at the parameter t it deviates from the straight
+  !! one by sum_k bend(:,k,i) f_k(t).
   pure subroutine integrate_polygon(x, bend, g, w, f, df, npoint, xi, weight)
     real(wp), intent(in) :: x(:, :)       !! (2, n) corners
     real(wp), intent(in) :: bend(:, :, :) !! (2, :, n)

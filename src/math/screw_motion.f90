@@ -1,8 +1,8 @@
-!> Rigid motions in space: the one that fits the motion of a set of points best, and its
-!! continuation.
+!> Rigid motions in space: finds the rigid motion that best fits the motion of a set of points, and
+!! continues it.
 !!
-!! A rigid motion x -> R (x - c0) + c1 is a rotation by the vector w and a translation along and
-!! round its axis; at a constant rate, the fraction s of it rotates by s w. With y = x - c1,
+!! A rigid motion x -> R (x - c0) + c1 consists of a rotation by the vector w and a translation. If
+!! the motion has a constant rate, its fraction s rotates by s w. With y = x - c1,
 !!
 !!   y -> R(w) y + V(w) v,   R = exp([w]),   V = int_0^1 exp([s w]) ds,
 !!

@@ -37,7 +37,7 @@ module boundary
     integer :: table = 0
     integer, allocatable :: node(:)
     real(wp), allocatable :: f(:, :) !! (3, size(node)) [F] at factor 1
-    type(place_t) :: place           !! place of the first of them
+    type(place_t) :: place           !! place of the first force
   end type dead_load_t
 
   !> A load number of nodes, and the place where the deck gives it first.
@@ -63,7 +63,7 @@ module boundary
 
 contains
 
-  !> Note the place where a load number occurs first.
+  !> Record the place where a load number occurs first.
   subroutine note_load_number(bc, table, place)
     type(boundary_t), intent(inout) :: bc
     integer, intent(in) :: table

@@ -1,4 +1,5 @@
-!> Time integration: accelerations from displacements, and the rates at the beginning of a step.
+!> Time integration: finds accelerations from displacements, and keeps the velocities and
+!! accelerations at the beginning of a step.
 module dynamics_type
   use base_kinds, only: wp
   implicit none
@@ -14,8 +15,8 @@ module dynamics_type
     real(wp) :: beta = 0.25_wp, gamma = 0.5_wp   !! of Newmark
     real(wp) :: alpha = 0.0_wp                   !! of Hilber, Hughes and Taylor, -1/3 to 0
     logical :: lumped = .false.
-    !> Density of all bodies, which replaces that of their materials [M/L^3]; negative: the
-    !! materials have theirs.
+    !> Density of all bodies, which replaces the densities of their materials [M/L^3]; if it is
+    !! negative, nothing is replaced.
     real(wp) :: density = -1.0_wp
     !> a = c(1) (u - u_step) - c(2) v - c(3) a_step in the current step
     real(wp) :: c(3) = 0.0_wp

@@ -11,7 +11,8 @@ contains
 
   !> Set the Gauss points of local face `side` (xi-, xi+, eta-, eta+, zeta-, zeta+). They integrate
   !! the pressure on a polynomial face exactly, that is, up to degree 3p - 1 in each direction. If
-  !! the rule of the element has more points, there are as many here (rational faces, QUADrature).
+  !! the rule of the element has more points in a direction, the face gets as many (rational faces,
+  !! QUADrature).
   subroutine face_points(degree, inner, side, xi, w)
     integer, intent(in) :: degree(3)               !! of the cell
     real(wp), intent(in) :: inner(:, :)            !! (3, n) points of the element's rule

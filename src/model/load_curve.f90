@@ -52,7 +52,7 @@ contains
     case (0)
       factor = time
     case (1)
-      ! the range tolerates rounding: 3 x 0.1 must not be above 0.3
+      ! the range tolerates rounding, so that 3 x 0.1 does not count as larger than 0.3
       gap = 8*epsilon(time)*max(abs(time), abs(table%tmin), abs(table%tmax))
       if (time < table%tmin - gap .or. time > table%tmax + gap) return
       s = time - table%tmin
@@ -94,7 +94,7 @@ contains
       k = max(table%power, 1)
       slope = table%a(2) + table%a(3)*k*sin(s)**(k - 1)*cos(s)*table%a(4)
     case (2)
-      ! targets that are computed may miss a corner by rounding
+      ! rounding may put a target time beside the corner that it should meet
       gap = 8*epsilon(time)*max(abs(time), maxval(abs(table%t)))
       do i = 2, size(table%t)
         if (time > table%t(i) + gap .or. (ahead .and. time >= table%t(i) - gap)) cycle

@@ -56,7 +56,7 @@ module mesh
   type :: group_t
     character(:), allocatable :: name
     integer, allocatable :: node(:)    !! nodes, in ascending order
-    type(body_face_t) :: face          !! on the boundary; none in groups of points, lines, volumes
+    type(body_face_t) :: face          !! its element faces on the boundary; may be none
     integer :: inner = 0               !! number of surface elements inside the body
   end type group_t
 
@@ -69,7 +69,7 @@ module mesh
     type(body_face_t) :: face(6)       !! of a mesh, face 1 is the whole boundary
     type(group_t), allocatable :: group(:) !! groups of a mesh; not allocated: a patch
     integer, allocatable :: label(:)   !! (size(node)) of a mesh: ascending node numbers of its file
-    real(wp) :: thickness = 0.0_wp     !! of a mesh: twice its volume divided by its surface [L]
+    real(wp) :: thickness = 0.0_wp     !! of a mesh: twice its volume over its surface area [L]
     character(:), allocatable :: note  !! of a mesh: a summary of its file
   end type body_t
 

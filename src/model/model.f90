@@ -29,7 +29,7 @@ module model
     type(place_t) :: place
   end type material_set_t
 
-  !> A file next to one of those in the deck, which is not read; `text` is the warning about it.
+  !> A file that lies next to a file of the deck but is not read; `text` is the warning about it.
   type :: unread_t
     integer(i8) :: identity(2) = 0
     character(:), allocatable :: text
@@ -48,7 +48,7 @@ module model
     !> Equation numbers of the free dofs; 0: the dof is prescribed.
     integer, allocatable :: eq(:, :)     !! (3, nnode)
     integer :: neq = 0
-    integer :: ndof = 0                  !! number of dofs of nodes in use, with the prescribed ones
+    integer :: ndof = 0                  !! dofs of nodes in use, both free and prescribed
   end type model_t
 
   !> History of one block; see element_form_i.
@@ -66,7 +66,7 @@ module model
     real(wp), allocatable :: u_step(:, :) !! displacements at the start of the step [L]
     real(wp), allocatable :: last_increment(:, :) !! (3, nnode) of the last accepted step [L]
     real(wp) :: last_dt = 0.0_wp          !! length of the last accepted step in time [T]
-    real(wp), allocatable :: u_base(:, :) !! displacements of the last iteration, as history%iter
+    real(wp), allocatable :: u_base(:, :) !! displacements at the last iteration [L]
     real(wp) :: scale = 0.0_wp            !! fraction of the Newton step in u - u_base
     real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; at free
     !! dofs the residual

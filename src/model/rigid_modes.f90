@@ -1,8 +1,8 @@
-!> Bodies that supports do not hold, and the rigid motions that they leave.
+!> Bodies that their supports do not hold completely, and the rigid motions that remain possible.
 !!
 !! A body is a set of elements that are connected by common nodes or by constraints of nodes. Its
-!! small rigid motions are u(x) = t + w x (x - centre)/size, with six coefficients (t, w). Supports
-!! leave those motions for which u vanishes at every prescribed dof.
+!! small rigid motions are u(x) = t + w x (x - centre)/size, with six coefficients (t, w). The
+!! motions that remain possible are those for which u vanishes at every prescribed dof.
 module rigid_modes
   use base_kinds, only: wp
   use base_text, only: to_text
@@ -16,8 +16,8 @@ module rigid_modes
   public :: free_body_t, find_free_bodies, is_within_body, find_motions, rigid_motion, &
             motion_text, list_text, null_vectors, find_pieces
 
-  !> Eigenvalues of a matrix of supports count as zero below this; one support has an eigenvalue of
-  !! one.
+  !> Smaller eigenvalues of a matrix of supports count as zero. The matrix of a single support has
+  !! an eigenvalue of about one.
   real(wp), parameter :: UNHELD = 1.0e-12_wp
   !> Components of a direction that are smaller count as zero in a message.
   real(wp), parameter :: SMALL = 1.0e-3_wp
@@ -29,7 +29,7 @@ module rigid_modes
     logical :: bonded = .false.        !! one of its faces belongs to a CONTact with COHEsive
     real(wp) :: centre(3) = 0.0_wp     !! of its supports, or of its nodes [L]
     real(wp) :: size = 0.0_wp          !! largest distance of a node from the centre [L]
-    integer :: nmotion = 0             !! number of motions that the supports leave
+    integer :: nmotion = 0             !! number of motions that the supports permit
     real(wp) :: motion(6, 6) = 0.0_wp  !! (t, w) of each of them, orthonormal [-]
   end type free_body_t
 
@@ -78,7 +78,7 @@ contains
     end do
   end subroutine find_free_bodies
 
-  !> Does a contact of a body with itself hold no other one?
+  !> Is a contact the self-contact of a single body, so that it cannot hold other bodies?
   logical function is_within_body(model, c) result(yes)
     type(model_t), intent(in) :: model
     integer, intent(in) :: c
@@ -138,7 +138,7 @@ contains
 
   contains
 
-    !> Put two nodes into one set.
+    !> Join the sets to which two nodes belong.
     subroutine join(a, b)
       integer, intent(in) :: a, b
       integer :: ra, rb
@@ -150,7 +150,7 @@ contains
       root(max(ra, rb)) = min(ra, rb)
     end subroutine join
 
-    !> The node that stands for the set of node a.
+    !> The node that represents the set to which node a belongs.
     integer function top(a)
       integer, intent(in) :: a
 
@@ -163,8 +163,8 @@ contains
 
   end subroutine find_pieces
 
-  !> Remove the slaves of constraints from a list of nodes: they have no unknowns and are no
-  !! supports.
+  !> Remove the slaves of constraints from a list of nodes, because slaves have no unknowns and do
+  !! not act as supports.
   pure subroutine leave_slaves(mesh, node)
     type(mesh_t), intent(in) :: mesh
     integer, allocatable, intent(inout) :: node(:)
@@ -220,12 +220,13 @@ contains
     body%motion(:, :body%nmotion) = kernel
   end subroutine find_motions
 
-  !> Orthonormal eigenvectors of a symmetric matrix whose eigenvalues are within +-limit, or less.
+  !> Orthonormal eigenvectors of a symmetric matrix that belong to eigenvalues between -limit and
+  !! limit, or, with or_less, to all eigenvalues up to limit.
   subroutine null_vectors(a, limit, kernel, or_less)
     real(wp), intent(in) :: a(:, :)      !! (n, n)
     real(wp), intent(in) :: limit
     real(wp), allocatable, intent(out) :: kernel(:, :) !! (n, number of vectors)
-    logical, intent(in), optional :: or_less !! negative eigenvalues of any size count too
+    logical, intent(in), optional :: or_less !! also below -limit
     real(wp) :: vector(size(a, 1), size(a, 1)), value(size(a, 1)), work(8*size(a, 1) + 8)
     integer :: i, n, info
     logical :: all_negative
@@ -296,7 +297,7 @@ contains
     name = name//' with node '//to_text(n)
   end subroutine name_body
 
-  !> Number of the bodies that a mesh names.
+  !> Number of bodies in the list of a mesh, which may be unallocated.
   pure integer function size_of(mesh)
     type(mesh_t), intent(in) :: mesh
 
@@ -307,7 +308,7 @@ contains
   !> Describe a space of motions, such as: move along z, turn about x.
   function motion_text(motion, tolerance) result(text)
     real(wp), intent(in) :: motion(:, :) !! (6, m) coefficients (t, w), orthonormal
-    real(wp), intent(in), optional :: tolerance !! smaller parts of a motion do not matter
+    real(wp), intent(in), optional :: tolerance !! smaller components are left out
     character(:), allocatable :: text
     real(wp), allocatable :: kernel(:, :)
     real(wp) :: turn(3, size(motion, 2)), small_part
@@ -321,7 +322,8 @@ contains
     text = list_text(text, directions(turn, 'turn about ', small_part))
   end function motion_text
 
-  !> The space of the columns of v, by the axes that it contains, else by its own directions.
+  !> Name the space that the columns of v span: by coordinate axes if some of them span it,
+  !! otherwise by an orthonormal basis.
   function directions(v, verb, small_part) result(text)
     real(wp), intent(in) :: v(:, :)      !! (3, m)
     character(*), intent(in) :: verb
