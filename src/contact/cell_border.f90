@@ -2,7 +2,7 @@
 !! the elements are curved.
 !!
 !! An edge of a cell lies on an edge of its own facet, which is straight in the chart of the element
-!! (surface_chart), or comes from an edge of a facet of the other side. In the latter case, points
+!! (surface_chart), or comes from an edge of a facet of the other side. In the second case, points
 !! are found that face the other edge exactly: the line from such a point to the edge is normal to
 !! the other surface, so that projections change there from one element to the next. Two cells that
 !! share an edge find the same points on it.
@@ -18,7 +18,7 @@ module cell_border
   public :: part_t, find_border, bend_functions, NBEND
 
   integer, parameter :: NBEND = 8            !! points of an edge between its ends
-  !> Largest correction of a straight edge relative to the facet, or of a corner in the chart.
+  !> Largest correction of a point of an edge or of a corner, relative to the size of the facet.
   real(wp), parameter :: MOST_BEND = 0.25_wp
   real(wp), parameter :: STRAIGHT = 1.0e-13_wp !! rounding of parameters
   real(wp), parameter :: CONVERGED = 1.0e-13_wp, STALLED = 1.0e-9_wp
@@ -68,8 +68,9 @@ contains
     end do
   end subroutine bend_functions
 
-  !> Correct the corners of a cell, and find how its edges are bent. `tag` says where the edge after
-  !! a corner comes from: -k means edge k of the own part, k means edge k of the other one.
+  !> Correct the corners of a cell, and find how its edges are bent. `tag` tells the origin of the
+  !! edge that follows a corner: -k means edge k of the own part, and k means edge k of the other
+  !! part.
   pure subroutine find_border(own, shape, mine, other, opposite, theirs, m, tag, xi, zeta, bend)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite
@@ -102,8 +103,8 @@ contains
     end do
   end subroutine find_border
 
-  !> The point of the own part that faces a point of the other surface. If there is none near
-  !! xi, xi stays as it is.
+  !> Find the point of the own part that faces a point of the other surface. If there is no such
+  !! point near xi, xi is not changed.
   pure subroutine find_facing(own, shape, mine, other, opposite, elem, zeta, xi, found)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite
@@ -137,8 +138,8 @@ contains
     if (present(found)) found = .true.
   end subroutine find_facing
 
-  !> Where edge k of the own part crosses edge i of the other one. If they do not cross near
-  !! xi and zeta, these stay as they are.
+  !> Find the point where edge k of the own part crosses edge i of the other part. If the edges do
+  !! not cross near xi and zeta, these are not changed.
   pure subroutine find_crossing(own, shape, mine, k, other, opposite, theirs, i, xi, zeta)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite
@@ -152,7 +153,7 @@ contains
     g = 3 - FIXED(i)
     at = xi
     to = zeta
-    ! at a vertex zeta may be that of another edge
+    ! at a vertex, zeta may lie on another edge
     to(FIXED(i)) = merge(theirs%from(FIXED(i)), theirs%to(FIXED(i)), i == 1 .or. i == 4)
     do step = 1, MOST_STEPS
       call surface_point(own, shape, mine%elem, at, x, a, b)
@@ -174,8 +175,8 @@ contains
     zeta = max(theirs%from, min(theirs%to, to))
   end subroutine find_crossing
 
-  !> How the image of a straight edge of the other surface deviates from the straight line between
-  !! its ends, in the charts of both elements.
+  !> Find how the image of a straight edge of the other surface deviates from the straight line
+  !! between the ends of this image, in the charts of both elements.
   pure subroutine find_bend(own, shape, mine, other, opposite, elem, xi, xi_to, zeta, zeta_to, bend)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite
@@ -190,7 +191,7 @@ contains
     bend = 0.0_wp
     side = collapsed_side(own, mine%elem)
     opposite_side = collapsed_side(other, elem)
-    off = xi                                 ! corners that were not found lie beside the edge
+    off = xi                                 ! corners may lie beside the edge
     call find_facing(own, shape, mine, other, opposite, elem, zeta, off)
     off_to = xi_to
     call find_facing(own, shape, mine, other, opposite, elem, zeta_to, off_to)

@@ -21,7 +21,7 @@ module contact_active
   type :: map_t
     integer, allocatable :: at(:, :)     !! (nk, nl)
     integer, allocatable :: back(:, :)   !! (nl, nk) with BALAnced: rows of the partner
-    integer, allocatable :: there(:, :)  !! (nl, nl) likewise: diagonal block of the partner
+    integer, allocatable :: there(:, :)  !! (nl, nl) with BALAnced: diagonal block of the partner
   end type map_t
 
   !> Pairs of an element of one side and one of the other. The pairs of an element form a linked
@@ -95,7 +95,7 @@ contains
     has_idle = any(pairs%used(:pairs%n) < step)
   end function has_idle
 
-  !> Begin a step, or a step once more: no pair has been needed in it.
+  !> Begin a step, or repeat it: no pair counts as needed in it so far.
   pure subroutine forget_need(pairs)
     type(pairs_t), intent(inout) :: pairs
 
@@ -124,7 +124,7 @@ contains
   end subroutine prune_pairs
 
   !> List the nodes that are coupled, for the pattern: one column for each pair, or one for each
-  !! element that has pairs if its partners are coupled too. Shorter lists are filled up with their
+  !! element that has pairs if its partners are coupled too. Unused entries of a column repeat its
   !! first node.
   subroutine pair_clique(pairs, own, other, whole, clique)
     type(pairs_t), intent(in) :: pairs
@@ -162,7 +162,7 @@ contains
       end do
     end if
     allocate (clique%conn(maxval([0, length]), size(length)))
-    do n = 1, size(length) ! filled up with a node that is in the column
+    do n = 1, size(length) ! unused entries repeat the first node
       clique%conn(:, n) = conn(1, n)
       clique%conn(:length(n), n) = conn(:length(n), n)
     end do
@@ -272,8 +272,8 @@ contains
     end do
   end subroutine project_points
 
-  !> At the end of a step, find projections and states for the points that were not active, so that
-  !! they can become active later.
+  !> At the end of a step, find projections and states for the points that were not active, because
+  !! these points may become active later.
   subroutine follow_silent(contact, k, shape, grid, x, slides, feet, points, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

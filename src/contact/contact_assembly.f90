@@ -1,5 +1,5 @@
 !> Contact in the global system: projects all points, finds the element pairs that contact couples,
-!! and adds their forces and derivatives. When a step is accepted: moves the sliding points.
+!! and adds their forces and derivatives. When a step is accepted, it moves the sliding points.
 module contact_assembly
   use base_kinds, only: wp
   use contact_active, only: pairs_t, new_pairs, need_pair, forget_need, has_idle, prune_pairs, &
@@ -28,7 +28,7 @@ module contact_assembly
             map_contact, add_contact, split_contact_forces, accept_contact
 
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of a contact
-  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! of a step by which AFTEr may be missed
+  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the step
 
   !> Projections of the points of one side on the other.
   type :: feet_t
@@ -69,8 +69,8 @@ contains
     end do
   end subroutine new_contact_work
 
-  !> Begin a step, also after a cut-back: its pattern must not depend on what earlier attempts
-  !! coupled, since a restarted run knows nothing of them.
+  !> Begin a step, or begin it again after a cut-back. The pattern of the step must not depend on
+  !! what earlier attempts coupled, because a restarted run does not know these attempts.
   pure subroutine begin_contact(work)
     type(contact_work_t), intent(inout) :: work(:)
     integer :: c, k
@@ -84,7 +84,7 @@ contains
     end do
   end subroutine begin_contact
 
-  !> Does friction act? It does in steps that start at AFTEr or later.
+  !> Does friction act in this step? It acts in all steps that start at AFTEr or later.
   pure logical function friction_acts(contact, state) result(acts)
     type(contact_t), intent(in) :: contact
     type(state_t), intent(in) :: state
@@ -93,9 +93,9 @@ contains
            state%time - state%dt >= contact%after - AT_ONCE*state%dt
   end function friction_acts
 
-  !> Project all points. `grown`: the pattern must be rebuilt, either because new elements are
-  !! coupled, or because a step begins with fewer couplings: its pattern must not depend on earlier
-  !! steps, since a restarted run knows nothing of them.
+  !> Project all points. `grown` means that the pattern must be rebuilt, either because new elements
+  !! are coupled, or because a step begins with fewer couplings. The pattern of a step must not
+  !! depend on earlier steps, because a restarted run does not know their couplings.
   subroutine find_contact(work, model, state, grown, only_forces)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model

@@ -1,16 +1,17 @@
-!> Augmentation (Uzawa): the increments of the pressure multipliers of a contact.
+!> Augmentation by Uzawa's iteration: finds the increments of the pressure multipliers of a contact.
 !!
 !! If each multiplier took over the pressure of its own point, the multipliers would rise until no
 !! point of either side penetrates. There are more points than nodes, and both sides are integrated.
-!! Of two surfaces that do not match, one would then carry all multipliers and the other none, and
-!! the bodies would be loaded by different forces. Therefore pressures and penetrations are first
-!! smoothed with the functions of the surfaces. The quantities that then have to vanish are the mean
-!! of the penetrations of both sides and the difference of their pressures:
+!! If the two surfaces do not match, one of them would then get all multipliers and the other one
+!! none, and different forces would act on the two bodies. Therefore pressures and penetrations are
+!! first smoothed with the functions of the surfaces. Augmentation then makes two quantities vanish,
+!! the mean of the penetrations of both sides and the difference of their pressures. The increments
+!! of the multipliers are
 !!
 !!   rise_1 = (d_1 + d_2)/2 - (p_1 - p_2)/2,   rise_2 = (d_1 + d_2)/2 + (p_1 - p_2)/2,
 !!
-!! with the pressure p and its part d due to the penetration, d = p - multiplier. For a body on a
-!! rigid surface, rise = d.
+!! where p is the pressure and d = p - multiplier is its part due to the penetration. For a body on
+!! a rigid surface, rise = d.
 module contact_augment
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, MORTAR, contact_points_t
@@ -21,7 +22,7 @@ module contact_augment
   private
   public :: rise_t, find_rise, take_rise, share_penalty
 
-  !> MORTar with AUGMent: the part of the penalty that acts at control points, whose multipliers
+  !> MORTar with AUGMent: fraction of the penalty that acts at the control points, whose multipliers
   !! take over the pressure.
   real(wp), parameter :: AT_CONTROL_POINTS = 0.9_wp
 

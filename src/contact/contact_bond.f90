@@ -142,10 +142,10 @@ contains
     points%bond_traction(:, i) = bond%t
     if (.not. contact%on_pair) return
 
-    ! The penalty acts along the partner's normal up to half of the opening at which the bond counts
-    ! as released; from there to that opening, it is gradually replaced by the penalty at the
-    ! current projection. If points load both surfaces, the opening at the start of the step is
-    ! used, since the elements of the partner and the projection are not coupled.
+    ! The penalty acts along the partner's normal until half of the opening of release is reached.
+    ! From there to the opening of release, the penalty at the current projection gradually replaces
+    ! it. If points load both surfaces, the opening at the start of the step is used, because the
+    ! elements of the partner and of the projection are not coupled.
     bond%gap = dot_product(n, g)
     r = norm2(g)
     if (contact%balanced) r = points%opening_step(i)

@@ -6,7 +6,7 @@
 !! into facets that are nearly flat (contact_facets); each facet of the integrated side is clipped,
 !! in its own plane, by the facets of the other side that face it, and the pieces are mapped back to
 !! the chart of the element (surface_chart): its parameters or, on a triangle, coordinates of the
-!! triangle. What lies beyond the border of the other surface belongs to no cell.
+!! triangle. Parts of a facet beyond the border of the other surface belong to no cell.
 !!
 !! The points of the cells have reference areas as weights, so that only positions vary while the
 !! cells are kept.
@@ -27,15 +27,16 @@ module contact_cells
 
   real(wp), parameter :: NO_AREA = 1.0e-12_wp  !! of a piece, relative to its facet
   real(wp), parameter :: ON_EDGE = 1.0e-10_wp  !! distance to an edge, relative to its length
-  !> Relative error of the points of a cell where functions of both sides are not polynomials.
+  !> Relative error that the integration over a cell may have where the functions of a side are not
+  !! polynomials.
   real(wp), parameter :: ACCURACY = 1.0e-10_wp
   real(wp), parameter :: EVEN = 1.0e-8_wp      !! a smaller change of tangents is rounding
   real(wp), parameter :: MOST_UNEVEN = 0.9_wp
   integer, parameter :: MOST_STEPS = 20        !! of Newton's method
   integer, parameter :: USUAL_POINTS = 5       !! of QUADrature
-  !> By default, maps that are not polynomials have one more point in each direction. Those that
-  !! need more than MANY further points for an exact result, as on strongly deformed surfaces, have
-  !! none, because these would cost more than they are worth.
+  !> A piece whose map is not a polynomial has one more point in each direction by default. If an
+  !! exact result would need more than MANY further points, as on strongly deformed surfaces, the
+  !! piece has no further point, because further points would cost more than they are worth.
   integer, parameter :: MANY = 5
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
@@ -48,7 +49,8 @@ module contact_cells
     real(wp), allocatable :: xi(:, :)       !! (2, n)
     real(wp), allocatable :: weight(:)      !! (n) reference area [L^2]
     type(foot_t), allocatable :: foot(:)    !! (n) projection
-    !> Self-contact: where the facet is that a point faces, from which projections start.
+    !> Self-contact: element and parameters of the facet that a point faces; projections start
+    !! there.
     integer, allocatable :: faced(:)        !! (n)
     real(wp), allocatable :: faced_xi(:, :) !! (2, n)
   end type cells_t
@@ -160,8 +162,9 @@ contains
     rule%whole = maxval(contact%ngauss)
   end subroutine find_rule
 
-  !> Gauss points in each direction of a piece of facet i that faces facet j of the other side: a
-  !! whole element has the points of QUADrature, a small piece only those that it needs.
+  !> Number of Gauss points, in each direction, of a piece of facet i that faces facet j of the
+  !! other side. A whole element has the points of QUADrature; a small piece has only those that it
+  !! needs.
   pure integer function order_of_piece(rule, corner, part, mine, i, theirs, j) result(n)
     type(rule_t), intent(in) :: rule
     real(wp), intent(in) :: corner(:, :)    !! (2, m) in the chart of the element
@@ -181,8 +184,9 @@ contains
     n = min(max(n, rule%least + order), MOST_ORDER)
   end function order_of_piece
 
-  !> Number of Gauss points needed beyond those for polynomials where tangents change by the
-  !! fraction r over a cell. The error of n points for 1/(1 + r t) falls with rho^(-2n).
+  !> Number of Gauss points that are needed in addition to those for polynomials, if tangents change
+  !! by the fraction r over a cell. If n points integrate 1/(1 + r t), their error decreases with
+  !! rho^(-2n), where rho = (1 + sqrt(1 - r^2))/r.
   pure integer function further_order(r) result(n)
     real(wp), intent(in) :: r
     real(wp) :: q
@@ -255,7 +259,7 @@ contains
     real(wp), intent(out) :: corner(2, MOST_CORNERS)
     !> The edge after each corner is edge -tag of the facet, or edge tag of the other one.
     integer, intent(out) :: tag(MOST_CORNERS)
-    real(wp), intent(out) :: zeta(2, MOST_CORNERS) !! corners on edges of the other facet: on [0,1]
+    real(wp), intent(out) :: zeta(2, MOST_CORNERS) !! on [0,1]; for corners on edges of the other
     real(wp) :: y(3), seen(2, 4), along(2)
     real(wp) :: height(4)
     integer :: c, i, j
@@ -269,7 +273,7 @@ contains
     end do
     m = 0
     if (all(height > high) .or. all(height < -deep)) return
-    corner(:, :4) = seen(:, 4:1:-1)       ! seen from the facet, the other one turns clockwise
+    corner(:, :4) = seen(:, 4:1:-1)       ! reversed, as the other facet is clockwise from here
     tag(:4) = [3, 2, 1, 4]
     if (.not. signed_area(corner(:, :4)) > 0.0_wp) return
     m = 4
@@ -285,7 +289,7 @@ contains
       if (i < 0) cycle
       j = mod(i, 4) + 1
       along = seen(:, j) - seen(:, i)
-      ! at a corner of the other facet edge i begins
+      ! at a corner of the other facet, which is the beginning of its edge i
       if ((tag(c) > 0 .and. tag(c) /= i) .or. .not. any(abs(along) > 0.0_wp)) then
         zeta(:, c) = UNIT(:, i)
       else

@@ -2,11 +2,12 @@
 !! rows in the table: reversible, and IRREversible with linear unloading to the origin.
 !!
 !! prop(1)  largest traction T0 [F/L^2]
-!! prop(2)  opening g0 at which it acts [L]
-!! Source:  Corbett and Sauer 2015, eq. (31), after Xu and Needleman 1993; on the reference area,
-!!          mixed mode, energy per area e T0 g0. Unloading after Camacho and Ortiz 1996: the largest
-!!          opening is that of g without its compressive part, so that compression causes no damage;
-!!          as the bond tears, compression is left to the penalty
+!! prop(2)  opening g0 at which the traction is T0 [L]
+!! Source:  Corbett and Sauer 2015, eq. (31), after Xu and Needleman 1993. The traction is per
+!!          reference area, and the energy per area is e T0 g0 in every mixture of modes. Unloading
+!!          after Camacho and Ortiz 1996: the largest opening is found from g without its
+!!          compressive part, so that compression causes no damage. When the bond has torn, only the
+!!          penalty resists compression
 module contact_cz
   use base_kinds, only: wp
   use contact_secant, only: pull_by_secants, REVERSIBLE, WHOLE
@@ -15,7 +16,7 @@ module contact_cz
   private
   public :: describe, irreversible
 
-  real(wp), parameter :: RELEASED_AT = 8.0_wp !! multiple of g0 at which 0.7 % of T0 is left
+  real(wp), parameter :: RELEASED_AT = 8.0_wp !! in multiples of g0; 0.7 % of T0 is left
 
 contains
 
@@ -53,7 +54,7 @@ contains
                          c, potential)
   end subroutine reversible_law
 
-  !> T = -(T0/g0) exp(1 - k/g0) g with the largest opening k so far.
+  !> T = -(T0/g0) exp(1 - k/g0) g, where k is the largest opening so far.
   pure subroutine irreversible_law(prop, lag, g, n, past, now, c)
     real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
     real(wp), intent(out) :: now(:)

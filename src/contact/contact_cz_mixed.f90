@@ -1,12 +1,12 @@
 !> MIXEd: two exponential laws, one for the normal opening and one for shear, coupled by damage.
 !!
 !! prop(1)  largest normal traction Tn [F/L^2]
-!! prop(2)  opening gn at which it acts [L]
+!! prop(2)  opening gn at which the normal traction is Tn [L]
 !! prop(3)  largest shear traction Tt [F/L^2]
-!! prop(4)  opening gt at which it acts [L]
-!! Source:  van den Bosch, Schreurs and Geers 2006, a law of Xu and Needleman's type that stays
-!!          physical if the two energies differ; with damage instead of reversibility, cf. Kolluri
-!!          et al. 2014. Energies per area: e Tn gn and sqrt(e) Tt gt
+!! prop(4)  opening gt at which the shear traction is Tt [L]
+!! Source:  van den Bosch, Schreurs and Geers 2006: a law of Xu and Needleman's type that stays
+!!          physical if the two energies differ. Here it has damage and is not reversible, cf.
+!!          Kolluri et al. 2014. The energies per area are e Tn gn and sqrt(e) Tt gt
 module contact_cz_mixed
   use base_kinds, only: wp
   use contact_secant, only: pull_by_secants, MODES
@@ -15,7 +15,7 @@ module contact_cz_mixed
   private
   public :: describe
 
-  !> Multiples of gn and gt at which 0.7 % of Tn and 0.2 % of Tt are left.
+  !> Openings of release: 8 gn, where 0.7 % of Tn is left, and 4 gt, where 0.2 % of Tt is left.
   real(wp), parameter :: RELEASED_AT(2) = [8.0_wp, 4.0_wp]
 
 contains
@@ -61,7 +61,7 @@ contains
     ds(:, 2) = -s*y/prop(4)
   end subroutine secants
 
-  !> The opening at which both modes are released.
+  !> The opening beyond which a bond is released in both modes.
   pure function released(prop) result(opening)
     real(wp), intent(in) :: prop(:)
     real(wp) :: opening

@@ -15,8 +15,8 @@ module contact_element
   private
   public :: form_element
 
-  !> Depths relative to the depth of contact. With BORDer the pressure decreases from DEEP on; with
-  !! BORDer, and for points that entered over the boundary, nothing acts from LAST on.
+  !> Fractions of DEPTh. With BORDer the pressure decreases beyond the depth DEEP. With BORDer, and
+  !! at points that entered over the boundary, there is no traction beyond the depth LAST.
   real(wp), parameter :: DEEP = 0.25_wp, LAST = 0.9_wp
   real(wp), parameter :: FIXED_AREA(3, 2) = 0.0_wp !! the reference area does not change
 
@@ -111,9 +111,9 @@ contains
     point%slip = 0.0_wp
     if (.not. touches(foot, contact%depth)) return
     point%multiplier = points%multiplier(i)
-    ! On bonded surfaces, points that entered over the boundary, or that a tapered pressure did not
-    ! stop, are not pushed out through the face. Surfaces without bonds may indent each other
-    ! deeply.
+    ! On bonded surfaces, some points are not pushed out through the face: points that entered over
+    ! the boundary, and points that a tapered pressure did not stop. Surfaces without bonds may
+    ! indent each other deeply.
     point%full = -1.0_wp
     if (contact%cohesive%given) then
       point%last = LAST*contact%depth
@@ -134,7 +134,8 @@ contains
     call taper_edge(contact%taper, outside, foot, point, dt)
   end subroutine find_traction
 
-  !> Record the results of the laws at a point, per current area, whichever area the laws refer to.
+  !> Record the results of the laws at a point. They are per current area, even if the law refers to
+  !! the reference area.
   pure subroutine record(foot, i, point, bond, da, points)
     type(foot_t), intent(in) :: foot
     integer, intent(in) :: i

@@ -1,5 +1,5 @@
-!> Facets of a surface: its elements, divided until they are nearly flat; and a search for the
-!! facets of another surface that are near.
+!> Facets of a surface, which are its elements divided until they are nearly flat. A search finds
+!! the facets of another surface that are near.
 module contact_facets
   use base_kinds, only: wp
   use contact_pair, only: surface_t
@@ -11,7 +11,7 @@ module contact_facets
   private
   public :: facets_t, divide_surface, find_near
 
-  !> Surfaces face each other up to this cosine of their normals.
+  !> Surfaces face each other if the cosine of the angle between their normals is below this.
   real(wp), parameter, public :: FACING = -0.1_wp
   !> A facet is divided while its normals differ by more than the angle with this cosine,
   real(wp), parameter :: NEARLY_FLAT = 0.7_wp
@@ -104,7 +104,8 @@ contains
     normal = normal/max(norm2(normal), tiny(1.0_wp))
   end subroutine place_facet
 
-  !> Change of the tangents from those in the middle, expressed in the latter.
+  !> Change of the tangents from those in the middle, in components along the tangents in the
+  !! middle.
   pure real(wp) function change(middle, a) result(r)
     real(wp), intent(in) :: middle(3, 2), a(3, 2)
     real(wp) :: m(2, 2), d(2, 2), det
@@ -125,7 +126,8 @@ contains
     integer, intent(in) :: e
     real(wp) :: x(3), a(3, 2), b(3, 3), n(3, 9), p(3, 9), bend, turn, length, uneven, middle(3, 2)
     integer :: i, j, q
-    !> Ends and middles of the edges and of the lines through the middle, among the 3 x 3 points.
+    !> Numbers, among the 3 x 3 points, of the beginning, the middle and the end of each edge and of
+    !! each line through the middle.
     integer, parameter :: LINES(3, 6) = reshape([1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 4, 7, 2, 5, 8, &
                                                  3, 6, 9], [3, 6])
 
@@ -141,7 +143,7 @@ contains
         n(:, q) = n(:, q)/max(norm2(n(:, q)), tiny(1.0_wp))
       end do
     end do
-    if (collapsed_side(surface, e) > 0) uneven = 0.0_wp ! only its parameters are
+    if (collapsed_side(surface, e) > 0) uneven = 0.0_wp ! only its parameters are uneven
     turn = 1.0_wp
     bend = 0.0_wp
     do q = 1, 9
@@ -156,7 +158,7 @@ contains
       x = x - dot_product(x, n(:, 5))*n(:, 5) ! within the tangent plane
       bend = max(bend, norm2(x)/length)
     end do
-    ! the deviation falls with the square of the divisions, the angle with their number
+    ! the deviation decreases with the square of the number of divisions, the angle with this number
     m = ceiling(max(sqrt(bend/NEARLY_STRAIGHT), acos(max(-1.0_wp, turn))/acos(NEARLY_FLAT), &
                     uneven/NEARLY_EVEN) - 1.0e-9_wp)
     m = max(1, min(m, MOST_DIVISIONS))
@@ -180,7 +182,7 @@ contains
     do b = 2, n + 1
       facets%bucket(b) = facets%bucket(b) + facets%bucket(b - 1)
     end do
-    do i = n, 1, -1 ! bucket(b + 1) moves from the end of bucket b to its beginning
+    do i = n, 1, -1 ! bucket(b + 1), the end of bucket b, counts down to its beginning
       facets%bucket(at(i) + 1) = facets%bucket(at(i) + 1) - 1
       facets%order(facets%bucket(at(i) + 1)) = i
     end do

@@ -54,7 +54,7 @@ contains
           end do
         end do
         if (.not. (other%rigid .or. loads_both(contact))) cycle
-        do q = 1, contact%nq ! on the other side: bonds at the partner, the rest at the projection
+        do q = 1, contact%nq ! on the other side; only bonds act at the partner
           i = (e - 1)*contact%nq + q
           press = t(:, NORMAL, q)
           if (points%bond(i) > 0) then

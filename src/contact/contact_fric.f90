@@ -25,10 +25,10 @@ contains
     row%friction => coulomb
   end function describe
 
-  !> Predict stick; if the traction then exceeds mu p, the corrector returns it to mu p. The tangent
-  !! across the direction of slip is mu p over the slip. At the start of a step the slip is nearly
-  !! zero, and that tangent would be a hundred times too stiff, so the expected slip `ahead` is used
-  !! instead.
+  !> Predict stick. If the traction then exceeds mu p, the corrector returns it to mu p. Across the
+  !! direction of slip, the tangent is mu p divided by |d|. At the start of a step |d| is nearly
+  !! that of the elastic part, which would make the tangent a hundred times too stiff. Therefore the
+  !! expected slip `ahead` is added to |d|.
   pure subroutine coulomb(prop, d, p, ahead, t, dtdd, dtdp, elastic, state)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: d(3), p, ahead
@@ -42,7 +42,7 @@ contains
     size = norm2(d)
     dtdd = 0.0_wp
     dtdp = 0.0_wp
-    if (.not. most > 0.0_wp) then ! without friction there is no stick at d = 0 either
+    if (.not. most > 0.0_wp) then ! without friction even d = 0 is slip
       state = SLIP
       t = 0.0_wp
       elastic = 0.0_wp

@@ -20,7 +20,7 @@ module contact_history
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
             side_positions, accept_slides, trail_behind
 
-  !> A point is at a surface if it is closer to it than this fraction of DEPTh.
+  !> A point lies at a surface if its distance is less than this fraction of DEPTh.
   real(wp), parameter, public :: BESIDE = 0.1_wp
 
   integer, parameter :: MOST_STEPS = 20
@@ -116,9 +116,9 @@ contains
     end do
   end subroutine keep_contact_step
 
-  !> Mark the points of an accepted step that are beside the other surface, and less than `depth`
-  !! above its tangent plane there. A marked point stays marked while its projection lies deeper
-  !! than `depth`.
+  !> Mark the points of an accepted step that lie beside the other surface and less than `depth`
+  !! above the tangent plane of its border. A marked point stays marked as long as it is deeper than
+  !! `depth` below its projection.
   pure subroutine mark_beside(feet, depth, points)
     type(foot_t), intent(in) :: feet(:)    !! (np)
     real(wp), intent(in) :: depth          !! [L]
@@ -172,9 +172,9 @@ contains
 
   !> Set the sliding points of an accepted step. A sticking point keeps its sliding point. The
   !! sliding point of a slipping point follows the projection at the distance of the elastic part
-  !! (Sauer and De Lorenzis 2015). For any other point it is the projection, or the closest point of
-  !! the outer boundary if the point lies beyond it, so that friction acts in the step in which the
-  !! point crosses the boundary.
+  !! (Sauer and De Lorenzis 2015). The sliding point of any other point is its projection. If the
+  !! point lies beyond the outer boundary, it is the closest point of the boundary, so that friction
+  !! acts in the step in which the point crosses the boundary.
   pure subroutine accept_slides(own, other, shape, x, feet, points)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape           !! of the other side
@@ -202,16 +202,16 @@ contains
     end do
   end subroutine accept_slides
 
-  !> Move from the projection to the place at which the tangential vector to the point is `elastic`,
-  !! so that a held load meets the same traction again. On a curved surface, a single step along the
-  !! tangents would miss that place.
+  !> Move from the projection to the place from which the tangential vector to the point is
+  !! `elastic`, so that the traction stays the same if the load stays the same. On a curved surface,
+  !! a single step along the tangents would miss that place.
   pure subroutine trail_behind(other, shape, x, foot, elastic, elem, xi)
     type(surface_t), intent(in) :: other
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)                 !! the point [L]
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: elastic(3)           !! [L]
-    integer, intent(inout) :: elem               !! on entry that of the projection
+    integer, intent(inout) :: elem               !! on entry, that of the projection
     real(wp), intent(inout) :: xi(2)
     real(wp) :: rest(3), xs(3), a(3, 2), b(3, 3), n(3), last
     real(wp) :: next_xi(2)

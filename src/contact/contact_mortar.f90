@@ -15,7 +15,8 @@
 !!
 !! Friction acts at the points of the cells too, so that its bound is mu times their pressure. When
 !! cells are cut, a point takes over the elastic slip of the nearest point of the last step in its
-!! element: its sliding point is its projection at the start of the step, moved back by that slip.
+!! element: the sliding point of the new point is its projection at the start of the step, moved
+!! back by this elastic slip.
 module contact_mortar
   use base_kinds, only: wp
   use contact_active, only: pairs_t, need_pair
@@ -43,19 +44,19 @@ module contact_mortar
   !> The iteration settles when its last increment is below this fraction of the smallest facet.
   real(wp), parameter :: SETTLES = 0.3_wp
   !> Once the iteration settles, cells are cut again if a node has moved farther than this fraction
-  !! of the smallest facet. The converged state then does not depend on where the iteration began:
-  !! it has a potential without friction, and turns with the bodies.
+  !! of the smallest facet. The converged state then does not depend on where the iteration began.
+  !! Without friction it has a potential, and it rotates with the bodies.
   real(wp), parameter :: MOVED = 1.0e-8_wp
   !> Largest number of such cuts in a step once the iteration settles.
   integer, parameter :: MOST_CUTS = 8
-  !> A point of a surface moves at most this times as far as its nodes, as functions may be
-  !! negative.
+  !> A point of a surface moves at most this many times as far as the nodes, because functions may
+  !! be negative.
   real(wp), parameter :: OVERSHOOT = 2.0_wp
 
 contains
 
-  !> Cells, projections and pressures at the positions x; the pairs of elements and the nodes that
-  !! they couple. `grown`: the pattern must be rebuilt.
+  !> Find cells, projections and pressures at the positions x, and the pairs of elements and the
+  !! nodes that they couple. `grown` means that the pattern must be rebuilt.
   subroutine find_mortar(mortar, contact, x, x_start, step, slides, trial, shape, grid, state, &
                          pairs, grown)
     type(mortar_t), intent(inout) :: mortar
@@ -117,7 +118,7 @@ contains
     mortar%step = step
   end subroutine find_mortar
 
-  !> How far the nodes of both sides have moved since the last projection.
+  !> Find how far the nodes of both sides have moved since the last projection.
   subroutine find_motion(mortar, contact, x, motion)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
@@ -180,7 +181,8 @@ contains
     end associate
   end subroutine project_points
 
-  !> Project a point of self-contact from where it was projected last, or from the facet it faces.
+  !> Project a point of self-contact. The search starts where the point was projected last, or else
+  !! at the facet that it faces.
   subroutine project_again(contact, shape, reference, i, cells)
     type(contact_t), intent(in) :: contact
     type(shape_t), intent(in) :: shape, reference
@@ -197,8 +199,8 @@ contains
     end associate
   end subroutine project_again
 
-  !> The sliding point of a point that touches: where it faced the other side at the start of the
-  !! step, less the elastic slip that it takes over.
+  !> Find the sliding point of a point that touches: the place that it faced on the other side at
+  !! the start of the step, moved back by the elastic slip that it takes over.
   subroutine find_slide(mortar, contact, k, i, rubbed)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
@@ -222,7 +224,7 @@ contains
       if (foot%elem > 0) then
         side%slide(i) = foot%elem
         side%slide_xi(:, i) = foot%xi
-      else if (foot%outer > 0) then ! it comes from beyond the border
+      else if (foot%outer > 0) then ! the point was beyond the border
         side%slide(i) = foot%outer
         side%slide_xi(:, i) = foot%outer_xi
         return
@@ -255,7 +257,7 @@ contains
                            dshp(:, :n))
   end subroutine find_slide_functions
 
-  !> The nearest point of the last step in an element; 0: it had none.
+  !> The point of the last step that is nearest in an element; 0: the element had none.
   pure integer function nearest_rubbed(rubbed, e, xi) result(j)
     type(friction_points_t), intent(in) :: rubbed
     integer, intent(in) :: e
@@ -286,7 +288,7 @@ contains
     end do
   end function nearest_rubbed
 
-  !> Cut the cells at the beginning of a step, and where a surface has moved since.
+  !> Cut the cells at the beginning of a step, and again if a surface has moved far enough since.
   subroutine recut(mortar, contact, x, step, motion, trial, shape, grid)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact

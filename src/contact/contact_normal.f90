@@ -1,8 +1,8 @@
-!> PENAlty: the pressure is proportional to the penetration; with SMOOth, to its square while it is
-!! small.
+!> PENAlty: the pressure is proportional to the penetration. With SMOOth, a small penetration gives
+!! a pressure that is proportional to its square.
 !!
 !! prop(PENALTY)    penalty parameter eps_n [F/L^3]
-!! prop(SMOOTHING)  d of SMOOth [L]: the pressure is quadratic below this penetration; 0: none
+!! prop(SMOOTHING)  d of SMOOth [L]: below this penetration the pressure is quadratic; 0: no SMOOth
 !! Source:  Corbett and Sauer 2015, eq. (26)
 module contact_normal
   use base_kinds, only: wp
@@ -26,8 +26,8 @@ contains
   end function describe
 
   !> Find p = <y> with y = multiplier - eps_n gap; without augmentation the multiplier is zero. If d
-  !! > 0, p = y^2/(2 eps_n d) up to y = eps_n d, and p = y - eps_n d/2 beyond. Its derivative then
-  !! has no jump, and surfaces that just touch do not press.
+  !! > 0, p = y^2/(2 eps_n d) up to y = eps_n d, and p = y - eps_n d/2 beyond. With d > 0 the
+  !! derivative has no jump, and surfaces that just touch exert no pressure.
   pure subroutine pressure(prop, gap, multiplier, p, dp, energy)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: gap, multiplier

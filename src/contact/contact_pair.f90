@@ -14,10 +14,10 @@ module contact_pair
             edge_part_t, assigned_law_t, control_points_t, &
             friction_points_t, option_text, is_integrated
 
-  !> SCHEme: where the laws act, and which bodies their tractions load.
-  integer, parameter, public :: HALFPASS = 1 !! integration points, each loads its own side
-  integer, parameter, public :: BALANCED = 2 !! integration points, each loads both sides by halves
-  integer, parameter, public :: MORTAR = 3   !! cells and control points, both sides
+  !> SCHEme: the points at which the laws act, and the bodies on which their tractions act.
+  integer, parameter, public :: HALFPASS = 1 !! each integration point loads its own side
+  integer, parameter, public :: BALANCED = 2 !! each integration point loads both sides by half
+  integer, parameter, public :: MORTAR = 3   !! cells and control points load both sides
 
   !> Functions of the surface elements of one basis: N = C B with Bernstein polynomials B on
   !! [-1,1]^2, the first direction fastest. Facets and Lagrange patches are written this way too.
@@ -40,7 +40,7 @@ module contact_pair
   !! Edges 1 to 4 of an element: xi-, xi+, eta-, eta+. Corners 1 to 4: (-,-) (+,-) (-,+) (+,+).
   type :: surface_t
     character(:), allocatable :: name        !! as in the deck: hemi 3-
-    logical :: rigid = .false.               !! its nodes are prescribed; it is not integrated
+    logical :: rigid = .false.               !! rigid: its nodes are prescribed, no integration
     real(wp) :: thickness = 0.0_wp           !! of the body behind it [L]; 0: unknown or rigid
     integer :: nelem = 0
     type(surface_basis_t), allocatable :: basis(:)
@@ -57,7 +57,7 @@ module contact_pair
     !! edges or a part of one; `neighbour` is then one of them. Not allocated: there are none.
     integer, allocatable :: part_first(:)    !! (4*nelem+1)
     type(edge_part_t), allocatable :: part(:)
-    !> (4, nelem) the edge is collapsed to a point (prisms); not allocated: none is.
+    !> (4, nelem) the edge is collapsed to a point (prisms); not allocated: no edge is collapsed.
     logical, allocatable :: point(:, :)
     integer, allocatable :: vertex(:, :)     !! (4, nelem) vertex at each corner
     integer, allocatable :: ring_first(:)    !! (nvertex+1) where the elements around a vertex begin
@@ -96,8 +96,8 @@ module contact_pair
     character(:), allocatable :: name
     type(place_t) :: place
     type(surface_t) :: side(2)
-    !> Both sides are the same surface: side 1 is integrated over its cells with itself, and side 2
-    !! is what it is projected on.
+    !> Self-contact: both sides are the same surface. Side 1 is integrated over its cells and
+    !! projected on side 2.
     logical :: self = .false.
     type(assigned_law_t) :: normal, friction, cohesive
     !> PAIR: the penalty of bonded points acts between point and partner until the bond is released.
@@ -108,7 +108,7 @@ module contact_pair
     !> MORTAR: the part of the penalty that acts at control points [F/L^3]; the rest acts at points.
     real(wp) :: control_penalty = 0.0_wp
     real(wp) :: after = -huge(1.0_wp)        !! AFTEr: friction acts in steps from this time on [T]
-    type(bond_t), allocatable :: bond(:)     !! regions of BONDed, which intersect; none: everywhere
+    type(bond_t), allocatable :: bond(:)     !! regions of BONDed; bonds are in their intersection
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element
     real(wp) :: released = 0.0_wp            !! opening from which a bond counts as released [L]
     real(wp) :: depth = 0.0_wp               !! DEPTh: a deeper penetration is not contact [L]
@@ -134,13 +134,14 @@ module contact_pair
     real(wp), allocatable :: slide_xi(:, :)  !! (2, np)
     real(wp), allocatable :: multiplier(:)   !! (np) pressure of the augmentation [F/L^2]
     real(wp), allocatable :: multiplier_step(:) !! (np) at the start of the step
-    !> (np) `state` at the end of the previous step: points that slipped begin with the tangent of
-    !! slip.
+    !> (np) `state` at the end of the previous step. A point that slipped begins the next step with
+    !! the tangent of slip.
     integer, allocatable :: state_step(:)
     real(wp), allocatable :: slip_rate(:)    !! (np) rate of slip in the previous step [L/T]
     real(wp) :: dt = 0.0_wp                  !! of the current step [T]; 0: no time
-    !> (np) At the end of the previous step the point was beside the other surface and not far above
-    !! it: it enters the body over the boundary, and is not pushed out through the face.
+    !> (np) (np) At the end of the previous step the point was beside the other surface and not far
+    !! above it. Such a point enters the body over the boundary and is not pushed out through the
+    !! face.
     logical, allocatable :: beside(:)
     logical :: new_step = .false.            !! the step has not been assembled yet
     logical, allocatable :: refined(:)       !! (nelem) the points of the cells act
@@ -164,11 +165,11 @@ module contact_pair
     real(wp), allocatable :: friction(:, :), cohesion(:, :)
     !> (3, np) part of the tangential displacement that is not slip [L].
     real(wp), allocatable :: elastic(:, :)
-    real(wp), allocatable :: slip(:)         !! (np) length of the remaining part [L]
+    real(wp), allocatable :: slip(:)         !! (np) length of the slip [L]
     real(wp), allocatable :: area(:)         !! (np) current area of the point [L^2]
     !> MORTAR: (NSPREAD, n) sums over the points of the cells of their values times the functions of
-    !! the n nodes of the side, for smooth fields (contact_smooth). Not allocated: the integration
-    !! points serve.
+    !! the n nodes of the side, for smooth fields (contact_smooth). If it is not allocated, the
+    !! fields are found from the integration points.
     real(wp), allocatable :: spread(:, :)
   end type contact_points_t
 
@@ -204,7 +205,8 @@ module contact_pair
     real(wp) :: area(2) = 0.0_wp, sticks(2) = 0.0_wp, slips(2) = 0.0_wp, penetration(2) = 0.0_wp
     logical :: depth_warned = .false.        !! the warning of points deeper than `depth` was issued
     !> Of all steps: largest |F1 + F2| relative to the larger force, and largest penetration
-    !! relative to the smaller of element and thickness [-]; the largest force [F].
+    !! relative to the width of an element or the thickness, whichever is smaller [-]; the largest
+    !! force [F].
     real(wp) :: balance = 0.0_wp, deepest = 0.0_wp, largest_force = 0.0_wp
     !> Until it has closed in a step: the smallest gap of all steps [L], where and in which step.
     logical :: touched = .false.
@@ -223,7 +225,8 @@ contains
     is_integrated = .not. (contact%side(k)%rigid .or. (contact%self .and. k == 2))
   end function is_integrated
 
-  !> Options of a contact, for the line of its normal law in the log: one line here for each option.
+  !> Options of a contact as the log shows them after the normal law. Each option has one statement
+  !! here.
   function option_text(contact) result(text)
     type(contact_t), intent(in) :: contact
     character(:), allocatable :: text

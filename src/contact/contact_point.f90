@@ -5,7 +5,7 @@
 !! x_l(xi_s) belong to side l. The independent variations are those of x, of x_p at fixed xi_p, of
 !! the tangents of l at xi_p, and of x_s at fixed xi_s; the variation of xi_p follows from (x -
 !! x_p).a_alpha = 0 and is eliminated here. If the projection lies on an interior edge between
-!! facets, only the parameter along the edge varies; at a vertex, none does.
+!! facets, only the parameter along the edge varies; at a vertex, no parameter varies.
 module contact_point
   use base_kinds, only: wp
   use contact_pair, only: contact_t
@@ -114,8 +114,8 @@ contains
   end subroutine add_friction
 
   !> Find the pressure of the normal law. A point deeper than `full` is not pushed out through the
-  !! face: from `full` to twice that depth its pressure decreases to zero, and from there to `last`
-  !! its energy decreases to zero.
+  !! face: its pressure decreases to zero between `full` and twice that depth, and its energy
+  !! decreases to zero between there and `last`.
   pure subroutine press(contact, gap, point, dp)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: gap            !! [L]

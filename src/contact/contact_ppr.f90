@@ -2,7 +2,8 @@
 !!
 !! prop(1:2)   energies phi_n, phi_t [F/L]
 !! prop(3:4)   strengths sigma_max, tau_max [F/L^2]
-!! prop(5:6)   shapes alpha, beta [-]: 2 is about linear, less gives a plateau, more a tail
+!! prop(5:6)   shapes alpha, beta [-]: 2 makes the softening nearly linear, a smaller number gives a
+!!             plateau, and a larger number gives a tail
 !! prop(7:8)   lambda_n, lambda_t [-]: opening at the strength over the final opening
 !! prop(9:16)  derived from these: m, n [-]; final openings delta_n, delta_t [L]; constants Gamma_n,
 !!             Gamma_t; differences <phi_n - phi_t>, <phi_t - phi_n>
@@ -42,7 +43,8 @@ contains
     call pull_by_secants(secants, MODES, prop, minval(prop(11:12)), lag, g, n, past, now, c)
   end subroutine ppr_law
 
-  !> Compute prop(9:16) from the numbers of the deck; `wrong` is the number for which that fails.
+  !> Compute prop(9:16) from the numbers of the deck; `wrong` is the position of a number with which
+  !! this is impossible.
   pure subroutine prepare(prop, wrong, hint)
     real(wp), intent(inout) :: prop(:)
     integer, intent(out) :: wrong
@@ -114,7 +116,7 @@ contains
     end do
   end subroutine secants
 
-  !> The opening at which both modes are released.
+  !> The opening beyond which a bond is released in both modes.
   pure function released(prop) result(opening)
     real(wp), intent(in) :: prop(:)
     real(wp) :: opening

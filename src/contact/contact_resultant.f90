@@ -1,4 +1,4 @@
-!> Resultants of one side of a contact: force, moment, area and points in contact. Also the values
+!> Resultants of one side of a contact (force, moment, area and points in contact), and the values
 !! of the contact quantities of a CURVe.
 !!
 !! The tractions of side k are those that act on side k: a body that is pressed onto another one is
@@ -30,10 +30,11 @@ module contact_resultant
     real(wp) :: force_size = 0.0_wp      !! int |t| da [F]
     real(wp) :: moment_size = 0.0_wp     !! int |(x - about) x t| da [F L]
     real(wp) :: area = 0.0_wp            !! current area in contact [L^2]
-    real(wp) :: penetration = 0.0_wp     !! largest -gap of the points in contact [L]
+    real(wp) :: penetration = 0.0_wp     !! largest penetration of the points in contact [L]
     integer :: npoint = 0, nclosed = 0   !! points, and how many of them are in contact
     integer :: nstick = 0, nslip = 0
-    !> What `stick` and `slip` are parts of: points in contact, or the area in contact (MORTar).
+    !> The total of which `stick` and `slip` are parts: the points in contact, or the area in
+    !! contact (MORTar).
     real(wp) :: closed = 0.0_wp, stick = 0.0_wp, slip = 0.0_wp
   end type resultant_t
 
@@ -183,7 +184,7 @@ contains
                             .and. points%opening >= contact%released), &
                         sum(points%area0, mask=points%bond > 0))
           return
-        case default             ! the others need the sums over the points
+        case default             ! all other quantities need the sums over the points
         end select
       end associate
     end associate

@@ -55,7 +55,7 @@ contains
         end do
       end associate
       if (.not. tangent) return
-      do b = 1, part%ncross ! due to friction, forces on a partner also vary with another one
+      do b = 1, part%ncross ! with friction, a force depends on two partners
         i = part%partner(part%pair(1, b))
         j = part%partner(part%pair(2, b))
         associate (rows => other%node(other%first(i):other%first(i + 1) - 1), &

@@ -6,9 +6,9 @@
 !!   T = -s_n(k) d_n n - s_t(k) g_t.
 !!
 !! A law is defined by its two secants s_n, s_t as functions of the largest openings k so far: those
-!! of the two modes, k = (max <d_n>, max d_t), or that of the whole vector, k_1 = max sqrt(<d_n>^2 +
-!! d_t^2). Unloading and compression are linear, with the secant reached so far. A reversible law
-!! uses the current opening instead.
+!! of the two modes, k = (max <d_n>, max d_t), or the largest opening of the whole vector, k_1 = max
+!! sqrt(<d_n>^2 + d_t^2). Unloading and compression are linear, with the secant reached so far. A
+!! reversible law uses the current opening instead.
 !!
 !! VISCous multiplies the traction by 1 + tau (D - D_0)/dt with the damage
 !! D = 1 - (s_n/s_n(0) + s_t/s_t(0))/2 and its value D_0 at the start of the step.
@@ -22,12 +22,12 @@ module contact_secant
   private
   public :: pull_by_secants, REVERSIBLE, WHOLE, MODES
 
-  !> Opening on which the secants depend: the current one, the largest one, or the largest ones of
-  !! both modes.
+  !> Opening on which the secants depend: the current opening, the largest opening so far, or the
+  !! largest openings of both modes so far.
   integer, parameter :: REVERSIBLE = 0, WHOLE = 1, MODES = 2
 
-  !> Intervals over which the work of a step is integrated: how many per opening `scale`, and at
-  !! most.
+  !> Number of intervals over which the work of a step is integrated: PER_SCALE in an opening of
+  !! `scale`, and at most MOST.
   integer, parameter :: PER_SCALE = 32, MOST = 512
 
   abstract interface

@@ -5,8 +5,8 @@
 !! on the current surface, interpolated with the same functions (Sauer 2013). N_A^2 replaces N_A in
 !! elements with functions whose integral vanishes. Values at the integration points oscillate; only
 !! these smooth fields should be compared and plotted. With the mortar scheme the upper integral is
-!! taken over the cells, which carry the forces: a contact that lies between the integration points
-!! of whole elements would have no pressure.
+!! taken over the cells, which carry the forces. Otherwise a contact that lies between the
+!! integration points of whole elements would have no pressure.
 !!
 !! The traction of friction is smoothed separately: the tangential part of the smooth traction would
 !! contain some of the pressure wherever the surface is curved (5 % of the values of Table 5,
@@ -33,7 +33,7 @@ module contact_smooth
     real(wp), allocatable :: gap(:)         !! (n) height of the points above the other surface [L]
   end type smooth_t
 
-  !> Fraction of a squared pressure that may be due to rounding.
+  !> Relative rounding error of the square of a pressure.
   real(wp), parameter :: ROUNDING = 64.0_wp*epsilon(1.0_wp)
 
   !> Rows of the sums that points%spread has: traction, pressure, elastic slip, state, friction.
@@ -170,9 +170,9 @@ contains
     end do
   end subroutine add_point
 
-  !> Friction at a point. It acts along the elastic part of the slip, and the pressure acts across
-  !! it. An elastic part that is only rounding has an arbitrary direction, so friction is limited to
-  !! the part of t that is not pressure.
+  !> Friction at a point. Friction acts along the elastic part of the slip, and the pressure acts
+  !! perpendicular to it. If the elastic part is only rounding, its direction is arbitrary;
+  !! therefore friction is limited to the part of t that is not pressure.
   pure function friction_of(t, p, elastic) result(friction)
     real(wp), intent(in) :: t(3), p, elastic(3)
     real(wp) :: friction(3)

@@ -36,7 +36,7 @@ module contact_type
     !> For cohesive laws.
     logical :: oriented = .false. !! it depends on the normal at the partner
     procedure(released_i), pointer, nopass :: released => null()
-    procedure(prepare_i), pointer, nopass :: prepare => null() !! null: nothing to derive or check
+    procedure(prepare_i), pointer, nopass :: prepare => null() !! unset: nothing to derive or check
   end type contact_law_t
 
   !> Result of a cohesive law at a point, on the reference area.
@@ -69,8 +69,9 @@ module contact_type
       real(wp), intent(in) :: prop(:)
       real(wp), intent(in) :: d(3)        !! [L] from the sliding point, in the tangent plane
       real(wp), intent(in) :: p           !! [F/L^2] pressure, > 0
-      !> [L] In the first iteration of a step, the slip that is expected in the step; the point is
-      !! then taken to slip for any d. Otherwise negative: d alone decides.
+      !> [L] In the first iteration of a step: the slip that is expected in the step. The point then
+      !! slips whatever d is. In other iterations it is negative, and d decides between stick and
+      !! slip.
       real(wp), intent(in) :: ahead
       real(wp), intent(out) :: t(3)       !! [F/L^2]
       real(wp), intent(out) :: dtdd(3, 3) !! [F/L^3]

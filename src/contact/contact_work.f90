@@ -20,8 +20,8 @@ module contact_work
             add_back, add_cross, measure, position_on, position_at, tangents_on, &
             element_functions, own_share, loads_both
 
-  !> Work arrays of one element and of the elements of the other side that its points refer to, its
-  !! partners. A slot is the position of a partner in the list.
+  !> Work arrays of one element and of its partners, which are the elements of the other side to
+  !! which its points refer. A slot is the position of a partner in the list.
   type :: work_t
     integer :: nk = 0                          !! nodes of the element
     integer :: npartner = 0
@@ -75,7 +75,7 @@ contains
     allocate (work%pair(2, contact%nq), work%cross(3*ml, 3*ml, contact%nq))
   end subroutine new_work
 
-  !> Make room for n partners of an element. What the arrays hold is lost.
+  !> Make room for n partners of an element; the contents of the arrays are lost.
   pure subroutine reserve_partners(n, work)
     integer, intent(in) :: n
     type(work_t), intent(inout) :: work
@@ -150,7 +150,7 @@ contains
     call position_at(surface, e, xi, x, work%shp(:n), work%dshp(:, :n), at)
   end subroutine position_on
 
-  !> The same, with the functions returned to the caller.
+  !> Position of a parametric point of a surface, and the functions there.
   pure subroutine position_at(surface, e, xi, x, shp, dshp, at)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -213,7 +213,8 @@ contains
     call raise(a, n, up, area)
   end subroutine measure
 
-  !> Unit normal, contravariant tangents and area of two tangents; zero where they are parallel.
+  !> Unit normal, contravariant tangents and area of two tangents. All are zero if the tangents are
+  !! parallel.
   pure subroutine raise(a, n, up, area)
     real(wp), intent(in) :: a(3, 2)
     real(wp), intent(out) :: n(3), up(3, 2), area
@@ -304,8 +305,9 @@ contains
     work%slot = slot
   end subroutine find_slot
 
-  !> With BALAnced: add the same force, reversed, on the partner of the last add_partner. add_own
-  !! and add_partner must have been called for this traction, because their columns are used.
+  !> With BALAnced, add the same force in the opposite direction on the partner of the last
+  !! add_partner. add_own and add_partner must have been called for this traction, because their
+  !! columns are used.
   pure subroutine add_back(other, e, t, da, work, foot, x)
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
@@ -344,8 +346,8 @@ contains
     end associate
   end subroutine add_back
 
-  !> With BALAnced and friction: the force of the last add_back varies with the sliding point, for
-  !! which add_partner has been called in the meantime.
+  !> With BALAnced and friction, add the derivative of the force of the last add_back with respect
+  !! to the sliding point, for which add_partner has been called in the meantime.
   pure subroutine add_cross(other, da, work)
     type(surface_t), intent(in) :: other
     real(wp), intent(in) :: da

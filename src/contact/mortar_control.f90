@@ -1,5 +1,5 @@
-!> Control points of the mortar scheme: pressures, the nodes that they couple, and their part of the
-!! tangent.
+!> Control points of the mortar scheme: their pressures, the nodes that they couple, and their part
+!! of the tangent.
 module mortar_control
   use base_kinds, only: wp
   use contact_pair, only: contact_t, surface_t, control_points_t
@@ -126,7 +126,7 @@ contains
     end associate
   end function pressure_at
 
-  !> Nodes that each control point couples.
+  !> Find the nodes that each control point couples.
   subroutine need_lists(contact, k, side, nnode, new, grown)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -198,7 +198,7 @@ contains
     end subroutine put_element
   end subroutine need_lists
 
-  !> Nodes that are coupled by the control points of side k, for the pattern.
+  !> List the nodes that the control points of side k couple, for the pattern.
   subroutine mortar_clique(mortar, k, clique)
     type(mortar_t), intent(in) :: mortar
     integer, intent(in) :: k
@@ -218,8 +218,8 @@ contains
     end do
   end subroutine mortar_clique
 
-  !> The part of the tangent that couples all nodes round a control point: the pressure there varies
-  !! with the positions of all of them.
+  !> Add the part of the tangent that couples all nodes around a control point, because the pressure
+  !! there varies with the positions of all these nodes.
   subroutine add_control_tangent(side, contact, k, x, a)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact
@@ -263,8 +263,9 @@ contains
     end do
   end subroutine add_control_tangent
 
-  !> Derivatives of the sum of w N_c g of control point c with respect to the nodes that it couples,
-  !! and the forces on them by a unit pressure there, with the friction of points that slip.
+  !> Find the derivatives of the sum of w N_c g of control point c with respect to the nodes that
+  !! the control point couples, and the forces on these nodes under a unit pressure at the control
+  !! point, including the friction of points that slip.
   subroutine vary_gap(side, contact, k, c, x, at, slope, rows)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact

@@ -9,8 +9,8 @@
 !!   dr_c =  sum M_c (w dt/dx_d) + sum_a sum (M_c,a t) (w dxi_a/dx_d).
 !!
 !! Friction also varies with the sliding point, which may belong to another element. The columns of
-!! the matrices are the first components of all nodes of e, then the second and the third ones, and
-!! then those of the other element.
+!! the matrices are the first components of all nodes of e, then the second and the third
+!! components, and then the same for the other element.
 module mortar_kernel
   use base_kinds, only: wp
   use contact_pair, only: contact_t
@@ -174,8 +174,8 @@ contains
               kernel%dxi(4*nd*m), kernel%ds(3, 3, 2*m), kernel%k(3*max(nk, nl)*nd))
   end subroutine reserve
 
-  !> The points that face one partner: their tractions and states, the forces, and what the
-  !! derivatives of the forces are made of.
+  !> Find, for the points that face one partner, tractions and states, the forces, and the factors
+  !! of the derivatives of the forces.
   pure subroutine form_points(contact, k, slot, from, nk, nl, nd, m, x, dt_first, tangent, side, &
                               point, slide_slot, xe, own_shp, shp, slope, dt, dxi, ds, work)
     type(contact_t), intent(in) :: contact
@@ -259,8 +259,8 @@ contains
     end associate
   end subroutine form_points
 
-  !> Derivatives of the traction and the parameters of a point with respect to the nodes of both
-  !! elements.
+  !> Find the derivatives of the traction and of the parameters of a point with respect to the nodes
+  !! of both elements.
   pure subroutine vary_both(nk, nl, own_shp, shp, dshp, load, d, h, c, g, dt, dxi)
     integer, intent(in) :: nk, nl
     real(wp), intent(in) :: own_shp(nk), shp(nl), dshp(2, nl), load
@@ -323,7 +323,7 @@ contains
     call add_block(nl, nl, nd, 3*nk, product, work%ll(:, :, slot))
   end subroutine add_products
 
-  !> Add columns of a product to a block: those of n nodes after column `before`.
+  !> Add columns of a product to a block. The columns are those of n nodes, after column `before`.
   pure subroutine add_block(nrow, n, nd, before, product, block)
     integer, intent(in) :: nrow, n, nd, before
     real(wp), intent(in) :: product(nrow, nd, 3)
@@ -342,8 +342,8 @@ contains
     end do
   end subroutine add_block
 
-  !> Add the derivatives with respect to sliding points that lie on other elements than those that
-  !! the points face.
+  !> Add the derivatives with respect to those sliding points that do not lie on the element that
+  !! their point faces.
   pure subroutine add_away(contact, k, slot, nk, nl, m, point, slide_slot, slide_shp, own_shp, &
                            shp, ds, work)
     type(contact_t), intent(in) :: contact

@@ -24,7 +24,7 @@ module mortar_results
 
 contains
 
-  !> Accept a step: keep what friction leaves to the next one, add up the work of slip, and set the
+  !> Accept a step: keep what friction needs in the next step, add up the work of slip, and set the
   !! results at the integration points for fields, curves and reports. Tractions refer to the
   !! current area.
   subroutine accept_mortar(mortar, contact, k, shape, grid, state)
@@ -136,7 +136,7 @@ contains
     end associate
   end subroutine spread_cells
 
-  !> Keep what the points of the next step take over, and add the work of slip in this step.
+  !> Keep the values that points of the next step take over, and add the work of slip in this step.
   subroutine keep_friction(side, contact, dt, rubbed, dissipated)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact
@@ -147,7 +147,7 @@ contains
     integer :: e, i, n
 
     associate (cells => side%cells)
-      rubs = .false. ! whole elements: open points beside those in contact count as well
+      rubs = .false. ! whole elements are kept, with their open points
       do e = 1, size(cells%first) - 1
         i = cells%first(e)
         n = cells%first(e + 1) - 1
@@ -186,7 +186,7 @@ contains
     do i = side%cells%first(e), side%cells%first(e + 1) - 1
       if (.not. side%p(i) > 0.0_wp) cycle
       d = sum((to_chart(flat, side%cells%xi(:, i)) - u)**2)
-      ! no farther than about the distance of two points of this cell
+      ! limit: about the distance between two points of this cell
       inside = inside .or. d <= 4.0_wp*area*abs(side%cells%weight(i))
       if (d >= least) cycle
       least = d
@@ -195,8 +195,8 @@ contains
     if (.not. inside) j = 0
   end function nearest_closed
 
-  !> Where the nearest point of the cells of an element is projected, or the facet that it faces;
-  !! element 0: the element faces nothing.
+  !> Find where the nearest point of the cells of an element is projected, or else the facet that
+  !! this point faces. Element 0 means that the element faces nothing.
   pure subroutine find_faced(cells, e, xi, foot)
     type(cells_t), intent(in) :: cells
     integer, intent(in) :: e
@@ -215,7 +215,8 @@ contains
     foot%xi = cells%faced_xi(:, i)
   end subroutine find_faced
 
-  !> Area in contact, its parts that stick and slip, and the largest penetration of side k.
+  !> Add up the area of side k in contact and its parts that stick and slip, and find the largest
+  !! penetration.
   subroutine measure_cells(mortar, contact, k, shape, state)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact
@@ -249,8 +250,8 @@ contains
     end associate
   end subroutine measure_cells
 
-  !> Internal forces of the pressure on side k at the last assembly. The work of friction is that of
-  !! the slip (keep_friction).
+  !> Add the internal forces of the pressure on side k at the last assembly. Friction is not
+  !! included, because its work is found from the slip (keep_friction).
   subroutine split_mortar_forces(mortar, contact, k, x, f)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact

@@ -47,7 +47,7 @@ module mortar_type
     integer, allocatable :: slot(:)            !! (n) of the element that the point faces
     integer, allocatable :: slide_slot(:)      !! (n) of its sliding point; 0: it has none
     real(wp), allocatable :: xe(:, :)          !! (3, nk) positions of the own nodes [L]
-    !> Of the m points that face one element, of which some slide on another one:
+    !> For the m points that face one element; some of them slide on another element:
     real(wp), allocatable :: own(:)            !! (nk, m) own functions
     real(wp), allocatable :: shp(:)            !! (nl, m) functions at the projections
     real(wp), allocatable :: slope(:)          !! (nl, 2, m, 3) derivatives times traction [F/L^2]

@@ -1,10 +1,11 @@
 !> Closest-point projection onto a surface: Newton's method from element to element.
 !!
-!! Within an element the distance is minimised under the bounds -1 <= xi <= 1. If it would decrease
-!! further beyond an edge, the search continues in the neighbour if the distance decreases there
-!! too; otherwise the surface has a ridge there, and the projection is a point of the edge. At a
-!! vertex, all elements around it are tried; in a triangle, the vertex may be a collapsed edge, at
-!! which a tangent vanishes (surface_chart). Projections onto the outer boundary are rejected.
+!! Within an element the distance is minimised under the bounds -1 <= xi <= 1. If the distance would
+!! decrease further beyond an edge, the search looks at the neighbour. If the distance decreases in
+!! the neighbour too, the search continues there; otherwise the edge is a ridge of the surface, and
+!! the projection is a point of the edge. At a vertex, all elements around it are tried; in a
+!! triangle, the vertex may be a collapsed edge, at which a tangent vanishes (surface_chart).
+!! Projections onto the outer boundary are rejected.
 !!
 !! Read on: projection_type (the result of a projection), projection_iterate (one Newton step),
 !! projection_search (starting points), then contact_point (gap, traction and tangent at a
@@ -25,21 +26,24 @@ module projection
   public :: project, project_from
 
   integer, parameter :: MOST_STEPS = 100
-  !> Largest number of changes of the element without a step, enough for a ring of elements.
+  !> Largest number of times that the element may change without a step between; this is enough for
+  !! all elements around a vertex.
   integer, parameter :: MOST_CHANGES = 12
-  !> Number of changes of the element with steps after which a better start is looked for.
+  !> If the element has changed this many times with steps between, a better start is looked for.
   integer, parameter :: FAR_AWAY = 3
-  !> A push beyond an edge that is smaller than this cannot distinguish a ridge from a smooth edge.
+  !> If the step beyond an edge is smaller than this, a ridge cannot be distinguished from a smooth
+  !! edge.
   real(wp), parameter :: NO_PUSH = 1.0e-10_wp
   !> Steps shorter than this that no longer become shorter are due to rounding.
   real(wp), parameter :: STALLED = 1.0e-8_wp
-  !> A step shorter than this, which squares the error, is the last one and needs no further
-  !! evaluation.
+  !> A step that squares the error and is shorter than this is the last one; no further evaluation
+  !! is needed.
   real(wp), parameter :: LAST_STEP = 3.0e-8_wp
-  !> If an iterate is closer than BESIDE to a collapsed edge and would pass it, the other elements
-  !! around the edge are tried. It has arrived if it is closer than ARRIVED.
+  !> If an iterate is closer than BESIDE to a collapsed edge and its step would pass this edge, the
+  !! other elements around the edge are tried. An iterate that is closer than ARRIVED lies on the
+  !! edge.
   real(wp), parameter :: BESIDE = 1.0e-3_wp, ARRIVED = 1.0e-9_wp
-  !> Distance from a collapsed edge at which an element is evaluated instead of on the edge.
+  !> An element is not evaluated on its collapsed edge, but at this distance from the edge.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
   !> Ways in which an iteration ends.
   integer, parameter :: LOST = 0, OUTER = 1, SMOOTH = 2, ON_EDGE = 3, ON_VERTEX = 4
@@ -321,8 +325,8 @@ contains
   end subroutine change_element
 
   !> Change to an element around the nearest vertex if the distance decreases there. An element
-  !! whose collapsed edge is the vertex is entered along its other edges, which end there: both are
-  !! in the ring.
+  !! whose collapsed edge is the vertex is entered along those two of its edges that end there; both
+  !! are in the ring.
   pure subroutine try_ring(surface, shape, x, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

@@ -9,7 +9,7 @@ module projection_iterate
   private
   public :: iterate_t, evaluate, find_step, find_active, take_step, take_last_step, is_rounding
 
-  !> Parameters that differ by less than this are equal.
+  !> Parameters that differ by less than this count as equal.
   real(wp), parameter :: SAME_XI = 1.0e-13_wp
   !> Relative rounding error of a coordinate.
   real(wp), parameter :: ROUNDING = 4.0_wp*epsilon(1.0_wp)
@@ -17,7 +17,7 @@ module projection_iterate
   real(wp), parameter :: FLAT = 1.0e-12_wp
   !> Newton's step needs a Hessian whose determinant is at least this fraction of the metric's.
   real(wp), parameter :: PROPER = 1.0e-6_wp
-  !> From this fraction on, Newton's step squares the error.
+  !> Newton's step squares the error if the determinant is at least this fraction of the metric's.
   real(wp), parameter :: WELL = 0.1_wp
   !> Steps shorter than this are not tested: rounding hides the decrease of the distance.
   real(wp), parameter :: SHORT = 1.0e-4_wp
@@ -25,7 +25,8 @@ module projection_iterate
   !> Largest fraction of the distance to a collapsed edge that a step may cover.
   real(wp), parameter :: NEARLY = 0.9_wp
 
-  !> There is no default initialisation, which would cost as much as an evaluation.
+  !> The components have no default values, because setting these would take as long as an
+  !! evaluation.
   type :: iterate_t
     integer :: elem
     real(wp) :: xi(2)
@@ -79,8 +80,8 @@ contains
     is_rounding = abs(d) <= SAME_XI .or. d*d*iterate%m(i) <= iterate%noise
   end function is_rounding
 
-  !> Find active bounds: edges on which the iterate lies and beyond which the distance would
-  !! decrease further.
+  !> Find the active bounds, which are the edges on which the iterate lies and beyond which the
+  !! distance would decrease further.
   pure subroutine find_active(iterate, edge, push)
     type(iterate_t), intent(in) :: iterate
     integer, intent(out) :: edge(2)     !! for each parameter; 0: none
@@ -133,8 +134,8 @@ contains
     d = [h(2)*iterate%g(1) - h12*iterate%g(2), h(1)*iterate%g(2) - h12*iterate%g(1)]/det
     do i = 1, 2
       if (abs(iterate%xi(i)) < 1.0_wp .or. .not. iterate%xi(i)*d(i) > 0.0_wp) cycle
-      ! If the step leaves the element, move the other parameter alone; if that does not move, move
-      ! this one inwards.
+      ! If the step leaves the element, move only the other parameter; if that one does not move
+      ! either, move this one inwards.
       squares = .false.
       j = 3 - i
       d(i) = 0.0_wp

@@ -1,5 +1,5 @@
-!> Starting points of projections: the nearest of some sample points of a surface, from a bucket
-!! grid.
+!> Starting points of projections: a bucket grid finds the nearest of some sample points of a
+!! surface.
 module projection_search
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
@@ -31,7 +31,8 @@ module projection_search
 
 contains
 
-  !> Shapes of both surfaces at the positions x, and grids of those that points are projected on.
+  !> Find the shapes of both surfaces at the positions x, and the grids of those surfaces on which
+  !! points are projected.
   subroutine place_surfaces(contact, x, shape, grid)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)               !! (3, nnode) [L]
@@ -190,7 +191,7 @@ contains
     xi = grid%xi(:, s)
   end subroutine nearest_start
 
-  !> Find the nearest sample in the cells on the surface of a cube around a cell.
+  !> Search the cells that form the surface of a cube around a given cell for the nearest sample.
   pure subroutine search_ring(grid, x, at, ring, best, nearest)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)

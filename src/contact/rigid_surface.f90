@@ -31,8 +31,8 @@ contains
     end do
   end subroutine react
 
-  !> Split the force of point i on the other side: the force of a bond acts at the partner, the rest
-  !! at the projection.
+  !> Split the force of point i on the other side into two parts. The force of the bond acts at the
+  !! partner, and all other force at the projection.
   pure subroutine split_force(points, i, at_partner, at_closest)
     type(contact_points_t), intent(in) :: points
     integer, intent(in) :: i

@@ -1,10 +1,11 @@
-!> Contact of a surface with itself: which parts of it may touch, and projections that stay there.
+!> Contact of a surface with itself: decides which parts of it may touch, and projects points on
+!! these parts.
 !!
 !! The nearest point of the surface is the point itself. A projection therefore begins on a part
 !! that faces the point (contact_cells), goes downhill from there, and counts only if the normal
-!! where it ends faces that of the point. The far side of a thin body faces its near side as two
-!! parts do that have passed through each other; only the reference configuration tells them apart:
-!! the body is between the former.
+!! where it ends faces that of the point. The near side and the far side of a thin body face each
+!! other in the same way as two parts that have passed through each other. Only the reference
+!! configuration distinguishes these cases: the near and the far side have the body between them.
 module self_contact
   use base_kinds, only: wp
   use contact_facets, only: FACING
@@ -17,22 +18,24 @@ module self_contact
   private
   public :: may_touch, project_on_itself
 
-  !> Elements of one edge whose normals have a smaller cosine meet at a corner of the body.
+  !> Two elements with a common node meet at a corner or edge of the body if the cosine of the angle
+  !! between their normals is smaller than this.
   real(wp), parameter :: CORNER = 0.9_wp
   real(wp), parameter :: LEVEL = 1.0e-6_wp   !! height over the width of an element: rounding
   real(wp), parameter :: FOLDED = 0.1_wp     !! height of elements that a motion has folded
-  !> Parts that overlap no deeper at the start, over the width of an element, touch there: surfaces
-  !! in contact are curved and their meshes need not match.
+  !> Parts that overlap at the start by less than this fraction of the width of an element count as
+  !! touching, because curved surfaces whose meshes do not match overlap a little.
   real(wp), parameter :: MISFIT = 0.01_wp
-  !> Cosine of the angle between the line through the body and the normals, at least.
+  !> Smallest cosine of the angle between a line through the body and the normals at its ends.
   real(wp), parameter :: ACROSS = 0.25_wp
-  !> A body is compressed to no less than the inverse of this.
+  !> Assumption: no body is compressed to less than 1/MOST_COMPRESSED of its thickness.
   real(wp), parameter :: MOST_COMPRESSED = 4.0_wp
 
 contains
 
-  !> May two elements of a surface touch? An element does not touch itself, and those on both sides
-  !! of a convex edge of the body do not touch each other, however sharp a motion makes the edge.
+  !> May two elements of a surface touch? An element does not touch itself. Two elements on either
+  !! side of a convex edge of the body do not touch each other, however sharp the motion makes the
+  !! edge.
   pure logical function may_touch(surface, reference, shape, e, f) result(may)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: reference, shape !! before the deformation, and now
@@ -81,15 +84,15 @@ contains
   end subroutine place
 
   !> Project the point xi of element e on the part of its own surface where `foot` is. There is no
-  !! projection (element 0) if the surface does not face the point where it ends, or if the two are
-  !! on opposite faces of the body.
+  !! projection (element 0) if the surface does not face the point where the search ends, or if the
+  !! point and its projection are on opposite faces of the body.
   pure subroutine project_on_itself(contact, shape, reference, e, xi, foot, through)
     type(contact_t), intent(in) :: contact
     type(shape_t), intent(in) :: shape, reference !! now, and before the deformation
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
     type(foot_t), intent(inout) :: foot
-    !> They are on opposite faces, though no farther from each other than DEPTh.
+    !> The two are on opposite faces, but no deeper than DEPTh.
     logical, intent(out), optional :: through
     real(wp) :: x(3), n(3)
     logical :: touches
@@ -112,7 +115,7 @@ contains
     foot%gap = huge(1.0_wp)
   end subroutine project_on_itself
 
-  !> Were a point and its projection on opposite faces of the body, before it deformed?
+  !> Were a point and its projection on opposite faces of the body before the deformation?
   pure logical function is_opposite(contact, reference, e, xi, foot) result(yes)
     type(contact_t), intent(in) :: contact
     type(shape_t), intent(in) :: reference
@@ -124,7 +127,7 @@ contains
     call place(contact%side(1), reference, e, xi, x, n)
     call place(contact%side(1), reference, foot%elem, foot%xi, y, m)
     far = norm2(y - x)
-    height = [dot_product(y - x, n), dot_product(x - y, m)] ! of each above the other
+    height = [dot_product(y - x, n), dot_product(x - y, m)] ! of each point above the other
     yes = far < MOST_COMPRESSED*contact%depth .and. all(height < 0.0_wp) .and. &
           sum(height) < -2*ACROSS*far .and. &
           sum(height) < -2*MISFIT*maxval(reference%high(:, e) - reference%low(:, e))

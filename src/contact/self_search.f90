@@ -1,5 +1,5 @@
-!> Self-contact: how near the parts of a surface that face each other are, and whether one has
-!! passed through another.
+!> Self-contact: finds how near to each other the parts of a surface are that face each other, and
+!! whether one part has passed through another one.
 module self_search
   use base_kinds, only: wp
   use contact_facets, only: facets_t, divide_surface, find_near, FACING
@@ -11,13 +11,13 @@ module self_search
   private
   public :: nearness_t, search_itself, find_own_jump
 
-  !> Fraction of the size of an element: a smaller gap is rounding.
+  !> A gap that is smaller than this fraction of the size of an element counts as rounding.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
 
-  !> How near a surface is to itself.
+  !> Distances between the parts of a surface that face each other.
   type :: nearness_t
     integer :: npoint = 0                 !! integration points
-    integer :: ninside = 0                !! of them, points that penetrate
+    integer :: ninside = 0                !! number of points that penetrate
     real(wp) :: deepest = 0.0_wp          !! largest penetration [L]
     real(wp) :: x(3) = 0.0_wp             !! and the point that has it [L]
     real(wp) :: gap = huge(1.0_wp)        !! smallest gap of a point [L]; huge: none
@@ -92,7 +92,7 @@ contains
     call divide_surface(contact%side(1), shape, facets)
   end subroutine start_search
 
-  !> The facets that face facet i and may touch it.
+  !> Find the facets that face facet i and may touch it.
   subroutine find_facing(contact, reference, shape, facets, i, reach, list, n)
     type(contact_t), intent(in) :: contact
     type(shape_t), intent(in) :: reference, shape
@@ -114,7 +114,7 @@ contains
     end do
   end subroutine find_facing
 
-  !> Do the parameters of an element belong to facet i?
+  !> Do the parameters xi, of the element of facet i, lie in this facet?
   pure logical function is_in(facets, i, xi)
     type(facets_t), intent(in) :: facets
     integer, intent(in) :: i
@@ -123,7 +123,7 @@ contains
     is_in = all(xi >= facets%from(:, i) .and. xi <= facets%to(:, i))
   end function is_in
 
-  !> Where a projection on facet j begins.
+  !> Set the point from which a projection on facet j begins: the middle of the facet.
   pure subroutine begin_at(facets, j, foot)
     type(facets_t), intent(in) :: facets
     integer, intent(in) :: j
@@ -133,14 +133,14 @@ contains
     foot%xi = 0.5_wp*(facets%from(:, j) + facets%to(:, j))
   end subroutine begin_at
 
-  !> Find a point that was in front of a part of its own surface at the start of the step, and is
-  !! now deeper than DEPTh behind it.
+  !> Find a point that was in front of a part of its own surface at the start of the step and is now
+  !! behind this part, deeper than DEPTh.
   subroutine find_own_jump(contact, xr, x_start, x, far, gap)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :)          !! (3, nnode) before the deformation [L]
     real(wp), intent(in) :: x_start(:, :)     !! at the start of the step [L]
     real(wp), intent(in) :: x(:, :)           !! now [L]
-    real(wp), intent(in) :: far               !! how far points have come [L]
+    real(wp), intent(in) :: far               !! how far points may have moved [L]
     real(wp), intent(out) :: gap              !! the point's [L]; positive: there is none
     type(shape_t) :: reference, shape, start
     type(facets_t) :: facets

@@ -29,8 +29,8 @@ contains
     if (points%refined(e)) q = [contact%nplain + 1, contact%nq]
   end function acting
 
-  !> At the start of a step, decide which elements are refined, from the states at the end of the
-  !! last one.
+  !> At the start of a step, decide which elements are refined, from the states of the points at the
+  !! end of the last step.
   pure subroutine begin_refinement(contact, points)
     type(contact_t), intent(in) :: contact
     type(contact_points_t), intent(inout) :: points
@@ -45,7 +45,8 @@ contains
     end do
   end subroutine begin_refinement
 
-  !> Does the edge of the contact area run through the element? Its plain points decide.
+  !> Does the edge of the contact area run through the element? The answer follows from the states
+  !! of its plain points.
   pure logical function is_refined(contact, feet)
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: feet(:)    !! (nplain or more)

@@ -49,7 +49,7 @@ contains
     sign_of = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
   end function sign_of
 
-  !> From parameters to the chart.
+  !> Convert parameters to coordinates of the chart.
   pure function to_chart(side, xi) result(u)
     integer, intent(in) :: side          !! see collapsed_side
     real(wp), intent(in) :: xi(2)
@@ -62,7 +62,8 @@ contains
     u(3 - g) = height(side, xi(g))*xi(3 - g)
   end function to_chart
 
-  !> From the chart to parameters. At the vertex the parameter along the collapsed edge is zero.
+  !> Convert coordinates of the chart to parameters. At the vertex, the parameter along the
+  !! collapsed edge is set to zero.
   pure function from_chart(side, u) result(xi)
     integer, intent(in) :: side
     real(wp), intent(in) :: u(2)

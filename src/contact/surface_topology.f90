@@ -4,8 +4,8 @@
 !! Two edges are the same if the same nodes have a trace on them and if they have the same position
 !! in the reference configuration. An edge that is collapsed to a point (prisms) has no neighbour.
 !! At a T-junction, an edge meets several others, each of which is a part of it
-!! (surface_t_junctions): control points of a spline have traces on all of them, or the nodes of the
-!! parts hang on those of the whole edge.
+!! (surface_t_junctions): the same control points of a spline have traces on all these edges, or the
+!! nodes of the parts are hanging nodes of the whole edge.
 module surface_topology
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
@@ -267,7 +267,7 @@ contains
     corner = 4*(e - 1) + c
   end function corner
 
-  !> Representative of the set to which i belongs.
+  !> The member that represents the set to which i belongs.
   pure integer function top(root, i)
     integer, intent(in) :: root(:), i
 

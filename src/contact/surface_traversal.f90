@@ -9,8 +9,7 @@ module surface_traversal
   public :: walk, step_across, corner_at, corner_xi
 
   integer, parameter :: MOST_CROSSINGS = 100
-  real(wp), parameter :: FLAT = 1.0e-12_wp !! tangents span no plane below this squared sine between
-  !! them
+  real(wp), parameter :: FLAT = 1.0e-12_wp !! squared sine of an angle between parallel tangents
 
 contains
 
@@ -35,7 +34,7 @@ contains
     do crossing = 1, MOST_CROSSINGS
       call tangential_step(surface, shape, elem, xi, rest*v, held, d, ok)
       if (.not. ok) return
-      fraction = 1.0_wp ! part of the step up to the first edge, that of parameter i
+      fraction = 1.0_wp ! fraction of the step at which parameter i reaches the first edge
       i = 0
       do j = 1, 2
         distance = sign(1.0_wp, d(j)) - xi(j)
