@@ -27,16 +27,17 @@ contains
 
   !> Use n threads in factorisations.
   !!
-  !! A thread of OpenBLAS allocates its buffer when it starts, and the first one in a first product.
-  !! Without enough memory they would retry forever, so the memory is tested first. Products of
-  !! small matrices need no buffer.
+  !! A thread of OpenBLAS allocates its buffer when it starts; the first thread does so at its first
+  !! product. If memory is short, a thread tries again forever, so the memory is tested first.
+  !! Products of small matrices need no buffer.
   subroutine set_threads(n, error)
     integer, intent(in) :: n
     type(error_t), allocatable, intent(out) :: error
     integer, parameter :: LARGE = 128, BUFFER_MB = 192, FURTHER_MB = 400
-    !! Address space: the first thread takes 128 MB and some more, each further one up to 400 MB.
+    !! Address space in MB: the first thread takes a little more than 128, each further thread up to
+    !! 400.
     real(wp), allocatable :: a(:, :), c(:, :)
-    character(:), allocatable :: room !! never touched, so that it takes no memory
+    character(:), allocatable :: room !! never used, so that it takes no memory
     integer :: megabytes, status
 
     megabytes = BUFFER_MB + FURTHER_MB*max(n - 1, 0)

@@ -1,4 +1,5 @@
-!> Linear constraints in a block matrix: K becomes T^T K T, and T expresses slaves by their masters.
+!> Linear constraints in a block matrix: K becomes T^T K T, where T expresses slaves by their
+!! masters.
 !!
 !! The matrix is assembled as if slaves were free. Then each block of a slave is moved to its
 !! masters, and the row and the column of the slave become zero.
@@ -11,7 +12,8 @@ module csr_fold
   private
   public :: fold_t, tied_cliques, new_fold, fold_matrix
 
-  !> Moves of blocks: c times block `from` is added to block `to`, as it is, transposed, or both.
+  !> Moves of blocks: block `from`, multiplied by c, is added to block `to`. It is added as it is
+  !! (PLAIN), or transposed (TRANSPOSED), or once in each form (BOTH).
   type :: fold_t
     integer :: n = 0
     integer, allocatable :: from(:), to(:), how(:) !! (>= n); how: PLAIN, TRANSPOSED, BOTH

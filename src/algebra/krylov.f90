@@ -1,6 +1,6 @@
-!> Krylov methods that use a factorisation as preconditioner: one of an older matrix, one in single
-!! precision, or a compressed one. With exact factors of the same matrix, the methods are an
-!! iterative refinement.
+!> Krylov methods that use a factorisation as preconditioner. The factors are those of an older
+!! matrix, or in single precision, or compressed. With exact factors of the same matrix, the methods
+!! are an iterative refinement.
 module krylov
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -158,8 +158,8 @@ contains
     r = b - r
   end subroutine true_residual
 
-  !> Does the iteration stop after this cycle, because it has reached the goal or its limit, or has
-  !! stagnated?
+  !> Does the iteration stop after this cycle? It stops if it has reached its goal or its limit, or
+  !! if it has stagnated.
   !!
   !! Rounding alone leaves a residual of about eps |A| |x|, which may be above the goal if |x| is
   !! large (slender bodies). A residual that cannot be improved counts as converged.

@@ -31,11 +31,12 @@ module linear_system
 
   integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4
 
-  integer, parameter :: MOST_ATTEMPTS = 3 !! with old factors, with new ones, with exact ones
+  integer, parameter :: MOST_ATTEMPTS = 3 !! one with old, one with new, one with exact factors
   integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
   integer, parameter :: LEAST_LIMIT = 10 !! smallest limit on the iterations with other factors
-  !> Number of operations of an elimination that take as long as a solve takes for one entry of the
-  !! factors: a thread does about 45e9 operations or handles 6e8 entries in a second.
+  !> Number of operations of an elimination that take as long as a solve needs for one entry of the
+  !! factors. In one second, a thread does about 45e9 operations of an elimination, or handles 6e8
+  !! entries in a solve.
   real(wp), parameter :: OPERATIONS_AN_ENTRY = 72.0_wp
 
   !> The costs of a factorisation and of its use so far.
@@ -196,8 +197,8 @@ contains
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
     end if
-    ! If old factors led to a direction of negative curvature, they are replaced first: the pivots
-    ! of new factors show whether the matrix is indefinite.
+    ! If old factors led to a direction of negative curvature, new factors are made first, because
+    ! their pivots show whether the matrix is indefinite.
     if (.not. definite .or. (run%indefinite .and. ls%current .and. .not. run%converged)) then
       call gmres(a, ls%factors%eq, ls%factors%solver, rhs, x, limit, tolerance, run, error)
       if (allocated(error)) return
@@ -221,8 +222,8 @@ contains
     report%used_single = .not. ls%factors%exact .and. ls%mode == SINGLE
   end subroutine describe
 
-  !> Factorise at the next solve, and forget what is known about earlier matrices. All that follows
-  !! then depends only on later matrices, as is required at a restart point.
+  !> Factorise at the next solve, and forget what is known about earlier matrices. From then on,
+  !! results depend only on later matrices, as a restart point requires.
   subroutine force_refactor(self)
     class(linear_system_t), intent(inout) :: self
 
@@ -230,7 +231,7 @@ contains
     call start_anew(self%factors)
   end subroutine force_refactor
 
-  !> Do the same, and release the memory of the factors.
+  !> Do the same as force_refactor, and release the memory of the factors.
   subroutine forget(self)
     class(linear_system_t), intent(inout) :: self
 

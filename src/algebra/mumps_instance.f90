@@ -117,10 +117,10 @@ contains
     integer, intent(in) :: ordering
 
     icntl(1:4) = [-1, -1, -1, 0] ! no output
-    icntl(6) = 0   ! no permutation to the diagonal, which would need values in the analysis
+    icntl(6) = 0   ! no permutation: it would need values in the analysis
     icntl(7) = ordering
     icntl(12) = 1  ! no other symmetric preprocessing
-    icntl(13) = 1  ! treat the root node like all others, so that the inertia is exact
+    icntl(13) = 1  ! treat the root node like the others, for exact inertia
     icntl(14) = FIRST_MARGIN
     icntl(24) = 1  ! detect null pivots
     icntl(28) = 1  ! sequential analysis
@@ -325,7 +325,8 @@ contains
 
   end subroutine finish
 
-  !> Refuse a factorisation for which there is not enough memory, before the machine swaps.
+  !> Refuse a factorisation for which there is not enough memory, because otherwise the computer
+  !! would start to swap.
   subroutine check_memory(need_mb, available_mb, neq, single, error)
     real(wp), intent(in) :: need_mb, available_mb
     integer, intent(in) :: neq

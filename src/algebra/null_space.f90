@@ -18,7 +18,7 @@ module null_space
   !! of 3000 cubes in a row had 2e-15.
   real(wp), parameter :: ZERO_EIGENVALUE = 2*epsilon(1.0_wp)
   real(wp), parameter :: DOUBT = 2*epsilon(1.0) !! the same for factors in single precision
-  integer, parameter :: MOST = 14  !! motions found at once: those of two bodies and two more
+  integer, parameter :: MOST = 14  !! motions found at once: those of two bodies, and two more
   integer, parameter :: STEPS = 2  !! number of steps of inverse iteration
 
 contains
@@ -26,8 +26,8 @@ contains
   !> Find out whether the matrix that was just factorised is regular; then `null` stays empty.
   !! Otherwise it gets the equations whose support would stop the free motions, one for each motion.
   !!
-  !! If approximate factors leave doubt, the matrix counts as singular, and exact factors must
-  !! decide.
+  !! If approximate factors do not give a clear answer, the matrix counts as singular, and exact
+  !! factors must decide.
   subroutine prove_regular(a, eq, solver, exact, null, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)              !! (3, nnode) equation numbers, 0: prescribed
@@ -119,8 +119,8 @@ contains
     end do
   end subroutine orthonormalise
 
-  !> Choose as many dofs as there are motions, such that every combination of the motions moves one
-  !! of them.
+  !> Choose as many dofs as there are motions, such that every combination of the motions moves at
+  !! least one of these dofs.
   pure subroutine pick_dofs(motion, dof)
     real(wp), intent(in) :: motion(:, :)        !! (neq, m)
     integer, allocatable, intent(out) :: dof(:) !! (m)

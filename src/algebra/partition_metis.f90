@@ -1,10 +1,10 @@
 !> Fill-reducing ordering of the equations by METIS.
 !!
-!! The graph has one vertex for each node with free dofs. It is three times smaller than the graph
-!! of the equations, and keeps the dofs of a node together. Several Linux distributions build MUMPS
-!! without METIS, and MUMPS then silently replaces METIS by another ordering. Therefore the ordering
-!! is computed here and passed to MUMPS. Source: Karypis and Kumar 1998 [bib: karypis1998],
-!! METIS_NodeND
+!! The graph has one vertex for each node with free dofs. It has about a third of the vertices of
+!! the graph of the equations, and keeps the dofs of a node together. Several Linux distributions
+!! build MUMPS without METIS, and MUMPS then silently replaces METIS by another ordering. Therefore
+!! the ordering is computed here and passed to MUMPS. Source: Karypis and Kumar 1998 [bib:
+!! karypis1998], METIS_NodeND
 module partition_metis
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -138,8 +138,9 @@ contains
               hint='there may be too little memory')
   end subroutine order_graph
 
-  !> Does METIS use integers of 64 bits? It is built with 32 or 64 bits and does not tell which, but
-  !! it fills a buffer of options, whose end shows their size.
+  !> Does METIS use integers of 64 bits? A library is built for 32 or 64 bits and does not say
+  !! which. However, it fills an array of options, and the end of the filled part shows the size of
+  !! its integers.
   logical function has_long_integers()
     integer(c_int32_t), target :: buffer(2*NOPTION)
     integer(c_int) :: status

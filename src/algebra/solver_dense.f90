@@ -1,7 +1,7 @@
 !> Dense solver by LAPACK for tests and tiny decks.
 !!
-!! Symmetric systems are solved with the eigenvalues of the matrix, which reliably give the inertia
-!! and the null space, and other systems with LU factors.
+!! Symmetric systems are solved with the eigenvalues of the matrix, which give the inertia and the
+!! null space reliably. Other systems are solved with LU factors.
 module solver_dense
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
   use base_kinds, only: wp

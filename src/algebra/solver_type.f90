@@ -14,7 +14,7 @@ module solver_type
     real(wp) :: used_mb = 0.0_wp      !! memory in use [MB]
     integer :: negative = 0           !! number of negative pivots (symmetric matrices)
     integer :: determinant = 0        !! sign of the determinant (unsymmetric matrices; 0: singular)
-    integer, allocatable :: null(:)   !! equations with zero pivots; not empty: it is singular
+    integer, allocatable :: null(:)   !! equations with zero pivots; empty: it is regular
   end type factor_info_t
 
   !> A solver analyses a pattern, factorises matrices that have it, and solves any number of systems

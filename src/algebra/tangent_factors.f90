@@ -1,5 +1,5 @@
-!> Factors of the tangent matrix in the chosen precision, or exact ones if these turn out to be
-!! needed.
+!> Factors of the tangent matrix in the chosen precision. Exact factors replace them if they turn
+!! out to be needed.
 module tangent_factors
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
   use base_kinds, only: wp
@@ -20,7 +20,7 @@ module tangent_factors
   !> Report of one solve.
   type :: solve_report_t
     logical :: factorised = .false.        !! the matrix was factorised in this call
-    logical :: converged = .false.         !! the tolerance was met, or as far as rounding allows
+    logical :: converged = .false.         !! the tolerance was met as far as rounding allows
     logical :: singular = .false.          !! there is no solution, and x is zero; see `null`
     integer, allocatable :: null(:)        !! equations whose pivot vanished
     integer :: iterations = 0              !! solves with the factors, including failed attempts

@@ -1,4 +1,4 @@
-!> Meshes as FEAP records in a file of their own: COORdinates and ELEMents, each up to a blank line.
+!> Meshes in separate files of FEAP records: COORdinates and ELEMents, each up to a blank line.
 !!
 !!   n  0  x y z            e  0  material  n1 n2 ...
 !!

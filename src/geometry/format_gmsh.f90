@@ -114,7 +114,8 @@ contains
     call next_integer(text, 'the size of reals', size_of, error)
   end subroutine read_format
 
-  !> Read dimension, tag and quoted name of the physical groups, as the groups of a separate file.
+  !> Read dimension, tag and quoted name of the physical groups. They are kept in `names`, apart
+  !! from the groups of the file.
   subroutine read_names(text, names, error)
     type(text_t), intent(inout) :: text
     type(mesh_file_t), intent(out) :: names

@@ -1,4 +1,4 @@
-!> A mesh or spline file as a stream of words; errors give the line of the file.
+!> Reads a mesh or spline file as a stream of words; error messages give the line of the file.
 module format_text
   use base_kinds, only: wp, i8
   use base_error, only: error_t, place_t, fail, DECK_ERROR
@@ -17,7 +17,7 @@ module format_text
   type :: text_t
     character(:), allocatable :: path
     character(:), allocatable :: all
-    integer :: at = 1            !! next character; 0 if the whole file is meant
+    integer :: at = 1            !! next character; 0: errors name no line
     type(place_t) :: place       !! the deck's record that names the file
     character :: comment = ' '   !! character that starts a comment; blank: none
   end type text_t

@@ -158,7 +158,7 @@ contains
     end do
   end subroutine make_blocks
 
-  !> Which groups of a file have this name?
+  !> Find the groups of a file that have a given name.
   pure function group_named(file, name) result(yes)
     type(mesh_file_t), intent(in) :: file
     character(*), intent(in) :: name
@@ -170,7 +170,7 @@ contains
     yes = [(lower(file%group(g)%name) == lower(name), g=1, size(file%group))]
   end function group_named
 
-  !> A hint for a name that no group has.
+  !> Make a hint for a name that no group has.
   function group_hint(file, name) result(hint)
     type(mesh_file_t), intent(in) :: file
     character(*), intent(in) :: name

@@ -14,13 +14,13 @@ module mesh_shape
     integer :: dim = 0               !! dimension; 3: part of a body
     integer :: nen = 0               !! number of nodes
     integer :: ncorner = 0           !! number of corners, which come first in a surface element
-    type(element_t) :: row           !! row of the table of elements; without a name: there is none
+    type(element_t) :: row           !! row of the table of elements; empty name: none
     type(cell_t) :: cell             !! its degrees
     type(topology_t) :: topology     !! its topology
   end type shape_t
 
-  !> Gmsh types without a row in the table of elements: points, curves and surfaces, which need
-  !! none, and two solids, which are rejected by name as long as no row has them (Gmsh reference
+  !> Gmsh types without a row in the table of elements: points, curves and surfaces, which need no
+  !! row, and two solids, which are rejected by name as long as no row has them (Gmsh reference
   !! manual, section MSH file format).
   character(10), parameter :: OTHER_NAME(10) = [ &
                               'point     ', 'line      ', 'triangle  ', 'quadrangle', &
@@ -106,7 +106,7 @@ contains
     s = findloc(shapes%dim == 3 .and. shapes%nen == nen, .true., 1)
   end function solid_shape
 
-  !> Use the row `name` for elements of its shape, as TYPE of a MESH demands.
+  !> Use the row `name` for elements of its shape, because TYPE of a MESH names it.
   subroutine choose_row(shapes, name)
     type(shape_t), intent(inout) :: shapes(:)
     character(*), intent(in) :: name
@@ -138,7 +138,7 @@ contains
     end do
   end function shape_hint
 
-  !> Numbers of nodes as text for a hint, such as `4, 5 or 8`; zeros are left out.
+  !> Numbers of nodes as text for a hint, such as `4, 5 or 8`; zeros in the list are left out.
   pure function node_counts(list) result(text)
     integer, intent(in) :: list(:)
     character(:), allocatable :: text

@@ -69,7 +69,8 @@ contains
     call append_draft(draft, s, mesh)
   end subroutine build_body
 
-  !> Let the records that name faces and knots of direction 3 mean those of the reversed direction.
+  !> Change the records that name faces and knots of direction 3, so that they refer to the reversed
+  !! direction.
   subroutine turn_records(spec)
     type(patch_spec_t), intent(inout) :: spec
     integer :: i

@@ -1,5 +1,5 @@
-!> A body while it is being meshed: nodes, blocks and faces with their own numbers, which
-!! append_draft adds to the end of the mesh.
+!> A body while it is being meshed: its nodes, blocks and faces are numbered from 1, until
+!! append_draft adds them to the end of the mesh.
 module patch_draft
   use base_error, only: error_t, fail, DECK_ERROR
   use base_grow, only: grow

@@ -100,7 +100,7 @@ contains
     end associate
   end subroutine make_lattice
 
-  !> Marks of the faces on which a lattice point lies.
+  !> Mark the faces on which a lattice point lies: bit f-1 of the mask is set for face f.
   pure integer function border_mask(lattice, at) result(mask)
     type(lattice_t), intent(in) :: lattice
     integer, intent(in) :: at(3)
@@ -182,7 +182,7 @@ contains
         name = name//to_text(e%degree)
         if (e%raise > 0) name = name//'.'//to_text(e%raise)
         if (e%tapered) name = name//'T'
-        if (row%nmode == 0) then ! both have the same rule, so one block serves both
+        if (row%nmode == 0) then ! equal rules share one block
           call layer_block(spec, surface, name, row, m, nhexa(s) + nprism(s), 0, draft, &
                            layer%hexa(s))
           layer%prism(s) = layer%hexa(s)
@@ -309,7 +309,7 @@ contains
       if (it > 0) then
         associate (t => layer%surface(it))
           depth = i(t%axis) - m*(cell(t%axis) - 1)
-          if (t%side /= 0) depth = m - depth ! measured from the other surface
+          if (t%side /= 0) depth = m - depth ! counted from the other surface
           if (m == 2 .and. ijl(3) == 1 .and. depth == 1) then
             ! inside a Q2 prism, half way between the surface and the opposite edge
             third = 6 - s%axis - t%axis
@@ -327,7 +327,7 @@ contains
             layer%middle(i(third), is, it) = node
             return
           end if
-          ! level l of the line that goes from the surface point at this depth to the opposite edge
+          ! level l of the line from the surface point at this depth to the opposite edge
           depth = depth + (m - depth)*ijl(3)/m
           i(t%axis) = m*(cell(t%axis) - 1) + merge(depth, m - depth, t%side == 0)
         end associate

@@ -10,14 +10,14 @@ module patch_spec
   private
   public :: patch_spec_t, enrich_t, placement_t, compose
 
-  !> The data that a SPLIne block has in addition to those of a PATCh.
+  !> The data that a SPLIne block has but a PATCh block does not have.
   type :: spline_spec_t
     type(spline_surface_t) :: surface
-    logical :: reverse = .false.          !! REVErse: the outside is on the other side
+    logical :: reverse = .false.          !! REVErse: the normal is reversed
     type(place_t) :: reverse_place
     logical :: has_layer = .false.
     integer, allocatable :: inner(:, :)   !! (4, nelem) inner nodes, as numbered in the mesh
-    character(:), allocatable :: mesh     !! MESH that has these nodes; not allocated: the deck
+    character(:), allocatable :: mesh     !! MESH of these nodes; not allocated: nodes of the deck
     type(place_t) :: layer_place, mesh_place
     type(constraint_t) :: constraint      !! CONStraint, with node numbers of the mesh
     type(place_t) :: constraint_place
@@ -36,7 +36,7 @@ module patch_spec
     type(place_t) :: place
   end type enrich_t
 
-  !> A ROTAte, TRANslate or SCALe record; they are applied in order.
+  !> A ROTAte, TRANslate or SCALe record. These records are applied in order.
   type :: placement_t
     logical :: rotates = .false.
     real(wp) :: point(3) = 0.0_wp  !! point on the axis, or the translation [L]

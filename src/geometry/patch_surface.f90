@@ -16,7 +16,7 @@ module patch_surface
   type :: surface_t
     integer :: face = 0, axis = 0, side = 0 !! side 0: minimum, 1: maximum
     integer :: xi = 0, eta = 0        !! patch directions of xi and eta
-    integer :: dir(2) = 0             !! the same two in ascending order, as in `space`
+    integer :: dir(2) = 0             !! these two directions in ascending order, as in `space`
     integer :: degree(3) = 0          !! degree in each patch direction
     logical :: rational = .false.
     type(nurbs_t) :: space
@@ -38,7 +38,7 @@ contains
     side_of = mod(face + 1, 2)
   end function side_of
 
-  !> Local face, in the layer elements of this surface, that is parallel to `face` of the patch.
+  !> The local face of the layer elements of this surface that is parallel to `face` of the patch.
   pure integer function local_side(s, face)
     type(surface_t), intent(in) :: s
     integer, intent(in) :: face
@@ -54,9 +54,9 @@ contains
     end if
   end function local_side
 
-  !> Make the spaces and control points of all enriched faces; the control points of a common edge
-  !! are made once. Order elevation comes first, then knot insertion, then RAISe (Corbett and Sauer
-  !! 2015, section 2.5).
+  !> Make the spaces and control points of all enriched faces; two faces share the control points of
+  !! their common edge. The order is elevated first, then knots are inserted, then RAISe is applied
+  !! (Corbett and Sauer 2015, section 2.5).
   subroutine make_surfaces(spec, geo, draft, surface)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
