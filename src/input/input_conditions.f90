@@ -22,7 +22,7 @@ module input_conditions
 
 contains
 
-  !> Fill `bc` with the conditions of the deck; errors go to the list.
+  !> Set the conditions of the deck in `bc`; errors go to the list.
   subroutine apply_conditions(draft, mesh, bc)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -60,8 +60,8 @@ contains
     end do
   end subroutine apply_conditions
 
-  !> Mark the nodes that FEAP would find: all that have a position, except control points that only
-  !! define geometry, and those of rigid patches, which MOVE moves.
+  !> Mark the nodes that FEAP would find. These are all nodes with a position, except control points
+  !! that only define geometry, and except the nodes of rigid patches, which MOVE moves.
   subroutine mark_active(draft, mesh, active)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -176,8 +176,8 @@ contains
     end if
   end subroutine mark
 
-  !> Find the records that prescribe displacements at free dofs, for a warning: a prescribed
-  !! displacement acts only at a restrained dof (FEAP). All restraints must be known.
+  !> Find the records that prescribe displacements at free dofs, for a warning, because a prescribed
+  !! displacement acts only at a restrained dof (FEAP). All restraints must have been set before.
   subroutine note_loose(draft, mesh, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

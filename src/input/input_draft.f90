@@ -34,7 +34,7 @@ module input_draft
   type :: patch_entry_t
     type(patch_spec_t) :: spec
     integer :: material = 0            !! the user's number
-    integer :: npatch = 0  !! number of the NPATch that is its geometry; 0: there is none
+    integer :: npatch = 0  !! NPATch that gives its geometry; 0: none
     type(mesh_spec_t) :: mesh          !! of a MESH
     type(place_t) :: material_place, npatch_place
   end type patch_entry_t
@@ -100,8 +100,8 @@ module input_draft
     type(column_entry_t), allocatable :: column(:)
   end type curve_entry_t
 
-  !> A record of EBOU, EDIS, EFOR, EPRO, CBOU, CDIS, CFOR or CSUR: a condition given by position,
-  !! which is applied at the END of the mesh.
+  !> A record of EBOU, EDIS, EFOR, EPRO, CBOU, CDIS, CFOR or CSUR. Such a condition is given by
+  !! position and is applied at the END of the mesh.
   type :: condition_entry_t
     integer :: word = 0                !! its word: R_EBOU to R_CSUR
     logical :: adds = .false.          !! add the values to those of other records
@@ -132,7 +132,7 @@ module input_draft
     procedure(mesh_read_i), pointer, nopass :: read => null()
   end type mesh_word_t
 
-  !> Everything that the readers of the mesh part fill.
+  !> All data that the readers of the mesh part read.
   type :: draft_t
     type(model_t), allocatable :: model
     type(error_list_t) :: errors
@@ -281,7 +281,8 @@ contains
     end if
   end subroutine read_record
 
-  !> Is the record a word that cannot belong to the set, so that the blank record is missing?
+  !> Does the record begin with a mesh word that cannot belong to the set? Then the blank record is
+  !! missing.
   pure logical function ends_set(draft, record) result(ends)
     type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record
@@ -318,7 +319,7 @@ contains
     end do
   end subroutine skip_set
 
-  !> Fail unless a list can hold a node or element of that number.
+  !> Fail if the number of a node or element is not positive or is too large for a list.
   subroutine check_number(what, n, place, error)
     character(*), intent(in) :: what
     integer, intent(in) :: n
@@ -335,7 +336,7 @@ contains
     end if
   end subroutine check_number
 
-  !> Check the increment of numbers that are generated: larger ones would overflow.
+  !> Check the increment of generated numbers: a larger increment would cause an overflow.
   subroutine check_increment(step, place, error)
     integer, intent(in) :: step
     type(place_t), intent(in) :: place

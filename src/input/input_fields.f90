@@ -20,7 +20,7 @@ contains
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record
     integer, intent(in) :: first
-    real(wp), intent(inout) :: x(:) !! entries after one that fails keep their values
+    real(wp), intent(inout) :: x(:) !! if an entry fails, later ones keep their values
     type(error_t), allocatable, intent(out) :: error
     real(wp), intent(in), optional :: default !! value of empty and missing fields
     integer :: i

@@ -13,7 +13,7 @@ module input_loads
 
 contains
 
-  !> Integrate one dead load for each load number; follower pressures are kept as they are.
+  !> Integrate one dead load for each load number; follower pressures are not integrated here.
   subroutine integrate_loads(model)
     type(model_t), intent(inout) :: model
     type(pressure_t), allocatable :: follower(:)

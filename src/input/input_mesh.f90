@@ -23,8 +23,8 @@ module input_mesh
 
 contains
 
-  !> Compare the mesh with the counts of the control record; a mesh that exceeds them is an error,
-  !! as in FEAP's manual.
+  !> Compare the mesh with the counts of the control record. A mesh that exceeds them is an error,
+  !! as FEAP's manual requires.
   subroutine count_mesh(draft)
     type(draft_t), intent(inout) :: draft
 
@@ -114,8 +114,8 @@ contains
     end do
   end subroutine make_mesh
 
-  !> Make a block: the number of nodes decides on the shape, and DISPlacement or ENHAnced of the
-  !! material on the formulation.
+  !> Make a block. The number of nodes determines the shape, and DISPlacement or ENHAnced of the
+  !! material determines the formulation.
   subroutine make_block(draft, list, material, nen, rows, block)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: list(:)      !! (nelem) numbers of the elements
@@ -270,7 +270,8 @@ contains
     end do
   end subroutine add_constraints
 
-  !> Find the node that a number in a table means: the number is that of a mesh file or of the deck.
+  !> Find the node that a number in a table refers to, which is a number of the mesh file or of the
+  !! deck.
   subroutine resolve_node(draft, mesh, spec, place, node, error)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

@@ -45,7 +45,7 @@ contains
     allocate (draft%knots(0), draft%support(0), draft%contact(0))
     allocate (draft%motion(0), draft%pressure(0), draft%curve(0), draft%tie(0))
     call read_mesh_part(draft, deck, error)
-    stages: block ! each stage needs the one before; a stage that finds errors is the last
+    stages: block ! each stage needs the previous one; errors end the sequence
       if (allocated(error)) exit stages
       call check_references(draft)
       if (.not. draft%incomplete) call count_mesh(draft)
@@ -132,7 +132,7 @@ contains
     call deck%put_back(record)
   end subroutine read_mesh_part
 
-  !> Read a known word; after an error, continue after its set.
+  !> Read a known word and its set; after an error, skip the rest of the set.
   subroutine read_word(draft, deck, record, r, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -174,7 +174,8 @@ contains
     call skip_set(draft, deck, error)
   end subroutine read_word
 
-  !> Hint for a record that could belong to the set that was closed last; empty if it could not.
+  !> Hint for a record that may belong to the set that was closed last; empty if it cannot belong to
+  !! it.
   function closed_hint(draft, record) result(hint)
     type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record

@@ -1,4 +1,5 @@
-!> An NPATch as the geometry of a PATCh, or as a body of its own on the given control points.
+!> Uses an NPATch as the geometry of a PATCh, or makes it a body of its own on the given control
+!! points.
 module input_npatch
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp

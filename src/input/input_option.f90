@@ -14,8 +14,8 @@ module input_option
 
 contains
 
-  !> Read the next option after field i and set i to the field of its word. Fail if its value is
-  !! missing.
+  !> Read the next option after field i, and set i to the number of the field that holds its word.
+  !! Fail if its value is missing.
   subroutine next_option(line, i, option, usage, seen, key, error)
     type(record_t), intent(in) :: line
     integer, intent(inout) :: i

@@ -27,7 +27,8 @@ module input_resolve
 
 contains
 
-  !> Find the nodes of FIX, which adds restraints, and of MOVE, which becomes a motion.
+  !> Find the nodes of FIX and MOVE records. FIX adds restraints, and MOVE becomes a prescribed
+  !! motion.
   subroutine resolve_supports(draft, model)
     type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
@@ -93,7 +94,7 @@ contains
             call find_nodes(mesh, column%at, quantity%node, error)
             if (allocated(error)) call draft%errors%add(error)
             if (any(quantity%id == [Q_FORCE, Q_TORQUE]) .and. allocated(column%at%body)) then
-              if (is_rigid_patch(draft, column%at%body)) then ! all that its supports bear
+              if (is_rigid_patch(draft, column%at%body)) then ! the whole reaction of its supports
                 quantity%node = mesh%body(body_index(mesh, column%at%body))%node
               end if
             end if

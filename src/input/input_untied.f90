@@ -1,5 +1,6 @@
-!> After TIE: nodes that lie on a face of another body and are not tied to it. If the meshes of two
-!! bodies do not match, TIE joins none or only some of their nodes, and the bodies come apart there.
+!> Looks, after TIE, for nodes that lie on a face of another body and are not tied to it. If the
+!! meshes of two bodies do not match, TIE joins none or only some of their nodes, and the bodies
+!! come apart there.
 module input_untied
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -18,7 +19,7 @@ module input_untied
   private
   public :: warn_untied
 
-  !> A node this near to a face, relative to the extent of the mesh, lies on it.
+  !> A node lies on a face if its distance, relative to the extent of the mesh, is less than this.
   real(wp), parameter :: ON_FACE = 1.0e-6_wp
   integer, parameter :: ALL_FACES = 63 !! bits of the six faces
 

@@ -1,8 +1,8 @@
 !> Constraint tables that exist next to the files of a mesh, but that no record reads.
 !!
 !! `post mesh` writes name.con next to name.msh and name.layer if the mesh has hanging nodes. A deck
-!! without the CONStraint record runs, but its hanging nodes are not constrained: the user is
-!! warned.
+!! without the CONStraint record runs, but its hanging nodes are not constrained. Therefore the user
+!! is warned.
 module unread_constraints
   use base_error, only: place_t
   use base_file, only: file_t, inspect, base_name, FILE_REGULAR
@@ -47,7 +47,7 @@ contains
     call move_alloc(longer, tables%found)
   end subroutine expect_table
 
-  !> Note the identity of a table that a record reads.
+  !> Record the identity of a table that a record of the deck reads.
   subroutine note_table(tables, path)
     type(unread_constraints_t), intent(inout) :: tables
     character(*), intent(in) :: path

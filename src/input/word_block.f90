@@ -27,7 +27,7 @@ module word_block
                                                           'HEXA        ', 'MATErial    ']
   integer, parameter :: BRICK_8 = 10, BRICK_27 = 12 !! FEAP's block types
 
-  !> Positions of FEAP's 27 master nodes in tensor order; its element nodes have another order.
+  !> Positions of FEAP's 27 master nodes in tensor order; FEAP's element nodes have another order.
   integer, parameter :: MASTER27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 10, 12, 18, 16, 2, 6, 8, 4, 5, &
                                         20, 24, 26, 22, 23, 11, 15, 17, 13, 14]
   !> Element nodes with the lower and the upper face exchanged; the first 8 also serve 8-node
@@ -44,7 +44,8 @@ module word_block
 
 contains
 
-  !> Read BLOCk and its records; a master node 0 ends them as a blank record does (FEAP).
+  !> Read BLOCk and its records. A master node 0 ends the records in the same way as a blank record
+  !! (FEAP).
   subroutine read_block(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -220,7 +221,7 @@ contains
       if (.not. given(3*i + 8)) call fill_face(x(:, :, i, :))
       if (.not. given(9*i - 4)) call fill_face(x(:, :, :, i))
     end do
-    if (.not. given(14)) then ! FEAP takes edges of two faces and the middles of the other four
+    if (.not. given(14)) then ! FEAP uses edges of two faces, middles of the others
       edges = x(:, 2, 1, 1) + x(:, 3, 2, 1) + x(:, 2, 3, 1) + x(:, 1, 2, 1) &
               + x(:, 2, 1, 3) + x(:, 3, 2, 3) + x(:, 2, 3, 3) + x(:, 1, 2, 3) &
               + x(:, 2, 1, 2) + x(:, 3, 2, 2) + x(:, 2, 3, 2) + x(:, 1, 2, 2)

@@ -40,7 +40,8 @@ contains
     end select
   end function law_usage
 
-  !> Options of a cohesive law: those of the other rows with its name, and the common ones.
+  !> Options of a cohesive law: the options of the other rows with its name, and those that all
+  !! cohesive laws have.
   function cohesive_options(law) result(option)
     type(contact_law_t), intent(in) :: law
     character(16), allocatable :: option(:)
@@ -177,7 +178,7 @@ contains
     end do
   end subroutine read_friction
 
-  !> Read COHEsive, the law and its parameters, which are all positive; then the options, one of
+  !> Read COHEsive, the law and its parameters, which must all be positive; then the options, one of
   !! which may select another row of the law.
   subroutine read_cohesive(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck

@@ -115,8 +115,9 @@ contains
     end associate
   end subroutine read_control
 
-  !> Index of the number of the control record that a record such as `ndm = 3` gives; 0: it gives
-  !! none. Two of FEAP's names are also mesh words, but these are not followed by an equals sign.
+  !> Which number of the control record does a record such as `ndm = 3` give? The result is its
+  !! position, or 0 if the record gives none of them. Two of FEAP's names are also mesh words, but
+  !! these are not followed by an equals sign.
   pure integer function size_index(record) result(i)
     type(record_t), intent(in) :: record
 

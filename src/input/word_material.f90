@@ -24,12 +24,12 @@ module word_material
   private
   public :: read_material, material_index
 
-  !> The law and the type of strains as read, before they are combined; their records may come in
-  !! any order.
+  !> The law and the type of strains as they were read. They are combined later, because their
+  !! records may come in any order.
   type :: law_entry_t
     type(material_t) :: law                !! its name is empty until ELAStic is read
     integer :: strain = 0                  !! SMALL or FINITE
-    integer :: nvalue = 0                  !! how many numbers: those of ELAStic, then k of VOLUme k
+    integer :: nvalue = 0                  !! how many numbers are given
     real(wp) :: value(MAX_PROP + 1) = 0.0_wp
     type(place_t) :: place(MAX_PROP + 1)   !! place of each of them
     integer :: volume = 0                  !! k of VOLUme k
@@ -80,7 +80,8 @@ contains
                 'it is already defined in line '//to_text(draft%model%material(i)%place%line))
       return
     end if
-    ! It is added before its records are read: an error in them must not make it unknown.
+    ! The material is added before its records are read, so that it is known even if one of them has
+    ! an error.
     draft%model%material = [draft%model%material, set]
     call next_data(draft, deck, line, more, error)
     if (allocated(error)) return
@@ -247,7 +248,7 @@ contains
       if (allocated(error)) return
       given%place(i) = line%place(i + 2)
     end do
-    call set_properties(given, prop, error) ! so that the first error of the material is reported
+    call set_properties(given, prop, error) ! the first error of the material is reported
   end subroutine read_law
 
   !> Read SMALl, or FINIte [VOLUme k].
@@ -313,7 +314,7 @@ contains
     call set_properties(given, set%prop, error)
   end subroutine set_law
 
-  !> The records of the laws for finite strains, small strains, or both, for a hint.
+  !> For a hint: the records that choose a law for finite strains, for small strains, or for either.
   function laws_of(finite) result(text)
     logical, intent(in) :: finite(:)
     character(:), allocatable :: text
@@ -329,8 +330,8 @@ contains
     end do
   end function laws_of
 
-  !> Set the properties from the numbers read so far. The place of an error is that of the rejected
-  !! number.
+  !> Set the properties from the numbers read so far. An error is reported at the place of the
+  !! rejected number.
   subroutine set_properties(given, prop, error)
     type(law_entry_t), intent(in) :: given
     real(wp), intent(out) :: prop(:)

@@ -47,7 +47,7 @@ contains
     patch%spec%place = record%place(2)
     patch%spec%geometry = GEO_MESH
     allocate (patch%spec%enrich(0), patch%spec%placement(0), patch%mesh%material(0))
-    call append_patch(draft, patch) ! at once: its name is known even if a record fails
+    call append_patch(draft, patch) ! the name is known even if a record fails
     if (record%key(3) /= 'file') then
       call fail(error, DECK_ERROR, 'expected FILE, found '//quoted(record%text(3)), &
                 record%place(3), USAGE)

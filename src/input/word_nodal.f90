@@ -1,8 +1,8 @@
 !> Values by node number, with generation: BOUNdary, FORCe, DISPlacement, FPROportional.
 !!
-!! As in FEAP, the increment of a record applies to the nodes between it and the next record: FORCe
-!! and DISPlacement interpolate, FPROportional repeats the numbers, and BOUNdary repeats only
-!! negative codes.
+!! As in FEAP, the increment of a record applies to the nodes between those of this record and the
+!! next one: FORCe and DISPlacement interpolate, FPROportional repeats the numbers, and BOUNdary
+!! repeats only negative codes.
 !!
 !! Source: FEAPpv's manual
 module word_nodal

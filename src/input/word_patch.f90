@@ -61,7 +61,7 @@ contains
     patch%spec%name = record%text(2)
     patch%spec%place = record%place(2)
     allocate (patch%spec%enrich(0), patch%spec%placement(0))
-    call append_patch(draft, patch) ! at once: its name is known even if a record fails
+    call append_patch(draft, patch) ! the name is known even if a record fails
     seen = .false.
     do
       call next_line(draft, deck, line, more, error)
@@ -192,7 +192,7 @@ contains
   !> Set the number of elements. Fail if ELEMents and KNOTs give different ones.
   subroutine set_number(line, i, n, d, spec, error)
     type(record_t), intent(in) :: line
-    integer, intent(in) :: i !! field that an error names
+    integer, intent(in) :: i !! field to which an error refers
     integer, intent(in) :: n, d !! elements in direction d
     type(patch_spec_t), intent(inout) :: spec
     type(error_t), allocatable, intent(out) :: error

@@ -17,11 +17,12 @@ module word_position
   public :: read_planes, read_places
 
   integer, parameter, public :: R_EBOU = 1, R_EDIS = 2, R_EFOR = 3, R_EPRO = 4, R_CBOU = 5, &
-                                R_CFOR = 6, R_CDIS = 7, R_CSUR = 8 !! in FEAP's order of applying
+                                R_CFOR = 6, R_CDIS = 7, R_CSUR = 8 !! in FEAP's order
   character(4), parameter :: WORD(8) = ['ebou', 'edis', 'efor', 'epro', 'cbou', 'cfor', 'cdis', &
                                         'csur'] !! of these requests
 
-  !> Records of the words of planes, of points, of CBOUndary and of CSURface.
+  !> Records of the words that select planes, of those that select points, of CBOUndary, of
+  !! CSURface.
   character(12), parameter, public :: &
     PLANE_RECORDS(1) = ['GAP         '], &
     POINT_RECORDS(3) = ['NODE        ', 'GAP         ', 'CARTesian   '], &
@@ -31,8 +32,8 @@ module word_position
 
 contains
 
-  !> Begin the requests of a word: set its kind, and whether they add to or replace other values.
-  !! Without ADD or SET, words of planes add, except EPROportional.
+  !> Begin the requests of a word: set their kind, and whether they add to other values or replace
+  !! them. Without ADD or SET, words that select planes add to other values, except EPROportional.
   subroutine begin_requests(record, r, error)
     type(record_t), intent(in) :: record
     type(condition_entry_t), intent(out) :: r
@@ -53,7 +54,8 @@ contains
     end select
   end subroutine begin_requests
 
-  !> Read a word of planes and its records: `direction coordinate` and three values, and GAP.
+  !> Read a word that selects planes, and its records: GAP, or `direction coordinate` and three
+  !! values.
   subroutine read_planes(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -75,7 +77,7 @@ contains
       end if
       call get_integer(deck, line, 1, r%direction, error)
       if (allocated(error)) return
-      if (r%direction == 0) exit ! acts as a blank record (FEAP)
+      if (r%direction == 0) exit ! ends the data (FEAP)
       call check_count(line, 2, 5, 'direction coordinate '//value_names(r%word), error)
       if (allocated(error)) return
       if (r%direction < 1 .or. r%direction > 3) then
@@ -158,7 +160,7 @@ contains
     draft%ncondition = n + 1
   end subroutine append_request
 
-  !> Read a word of points and surfaces and its records.
+  !> Read a word that selects points and surfaces, and its records.
   subroutine read_places(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
