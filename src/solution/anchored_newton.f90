@@ -18,8 +18,8 @@ module anchored_newton
 
 contains
 
-  !> Set the anchors of bodies that contact does not hold, and the residual with them. There are
-  !! none while bodies fly, that is, while they are moved to a contact.
+  !> Set the anchors of bodies that contact does not hold, and add their forces to the residual.
+  !! There are no anchors while bodies fly, that is, while they are moved towards a contact.
   subroutine renew_anchors(newton, model, state, flies)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -88,7 +88,7 @@ contains
     end do
   end subroutine solve_anchored
 
-  !> External minus internal forces without those of the anchors [F].
+  !> External minus internal forces, without the forces of the anchors [F].
   function loads_of(newton, state) result(force)
     type(newton_t), intent(in) :: newton
     type(state_t), intent(in) :: state

@@ -1,8 +1,9 @@
 !> Anchors: springs that hold rigid motions of bodies which contact resists only weakly.
 !!
-!! An anchor of the motion v acts on the displacement du since the start of the step with the force
-!! D v (v.D du), where D is diagonal, with the mean stiffness of each node, and v.D v = 1. It is as
-!! stiff as the body itself, and resists no motion that is D-orthogonal to v.
+!! Let du be the displacement since the start of the step. The anchor of the motion v exerts the
+!! force D v (v.D du), where the diagonal matrix D contains the mean stiffness of each node, and v.D
+!! v = 1. The anchor is as stiff as the body itself, and resists no motion that is D-orthogonal to
+!! v.
 module anchors
   use base_kinds, only: wp
   use csr, only: block_matrix_t, block_position
@@ -11,8 +12,8 @@ module anchors
   private
   public :: anchors_t, set_anchors, anchor_force, find_load, node_stiffness, rigid_field
 
-  !> A weak motion counts as released if only a smaller part of it is left without the released
-  !! ones.
+  !> A weak motion counts as released if less than this part of it remains after its components
+  !! along the released motions are subtracted.
   real(wp), parameter :: LEFT = 0.2_wp
 
   type :: anchors_t
@@ -22,7 +23,7 @@ module anchors
 
 contains
 
-  !> Set the anchors of weak motions, except for those that were released.
+  !> Set anchors for the weak motions that were not released.
   subroutine set_anchors(body, weak, released, eq, x, k, anchors)
     type(free_body_t), intent(in) :: body(:)
     real(wp), intent(in) :: weak(:, :, :)     !! (6, body, n) with v.D v = 1
@@ -41,7 +42,7 @@ contains
     c(:, :, size(released, 3) + 1:) = weak
     first = 1
     m = 0
-    do i = 1, size(c, 3)    ! Gram and Schmidt, the released ones first
+    do i = 1, size(c, 3)    ! Gram and Schmidt, released motions first
       do pass = 1, 2
         call rigid_field(body, c(:, :, i), eq, x, v)
         do j = 1, m
@@ -81,8 +82,8 @@ contains
     end do
   end subroutine anchor_force
 
-  !> The motion along which anchors bear a load, with v.D v = 1, and that load: its resultant, or
-  !! its moment over the size of the body.
+  !> Find the motion v along which the anchors bear a load, with v.D v = 1, and the load itself.
+  !! This is the resultant of the load, or its moment divided by the size of the body.
   subroutine find_load(anchors, body, eq, x, du, motion, load)
     type(anchors_t), intent(in) :: anchors
     type(free_body_t), intent(in) :: body(:)

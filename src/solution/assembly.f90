@@ -109,7 +109,7 @@ contains
     start = seconds_of_both()
     call follow(model%mesh%constraint, state%u)
     call find_contact(asm%contact, model, state, grown, only_forces)
-    symmetric = asm%k%symmetric ! a copy, as set_pattern replaces asm%k
+    symmetric = asm%k%symmetric ! a copy, because set_pattern replaces asm%k
     if (grown) call set_pattern(asm, model, symmetric, state%step, error)
     if (allocated(error)) return
     asm%contact_seconds = asm%contact_seconds + seconds_of_both() - start

@@ -56,7 +56,7 @@ contains
       return
     end if
     call free_part(model%eq, a, newton%dx)
-    alone = abs(dot_product(newton%dx, newton%rhs)) ! includes what a change of time would balance
+    alone = abs(dot_product(newton%dx, newton%rhs)) ! without the change of time
     a = a + dt*b
     call free_part(model%eq, a, newton%dx)
     pass%energy = max(alone, abs(dot_product(newton%dx, newton%rhs))) + pass%sweep%enhanced
@@ -78,8 +78,8 @@ contains
     state%u = state%u + b
   end subroutine solve_constrained
 
-  !> Find the increment of time. It does not pass the limit. A step that stops at the limit has
-  !! arrived if it also stopped there in the iteration before.
+  !> Find the increment of time. The time does not pass the limit. A step that stops at the limit
+  !! has arrived if it also stopped there in the iteration before.
   pure subroutine find_time(constraint, time, measure, by_a, by_b, dt, arrived, ok)
     type(path_constraint_t), intent(inout) :: constraint
     real(wp), intent(in) :: time
@@ -90,7 +90,7 @@ contains
     logical, intent(out) :: ok
     logical :: again
 
-    dt = constraint%limit - time       ! up to the limit if nothing is open yet
+    dt = constraint%limit - time       ! up to the limit while no bond is open
     if (allocated(constraint%direction) .or. measure > NEAR*constraint%increment) then
       dt = (constraint%goal - measure - by_a)/by_b
     end if

@@ -22,10 +22,11 @@ module continuation
   private
   public :: begin_increment, change_method, adapt_method
 
-  !> An increment, or a change of the rate of a load, below this relative size counts as zero.
+  !> An increment, or a change of the rate of a load, counts as zero if its relative size is below
+  !! this.
   real(wp), parameter :: NOTHING = 1.0e-9_wp
-  !> Kinetic energy of the mean motion since the start, relative to the work done. It determines the
-  !! density for a snap-through.
+  !> Kinetic energy of the mean motion since the start, relative to the work done. This ratio
+  !! determines the density that is used for a snap-through.
   real(wp), parameter :: KINETIC_FRACTION = 1.0e-3_wp
 
 contains
@@ -117,9 +118,9 @@ contains
                     //next)
     end subroutine log_cut
 
-    !> Can a load control the release of bonds? There must be bonds whose release depends on a load
-    !! and none whose release depends on the speed, and a load must have worked on them: closed
-    !! bonds do not indicate in which direction they open.
+    !> Can the release of bonds be controlled by varying a load? There must be bonds and a load
+    !! table, and no bond may depend on the speed. A load must already have done work, because
+    !! closed bonds do not show in which direction they will open.
     logical function can_control_release() result(yes)
       yes = step%continuation%method == PATH_RELEASE .and. any(model%contact(:)%cohesive%given) &
             .and. size(state%table) > 0
@@ -163,7 +164,7 @@ contains
           call adapt_release(path, step%newton%iterations - step%newton%before)
         end if
         off = is_all_released(model, state)
-        off = off .and. state%dt > 0.0_wp ! otherwise the load would lead back
+        off = off .and. state%dt > 0.0_wp ! at a decreasing load the bonds would close again
         if (off .and. path%method == PATH_RELEASE) then
           call end_trial(path)
           call log_line('path: load control again from time '//to_text(state%time) &
@@ -179,9 +180,9 @@ contains
     end associate
   end subroutine adapt_method
 
-  !> May a step follow the arc length (LENGth)? The previous step must have moved something, steps
-  !! can be cut, and the rates of the loads must not change. If loads are constant or change their
-  !! rates, one step of load control is taken.
+  !> May a step follow the arc length (LENGth)? The previous step must have moved something, it must
+  !! be possible to cut steps, and the rates of the loads must not change. If loads are constant or
+  !! change their rates, one step of load control is taken.
   pure logical function may_follow_arc(step, state) result(yes)
     type(step_t), intent(in) :: step
     type(state_t), intent(in) :: state
@@ -252,7 +253,7 @@ contains
     end associate
   end function adds_inertia
 
-  !> Use load control in smaller steps from now on, as neither a constraint nor inertia helps.
+  !> Use load control in smaller steps from now on, because neither a constraint nor inertia helps.
   pure subroutine end_continuation(path)
     type(continuation_t), intent(inout) :: path
 
@@ -301,9 +302,9 @@ contains
     path%warned_energy = .true.
     hint = 'use smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
     if (size(model%contact) > 0) then
-      hint = 'contact has produced energy, and later results are unreliable; if the bonds are ' &
-             //'peeled off completely, use NORMal ... BORDer 0.2 and SCHEme BALAnced; see BOOK ' &
-             //'NORMal'
+      hint = 'contact has produced energy (see BOOK NORMal), so later results are unreliable; ' &
+             //'if the bonds are peeled off completely, use NORMal ... BORDer 0.2 and SCHEme ' &
+             //'BALAnced'
     end if
     call warn('step '//to_text(state%step)//': the kinetic energy is ' &
               //to_text(state%energy%kinetic)//', but the work done is only ' &

@@ -1,11 +1,11 @@
-!> How the equilibrium path is continued when load control fails: methods and the changes between
-!! them.
+!> Continuation of the equilibrium path when load control fails: the methods, and the changes
+!! between them.
 !!
 !! Load control goes as far as it can. If even a small step fails, the release of the bonds is
-!! prescribed instead of the load. If that fails too, the arc length of the step is prescribed
-!! (LENGth: from the start), or inertia carries the model over the snap. Load control is tried again
-!! after whole steps of the deck in which the load has risen, or when the motion has died down.
-!! After each failed trial the number of steps before the next one doubles.
+!! prescribed instead of the load. If that fails too, the arc length of the step is prescribed (with
+!! LENGth this is done at once), or inertia carries the model over the snap. Load control is tried
+!! again after some whole steps of the deck in which the load has increased, or when the motion has
+!! died down. After each failed trial the number of steps before the next one doubles.
 !!
 !! Under control of the release or of the arc length, a step is constrained: a measure of the step
 !! is prescribed, and its time is unknown (constrained_newton).
@@ -21,8 +21,9 @@ module continuation_type
   public :: path_constraint_t, constrain_release, constrain_arc, find_measure, turns_away, &
             is_all_released
 
-  !> The methods that the deck allows when load control fails (OFF, DYNAmic, LOCAl, LENGth).
-  !! PATH_RELEASE means control of the release if possible, else of the arc length, else inertia.
+  !> The methods that the deck allows when load control fails (OFF, DYNAmic, LOCAl, LENGth). With
+  !! PATH_RELEASE the release is controlled if possible, otherwise the arc length; if neither is
+  !! possible, inertia is used.
   integer, parameter, public :: PATH_OFF = 0, PATH_INERTIA = 1, PATH_RELEASE = 2, PATH_ARC = 3
   !> The method with which the path is followed.
   integer, parameter, public :: BY_LOAD = 0, BY_INERTIA = 1, BY_RELEASE = 2, BY_ARC = 3
@@ -42,7 +43,7 @@ module continuation_type
   integer, parameter :: FEW = 5, MANY = 9          !! the next step grows up to FEW iterations and
   !! shrinks from MANY on
 
-  !> A smaller fraction of the bonds counts as none.
+  !> A fraction of the bonds that is smaller than this counts as zero.
   real(wp), parameter :: NO_BONDS = 1.0e-3_wp
   !> Smallest cosine of the angle between a step and the one before it.
   real(wp), parameter :: LEAST_COSINE = 0.5_wp
@@ -63,7 +64,7 @@ module continuation_type
     real(wp) :: multiple = LARGEST_ARC   !! longest arc length, relative to the first one
     real(wp) :: released = 0.0_wp        !! fraction of the bonds released under arc length control
     integer :: opening = 0  !! consecutive steps with arc length control that released bonds
-    integer :: patience = FIRST_WAIT     !! number of these before the release is controlled again
+    integer :: patience = FIRST_WAIT     !! such steps before the release is controlled again
     logical :: warned = .false.          !! a warning has said that load control failed
     logical :: warned_energy = .false.   !! a warning has said that the motion has too much energy
   end type continuation_t
@@ -83,7 +84,7 @@ module continuation_type
 
 contains
 
-  !> After a failed step of load control, may another method take over?
+  !> May another method replace load control after a failed step?
   pure logical function may_leave(path, size)
     type(continuation_t), intent(in) :: path
     real(wp), intent(in) :: size         !! of the step, relative to dt
@@ -183,7 +184,7 @@ contains
     path%length = max(path%length, path%shortest)
   end subroutine adapt_arc
 
-  !> Note the fraction of the bonds that a step with arc length control has released.
+  !> Record the fraction of the bonds that a step with arc length control has released.
   pure subroutine note_release(path, released)
     type(continuation_t), intent(inout) :: path
     real(wp), intent(in) :: released
@@ -243,7 +244,7 @@ contains
     path%wait = min(2*path%wait, LONGEST_WAIT)
   end subroutine fail_trial
 
-  !> Begin a step of given release; `state` is the state at its start.
+  !> Begin a step with a given release; `state` is the state at the start of the step.
   subroutine constrain_release(constraint, model, state, increment, limit)
     type(path_constraint_t), intent(out) :: constraint
     type(model_t), intent(in) :: model
@@ -261,8 +262,8 @@ contains
                                    start=state%time, limit=limit)
   end subroutine constrain_release
 
-  !> Begin a step of given arc length along the previous step. The length is the norm of the vector
-  !! of all displacements.
+  !> Begin a step with a given arc length, measured along the previous step. The length is the norm
+  !! of the vector of all displacements.
   subroutine constrain_arc(constraint, state, length, limit)
     type(path_constraint_t), intent(out) :: constraint
     type(state_t), intent(in) :: state
@@ -290,8 +291,8 @@ contains
     end if
   end subroutine find_measure
 
-  !> Does a step under arc length control deviate from the direction of the previous one, which
-  !! means that it leads to a later part of the path or to another path?
+  !> Does a step under arc length control deviate from the direction of the previous step? It then
+  !! leads to a later part of the path or to another path.
   pure logical function turns_away(constraint, state) result(yes)
     type(path_constraint_t), intent(in) :: constraint
     type(state_t), intent(in) :: state
@@ -301,7 +302,7 @@ contains
                    < LEAST_COSINE*norm2(state%u - state%u_step)
   end function turns_away
 
-  !> Were there bonds, and are all of them released at the end of the previous step?
+  !> Did the model have bonds, all of which are released at the end of the previous step?
   function is_all_released(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -27,8 +27,8 @@ module convergence
   real(wp), parameter :: FLOOR_OF_MOTION = 1.0e3_wp*epsilon(1.0_wp)
   integer, parameter :: PATIENCE = 6 !! iterations of a step with contact before a line search is
   !! used
-  !> An increment reverses the previous one if the cosine of the angle between it and the reverse of
-  !! the previous one is larger than this.
+  !> An increment reverses the previous increment if the cosine of the angle between the two is
+  !! below minus this.
   real(wp), parameter :: OPPOSITE = 0.7_wp
   real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a shortened increment
   integer, parameter :: MOST_FLIPS = 5 !! number of consecutive changes of sign that shows an
@@ -115,7 +115,7 @@ contains
     where (spacing >= huge(1.0_wp)) spacing = 0.0_wp
   end function node_spacing
 
-  !> Find the floor for the given tangent and the current displacements.
+  !> Find the rounding floor for the given tangent and the current displacements.
   pure function find_floor(k, spacing, u) result(floor)
     type(block_matrix_t), intent(in) :: k
     real(wp), intent(in) :: spacing(:)   !! (nnode) [L]
@@ -135,8 +135,8 @@ contains
     end do
   end function find_floor
 
-  !> Is a line search needed because the state of contact keeps changing, although the deck does not
-  !! ask for one?
+  !> Is a line search needed although the deck does not request it, because the state of contact
+  !! keeps changing?
   pure logical function needs_line_search(newton, model)
     type(newton_t), intent(in) :: newton
     type(model_t), intent(in) :: model
@@ -161,7 +161,7 @@ contains
     if (.not. fraction > LEAST_FRACTION) fraction = LEAST_FRACTION
   end function damping
 
-  !> Note the sign of the tangent's determinant, or 0 if it is not known.
+  !> Record the sign of the tangent's determinant, or 0 if it is not known.
   pure subroutine count_flips(newton, sign)
     type(newton_t), intent(inout) :: newton
     integer, intent(in) :: sign

@@ -78,8 +78,8 @@ contains
   end function energy_entry
 
   !> Energy of all bonds according to their laws: 1 stored, 2 dissipated by damage, 3 dissipated by
-  !! viscosity. As each of the two sides covers the whole interface, this is the mean of both sides;
-  !! a rigid side has no points.
+  !! viscosity. Each of the two sides covers the whole interface, so the mean of both sides is
+  !! taken; a rigid side has no points.
   pure real(wp) function bond_energy(model, state, part) result(energy)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -9,7 +9,7 @@ module failure_text
   private
   public :: name_element, name_singularity
 
-  integer, parameter :: MOST = 4       !! largest number of dofs and of bodies that are named
+  integer, parameter :: MOST = 4       !! largest number of dofs, and of bodies, in a message
 
 contains
 

@@ -8,11 +8,11 @@ module line_search
   private
   public :: search_line, step_by, retreat
 
-  !> Slope that may be left after a line search, relative to the first one (FEAP).
+  !> A line search ends when the slope, relative to that at its start, is below this (FEAP).
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp
   integer, parameter :: LINE_TRIALS = 10
-  !> An increment overshoots if the slope at its end has the opposite sign of that at its start, and
-  !! more than this many times its size.
+  !> An increment overshoots if the slope at its end has the opposite sign of the slope at its start
+  !! and is more than this many times as large.
   real(wp), parameter :: OVERSHOT = 4.0_wp
 
 contains
@@ -35,7 +35,7 @@ contains
     real(wp), intent(in) :: dx(:)      !! (neq) the increment
     real(wp), intent(in) :: du(:, :)   !! (3, nnode) the same
     real(wp), intent(in) :: g0         !! du.r(0)
-    real(wp), intent(out) :: s         !! fraction that is taken
+    real(wp), intent(out) :: s         !! fraction of the increment that is taken
     type(error_t), allocatable, intent(out) :: error
     type(sweep_t) :: sweep
     real(wp) :: g
@@ -53,15 +53,16 @@ contains
     call step_by(state, du, s)
   end subroutine search_line
 
-  !> Shorten the last increment if necessary; it has been added to the displacements, and the forces
-  !! at its end are known. It is halved as long as it inverts an element. If it overshoots (a
-  !! surface penetrates the other one in a single increment and is thrown back by the whole
-  !! penalty), a line search finds the fraction of it to keep. Other increments cost nothing.
+  !> Shorten the last increment if necessary. It has already been added to the displacements, and
+  !! the forces at its end are known. An increment is halved as long as it inverts an element. An
+  !! increment overshoots if, for instance, a surface penetrates the other one in a single increment
+  !! and the whole penalty pushes it back; a line search then finds the fraction of the increment to
+  !! keep. In all other cases nothing has to be computed.
   subroutine retreat(asm, model, state, dx, rhs, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    real(wp), intent(in) :: dx(:)      !! (neq) the increment, whole
+    real(wp), intent(in) :: dx(:)      !! (neq) the whole increment
     real(wp), intent(in) :: rhs(:)     !! (neq) the forces before it
     type(sweep_t), intent(inout) :: sweep
     type(error_t), allocatable, intent(out) :: error
@@ -89,8 +90,8 @@ contains
     call form(asm, model, state, sweep, error) ! its tangent is used
   end subroutine retreat
 
-  !> Search for a small slope, beginning with the slope g at s, which `sweep` found, by regula falsi
-  !! with the Illinois modification.
+  !> Search for a small slope by regula falsi with the Illinois modification. The search begins with
+  !! the slope g at the fraction s, whose forces are in `sweep`.
   subroutine close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model

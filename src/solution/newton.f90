@@ -1,4 +1,4 @@
-!> Newton's iteration: form, solve, and the last test of a step.
+!> Newton's iteration: forms the system, solves it, and makes the last test of a step.
 module newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use anchored_newton, only: renew_anchors, solve_anchored, loads_of, sum_of_loads
@@ -33,14 +33,14 @@ module newton
   !> Tolerance of the relative residual of a linear solve with kept factors.
   real(wp), parameter :: FORCING = 1.0e-3_wp
   integer, parameter :: MOST_HALVINGS = 6   !! of a prescribed increment
-  !> A smaller energy of the springs of `stabilisation` in an increment, relative to its whole
-  !! energy, does not matter.
+  !> The energy of the springs of `stabilisation` in an increment is negligible if it is smaller
+  !! than this, relative to the whole energy of the increment.
   real(wp), parameter :: NO_ENERGY = 1.0e-3_wp
   real(wp), parameter :: MANY_TIMES = 4.0_wp !! allowed ratio of increment to prescribed motion
 
 contains
 
-  !> Begin a step: state%factor and state%time hold for its end, state%u for its start.
+  !> Begin a step: state%factor and state%time belong to the end of the step, state%u to its start.
   subroutine begin_newton(newton, model, state, predicts)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -63,7 +63,7 @@ contains
     call begin_stabilisation(newton%hold, model)
     newton%asm%anchors = anchors_t()
     newton%predicted = .false.
-    ! the moves of a body to contact are not continued
+    ! moves of bodies towards a contact are not continued
     if (.not. predicts .or. newton%constraint%on .or. newton%hold%active) return
     call predict(model, state, newton%move, newton%piece, newton%predicted)
     newton%moves = newton%moves .and. .not. newton%predicted
@@ -202,7 +202,7 @@ contains
     newton%may_retreat = .not. moved .and. .not. newton%converged
   end subroutine solve_system
 
-  !> Let the linear system take a new pattern of the tangent, if there is one.
+  !> If the tangent has a new pattern, pass it to the linear system.
   subroutine take_pattern(newton, model, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -214,8 +214,8 @@ contains
     newton%asm%new_pattern = .false.
   end subroutine take_pattern
 
-  !> Solve the system. As long as bodies fly, that is, contact does not hold them yet, they are
-  !! moved, and the system is formed and solved again.
+  !> Solve the system. As long as bodies fly, which means that contact does not hold them yet, they
+  !! are moved, and the system is formed and solved again.
   subroutine solve_held(newton, model, state, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -288,8 +288,8 @@ contains
     call note_move(newton%hold, state%u - before)
   end subroutine fly
 
-  !> The fraction of an increment that may be taken while there are springs: all of it, unless it is
-  !! mainly a motion that only the springs resist.
+  !> Find the fraction of an increment that may be taken while there are springs. It is one, unless
+  !! the increment is mainly a motion that only the springs resist.
   subroutine find_fraction(newton, model, state, du, s)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -312,7 +312,7 @@ contains
     if (longest > reach) s = reach/longest
   end subroutine find_fraction
 
-  !> The increment of all dofs, and the largest energy of an increment so far.
+  !> Find the increment of all dofs, and update the largest energy of an increment in this step.
   subroutine find_increment(newton, model, moved, du, pass)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -333,7 +333,7 @@ contains
     newton%largest_energy = max(newton%largest_energy, pass%energy)
   end subroutine find_increment
 
-  !> The increment of the free dofs; prescribed motion acts on them through the tangent.
+  !> Find the increment of the free dofs, on which prescribed motion acts through the tangent.
   subroutine solve_tangent(newton, model, state, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -367,7 +367,8 @@ contains
     end if
   end subroutine solve_tangent
 
-  !> Reactions at the final displacements; a step whose test has not passed yet is tested once more.
+  !> Find the reactions at the final displacements. A step that has not passed its test yet is
+  !! tested once more.
   subroutine close_newton(newton, model, state, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -387,7 +388,8 @@ contains
                        .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
   end subroutine close_newton
 
-  !> Find the pattern and analyse it: once, and again only when TANG and UTAN alternate.
+  !> Find the pattern and analyse it. This is done once, and again only when TANG and UTAN
+  !! alternate.
   subroutine prepare_newton(newton, model, symmetric, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -408,7 +410,7 @@ contains
     if (.not. allocated(newton%rhs)) allocate (newton%rhs(model%neq), newton%dx(model%neq))
   end subroutine prepare_newton
 
-  !> FACTor: the analysis is repeated if an option changes.
+  !> Set the options of FACTor; the analysis is repeated if one of them changes.
   subroutine set_factorisation(newton, mode, eps)
     type(newton_t), intent(inout) :: newton
     integer, intent(in) :: mode        !! FULL, REUSE, SINGLE, LOWRANK

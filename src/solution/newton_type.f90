@@ -29,7 +29,7 @@ module newton_type
     integer :: flips = 0               !! consecutive iterations that changed the sign
     real(wp), allocatable :: rhs(:)    !! (neq) [F]
     real(wp), allocatable :: dx(:)     !! (neq) increment [L]
-    real(wp), allocatable :: last(:)   !! (neq) part of the last increment that was taken [L]
+    real(wp), allocatable :: last(:)   !! (neq) the part taken of the last increment [L]
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made [L]
     real(wp), allocatable :: spacing(:) !! (nnode) distance to the nearest neighbour [L]
     logical :: moves = .false.         !! some of `move` is not zero
@@ -37,7 +37,7 @@ module newton_type
     logical :: has_moved = .false.     !! some of `moved` is not zero
     integer, allocatable :: piece(:)   !! (nnode) body of a node, for the predictor
     logical :: predicted = .false.     !! displacements are predicted ones, without forces so far
-    logical :: may_retreat = .false.   !! the last increment moved no prescribed dof, and was needed
+    logical :: may_retreat = .false.   !! the last increment may be shortened
   end type newton_t
 
   !> The residual and energy that rounding alone leaves (see convergence).
@@ -50,7 +50,7 @@ module newton_type
   type :: pass_t
     logical :: ok = .true.             !! .false.: the step must be cut
     character(:), allocatable :: trouble !! reason for that
-    logical :: hopeless = .false.      !! no smaller step and no other method can help
+    logical :: hopeless = .false.      !! neither a smaller step nor another method can help
     type(sweep_t) :: sweep
     type(floor_t) :: floor
     type(solve_report_t) :: solve

@@ -17,7 +17,7 @@ module point_values
 
 contains
 
-  !> Find the state of one element at the points of a basis.
+  !> Find stress and energy of one element at the points of a basis.
   subroutine recover_at(model, state, b, e, basis, point, ok)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -1,13 +1,13 @@
-!> Predictor of a step with contact: displacements continue as in the last step.
+!> Predictor of a step with contact: continues the displacements as in the last step.
 !!
-!! Where bodies slide, each step resembles the one before, and Newton's iteration that starts from
-!! the continued displacements saves up to half of its iterations. Each body continues with the
-!! rigid motion that fits its last increment best; the rest of the increment, its deformation, is
-!! continued linearly and turns with the body. A linear continuation of rotations would make bodies
-!! grow. Prescribed displacements take their values at the end of the step.
+!! Where bodies slide, each step resembles the previous one. If Newton's method starts from the
+!! continued displacements, it then needs as few as half of the iterations. Each body continues with
+!! the rigid motion that fits its last increment best; the rest of the increment, its deformation,
+!! is continued linearly and turns with the body. A linear continuation of rotations would make
+!! bodies grow. Prescribed displacements take their values at the end of the step.
 !!
-!! HALFpass has no predictor, so that its iterations stay those of the published scheme. In a model
-!! with several schemes, the others have none either.
+!! There is a predictor only if all contacts of the model have the mortar scheme. The iterations of
+!! HALFpass thus remain those of the published scheme.
 module predictor
   use base_kinds, only: wp
   use contact_pair, only: MORTAR
@@ -26,7 +26,7 @@ module predictor
 
 contains
 
-  !> Move the displacements to the predicted ones, if the last step allows a prediction.
+  !> Replace the displacements by predicted ones if the last step allows a prediction.
   subroutine predict(model, state, move, piece, predicted)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -47,7 +47,8 @@ contains
     call continue_increment(model%mesh%xr + state%u_step, state%last_increment, ratio, piece, &
                             goes_on)
     state%u = state%u + merge(goes_on, move, model%eq /= 0)
-    ! Enhanced parameters stay: after a restart, their derivatives are not known.
+    ! Enhanced parameters are not predicted, because their derivatives are not known after a
+    ! restart.
     state%u_base = state%u
     predicted = .true.
   end subroutine predict
@@ -77,7 +78,7 @@ contains
     end do
   end subroutine continue_increment
 
-  !> Do all load tables continue at about the rate of the last step?
+  !> Do all load tables continue with about the same rate as in the last step?
   pure logical function loads_go_on(state) result(yes)
     type(state_t), intent(in) :: state
     real(wp) :: last, now, start

@@ -14,8 +14,8 @@ module prescribed
 
 contains
 
-  !> Find the displacement of every prescribed dof; it is zero elsewhere.
-  !! The rotations of a node act on its reference position in deck order; then its translations are
+  !> Find the displacement of every prescribed dof; it is zero elsewhere. The rotations of a node
+  !! act on its reference position, in the order of the deck; then the translations of the node are
   !! added.
   subroutine prescribed_values(model, factor, up)
     type(model_t), intent(in) :: model

@@ -35,7 +35,8 @@ contains
         allocate (state%history(b)%trial(n, block%nelem), source=0.0_wp)
       end associate
     end do
-    ! The energy balance is needed by curves, and by contact, whose path may use it.
+    ! Curves may need the energy balance. Contact may need it too, to continue the path with
+    ! inertia.
     keeps_energy = size(model%contact) > 0
     do i = 1, size(model%curve)
       keeps_energy = keeps_energy .or. any(model%curve(i)%quantity(:)%id == Q_BOOK)

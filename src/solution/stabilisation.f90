@@ -1,4 +1,4 @@
-!> Bodies that supports do not hold, while contact does not hold them yet, or not in all directions.
+!> Bodies that supports do not hold, and that contact does not hold yet, or not in all directions.
 !!
 !! The rigid motions v of such bodies are sorted by their stiffness v.K v/v.D v, with the tangent K
 !! and with D, the mean stiffness of each node on its diagonal.
@@ -6,15 +6,16 @@
 !! 1. No stiffness (below NO_STIFFNESS), and a load acts along a translation: the body flies. It is
 !!    moved in that direction, up to the nearest other surface and then by a distance that begins
 !!    with a millionth of an element and grows. As soon as contact resists, Newton's iteration
-!!    continues from there. A body that does not meet anything is given up.
+!!    continues from there. If the body does not meet any surface, the step fails.
 !! 2. Little stiffness (below WEAK, or negative): a ball can turn and slide on a plate without
 !!    friction. The motion since the start of the step is held by an anchor (module anchors). If the
 !!    iteration converges with a load of more than NO_LOAD of all loads in an anchor, the motion is
 !!    released, and the iteration continues.
-!! 3. Springs of SPRING D in the tangent alone, not in the residual, make every system regular. An
-!!    increment whose energy is mainly that of the springs is shortened as in 1.
+!! 3. Springs of the stiffness SPRING D are added to the tangent, but not to the residual. They make
+!!    every system regular. An increment whose energy is mainly that of the springs is shortened as
+!!    in 1.
 !!
-!! As long as the tangent resists every motion, none of this is done. All limits are relative.
+!! If the tangent resists every motion, none of this is done. All limits are relative.
 !! Theory: doc/theory/contact.md.
 module stabilisation
   use anchors, only: anchors_t, find_load, node_stiffness, rigid_field
@@ -40,8 +41,8 @@ module stabilisation
   !! node, is no load
   real(wp), parameter :: FIRST = 1.0e-6_wp     !! first move of a body that touches, relative to an
   !! element
-  real(wp), parameter :: GROWTH = 4.0_wp       !! and the ratio of the following ones
-  real(wp), parameter :: LONGEST = 0.25_wp     !! longest one, relative to an element or DEPTh
+  real(wp), parameter :: GROWTH = 4.0_wp       !! length of a move, relative to the one before
+  real(wp), parameter :: LONGEST = 0.25_wp     !! longest move, relative to an element or DEPTh
   real(wp), parameter :: FAR = 2.0_wp          !! a body that moved so far, relative to the model,
   !! is lost
   integer, parameter :: MOST_MOVES = 100       !! number of moves in a step
@@ -51,19 +52,19 @@ module stabilisation
     type(free_body_t), allocatable :: body(:) !! bodies that only contact can hold
     logical :: active = .false.          !! the tangent did not resist some motion
     logical :: springs = .false.         !! the tangent of this iteration has springs
-    logical :: used = .false.            !! an earlier one of this step had them
+    logical :: used = .false.            !! an iteration of this step had springs
     integer :: moves = 0                 !! number of moves in this step
-    integer :: at_contact = 0            !! the last of them, if they began at another surface
+    integer :: at_contact = 0            !! the last move, if moves began at another surface
     real(wp), allocatable :: shift(:, :) !! (3, body) sum of these moves [L]
     !> (6, body, m) Motions that nothing resists; the 6*body coefficients of each are orthonormal.
     real(wp), allocatable :: unheld(:, :, :)
     real(wp), allocatable :: weak(:, :, :) !! (6, body, m) motions of little stiffness, v.D v = 1
-    real(wp), allocatable :: released(:, :, :) !! (6, body, m) those without an anchor in this step
+    real(wp), allocatable :: released(:, :, :) !! (6, body, m) motions that anchors release
     real(wp) :: energy = 0.0_wp          !! of the anchors, sum over the steps [F L]
     real(wp) :: work = 0.0_wp            !! of loads and supports in the same steps [F L]
     real(wp), allocatable :: kept(:, :, :) !! (3, 3, node) blocks without the springs
     logical :: warned = .false.          !! the warning about free motions was issued
-    logical :: warned_energy = .false.   !! and that with an energy that is not small
+    logical :: warned_energy = .false.   !! the warning about their energy was issued
   end type stabilisation_t
 
 contains
@@ -173,8 +174,8 @@ contains
     hold%unheld = reshape(q, [6, size(hold%body), size(q, 2)])
   end subroutine find_unheld
 
-  !> The tangent is singular although every motion seemed to be resisted: try with springs. The
-  !! result is false if there is no body that they could hold.
+  !> Use springs, because the tangent is singular although every motion seemed to be resisted. The
+  !! result is false if there is no body that springs could hold.
   logical function use_springs(hold, state) result(possible)
     type(stabilisation_t), intent(inout) :: hold
     type(state_t), intent(in) :: state
@@ -256,8 +257,8 @@ contains
     du = du/sqrt(maxval(sum(du**2, 1)))
   end subroutine find_flight
 
-  !> Do the anchors bear a load that is not small? Then the motion along it is released for the rest
-  !! of the step.
+  !> Do the anchors bear a load that is not small? Then the motion along this load is released for
+  !! the rest of the step.
   subroutine release_loaded(hold, model, state, anchors, scale, loaded)
     type(stabilisation_t), intent(inout) :: hold
     type(model_t), intent(in) :: model
@@ -277,7 +278,8 @@ contains
                             [6, size(hold%body), size(hold%released, 3) + 1])
   end subroutine release_loaded
 
-  !> How far a body may move at once [L]: to the nearest other surface, and a little into it.
+  !> Find how far a body may move at once [L]: up to the nearest other surface, and a little into
+  !! it.
   subroutine find_reach(hold, model, state, reach)
     type(stabilisation_t), intent(inout) :: hold
     type(model_t), intent(in) :: model
@@ -363,7 +365,7 @@ contains
     end do
   end function spring_energy
 
-  !> Note that bodies have moved by du.
+  !> Record that bodies have moved by du.
   subroutine note_move(hold, du)
     type(stabilisation_t), intent(inout) :: hold
     real(wp), intent(in) :: du(:, :)     !! (3, nnode) [L]

@@ -1,4 +1,4 @@
-!> What the log and the screen report about bodies that contact does not hold: where they were moved
+!> Reports bodies that contact does not hold, in the log and on the screen: where they were moved
 !! to, and the motions that only anchors resist.
 module stabilisation_report
   use anchors, only: anchors_t, anchor_force, find_load
@@ -18,7 +18,7 @@ module stabilisation_report
 
 contains
 
-  !> Say what was done in a step that is accepted.
+  !> Report what was done in an accepted step.
   subroutine report_stabilisation(hold, model, state, f_ext, anchors, scale)
     type(stabilisation_t), intent(inout) :: hold
     type(model_t), intent(in) :: model
@@ -66,7 +66,7 @@ contains
               hint='support the bodies against these motions, or add friction')
   end subroutine report_stabilisation
 
-  !> A share in per cent; shares that are rounding are less than 1e-6 %.
+  !> A share in per cent; a share that is only rounding is shown as less than 1e-6 %.
   function percent(share) result(text)
     real(wp), intent(in) :: share
     character(:), allocatable :: text
@@ -75,7 +75,7 @@ contains
     if (share >= 1.0e-8_wp) text = to_text(100*share, 2)//' %'
   end function percent
 
-  !> Orthonormal basis of those motions of body b in which it takes part.
+  !> Orthonormal basis of those motions in which body b takes part.
   subroutine span_of(motion, b, basis)
     real(wp), intent(in) :: motion(:, :, :) !! (6, body, m)
     integer, intent(in) :: b
@@ -98,7 +98,7 @@ contains
     end do
   end subroutine span_of
 
-  !> The reason why a step fails in which a body is lost.
+  !> The reason for which a step fails in which a body is lost.
   function lost_text(hold) result(text)
     type(stabilisation_t), intent(in) :: hold
     character(:), allocatable :: text

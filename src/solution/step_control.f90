@@ -18,18 +18,18 @@ module step_control
     logical :: automatic = .false.
     real(wp) :: dtmin = 0.0_wp, dtmax = 0.0_wp
     real(wp) :: from = 0.0_wp, to = 0.0_wp !! times at which the current step begins and ends
-    integer :: passed = 0  !! number of targets that it passes; 0: it ends between two of them
+    integer :: passed = 0  !! targets that the step passes; 0: it ends between two targets
     integer :: accepted = 0          !! steps since the last cut-back
     logical :: reduced = .false.     !! after many iterations the next step is smaller
     real(wp) :: failed = 0.0_wp      !! length of the last step that was cut back; 0: there is none
   end type step_control_t
 
-  real(wp), parameter :: NEARLY = 1.0e-9_wp !! of dt: a corner this near a target is on it
+  real(wp), parameter :: NEARLY = 1.0e-9_wp !! relative to dt: a nearer corner is on a target
   integer, parameter :: FEW = 6      !! iterations up to which a step may grow
   integer, parameter :: FAIR = 10    !! iterations up to which a step smaller than dt may grow
   integer, parameter :: MANY = 15    !! iterations above which the next step is smaller
-  integer, parameter :: PATIENCE = 8 !! steps after a cut-back that stay shorter than the failed one
-  real(wp), parameter :: SHORTER = 0.75_wp !! step after a failed one that is longer than dt
+  integer, parameter :: PATIENCE = 8 !! steps that stay shorter than a failed one
+  real(wp), parameter :: SHORTER = 0.75_wp !! step after a failed step longer than dt
 
 contains
 
@@ -96,7 +96,8 @@ contains
     if (control%passed > 0) to = control%origin + (control%target + control%passed)*control%dt
   end subroutine end_at_corner
 
-  !> A constrained step finds its own end: the target that it may not pass.
+  !> Begin a constrained step, whose end is found by the step itself. The result is the time of the
+  !! next target, which the step may not pass.
   function next_target(control, time) result(target)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time
@@ -118,7 +119,7 @@ contains
     control%passed = merge(1, 0, on_target)
   end subroutine set_end
 
-  !> Accept the time of a converged step: count its targets; the next step may be larger.
+  !> Accept the time of a converged step: count its targets, and set the size of the next step.
   subroutine accept_time(control, iterations)
     type(step_control_t), intent(inout) :: control
     integer, intent(in) :: iterations
@@ -134,7 +135,7 @@ contains
     else if (control%accepted > 1 .and. &
              (iterations <= FEW .or. (iterations <= FAIR .and. control%size < control%dt))) then
       control%size = min(1.5_wp*max(taken, control%size), max(control%dt, control%dtmax))
-      ! what failed just now would fail again
+      ! a step as long as one that failed would fail again
       if (control%failed > 0.0_wp .and. control%accepted < PATIENCE) then
         control%size = min(control%size, max(control%dt, SHORTER*control%failed))
       end if
@@ -149,7 +150,7 @@ contains
     control%reduced = .false.
   end subroutine pass_target
 
-  !> Try half of a failed step. The result is false if that is smaller than dtmin.
+  !> Halve a failed step. The result is false if half of the step is smaller than dtmin.
   function cut_time(control) result(possible)
     type(step_control_t), intent(inout) :: control
     logical :: possible

@@ -33,13 +33,13 @@ module step_type
     type(pass_t) :: pass                 !! the last pass of Newton's iteration
     logical :: open = .false.            !! a step is in progress
     logical :: timed = .false.           !! a TIME began it
-    logical :: retry = .false.           !! the next step repeats one that was cut back
+    logical :: retry = .false.           !! the next step repeats a step that was cut back
     logical :: solved = .false.          !! at least one system was solved in it
     integer :: cutbacks = 0              !! cut-backs of this step, without changes of method
     integer :: start_step = 0            !! number and time of the state at its start
     real(wp) :: start_time = 0.0_wp
     integer :: start_iterations = 0      !! total of the iterations when it began
-    logical :: start_held = .false.      !! a body had needed to be held when it began
+    logical :: start_held = .false.      !! an earlier step had to hold a body
     type(step_totals_t) :: total
   end type step_t
 
