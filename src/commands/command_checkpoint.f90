@@ -1,5 +1,5 @@
-!> Checkpoints: which values they hold besides the state, when they are written, and how a run
-!! continues from one.
+!> Checkpoints: the values that they hold in addition to the state, when they are written, and how a
+!! run continues from a checkpoint.
 module command_checkpoint
   use base_error, only: error_t, fail, SYSTEM_ERROR, STOPPED
   use base_kinds, only: wp
@@ -21,7 +21,8 @@ module command_checkpoint
   private
   public :: write_checkpoint, set_restart_point, restore_run, stop_wanted, stop_run
 
-  ! FORMAT of restart_file must grow whenever the names or the meaning of the values here change.
+  ! FORMAT of restart_file must be increased whenever the names or the meaning of the values here
+  ! change.
 
   !> Named values that are put into a checkpoint or taken from one, so that one list of names serves
   !! both.
@@ -37,7 +38,8 @@ module command_checkpoint
 
 contains
 
-  !> Write a checkpoint between two steps. From here on this run and a restarted one behave alike.
+  !> Write a checkpoint between two steps. From here on, this run and a restarted run behave in the
+  !! same way.
   subroutine write_checkpoint(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
@@ -49,8 +51,8 @@ contains
                   //restart_path(run))
   end subroutine write_checkpoint
 
-  !> Make this the point at which a run can restart, and forget kept factors. From here on this run
-  !! and a restarted one behave alike.
+  !> Make the current state the point at which a run can restart, and forget kept factors. From here
+  !! on, this run and a restarted run behave in the same way.
   subroutine set_restart_point(run)
     type(run_t), intent(inout) :: run
     type(exchange_t) :: exchanged
@@ -266,8 +268,8 @@ contains
     end do
   end subroutine exchange_parameters
 
-  !> Exchange the messages of the warnings, one a line, so that the report of a restarted run has
-  !! all of them.
+  !> Exchange the messages of the warnings, one in each line, so that the report of a restarted run
+  !! has all of them.
   subroutine exchange_warnings(x)
     type(exchange_t), intent(inout) :: x
     character(:), allocatable :: message, text

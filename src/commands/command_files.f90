@@ -40,7 +40,7 @@ contains
           deallocate (column)
         end associate
         if (.not. allocated(files%kept)) cycle
-        if (files%kept > 0 .and. has_row(run, i)) call note_row(run, i) ! may be the last one
+        if (files%kept > 0 .and. has_row(run, i)) call note_row(run, i) ! the last row, perhaps
       end do
       files%curves_open = .true.
       if (allocated(files%kept)) call open_fields(run, error)
@@ -67,7 +67,7 @@ contains
     end do
   end subroutine write_rows
 
-  !> Does the curve get a row in this step? TPLOt may leave out steps.
+  !> Does a curve get a row in this step? The table of TPLOt may leave out steps.
   pure logical function has_row(run, i)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i
@@ -76,7 +76,7 @@ contains
     if (.not. has_row) has_row = mod(run%state%step - 1, run%plan%tplot_every) == 0
   end function has_row
 
-  !> Note the row of curve i: step, time, current values.
+  !> Keep the row of curve i for the report: step, time and current values.
   subroutine note_row(run, i)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: i

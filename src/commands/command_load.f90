@@ -177,7 +177,7 @@ contains
     if (last > n) then
       allocate (longer(last))
       longer(:n) = run%state%table
-      longer(n + 1:)%kind = 1                     ! tables that are never given have the factor 0
+      longer(n + 1:)%kind = 1                     ! without data, the factor of a table is 0
       call move_alloc(longer, run%state%table)
     end if
     run%state%table(first:last) = command%data(command%visit)%table
@@ -228,7 +228,7 @@ contains
   end subroutine run_para
 
   !> Check, when the whole deck is known, that every load number has a PROP. Number 0, the sum of
-  !! all tables, needs none, and if there is no PROP at all, every factor is 1.
+  !! all tables, needs no PROP; if there is no PROP at all, every factor is 1.
   subroutine check_tables(bc, ntable, error)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: ntable      !! highest table that a PROP defines

@@ -51,7 +51,7 @@ contains
         if (allocated(error)) return
         run%files%out_open = .true.
       end if
-      if (run%step%open .and. run%step%solved) then ! reactions are those before the last solve
+      if (run%step%open .and. run%step%solved) then ! after a solve, reactions are outdated
         call form_system(run%step%newton, model, state, run%step%newton%symmetric, pass, error)
         if (allocated(error)) return
       end if

@@ -25,8 +25,8 @@ contains
   end function restart_rows
 
   !> Take displacements, history, time and step number from the checkpoint. The load tables remain
-  !! those of this deck, and the next target of DT is counted from the time of the checkpoint. The
-  !! model must be the same except for its loads and, with CONStants, except for its constants.
+  !! those of this deck, and targets of DT are counted from the time of the checkpoint. The model
+  !! must be the same, except for its loads and, with CONStants, its constants.
   subroutine run_restart(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

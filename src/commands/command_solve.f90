@@ -75,8 +75,8 @@ contains
     end if
   end subroutine run_solve
 
-  !> Form the system, solve it, or both, in the current step; a deck without TIME is one step at t
-  !! = 0.
+  !> Form the system, solve it, or do both, in the current step; a deck without TIME is one step at
+  !! t = 0.
   subroutine iterate(run, command, forms, symmetric, solves, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -134,7 +134,7 @@ contains
       if (pass%solve%iterations > 1) line = trim(line)//'  krylov '//to_text(pass%solve%iterations)
       if (pass%line < 1.0_wp) line = trim(line)//'  line '//to_text(pass%line)
       call log_line(trim(line))
-      left = '' ! time that the loops over time still need at the same pace
+      left = '' ! time that is still needed at the same pace
       done = 0.0_wp
       do i = 1, size(run%program%loop)
         associate (loop => run%program%loop(i))

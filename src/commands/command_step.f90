@@ -18,7 +18,7 @@ module command_step
 
 contains
 
-  !> Begin a step that starts with the command at the counter.
+  !> Begin a step, whose first command is the one at the counter.
   subroutine open_step_here(run, left)
     type(run_t), intent(inout) :: run
     integer, intent(in), optional :: left !! targets that remain in the loop; absent without TIME
@@ -41,8 +41,8 @@ contains
     run%plan%save = .false.
   end subroutine take_outcome
 
-  !> Close the current step, if any, and write what is due. `rewound` is true if the step failed
-  !! its last test and its TIME is executed next again.
+  !> Close the current step, if any, and write what is due. `rewound` is true if the step failed its
+  !! last test, so that its TIME is executed again next.
   subroutine finish_step(run, rewound, error)
     type(run_t), intent(inout) :: run
     logical, intent(out) :: rewound

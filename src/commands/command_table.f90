@@ -28,7 +28,7 @@ contains
              new_row('OPTS', 'OPTS: accepted, does nothing here', 16, run_note)]
   end subroutine load_commands
 
-  !> Note that a command of FEAP has no effect here.
+  !> State in the log that a command of FEAP has no effect here.
   subroutine run_note(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

@@ -104,8 +104,8 @@ module command_type
   end type files_t
 
   !> The last point from which a restart repeats this run to the last bit. With FULL factorisation
-  !! this is the end of any step. If factors are kept, it must be a point at which they were
-  !! forgotten.
+  !! the end of any step is such a point. If factors are kept, they must have been forgotten at this
+  !! point.
   type :: restart_point_t
     logical :: set = .false.
     type(state_t) :: state
@@ -168,7 +168,7 @@ contains
     type(command_t), intent(in) :: command
     integer, intent(in) :: i
     integer, intent(out) :: n
-    type(error_t), allocatable, intent(inout) :: error !! an earlier error is kept
+    type(error_t), allocatable, intent(inout) :: error !! keep an earlier error
 
     n = 0
     if (allocated(error)) return

@@ -1,4 +1,4 @@
-!> Warnings about converged steps that the deck can hardly intend.
+!> Warnings about converged steps that are probably not intended.
 module command_watch
   use base_kinds, only: wp
   use base_log, only: warn
@@ -15,7 +15,7 @@ module command_watch
 
 contains
 
-  !> Look at the step that was closed; each warning is given once.
+  !> Examine the step that was closed; each warning is given once.
   subroutine watch_step(run)
     type(run_t), intent(inout) :: run
 
@@ -23,8 +23,8 @@ contains
     if (.not. run%plan%strain_warned) call watch_strains(run)
   end subroutine watch_step
 
-  !> Warn of a MOVE that turns by half a turn or more in one step: displacements depend only on
-  !! where a turn ends, so that a full turn moves nothing.
+  !> Warn of a MOVE that turns by half a turn or more in one step. Displacements depend only on the
+  !! position at the end of the turn, so a full turn moves nothing.
   subroutine watch_rotations(run)
     type(run_t), intent(inout) :: run
     real(wp) :: before(size(run%state%table)), angle, factor, start

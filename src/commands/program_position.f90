@@ -1,5 +1,5 @@
-!> The position in the commands: open loops, the position at which a step began, and the return to
-!! it.
+!> The position in the commands: the open loops, the position at which a step began, and the return
+!! to this position.
 module program_position
   use base_error, only: place_t
   use command_type, only: program_t
@@ -23,7 +23,8 @@ contains
     end associate
   end subroutine save_position
 
-  !> Go back to the position at which the step began, so that the command that began it is next.
+  !> Go back to the position at which the step began, so that the next command is the one that began
+  !! it.
   subroutine rewind_program(program, params)
     type(program_t), intent(inout) :: program
     type(params_t), intent(inout) :: params
@@ -48,7 +49,8 @@ contains
     program%loop = program%loop(:top - 1)
   end subroutine leave_loop
 
-  !> Time targets that remain in the innermost loop, including that of the next TIME.
+  !> Number of time targets that remain in the innermost loop, including the target of the next
+  !! TIME.
   pure integer function targets_left(program) result(left)
     type(program_t), intent(in) :: program
     integer :: top

@@ -72,8 +72,8 @@ program main
     call finish(0)
   end if
 
-  ! A checkpoint of another deck counts as an error of the deck, after which no file may have
-  ! changed.
+  ! A checkpoint of another deck counts as an error in the deck. No file may have been changed
+  ! before such an error.
   if (allocated(options%restart)) call restore_run(job, options%restart, refused)
   if (allocated(refused)) then
     if (refused%code == DECK_ERROR) call stop_on(refused)

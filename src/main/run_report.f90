@@ -23,7 +23,7 @@ contains
 
   !> Claim space on the disk for the report, so that a run that fills the disk can still write it.
   !! The report of an earlier run is removed, as it would describe results that are about to change.
-  !! A disk that is full already is noticed by the next file.
+  !! If the disk is full already, writing the next file fails.
   subroutine reserve_report(job)
     type(run_t), intent(in) :: job
     type(error_t), allocatable :: ignored

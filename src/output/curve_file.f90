@@ -24,7 +24,7 @@ module curve_file
 
 contains
 
-  !> Begin a table. If `keep` is present, the rows of the old table up to that step are kept.
+  !> Begin a table. If `keep` is present, the old table keeps its rows up to that step.
   subroutine open_curve(curve, path, columns, nfactor, error, keep)
     type(curve_file_t), intent(out) :: curve
     character(*), intent(in) :: path
@@ -114,8 +114,8 @@ contains
     end do
   end subroutine curve_names
 
-  !> Rows of the old file up to step `keep`; empty if there is no file. A last line without line end
-  !! was cut off when a run was killed, and is dropped.
+  !> Rows of the old file up to step `keep`; empty if there is no file. If the last line has no line
+  !! end, it was cut off when a run was killed, and it is dropped.
   function rows_up_to(path, keep) result(text)
     character(*), intent(in) :: path
     integer, intent(in) :: keep

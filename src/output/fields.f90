@@ -24,7 +24,7 @@ module fields
     real(wp), allocatable :: state(:, :)    !! (1, nnode) 0 open, 1 stick, 2 slip
   end type nodal_contact_t
 
-  !> One field. Its values at the points of Bezier cells are coefficients, as the positions are.
+  !> One field. At the points of Bezier cells its values are coefficients, and so are the positions.
   type :: field_t
     character(16) :: name = ''
     character(90) :: description = ''
@@ -55,8 +55,9 @@ contains
     if (size(model%contact) == 0) names = names(:NBODY)
   end function default_fields
 
-  !> The known fields that a word of the deck selects. A field of bodies is recognised by its first
-  !! four letters, a field of contacts by its whole name; CONTact selects all fields of contacts.
+  !> Find the known fields that a word of the deck selects. A field of bodies is recognised by its
+  !! first four letters, a field of contacts by its whole name; CONTact selects all fields of
+  !! contacts.
   pure function named_fields(word) result(named)
     character(*), intent(in) :: word
     logical :: named(size(known_fields()))
@@ -166,8 +167,8 @@ contains
     end do
   end subroutine collect_fields
 
-  !> Smooth all sides of all contacts. A side that is not integrated has no points and stays
-  !! zero.
+  !> Smooth the fields of all sides of all contacts. A side that is not integrated has no points,
+  !! and its fields stay zero.
   subroutine gather_contact(model, state, nodal)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

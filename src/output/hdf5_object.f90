@@ -1,4 +1,5 @@
-!> HDF5 files, groups and attributes. `hdf5_file` adds datasets and is what other modules use.
+!> HDF5 files, groups and attributes. The module `hdf5_file` adds datasets; other modules use only
+!! `hdf5_file`.
 !!
 !! A call that finds `error` allocated does nothing, so that a sequence of calls is checked once at
 !! its end. Opening and closing a file are exceptions: they always act.
@@ -243,7 +244,8 @@ contains
     if (status /= 0) call refuse(file, 'cannot read '''//name//''' of', error)
   end subroutine get_text
 
-  !> Read as many integers as `value` holds. A different number of them in the file is a failure.
+  !> Read as many integers as `value` holds. It is a failure if the file has a different number of
+  !! them.
   subroutine get_integers(file, object, name, value, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: object, name
@@ -267,8 +269,8 @@ contains
     if (status /= 0) call refuse(file, 'cannot read '''//name//''' of', error)
   end subroutine get_integers
 
-  !> Start the library without its own messages and without locks, as a viewer may have the file
-  !! open. Closing a file closes every object that is open in it.
+  !> Start the library without its own messages, and without locks, because a viewer may have the
+  !! file open. Closing a file closes every object that is open in it.
   subroutine start_library(access)
     integer(HID_T), intent(out) :: access !! properties for creating or opening a file
     integer :: status

@@ -1,5 +1,5 @@
-!> The part of JSON that a report needs. Numbers with 17 digits give the same bits when they are
-!! read. A number that is not finite becomes null.
+!> Writes the part of JSON that a report needs. Numbers have 17 digits, so that reading them gives
+!! the same bits. A number that is not finite becomes null.
 module json_text
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
@@ -14,8 +14,8 @@ module json_text
 
 contains
 
-  !> Text in quotes. Control codes are escaped, as are bytes that are not UTF-8, which are taken for
-  !! Latin 1.
+  !> Text in quotes. Control codes are escaped. Bytes that are not UTF-8 are read as Latin 1 and are
+  !! escaped too.
   pure function json_string(text) result(json)
     character(*), intent(in) :: text
     character(:), allocatable :: json

@@ -65,8 +65,8 @@ contains
     call log_line('')
   end subroutine list_model
 
-  !> List the bodies that supports do not hold, and their motions. `warns`: warn of those that
-  !! contact cannot hold either.
+  !> List the bodies that supports do not hold, and their motions. If `warns` is true, warn of the
+  !! bodies that contact cannot hold either.
   subroutine list_free_bodies(model, warns)
     type(model_t), intent(in) :: model
     logical, intent(in), optional :: warns

@@ -3,8 +3,8 @@
 !!
 !! In the two-half-pass algorithm each side integrates its own tractions, so the two resultants
 !! differ by the discretisation error, which `sum` shows. With BALAnced or a rigid side the forces
-!! are opposite; so are the moments, except for tangential forces times penetration. The sum with
-!! the supports and the loads is as small as the residual of the step.
+!! are opposite; the moments are opposite too, except for tangential forces times penetration. The
+!! sum of the forces of supports, contacts and loads is as small as the residual of the step.
 module listing_contact
   use base_kinds, only: wp
   use base_log, only: log_line
@@ -195,7 +195,7 @@ contains
     text = ' '//trim(adjustl(field))
   end function number
 
-  !> The numbers of the two sides, or of the one of self-contact.
+  !> The numbers of both sides, or, in self-contact, the number of its only side.
   pure function text_of(n) result(text)
     integer, intent(in) :: n(:)
     character(:), allocatable :: text

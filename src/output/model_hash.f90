@@ -1,5 +1,5 @@
-!> Distinguishes models by hashes of their parts, so that a checkpoint is read only by its own
-!! model.
+!> Distinguishes models by hashes of their parts, so that a checkpoint is read only for the model
+!! from which it was written.
 module model_hash
   use base_hash, only: hash_t
   use boundary, only: boundary_t

@@ -1,4 +1,4 @@
-!> Named values, which the commands keep in a checkpoint besides the state.
+!> Named values, which the commands store in a checkpoint in addition to the state.
 module named_values
   use base_kinds, only: wp
   implicit none

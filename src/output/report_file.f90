@@ -8,7 +8,8 @@ module report_file
   private
   public :: report_t, message_row_t, write_report, add_count, add_real, add_curve
 
-  !> This number is increased when a member changes its name or its meaning; new members leave it.
+  !> This number is increased when a member changes its name or its meaning, but not when members
+  !! are added.
   integer, parameter :: FORMAT = 1
 
   type :: named_count_t
@@ -30,10 +31,10 @@ module report_file
   !> Final state of a contact.
   type :: contact_row_t
     character(:), allocatable :: name
-    integer :: points = 0               !! integration points of both sides
-    integer :: closed = 0               !! those of them that are in contact
+    integer :: points = 0               !! number of integration points, both sides
+    integer :: closed = 0               !! number of these that are in contact
     !> Of all steps: largest |F1 + F2| relative to the larger force, and largest penetration
-    !! relative to the smaller of element and thickness [-].
+    !! relative to the width of an element or the thickness, whichever is smaller [-].
     real(wp) :: balance = 0.0_wp, largest_penetration = 0.0_wp
   end type contact_row_t
 
@@ -54,7 +55,7 @@ module report_file
     type(named_real_t), allocatable :: seconds(:)
     type(curve_row_t), allocatable :: final(:)
     type(contact_row_t), allocatable :: contact(:)
-    logical :: equilibrium = .true.     !! no state was accepted with inertia or unconverged
+    logical :: equilibrium = .true.     !! every state converged without inertia
     type(message_row_t), allocatable :: warning(:)
   end type report_t
 

@@ -1,6 +1,6 @@
 !> Transfers values to and from a checkpoint, so that one list of names serves both directions.
 !!
-!! The rule for `error` is that of `hdf5_object`: a call that finds it allocated does nothing.
+!! The rule for `error` is that of `hdf5_object`: a call that finds `error` allocated does nothing.
 module restart_archive
   use base_kinds, only: wp, i8
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -19,7 +19,7 @@ module restart_archive
   end type archive_t
 
   !> exchange(archive, path, value, error) writes a value, or reads it if the archive is being read.
-  !! Arrays have the sizes of the model; another size in the file is a failure.
+  !! Arrays have the sizes of the model; it is a failure if the file has another size.
   interface exchange
     module procedure exchange_real, exchange_integer, exchange_logical, exchange_reals, &
       exchange_integers, exchange_logicals, exchange_matrix, exchange_values
@@ -253,8 +253,8 @@ contains
     call check_sum(archive, path, hash, error)
   end subroutine sum_integers
 
-  !> The name of the dataset counts too, without its first group: a checkpoint may be moved from
-  !! `last` to `before`.
+  !> The checksum includes the name of the dataset, but not its first group, because a checkpoint
+  !! may be moved from the group `last` to the group `before`.
   subroutine check_sum(archive, path, hash, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: path

@@ -51,7 +51,8 @@ contains
     call exchange_energy(archive, group//'/energy', state%energy, size(state%u, 2), error)
   end subroutine exchange_state
 
-  !> Exchange the history of one contact, and what its results of the last step need.
+  !> Exchange the history of one contact, and the data from which its results of the last step
+  !! follow.
   subroutine exchange_contact(archive, group, contact, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group
@@ -176,8 +177,8 @@ contains
     end do
   end subroutine exchange_tables
 
-  !> Exchange what is needed for the next step, for cutting it back, and for the results of the last
-  !! step.
+  !> Exchange the data that are needed for the next step, for cutting it back, and for the results
+  !! of the last step.
   subroutine exchange_points(archive, group, points, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group
@@ -213,7 +214,8 @@ contains
     points%new_step = .true.
   end subroutine exchange_points
 
-  !> Exchange the same for the control points of a side; the rest is found when forces are formed.
+  !> Exchange the same data for the control points of a side; other data are found when forces are
+  !! formed.
   subroutine exchange_control(archive, group, control, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group

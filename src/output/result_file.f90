@@ -24,7 +24,7 @@ contains
   !> Build the view. The files are created with the first step. Old files of that name are removed;
   !! a restarted run keeps their steps up to number `keep`.
   subroutine open_result(result, stem, model, deck_text, error, keep)
-    type(result_file_t), intent(inout) :: result !! its fields may be chosen already
+    type(result_file_t), intent(inout) :: result !! the fields may be chosen already
     character(*), intent(in) :: stem             !! folder and name
     type(model_t), intent(in) :: model
     character(*), intent(in) :: deck_text
@@ -46,8 +46,8 @@ contains
     if (allocated(result%hdf%names)) result%names = result%hdf%names
   end subroutine open_result
 
-  !> Choose the fields that OUTPut names, or the model's default if it names none. This must precede
-  !! the first step.
+  !> Choose the fields that OUTPut names, or the default fields of the model if it names none. This
+  !! must precede the first step.
   subroutine choose_fields(result, chosen)
     type(result_file_t), intent(inout) :: result
     logical, intent(in) :: chosen(:) !! which of known_fields are chosen

@@ -1,5 +1,5 @@
-!> An element as a Bezier hexahedron of VTK, or a surface element as a Bezier quadrilateral,
-!! exactly.
+!> Represents an element exactly by a Bezier hexahedron of VTK, or a surface element by a Bezier
+!! quadrilateral.
 !!
 !! The functions of an element on a tensor grid are N_A = n_A / W with polynomials n_A and W:
 !!
@@ -8,9 +8,9 @@
 !! with Bernstein polynomials B_i. The rational Bezier cell of points P_i and weights W_i is thus
 !! the element: positions, displacements and fields at nodes map by the coefficients a_iA / W_i. The
 !! cell has the degrees of the element. If only the surface is rational (an enriched element with
-!! surface weights W(xi, eta)), the products of the bulk functions and W have the degrees of W plus
-!! those of the bulk functions. The cell then is one or two degrees higher and still exact. Its
-!! weights are positive, as degree elevation takes means of the coefficients of W.
+!! surface weights W(xi, eta)), the degrees of W and of the bulk functions add up in their products.
+!! The cell then is one or two degrees higher and still exact. Its weights are positive, because
+!! degree elevation takes means of the coefficients of W.
 !!
 !! The a_iA are found by interpolation, which needs only the functions and degrees of the element.
 module view_bezier

@@ -1,4 +1,4 @@
-!> Points of the view as linear combinations of nodes. Equal combinations are one point.
+!> Points of the view as linear combinations of nodes. Equal combinations become one point.
 module view_points
   use base_kinds, only: wp, i8
   implicit none

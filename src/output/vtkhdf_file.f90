@@ -2,9 +2,9 @@
 !!
 !! A step is written into space that the file has allocated, handed to the operating system, and
 !! only then counted (NSteps). A run that is killed at any moment leaves all earlier steps readable.
-!! When this space is used up, a file with twice the space is written next to the old one and takes
-!! its name. Closing the file releases the unused space; a restart keeps the steps up to its
-!! checkpoint.
+!! When this space is used up, a file with twice the space is written next to the old file and takes
+!! the name of the old file. Closing the file releases the unused space; a restart keeps the steps
+!! up to its checkpoint.
 module vtkhdf_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: replace_file, remove_file
@@ -195,7 +195,8 @@ contains
     if (.not. allocated(error)) result%room = room
   end subroutine rebuild
 
-  !> Write the values of a step to their place. One write then counts the step (see vtkhdf_layout).
+  !> Write the values of a step to their place in the file. A single write then adds the step to the
+  !! count (see vtkhdf_layout).
   subroutine write_step(file, names, npoint, k, step, time, field, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: names(:)

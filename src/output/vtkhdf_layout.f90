@@ -100,9 +100,9 @@ contains
   !! other.
   !!
   !! The readers of VTK require as many times (Values) as steps (NSteps). Values is created right
-  !! after the attribute and has no attribute of its own, so that both lie side by side in the file
-  !! and the library changes them in one write. If the program were killed between two writes, only
-  !! one of them would be changed.
+  !! after the attribute and has no attribute of its own. Both then lie side by side in the file,
+  !! and the library changes them in one write. With two writes, a program that is killed between
+  !! them would have changed only one of the two.
   subroutine write_offsets(file, view, names, room, error)
     type(hdf5_t), intent(in) :: file
     type(view_t), intent(in) :: view

@@ -1,5 +1,5 @@
-!> One `.vtu` file for each step and a `.pvd` list of them; VTK shows them exactly from version 9.3
-!! on.
+!> Writes one `.vtu` file for each step, and a `.pvd` file that lists them. VTK shows them exactly
+!! from version 9.3 on.
 !!
 !! The files are XML with the numbers appended in binary. Each is written under another name and
 !! renamed when it is complete.
@@ -26,7 +26,7 @@ module vtu_file
 
 contains
 
-  !> Begin a series. An old one is removed, or its steps up to number `keep` are kept.
+  !> Begin a series of files. An old series is removed, or its steps up to number `keep` are kept.
   subroutine open_series(series, stem, keep)
     type(vtu_series_t), intent(out) :: series
     character(*), intent(in) :: stem
