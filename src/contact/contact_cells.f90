@@ -331,8 +331,8 @@ contains
   end subroutine remove_corner
 
   !> Where edges of both facets lie on one line, rounding decides which of them the clipping keeps,
-  !! whether it adds a corner between them, and which corner is the first. Here the whole edge of the
-  !! other facet is taken, and the order is that of the clipping of distinct lines.
+  !! whether it adds a corner between them, and which corner is the first. Here the whole edge of
+  !! the other facet is taken, and the order is that of the clipping of distinct lines.
   pure subroutine settle_edges(seen, m, corner, tag)
     real(wp), intent(in) :: seen(2, 4)      !! the other facet
     integer, intent(inout) :: m             !! corners
