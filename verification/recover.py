@@ -81,7 +81,7 @@ def difference(one, other, stem):
 
 def recover(bezel, out, run_, parts=3):
     """Stop a run in the middle and once more, continue it, and compare: a row of the table, or None if
-    the deck is refused."""
+    the deck is refused or the run stops by itself."""
     folder = out / run_.name
     whole, broken = folder / "whole", folder / "stopped"
     stem = run_.deck.stem
@@ -89,7 +89,7 @@ def recover(bezel, out, run_, parts=3):
     shutil.rmtree(folder, ignore_errors=True)
     try:
         wanted = run(bezel, run_, whole)
-        if wanted == 1:
+        if wanted in (1, STOPPED):
             return None
         report = json.loads((whole / f"{stem}.report.json").read_text())
         stop = max(1, report["iterations"] + 2 * report["steps"])  # about half of the commands
