@@ -163,9 +163,11 @@ def friction(runs):
             lambda r: "/".join(f"{d:.3f}" for d in deviations(r)),
             lambda r: "/".join(f"{a:.0f}" for a in at_plateau(r)),
             lambda r: "/".join(f"{a:.0f}" for a in sliding_from(r)),
+            lambda r: "-" if r.elements == "Q1E9" else "/".join(f"{a:.0f}" for a in all_sliding_from(r)),
         )]  # fmt: skip
         shown.append([e, *(", ".join(x) for x in columns)])
-    head = ("elements", "mean torque from 120 degrees on", "largest deviation from it", "99 % of the mean at [degrees]", "full sliding from [degrees]")  # fmt: skip
+    head = ("elements", "mean torque from 120 degrees on", "largest deviation from it", "99 % of the mean at [degrees]", "full sliding from [degrees]",
+            "every point but the pole slides from [degrees]")  # fmt: skip
     return list(table(head, shown))
 
 
@@ -189,13 +191,28 @@ def at_plateau(run):
 
 def sliding_from(run):
     """The angle from which almost no point of the side sticks any more."""
+    return [from_angle(run, side, STICK) for side in (1, 2)]
+
+
+def all_sliding_from(run):
+    """The angle from which no point of the side sticks any more, but the one under the pole, whose
+    share is the smallest of the hemisphere that is not zero."""
+    shares, turned = sticking(run, 1)
+    pole = shares[(shares > 0) & (turned > 0)].min()
+    return [from_angle(run, 1, 1.5 * pole), from_angle(run, 2, 0.0)]
+
+
+def from_angle(run, side, share):
+    """The angle from which at most this share of the points of a side sticks; 180 if that is never so."""
+    shares, turned = sticking(run, side)
+    above = np.flatnonzero((shares > share) & (turned > 0))
+    return turned[min(above[-1] + 1, len(turned) - 1)] if len(above) else 0.0
+
+
+def sticking(run, side):
+    """The share of points in contact that stick, and the angle, for each step."""
     columns = read_table(HERE / f"runs/{run.mesh}_{run.elements}_{run.mu:g}.dat").columns
-    turned = columns["factor_2"] * 180
-    angles = []
-    for side in (1, 2):
-        sticking = np.flatnonzero((columns[f"contact_sole_{side}_stick"] > STICK) & (turned > 0))
-        angles.append(turned[min(sticking[-1] + 1, len(turned) - 1)] if len(sticking) else 0.0)
-    return angles
+    return columns[f"contact_sole_{side}_stick"], columns["factor_2"] * 180
 
 
 if __name__ == "__main__":
