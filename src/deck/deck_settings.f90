@@ -60,7 +60,8 @@ contains
     end do
   end function position
 
-  !> Get the value that the command line gives to a parameter of the deck.
+  !> Get the value that the command line gives to a parameter of the deck. It replaces the first one
+  !! of the deck; later assignments, such as that of a counter in a LOOP, go on from there.
   subroutine use_setting(list, name, value, found)
     type(setting_t), intent(inout) :: list(:)
     character(*), intent(in) :: name
@@ -70,6 +71,7 @@ contains
 
     i = position(list, name)
     found = i > 0
+    if (found) found = .not. list(i)%used
     if (.not. found) return
     list(i)%used = .true.
     value = list(i)%value
