@@ -1,9 +1,9 @@
 !> PROP: load tables; PARAmeter: parameters in the solution part of the deck.
 module command_load
-  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_sort, only: unique
   use base_text, only: to_text
-  use boundary, only: boundary_t, place_of_number
   use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field
   use deck_expression, only: set_parameter
   use deck_record, only: record_t, check_count, RECORD_WORDS
@@ -12,7 +12,7 @@ module command_load
   use solution_state, only: set_factors
   implicit none
   private
-  public :: load_rows, check_tables
+  public :: load_rows
 
   integer, parameter :: MOST_TABLES = 1000
 
@@ -94,6 +94,7 @@ contains
       if (allocated(error)) return
     end do
     run%program%ntable = max(run%program%ntable, last)
+    run%program%defined = unique([run%program%defined, [(i, i=first, last)]])
   end subroutine read_tables
 
   !> Read the data of `2 n`: records of n pairs (t, p) up to a blank record. A pair 0 0 or a record
@@ -226,44 +227,5 @@ contains
       end do
     end associate
   end subroutine run_para
-
-  !> Check, when the whole deck is known, that every load number has a PROP. Number 0, the sum of
-  !! all tables, needs no PROP; if there is no PROP at all, every factor is 1.
-  subroutine check_tables(bc, ntable, error)
-    type(boundary_t), intent(in) :: bc
-    integer, intent(in) :: ntable      !! highest table that a PROP defines
-    type(error_t), allocatable, intent(out) :: error
-    type(place_t) :: place
-    integer :: i
-
-    if (ntable == 0) return
-    do i = 1, size(bc%motion)
-      call check(bc%motion(i)%table, bc%motion(i)%place)
-    end do
-    do i = 1, size(bc%pressure)
-      call check(bc%pressure(i)%table, bc%pressure(i)%place)
-    end do
-    do i = 1, size(bc%dead)
-      call check(bc%dead(i)%table, bc%dead(i)%place)
-    end do
-    do i = 1, size(bc%table, 2)
-      if (maxval(bc%table(:, i)) <= ntable) cycle
-      call place_of_number(bc, maxval(bc%table(:, i)), place)
-      call check(maxval(bc%table(:, i)), place)
-      return
-    end do
-
-  contains
-
-    subroutine check(table, place)
-      integer, intent(in) :: table
-      type(place_t), intent(in) :: place
-
-      if (allocated(error) .or. table <= ntable) return
-      call fail(error, DECK_ERROR, 'load table '//to_text(table)//' is not defined', place, &
-                'put PROP,,'//to_text(table)//' among the commands and its data after END')
-    end subroutine check
-
-  end subroutine check_tables
 
 end module command_load

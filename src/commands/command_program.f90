@@ -40,6 +40,7 @@ contains
 
     call load_commands(run%program%row)
     allocate (run%program%command(0), run%program%loop(0))
+    allocate (run%program%defined(0))
     allocate (run%program%noted(size(run%program%row)), source=.false.)
     params = run%deck%params
     control = run%step%control

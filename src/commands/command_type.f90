@@ -72,7 +72,8 @@ module command_type
     type(loop_t), allocatable :: loop(:)        !! loops being executed, the inner ones last
     type(position_t) :: step_start              !! position at which the current step began
     logical :: dry = .false.                    !! commands only check their fields
-    integer :: ntable = 0                       !! number of load tables of the whole run
+    integer :: ntable = 0                       !! highest number of a load table of the whole run
+    integer, allocatable :: defined(:)          !! numbers of its load tables
     logical, allocatable :: noted(:)            !! rows whose note has been written
   end type program_t
 

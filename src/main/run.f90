@@ -9,7 +9,6 @@ module run
   use command_checkpoint, only: set_restart_point, stop_wanted, stop_run
   use command_files, only: open_files, close_files
   use command_line, only: options_t
-  use command_load, only: check_tables
   use command_program, only: read_program, has_command, execute_next
   use contact_augment, only: share_penalty
   use contact_missed, only: note_missed
@@ -21,6 +20,7 @@ module run
   use dof_map, only: number_equations
   use input_model, only: build_model
   use solution_state, only: new_state
+  use table_check, only: check_tables, warn_sum
   implicit none
   private
   public :: read_deck, execute
@@ -51,6 +51,7 @@ contains
     if (allocated(error)) return
     call check_tables(job%model%bc, job%program%ntable, error)
     if (allocated(error)) return
+    call warn_sum(job%model, size(job%program%defined))
     job%files%deck_text = deck_text(job%deck)
     call new_state(job%model, job%state)
   end subroutine read_deck

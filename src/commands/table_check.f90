@@ -1,0 +1,123 @@
+!> Load numbers against the load tables, when the whole deck is known.
+module table_check
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
+  use base_kinds, only: wp
+  use base_log, only: warn
+  use base_text, only: to_text
+  use boundary, only: boundary_t, place_of_number
+  use model, only: model_t
+  implicit none
+  private
+  public :: check_tables, warn_sum
+
+contains
+
+  !> Check that every load number has a PROP. Number 0, the sum of all tables, needs no PROP; if
+  !! there is no PROP at all, every factor is 1.
+  subroutine check_tables(bc, ntable, error)
+    type(boundary_t), intent(in) :: bc
+    integer, intent(in) :: ntable      !! highest table that a PROP defines
+    type(error_t), allocatable, intent(out) :: error
+    type(place_t) :: place
+    integer :: i
+
+    if (ntable == 0) return
+    do i = 1, size(bc%motion)
+      call check(bc%motion(i)%table, bc%motion(i)%place)
+    end do
+    do i = 1, size(bc%pressure)
+      call check(bc%pressure(i)%table, bc%pressure(i)%place)
+    end do
+    do i = 1, size(bc%dead)
+      call check(bc%dead(i)%table, bc%dead(i)%place)
+    end do
+    do i = 1, size(bc%table, 2)
+      if (maxval(bc%table(:, i)) <= ntable) cycle
+      call place_of_number(bc, maxval(bc%table(:, i)), place)
+      call check(maxval(bc%table(:, i)), place)
+      return
+    end do
+
+  contains
+
+    subroutine check(table, place)
+      integer, intent(in) :: table
+      type(place_t), intent(in) :: place
+
+      if (allocated(error) .or. table <= ntable) return
+      call fail(error, DECK_ERROR, 'load table '//to_text(table)//' is not defined', place, &
+                'put PROP,,'//to_text(table)//' among the commands and its data after END')
+    end subroutine check
+
+  end subroutine check_tables
+
+  !> Warn of the loads of number 0, which follow the sum of several tables, if others have numbers.
+  !! Where all follow the sum, as is usual in FEAP, the tables are meant to be added.
+  subroutine warn_sum(model, ntable)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: ntable      !! number of tables that PROPs define
+    character(*), parameter :: OWN = 'give it a load table of its own by '
+    integer :: i
+
+    associate (bc => model%bc)
+      if (ntable < 2 .or. .not. has_numbers(bc)) return
+      do i = 1, size(bc%motion)
+        associate (m => bc%motion(i))
+          if (m%table > 0 .or. .not. (any(abs(m%vector) > 0.0_wp) .or. m%rotates)) cycle
+          call say('MOVE', m%place, OWN//'PROP k')
+          exit
+        end associate
+      end do
+      do i = 1, size(bc%pressure)
+        if (bc%pressure(i)%table > 0) cycle
+        call say('PRESsure', bc%pressure(i)%place, OWN//'PROP k')
+        exit
+      end do
+      do i = 1, size(bc%dead)
+        if (bc%dead(i)%table > 0) cycle
+        if (any_body_force(model)) then
+          call say('BODY FORCe', bc%dead(i)%place, 'it has no load table of its own: let the ' &
+                   //'tables add up to its factor')
+        else
+          call say('PRESsure', bc%dead(i)%place, OWN//'PROP k')
+        end if
+      end do
+      if (any(bc%table > 0)) return ! FPRO or EPRO give the numbers of nodes, also those that are 0
+      if (any(abs(bc%force) > 0.0_wp)) then
+        call say('FORCe', hint=OWN//'FPROportional or EPROportional')
+      end if
+      if (any(abs(bc%value) > 0.0_wp .and. bc%fixed /= 0)) then
+        call say('DISPlacement', hint=OWN//'FPROportional or EPROportional')
+      end if
+    end associate
+
+  contains
+
+    subroutine say(what, place, hint)
+      character(*), intent(in) :: what
+      type(place_t), intent(in), optional :: place
+      character(*), intent(in) :: hint
+
+      call warn(what//' follows the sum of '//to_text(ntable)//' load tables, while other loads ' &
+                //'follow one', place, hint)
+    end subroutine say
+
+  end subroutine warn_sum
+
+  !> Does any load or motion follow a table of its own?
+  pure logical function has_numbers(bc)
+    type(boundary_t), intent(in) :: bc
+
+    has_numbers = any(bc%motion%table > 0) .or. any(bc%pressure%table > 0) .or. &
+                  any(bc%dead%table > 0) .or. any(bc%table > 0)
+  end function has_numbers
+
+  pure logical function any_body_force(model)
+    type(model_t), intent(in) :: model
+    integer :: i
+
+    any_body_force = any([(any(abs(model%material(i)%body_force) > 0.0_wp), &
+                           i=1, size(model%material))])
+  end function any_body_force
+
+end module table_check
