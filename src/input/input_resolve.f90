@@ -37,7 +37,8 @@ contains
     integer :: i, j
 
     do i = 1, draft%nsupport
-      call find_nodes(model%mesh, draft%support(i)%at, node, error)
+      call find_nodes(model%mesh, draft%support(i)%at, node, error, all_near=.true., &
+                      no_rigid=.true.)
       if (allocated(error)) call draft%errors%add(error)
       do j = 1, size(node)
         associate (fixed => model%bc%fixed(:, node(j)))
@@ -48,7 +49,8 @@ contains
     allocate (model%bc%motion(draft%nmotion))
     do i = 1, draft%nmotion
       model%bc%motion(i) = draft%motion(i)%motion
-      call find_nodes(model%mesh, draft%motion(i)%at, model%bc%motion(i)%node, error)
+      call find_nodes(model%mesh, draft%motion(i)%at, model%bc%motion(i)%node, error, &
+                      all_near=.true., no_rigid=.false.)
       if (allocated(error)) call draft%errors%add(error)
     end do
   end subroutine resolve_supports
@@ -91,7 +93,8 @@ contains
           if (allocated(column%body)) quantity%body = body_index(mesh, column%body)
           if (allocated(column%contact)) quantity%contact = contact_named(draft, column%contact)
           if (column%at%type /= 0) then
-            call find_nodes(mesh, column%at, quantity%node, error)
+            call find_nodes(mesh, column%at, quantity%node, error, no_rigid=.false., &
+                            all_near=any(quantity%id == [Q_FORCE, Q_TORQUE]))
             if (allocated(error)) call draft%errors%add(error)
             if (any(quantity%id == [Q_FORCE, Q_TORQUE]) .and. allocated(column%at%body)) then
               if (is_rigid_patch(draft, column%at%body)) then ! the whole reaction of its supports

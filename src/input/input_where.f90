@@ -7,10 +7,11 @@ module input_where
   use base_text, only: lower, to_text, quoted
   use deck_record, only: record_t, get_word
   use deck_stream, only: deck_t, get_integer, get_real
-  use mesh, only: mesh_t, body_t
+  use mesh, only: mesh_t, body_t, is_rigid, solid_nodes
   implicit none
   private
   public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, unknown_face
+  public :: warn_far, warn_layers
 
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
                                 W_GROUP = 6
@@ -19,6 +20,11 @@ module input_where
                              //'given by its two faces: 1-,3+'
   real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent / sqrt(nodes), as in
   !! EBOUndary
+  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, relative to the
+  !! mesh's extent, for squared distances
+
+  real(wp), parameter :: BEHIND = 0.7_wp !! cosine of the angle to a plane's normal at which a
+  !! node lies behind another one
 
   !> A place in the reference mesh, resolved after TIE. W_GROUP stands for any name that is not the
   !! name of a face; the body must then be a MESH or a SPLIne.
@@ -152,18 +158,21 @@ contains
     end do
   end function body_index
 
-  !> Find the nodes of a place, each once, in increasing order.
-  subroutine find_nodes(mesh, place, node, error)
+  !> Find the nodes of a place, each once, in increasing order; after an error there are none. At a
+  !! POINt, a rigid body counts only if no other body is equally near.
+  subroutine find_nodes(mesh, place, node, error, all_near, no_rigid)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place
     integer, allocatable, intent(out) :: node(:)
     type(error_t), allocatable, intent(out) :: error
-    logical, allocatable :: on(:)
-    real(wp), allocatable :: distance(:)
+    logical, intent(in) :: all_near !! take all nodes equally near to a POINt, otherwise the first
+    logical, intent(in) :: no_rigid !! rigid bodies do not count at a POINt
+    logical, allocatable :: on(:), rigid(:)
     real(wp) :: gap
     integer :: g, i, n
 
     allocate (on(mesh%nnode), source=.false.)
+    allocate (node(0))
     select case (place%type)
     case (W_FACES, W_EDGE, W_GROUP)
       associate (body => mesh%body(body_index(mesh, place%body)))
@@ -190,21 +199,70 @@ contains
       end if
       on(place%node) = .true.
     case (W_POINT)
-      distance = [(norm2(mesh%xr(:, i) - place%x), i=1, mesh%nnode)]
-      i = max(1, minloc(distance, 1, mesh%used))
-      on(i) = .true.
+      call mark_rigid(mesh, rigid)
+      on = mesh%used
+      if (no_rigid) on = on .and. .not. rigid
+      call equally_near(mesh, place%x, on)
+      if (.not. all(rigid .or. .not. on)) on = on .and. .not. rigid
+      i = findloc(on, .true., 1)
       call check_near(mesh, place, i, error)
       if (allocated(error)) return
+      if (.not. all_near) on(i + 1:) = .false.
     case default ! W_PLANE
       associate (x => mesh%xr(place%direction, :))
         gap = ON_PLANE*(maxval(x, mesh%used) - minval(x, mesh%used))/sqrt(real(mesh%nnode, wp))
-        on = abs(x - place%x(1)) <= gap
+        on = mesh%used .and. abs(x - place%x(1)) <= gap
       end associate
+      call warn_layers(mesh, place%direction, on, gap, place%place, 'name a face of a patch')
     end select
     on = on .and. mesh%used
     node = pack([(i, i=1, mesh%nnode)], on)
     if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies there', place%place)
   end subroutine find_nodes
+
+  !> Mark the nodes that only rigid bodies have.
+  pure subroutine mark_rigid(mesh, rigid)
+    type(mesh_t), intent(in) :: mesh
+    logical, allocatable, intent(out) :: rigid(:) !! (nnode)
+    logical, allocatable :: solid(:)
+    integer :: b, e
+
+    call solid_nodes(mesh, solid)
+    allocate (rigid(mesh%nnode), source=.false.)
+    do b = 1, size(mesh%block)
+      if (.not. is_rigid(mesh%block(b))) cycle
+      do e = 1, mesh%block(b)%nelem
+        rigid(mesh%block(b)%conn(:, e)) = .true.
+      end do
+    end do
+    rigid = rigid .and. .not. solid
+  end subroutine mark_rigid
+
+  !> Keep of the marked nodes those that are nearest to a point. As in FEAP, squares of distances
+  !! are compared.
+  pure subroutine equally_near(mesh, x, on)
+    type(mesh_t), intent(in) :: mesh
+    real(wp), intent(in) :: x(3) !! [L]
+    logical, intent(inout) :: on(:) !! (nnode)
+    real(wp), allocatable :: square(:)
+    integer :: i
+
+    if (.not. any(on)) return
+    square = [(sum((mesh%xr(:, i) - x)**2), i=1, mesh%nnode)]
+    on = on .and. square <= minval(square, on) + POINT_GAP*extent_of(mesh, on)**2
+  end subroutine equally_near
+
+  !> Largest extent of the marked nodes [L].
+  pure real(wp) function extent_of(mesh, on) result(extent)
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: on(:) !! (nnode)
+    integer :: i
+
+    extent = 0.0_wp
+    do i = 1, 3
+      extent = max(extent, maxval(mesh%xr(i, :), on) - minval(mesh%xr(i, :), on))
+    end do
+  end function extent_of
 
   !> Warn if the node nearest to a POINt is farther from the point than from any other node of its
   !! elements. Fail if its distance from the point is larger than the extent of the model.
@@ -213,11 +271,29 @@ contains
     type(where_t), intent(in) :: place
     integer, intent(in) :: node
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: text
-    real(wp) :: away, extent, reach
-    integer :: b, e, i, k
+    real(wp) :: away, extent
 
     away = norm2(mesh%xr(:, node) - place%x)
+    extent = extent_of(mesh, mesh%used)
+    if (away > extent) then
+      call fail(error, DECK_ERROR, far_text(node, away)//', which is more than the extent of ' &
+                //'the model, '//to_text(extent, 3), place%place, 'give a point of a body')
+    else
+      call warn_far(mesh, place%x, node, place%place)
+    end if
+  end subroutine check_near
+
+  !> Warn of a point that is farther away from its nearest node than the nodes of its elements.
+  subroutine warn_far(mesh, x, node, place)
+    type(mesh_t), intent(in) :: mesh
+    real(wp), intent(in) :: x(3)       !! the point [L]
+    integer, intent(in) :: node        !! its nearest node
+    type(place_t), intent(in) :: place !! of the point in the deck
+    real(wp) :: away, reach
+    integer :: b, e, i
+
+    away = norm2(mesh%xr(:, node) - x)
+    if (away <= sqrt(POINT_GAP)*extent_of(mesh, mesh%used)) return ! spares the search
     reach = 0.0_wp
     do b = 1, size(mesh%block)
       do e = 1, mesh%block(b)%nelem
@@ -230,19 +306,48 @@ contains
       end do
     end do
     if (away <= reach) return
-    extent = 0.0_wp
-    do k = 1, 3
-      extent = max(extent, maxval(mesh%xr(k, :), mesh%used) - minval(mesh%xr(k, :), mesh%used))
-    end do
+    call warn(far_text(node, away)//', which is more than the size of an element, ' &
+              //to_text(reach, 3), place, 'give a point of a body')
+  end subroutine warn_far
+
+  function far_text(node, away) result(text)
+    integer, intent(in) :: node
+    real(wp), intent(in) :: away
+    character(:), allocatable :: text
+
     text = 'the nearest node, '//to_text(node)//', is '//to_text(away, 3)//' away from this point'
-    if (away > extent) then
-      call fail(error, DECK_ERROR, text//', which is more than the extent of the model, ' &
-                //to_text(extent, 3), place%place, 'give a point of a body')
-    else
-      call warn(text//', which is more than the size of an element, '//to_text(reach, 3), &
-                place%place, 'give a point of a body')
-    end if
-  end subroutine check_near
+  end function far_text
+
+  !> Warn of an element that has two layers of nodes on a plane, one behind the other.
+  subroutine warn_layers(mesh, direction, on, gap, place, hint)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: direction
+    logical, intent(in) :: on(:)       !! (nnode) nodes that are found on the plane
+    real(wp), intent(in) :: gap        !! within which they are found [L]
+    type(place_t), intent(in) :: place !! of the plane in the deck
+    character(*), intent(in) :: hint
+    integer, allocatable :: node(:)
+    real(wp) :: x(3)
+    integer :: b, e, i, j
+
+    do b = 1, size(mesh%block)
+      do e = 1, mesh%block(b)%nelem
+        if (count(on(mesh%block(b)%conn(:, e))) < 2) cycle
+        node = pack(mesh%block(b)%conn(:, e), on(mesh%block(b)%conn(:, e)))
+        do i = 2, size(node)
+          do j = 1, i - 1
+            x = abs(mesh%xr(:, node(i)) - mesh%xr(:, node(j)))
+            if (x(direction) <= norm2(x)*BEHIND) cycle
+            call warn('the plane takes nodes '//to_text(node(j))//' and '//to_text(node(i)) &
+                      //' of one element, which lie '//to_text(x(direction), 3) &
+                      //' behind each other: it takes nodes up to '//to_text(gap, 3)//' away', &
+                      place, hint)
+            return
+          end do
+        end do
+      end do
+    end do
+  end subroutine warn_layers
 
   !> Index of a named group of a body; 0: there is none.
   pure integer function group_index(body, name) result(g)
