@@ -3,12 +3,14 @@
 module input_check
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_sort, only: unique
   use base_text, only: to_text, quoted, nearest, lower
   use input_contact, only: check_contacts
   use input_draft, only: draft_t
   use input_lists, only: MAX_NUMBER
   use input_npatch, only: npatch_name
   use input_rigid, only: check_rigid
+  use input_tie, only: tie_tolerance
   use input_where, only: where_t, unknown_face, W_FACES, W_EDGE, W_GROUP
   use mesh, only: mesh_t, is_rigid
   use mesh_body, only: group_named, group_hint
@@ -286,9 +288,16 @@ contains
         if (bad > 1) text = text//' (the first of '//to_text(bad)//' inverted elements)'
         if (block%body > 0) then
           place = mesh%body(block%body)%place
-          hint = 'use more elements to follow the shape more closely, or enrich other faces'
         else
           place = draft%places%at(draft%elements%place(block%number(first)))
+        end if
+        if (size(draft%tie) > 0 .and. size(unique(block%conn(:, first))) < block%nen) then
+          hint = 'TIE joined nodes of this element, which are closer than ' &
+                 //to_text(tolerance(draft, mesh), 3)//' of the extent of the mesh: give TIE a ' &
+                 //'smaller tolerance'
+        else if (block%body > 0) then
+          hint = 'use more elements to follow the shape more closely, or enrich other faces'
+        else
           hint = 'number its first four nodes counter-clockwise as seen from the other four'
         end if
       end associate
@@ -296,5 +305,14 @@ contains
       call draft%errors%add(error)
     end do
   end subroutine check_jacobians
+
+  !> The largest tolerance of the TIE records, as a fraction of the extent of the mesh.
+  pure real(wp) function tolerance(draft, mesh)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    integer :: i
+
+    tolerance = maxval([(tie_tolerance(draft%tie(i), mesh%nnode), i=1, size(draft%tie))])
+  end function tolerance
 
 end module input_check

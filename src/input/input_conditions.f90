@@ -2,6 +2,9 @@
 !!
 !! The order is that of FEAP: BOUN, FORC, DISP and FPRO as they are read; then all of EBOU, EDIS,
 !! EFOR, EPRO, CBOU, CFOR, CDIS and CSUR, each in deck order.
+!!
+!! Nodes that TIE makes one share what BOUN, FORC, DISP and FPRO give each of them, and are one node
+!! for the words that find nodes by their position.
 module input_conditions
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -9,13 +12,14 @@ module input_conditions
   use boundary, only: boundary_t, note_load_number
   use input_draft, only: draft_t, condition_entry_t
   use input_surface, only: mark_surface, load_surface
+  use input_where, only: warn_far, warn_layers
   use mesh, only: mesh_t, solid_nodes
   use word_position, only: R_EBOU, R_EDIS, R_EFOR, R_EPRO, R_CBOU, R_CFOR, R_CDIS, R_CSUR
   implicit none
   private
   public :: apply_conditions, note_loose
 
-  real(wp), parameter :: PLANE_GAP = 1.0e-3_wp  !! FEAP's search gap of planes, relative to the
+  real(wp), parameter :: PLANE = 1.0e-3_wp  !! FEAP's search gap of planes, relative to the
   !! mesh's extent
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, for
   !! squared distances
@@ -23,9 +27,10 @@ module input_conditions
 contains
 
   !> Set the conditions of the deck in `bc`; errors go to the list.
-  subroutine apply_conditions(draft, mesh, bc)
+  subroutine apply_conditions(draft, mesh, new, bc)
     type(draft_t), intent(inout) :: draft
-    type(mesh_t), intent(in) :: mesh
+    type(mesh_t), intent(in) :: mesh !! before TIE
+    integer, intent(in) :: new(:)    !! (nnode) the node that each node becomes by TIE
     type(boundary_t), intent(inout) :: bc
     logical, allocatable :: active(:)
     type(error_t), allocatable :: error
@@ -50,15 +55,39 @@ contains
                 draft%named_nodes%place%at(i), 'the mesh has nodes 1 to '//to_text(mesh%nnode))
       call draft%errors%add(error)
     end do
+    call share_conditions(new, bc)
     call mark_active(draft, mesh, active)
     do word = R_EBOU, R_CSUR
       do i = 1, draft%ncondition
         if (draft%condition(i)%word /= word) cycle
-        call apply(draft%condition(i), mesh, active, bc, error)
+        call apply(draft%condition(i), mesh, active, new, bc, error)
         if (allocated(error)) call draft%errors%add(error)
       end do
     end do
   end subroutine apply_conditions
+
+  !> Give each node what those have that TIE makes one with it: restraints are combined, and forces
+  !! are added.
+  subroutine share_conditions(new, bc)
+    integer, intent(in) :: new(:) !! (nnode)
+    type(boundary_t), intent(inout) :: bc
+    integer :: n
+
+    do n = 1, size(new)
+      associate (m => new(n))
+        if (m == n) cycle
+        where (bc%table(:, m) == 0 .and. .not. (abs(bc%value(:, m)) > 0.0_wp .or. &
+                                                abs(bc%force(:, m)) > 0.0_wp))
+          bc%table(:, m) = bc%table(:, n)
+        end where
+        where ((bc%fixed(:, m) == 0 .and. bc%fixed(:, n) /= 0) .or. &
+               .not. abs(bc%value(:, m)) > 0.0_wp) bc%value(:, m) = bc%value(:, n)
+        bc%fixed(:, m) = max(bc%fixed(:, m), bc%fixed(:, n))
+        bc%force(:, m) = bc%force(:, m) + bc%force(:, n)
+        bc%force(:, n) = 0.0_wp
+      end associate
+    end do
+  end subroutine share_conditions
 
   !> Mark the nodes that FEAP would find. These are all nodes with a position, except control points
   !! that only define geometry, and except the nodes of rigid patches, which MOVE moves.
@@ -74,16 +103,25 @@ contains
   end subroutine mark_active
 
   !> Apply one record to the nodes that it finds.
-  subroutine apply(r, mesh, active, bc, error)
+  subroutine apply(r, mesh, active, new, bc, error)
     type(condition_entry_t), intent(in) :: r
     type(mesh_t), intent(in) :: mesh
     logical, intent(in) :: active(:)
+    integer, intent(in) :: new(:) !! (nnode)
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable, intent(out) :: error
     logical, allocatable :: on(:)
     integer :: n
 
     call mark(mesh, r, active, on)
+    if (any(on) .and. .not. allocated(r%surface)) then
+      if (r%direction == 0) then
+        call warn_far(mesh, r%at, findloc(on, .true., 1), r%place)
+      else if (r%gap < 0.0_wp) then
+        call warn_layers(mesh, r%direction, on, plane_gap(mesh, r, active), r%place, &
+                         'give a smaller distance by GAP')
+      end if
+    end if
     if (.not. any(active)) then
       call fail(error, DECK_ERROR, 'the mesh has no nodes', r%place)
       return
@@ -101,16 +139,19 @@ contains
       return
     end if
     if (r%word == R_CSUR .and. allocated(r%surface)) then
-      call load_surface(mesh, r, on, bc, error)
+      call load_surface(mesh, r, on, new, bc, error)
       return
     end if
+    do n = 1, mesh%nnode
+      if (on(n)) on(new(n)) = .true. ! whose number is not larger, so that its turn has passed
+    end do
     if (r%word == R_EPRO) then
       do n = 1, size(r%value)
         call note_load_number(bc, abs(nint(r%value(n))), r%place)
       end do
     end if
     do n = 1, mesh%nnode
-      if (.not. on(n)) cycle
+      if (.not. on(n) .or. new(n) /= n) cycle
       select case (r%word)
       case (R_EBOU, R_CBOU)
         if (allocated(r%surface)) then
@@ -139,21 +180,14 @@ contains
     logical, intent(in) :: active(:)
     logical, allocatable, intent(out) :: on(:)
     real(wp), allocatable :: d(:)
-    real(wp) :: gap, least, size
+    real(wp) :: least, size
     integer :: i
 
     if (allocated(r%surface)) then
       call mark_surface(mesh, r, active, on)
       return
     else if (r%direction > 0) then
-      gap = r%gap
-      if (gap < 0.0_wp) then
-        associate (x => mesh%xr(r%direction, :))
-          gap = PLANE_GAP*(maxval(x, active) - minval(x, active))
-        end associate
-        if (r%word == R_EBOU .or. r%word == R_EPRO) gap = gap/sqrt(real(max(1, mesh%nnode), wp))
-      end if
-      on = active .and. abs(mesh%xr(r%direction, :) - r%at(1)) <= gap
+      on = active .and. abs(mesh%xr(r%direction, :) - r%at(1)) <= plane_gap(mesh, r, active)
       return
     end if
     allocate (d(mesh%nnode), on(mesh%nnode))
@@ -175,6 +209,20 @@ contains
       on = active .and. d*d <= least*least + POINT_GAP*size*size
     end if
   end subroutine mark
+
+  !> Distance from a plane within which a record finds nodes [L].
+  pure real(wp) function plane_gap(mesh, r, active) result(gap)
+    type(mesh_t), intent(in) :: mesh
+    type(condition_entry_t), intent(in) :: r
+    logical, intent(in) :: active(:)
+
+    gap = r%gap
+    if (gap >= 0.0_wp) return
+    associate (x => mesh%xr(r%direction, :))
+      gap = PLANE*(maxval(x, active) - minval(x, active))
+    end associate
+    if (r%word == R_EBOU .or. r%word == R_EPRO) gap = gap/sqrt(real(max(1, mesh%nnode), wp))
+  end function plane_gap
 
   !> Find the records that prescribe displacements at free dofs, for a warning, because a prescribed
   !! displacement acts only at a restrained dof (FEAP). All restraints must have been set before.

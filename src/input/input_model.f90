@@ -15,7 +15,7 @@ module input_model
   use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use input_rigid, only: hold_rigid
-  use input_tie, only: tie_nodes
+  use input_tie, only: find_tied, tie_nodes
   use input_untied, only: warn_untied
   use model, only: model_t
   use model_basis, only: tabulate_basis
@@ -38,6 +38,7 @@ contains
     type(error_list_t), intent(inout) :: errors      !! independent errors of the deck
     type(error_t), allocatable, intent(out) :: error !! an error after which reading cannot continue
     type(draft_t) :: draft
+    integer, allocatable :: tied(:) ! (nnode) the node that each node becomes by TIE
 
     call load_mesh_words(draft%row)
     allocate (draft%model)
@@ -56,8 +57,9 @@ contains
         if (draft%errors%count() == 0) call check_size(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call tabulate_basis(mesh) ! surface loads need its rules
-        call apply_conditions(draft, mesh, bc)
-        call tie_nodes(draft, mesh, bc)
+        call find_tied(draft, mesh, tied)
+        call apply_conditions(draft, mesh, tied, bc)
+        call tie_nodes(tied, mesh)
         call close_constraints(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call resolve_supports(draft, draft%model)

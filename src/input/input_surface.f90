@@ -116,10 +116,11 @@ contains
   end subroutine functions
 
   !> Add the forces of the pressure on the element faces whose four corners lie on the surface.
-  subroutine load_surface(mesh, r, on, bc, error)
+  subroutine load_surface(mesh, r, on, new, bc, error)
     type(mesh_t), intent(in) :: mesh
     type(condition_entry_t), intent(in) :: r
-    logical, intent(in) :: on(:) !! (nnode) nodes on the surface
+    logical, intent(in) :: on(:)  !! (nnode) nodes on the surface
+    integer, intent(in) :: new(:) !! (nnode) the node that each node becomes by TIE
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable, intent(out) :: error
     type(topology_t) :: topology
@@ -135,7 +136,7 @@ contains
         call mesh%block(b)%row%topology(cell, topology)
         if (topology%nface /= 6) cycle
         do f = 1, 6
-          call load_face(mesh, mesh%block(b), e, f, cell, r, bc, found)
+          call load_face(mesh, mesh%block(b), e, f, cell, r, new, bc, found)
         end do
       end do
     end do
@@ -147,12 +148,13 @@ contains
   end subroutine load_surface
 
   !> Add the forces on one face if its normal is aligned with that of the surface.
-  subroutine load_face(mesh, block, e, f, cell, r, bc, found)
+  subroutine load_face(mesh, block, e, f, cell, r, new, bc, found)
     type(mesh_t), intent(in) :: mesh
     type(block_t), intent(in) :: block
     integer, intent(in) :: e, f
     type(cell_t), intent(in) :: cell
     type(condition_entry_t), intent(in) :: r
+    integer, intent(in) :: new(:)
     type(boundary_t), intent(inout) :: bc
     logical, intent(inout) :: found
     real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :), x(:, :)
@@ -190,7 +192,9 @@ contains
                               + p(3)*(1.0_wp + u)*(1.0_wp + v) + p(4)*(1.0_wp - u)*(1.0_wp + v)))
       end associate
       do i = 1, block%nen
-        bc%force(:, block%conn(i, e)) = bc%force(:, block%conn(i, e)) + load*shp(i)*area
+        associate (n => new(block%conn(i, e)))
+          bc%force(:, n) = bc%force(:, n) + load*shp(i)*area
+        end associate
       end do
     end do
   end subroutine load_face

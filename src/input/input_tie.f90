@@ -1,7 +1,7 @@
 !> TIE: nodes at the same position become one node, the one with the lowest number.
 !!
 !! The tolerance is FEAP's: 1e-3 of the mesh's extent in each direction over the square root of the
-!! number of nodes. Restraints of tied nodes are combined, and their forces are added.
+!! number of nodes.
 !!
 !! Source: FEAPpv's manual
 module input_tie
@@ -9,12 +9,11 @@ module input_tie
   use base_log, only: log_line, warn
   use base_sort, only: sort_index, unique
   use base_text, only: to_text
-  use boundary, only: boundary_t
   use input_draft, only: draft_t, tie_entry_t
   use mesh, only: mesh_t, is_rigid
   implicit none
   private
-  public :: tie_nodes
+  public :: find_tied, tie_nodes, tie_tolerance
 
   real(wp), parameter :: TOLERANCE = 1.0e-3_wp
   integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! mean number of nodes in a cell; largest
@@ -31,16 +30,15 @@ module input_tie
 
 contains
 
-  !> Carry out all TIE records, and set `used` of the mesh again.
-  subroutine tie_nodes(draft, mesh, bc)
+  !> Find for each node the one that it becomes by all TIE records: itself, or one of lower number.
+  subroutine find_tied(draft, mesh, new)
     type(draft_t), intent(in) :: draft
-    type(mesh_t), intent(inout) :: mesh
-    type(boundary_t), intent(inout) :: bc
-    integer, allocatable :: new(:), order(:)
-    integer :: i, n, b
+    type(mesh_t), intent(in) :: mesh
+    integer, allocatable, intent(out) :: new(:) !! (nnode)
+    integer :: i, n
 
-    if (all(draft%tie%from == 0)) return
     new = [(n, n=1, mesh%nnode)]
+    if (all(draft%tie%from == 0)) return
     do i = 1, count(draft%tie%from > 0)
       call find_pairs(draft, draft%tie(i), mesh, new)
     end do
@@ -53,15 +51,16 @@ contains
     do n = 1, mesh%nnode
       new(n) = new(new(n)) ! numbers only decrease, so the target is final
     end do
-    do n = 1, size(new)
-      associate (m => new(n))
-        if (m == n) cycle
-        where (bc%fixed(:, m) == 0 .and. bc%fixed(:, n) /= 0) bc%value(:, m) = bc%value(:, n)
-        bc%fixed(:, m) = max(bc%fixed(:, m), bc%fixed(:, n))
-        bc%force(:, m) = bc%force(:, m) + bc%force(:, n)
-        bc%force(:, n) = 0.0_wp
-      end associate
-    end do
+  end subroutine find_tied
+
+  !> Replace tied nodes in elements, constraints and bodies, and set `used` of the mesh again.
+  subroutine tie_nodes(new, mesh)
+    integer, intent(in) :: new(:) !! (nnode)
+    type(mesh_t), intent(inout) :: mesh
+    integer, allocatable :: order(:)
+    integer :: i, n, b
+
+    if (all(new == [(n, n=1, mesh%nnode)])) return
     mesh%used = .false.
     do b = 1, size(mesh%block)
       do i = 1, mesh%block(b)%nelem
@@ -122,8 +121,7 @@ contains
       grid%low(d) = minval(mesh%xr(d, :), mesh%used)
       high(d) = maxval(mesh%xr(d, :), mesh%used)
     end do
-    grid%tol = (high - grid%low)*merge(tie%tolerance, TOLERANCE/sqrt(real(mesh%nnode, wp)), &
-                                       tie%tolerance > 0.0_wp)
+    grid%tol = (high - grid%low)*tie_tolerance(tie, mesh%nnode)
     grid%cells = max(1, min(MOST_CELLS, int((real(mesh%nnode, wp)/PER_CELL)**(1.0_wp/3.0_wp))))
     grid%width = (high - grid%low)/grid%cells
     where (grid%width < 2.0_wp*grid%tol .or. .not. grid%width > 0.0_wp)
@@ -160,6 +158,15 @@ contains
       end if
     end do
   end subroutine find_pairs
+
+  !> Nodes closer than this fraction of the extent of the mesh are tied.
+  pure real(wp) function tie_tolerance(tie, nnode) result(fraction)
+    type(tie_entry_t), intent(in) :: tie
+    integer, intent(in) :: nnode
+
+    fraction = tie%tolerance
+    if (.not. fraction > 0.0_wp) fraction = TOLERANCE/sqrt(real(nnode, wp))
+  end function tie_tolerance
 
   !> A kept node to which node n of cell `at` is tied; 0: there is none.
   pure integer function partner(grid, tie, mesh, class, n, at) result(m)
