@@ -13,6 +13,7 @@ module input_model
   use input_draft, only: draft_t, mesh_read_i, skip_set, row_of, known_word
   use input_loads, only: integrate_loads
   use input_mesh, only: make_mesh, count_mesh, make_bodies
+  use input_motion, only: count_motions_once
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use input_rigid, only: hold_rigid
   use input_tie, only: find_tied, tie_nodes
@@ -64,6 +65,7 @@ contains
         if (draft%errors%count() > 0) exit stages
         call resolve_supports(draft, draft%model)
         call hold_rigid(draft, draft%model)
+        call count_motions_once(draft, mesh%nnode, bc)
         call release_slaves(draft, mesh, bc)
         call resolve_loads(draft, draft%model)
         call note_loose(draft, mesh, bc)

@@ -1,0 +1,147 @@
+!> Nodes that several MOVEs name, such as the common edge of two faces.
+!!
+!! The MOVEs of one place add up: a face is pressed by one record and dragged by another. A motion
+!! that several places give to a node they share, such as one of a tied edge, counts there once. If
+!! places give such a node different motions in one direction, these add up, with a warning.
+module input_motion
+  use base_kinds, only: wp
+  use base_log, only: warn
+  use base_text, only: lower, to_text
+  use boundary, only: boundary_t, motion_t
+  use input_draft, only: draft_t
+  use input_where, only: where_t, W_GROUP
+  implicit none
+  private
+  public :: count_motions_once
+
+  real(wp), parameter :: ALONG = 1.0e-12_wp !! a component of a unit axis this near to 1 is
+  !! its only one
+
+  !> What tells a MOVE from others. Each number is that of the first MOVE which is equal in it.
+  type :: identity_t
+    integer :: place = 0
+    integer :: motion = 0
+    integer :: turn = 0 !! how many MOVEs have given this place this motion, with this one
+  end type identity_t
+
+contains
+
+  !> Take from each motion the nodes to which another place has given the same motion.
+  subroutine count_motions_once(draft, nnode, bc)
+    type(draft_t), intent(in) :: draft
+    integer, intent(in) :: nnode
+    type(boundary_t), intent(inout) :: bc
+    type(identity_t), allocatable :: id(:)
+    logical, allocatable :: on(:), left(:)
+    integer :: i, j
+
+    if (size(bc%motion) < 2) return
+    call identify(draft, bc, id)
+    call warn_different(id, nnode, bc)
+    allocate (on(nnode), source=.false.)
+    do i = size(id), 2, -1 ! earlier motions still have all of their nodes
+      do j = 1, i - 1
+        if (id(i)%place == id(j)%place .or. id(i)%motion /= id(j)%motion) cycle
+        if (id(i)%turn /= id(j)%turn) cycle
+        on(bc%motion(j)%node) = .true.
+        left = .not. on(bc%motion(i)%node)
+        on(bc%motion(j)%node) = .false.
+        bc%motion(i)%node = pack(bc%motion(i)%node, left)
+      end do
+    end do
+  end subroutine count_motions_once
+
+  subroutine identify(draft, bc, id)
+    type(draft_t), intent(in) :: draft
+    type(boundary_t), intent(in) :: bc
+    type(identity_t), allocatable, intent(out) :: id(:)
+    integer :: i, j
+
+    allocate (id(size(bc%motion)))
+    do i = 1, size(id)
+      do j = 1, i
+        if (same_place(draft%motion(i)%at, draft%motion(j)%at)) exit
+      end do
+      id(i)%place = j
+      do j = 1, i
+        if (same_motion(bc%motion(i), bc%motion(j))) exit
+      end do
+      id(i)%motion = j
+      id(i)%turn = count(id(:i)%place == id(i)%place .and. id(:i)%motion == id(i)%motion)
+    end do
+  end subroutine identify
+
+  !> Warn, for two places, of the nodes they share to which they give different motions.
+  subroutine warn_different(id, nnode, bc)
+    type(identity_t), intent(in) :: id(:)
+    integer, intent(in) :: nnode
+    type(boundary_t), intent(in) :: bc
+    logical, allocatable :: on(:)
+    integer :: i, j, n
+
+    allocate (on(nnode), source=.false.)
+    do i = 2, size(id)
+      if (id(i)%place /= i) cycle ! the place was compared
+      on(bc%motion(i)%node) = .true.
+      do j = 1, i - 1
+        if (id(j)%place /= j) cycle
+        n = count(on(bc%motion(j)%node))
+        if (n == 0 .or. n == max(size(bc%motion(i)%node), size(bc%motion(j)%node))) cycle
+        if (.not. (lacks(id, bc%motion, i, j) .or. lacks(id, bc%motion, j, i))) cycle
+        call warn('this MOVE and that of line '//to_text(bc%motion(j)%place%line)//' give ' &
+                  //to_text(n)//' common nodes different motions, which are added there', &
+                  bc%motion(i)%place, 'leave directions free by *, or move the common nodes by ' &
+                  //'one MOVE only')
+      end do
+      on(bc%motion(i)%node) = .false.
+    end do
+  end subroutine warn_different
+
+  !> Has place i a motion that place j lacks, in a direction in which place j moves, too?
+  pure logical function lacks(id, motion, i, j)
+    type(identity_t), intent(in) :: id(:)
+    type(motion_t), intent(in) :: motion(:)
+    integer, intent(in) :: i, j
+    logical :: acts(3)
+    integer :: m
+
+    acts = .false.
+    do m = 1, size(id)
+      if (id(m)%place == j) acts = acts .or. directions(motion(m))
+    end do
+    lacks = .false.
+    do m = 1, size(id)
+      if (id(m)%place /= i .or. .not. any(acts .and. directions(motion(m)))) cycle
+      if (any(id%place == j .and. id%motion == id(m)%motion .and. id%turn == id(m)%turn)) cycle
+      lacks = .true.
+    end do
+  end function lacks
+
+  !> Directions in which a motion moves: a rotation moves nothing along its axis.
+  pure function directions(motion) result(acts)
+    type(motion_t), intent(in) :: motion
+    logical :: acts(3)
+
+    acts = motion%acts
+    if (motion%rotates) acts = abs(motion%axis) < 1.0_wp - ALONG
+  end function directions
+
+  !> Do two MOVEs name the same place?
+  pure logical function same_place(a, b) result(same)
+    type(where_t), intent(in) :: a, b
+
+    same = a%type == b%type .and. a%mask == b%mask .and. a%node == b%node .and. &
+           a%direction == b%direction .and. all(abs(a%x - b%x) <= 0.0_wp) .and. &
+           lower(a%body) == lower(b%body)
+    if (same .and. a%type == W_GROUP) same = lower(a%face) == lower(b%face)
+  end function same_place
+
+  pure logical function same_motion(a, b) result(same)
+    type(motion_t), intent(in) :: a, b
+
+    same = (a%rotates .eqv. b%rotates) .and. all(a%acts .eqv. b%acts) .and. a%table == b%table &
+           .and. all(abs(a%vector - b%vector) <= 0.0_wp) &
+           .and. all(abs(a%axis - b%axis) <= 0.0_wp) .and. abs(a%angle - b%angle) <= 0.0_wp
+  end function same_motion
+
+end module input_motion
