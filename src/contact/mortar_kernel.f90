@@ -332,8 +332,8 @@ contains
 
     do b = 1, n
       do j = 1, 3
-        do i = 1, 3
-          do a = 1, nrow
+        do a = 1, nrow
+          do i = 1, 3
             block(3*(a - 1) + i, 3*(b - 1) + j) = block(3*(a - 1) + i, 3*(b - 1) + j) &
                                                   + product(a, before + b + (j - 1)*n, i)
           end do
@@ -351,8 +351,8 @@ contains
     integer, intent(in) :: point(m), slide_slot(m)
     real(wp), intent(in) :: slide_shp(:, :), own_shp(nk, m), shp(nl, m), ds(:, :, :)
     type(work_t), intent(inout) :: work
-    integer :: a, b, c, f, i, j, n, p, s
-    real(wp) :: q
+    integer :: b, c, f, j, n, p, s
+    real(wp) :: q(3)
 
     associate (other => contact%side(3 - k))
       do p = 1, m
@@ -363,22 +363,26 @@ contains
         call find_cross(slot, s, work, c)
         do b = 1, n
           do j = 1, 3
-            do i = 1, 3
-              q = ds(i, j, p)*slide_shp(b, point(p))
-              do a = 1, nk
-                work%kl(3*(a - 1) + i, 3*(b - 1) + j, s) = &
-                  work%kl(3*(a - 1) + i, 3*(b - 1) + j, s) - own_shp(a, p)*q
-              end do
-              do a = 1, nl
-                work%cross(3*(a - 1) + i, 3*(b - 1) + j, c) = &
-                  work%cross(3*(a - 1) + i, 3*(b - 1) + j, c) + shp(a, p)*q
-              end do
-            end do
+            q = ds(:, j, p)*slide_shp(b, point(p))
+            call add_rows(nk, own_shp(:, p), -q, work%kl(:3*nk, 3*(b - 1) + j, s))
+            call add_rows(nl, shp(:, p), q, work%cross(:3*nl, 3*(b - 1) + j, c))
           end do
         end do
       end do
     end associate
   end subroutine add_away
+
+  !> Add a vector times the functions of n nodes to their rows of a column.
+  pure subroutine add_rows(n, shp, q, column)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: shp(n), q(3)
+    real(wp), intent(inout) :: column(3, n)
+    integer :: a
+
+    do a = 1, n
+      column(:, a) = column(:, a) + shp(a)*q
+    end do
+  end subroutine add_rows
 
   !> The number of a pair of slots; it gets a new one if it has none.
   pure subroutine find_cross(slot, other, work, c)
