@@ -41,9 +41,19 @@ module contact_cells
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
 
+  !> Gauss points of every order, and the functions that bend the edges of cells there.
+  type :: rule_t
+    real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) of order n
+    real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
+    integer :: least = 1                    !! points that polynomials of both surfaces need
+    integer :: further = 0                  !! points that QUADrature asks for beyond the usual ones
+    integer :: whole = 1                    !! points of a whole element
+  end type rule_t
+
   !> Points of the cells of one side.
   type :: cells_t
     integer :: n = 0
+    type(rule_t) :: rule
     integer, allocatable :: first(:)        !! (nelem+1) where the points of an element begin
     integer, allocatable :: elem(:)         !! (n)
     real(wp), allocatable :: xi(:, :)       !! (2, n)
@@ -55,15 +65,6 @@ module contact_cells
     real(wp), allocatable :: faced_xi(:, :) !! (2, n)
   end type cells_t
 
-  !> Gauss points of every order, and the functions that bend the edges of cells there.
-  type :: rule_t
-    real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) of order n
-    real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
-    integer :: least = 1                    !! points that polynomials of both surfaces need
-    integer :: further = 0                  !! points that QUADrature asks for beyond the usual ones
-    integer :: whole = 1                    !! points of a whole element
-  end type rule_t
-
 contains
 
   !> Cut the elements of side k along the borders of the facets of the other side.
@@ -74,8 +75,7 @@ contains
     type(shape_t), intent(in) :: reference  !! of side k, before it deformed
     type(facets_t), intent(in) :: facets(2) !! of both sides
     real(wp), intent(in) :: reach           !! [L] facets farther apart do not touch
-    type(cells_t), intent(out) :: cells
-    type(rule_t) :: rule
+    type(cells_t), intent(inout) :: cells   !! earlier cells are lost
     real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
     real(wp) :: point(2, MOST_POINTS), weight(MOST_POINTS)
     real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2)
@@ -85,10 +85,14 @@ contains
     type(part_t) :: part
     logical :: mapped
 
-    associate (own => contact%side(k), mine => facets(k), theirs => facets(3 - k))
-      call find_rule(contact, rule)
+    associate (own => contact%side(k), mine => facets(k), theirs => facets(3 - k), &
+               rule => cells%rule)
       allocate (near(theirs%n))
-      allocate (cells%first(own%nelem + 1))
+      cells%n = 0
+      if (.not. allocated(cells%first)) then
+        allocate (cells%first(own%nelem + 1))
+        call find_rule(contact, cells%rule)
+      end if
       call reserve(cells, 16*rule%least**2)
       e = 0
       do i = 1, mine%n
@@ -134,10 +138,10 @@ contains
             cells%xi(:, cells%n) = max(-1.0_wp, min(1.0_wp, from_chart(flat, point(:, q))))
             call chart_point(own, reference, e, flat, to_chart(flat, cells%xi(:, cells%n)), x, a)
             cells%weight(cells%n) = weight(q)*norm2(cross(a(:, 1), a(:, 2)))
-            cells%foot(cells%n)%elem = theirs%elem(near(j))
-            cells%foot(cells%n)%xi = 0.5_wp*(theirs%from(:, near(j)) + theirs%to(:, near(j)))
-            cells%faced(cells%n) = cells%foot(cells%n)%elem
-            cells%faced_xi(:, cells%n) = cells%foot(cells%n)%xi
+            cells%faced(cells%n) = theirs%elem(near(j))
+            cells%faced_xi(:, cells%n) = 0.5_wp*(theirs%from(:, near(j)) + theirs%to(:, near(j)))
+            cells%foot(cells%n)%elem = cells%faced(cells%n)
+            cells%foot(cells%n)%xi = cells%faced_xi(:, cells%n)
           end do
         end do
       end do
