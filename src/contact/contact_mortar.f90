@@ -24,6 +24,7 @@ module contact_mortar
   use contact_facets, only: facets_t, divide_surface
   use contact_history, only: trail_behind
   use contact_pair, only: contact_t, contact_state_t, friction_points_t, is_integrated, surface_t
+  use contact_point, only: vary_projection
   use contact_scatter, only: scatter_element
   use contact_work, only: work_t, element_functions
   use csr, only: block_matrix_t
@@ -143,7 +144,8 @@ contains
   end subroutine find_motion
 
   !> Project the points of side k. Points that cannot have closed since their last projection stay
-  !! open, unless control points need their gaps.
+  !! open, unless control points need their gaps. So do points whose distance from the last
+  !! projected one, which faces the same element, is smaller than the gap there.
   subroutine project_points(contact, k, x, travel, reference, shape, grid, side)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -152,9 +154,10 @@ contains
     type(shape_t), intent(in) :: shape        !! of the other side
     type(grid_t), intent(in) :: grid
     type(mortar_side_t), intent(inout) :: side
-    real(wp) :: at(3)
-    integer :: i, j, first, nk
+    real(wp) :: at(3), from(3)                ! from: the last projected point [L]
+    integer :: i, j, first, last, nk
 
+    last = 0
     associate (own => contact%side(k), cells => side%cells)
       do i = 1, cells%n
         associate (foot => cells%foot(i))
@@ -173,13 +176,41 @@ contains
           do j = 1, nk
             at = at + side%shp(j, i)*x(:, own%node(first + j))
           end do
+          if (last > 0) then
+            if (cells%elem(last) /= cells%elem(i) .or. cells%faced(last) /= cells%faced(i)) last = 0
+          end if
+          if (last > 0) then
+            associate (near => cells%foot(last))
+              if (near%gap > norm2(at - from) .and. .not. contact%control_penalty > 0.0_wp) then
+                foot%gap = near%gap - norm2(at - from)
+                side%seen(i) = travel
+                cycle
+              end if
+              if (side%seen(i) < 0.0_wp .and. foot%elem == near%elem) then
+                call move_foot(near, from, at, foot%xi)
+              end if
+            end associate
+          end if
           call project(contact%side(3 - k), shape, grid, at, foot, contact%depth)
           if (.not. touches(foot, contact%depth)) foot%elem = 0
           side%seen(i) = travel
+          last = merge(i, 0, foot%elem > 0)
+          from = at
         end associate
       end do
     end associate
   end subroutine project_points
+
+  !> Where the projection of a point moves, to first order, when the point moves.
+  pure subroutine move_foot(foot, from, to, xi)
+    type(foot_t), intent(in) :: foot          !! of the point at `from`
+    real(wp), intent(in) :: from(3), to(3)    !! [L]
+    real(wp), intent(out) :: xi(2)
+    real(wp) :: h(3, 2), c(2, 2), g(3)
+
+    call vary_projection(foot, from, h, c, g)
+    xi = max(-1.0_wp, min(1.0_wp, foot%xi + matmul(to - from, h)))
+  end subroutine move_foot
 
   !> Project a point of self-contact. The search starts where the point was projected last, or else
   !! at the facet that it faces.
