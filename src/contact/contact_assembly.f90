@@ -6,17 +6,16 @@ module contact_assembly
                             pair_clique, map_pairs, project_side, follow_silent
   use contact_bond, only: needs_projection
   use contact_element, only: form_element
-  use contact_forces, only: add_force_parts
+  use contact_energy, only: measure_energy
   use contact_history, only: side_positions, mark_beside, BESIDE, accept_slides
   use contact_mortar, only: find_mortar, add_mortar
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, is_integrated, MORTAR
   use contact_scatter, only: scatter_element
-  use contact_type, only: NORMAL
   use contact_work, only: work_t, new_work, loads_both
   use csr, only: block_matrix_t, clique_t
   use model, only: model_t, state_t
   use mortar_control, only: mortar_clique
-  use mortar_results, only: accept_mortar, split_mortar_forces
+  use mortar_results, only: accept_mortar
   use mortar_type, only: mortar_t, new_mortar
   use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t, touches
@@ -25,7 +24,7 @@ module contact_assembly
   implicit none
   private
   public :: contact_work_t, new_contact_work, begin_contact, find_contact, contact_cliques, &
-            map_contact, add_contact, split_contact_forces, accept_contact
+            map_contact, add_contact, accept_contact
 
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of a contact
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the step
@@ -280,29 +279,7 @@ contains
     state%side(k)%new_step = .false.
   end subroutine add_side
 
-  !> Parts of the internal forces: pressure, friction and cohesion of all contacts.
-  subroutine split_contact_forces(work, model, state, f)
-    type(contact_work_t), intent(in) :: work(:)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    real(wp), intent(out) :: f(:, :, :)            !! (3, nnode, 3) [F]
-    integer :: c, k
-
-    f = 0.0_wp
-    do c = 1, size(work)
-      do k = 1, 2
-        if (.not. is_integrated(model%contact(c), k)) cycle
-        if (model%contact(c)%scheme == MORTAR) then
-          call split_mortar_forces(work(c)%mortar, model%contact(c), k, model%mesh%xr + state%u, &
-                                   f(:, :, NORMAL))
-          cycle
-        end if
-        call add_force_parts(model%contact(c), k, work(c)%feet(k)%at, state%contact(c)%side(k), f)
-      end do
-    end do
-  end subroutine split_contact_forces
-
-  !> Accept a step: the stored sliding points move.
+  !> Accept a step: energies are found, and the stored sliding points move.
   subroutine accept_contact(work, model, state)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -324,6 +301,7 @@ contains
           call follow_silent(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
                              friction_acts(contact, state), work(c)%feet(k)%at, point(k), &
                              work(c)%element(k))
+          call measure_energy(contact, k, state%contact(c))
           call mark_beside(work(c)%feet(k)%at, BESIDE*contact%depth, point(k))
           call accept_slides(contact%side(k), contact%side(3 - k), work(c)%shape(3 - k), x, &
                              work(c)%feet(k)%at, point(k))

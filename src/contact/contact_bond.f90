@@ -13,7 +13,7 @@
 module contact_bond
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, surface_t
-  use contact_point, only: outer
+  use contact_point, only: energy_at_rest, outer
   use contact_type, only: cohesion_t
   use contact_work, only: work_t, new_work, measure, position_on, tangents_on
   use projection, only: project
@@ -31,10 +31,10 @@ module contact_bond
   !> Traction of a bonded point on its reference area, and its derivatives.
   type :: bond_traction_t
     real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
-    real(wp) :: law(3) = 0.0_wp        !! part of the cohesive law [F/L^2]
     real(wp) :: dtdg(3, 3) = 0.0_wp    !! with respect to g [F/L^3]
     real(wp) :: dtda(3, 3, 2) = 0.0_wp !! with respect to the tangents of l at the partner
     real(wp) :: p = 0.0_wp             !! part of t that is pressure of the penalty [F/L^2]
+    real(wp) :: energy = 0.0_wp        !! energy of this pressure [F/L]
     real(wp) :: gap = 0.0_wp           !! n . g [L]
     !> Fraction with which normal and friction law act at the current projection.
     real(wp) :: share = 1.0_wp
@@ -129,7 +129,6 @@ contains
       call cohesive%law%cohesive(cohesive%prop, lag, g, n, points%past_step(:, i), &
                                  points%past(:, i), c)
       bond%t = c%t
-      bond%law = c%t
       bond%dtdg = c%dtdg
       if (cohesive%law%oriented) then
         do j = 1, 2
@@ -157,6 +156,7 @@ contains
     dhold = -bond%slope
     call contact%normal%law%normal(contact%normal%prop, bond%gap, points%multiplier(i), p, dp, &
                                    energy)
+    bond%energy = hold*(energy - energy_at_rest(contact%normal, points%multiplier(i)))
     if (.not. hold*p > 0.0_wp) return
     bond%p = hold*p
     bond%t = bond%t + bond%p*n

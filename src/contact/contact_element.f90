@@ -5,7 +5,7 @@ module contact_element
   use contact_history, only: BESIDE
   use contact_pair, only: contact_t, contact_points_t, surface_t
   use contact_point, only: point_t, traction_derivatives_t, traction_at
-  use contact_type, only: OPEN, SLIP, TOUCH
+  use contact_type, only: MU, OPEN, SLIP, TOUCH
   use contact_work, only: work_t, own_share, clear, add_own, add_partner, add_back, add_cross, &
                           measure, position_on
   use edge_taper, only: taper_edge
@@ -51,7 +51,7 @@ contains
         if (points%bond(i) > 0) call find_bond_traction(contact, other, x, i, point%x, points, &
                                                         work, bond)
         if (.not. bond%share > 0.0_wp) point%state = OPEN
-        call record(feet(q), i, point, bond, da, points)
+        call record(contact, feet(q), i, point, bond, da, points)
 
         if (points%bond(i) > 0) then
           call clear(work)
@@ -109,6 +109,8 @@ contains
     point%friction = 0.0_wp
     point%elastic = 0.0_wp
     point%slip = 0.0_wp
+    point%energy = 0.0_wp
+    point%rest = 0.0_wp
     if (.not. touches(foot, contact%depth)) return
     point%multiplier = points%multiplier(i)
     ! On bonded surfaces, some points are not pushed out through the face: points that entered over
@@ -134,9 +136,10 @@ contains
     call taper_edge(contact%taper, outside, foot, point, dt)
   end subroutine find_traction
 
-  !> Record the results of the laws at a point. They are per current area, even if the law refers to
-  !! the reference area.
-  pure subroutine record(foot, i, point, bond, da, points)
+  !> Record the results of the laws at a point. Tractions are per current area, whichever area the
+  !! laws refer to.
+  pure subroutine record(contact, foot, i, point, bond, da, points)
+    type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: foot
     integer, intent(in) :: i
     type(point_t), intent(in) :: point
@@ -150,11 +153,15 @@ contains
     points%pressure(i) = bond%share*point%p
     points%traction(:, i) = bond%share*point%t
     points%friction(:, i) = bond%share*point%friction
-    points%cohesion(:, i) = bond%law
     points%elastic(:, i) = point%elastic
     points%slip(i) = point%slip
     points%area(i) = da
+    points%pressed(i) = da*bond%share*(point%energy - point%rest)
+    points%limit(i) = 0.0_wp
+    if (contact%friction%given) points%limit(i) = contact%friction%prop(MU)*bond%share &
+                                                  *max(0.0_wp, point%p)
     if (points%bond(i) == 0) return
+    points%pressed(i) = points%pressed(i) + points%area0(i)*bond%energy
     ratio = 0.0_wp
     if (da > 0.0_wp) ratio = points%area0(i)/da
     points%traction(:, i) = points%traction(:, i) + ratio*bond%t

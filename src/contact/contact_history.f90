@@ -43,10 +43,11 @@ contains
         allocate (p%closest_xi(2, np), p%closest_xi_step(2, np), p%slide_xi(2, np), &
                   p%bond_xi(2, np), source=0.0_wp)
         allocate (p%multiplier(np), p%multiplier_step(np), p%pressure(np), source=0.0_wp)
+        allocate (p%limit(np), p%limit_step(np), p%pressed(np), source=0.0_wp)
         allocate (p%area(np), p%area0(np), p%slip(np), p%slip_rate(np), source=0.0_wp)
         allocate (p%opening(np), p%opening_step(np), source=0.0_wp)
-        allocate (p%traction(3, np), p%friction(3, np), p%cohesion(3, np), p%elastic(3, np), &
-                  p%bond_traction(3, np), p%energy(3, np), source=0.0_wp)
+        allocate (p%traction(3, np), p%friction(3, np), p%elastic(3, np), p%bond_traction(3, np), &
+                  p%energy(3, np), source=0.0_wp)
         allocate (p%past(MAX_PAST, np), p%past_step(MAX_PAST, np), source=0.0_wp)
         allocate (p%gap(np), source=huge(1.0_wp))
         allocate (p%state(np), p%state_step(np), source=OPEN)
@@ -57,7 +58,8 @@ contains
         end if
       end associate
       associate (rubbed => state%rubbed(k))
-        allocate (rubbed%elem(0), rubbed%xi(2, 0), rubbed%elastic(3, 0), rubbed%slip_rate(0))
+        allocate (rubbed%elem(0), rubbed%xi(2, 0), rubbed%elastic(3, 0), rubbed%slip_rate(0), &
+                  rubbed%limit(0))
       end associate
       np = 0 ! control points of MORTar
       if (contact%scheme == MORTAR .and. is_integrated(contact, k)) np = contact%side(k)%ncontrol
@@ -106,6 +108,7 @@ contains
         points%past_step = points%past
         points%opening_step = points%opening
         points%state_step = points%state
+        points%limit_step = points%limit
         points%slip_rate = 0.0_wp
         if (points%dt > 0.0_wp) points%slip_rate = points%slip/points%dt
         points%new_step = .true.

@@ -264,6 +264,7 @@ contains
       end if
       j = nearest_rubbed(rubbed, cells%elem(i), cells%xi(:, i))
       if (j == 0) return
+      side%limit(i) = rubbed%limit(j)
       side%ahead(i) = -1.0_wp
       if (rubbed%slip_rate(j) > 0.0_wp) side%ahead(i) = rubbed%slip_rate(j)
       if (.not. any(abs(rubbed%elastic(:, j)) > 0.0_wp)) return
@@ -380,9 +381,9 @@ contains
     n = side%cells%n
     if (allocated(side%p)) deallocate (side%p, side%dp, side%slide, side%slide_xi, side%ahead, &
                                        side%friction, side%elastic, side%slip, side%state, &
-                                       side%shp, side%slide_shp, side%seen)
+                                       side%shp, side%slide_shp, side%seen, side%limit)
     allocate (side%p(n), side%dp(n), side%slip(n), side%slide_xi(2, n), side%friction(3, n), &
-              side%elastic(3, n), source=0.0_wp)
+              side%elastic(3, n), side%limit(n), source=0.0_wp)
     allocate (side%shp(size_of_element(contact%side(k)), n), &
               side%slide_shp(size_of_element(contact%side(3 - k)), n))
     allocate (side%slide(n), side%state(n), source=0)

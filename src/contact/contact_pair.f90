@@ -161,11 +161,13 @@ module contact_pair
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no projection
     real(wp), allocatable :: pressure(:)     !! (np) [F/L^2]
     real(wp), allocatable :: traction(:, :)  !! (3, np) on this side [F/L^2]
-    !> (3, np) Parts of `traction` [F/L^2]: friction, and cohesion on the reference area.
-    real(wp), allocatable :: friction(:, :), cohesion(:, :)
+    real(wp), allocatable :: friction(:, :)  !! (3, np) part of `traction` [F/L^2]
     !> (3, np) part of the tangential displacement that is not slip [L].
     real(wp), allocatable :: elastic(:, :)
     real(wp), allocatable :: slip(:)         !! (np) length of the slip [L]
+    real(wp), allocatable :: limit(:)        !! (np) friction at which the point slips [F/L^2]
+    real(wp), allocatable :: limit_step(:)   !! (np) at the start of the step
+    real(wp), allocatable :: pressed(:)      !! (np) energy of the pressure, times the area [F L]
     real(wp), allocatable :: area(:)         !! (np) current area of the point [L^2]
     !> MORTAR: (NSPREAD, n) sums over the points of the cells of their values times the functions of
     !! the n nodes of the side, for smooth fields (contact_smooth). If it is not allocated, the
@@ -188,6 +190,7 @@ module contact_pair
     real(wp), allocatable :: xi(:, :)        !! (2, n)
     real(wp), allocatable :: elastic(:, :)   !! (3, n) see friction_law_i [L]
     real(wp), allocatable :: slip_rate(:)    !! (n) rate of slip; 0: it did not slip [L/T]
+    real(wp), allocatable :: limit(:)        !! (n) friction at which it slips [F/L^2]
   end type friction_points_t
 
   !> History of one contact.
@@ -195,8 +198,9 @@ module contact_pair
     type(contact_points_t) :: side(2)
     type(control_points_t) :: control(2)
     type(friction_points_t) :: rubbed(2)
-    real(wp) :: sheared(2) = 0.0_wp          !! MORTAR: elastic energy of friction [F L]
-    real(wp) :: dissipated = 0.0_wp          !! MORTAR: work of all slip [F L]
+    !> At the end of the last step: energy of pressure and elastic energy of friction, by the points
+    !! of each side; the work of all slip so far [F L].
+    real(wp) :: pressed(2) = 0.0_wp, sheared(2) = 0.0_wp, dissipated = 0.0_wp
     !> MORTAR: force on each side and its moment about the origin, of the last assembly [F], [F L]
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
     real(wp) :: force_step(3, 2) = 0.0_wp, moment_step(3, 2) = 0.0_wp !! at the start of the step

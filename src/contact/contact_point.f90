@@ -8,14 +8,14 @@
 !! facets, only the parameter along the edge varies; at a vertex, no parameter varies.
 module contact_point
   use base_kinds, only: wp
-  use contact_pair, only: contact_t
+  use contact_pair, only: assigned_law_t, contact_t
   use contact_type, only: OPEN, TOUCH
   use projection_type, only: foot_t
   use smooth_step, only: smoothstep
   implicit none
   private
   public :: point_t, traction_derivatives_t, vary_projection, vary_normal, traction_at, &
-            add_friction, inverse, outer
+            add_friction, inverse, outer, energy_at_rest
 
   !> A distance that is smaller than this, relative to the tangents, has no direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
@@ -34,6 +34,7 @@ module contact_point
     real(wp) :: n(3) = 0.0_wp          !! normal of the other side, if in contact
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
     real(wp) :: energy = 0.0_wp        !! energy of the pressure up to this gap [F/L]
+    real(wp) :: rest = 0.0_wp          !! part of it that the multiplier has where the gap is zero
     real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
     real(wp) :: friction(3) = 0.0_wp   !! part of t that is friction [F/L^2]
     real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i
@@ -64,6 +65,7 @@ contains
     point%elastic = 0.0_wp
     point%slip = 0.0_wp
     point%state = OPEN
+    point%rest = energy_at_rest(contact%normal, point%multiplier)
     call press(contact, foot%gap, point, dp)
     if (.not. point%energy > 0.0_wp) return
     point%state = TOUCH
@@ -142,6 +144,18 @@ contains
       point%energy = w*(1.0_wp - smoothstep(y))
     end if
   end subroutine press
+
+  !> Energy that the law of the pressure has at a gap of zero, due to the multiplier. The energy of
+  !! a contact is counted without it, so it is zero where augmentation has closed the gap.
+  pure real(wp) function energy_at_rest(normal, multiplier) result(energy)
+    type(assigned_law_t), intent(in) :: normal
+    real(wp), intent(in) :: multiplier     !! [F/L^2]
+    real(wp) :: p, dp
+
+    energy = 0.0_wp
+    if (.not. multiplier > 0.0_wp) return
+    call normal%law%normal(normal%prop, 0.0_wp, multiplier, p, dp, energy)
+  end function energy_at_rest
 
   !> Find the unit normal at the projection and its derivatives.
   pure subroutine vary_normal(foot, x, n, dn)

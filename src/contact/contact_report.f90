@@ -7,7 +7,7 @@ module contact_report
   use contact_history, only: had_touched
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, MORTAR
   use contact_resultant, only: resultant_t, side_resultant
-  use contact_type, only: OPEN, STICK, NORMAL
+  use contact_type, only: OPEN, STICK
   use model, only: model_t, state_t
   use projection, only: project
   use projection_search, only: grid_t, place_surfaces
@@ -67,17 +67,15 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     type(resultant_t) :: side(2)
-    real(wp) :: largest, deepest, most
+    real(wp) :: largest, deepest
     integer :: c, k
 
-    most = 0.0_wp
     do c = 1, size(model%contact)
       associate (contact => model%contact(c), now => state%contact(c))
         do k = 1, 2
           call side_resultant(model, state, c, k, [0.0_wp, 0.0_wp, 0.0_wp], side(k))
         end do
         largest = max(norm2(side(1)%force), norm2(side(2)%force))
-        most = most + max(largest, maxval(side%force_size))*maxval(side%penetration)
         now%largest_force = max(now%largest_force, largest)
         if (largest > NO_FORCE*now%largest_force .and. .not. contact%self) then
           now%balance = max(now%balance, norm2(side(1)%force + side(2)%force)/largest)
@@ -114,29 +112,26 @@ contains
         end if
       end associate
     end do
-    call follow_penalty_work(model, state, most)
+    call follow_penetration(model, state)
   end subroutine measure_contacts
 
-  !> Keep the largest work against the pressure so far, and its fraction of the work of supports and
-  !! loads at that time. Models with bonds or inertia are left out, because these do work too. In a
-  !! step that closes a gap, the mean force does work along the whole gap, although no pressure acts
-  !! there. Therefore no more work is counted than the forces times the largest penetrations, which
-  !! the work against a penalty cannot exceed.
-  pure subroutine follow_penalty_work(model, state, most)
+  !> Keep the largest energy of penetration so far, and its fraction of the work of supports and
+  !! loads at that time. Models with bonds or inertia are left out, because these do work too.
+  pure subroutine follow_penetration(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    real(wp), intent(in) :: most         !! forces times penetrations, over all contacts [F L]
-    real(wp) :: work
+    real(wp) :: stored
+    integer :: c
 
     if (size(model%contact) == 0 .or. .not. state%energy%on .or. state%dynamics%on) return
     if (any(model%contact%cohesive%given)) return
+    stored = sum([(sum(state%contact(c)%pressed), c=1, size(model%contact))])
     associate (energy => state%energy)
-      work = min(energy%contact(NORMAL), most)
-      if (work <= energy%penetration .or. .not. energy%outer > 0.0_wp) return
-      energy%penetration = work
-      energy%penetration_share = work/energy%outer
+      if (stored <= energy%penetration .or. .not. energy%outer > 0.0_wp) return
+      energy%penetration = stored
+      energy%penetration_share = stored/energy%outer
     end associate
-  end subroutine follow_penalty_work
+  end subroutine follow_penetration
 
   !> At the end of a run: warn if penetration has taken so much of the work that the bodies deform
   !! much less than they should. The fraction does not depend on the units.

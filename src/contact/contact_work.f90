@@ -18,7 +18,7 @@ module contact_work
   private
   public :: work_t, new_work, reserve_partners, reserve_crosses, clear, add_own, add_partner, &
             add_back, add_cross, measure, position_on, position_at, tangents_on, &
-            element_functions, own_share, loads_both
+            element_functions, own_share, energy_share, loads_both
 
   !> Work arrays of one element and of its partners, which are the elements of the other side to
   !! which its points refer. A slot is the position of a partner in the list.
@@ -117,6 +117,14 @@ contains
 
     own_share = merge(0.5_wp, 1.0_wp, loads_both(contact) .and. .not. any(contact%side%rigid))
   end function own_share
+
+  !> Fraction of the energy of a side that counts. If both sides are integrated, each of them finds
+  !! the energy of the whole contact, whichever sides its points load.
+  pure real(wp) function energy_share(contact)
+    type(contact_t), intent(in) :: contact
+
+    energy_share = merge(1.0_wp, 0.5_wp, any(contact%side%rigid))
+  end function energy_share
 
   !> Do the points of a side load the other one too?
   pure logical function loads_both(contact)

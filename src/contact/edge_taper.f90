@@ -72,6 +72,7 @@ contains
     point%p = s*point%p
     point%t = s*point%t - point%energy*v
     point%friction = s*point%friction
+    point%energy = s*point%energy
   end subroutine taper_edge
 
   !> Find the taper, which is 1 inside and 0 on the outer boundary, and its derivatives with respect

@@ -2,16 +2,17 @@
 !! of the tangent.
 module mortar_control
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, surface_t, control_points_t
-  use contact_point, only: traction_derivatives_t, vary_normal, outer
+  use contact_pair, only: assigned_law_t, contact_t, surface_t, control_points_t
+  use contact_point, only: energy_at_rest, traction_derivatives_t, vary_normal, outer
   use contact_type, only: PENALTY, SLIP, SMOOTHING
-  use contact_work, only: element_functions, own_share
+  use contact_work, only: element_functions, energy_share, own_share
   use csr, only: block_matrix_t, clique_t, block_position
   use mortar_type, only: mortar_t, mortar_side_t, control_functions, functions_at, number_at, &
                          size_of_element
   implicit none
   private
-  public :: find_pressures, pressure_at, need_lists, mortar_clique, add_control_tangent
+  public :: find_pressures, pressed_energy, pressure_at, need_lists, mortar_clique, &
+            add_control_tangent
 
   !> A smaller overlap of a control point, relative to the largest one, does not count.
   real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
@@ -91,6 +92,33 @@ contains
 
     touching = gap >= 0.0_wp .and. gap <= NO_GAP*width
   end function touching
+
+  !> Energy of the pressure on side k at the gaps and multipliers of find_pressures.
+  pure real(wp) function pressed_energy(contact, k, side, control) result(energy)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(mortar_side_t), intent(in) :: side
+    type(control_points_t), intent(in) :: control
+    type(assigned_law_t) :: normal
+    real(wp) :: p, dp, w
+    integer :: a, i
+
+    energy = 0.0_wp
+    normal = contact%normal
+    normal%prop(PENALTY) = contact%normal%prop(PENALTY) - contact%control_penalty
+    do i = 1, side%cells%n
+      if (side%cells%foot(i)%elem == 0) cycle
+      call normal%law%normal(normal%prop, side%cells%foot(i)%gap, 0.0_wp, p, dp, w)
+      energy = energy + side%cells%weight(i)*w
+    end do
+    normal%prop(PENALTY) = contact%control_penalty
+    do a = 1, contact%side(k)%ncontrol
+      if (.not. control%gap(a) < huge(1.0_wp)) cycle
+      call normal%law%normal(normal%prop, control%gap(a), control%multiplier(a), p, dp, w)
+      energy = energy + side%a(a)*(w - energy_at_rest(normal, control%multiplier(a)))
+    end do
+    energy = energy_share(contact)*energy
+  end function pressed_energy
 
   !> Functions of the control points at point i.
   pure subroutine control_at(surface, side, i, psi)

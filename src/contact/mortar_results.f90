@@ -6,27 +6,25 @@ module mortar_results
                           surface_t
   use contact_point, only: traction_derivatives_t, vary_normal
   use contact_smooth, only: number_nodes, has_no_area, NSPREAD
-  use contact_type, only: OPEN, STICK, SLIP
-  use contact_work, only: own_share
-  use mortar_control, only: pressure_at
+  use contact_type, only: MU, OPEN, STICK, SLIP
+  use contact_work, only: energy_share
+  use mortar_control, only: pressed_energy, pressure_at
   use mortar_type, only: mortar_t, mortar_side_t
   use projection, only: project
   use projection_search, only: grid_t
   use projection_type, only: foot_t, shape_t, touches
-  use rigid_surface, only: put_force
   use self_contact, only: project_on_itself
   use surface_chart, only: collapsed_side, to_chart
   use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
   private
-  public :: accept_mortar, split_mortar_forces
+  public :: accept_mortar
 
 contains
 
-  !> Accept a step: keep what friction needs in the next step, add up the work of slip, and set the
-  !! results at the integration points for fields, curves and reports. Tractions refer to the
-  !! current area.
+  !> Accept a step: keep what friction needs in the next one, find the energies, and set the results
+  !! at the integration points for fields, curves and reports. Tractions refer to the current area.
   subroutine accept_mortar(mortar, contact, k, shape, grid, state)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact
@@ -41,6 +39,7 @@ contains
 
     call keep_friction(mortar%side(k), contact, state%side(k)%dt, state%rubbed(k), state%dissipated)
     call measure_cells(mortar, contact, k, shape(k), state)
+    state%pressed(k) = pressed_energy(contact, k, mortar%side(k), state%control(k))
     associate (own => contact%side(k), side => mortar%side(k), points => state%side(k))
       points%traction = 0.0_wp
       points%friction = 0.0_wp
@@ -137,21 +136,26 @@ contains
   end subroutine spread_cells
 
   !> Keep the values that points of the next step take over, and add the work of slip in this step.
+  !! This is the slip of each point times the mean of its limits at the start and end of the step.
   subroutine keep_friction(side, contact, dt, rubbed, dissipated)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: dt               !! [T]
     type(friction_points_t), intent(inout) :: rubbed
     real(wp), intent(inout) :: dissipated    !! [F L]
+    real(wp) :: limit(side%cells%n)
     logical :: rubs(side%cells%n)
     integer :: e, i, n
 
     associate (cells => side%cells)
+      limit = 0.0_wp
+      if (contact%friction%given) limit = contact%friction%prop(MU)*side%p
       rubs = .false. ! whole elements are kept, with their open points
       do e = 1, size(cells%first) - 1
         i = cells%first(e)
         n = cells%first(e + 1) - 1
-        rubs(i:n) = any(side%state(i:n) == STICK .or. side%state(i:n) == SLIP)
+        rubs(i:n) = any(limit(i:n) > 0.0_wp .or. side%state(i:n) == STICK &
+                        .or. side%state(i:n) == SLIP)
       end do
       n = cells%n
       rubbed%elem = pack(cells%elem(:n), rubs)
@@ -159,9 +163,10 @@ contains
       rubbed%elastic = reshape(pack(side%elastic, spread(rubs, 1, 3)), [3, count(rubs)])
       rubbed%slip_rate = pack(merge(side%slip, 0.0_wp, side%state == SLIP), rubs) &
                          /max(dt, tiny(1.0_wp))
+      rubbed%limit = pack(limit, rubs)
       do i = 1, n
-        dissipated = dissipated + own_share(contact)*cells%weight(i)*norm2(side%friction(:, i)) &
-                     *side%slip(i)
+        dissipated = dissipated + 0.5_wp*energy_share(contact)*cells%weight(i)*side%slip(i) &
+                     *(side%limit(i) + limit(i))
       end do
     end associate
   end subroutine keep_friction
@@ -244,38 +249,10 @@ contains
         if (side%state(i) == STICK) state%sticks(k) = state%sticks(k) + area
         if (side%state(i) == SLIP) state%slips(k) = state%slips(k) + area
         state%penetration(k) = max(state%penetration(k), -cells%foot(i)%gap)
-        state%sheared(k) = state%sheared(k) + 0.5_wp*own_share(contact)*cells%weight(i) &
+        state%sheared(k) = state%sheared(k) + 0.5_wp*energy_share(contact)*cells%weight(i) &
                            *norm2(side%friction(:, i))*norm2(side%elastic(:, i))
       end do
     end associate
   end subroutine measure_cells
-
-  !> Add the internal forces of the pressure on side k at the last assembly. Friction is not
-  !! included, because its work is found from the slip (keep_friction).
-  subroutine split_mortar_forces(mortar, contact, k, x, f)
-    type(mortar_t), intent(in) :: mortar
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k
-    real(wp), intent(in) :: x(:, :)
-    real(wp), intent(inout) :: f(:, :)       !! (3, nnode) [F]
-    type(traction_derivatives_t) :: dn
-    real(wp) :: at(3), n(3), t(3)
-    integer :: e, i, j
-
-    associate (own => contact%side(k), side => mortar%side(k), cells => mortar%side(k)%cells)
-      do i = 1, cells%n
-        if (.not. side%p(i) > 0.0_wp) cycle
-        e = cells%elem(i)
-        at = 0.0_wp
-        do j = 1, own%first(e + 1) - own%first(e)
-          at = at + side%shp(j, i)*x(:, own%node(own%first(e) + j - 1))
-        end do
-        call vary_normal(cells%foot(i), at, n, dn)
-        t = cells%weight(i)*own_share(contact)*side%p(i)*n
-        call put_force(own, e, cells%xi(:, i), -t, f)
-        call put_force(contact%side(3 - k), cells%foot(i)%elem, cells%foot(i)%xi, t, f)
-      end do
-    end associate
-  end subroutine split_mortar_forces
 
 end module mortar_results

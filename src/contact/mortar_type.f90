@@ -28,6 +28,7 @@ module mortar_type
     real(wp), allocatable :: slide_shp(:, :)  !! (nl, n) functions there
     !> (n) Expected rate of slip [L/T]; negative: none.
     real(wp), allocatable :: ahead(:)
+    real(wp), allocatable :: limit(:)         !! (n) friction at which it slipped before [F/L^2]
     real(wp), allocatable :: friction(:, :)   !! (3, n) traction of friction [F/L^2]
     real(wp), allocatable :: elastic(:, :)    !! (3, n) see friction_law_i [L]
     real(wp), allocatable :: slip(:)          !! (n) [L]

@@ -7,7 +7,7 @@ module rigid_surface
   use projection_type, only: foot_t
   implicit none
   private
-  public :: react, put_force, split_force
+  public :: react, split_force
 
 contains
 

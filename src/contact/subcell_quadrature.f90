@@ -61,7 +61,8 @@ contains
     is_refined = n > 0 .and. n < contact%nplain
   end function is_refined
 
-  !> Set traction and area of points i to j to zero; their states and elastic displacements stay.
+  !> Set traction, area and energy of points i to j to zero; their states and elastic displacements
+  !! stay.
   pure subroutine silence(points, i, j)
     type(contact_points_t), intent(inout) :: points
     integer, intent(in) :: i, j
@@ -69,7 +70,7 @@ contains
     points%area(i:j) = 0.0_wp
     points%traction(:, i:j) = 0.0_wp
     points%friction(:, i:j) = 0.0_wp
-    points%cohesion(:, i:j) = 0.0_wp
+    points%pressed(i:j) = 0.0_wp
   end subroutine silence
 
 end module subcell_quadrature

@@ -7,7 +7,7 @@ module word_curve
                         Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, &
                         Q_CONTACT_PENETRATION, Q_CONTACT_DEBONDED, B_WORK, B_STORED, B_KINETIC, &
                         B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, B_IMBALANCE, B_BONDS, &
-                        B_DAMAGE, B_VISCOUS
+                        B_DAMAGE, B_VISCOUS, B_CREATED, B_ERROR
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
   use input_draft, only: draft_t, curve_entry_t, column_entry_t, next_line
@@ -35,7 +35,7 @@ module word_curve
   end type quantity_word_t
 
   !> Terms of the energy balance.
-  type(quantity_word_t), parameter :: ENERGIES(11) = [ &
+  type(quantity_word_t), parameter :: ENERGIES(13) = [ &
                                       quantity_word_t('WORK', B_WORK), &
                                       quantity_word_t('STORed', B_STORED), &
                                       quantity_word_t('KINEtic', B_KINETIC), &
@@ -46,7 +46,9 @@ module word_curve
                                       quantity_word_t('IMBAlance', B_IMBALANCE), &
                                       quantity_word_t('BONDs', B_BONDS), &
                                       quantity_word_t('DAMAge', B_DAMAGE), &
-                                      quantity_word_t('VISCous', B_VISCOUS)]
+                                      quantity_word_t('VISCous', B_VISCOUS), &
+                                      quantity_word_t('CREAted', B_CREATED), &
+                                      quantity_word_t('ERROr', B_ERROR)]
 
   type(quantity_word_t), parameter :: OF_CONTACT(9) = [ &
                                       quantity_word_t('FORCe', Q_CONTACT_FORCE), &

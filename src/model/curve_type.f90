@@ -14,14 +14,15 @@ module curve_type
                                 Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, &
                                 Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, Q_CONTACT_AREA = 15, &
                                 Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
-  !> A term of the energy balance; `component` says which (B_WORK to B_VISCOUS): work done on the
-  !! bodies; strain energy and kinetic energy; work of contact against pressure, friction and bonds;
-  !! dissipation of the time integration; the error of the balance; and, of the bonds, the stored
-  !! energy and the dissipation by damage and by VISCous.
+  !> A term of the energy balance; `component` says which (B_WORK to B_ERROR): work done on the
+  !! bodies; strain energy and kinetic energy; energies of pressure, friction and bonds; dissipation
+  !! of the time integration; the error of the balance; of the bonds, the stored energy and the
+  !! dissipation by damage and by VISCous; what the forces of contact create; the error of the work.
   integer, parameter, public :: Q_BOOK = 18
   integer, parameter, public :: B_WORK = 1, B_STORED = 2, B_KINETIC = 3, B_NORMAL = 4, &
                                 B_FRICTION = 5, B_COHESIVE = 6, B_INERTIA = 7, B_IMBALANCE = 8, &
-                                B_BONDS = 9, B_DAMAGE = 10, B_VISCOUS = 11
+                                B_BONDS = 9, B_DAMAGE = 10, B_VISCOUS = 11, B_CREATED = 12, &
+                                B_ERROR = 13
 
   !> The quantity of one column.
   type :: quantity_t

@@ -6,17 +6,19 @@ module energy_type
   public :: energy_t, open_book, book_work
 
   !> Works are sums over the steps of mean force times displacement increment (trapezoidal rule).
+  !! What contact stores and dissipates is found from its laws instead (contact_energy); the work of
+  !! its forces is compared with that.
   type :: energy_t
     logical :: on = .false.
     real(wp) :: outer = 0.0_wp        !! work of loads and of moving supports [F L]
+    real(wp) :: error = 0.0_wp        !! bound of the error of `outer` (error_of_step) [F L]
     real(wp) :: inertia = 0.0_wp      !! work against inertia, partly dissipated in time [F L]
     real(wp) :: kinetic = 0.0_wp      !! current kinetic energy [F L]
-    real(wp) :: contact(3) = 0.0_wp   !! work against pressure, friction and cohesion [F L]
-    !> The largest work against the pressure so far, and its fraction of `outer` at that time.
+    real(wp) :: contact = 0.0_wp      !! work against the forces of contact [F L]
+    !> The largest energy of penetration so far, and its fraction of `outer` at that time.
     real(wp) :: penetration = 0.0_wp, penetration_share = 0.0_wp
-    !> Forces at the end of the last step.
-    real(wp), allocatable :: f_outer(:, :), f_inert(:, :) !! (3, nnode) [F]
-    real(wp), allocatable :: f_contact(:, :, :)           !! (3, nnode, 3)
+    !> (3, nnode) Forces at the end of the last step, and the change of f_outer in it [F].
+    real(wp), allocatable :: f_outer(:, :), f_inert(:, :), f_contact(:, :), rise(:, :)
   end type energy_t
 
 contains
@@ -26,28 +28,51 @@ contains
     type(energy_t), intent(out) :: energy
     integer, intent(in) :: nnode
 
-    allocate (energy%f_outer(3, nnode), energy%f_inert(3, nnode), source=0.0_wp)
-    allocate (energy%f_contact(3, nnode, 3), source=0.0_wp)
+    allocate (energy%f_outer(3, nnode), energy%f_inert(3, nnode), energy%f_contact(3, nnode), &
+              energy%rise(3, nnode), source=0.0_wp)
     energy%on = .true.
   end subroutine open_book
 
   !> End a step: add the work that its mean forces do along du.
-  pure subroutine book_work(energy, du, f_outer, f_inert, f_contact)
+  pure subroutine book_work(energy, du, du_before, f_outer, f_inert, f_contact)
     type(energy_t), intent(inout) :: energy
-    real(wp), intent(in) :: du(:, :)               !! (3, nnode) [L]
-    real(wp), intent(in) :: f_outer(:, :), f_inert(:, :), f_contact(:, :, :)
-    integer :: i
+    real(wp), intent(in) :: du(:, :), du_before(:, :) !! (3, nnode) and that of the step before [L]
+    real(wp), intent(in) :: f_outer(:, :), f_inert(:, :), f_contact(:, :) !! (3, nnode) [F]
+    real(wp) :: rise(3, size(du, 2))
 
     if (.not. energy%on) return
+    rise = f_outer - energy%f_outer
+    energy%error = energy%error + error_of_step(du, rise, du_before, energy%rise, &
+                                                abs(f_outer) + abs(energy%f_outer) > 0.0_wp)
     energy%outer = energy%outer + 0.5_wp*sum((f_outer + energy%f_outer)*du)
     energy%inertia = energy%inertia + 0.5_wp*sum((f_inert + energy%f_inert)*du)
-    do i = 1, 3
-      energy%contact(i) = energy%contact(i) &
-                          + 0.5_wp*sum((f_contact(:, :, i) + energy%f_contact(:, :, i))*du)
-    end do
+    energy%contact = energy%contact + 0.5_wp*sum((f_contact + energy%f_contact)*du)
+    energy%rise = rise
     energy%f_outer = f_outer
     energy%f_inert = f_inert
     energy%f_contact = f_contact
   end subroutine book_work
+
+  !> Bound of the error of the rule in a step, from the changes of displacement and force in this
+  !! step and in the one before.
+  !!
+  !! While the force varies monotonically, the work lies between that of its first and that of its
+  !! last value, so the error is at most half of |rise.du|. While the force is a convex or a concave
+  !! function of the displacement over both steps, the work also lies between that of the chord and
+  !! that of the line that continues the chord of the step before. The force of that line changes by
+  !! r rise_before, where r du_before is as long as du. A change of direction counts in addition.
+  !! The smaller bound is taken.
+  pure real(wp) function error_of_step(du, rise, du_before, rise_before, loaded) result(error)
+    real(wp), intent(in) :: du(:, :), rise(:, :), du_before(:, :), rise_before(:, :)
+    logical, intent(in) :: loaded(:, :) !! (3, nnode) a support or load acts there
+    real(wp) :: before, r
+
+    error = 0.5_wp*abs(sum(rise*du))
+    before = norm2(pack(du_before, loaded))
+    if (.not. before > 0.0_wp) return
+    r = norm2(pack(du, loaded))/before
+    error = min(error, 0.5_wp*(abs(sum((rise - r*rise_before)*du)) &
+                               + abs(sum(rise*(du - r*du_before)))))
+  end function error_of_step
 
 end module energy_type

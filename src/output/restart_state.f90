@@ -78,6 +78,7 @@ contains
     call exchange(archive, group//'/sticks', contact%sticks, error)
     call exchange(archive, group//'/slips', contact%slips, error)
     call exchange(archive, group//'/penetration', contact%penetration, error)
+    call exchange(archive, group//'/pressed', contact%pressed, error)
     call exchange(archive, group//'/sheared', contact%sheared, error)
     call exchange(archive, group//'/force', contact%force, error)
     call exchange(archive, group//'/moment', contact%moment, error)
@@ -125,7 +126,6 @@ contains
     integer, intent(in) :: nnode
     type(error_t), allocatable, intent(inout) :: error
     logical :: stored
-    integer :: k
 
     stored = energy%on
     call enter_group(archive, group, error)
@@ -133,6 +133,7 @@ contains
     if (stored) then
       if (.not. archive%writes) call open_book(energy, nnode)
       call exchange(archive, group//'/outer', energy%outer, error)
+      call exchange(archive, group//'/error', energy%error, error)
       call exchange(archive, group//'/inertia', energy%inertia, error)
       call exchange(archive, group//'/kinetic', energy%kinetic, error)
       call exchange(archive, group//'/contact', energy%contact, error)
@@ -140,9 +141,8 @@ contains
       call exchange(archive, group//'/penetration_share', energy%penetration_share, error)
       call exchange(archive, group//'/f_outer', energy%f_outer, error)
       call exchange(archive, group//'/f_inert', energy%f_inert, error)
-      do k = 1, 3
-        call exchange(archive, group//numbered('/f_contact', k), energy%f_contact(:, :, k), error)
-      end do
+      call exchange(archive, group//'/f_contact', energy%f_contact, error)
+      call exchange(archive, group//'/rise', energy%rise, error)
     end if
   end subroutine exchange_energy
 
@@ -206,6 +206,7 @@ contains
     call exchange(archive, group//'/energy', points%energy, error)
     call exchange(archive, group//'/bond_traction', points%bond_traction, error)
     call exchange(archive, group//'/slip_rate', points%slip_rate, error)
+    call exchange(archive, group//'/limit_step', points%limit_step, error)
     call exchange(archive, group//'/beside', points%beside, error)
     call exchange(archive, group//'/past', points%past, error)
     call exchange(archive, group//'/past_step', points%past_step, error)
@@ -246,13 +247,15 @@ contains
     if (allocated(error) .or. (archive%writes .and. n == 0)) return
     if (.not. archive%writes) then
       if (allocated(rubbed%elem)) deallocate (rubbed%elem, rubbed%xi, rubbed%elastic, &
-                                              rubbed%slip_rate)
-      allocate (rubbed%elem(n), rubbed%xi(2, n), rubbed%elastic(3, n), rubbed%slip_rate(n))
+                                              rubbed%slip_rate, rubbed%limit)
+      allocate (rubbed%elem(n), rubbed%xi(2, n), rubbed%elastic(3, n), rubbed%slip_rate(n), &
+                rubbed%limit(n))
     end if
     call exchange(archive, group//'/elem', rubbed%elem, error)
     call exchange(archive, group//'/xi', rubbed%xi, error)
     call exchange(archive, group//'/elastic', rubbed%elastic, error)
     call exchange(archive, group//'/slip_rate', rubbed%slip_rate, error)
+    call exchange(archive, group//'/limit', rubbed%limit, error)
   end subroutine exchange_rubbed
 
 end module restart_state

@@ -26,6 +26,7 @@ module assembly
     type(map_t), allocatable :: map(:)
     type(fold_t) :: fold                 !! of constraints
     real(wp), allocatable :: f_int(:, :) !! (3, nnode) internal force [F]
+    real(wp), allocatable :: f_contact(:, :) !! (3, nnode) contact, a part of f_int [F]
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
     type(mass_t), allocatable :: mass(:) !! found where the model has inertia
     real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia, a part of f_int [F]
@@ -55,7 +56,7 @@ contains
 
     call new_contact_work(model, asm%contact)
     allocate (asm%f_int(3, model%mesh%nnode), asm%f_ext(3, model%mesh%nnode))
-    allocate (asm%f_inert(3, model%mesh%nnode), source=0.0_wp)
+    allocate (asm%f_inert(3, model%mesh%nnode), asm%f_contact(3, model%mesh%nnode), source=0.0_wp)
     call set_pattern(asm, model, symmetric, 0, error)
   end subroutine new_assembler
 
@@ -129,8 +130,10 @@ contains
     end do
     if (sweep%ok) then
       start_contact = seconds_of_both()
+      asm%f_contact = asm%f_int
       call add_contact(asm%contact, model, state, asm%k, asm%f_int, sweep%rounding, sweep%largest, &
                        only_forces)
+      asm%f_contact = asm%f_int - asm%f_contact
       asm%contact_seconds = asm%contact_seconds + seconds_of_both() - start_contact
       call form_inertia(asm, model, state)
       call external_force(model, state, asm%map, asm%k, asm%f_ext)

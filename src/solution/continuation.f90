@@ -3,7 +3,7 @@ module continuation
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use contact_forces, only: bonded_area, find_release
+  use contact_release, only: bonded_area, find_release
   use continuation_type, only: continuation_t, path_constraint_t, PATH_OFF, PATH_RELEASE, &
                                PATH_ARC, BY_LOAD, BY_INERTIA, BY_RELEASE, BY_ARC, may_leave, &
                                leave_load_control, is_quiet, is_forward, begin_trial, end_trial, &

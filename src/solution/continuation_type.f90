@@ -11,7 +11,7 @@
 !! is prescribed, and its time is unknown (constrained_newton).
 module continuation_type
   use base_kinds, only: wp
-  use contact_forces, only: bonded_area, find_release
+  use contact_release, only: bonded_area, find_release
   use model, only: model_t, state_t
   implicit none
   private

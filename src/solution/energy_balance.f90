@@ -2,10 +2,10 @@
 module energy_balance
   use assembly, only: assembler_t
   use base_kinds, only: wp
-  use contact_assembly, only: accept_contact, split_contact_forces
-  use contact_pair, only: contact_points_t
+  use contact_assembly, only: accept_contact
+  use contact_energy, only: bond_energy, contact_energies
   use curve_type, only: B_WORK, B_STORED, B_KINETIC, B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, &
-                        B_BONDS, B_DAMAGE, B_VISCOUS
+                        B_BONDS, B_DAMAGE, B_VISCOUS, B_CREATED, B_ERROR
   use dynamics_type, only: advance
   use energy_type, only: book_work
   use inertia, only: kinetic_energy
@@ -24,15 +24,13 @@ contains
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    real(wp), allocatable :: du(:, :), outer(:, :), contact(:, :, :)
+    real(wp), allocatable :: du(:, :), outer(:, :)
 
     allocate (du, source=state%u - state%u_step)
     if (state%energy%on) then
-      allocate (contact(3, model%mesh%nnode, 3))
-      call split_contact_forces(asm%contact, model, state, contact)
       allocate (outer, source=asm%f_ext)
       where (model%eq == 0) outer = outer + state%reaction
-      call book_work(state%energy, du, outer, asm%f_inert, contact)
+      call book_work(state%energy, du, state%last_increment, outer, asm%f_inert, asm%f_contact)
     end if
     if (allocated(state%dynamics%v)) then
       call advance(state%dynamics, du, state%dt, state%reaction - asm%f_inert)
@@ -44,14 +42,21 @@ contains
     call accept_step_state(state)
   end subroutine accept_solution
 
-  !> One entry of the balance [F L]. The work of supports and loads equals the sum of the other
-  !! entries except for IMBAlance, the error of the trapezoidal rule over the steps.
+  !> One entry of the balance [F L]. IMBAlance is what the work of supports and loads exceeds the
+  !! energies by: the error of that work, and what the forces of contact destroy (CREAted < 0).
   real(wp) function energy_entry(model, state, entry) result(value)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     integer, intent(in) :: entry         !! B_WORK ...
+    real(wp) :: contact(3), bonds(3)
     integer :: c
 
+    contact = 0.0_wp
+    bonds = 0.0_wp
+    do c = 1, size(model%contact)
+      contact = contact + contact_energies(model%contact(c), state%contact(c))
+      bonds = bonds + bond_energy(model%contact(c), state%contact(c))
+    end do
     associate (energy => state%energy)
       select case (entry)
       case (B_WORK)
@@ -61,47 +66,19 @@ contains
       case (B_KINETIC)
         value = energy%kinetic
       case (B_NORMAL, B_FRICTION, B_COHESIVE)
-        value = energy%contact(entry - B_NORMAL + 1)
-        if (entry == B_FRICTION) value = value + sum(state%contact(:)%dissipated)
+        value = contact(entry - B_NORMAL + 1)
       case (B_INERTIA)
         value = energy%inertia - energy%kinetic
       case (B_BONDS, B_DAMAGE, B_VISCOUS)
-        value = bond_energy(model, state, entry - B_BONDS + 1)
+        value = bonds(entry - B_BONDS + 1)
+      case (B_CREATED)
+        value = sum(contact) - energy%contact
+      case (B_ERROR)
+        value = energy%error
       case default
-        value = energy%outer - body_energy(model, state, 0) - energy%inertia - sum(energy%contact) &
-                - sum(state%contact(:)%dissipated)
-        do c = 1, size(state%contact)
-          value = value - sum(state%contact(c)%sheared)
-        end do
+        value = energy%outer - body_energy(model, state, 0) - energy%inertia - sum(contact)
       end select
     end associate
   end function energy_entry
-
-  !> Energy of all bonds according to their laws: 1 stored, 2 dissipated by damage, 3 dissipated by
-  !! viscosity. Each of the two sides covers the whole interface, so the mean of both sides is
-  !! taken; a rigid side has no points.
-  pure real(wp) function bond_energy(model, state, part) result(energy)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    integer, intent(in) :: part
-    integer :: c
-
-    energy = 0.0_wp
-    do c = 1, size(model%contact)
-      if (.not. model%contact(c)%cohesive%given) cycle
-      associate (side => state%contact(c)%side, rigid => model%contact(c)%side%rigid)
-        energy = energy + (of_side(side(1)) + of_side(side(2)))/count(.not. rigid)
-      end associate
-    end do
-
-  contains
-
-    pure real(wp) function of_side(points)
-      type(contact_points_t), intent(in) :: points
-
-      of_side = sum(points%area0*points%energy(part, :), mask=points%bond > 0)
-    end function of_side
-
-  end function bond_energy
 
 end module energy_balance

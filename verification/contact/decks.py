@@ -117,9 +117,10 @@ def mindlin(kind, mesh):
 
 
 def spring_and_slider(mu=0.3, steps=112):
-    """Rows (time, force on the block's top, work of friction) of the dragged block, n = 3.
+    """Rows (time, force on the block's top, energy of friction) of the dragged block, n = 3.
 
-    The contact is a spring eps A with a slider of mu N in series with the block's shear stiffness.
+    The contact is a spring eps A with a slider of mu N in series with the block's shear stiffness. Its
+    energy is the work of the slider and what the spring stores.
     """
     limit, eps, block = mu * 0.1, 300.0, 0.4 / 0.5
     k = 1 / (1 / eps + 1 / block)
@@ -130,7 +131,7 @@ def spring_and_slider(mu=0.3, steps=112):
         trial = force + k * (u - before)
         now = min(limit, max(-limit, trial))
         work += abs(now * (trial - now) / k)
-        rows.append((t, now, work))
+        rows.append((t, now, work + 0.5 * now**2 / eps))
         force, before = now, u
     return rows
 

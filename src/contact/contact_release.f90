@@ -1,76 +1,18 @@
-!> Nodal forces of contact by their cause (pressure, friction, cohesion), and the release of bonds,
-!! which is the measure prescribed under control of the release.
-module contact_forces
+!> The release of bonds, which is the measure prescribed under control of the release.
+module contact_release
   use base_kinds, only: wp
   use constraint, only: fold_force
   use contact_pair, only: contact_t, contact_points_t, surface_t
-  use contact_type, only: NORMAL, FRICTION, COHESIVE
-  use contact_work, only: measure, own_share, loads_both, position_on, work_t, new_work
+  use contact_work, only: measure, position_on, work_t, new_work
   use model, only: model_t, state_t
-  use projection_type, only: foot_t
-  use rigid_surface, only: put_force
-  use surface_basis, only: make_rational
   implicit none
   private
-  public :: add_force_parts, add_release, bonded_area, find_release
+  public :: add_release, bonded_area, find_release
 
   !> A bond counts as released at this multiple of the opening d of its law (`contact%released`).
   real(wp), parameter :: OPENINGS = 8.0_wp
 
 contains
-
-  !> Add the parts of the internal forces on side k at the last assembly.
-  subroutine add_force_parts(contact, k, feet, points, f)
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k
-    type(foot_t), intent(in) :: feet(:)            !! (np) projections
-    type(contact_points_t), intent(in) :: points
-    real(wp), intent(inout) :: f(:, :, :)          !! (3, nnode, 3) pressure, friction, cohesion [F]
-    real(wp) :: t(3, 3, contact%nq), press(3), weight
-    real(wp), allocatable :: shp(:), dshp(:, :)
-    integer :: e, i, j, n, q
-
-    weight = own_share(contact)
-    associate (own => contact%side(k), other => contact%side(3 - k))
-      do e = 1, own%nelem
-        do q = 1, contact%nq
-          i = (e - 1)*contact%nq + q
-          t(:, FRICTION, q) = points%friction(:, i)*points%area(i)
-          t(:, COHESIVE, q) = points%cohesion(:, i)*points%area0(i)
-          t(:, NORMAL, q) = points%traction(:, i)*points%area(i) - t(:, FRICTION, q) &
-                            - t(:, COHESIVE, q)
-          t(:, :, q) = weight*t(:, :, q)
-        end do
-        if (.not. any(abs(t) > 0.0_wp)) cycle
-        do q = 1, contact%nq
-          shp = own%basis(own%ibasis(e))%shp(:, q)
-          if (allocated(own%w)) then
-            dshp = own%basis(own%ibasis(e))%dshp(:, :, q)
-            call make_rational(own%w(own%first(e):own%first(e + 1) - 1), shp, dshp)
-          end if
-          do j = 1, size(shp)
-            n = own%node(own%first(e) + j - 1)
-            f(:, n, :) = f(:, n, :) - shp(j)*t(:, :, q)
-          end do
-        end do
-        if (.not. (other%rigid .or. loads_both(contact))) cycle
-        do q = 1, contact%nq ! on the other side; only bonds act at the partner
-          i = (e - 1)*contact%nq + q
-          press = t(:, NORMAL, q)
-          if (points%bond(i) > 0) then
-            press = weight*points%area0(i)*(points%bond_traction(:, i) - points%cohesion(:, i))
-            call put_force(other, points%bond(i), points%bond_xi(:, i), press, f(:, :, NORMAL))
-            call put_force(other, points%bond(i), points%bond_xi(:, i), t(:, COHESIVE, q), &
-                           f(:, :, COHESIVE))
-            press = t(:, NORMAL, q) - press
-          end if
-          if (feet(i)%elem == 0) cycle
-          call put_force(other, feet(i)%elem, feet(i)%xi, press, f(:, :, NORMAL))
-          call put_force(other, feet(i)%elem, feet(i)%xi, t(:, FRICTION, q), f(:, :, FRICTION))
-        end do
-      end do
-    end associate
-  end subroutine add_force_parts
 
   !> Add the release of side k, which is the sum over bonded points of their area times 1 - (1 +
   !! r/d) exp(-r/d), and its derivative.
@@ -168,4 +110,4 @@ contains
     call fold_force(model%mesh%constraint, slope)
   end subroutine find_release
 
-end module contact_forces
+end module contact_release

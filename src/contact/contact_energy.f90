@@ -1,0 +1,67 @@
+!> What a contact stores and has dissipated, from its laws at their points.
+!!
+!! The pressure and the elastic part of friction have potentials. Slip dissipates its length times
+!! mu p: in a step, the mean of mu p at its start and at its end. Bonds are summed up by their laws
+!! (contact_secant). The work of the nodal forces differs from the sum of all these by what a scheme
+!! without a potential creates, and by the error of the rule over the steps.
+module contact_energy
+  use base_kinds, only: wp
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t
+  use contact_work, only: energy_share
+  implicit none
+  private
+  public :: measure_energy, bond_energy, contact_energies
+
+contains
+
+  !> When a step is accepted, find the energies of the integration points of side k, and add the
+  !! work of slip. The mortar scheme does the same at the points of its cells (mortar_results).
+  pure subroutine measure_energy(contact, k, state)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(contact_state_t), intent(inout) :: state
+
+    associate (points => state%side(k), share => energy_share(contact))
+      state%pressed(k) = share*sum(points%pressed)
+      state%sheared(k) = 0.5_wp*share*sum(points%area*norm2(points%friction, 1) &
+                                          *norm2(points%elastic, 1))
+      state%dissipated = state%dissipated + 0.5_wp*share*sum(points%area*points%slip &
+                                                             *(points%limit_step + points%limit))
+    end associate
+  end subroutine measure_energy
+
+  !> Energy of all bonds of a contact: 1 stored, 2 dissipated by damage, 3 dissipated by viscosity.
+  pure function bond_energy(contact, state) result(energy)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(in) :: state
+    real(wp) :: energy(3)
+
+    energy = 0.0_wp
+    if (.not. contact%cohesive%given) return
+    energy = energy_share(contact)*(of_side(state%side(1)) + of_side(state%side(2)))
+
+  contains
+
+    pure function of_side(points) result(energy)
+      type(contact_points_t), intent(in) :: points
+      real(wp) :: energy(3)
+      integer :: part
+
+      do part = 1, 3
+        energy(part) = sum(points%area0*points%energy(part, :), mask=points%bond > 0)
+      end do
+    end function of_side
+
+  end function bond_energy
+
+  !> Energies of a contact: of pressure, of friction (stored and dissipated), and of bonds.
+  pure function contact_energies(contact, state) result(energy)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(in) :: state
+    real(wp) :: energy(3)
+
+    energy = [sum(state%pressed), sum(state%sheared) + state%dissipated, &
+              sum(bond_energy(contact, state))]
+  end function contact_energies
+
+end module contact_energy
