@@ -1,0 +1,96 @@
+"""All bodies as one dense system, and Newton's iteration on it."""
+
+import numpy as np
+
+from verification.reference.solid import Inverted, Solid
+
+
+class Diverged(Exception):
+    """Newton's iteration found no solution."""
+
+
+class System:
+    """Patches in one vector of unknowns: displacements of the nodes, then enhanced parameters."""
+
+    def __init__(self, patches, positions, materials):
+        self.patches = []
+        first = 0
+        for patch in patches:
+            self.patches.append(patch.shifted(first))
+            first += len(patch.parameters)
+        self.X = np.concatenate(positions)
+        self.count = first
+        self.dofs = 3 * first
+        self.solids = []
+        self.contact = None
+        for patch, material in zip(self.patches, materials):
+            for block in patch.blocks:
+                self.solids.append(Solid(block, self.X, *material, first))
+                first += 3 * len(block.nodes) if block.modes else 0
+        self.u = np.zeros((first, 3))
+        self.fixed = np.zeros((first, 3), dtype=bool)
+        self.value = np.zeros((first, 3))
+
+    def prescribe(self, nodes, directions, values):
+        """Fix directions of nodes at values, from the next solution on."""
+        for d in directions:
+            self.fixed[nodes, d] = True
+            self.value[nodes, d] = np.asarray(values)[..., d] if np.ndim(values) else values
+
+    def bulk(self, u):
+        """Internal forces (N, 3) and the dense tangent."""
+        size = u.size
+        f, K = np.zeros(size), np.zeros((size, size))
+        flat = K.reshape(-1)
+        for solid in self.solids:
+            fe, Ke = solid.forces(u)
+            scatter(f, flat, solid.dofs, fe, solid.dofs, Ke)
+        return f, K
+
+    def solve(self, tolerance=1e-11, limit=30):
+        """Newton's iteration; the first solution moves the prescribed nodes with the tangent."""
+        u, free = self.u.copy(), ~self.fixed.ravel()
+        step = np.where(self.fixed, self.value - u, 0.0).ravel()
+        for count in range(limit):
+            try:
+                f, K = self.bulk(u)
+            except Inverted:
+                raise Diverged from None
+            scale = abs(f).max()
+            if self.contact:
+                self.contact.add(self.X, u, f, K)
+            if count and abs(f[free]).max() <= tolerance * scale:
+                self.u, self.reactions, self.iterations = u, f.reshape(-1, 3), count
+                return self
+            right = -f - (K @ step if count == 0 else 0)
+            move = step * (count == 0)
+            move[free] = np.linalg.solve(K[np.ix_(free, free)], right[free])
+            u = u + move.reshape(-1, 3)
+        raise Diverged
+
+
+def scatter(f, K, rows, fe, columns, Ke):
+    """Add element forces and matrices to a vector and a flattened dense matrix."""
+    size = len(f)
+    f += np.bincount(rows.ravel(), fe.ravel(), size)
+    at = rows[:, :, None] * size + columns[:, None, :]
+    np.add.at(K, at.ravel(), Ke.ravel())
+
+
+def advance(system, move, steps, accept=lambda: None):
+    """Steps from 0 to 1: move(t) prescribes, accept() runs after each; a failed step is halved."""
+    t, targets = 0.0, [(i + 1) / steps for i in range(steps)]
+    while targets:
+        old = system.value.copy()
+        move(targets[0])
+        try:
+            system.solve()
+        except (Diverged, np.linalg.LinAlgError):
+            system.value = old
+            targets.insert(0, (t + targets[0]) / 2)
+            if targets[0] - t < 1e-4:
+                raise
+            continue
+        t = targets.pop(0)
+        accept()
+        yield t
