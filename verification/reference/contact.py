@@ -1,0 +1,189 @@
+"""Contact in two half passes: penalty (26), Coulomb friction (27)-(29), debonding (30)-(31).
+
+Each side is integrated on its own: a point of side k feels the traction from its foot on side l and
+loads side k only. The derivatives of the traction are taken by complex steps of the vectors that it
+depends on; the foot follows by one Newton step, which has the exact first derivative.
+"""
+
+import numpy as np
+
+from verification.reference.surface import Surface, metric, newton_step, orthogonality
+from verification.reference.system import scatter
+
+STEP = 1e-30  # of the complex derivative
+
+
+def dot(a, b):
+    return (a * b).sum(axis=-1, keepdims=True)
+
+
+def norm(a):
+    """The length of vectors; no conjugate, so that it can be differentiated by complex steps."""
+    return np.sqrt(dot(a, a))
+
+
+class HalfPass:
+    """The points of side k against the surface of side l, with their history."""
+
+    def __init__(self, own, other, penalty, mu=0.0, depth=np.inf, exact=True):
+        self.exact = exact
+        self.own, self.other, self.penalty, self.mu, self.depth = own, other, penalty, mu, depth
+        self.sliding = None  # parameters of the sliding points, from the first accepted step on
+        self.bond = None
+
+    def traction(self, y, fixed):
+        """Traction times current area at the active points.
+
+        y: x, a_1, a_2 of side k, x_p, a_1, a_2 of side l, the sliding point; (P, 3) each.
+        fixed: a_11, a_12, a_22 and H of the projection, the weights.
+        """
+        x, k1, k2, s, l1, l2, stuck = y
+        second, H, w = fixed
+        r = np.concatenate([dot(x - s, l1), dot(x - s, l2)], axis=1)
+        d = np.linalg.solve(H, r[:, :, None])  # the foot moves by d
+        s = s + l1 * d[:, 0] + l2 * d[:, 1]
+        l1 = l1 + second[:, 0] * d[:, 0] + second[:, 1] * d[:, 1]
+        l2 = l2 + second[:, 1] * d[:, 0] + second[:, 2] * d[:, 1]
+        n = self.other.sign * np.cross(l1, l2)
+        n = n / norm(n)
+        p = -self.penalty * dot(x - s, n)
+        t = p * n  # eq. (26)
+        if self.friction:
+            D = (x - stuck) - dot(x - stuck, n) * n  # the reversible slip of eq. (27)
+            length = norm(D)
+            slips = self.penalty * length.real > self.mu * p.real  # eq. (29)
+            ratio = np.where(slips, self.mu * p / np.where(slips, length, 1), self.penalty)
+            t = t - ratio * D  # stick, or eq. (28)
+            self.slips, self.ahead = slips[:, 0], (p * D / np.where(slips, length, 1)).real
+        return t * norm(np.cross(k1, k2)) * w[:, None]
+
+    def add(self, X, u, f, K):
+        """Add the forces on side k and their derivatives."""
+        own, other, x = self.own, self.other, X + u[: len(X)]
+        points = np.einsum("pa,pai->pi", own.functions[:, 0], x[own.nodes])
+        self.foot, inside = other.project(x, points)
+        nodes, functions = other.at(self.foot)
+        s = np.einsum("pva,pai->pvi", functions, x[nodes])
+        n = other.sign * np.cross(s[:, 1], s[:, 2])
+        gap = dot(points - s[:, 0], n)[:, 0] / np.maximum(norm(n)[:, 0], 1e-300)  # eq. (25)
+        on = self.active = np.flatnonzero(inside & (gap < 0) & (gap > -self.depth))
+        self.place, self.force, self.gap = points[on], np.zeros((len(on), 3)), gap
+        self.friction = self.mu > 0 and self.sliding is not None
+        if self.bond:
+            self.bond.add(self, x, points, f, K)
+        if not len(on):
+            return
+        mine = np.einsum("pva,pai->vpi", own.functions[on, :3], x[own.nodes[on]])
+        y = [*mine, *s[on, :3].transpose(1, 0, 2), s[on, 0]]
+        parts = [(own.nodes[on], own.functions[on, :3]), (nodes[on], functions[on, :3])]
+        if self.friction:
+            stuck = other.at(self.sliding[on])
+            y[6] = np.einsum("pa,pai->pi", stuck[1][:, 0], x[stuck[0]])
+            parts.append((stuck[0], stuck[1][:, :1]))
+        fixed = s[on, 3:], orthogonality(points[on], s[on])[1], own.weights[on]
+        slope = np.zeros((len(on), 3, 7, 3))
+        for v in range(7 if self.friction else 6):
+            for i in range(3):
+                moved = [a.astype(complex) for a in y]
+                moved[v][:, i] += 1j * STEP
+                slope[:, :, v, i] = self.traction(moved, fixed).imag / STEP
+        self.force = self.traction(y, fixed)
+        self.x, self.normal = x, n[on] / norm(n[on])
+        first = np.cumsum([0] + [p[1].shape[1] for p in parts])
+        load(
+            f, K, own.nodes[on], own.functions[on, 0], self.force,
+            [(m, np.einsum("pcvj,pva->pcaj", slope[:, :, i:j], g))
+             for (m, g), i, j in zip(parts, first, first[1:])],
+        )  # fmt: skip
+
+    def accept(self):
+        """Keep the history of a converged step: sticking points keep their sliding points."""
+        if not self.mu:
+            return
+        old, self.sliding = self.sliding, self.foot.copy()
+        if self.friction and len(self.active):
+            stays, moves = self.active[~self.slips], self.slips
+            self.sliding[stays] = old[stays]
+            if moves.any():
+                self.sliding[self.active[moves]] = self._behind(moves)
+
+    def _behind(self, moves):
+        """Sliding points at which the reversible slip D is mu p / eps_t along the old D.
+
+        One step in the tangent plane at the foot, as Sauer and De Lorenzis have it; with `exact` it
+        is repeated until D has that value.
+        """
+        x, n, xi = self.place[moves], self.normal[moves], self.foot[self.active[moves]]
+        way = self.mu / self.penalty * self.ahead[moves]
+        for _ in range(20 if self.exact else 1):
+            nodes, f = self.other.at(xi)
+            s = np.einsum("pva,pai->pvi", f[:, :3], self.x[nodes])
+            s[:, 0] -= x
+            s -= dot(s, n[:, None]) * n[:, None]  # tangential parts
+            r = np.einsum("pai,pi->pa", s[:, 1:3], s[:, 0] + way)
+            xi = np.clip(xi - newton_step(r, metric(s)), 0, 1)
+        return xi
+
+    def resultant(self):
+        """The force of the contact tractions on side k and their moment about the origin."""
+        return self.force.sum(axis=0), np.cross(self.place, self.force).sum(axis=0)
+
+
+class Bond:
+    """The exponential law (31) between points of side k and their reference feet on side l."""
+
+    def __init__(self, half, X, T0, g0, bonded):
+        side, other = half.own, half.other
+        place = np.einsum("pva,pai->pvi", side.functions[:, :3], X[side.nodes])
+        foot, inside = other.project(X, place[:, 0])
+        on = self.on = np.flatnonzero(inside & bonded(place[:, 0]))
+        self.nodes, functions = other.at(foot[on])
+        self.functions = functions[:, 0]
+        self.area = side.weights[on] * norm(np.cross(place[on, 1], place[on, 2]))[:, 0]
+        self.T0, self.g0 = T0, g0
+
+    def add(self, half, x, points, f, K):
+        """Add T_c dA and its derivative; nothing but the gap vector g^0 varies."""
+        side, on = half.own, self.on
+        g = points[on] - np.einsum("pa,pai->pi", self.functions, x[self.nodes])
+        r = norm(g)
+        size = -self.T0 / self.g0 * np.exp(1 - r / self.g0) * self.area[:, None]
+        e = g / np.maximum(r, 1e-300)
+        slope = np.eye(3) - (r / self.g0)[:, :, None] * e[:, :, None] * e[:, None, :]
+        slope = size[:, :, None] * slope
+        own, mine = side.functions[on, 0], side.nodes[on]
+        parts = [(mine, own), (self.nodes, -self.functions)]
+        load(
+            f, K, mine, own, size * g,
+            [(m, np.einsum("pcj,pa->pcaj", slope, h)) for m, h in parts],
+        )  # fmt: skip
+
+
+def load(f, K, nodes, functions, force, slopes):
+    """Put the forces (P, 3) of points on nodes, and their derivatives [(nodes, (P, 3, A, 3))]."""
+    dofs = lambda m: (3 * m[:, :, None] + np.arange(3)).reshape(len(m), -1)
+    P, A = nodes.shape
+    fe = -functions[:, :, None] * force[:, None, :]
+    columns = np.concatenate([dofs(m) for m, _ in slopes], axis=1)
+    inner = np.concatenate([s.reshape(P, 3, -1) for _, s in slopes], axis=2)
+    Ke = -(functions[:, :, None, None] * inner[:, None]).reshape(P, 3 * A, -1)
+    scatter(f, K.reshape(-1), dofs(nodes), fe, columns, Ke)
+
+
+class Contact:
+    """Both half passes between two faces."""
+
+    def __init__(self, faces, signs, q, *law, **options):
+        one, two = (Surface(face, sign, q) for face, sign in zip(faces, signs))
+        self.sides = [
+            HalfPass(one, two, *law, **options),
+            HalfPass(two, one, *law, **options),
+        ]
+
+    def add(self, X, u, f, K):
+        for side in self.sides:
+            side.add(X, u, f, K)
+
+    def accept(self):
+        for side in self.sides:
+            side.accept()
