@@ -47,6 +47,7 @@ def parser():
     p.add_argument("--compare", metavar="BEZEL", help="the program to compare with")
     p.add_argument("--elements", nargs="+", metavar="NAME")
     p.add_argument("--n", nargs="+", type=int, default=[1, 2, 4], help="meshes of section 4")
+    p.add_argument("--prism-points", type=int, default=3, help="of prisms Q1E9N2 along zeta")
     p.add_argument("--mu", nargs="+", type=float, default=[0.0, 0.5], help="friction coefficients")
     p.add_argument("--degrees", type=int, default=180, help="angle of the hemisphere, times of 15")
     p.add_argument("--down", type=int, default=20, help="steps of the impression")
@@ -62,7 +63,7 @@ def run_section4(o):
     for test, lift in section4.LIFTS.items():
         for name in chosen(o, section4.ELEMENTS):
             for n in o.n:
-                force, dofs = section4.solve(name, n, lift)
+                force, dofs = section4.solve(name, n, lift, prism_points=o.prism_points)
                 other = None
                 if o.compare:
                     deck = DECKS / "section4" / f"{deck_name(name)}.inp"
@@ -121,6 +122,7 @@ def deck_name(elements):
     ('q1e9_q1n2.1', 'q1n2_2')
     """
     kind, _, faces = elements.lower().partition(" on ")
+    kind = kind.removeprefix("q1e9+") if kind.endswith("+q1e9n2") else kind.removeprefix("q2+")
     return kind.replace("+", "_") + (f"_{faces.count('and') + 1}" if faces else "")
 
 

@@ -7,24 +7,24 @@ from verification.reference.spline import Space
 from verification.reference.system import System, advance
 
 LIFTS = {"compression": -0.25, "extension": 1.0}
-FACES = {"": (), " on 1+": ((0, 1),), " on 1+ and 2+": ((0, 1), (1, 1))}
 #: name: its meshes; the order of the paper's figures
 ELEMENTS = (
     "Q1", "Q2", "IGA2", "Q1E9", "Q1N2 on 1+", "Q1N2 on 1+ and 2+",
-    "Q1E9+Q1N2 on 1+", "Q1E9+Q1N2 on 1+ and 2+",
+    "Q1E9+Q1N2 on 1+", "Q1E9+Q1N2 on 1+ and 2+", "Q2N2 on 1+",
+    "Q1E9+Q1E9N2 on 1+", "Q1E9+Q1E9N2 on 1+ and 2+",
 )  # fmt: skip
 
 
-def body(name, counts):
-    """A patch of n1 x n2 x n3 elements called Q1, Q1E9, Q2, IGA2, or Q1N2 with its faces."""
+def body(name, counts, prism_points=3):
+    """A patch of n1 x n2 x n3 elements called Q1, Q1E9, Q2, IGA2, or a base and a layer on faces."""
     kind, _, faces = name.partition(" on ")
     if faces:
         enriched = [
             ({"1": 0, "2": 1, "3": 2}[f[0]], int(f[1] == "+")) for f in faces.split(" and ")
         ]
         base, _, layer = kind.rpartition("+")
-        p, _, t = layer.removeprefix("Q1N").partition(".")
-        return layered_patch(counts, enriched, int(p), int(t or 0), base == "Q1E9")
+        points = prism_points if "E9" in layer else None  # j0/j is rational in the prisms
+        return layered_patch(counts, enriched, base or layer[:2], layer, points)
     p, repeat = {"Q1": (1, 1), "Q1E9": (1, 1), "Q2": (2, 2), "IGA2": (2, 1)}[kind]
     spaces = [Space(p, n, repeat) for n in counts]
     patch = tensor_patch(spaces, (p + 1,) * 3)
@@ -33,9 +33,9 @@ def body(name, counts):
     return patch
 
 
-def solve(name, n, lift, steps=10):
+def solve(name, n, lift, steps=5, prism_points=3):
     """The force on the top of the quarter model and the number of degrees of freedom."""
-    patch = body(name, (n, n, 2 * n))
+    patch = body(name, (n, n, 2 * n), prism_points)
     x = patch.parameters * (0.5, 0.5, 1.0)
     system = System([patch], [x], [(1.0, 0.2)])
     on = lambda d, at: np.flatnonzero(abs(x[:, d] - at) < 1e-12)
