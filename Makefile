@@ -98,17 +98,18 @@ endif
 include verification/unit/unit.mk
 include tools/packages/packages.mk
 
-.PHONY: check tests deck_errors post_tests patch trouble setup
+.PHONY: check tests deck_errors post_tests reference patch trouble setup
 setup:
 	@tools/setup.sh
 check: setup
 	@$(MAKE) tests
-GOALS := runner unit deck_errors manual post_tests patch trouble
+GOALS := runner unit deck_errors manual post_tests reference patch trouble
 WHAT_runner      := the runner of the unit tests judges failures as failures
 WHAT_unit        := unit tests; they are compiled first, which takes some minutes
 WHAT_deck_errors := bad decks, each with the message that it must give
 WHAT_manual      := a page and an example for every word; theory and tests for every element and law
 WHAT_post_tests  := tests of post, verify and tools; a dot each
+WHAT_reference   := the second implementation beside the program, on the smallest meshes
 WHAT_patch       := patch tests: comparisons with exact answers
 WHAT_trouble     := files, signals, restarts; then decks that must not go wrong silently
 tests:
@@ -120,6 +121,8 @@ deck_errors: $(B)/bezel
 	@$(PYTHON) -m verification.deck_errors.run --bezel $<
 post_tests:
 	@$(PYTHON) -W error::DeprecationWarning:post -m unittest discover -s post/tests -t .
+reference: $(B)/bezel
+	@BEZEL=$< $(PYTHON) -m unittest discover -s verification/reference/tests -t .
 PATCHES := $(patsubst verification/patch/%/expect.toml,%,$(wildcard verification/patch/*/expect.toml))
 patch: $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
@@ -140,6 +143,7 @@ verify-all: setup
 	@$(PYTHON) -m verification.verify --bezel $(B)/bezel --all
 	@$(PYTHON) -m verification.restart.run $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $(B)/bezel --recover
+	@$(PYTHON) -m verification.reference all --compare $(B)/bezel
 	@$(MAKE) mutants
 	@tools/setup.sh mesh || echo "section 3: checks that need Gmsh or TetGen are skipped" >&2
 	@$(PYTHON) -m verification.section3 check --bezel $(B)/bezel --work $(BUILD)/section3

@@ -3,6 +3,7 @@
     .venv/bin/python -m verification.verify --case section4
 
 verify              the checks of all `expect.toml` (`make verify`)
+reference           a second implementation of three scenes, beside the program
 section3            meshes below surfaces, and runs on them
 section5_contact    sections 5.2 and 5.3: the hemisphere on the block
 section5_debonding  section 5.1: the strip peeled off the plate

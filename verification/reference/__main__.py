@@ -74,7 +74,7 @@ def run_section4(o):
 
 
 def run_hemisphere(o):
-    heading = ("elements", "mu", "degrees", "P1", "M1", "P2", "M2")
+    heading = ("elements", "mu", "degrees", "P1", "M1", "P2", "M2", "t1", "t2")
     rows = Rows(heading, 3, o.compare)
     for name in chosen(o, hemisphere.ELEMENTS):
         for mu in o.mu:
@@ -89,6 +89,7 @@ def run_hemisphere(o):
                 deck = DECKS / "section5_contact" / f"{deck_name(name)}.inp"
                 curve = program(o.compare, deck, "sole", **values)
                 words = [f"contact_sole_{s}_{w}" for s in (1, 2) for w in ("force_3", "torque")]
+                words += [f"contact_sole_{s}_tangential_1" for s in (1, 2)]
                 at = pick(curve["time"], 1 + table[:, 0] / 180)
                 other = np.stack([curve[w][at] for w in words], axis=1)
             labels = [(name, f"{mu:g}", f"{angle:.0f}") for angle in table[:, 0]]
@@ -157,7 +158,7 @@ class Rows:
 
     def __init__(self, heading, labels, compare):
         self.compare, self.worst = compare, 0.0
-        self.widths = [max(14, len(h)) for h in heading]
+        self.widths = [max(13, len(h)) for h in heading]
         self.widths[:labels] = [max(8, len(h)) for h in heading[:labels]]
         if "elements" in heading:
             self.widths[heading.index("elements")] = 25
@@ -172,7 +173,8 @@ class Rows:
         numbers = np.asarray(numbers)
         values = lambda row: [f"{v:.9f}" if abs(v) > 5e-10 else "0" for v in row]
         if other is not None:
-            off = abs(numbers - other) / abs(other).max(axis=0)
+            scale = abs(other).max(axis=0)
+            off = abs(numbers - other) / np.where(scale > 0, scale, 1)
             self.worst = max(self.worst, off.max())
         for i in range(len(labels))[shown]:
             words = [str(w) for w in labels[i]]

@@ -69,6 +69,7 @@ class HalfPass:
         on = self.active = np.flatnonzero(inside & (gap < 0) & (gap > -self.depth))
         self.place, self.force, self.gap = points[on], np.zeros((len(on), 3)), gap
         self.friction = self.mu > 0 and self.sliding is not None
+        self.x, self.normal = x, n[on] / norm(n[on])
         if self.bond:
             self.bond.add(self, x, points, f, K)
         if not len(on):
@@ -88,7 +89,6 @@ class HalfPass:
                 moved[v][:, i] += 1j * STEP
                 slope[:, :, v, i] = self.traction(moved, fixed).imag / STEP
         self.force = self.traction(y, fixed)
-        self.x, self.normal = x, n[on] / norm(n[on])
         first = np.cumsum([0] + [p[1].shape[1] for p in parts])
         load(
             f, K, own.nodes[on], own.functions[on, 0], self.force,
@@ -123,6 +123,29 @@ class HalfPass:
             r = np.einsum("pai,pi->pa", s[:, 1:3], s[:, 0] + way)
             xi = np.clip(xi - newton_step(r, metric(s)), 0, 1)
         return xi
+
+    def largest(self, direction):
+        """The largest component of the smoothed tangential traction (Sauer 2013), Table 5.
+
+        T_A = int R_A t da / int R_A da at the control points, looked for at 10 x 10 points an element.
+        """
+        own = self.own
+        tangents = np.einsum("pva,pai->vpi", own.functions[:, 1:3], self.x[own.nodes])
+        area = own.weights * norm(np.cross(*tangents))[:, 0]
+        shear = self.force - dot(self.force, self.normal) * self.normal
+        values = own.functions[:, 0]
+        on = self.active
+        total = np.bincount(own.nodes.ravel(), (values * area[:, None]).ravel(), len(self.x))
+        part = values[on] * shear[:, direction, None]
+        part = np.bincount(own.nodes[on].ravel(), part.ravel(), len(self.x))
+        T = part / np.where(total > 0, total, 1)
+        line = [
+            np.linspace(0, 1, 10)[None] / s.n + np.arange(s.n)[:, None] / s.n
+            for s in own.face.spaces
+        ]
+        grid = np.stack(np.meshgrid(line[0].ravel(), line[1].ravel(), indexing="ij"), axis=-1)
+        nodes, functions = own.at(grid.reshape(-1, 2))
+        return abs(np.einsum("pa,pa->p", functions[:, 0], T[nodes])).max()
 
     def resultant(self):
         """The force of the contact tractions on side k and their moment about the origin."""

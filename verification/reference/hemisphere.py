@@ -74,14 +74,19 @@ def build(name, mesh, mu, exact=True):
 
 
 def run(name, mu, mesh=1, degrees=180, exact=True, down=20):
-    """Yield (degrees, P1, M1, P2, M2) at 0 and after each 3 degrees."""
+    """Yield (degrees, P1, M1, P2, M2, t1, t2) at 0 and after each 3 degrees.
+
+    P, M: force along z and torque about z on the hemisphere (1) and the block (2); t: the largest
+    |t_x| of Table 5. exact: see HalfPass.
+    """
     system, place = build(name, mesh, mu, exact)
     for _ in advance(system, lambda t: place(t, 0), down):
         pass
 
     def row(angle):
-        (f1, m1), (f2, m2) = (side.resultant() for side in system.contact.sides)
-        return angle, f1[2], m1[2], f2[2], m2[2]
+        sides = system.contact.sides
+        (f1, m1), (f2, m2) = (side.resultant() for side in sides)
+        return angle, f1[2], m1[2], f2[2], m2[2], sides[0].largest(0), sides[1].largest(0)
 
     system.contact.accept()  # all points stick at first: each sliding point is its foot
     yield row(0.0)
