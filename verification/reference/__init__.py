@@ -6,7 +6,8 @@ It is written from the paper (Corbett and Sauer 2015; equation numbers are the p
 verification pages where the paper is silent, and shares no code with the program. Read in this order:
 
 spline       B-splines of one direction
-mesh         hexahedral patches and enriched layers
+mesh         hexahedral patches of splines
+layer        enriched layers
 solid        neo-Hooke and enhanced strains
 system       all unknowns in one dense matrix, Newton's iteration, steps
 surface      surfaces of contact and the closest-point projection

@@ -23,7 +23,10 @@ def norm(a):
 
 
 class HalfPass:
-    """The points of side k against the surface of side l, with their history."""
+    """The points of side k (own) against the surface of side l (other), with their history.
+
+    exact: a slipping point's sliding point is moved exactly, else to first order; see _behind.
+    """
 
     def __init__(self, own, other, penalty, mu=0.0, depth=np.inf, exact=True):
         self.exact = exact
@@ -67,7 +70,7 @@ class HalfPass:
         n = other.sign * np.cross(s[:, 1], s[:, 2])
         gap = dot(points - s[:, 0], n)[:, 0] / np.maximum(norm(n)[:, 0], 1e-300)  # eq. (25)
         on = self.active = np.flatnonzero(inside & (gap < 0) & (gap > -self.depth))
-        self.place, self.force, self.gap = points[on], np.zeros((len(on), 3)), gap
+        self.place, self.force = points[on], np.zeros((len(on), 3))
         self.friction = self.mu > 0 and self.sliding is not None
         self.x, self.normal = x, n[on] / norm(n[on])
         if self.bond:

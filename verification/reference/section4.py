@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from verification.reference.mesh import layered_patch, q1_modes, tensor_patch
+from verification.reference.layer import layered_patch
+from verification.reference.mesh import q1_modes, tensor_patch
 from verification.reference.spline import Space
 from verification.reference.system import System, advance
 
