@@ -122,7 +122,7 @@ deck_errors: $(B)/bezel
 post_tests:
 	@$(PYTHON) -W error::DeprecationWarning:post -m unittest discover -s post/tests -t .
 reference: $(B)/bezel
-	@BEZEL=$< $(PYTHON) -m unittest discover -s verification/reference/tests -t .
+	@OPENBLAS_NUM_THREADS=1 BEZEL=$< $(PYTHON) -m unittest discover -s verification/reference/tests -t .
 PATCHES := $(patsubst verification/patch/%/expect.toml,%,$(wildcard verification/patch/*/expect.toml))
 patch: $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \

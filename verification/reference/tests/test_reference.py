@@ -7,9 +7,10 @@ import unittest
 
 import numpy as np
 
+from post._table import read_table
 from verification import TOP
 from verification.reference import __main__ as tables
-from verification.reference import hemisphere, strip
+from verification.reference import hemisphere, section4, strip
 from verification.reference.spline import Space
 
 BEZEL = os.environ.get("BEZEL", TOP / "build/release/bezel")
@@ -75,6 +76,19 @@ class Parts(unittest.TestCase):
         h = 1e-6
         difference = (at(u + h * way)[0] - at(u - h * way)[0]) / (2 * h)
         np.testing.assert_allclose(K @ way.ravel(), difference, atol=1e-6 * abs(difference).max())
+
+
+class Stored(unittest.TestCase):
+    def test_section4(self):
+        """The numbers of reference.csv, whose prisms have two points along zeta."""
+        rows = read_table(TOP / "verification/benchmark/section4/reference.csv").columns
+        for test, name, dofs, force in zip(
+            rows["test"], rows["elements"], rows["dofs"], rows["force_quarter"]
+        ):
+            if not name.startswith("Q2"):  # they take longer than all others
+                found = section4.solve(name, 2, section4.LIFTS[test], prism_points=2)
+                self.assertEqual(found[1], dofs)
+                self.assertAlmostEqual(found[0] / force, 1, delta=1e-9)
 
 
 class Program(unittest.TestCase):
