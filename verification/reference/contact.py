@@ -54,7 +54,8 @@ class HalfPass:
         if self.friction:
             D = (x - stuck) - dot(x - stuck, n) * n  # the reversible slip of eq. (27)
             length = norm(D)
-            slips = self.penalty * length.real > self.mu * p.real  # eq. (29)
+            # eq. (29); a point that slipped is at the limit when a step begins, and counts as slipping
+            slips = self.penalty * length.real > self.mu * p.real * (1 - 1e-9)
             ratio = np.where(slips, self.mu * p / np.where(slips, length, 1), self.penalty)
             t = t - ratio * D  # stick, or eq. (28)
             self.slips, self.ahead = slips[:, 0], (p * D / np.where(slips, length, 1)).real

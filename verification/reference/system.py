@@ -47,11 +47,15 @@ class System:
             scatter(f, flat, solid.dofs, fe, solid.dofs, Ke)
         return f, K
 
-    def solve(self, tolerance=1e-11, limit=30):
-        """Newton's iteration; the first solution moves the prescribed nodes with the tangent."""
+    def solve(self, damped=False, tolerance=1e-11):
+        """Newton's iteration; the first solution moves the prescribed nodes with the tangent.
+
+        damped: half of each further move, until the residual is small; it ends most cycles between
+        states of contact.
+        """
         u, free = self.u.copy(), ~self.fixed.ravel()
         step = np.where(self.fixed, self.value - u, 0.0).ravel()
-        for count in range(limit):
+        for count in range(80 if damped else 30):
             try:
                 f, K = self.bulk(u)
             except Inverted:
@@ -59,12 +63,15 @@ class System:
             scale = abs(f).max()
             if self.contact:
                 self.contact.add(self.X, u, f, K)
-            if count and abs(f[free]).max() <= tolerance * scale:
+            error = abs(f[free]).max()
+            if count and error <= tolerance * scale:
                 self.u, self.reactions, self.iterations = u, f.reshape(-1, 3), count
                 return self
             right = -f - (K @ step if count == 0 else 0)
             move = step * (count == 0)
             move[free] = np.linalg.solve(K[np.ix_(free, free)], right[free])
+            if damped and count and error > 1e-4 * scale:
+                move /= 2
             u = u + move.reshape(-1, 3)
         raise Diverged
 
@@ -78,19 +85,32 @@ def scatter(f, K, rows, fe, columns, Ke):
 
 
 def advance(system, move, steps, accept=lambda: None):
-    """Steps from 0 to 1: move(t) prescribes, accept() runs after each; a failed step is halved."""
-    t, targets = 0.0, [(i + 1) / steps for i in range(steps)]
-    while targets:
-        old = system.value.copy()
-        move(targets[0])
-        try:
-            system.solve()
-        except (Diverged, np.linalg.LinAlgError):
-            system.value = old
-            targets.insert(0, (t + targets[0]) / 2)
-            if targets[0] - t < 1e-4:
-                raise
-            continue
-        t = targets.pop(0)
-        accept()
+    """Steps from 0 to 1: move(t) prescribes, accept() runs after each; yields the ends of the steps.
+
+    A step that Newton's iteration does not solve, not even damped, is halved.
+    """
+    for step in range(steps):
+        t, ends = step / steps, [(step + 1) / steps]
+        while ends:
+            old = system.value.copy()
+            move(ends[0])
+            if attempt(system):
+                t = ends.pop(0)
+                accept()
+            elif ends[0] - t < 1e-4:
+                raise Diverged
+            else:
+                system.value = old
+                ends.insert(0, (t + ends[0]) / 2)
         yield t
+
+
+def attempt(system):
+    """Whether Newton's iteration, plain or damped, finds the next state."""
+    for damped in (False, True):
+        try:
+            system.solve(damped)
+            return True
+        except (Diverged, np.linalg.LinAlgError):
+            pass
+    return False
