@@ -77,6 +77,21 @@ class Parts(unittest.TestCase):
         difference = (at(u + h * way)[0] - at(u - h * way)[0]) / (2 * h)
         np.testing.assert_allclose(K @ way.ravel(), difference, atol=1e-6 * abs(difference).max())
 
+    def test_state_of_a_held_load_does_not_creep(self):
+        """If the sliding point is moved exactly; to first order it does."""
+        creep = {}
+        for exact in (True, False):
+            system, place = hemisphere.build("Q1E9+Q1N2", 1, 0.5, exact)
+            for down, degrees in ((0.1, 0), (0.3, 0), (0.3, 6), (0.3, 12)):
+                place(down, degrees)
+                system.solve()
+                system.contact.accept()
+            torque = system.contact.sides[0].resultant()[1][2]
+            system.solve()
+            creep[exact] = abs(system.contact.sides[0].resultant()[1][2] / torque - 1)
+        self.assertLess(creep[True], 1e-10)
+        self.assertGreater(creep[False], 1e-7)
+
 
 class Stored(unittest.TestCase):
     def test_section4(self):
