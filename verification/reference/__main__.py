@@ -49,11 +49,18 @@ def parser():
     p.add_argument("--n", nargs="+", type=int, default=[1, 2, 4], help="meshes of section 4")
     p.add_argument("--prism-points", type=int, default=3, help="of prisms Q1E9N2 along zeta")
     p.add_argument("--mu", nargs="+", type=float, default=[0.0, 0.5], help="friction coefficients")
-    p.add_argument("--degrees", type=int, default=180, help="angle of the hemisphere, times of 15")
+    p.add_argument(
+        "--degrees",
+        type=int,
+        default=180,
+        help="turn, a multiple of 3; every 15 degrees are printed",
+    )
     p.add_argument("--down", type=int, default=20, help="steps of the impression")
     p.add_argument("--slide", default="exact", choices=("exact", "tangent"), help="see contact.py")
     p.add_argument("--mesh", type=int, default=1, choices=(1, 2), help="mesh of the hemisphere")
-    p.add_argument("--lift", type=float, default=1.0, help="lift of the strip, times of 0.25")
+    p.add_argument(
+        "--lift", type=float, default=1.0, help="of the strip, a multiple of 0.25 up to 5"
+    )
     return p
 
 
