@@ -7,7 +7,7 @@
 
 With --compare the program runs the decks of verification/benchmark, its numbers stand below, and the
 differences are relative to the largest value of the column in that run. The exit code is 1 if one
-exceeds the bound of the scene. --elements NAME ... selects elements.
+exceeds BOUND. --elements NAME ... selects elements.
 """
 
 import argparse
