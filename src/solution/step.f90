@@ -12,7 +12,7 @@ module step
   use base_log, only: log_line, warn
   use base_text, only: to_text
   use contact_missed, only: follow_gaps
-  use contact_pair, only: MORTAR
+  use contact_pair, only: HALFPASS, MORTAR
   use contact_report, only: report_contact_changes, measure_contacts, find_jump
   use continuation, only: begin_increment, change_method, adapt_method
   use continuation_type, only: PATH_OFF
@@ -203,7 +203,9 @@ contains
       if (step%control%automatic) hint = hint//' with a smaller dtmin'
       if (size(model%contact) > 0 .and. ncut > 1) then
         hint = hint//'; if contact points alternate at an edge or where the gap is zero, no step ' &
-               //'is small enough: remove SCHEme HALFpass, or use NORMal ... SMOOth d'
+               //'is small enough: '
+        if (any(model%contact%scheme == HALFPASS)) hint = hint//'remove SCHEme HALFpass, or '
+        hint = hint//'use NORMal ... SMOOth d'
       end if
       if (.not. step%newton%exact .and. step%newton%mode == FULL) then
         hint = 'TANG leaves out the unsymmetric part of the tangent: use UTAN,,1; '//hint
