@@ -22,8 +22,8 @@ module contact_augment
   private
   public :: rise_t, find_rise, take_rise, share_penalty
 
-  !> MORTar with AUGMent: fraction of the penalty that acts at the control points, whose multipliers
-  !! take over the pressure.
+  !> MORTar with AUGMent: fraction of the penalty that acts at least at the control points, whose
+  !! multipliers take over the pressure.
   real(wp), parameter :: AT_CONTROL_POINTS = 0.9_wp
 
   !> Increments of the multipliers of one side.
@@ -115,7 +115,8 @@ contains
     end associate
   end function value_at
 
-  !> Let most of the penalty act at control points, in a deck with AUGMent.
+  !> Let a penalty act at control points too, in a deck with AUGMent. That of the points stays: a
+  !! control point with a larger support than the area of contact has a mean gap, and bears nothing.
   pure subroutine share_penalty(contact)
     type(contact_t), intent(inout) :: contact
 

@@ -105,8 +105,9 @@ module contact_pair
     real(wp) :: taper = 0.0_wp               !! BORDer: width relative to an element [-]; 0: none
     integer :: scheme = 0                    !! HALFPASS, BALANCED or MORTAR; 0: not given
     logical :: balanced = .false.            !! BALANCED, and no side is rigid
-    !> MORTAR: the part of the penalty that acts at control points [F/L^3]; the rest acts at points.
-    real(wp) :: control_penalty = 0.0_wp
+    !> MORTAR: the penalties that act at points and at control points [F/L^3]. Their sum is that of
+    !! the deck, or more with AUGMent.
+    real(wp) :: point_penalty = 0.0_wp, control_penalty = 0.0_wp
     real(wp) :: after = -huge(1.0_wp)        !! AFTEr: friction acts in steps from this time on [T]
     type(bond_t), allocatable :: bond(:)     !! regions of BONDed; bonds are in their intersection
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element

@@ -108,7 +108,7 @@ contains
           now%penetration_warned = .true.
           call warn("contact '"//contact%name//"': surfaces penetrate by " &
                     //to_text(100*deepest, 3)//' % of an element or of the thickness', &
-                    contact%place, 'use a stiffer penalty, NORMal PENAlty AUTO 10, or AUGMent')
+                    contact%place, 'use a stiffer penalty, NORMal PENAlty AUTO 10, or a finer mesh')
         end if
       end associate
     end do

@@ -69,7 +69,7 @@ contains
         end do
         control%pressure = side%q
       end if
-      prop(PENALTY) = contact%normal%prop(PENALTY) - contact%control_penalty
+      prop(PENALTY) = contact%point_penalty
       side%p = 0.0_wp
       side%dp = 0.0_wp
       do i = 1, cells%n
@@ -105,7 +105,7 @@ contains
 
     energy = 0.0_wp
     normal = contact%normal
-    normal%prop(PENALTY) = contact%normal%prop(PENALTY) - contact%control_penalty
+    normal%prop(PENALTY) = contact%point_penalty
     do i = 1, side%cells%n
       if (side%cells%foot(i)%elem == 0) cycle
       call normal%law%normal(normal%prop, side%cells%foot(i)%gap, 0.0_wp, p, dp, w)
@@ -143,7 +143,7 @@ contains
     integer :: j
 
     prop = contact%normal%prop
-    prop(PENALTY) = prop(PENALTY) - contact%control_penalty
+    prop(PENALTY) = contact%point_penalty
     call contact%normal%law%normal(prop, gap, 0.0_wp, p, dp, energy)
     if (.not. contact%control_penalty > 0.0_wp) return
     associate (own => contact%side(k))

@@ -221,7 +221,8 @@ contains
   end subroutine find_faced
 
   !> Add up the area of side k in contact and its parts that stick and slip, and find the largest
-  !! penetration.
+  !! penetration. Pressures of control points reach over whole elements: a point counts if they
+  !! would remain with the penalty times its own gap subtracted.
   subroutine measure_cells(mortar, contact, k, shape, state)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact
@@ -245,9 +246,11 @@ contains
         if (.not. reference > 0.0_wp) cycle
         call surface_point(contact%side(k), shape, cells%elem(i), cells%xi(:, i), x, a, b)
         area = cells%weight(i)*norm2(cross(a(:, 1), a(:, 2)))/reference
-        state%area(k) = state%area(k) + area
-        if (side%state(i) == STICK) state%sticks(k) = state%sticks(k) + area
-        if (side%state(i) == SLIP) state%slips(k) = state%slips(k) + area
+        if (side%p(i) > contact%control_penalty*cells%foot(i)%gap) then
+          state%area(k) = state%area(k) + area
+          if (side%state(i) == STICK) state%sticks(k) = state%sticks(k) + area
+          if (side%state(i) == SLIP) state%slips(k) = state%slips(k) + area
+        end if
         state%penetration(k) = max(state%penetration(k), -cells%foot(i)%gap)
         state%sheared(k) = state%sheared(k) + 0.5_wp*energy_share(contact)*cells%weight(i) &
                            *norm2(side%friction(:, i))*norm2(side%elastic(:, i))

@@ -209,6 +209,7 @@ contains
     if (contact%scheme == MORTAR) then
       contact%control_penalty = max(0.0_wp, contact%normal%prop(PENALTY) - LOCKS*usual)
       if (contact%control_penalty < ROUNDING*usual) contact%control_penalty = 0.0_wp
+      contact%point_penalty = contact%normal%prop(PENALTY) - contact%control_penalty
     end if
     if (contact%friction%auto) contact%friction%prop(TANGENTIAL_PENALTY) &
       = contact%normal%prop(PENALTY)
