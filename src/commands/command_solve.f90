@@ -148,9 +148,9 @@ contains
       end if
       load = state%time
       if (size(state%factor) > 0) load = sum(state%factor)
-      write (line, '(a,i0,a,f0.4,a,i0,a,es8.1,a)') 'step ', state%step, '  load ', load, &
-        '  iteration ', iterations, '  residual ', pass%residual, left
-      call progress(trim(line))
+      write (line, '(es8.1)') pass%residual
+      call progress('step '//to_text(state%step)//'  load '//to_text(load, 5)//'  iteration ' &
+                    //to_text(iterations)//'  residual '//trim(adjustl(line))//left)
     end associate
   end subroutine show_iteration
 
