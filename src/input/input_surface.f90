@@ -147,7 +147,8 @@ contains
     end if
   end subroutine load_surface
 
-  !> Add the forces on one face if its normal is aligned with that of the surface.
+  !> Add the forces on one face if its normal is aligned with that of the surface. The pressure at
+  !! an integration point is that of the surface at the closest point.
   subroutine load_face(mesh, block, e, f, cell, r, new, bc, found)
     type(mesh_t), intent(in) :: mesh
     type(block_t), intent(in) :: block
@@ -158,7 +159,7 @@ contains
     type(boundary_t), intent(inout) :: bc
     logical, intent(inout) :: found
     real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :), x(:, :)
-    real(wp) :: p(4), corner(3, 4), area(3), t1(3), t2(3), normal(3), load, low(3), high(3), gap, &
+    real(wp) :: corner(3, 4), area(3), t1(3), t2(3), normal(3), load, low(3), high(3), gap, &
                 eta(2), g(9), d(2, 9)
     logical :: lies
     integer :: a, b, k, q, i
@@ -174,8 +175,6 @@ contains
       call block%row%functions(cell, corner(:, i), shp, dshp)
       call project(r%surface, matmul(x, shp), gap, eta, normal, lies)
       if (.not. lies) return
-      call functions(eta, g, d)
-      p(i) = dot_product(g, r%surface(4, :))
     end do
     corner([a, b], 1) = 0.0_wp ! the centre
     call block%row%functions(cell, corner(:, 1), shp, dshp)
@@ -183,14 +182,13 @@ contains
     call project(r%surface, matmul(x, shp), huge(gap), eta, normal, lies)
     if (.not. dot_product(area, normal) > ALIGNED*norm2(area)*norm2(normal)) return
     found = .true.
-    call face_points(cell%degree, block%rule%xi, f, xi, w)
+    call face_points(cell%degree, block%rule%xi, f, xi, w, order=2)
     do q = 1, size(w)
       call block%row%functions(cell, xi(:, q), shp, dshp)
       call face_normal(f, x, dshp, area, t1, t2)
-      associate (u => xi(a, q), v => xi(b, q))
-        load = w(q)*(0.25_wp*(p(1)*(1.0_wp - u)*(1.0_wp - v) + p(2)*(1.0_wp + u)*(1.0_wp - v) &
-                              + p(3)*(1.0_wp + u)*(1.0_wp + v) + p(4)*(1.0_wp - u)*(1.0_wp + v)))
-      end associate
+      call project(r%surface, matmul(x, shp), huge(gap), eta, normal, lies)
+      call functions(eta, g, d)
+      load = w(q)*dot_product(g, r%surface(4, :))
       do i = 1, block%nen
         associate (n => new(block%conn(i, e)))
           bc%force(:, n) = bc%force(:, n) + load*shp(i)*area

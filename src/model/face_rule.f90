@@ -10,21 +10,25 @@ module face_rule
 contains
 
   !> Set the Gauss points of local face `side` (xi-, xi+, eta-, eta+, zeta-, zeta+). They integrate
-  !! the pressure on a polynomial face exactly, that is, up to degree 3p - 1 in each direction. If
-  !! the rule of the element has more points in a direction, the face gets as many (rational faces,
-  !! QUADrature).
-  subroutine face_points(degree, inner, side, xi, w)
+  !! a constant pressure on a polynomial face of degree p exactly, that is, up to degree 3p - 1 in
+  !! each direction; with `order`, a pressure that is a polynomial of that degree in the position,
+  !! up to degree 3p - 1 + order*p. If the rule of the element has more points in a direction, the
+  !! face gets as many (rational faces, QUADrature).
+  subroutine face_points(degree, inner, side, xi, w, order)
     integer, intent(in) :: degree(3)               !! of the cell
     real(wp), intent(in) :: inner(:, :)            !! (3, n) points of the element's rule
     integer, intent(in) :: side
     real(wp), allocatable, intent(out) :: xi(:, :) !! (3, nq)
     real(wp), allocatable, intent(out) :: w(:)     !! (nq)
+    integer, intent(in), optional :: order         !! degree of the pressure in a coordinate
     real(wp), allocatable :: plane(:, :)
-    integer :: d, a, b, n1, n2
+    integer :: d, a, b, n1, n2, m
 
     call face_directions(side, d, a, b)
-    n1 = max((3*degree(a) + 1)/2, levels(inner(a, :)))
-    n2 = max((3*degree(b) + 1)/2, levels(inner(b, :)))
+    m = 3
+    if (present(order)) m = m + order
+    n1 = max((m*degree(a) + 1)/2, levels(inner(a, :)))
+    n2 = max((m*degree(b) + 1)/2, levels(inner(b, :)))
     allocate (plane(2, n1*n2), xi(3, n1*n2), w(n1*n2))
     call gauss_quad(n1, n2, plane, w)
     xi(d, :) = merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)
