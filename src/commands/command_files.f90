@@ -2,6 +2,7 @@
 !! leaves none.
 module command_files
   use base_error, only: error_t
+  use base_file, only: remove_file
   use base_kinds, only: wp
   use byte_file, only: close_bytes
   use command_type, only: run_t
@@ -10,11 +11,30 @@ module command_files
   use result_file, only: open_result, write_result, close_result
   implicit none
   private
-  public :: open_files, write_rows, write_fields, close_files
+  public :: remove_curves, open_files, write_rows, write_fields, close_files
 
   integer, parameter :: LONG = 64 !! longest name of a column
 
 contains
+
+  !> Remove the curves that an earlier run left under the names of this run: a run that closes no
+  !! step writes none, and they must not pass for its own.
+  subroutine remove_curves(run)
+    type(run_t), intent(in) :: run
+    integer :: i
+
+    do i = 1, size(run%model%curve)
+      call remove_file(curve_path(run, i))
+    end do
+  end subroutine remove_curves
+
+  pure function curve_path(run, i) result(path)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+    character(:), allocatable :: path
+
+    path = run%files%stem//'_'//run%model%curve(i)%name//'.dat'
+  end function curve_path
 
   !> Open the curves; the result file is opened when fields are written for the first time. After a
   !! restart, both are cut back at once to the step of the checkpoint, even if nothing more is
@@ -34,8 +54,8 @@ contains
           do j = 1, size(column)
             column(j) = curve%quantity(j)%column
           end do
-          call open_curve(files%curve(i), files%stem//'_'//curve%name//'.dat', column, &
-                          run%program%ntable, error, files%kept)
+          call open_curve(files%curve(i), curve_path(run, i), column, run%program%ntable, error, &
+                          files%kept)
           if (allocated(error)) return
           deallocate (column)
         end associate

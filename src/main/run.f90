@@ -7,7 +7,7 @@ module run
   use base_log, only: warn
   use base_error, only: error_t, fail, NO_SOLUTION, error_list_t
   use command_checkpoint, only: set_restart_point, stop_wanted, stop_run
-  use command_files, only: open_files, close_files
+  use command_files, only: remove_curves, open_files, close_files
   use command_line, only: options_t
   use command_program, only: read_program, has_command, execute_next
   use contact_augment, only: share_penalty
@@ -62,8 +62,12 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical :: rewound
 
-    if (allocated(job%files%kept)) call open_files(job, error) ! cuts back what a killed run wrote
-    if (allocated(error)) return
+    if (allocated(job%files%kept)) then
+      call open_files(job, error) ! cuts back what a killed run wrote
+      if (allocated(error)) return
+    else if (.not. has_command(job, 'rest')) then
+      call remove_curves(job)
+    end if
     call set_restart_point(job)
     do
       if (stop_wanted(job)) then

@@ -108,6 +108,36 @@ class Inputs(Folder):
         self.assertEqual((self.at / "precious").read_text(), "precious\n")
         self.assertFalse((out / "box.log").is_symlink())
 
+    def test_curves_of_an_earlier_run_are_removed_and_nothing_else(self):
+        """They stayed beside the log of a run that closed no step, as if they were its own."""
+        self.assertEqual(self.run_bezel("-o", "out", "--name", "a", "box.inp").returncode, 0)
+        for name in ["a_other.dat", "b_force.dat"]:
+            (self.at / "out" / name).write_text("kept")
+        text = self.deck.replace("TANG,,1", "TANG").replace("SAVE", "")
+        (self.at / "idle.inp").write_text(text)
+        row = (self.at / "out/a_force.dat").read_text()
+        (self.at / "bad.inp").write_text(text.replace("ELAStic NEOHook e nu", "ELAStic NEOHook e 2"))
+        self.assertEqual(self.run_bezel("-o", "out", "--name", "a", "bad.inp").returncode, 1)
+        self.assertEqual(self.run_bezel("-o", "out", "--name", "a", "--check", "idle.inp").returncode, 0)
+        self.assertEqual((self.at / "out/a_force.dat").read_text(), row)
+        done = self.run_bezel("-o", "out", "--name", "a", "idle.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("0 steps", done.stderr)
+        names = sorted(path.name for path in (self.at / "out").iterdir())
+        kept = ["a.log", "a.report.json", "a.restart.h5", "a_other.dat", "b_force.dat"]
+        self.assertEqual(names, kept)
+
+    def test_restarts_keep_the_curves(self):
+        self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+        row = (self.at / "box_force.dat").read_text()
+        self.assertEqual(self.run_bezel("--restart", "box.restart.h5", "box.inp").returncode, 0)
+        self.assertEqual((self.at / "box_force.dat").read_text(), row)
+        first, last = self.deck.split("BATCh\n", 1)
+        (self.at / "box.inp").write_text(first + "BATCh\n  RESTart\nEND\n\nSTOP\n")
+        done = self.run_bezel("box.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.at / "box_force.dat").read_text(), row)
+
     def test_a_bad_name_makes_no_folder(self):
         for name in (".", "..", "a/b", 300 * "a"):
             done = self.run_bezel("-o", "out", "--name", name, "box.inp")
