@@ -11,6 +11,7 @@ module contact_start
   use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state
   use contact_pair, only: contact_t, contact_state_t, MORTAR
+  use mesh, only: mesh_t
   use model, only: model_t
   use projection, only: project
   use projection_search, only: grid_t, place_surfaces, update_grid
@@ -87,12 +88,11 @@ contains
           call warn(name//contact%side(k)%name//' faces away from '//contact%side(3 - k)%name &
                     //': at '//to_text(sum(start%naway))//' of the '//to_text(start%nnear) &
                     //' nearest points both outward normals point the same way', contact%place, &
-                    'check the faces; 3- and 3+, for example, are on opposite sides of a patch')
+                    facing_hint(model%mesh, contact))
         else if (start%nnear > 0 .and. 2*start%nbehind > start%nnear) then
           call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
                     //' face away from each other: a whole body lies between them', &
-                    contact%place, 'check the faces; 3- and 3+, for example, are on opposite ' &
-                    //'sides of a patch')
+                    contact%place, facing_hint(model%mesh, contact))
         else if (start%nnear == 0 .and. .not. contact%self) then
           call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
                     //' are not opposite each other at the start', contact%place, &
@@ -140,6 +140,24 @@ contains
               'use more points, QUADrature 10 10, or elements whose borders follow the edge of ' &
               //'the bonds')
   end subroutine warn_unequal_bonds
+
+  !> What to do if the faces of a contact look the wrong way.
+  function facing_hint(mesh, contact) result(hint)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact
+    character(:), allocatable :: hint
+    integer :: k
+
+    hint = 'check the faces; 3- and 3+, for example, are on opposite sides of a patch'
+    do k = 1, 2
+      associate (side => contact%side(k))
+        if (mesh%block(side%block(1))%row%name /= 'SURFACE') cycle ! not a rigid spline
+        hint = 'REVErse in SPLIne,'//side%name(:index(side%name, ' ') - 1)//' turns its normal ' &
+               //'round; otherwise '//hint
+        return
+      end associate
+    end do
+  end function facing_hint
 
   !> Warn of elements of side 1 all of whose nodes belong to side 2: contact cannot open there.
   subroutine warn_tied(contact)

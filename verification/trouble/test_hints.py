@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import shutil
 
 from verification.trouble.test_files import Folder
 
@@ -11,6 +12,32 @@ FINE = 14.06  # the force of 12 x 12 x 12 Q1E9; 8 x 8 x 8 Q2 give 14.54
 SQUEEZED = (
     (SILENT / "locking.inp").read_text().replace("0.4999", "0.499").replace("0 0 0.02", "0 0 -0.1")
 )
+
+TOOL = """FEAP ** A rigid spline above a block
+  ndm = 3
+
+MATErial 1
+  SOLId
+    ELAStic NEOHook 1.0 0.3
+
+PATCh,block
+  BOX -1 -1 -1  2 2 1
+  ELEMents 4 4 2
+  TYPE Q1
+  MATErial 1
+
+SPLIne,tool FILE spli_tool.iga
+  TYPE RIGId
+
+FIX,block,3- 1 1 1
+
+CONTact,c
+  SURFaces tool ALL  block 3+
+
+END
+
+STOP
+"""
 
 
 class Locking(Folder):
@@ -90,6 +117,18 @@ class Contact(Folder):
                 self.assertIn(alarm, self.run_deck("narrow", change)[0])
                 said, _ = self.run_deck("narrow", change, ("n = 2", "n = 6"))
                 self.assertNotIn("warning:", said)
+
+
+    def test_a_rigid_spline_that_faces_away_is_told_of_its_reverse(self):
+        """A spline has no opposite face to choose."""
+        shutil.copy(HERE / "../../input/manual/spli_tool.iga", self.at)
+        away = "tool ALL faces away from block 3+"
+        (self.at / "tool.inp").write_text(TOOL)
+        said = self.run_bezel("--check", "tool.inp").stderr
+        self.assertIn(away, said)
+        self.assertIn("hint: REVErse in SPLIne,tool turns its normal round", said)
+        (self.at / "tool.inp").write_text(TOOL.replace("RIGId\n", "RIGId\n  REVErse\n"))
+        self.assertNotIn("warning:", self.run_bezel("--check", "tool.inp").stderr)
 
 
 class Sliding(Folder):
