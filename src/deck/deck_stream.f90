@@ -250,6 +250,8 @@ contains
   end subroutine get_assignment
 
   !> Read the records after PARAmeters, up to a blank one; of several errors, the first is returned.
+  !! If the blank record is missing, the records that follow are read as parameters: an error in one
+  !! without `=` says where a blank record may be missing.
   subroutine read_parameters(deck, line, error)
     type(deck_t), intent(inout) :: deck
     integer, intent(out) :: line !! line number of the blank record
@@ -258,13 +260,23 @@ contains
     type(record_t) :: record
     character(:), allocatable :: name
     real(wp) :: value
+    integer :: bare !! line of the first of the last records, all without `=`; 0: the last has one
 
+    bare = 0
     do
       call deck%next_of_set(record, found)
       line = record%line
       if (.not. allocated(found)) then
         if (record%kind /= RECORD_WORDS) return
+        if (record%assigns()) bare = 0
+        if (bare == 0 .and. .not. record%assigns()) bare = line
         call get_assignment(deck, record, name, value, found)
+        if (allocated(found) .and. bare > 0) then
+          if (allocated(found%hint)) found%hint = found%hint//'; '
+          if (.not. allocated(found%hint)) found%hint = ''
+          found%hint = found%hint//'if the parameters end before line '//to_text(bare) &
+                       //', put a blank record there'
+        end if
       end if
       if (allocated(found) .and. .not. allocated(error)) call move_alloc(found, error)
     end do
