@@ -61,6 +61,8 @@ contains
       if (allocated(error)) return
       if (record%kind /= RECORD_WORDS) then
         if (.not. record%is_end()) cycle
+      end if
+      if (is_past_data(record)) then
         call fail(error, DECK_ERROR, 'the data of this PROP are missing', command%record%place(1), &
                   'after the END of BATCh put a table, or a blank record for p = t')
         return
@@ -96,6 +98,16 @@ contains
     run%program%ntable = max(run%program%ntable, last)
     run%program%defined = unique([run%program%defined, [(i, i=first, last)]])
   end subroutine read_tables
+
+  !> Is the record past all data of a batch: the end of the deck, or a word that follows them?
+  pure logical function is_past_data(record)
+    type(record_t), intent(in) :: record
+
+    is_past_data = record%is_end()
+    if (record%kind == RECORD_WORDS .and. record%n == 1) then
+      is_past_data = any(record%key(1) == ['stop', 'batc', 'inte', 'end '])
+    end if
+  end function is_past_data
 
   !> Read the data of `2 n`: records of n pairs (t, p) up to a blank record. A pair 0 0 or a record
   !! with fewer pairs is the last one, and the blank record after it may be missing (FEAP).
@@ -200,7 +212,7 @@ contains
     do
       call run%deck%next_of_set(record, error)
       if (allocated(error)) return
-      if (record%is_end() .and. size(data%name) == 0) then
+      if (is_past_data(record) .and. size(data%name) == 0) then
         call fail(error, DECK_ERROR, 'the data of this PARAmeter are missing', &
                   command%record%place(1), &
                   'after the END of BATCh put name = value records and a blank one')
