@@ -12,7 +12,8 @@ MARK = "contact_gap"
 
 @dataclass
 class Surface:
-    """Faces of one body, each as a grid of n x n points.
+    """Faces of one body, each as a grid of n x n points. The grid of a triangle has its last corner
+    in the middle of an edge.
 
     x: (nface, n, n, 3) current positions; value: (nface, n, n); outward: (nface, n, n, 3) normals
     whose length is an area.
@@ -41,12 +42,16 @@ def surfaces(grid, path, values, n=None):
     )
     found, x = {}, np.asarray(grid.points, dtype=float)
     faces = list(_faces(grid, marked))
-    n = n or int(np.clip(200 / max(len(faces), 1) ** 0.5, 9, 33))
+    n = n or int(np.clip(200 / max(len(faces), 1) ** 0.5, 9, 33)) | 1  # odd: nodes in the middle
     for c, f in faces:
         cell = grid.GetCell(c)
-        points, value = _evaluate(cell.GetFace(f), x, values, n)
+        face = cell.GetFace(f)
+        points, value = _evaluate(face, x, values, n)
         middle = x[[cell.GetPointId(i) for i in range(cell.GetNumberOfPoints())]].mean(axis=0)
-        found.setdefault(int(body[c]), []).append((points, value, _outward(points, middle)))
+        outward = _outward(points, middle)
+        if _is_triangle(face):  # at the last corner of the grid both directions are the same
+            outward[-1, -1] = outward[-2, -2]
+        found.setdefault(int(body[c]), []).append((points, value, outward))
     if not found:
         raise Unreadable(
             f"'{path}' has no contact surface: no point has come near the opposite surface yet"
@@ -78,9 +83,15 @@ def _evaluate(face, x, values, n):
     shape = np.empty((n, n, count))
     for i, s in enumerate(np.linspace(0.0, 1.0, n)):
         for j, t in enumerate(np.linspace(0.0, 1.0, n)):
-            face.EvaluateLocation(sub, [s, t, 0.0], place, weights)
+            at = (s * (1 - t / 2), t * (1 - s / 2)) if _is_triangle(face) else (s, t)
+            face.EvaluateLocation(sub, [*at, 0.0], place, weights)
             shape[i, j] = weights
     return shape @ x[ids], shape @ np.asarray(values, dtype=float)[ids]
+
+
+def _is_triangle(face):
+    """Does the face end where its two parameters add up to 1? That of a quadrilateral is a square."""
+    return face.GetNumberOfEdges() == 3
 
 
 def _outward(points, inside):

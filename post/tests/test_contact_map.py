@@ -42,6 +42,45 @@ def two_blocks():
     return grid
 
 
+#: Cells with triangular faces: VTK's number, corners, and edges with nodes in their middle.
+SOLIDS = {
+    "tetrahedron": (10, [(0, 0, 0), (2, 0, 0), (0, 1, 0), (0, 0, 1)], []),
+    "quadratic tetrahedron": (
+        24,
+        [(0, 0, 0), (2, 0, 0), (0, 1, 0), (0, 0, 1)],
+        [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
+    ),
+    "wedge": (13, [(0, 0, 0), (0, 1, 0), (2, 0, 0), (0, 0, 1), (0, 1, 1), (2, 0, 1)], []),
+    "pyramid": (14, [(0, 0, 0), (2, 0, 0), (2, 0, 1), (0, 0, 1), (0, 1, 0)], []),
+}
+
+
+def solid(name):
+    """One cell whose triangle with corners (0,0), (2,0), (0,1) in the plane z = 0 is in contact. The
+    pressure is 1 at the last of the points there, and 0 at the others.
+    """
+    import pyvista
+
+    number, corners, middles = SOLIDS[name]
+    points = np.array(corners, dtype=float)
+    points = np.vstack([points, *[points[[a, b]].mean(axis=0) for a, b in middles]])
+    cell = np.array([len(points), *range(len(points))])
+    grid = pyvista.UnstructuredGrid(cell, np.array([number], dtype=np.uint8), points)
+    contact = points[:, 2] == 0
+    grid.point_data["displacement"] = np.zeros((len(points), 3))
+    grid.point_data["contact_gap"] = np.where(contact, -0.1, 0.0)
+    pressure = np.zeros(len(points))
+    pressure[np.flatnonzero(contact)[-1]] = 1.0
+    grid.point_data["contact_pressure"] = pressure
+    return grid
+
+
+def area(polygons):
+    """The sum of the areas of (n, 4, 2) polygons."""
+    x, y = polygons[..., 0], polygons[..., 1]
+    return 0.5 * np.abs((x * np.roll(y, -1, 1) - y * np.roll(x, -1, 1)).sum(axis=1)).sum()
+
+
 @unittest.skipUnless(HAS_VTK, "pyvista is not installed")
 class ContactMap(Scratch):
     def setUp(self):
@@ -70,6 +109,21 @@ class ContactMap(Scratch):
         self.assertAlmostEqual(upper.x[0, 2, 2, 2], 1 + 0.5 * 0.25, 12)
         for surface in self.found():
             np.testing.assert_allclose(surface.value, surface.x[..., 0], atol=1e-13)
+
+    def test_a_triangle_is_drawn_once_and_not_beyond_its_edges(self):
+        from post import contact_map
+
+        for name in SOLIDS:
+            solid(name).save(self.run_file)
+            with self.subTest(name):
+                panel = contact_map._panel(self.run_file, "contact_pressure", None, "last", "z")
+                (side,) = panel.sides
+                seen = np.ones(side.value.shape, dtype=bool)
+                quads, _, _ = contact_map._quads(side.x[..., :2], side.x[..., 2], seen)
+                self.assertAlmostEqual(area(quads), 1.0, 12)
+                self.assertAlmostEqual(side.value.max(), 1.0, 12)
+                outward = -side.outward[..., 2]  # negative where it points into the body
+                self.assertTrue((outward > 0).all())
 
     def test_the_picture_moves_the_upper_body_to_the_left_and_deforms_it(self):
         from post import contact_map
