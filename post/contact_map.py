@@ -96,6 +96,7 @@ class _panel:
             faces = PolyCollection(quads, array=mean, norm=norm, cmap=cmap, linewidths=0.3)
             faces.set_edgecolor("face")
             faces.set_rasterized(True)
+            faces.set_snap(False)
             ax.add_collection(faces)
             if edges:
                 lines = LineCollection(
