@@ -302,7 +302,7 @@ contains
     path%warned_energy = .true.
     hint = 'use smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
     if (size(model%contact) > 0) then
-      hint = 'contact has produced energy (see BOOK NORMal), so later results are unreliable; ' &
+      hint = 'contact has produced energy (see BOOK CREAted), so later results are unreliable; ' &
              //'if the bonds are peeled off completely, use NORMal ... BORDer 0.2 and SCHEme ' &
              //'BALAnced'
     end if

@@ -116,9 +116,13 @@ class Inputs(Folder):
         text = self.deck.replace("TANG,,1", "TANG").replace("SAVE", "")
         (self.at / "idle.inp").write_text(text)
         row = (self.at / "out/a_force.dat").read_text()
-        (self.at / "bad.inp").write_text(text.replace("ELAStic NEOHook e nu", "ELAStic NEOHook e 2"))
+        (self.at / "bad.inp").write_text(
+            text.replace("ELAStic NEOHook e nu", "ELAStic NEOHook e 2")
+        )
         self.assertEqual(self.run_bezel("-o", "out", "--name", "a", "bad.inp").returncode, 1)
-        self.assertEqual(self.run_bezel("-o", "out", "--name", "a", "--check", "idle.inp").returncode, 0)
+        self.assertEqual(
+            self.run_bezel("-o", "out", "--name", "a", "--check", "idle.inp").returncode, 0
+        )
         self.assertEqual((self.at / "out/a_force.dat").read_text(), row)
         done = self.run_bezel("-o", "out", "--name", "a", "idle.inp")
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -118,7 +118,6 @@ class Contact(Folder):
                 said, _ = self.run_deck("narrow", change, ("n = 2", "n = 6"))
                 self.assertNotIn("warning:", said)
 
-
     def test_a_rigid_spline_that_faces_away_is_told_of_its_reverse(self):
         """A spline has no opposite face to choose."""
         shutil.copy(HERE / "../../input/manual/spli_tool.iga", self.at)
