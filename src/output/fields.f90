@@ -1,6 +1,7 @@
 !> The fields of a result: their names and their values at the points of the view.
 !!
-!! Fields of contact are smoothed to nodes and control points. They are zero away from the surfaces.
+!! Fields of contact are smoothed to nodes and control points. They are zero at all points of the
+!! view that are not on the surfaces.
 module fields
   use base_kinds, only: wp
   use base_text, only: lower, key_of
@@ -8,7 +9,7 @@ module fields
   use contact_smooth, only: smooth_t, smooth_side
   use model, only: model_t, state_t
   use stress_projection, only: project_stress
-  use view, only: view_t, map_field
+  use view, only: view_t, map_field, map_surface_field
   implicit none
   private
   public :: field_t, known_fields, default_fields, named_fields, describe_field, collect_fields
@@ -22,6 +23,7 @@ module fields
     real(wp), allocatable :: gap(:, :)      !! (1, nnode) [L]
     real(wp), allocatable :: slip(:, :)     !! (3, nnode) [L]
     real(wp), allocatable :: state(:, :)    !! (1, nnode) 0 open, 1 stick, 2 slip
+    logical, allocatable :: met(:)          !! (nnode) the node is on a side that has been smoothed
   end type nodal_contact_t
 
   !> One field. At the points of Bezier cells its values are coefficients, and so are the positions.
@@ -148,17 +150,17 @@ contains
       case ('pressure')
         call map_field(view, pressure, field(i)%values)
       case ('contact_pressure')
-        call map_field(view, contact%pressure, field(i)%values)
+        call map_surface_field(view, contact%met, contact%pressure, field(i)%values)
       case ('contact_traction')
-        call map_field(view, contact%traction, field(i)%values)
+        call map_surface_field(view, contact%met, contact%traction, field(i)%values)
       case ('contact_friction')
-        call map_field(view, contact%friction, field(i)%values)
+        call map_surface_field(view, contact%met, contact%friction, field(i)%values)
       case ('contact_gap')
-        call map_field(view, contact%gap, field(i)%values)
+        call map_surface_field(view, contact%met, contact%gap, field(i)%values)
       case ('contact_slip')
-        call map_field(view, contact%slip, field(i)%values)
+        call map_surface_field(view, contact%met, contact%slip, field(i)%values)
       case ('contact_state')
-        call map_field(view, contact%state, field(i)%values)
+        call map_surface_field(view, contact%met, contact%state, field(i)%values)
       case ('reaction')
         call map_field(view, state%reaction, field(i)%values)
       case default
@@ -174,13 +176,12 @@ contains
     type(state_t), intent(in) :: state
     type(nodal_contact_t), intent(out) :: nodal
     type(smooth_t) :: field
-    logical, allocatable :: met(:) !! (nnode) the node is on a side that has been smoothed
     integer :: a, c, k, n
 
     n = model%mesh%nnode
     allocate (nodal%traction(3, n), nodal%friction(3, n), nodal%slip(3, n), source=0.0_wp)
     allocate (nodal%pressure(1, n), nodal%gap(1, n), nodal%state(1, n), source=0.0_wp)
-    allocate (met(n), source=.false.)
+    allocate (nodal%met(n), source=.false.)
     do c = 1, size(model%contact)
       do k = 1, 2
         if (.not. is_integrated(model%contact(c), k)) cycle
@@ -192,8 +193,8 @@ contains
           nodal%pressure(1, n) = nodal%pressure(1, n) + field%pressure(a)
           nodal%slip(:, n) = nodal%slip(:, n) + field%slip(:, a)
           nodal%state(1, n) = max(nodal%state(1, n), field%state(a))
-          nodal%gap(1, n) = merge(min(nodal%gap(1, n), field%gap(a)), field%gap(a), met(n))
-          met(n) = .true.
+          nodal%gap(1, n) = merge(min(nodal%gap(1, n), field%gap(a)), field%gap(a), nodal%met(n))
+          nodal%met(n) = .true.
         end do
       end do
     end do

@@ -13,7 +13,7 @@ module view
   use view_points, only: point_list_t, add_point, finish_points
   implicit none
   private
-  public :: view_t, build_view, map_field
+  public :: view_t, build_view, map_field, map_surface_field
 
   integer, parameter :: VTK_BEZIER = 79         !! VTK_BEZIER_HEXAHEDRON
   integer, parameter :: VTK_BEZIER_FACE = 77    !! VTK_BEZIER_QUADRILATERAL
@@ -138,5 +138,23 @@ contains
       end do
     end do
   end subroutine map_field
+
+  !> Map values at the nodes of surfaces to the points on them. All other points are given zero:
+  !! a combination of nodes on and below a surface would have the opposite sign there, because the
+  !! coefficient of the surface is negative at Bezier points inside a quadratic element.
+  pure subroutine map_surface_field(view, on_surface, nodal, values)
+    type(view_t), intent(in) :: view
+    logical, intent(in) :: on_surface(:)  !! (nnode)
+    real(wp), intent(in) :: nodal(:, :)   !! (n, nnode)
+    real(wp), intent(out) :: values(:, :) !! (n, npoint)
+    integer :: i
+
+    call map_field(view, nodal, values)
+    do i = 1, view%npoint
+      associate (node => view%point%node(view%point%first(i):view%point%first(i + 1) - 1))
+        if (.not. all(on_surface(node))) values(:, i) = 0.0_wp
+      end associate
+    end do
+  end subroutine map_surface_field
 
 end module view

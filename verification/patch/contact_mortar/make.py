@@ -249,10 +249,7 @@ class Case:
         got = fields.arrays["stress"][1][-1]
         worst = np.abs(got - stress).max() / self.p
         pressure = np.abs(fields.arrays["contact_pressure"][1][-1]).ravel()
-        inside = any(
-            "q2" in body.kind for body in self.lower + self.upper
-        )  # Bezier points below the surface
-        pressure = pressure[pressure > (0.75 if inside else 0.01) * self.p]
+        pressure = pressure[pressure > 0.01 * self.p]
         return (force, worst, np.abs(pressure / self.p - 1).max()), int(row.get("iterations", 0))
 
 
