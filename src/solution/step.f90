@@ -205,7 +205,7 @@ contains
         hint = hint//'; if contact points alternate at an edge or where the gap is zero, no step ' &
                //'is small enough: '
         if (any(model%contact%scheme == HALFPASS)) hint = hint//'remove SCHEme HALFpass, or '
-        hint = hint//'use NORMal ... SMOOth d'
+        hint = hint//'use UTAN,LINE,1 or NORMal ... SMOOth d'
       end if
       if (.not. step%newton%exact .and. step%newton%mode == FULL) then
         hint = 'TANG leaves out the unsymmetric part of the tangent: use UTAN,,1; '//hint
