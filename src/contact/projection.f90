@@ -155,8 +155,7 @@ contains
       if (idle < MOST_CHANGES) then
         call change_element(surface, shape, x, edge, iterate, moved)
         if (moved) then
-          if (idle == 0) changes = changes + 1
-          idle = idle + 1
+          call count_change(idle, changes)
           cycle
         end if
       end if
@@ -165,8 +164,7 @@ contains
       if (side > 0 .and. idle < MOST_CHANGES) then
         call try_ring(surface, shape, x, iterate, moved)
         if (moved) then
-          if (idle == 0) changes = changes + 1
-          idle = idle + 1
+          call count_change(idle, changes)
           cycle
         end if
       end if
@@ -184,8 +182,7 @@ contains
       if (size < LAST_STEP .and. idle < MOST_CHANGES) then
         call leave_edge(surface, shape, x, edge, iterate, moved)
         if (moved) then
-          if (idle == 0) changes = changes + 1
-          idle = idle + 1
+          call count_change(idle, changes)
           cycle
         end if
       end if
@@ -212,6 +209,15 @@ contains
       idle = 0
     end do
   end subroutine minimise
+
+  !> Count a change of the element. Those without a step between them count once.
+  pure subroutine count_change(idle, changes)
+    integer, intent(inout) :: idle     !! changes since the last step
+    integer, intent(inout) :: changes
+
+    if (idle == 0) changes = changes + 1
+    idle = idle + 1
+  end subroutine count_change
 
   !> Change the element at the end of an iteration on an edge beyond which nothing pushes: on a face
   !! of a block, the foot of a point of the next face is on the edge between the two.
