@@ -27,6 +27,7 @@ module contact_cells
 
   real(wp), parameter :: NO_AREA = 1.0e-12_wp  !! of a piece, relative to its facet
   real(wp), parameter :: ON_EDGE = 1.0e-10_wp  !! distance to an edge, relative to its length
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp  !! of the number of points that a piece needs
   !> Relative error that the integration over a cell may have where the functions of a side are not
   !! polynomials.
   real(wp), parameter :: ACCURACY = 1.0e-10_wp
@@ -178,7 +179,7 @@ contains
     real(wp) :: fraction, other_fraction    ! width of the piece over those of the facets
     integer :: order
 
-    n = ceiling(rule%whole*sqrt(0.25_wp*max(0.0_wp, signed_area(corner))) - 1.0e-9_wp)
+    n = ceiling(rule%whole*sqrt(0.25_wp*max(0.0_wp, signed_area(corner))) - ROUNDING)
     fraction = maxval((maxval(corner, 2) - minval(corner, 2))/(part%to - part%from))
     other_fraction = fraction*maxval(mine%high(:, i) - mine%low(:, i)) &
                      /maxval(theirs%high(:, j) - theirs%low(:, j))
