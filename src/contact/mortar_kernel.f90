@@ -212,6 +212,7 @@ contains
           d%x = outer(at%n, dpdx*at%n) + at%p*dn%x
           d%p = -outer(at%n, dpdx*at%n) + at%p*dn%p
           d%a = at%p*dn%a
+          d%s = 0.0_wp
           at%slides = s > 0
           if (at%slides) then
             b = other%first(side%slide(i)) - 1
@@ -220,8 +221,6 @@ contains
             end do
             if (dt_first > 0.0_wp) at%ahead = side%ahead(i)*dt_first
             call add_friction(contact, dn, dpdx*at%n, at, d)
-          else
-            d%s = 0.0_wp
           end if
           side%state(i) = at%state
           side%friction(:, i) = at%friction
