@@ -22,7 +22,7 @@ module cell_border
   real(wp), parameter :: MOST_BEND = 0.25_wp
   real(wp), parameter :: STRAIGHT = 1.0e-13_wp !! rounding of parameters
   real(wp), parameter :: CONVERGED = 1.0e-13_wp, STALLED = 1.0e-9_wp
-  !> Edges do not cut each other if the sine of the angle between them is smaller than this.
+  !> Edges count as parallel if the sine of the angle between them is smaller than this.
   real(wp), parameter :: PARALLEL = 1.0e-3_wp
   integer, parameter :: MOST_STEPS = 12      !! of Newton's method
   !> Parameters that are constant on edges 1 to 4 of a facet, counter-clockwise.
@@ -43,8 +43,8 @@ contains
     t = -cos(acos(-1.0_wp)*k/(NBEND + 1))
   end function bend_at
 
-  !> Polynomials f_k(t) that vanish at the ends and at all bend_at but the k-th, and their
-  !! derivatives.
+  !> Polynomials f_k(t), each of which is one at the point bend_at(k) and vanishes at the other
+  !! points and at the ends, and their derivatives.
   pure subroutine bend_functions(t, f, df)
     real(wp), intent(in) :: t
     real(wp), intent(out) :: f(NBEND), df(NBEND)
@@ -68,18 +68,18 @@ contains
     end do
   end subroutine bend_functions
 
-  !> Correct the corners of a cell, and find how its edges are bent. `tag` tells the origin of the
-  !! edge that follows a corner: -k means edge k of the own part, and k means edge k of the other
-  !! part.
+  !> Correct the corners of a cell, and find how far its edges deviate from straight lines. `tag`
+  !! says where the edge after a corner comes from: -k means edge k of the own part, and k means
+  !! edge k of the other part.
   pure subroutine find_border(own, shape, mine, other, opposite, theirs, m, tag, xi, zeta, bend)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite
     type(part_t), intent(in) :: mine, theirs
-    integer, intent(in) :: m                    !! corners
+    integer, intent(in) :: m                    !! number of corners
     integer, intent(in) :: tag(:)               !! (m)
     real(wp), intent(inout) :: xi(:, :)         !! (2, m) parameters of the own part
     real(wp), intent(inout) :: zeta(:, :)       !! (2, m) of the other part, on its edges
-    !> In the chart of the element; see integrate_polygon.
+    !> Deviations of the edges in the chart of the element, as integrate_polygon takes them.
     real(wp), intent(out) :: bend(2, NBEND, MOST_CORNERS)
     integer :: before, c, i
 

@@ -259,12 +259,13 @@ contains
     real(wp), intent(in) :: origin(3), frame(3, 3)
     real(wp), intent(in) :: quad(2, 4)    !! the facet in its plane
     real(wp), intent(in) :: x(3, 4)       !! the other facet
-    real(wp), intent(in) :: deep, high    !! [L] distances at which they do not touch
-    integer, intent(out) :: m             !! corners; 0: no overlap
+    real(wp), intent(in) :: deep, high    !! [L] depth and height beyond which they do not touch
+    integer, intent(out) :: m             !! number of corners; 0: no overlap
     real(wp), intent(out) :: corner(2, MOST_CORNERS)
     !> The edge after each corner is edge -tag of the facet, or edge tag of the other one.
     integer, intent(out) :: tag(MOST_CORNERS)
-    real(wp), intent(out) :: zeta(2, MOST_CORNERS) !! on [0,1]; for corners on edges of the other
+    !> Parameters, on [0,1], of the corners that lie on edges of the other facet.
+    real(wp), intent(out) :: zeta(2, MOST_CORNERS)
     real(wp) :: y(3), seen(2, 4), along(2)
     real(wp) :: height(4)
     integer :: c, i, j
@@ -381,8 +382,8 @@ contains
     end function is_on
   end subroutine settle_edges
 
-  !> From the plane of a facet to the parameters of its element. Corners on an edge of the facet
-  !! stay on it.
+  !> Map corners from the plane of a facet to the parameters of its element. Corners on an edge of
+  !! the facet stay on that edge.
   pure subroutine map_corners(own, shape, e, flat, facets, i, frame, quad, m, corner, mapped)
     type(surface_t), intent(in) :: own
     type(shape_t), intent(in) :: shape

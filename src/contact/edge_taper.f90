@@ -22,8 +22,8 @@ module edge_taper
 
 contains
 
-  !> Taper the traction of the laws and its derivatives at a point near the outer boundary. With the
-  !! metric M, w = M^-1 s_,xi and v = A w
+  !> Replace the traction that the laws give at a point near the outer boundary by t, and update its
+  !! derivatives. With A = [a_1 a_2], the metric M = A^T A, w = M^-1 s_,xi and v = A w,
   !!
   !!   dv = sum_j (w_j (1 - sum_a a^a a_a) - a^j v) . da_j + sum_ab a^a s_,ab dxi_b.
   pure subroutine taper_edge(width, outside, foot, point, dt)
@@ -89,7 +89,7 @@ contains
     d2f = 0.0_wp
     do k = 1, 4
       i = (k + 1)/2
-      j = merge(-1, 1, mod(k, 2) == 1)     ! outward direction of the parameter
+      j = merge(-1, 1, mod(k, 2) == 1)     ! sign of the outward direction
       z = max(0.0_wp, 0.5_wp*(1.0_wp - j*xi(i))/width)
       if (.not. outside(k) .or. z >= 1.0_wp) cycle
       e = smoothstep(z)

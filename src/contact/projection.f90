@@ -26,10 +26,10 @@ module projection
   public :: project, project_from
 
   integer, parameter :: MOST_STEPS = 100
-  !> Largest number of times that the element may change without a step between; this is enough for
-  !! all elements around a vertex.
+  !> Largest number of times that the element may change without a step in between; this is enough
+  !! for all elements around a vertex.
   integer, parameter :: MOST_CHANGES = 12
-  !> If the element has changed this many times with steps between, a better start is looked for.
+  !> If the element has changed this many times with steps in between, a better start is sought.
   integer, parameter :: FAR_AWAY = 3
   !> If the step beyond an edge is smaller than this, a ridge cannot be distinguished from a smooth
   !! edge.
@@ -210,7 +210,7 @@ contains
     end do
   end subroutine minimise
 
-  !> Count a change of the element. Those without a step between them count once.
+  !> Count a change of the element. Several changes without a step in between count once.
   pure subroutine count_change(idle, changes)
     integer, intent(inout) :: idle     !! changes since the last step
     integer, intent(inout) :: changes
@@ -219,8 +219,9 @@ contains
     idle = idle + 1
   end subroutine count_change
 
-  !> Change the element at the end of an iteration on an edge beyond which nothing pushes: on a face
-  !! of a block, the foot of a point of the next face is on the edge between the two.
+  !> At the end of an iteration, try the neighbour across an edge that the iterate has reached but
+  !! beyond which the distance does not decrease. An example is a point of one face of a block: its
+  !! closest point on the adjacent face lies on the edge between the two.
   pure subroutine leave_edge(surface, shape, x, edge, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -377,7 +378,7 @@ contains
     if (falls_inwards) falls_inwards = .not. is_rounding(iterate, i, iterate%g(i)/iterate%m(i))
   end function falls_inwards
 
-  !> Kind of a stationary point with these active bounds.
+  !> The way in which an iteration ends at a stationary point with these active bounds.
   pure integer function ending_at(surface, iterate, edge) result(ending)
     type(surface_t), intent(in) :: surface
     type(iterate_t), intent(in) :: iterate

@@ -21,8 +21,12 @@ module self_contact
   !> Two elements with a common node meet at a corner or edge of the body if the cosine of the angle
   !! between their normals is smaller than this.
   real(wp), parameter :: CORNER = 0.9_wp
-  real(wp), parameter :: LEVEL = 1.0e-6_wp   !! height over the width of an element: rounding
-  real(wp), parameter :: FOLDED = 0.1_wp     !! height of elements that a motion has folded
+  !> At an edge of the body, two elements do not touch if each of them lies below the tangent plane
+  !! of the other by more than this, relative to the width of an element.
+  real(wp), parameter :: LEVEL = 1.0e-6_wp
+  !> On a smooth surface, two elements do not touch if each of them lies below the tangent plane of
+  !! the other by more than this, relative to their distance.
+  real(wp), parameter :: FOLDED = 0.1_wp
   !> Parts that overlap at the start by less than this fraction of the width of an element count as
   !! touching, because curved surfaces whose meshes do not match overlap a little.
   real(wp), parameter :: MISFIT = 0.01_wp
@@ -107,7 +111,7 @@ contains
       if (present(through)) through = .not. touches .and. foot%gap >= -contact%depth
     end if
     if (touches) return
-    if (.not. all(foot%free)) then ! the edge where both parts meet ends them as a border does
+    if (.not. all(foot%free)) then ! both parts end at the edge where they meet
       foot%outer = foot%elem
       foot%outer_xi = foot%xi
     end if

@@ -1,5 +1,5 @@
-!> Self-contact: finds how near to each other the parts of a surface are that face each other, and
-!! whether one part has passed through another one.
+!> Self-contact: finds the distances between parts of a surface that face each other, and whether
+!! one part has passed through another one.
 module self_search
   use base_kinds, only: wp
   use contact_facets, only: facets_t, divide_surface, find_near, FACING

@@ -58,7 +58,7 @@ contains
     end do
     call invert_collocation(n1, m1)
     call invert_collocation(n2, m2)
-    do j = 1, n2 ! second direction first
+    do j = 1, n2 ! along direction 2, then along direction 1
       do i = 1, n1
         c(:, i + n1*(j - 1)) = matmul(v(:, i:i + n1*(n2 - 1):n1), m2(j, :))
       end do

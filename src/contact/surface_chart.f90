@@ -101,7 +101,7 @@ contains
     h = height(side, xi(g))
     if (abs(h) > AT_VERTEX) then
       a(:, f) = a(:, f)/h
-    else ! a_f falls with h
+    else ! a_f vanishes with h: the limit of a_f/h
       a(:, f) = -2.0_wp*sign_of(side)*b(:, 3)
     end if
     a(:, g) = a(:, g) + 0.5_wp*sign_of(side)*xi(f)*a(:, f)

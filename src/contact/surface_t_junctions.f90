@@ -89,8 +89,8 @@ contains
     end do
   end subroutine match_t_junctions
 
-  !> Is edge a a part of edge b, with the same parametrisation? If so, edge a extends from t(1) to
-  !! t(2) on edge b.
+  !> Does edge a lie on edge b, with a parameter that is a linear function of that of b? If so, it
+  !! extends from t(1) to t(2) on edge b.
   logical function is_part(xr, surface, a, b, near, t)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface

@@ -178,8 +178,8 @@ contains
     end do
   end subroutine match_edges
 
-  !> Number the vertices and find the elements around each of them. Corners that matched edges join
-  !! are one vertex, and so are the ends of a collapsed edge.
+  !> Number the vertices and find the elements around each of them. Corners at which matching
+  !! edges meet are one vertex, and so are the two ends of a collapsed edge.
   subroutine number_vertices(surface, point)
     type(surface_t), intent(inout) :: surface
     logical, intent(in) :: point(:, :) !! (4, nelem) the edge is collapsed to a point
