@@ -22,7 +22,7 @@ module contact_augment
   private
   public :: rise_t, find_rise, take_rise, share_penalty
 
-  !> MORTar with AUGMent: fraction of the penalty that acts at least at the control points, whose
+  !> MORTar with AUGMent: smallest fraction of the penalty that acts at the control points, whose
   !! multipliers take over the pressure.
   real(wp), parameter :: AT_CONTROL_POINTS = 0.9_wp
 
@@ -115,8 +115,9 @@ contains
     end associate
   end function value_at
 
-  !> Let a penalty act at control points too, in a deck with AUGMent. That of the points stays: a
-  !! control point with a larger support than the area of contact has a mean gap, and bears nothing.
+  !> Let a penalty act at control points too, in a deck with AUGMent. The penalty at points stays as
+  !! it is, because a control point whose support is larger than the area of contact bears nothing:
+  !! its mean gap is positive.
   pure subroutine share_penalty(contact)
     type(contact_t), intent(inout) :: contact
 

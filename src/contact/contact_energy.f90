@@ -1,9 +1,9 @@
-!> What a contact stores and has dissipated, from its laws at their points.
+!> Energies that a contact stores and has dissipated, found from its laws at their points.
 !!
-!! The pressure and the elastic part of friction have potentials. Slip dissipates its length times
-!! mu p: in a step, the mean of mu p at its start and at its end. Bonds are summed up by their laws
-!! (contact_secant). The work of the nodal forces differs from the sum of all these by what a scheme
-!! without a potential creates, and by the error of the rule over the steps.
+!! The pressure and the elastic part of friction have potentials. In a step, slip dissipates its
+!! length times the mean of mu p at the start and at the end. The cohesive laws sum up the energies
+!! of bonds (contact_secant). The work of the nodal forces differs from the sum of all these by the
+!! energy that a scheme without a potential creates, and by the error of the trapezoidal rule.
 module contact_energy
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, contact_state_t

@@ -145,8 +145,8 @@ contains
                   .or. any(state%side(2)%state_step /= OPEN)
   end function had_touched
 
-  !> Find positions of the integration points of element e: as many as xp has room for, after the
-  !! first `from` points.
+  !> Find positions of integration points of element e. The first `from` points are left out, and as
+  !! many points follow as xp has room for.
   pure subroutine side_positions(surface, e, x, xp, from)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e

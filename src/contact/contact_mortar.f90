@@ -230,8 +230,8 @@ contains
     end associate
   end subroutine project_again
 
-  !> Find the sliding point of a point that touches: the place that it faced on the other side at
-  !! the start of the step, moved back by the elastic slip that it takes over.
+  !> Find the sliding point of a point in contact. It is the place on the other side that the point
+  !! faced at the start of the step, moved back by the elastic slip that the point takes over.
   subroutine find_slide(mortar, contact, k, i, rubbed)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
@@ -289,7 +289,7 @@ contains
                            dshp(:, :n))
   end subroutine find_slide_functions
 
-  !> The point of the last step that is nearest in an element; 0: the element had none.
+  !> The point of the previous step that is nearest to xi in element e; 0: the element had none.
   pure integer function nearest_rubbed(rubbed, e, xi) result(j)
     type(friction_points_t), intent(in) :: rubbed
     integer, intent(in) :: e

@@ -108,7 +108,7 @@ module contact_pair
     !> MORTAR: the penalties that act at points and at control points [F/L^3]. Their sum is that of
     !! the deck, or more with AUGMent.
     real(wp) :: point_penalty = 0.0_wp, control_penalty = 0.0_wp
-    real(wp) :: after = -huge(1.0_wp)        !! AFTEr: friction acts in steps from this time on [T]
+    real(wp) :: after = -huge(1.0_wp)        !! AFTEr: earliest start of a step with friction [T]
     type(bond_t), allocatable :: bond(:)     !! regions of BONDed; bonds are in their intersection
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element
     real(wp) :: released = 0.0_wp            !! opening from which a bond counts as released [L]
@@ -140,7 +140,7 @@ module contact_pair
     integer, allocatable :: state_step(:)
     real(wp), allocatable :: slip_rate(:)    !! (np) rate of slip in the previous step [L/T]
     real(wp) :: dt = 0.0_wp                  !! of the current step [T]; 0: no time
-    !> (np) (np) At the end of the previous step the point was beside the other surface and not far
+    !> (np) At the end of the previous step the point was beside the other surface and not far
     !! above it. Such a point enters the body over the boundary and is not pushed out through the
     !! face.
     logical, allocatable :: beside(:)
@@ -199,8 +199,8 @@ module contact_pair
     type(contact_points_t) :: side(2)
     type(control_points_t) :: control(2)
     type(friction_points_t) :: rubbed(2)
-    !> At the end of the last step: energy of pressure and elastic energy of friction, by the points
-    !! of each side; the work of all slip so far [F L].
+    !> At the end of the last step: energy of the pressure and elastic energy of friction at the
+    !! points of each side, and the work of all slip so far [F L].
     real(wp) :: pressed(2) = 0.0_wp, sheared(2) = 0.0_wp, dissipated = 0.0_wp
     !> MORTAR: force on each side and its moment about the origin, of the last assembly [F], [F L]
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
@@ -213,7 +213,8 @@ module contact_pair
     !! relative to the width of an element or the thickness, whichever is smaller [-]; the largest
     !! force [F].
     real(wp) :: balance = 0.0_wp, deepest = 0.0_wp, largest_force = 0.0_wp
-    !> Until it has closed in a step: the smallest gap of all steps [L], where and in which step.
+    !> As long as the contact has not closed in any step: the smallest gap of all steps [L], the
+    !! point that has it, and its step.
     logical :: touched = .false.
     real(wp) :: nearest = huge(1.0_wp), x_nearest(3) = 0.0_wp
     integer :: nearest_step = 0              !! 0: before the first step

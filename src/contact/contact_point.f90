@@ -34,7 +34,7 @@ module contact_point
     real(wp) :: n(3) = 0.0_wp          !! normal of the other side, if in contact
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
     real(wp) :: energy = 0.0_wp        !! energy of the pressure up to this gap [F/L]
-    real(wp) :: rest = 0.0_wp          !! part of it that the multiplier has where the gap is zero
+    real(wp) :: rest = 0.0_wp          !! part of it due to the multiplier at a gap of zero
     real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
     real(wp) :: friction(3) = 0.0_wp   !! part of t that is friction [F/L^2]
     real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i

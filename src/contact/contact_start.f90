@@ -25,7 +25,9 @@ module contact_start
 
   !> Fraction of the size of an element: a smaller gap is rounding.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
-  real(wp), parameter :: NEAREST = 0.01_wp    !! band of the nearest gaps, over an element's width
+  !> Elements count as nearest if their gaps exceed the smallest one by at most this fraction of the
+  !! width of the element that has it.
+  real(wp), parameter :: NEAREST = 0.01_wp
   real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of the bonded areas
 
   !> Position of two surfaces relative to each other at the start.

@@ -28,7 +28,7 @@ module contact_work
     integer, allocatable :: partner(:)         !! elements of the other side
     real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]
     real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/dx of the nodes [F/L]
-    real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) of the partners' ones
+    real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) dr/dx of partners' nodes
     !> BALAnced: force on the partners' nodes, and its derivatives with respect to the nodes of the
     !! element and to those of the partner.
     real(wp), allocatable :: back(:, :, :)     !! (3, nl, npartner) [F]

@@ -14,18 +14,18 @@ module mortar_control
   public :: find_pressures, pressed_energy, pressure_at, need_lists, mortar_clique, &
             add_control_tangent
 
-  !> A smaller overlap of a control point, relative to the largest one, does not count.
+  !> An overlap of a control point does not count if it is below this fraction of the largest one.
   real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
   !> A gap below this fraction of the element's width is rounding.
   real(wp), parameter :: NO_GAP = 1.0e-9_wp
 
 contains
 
-  !> Weighted gaps and pressures of the control points, and the pressures of the points.
+  !> Find weighted gaps and pressures of the control points, and the pressures of the points.
   !!
   !! Where surfaces just touch, rounding decides whether a point is open or closed. Such a point is
-  !! given the stiffness of a closed one: with that of a random half of the points, the first
-  !! iteration may leave for a state in which the edges of the bodies have lost each other.
+  !! given the stiffness of a closed one. If only a random half of the points had a stiffness, the
+  !! first iteration could lead to a state in which the edges of the bodies do not meet any more.
   subroutine find_pressures(contact, k, side, control)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -86,7 +86,7 @@ contains
     end associate
   end subroutine find_pressures
 
-  !> Is this a gap, but no larger than rounding?
+  !> Is the gap not negative, and zero up to rounding?
   pure logical function touching(gap, width)
     real(wp), intent(in) :: gap, width
 
@@ -120,7 +120,7 @@ contains
     energy = energy_share(contact)*energy
   end function pressed_energy
 
-  !> Functions of the control points at point i.
+  !> Evaluate the functions of the control points at point i of the cells.
   pure subroutine control_at(surface, side, i, psi)
     type(surface_t), intent(in) :: surface
     type(mortar_side_t), intent(in) :: side
@@ -133,7 +133,7 @@ contains
     end associate
   end subroutine control_at
 
-  !> Pressure on the reference area at a point with a given gap.
+  !> Pressure, per reference area, at a point with a given gap.
   pure real(wp) function pressure_at(side, contact, k, e, xi, gap) result(p)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact

@@ -54,7 +54,7 @@ module mortar_type
     real(wp), allocatable :: slope(:)          !! (nl, 2, m, 3) derivatives times traction [F/L^2]
     real(wp), allocatable :: dt(:)             !! (nd, 3, m) w dt [F/L]
     real(wp), allocatable :: dxi(:)            !! (nd, 2, m) w dxi [L]
-    real(wp), allocatable :: ds(:, :, :)       !! (3, 3, m) w dt by the sliding point [F/L]
+    real(wp), allocatable :: ds(:, :, :)       !! (3, 3, m) w dt/dx_s at the sliding point x_s [F/L]
     real(wp), allocatable :: k(:)              !! (max(nk, nl), nd, 3) a product [F/L]
   end type kernel_t
 
