@@ -3,8 +3,8 @@
 !! The order is that of FEAP: BOUN, FORC, DISP and FPRO as they are read; then all of EBOU, EDIS,
 !! EFOR, EPRO, CBOU, CFOR, CDIS and CSUR, each in deck order.
 !!
-!! Nodes that TIE makes one share what BOUN, FORC, DISP and FPRO give each of them, and are one node
-!! for the words that find nodes by their position.
+!! Nodes that TIE joins share the conditions that BOUN, FORC, DISP and FPRO give to any of them, and
+!! count as one node for the words that find nodes by their position.
 module input_conditions
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -30,7 +30,7 @@ contains
   subroutine apply_conditions(draft, mesh, new, bc)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh !! before TIE
-    integer, intent(in) :: new(:)    !! (nnode) the node that each node becomes by TIE
+    integer, intent(in) :: new(:)    !! (nnode) the node that replaces each node after TIE
     type(boundary_t), intent(inout) :: bc
     logical, allocatable :: active(:)
     type(error_t), allocatable :: error
@@ -66,8 +66,8 @@ contains
     end do
   end subroutine apply_conditions
 
-  !> Give each node what those have that TIE makes one with it: restraints are combined, and forces
-  !! are added.
+  !> Give each node the conditions of the nodes that it replaces after TIE: restraints are combined,
+  !! and forces are added.
   subroutine share_conditions(new, bc)
     integer, intent(in) :: new(:) !! (nnode)
     type(boundary_t), intent(inout) :: bc
@@ -143,7 +143,7 @@ contains
       return
     end if
     do n = 1, mesh%nnode
-      if (on(n)) on(new(n)) = .true. ! whose number is not larger, so that its turn has passed
+      if (on(n)) on(new(n)) = .true. ! new(n) <= n, so its turn has passed
     end do
     if (r%word == R_EPRO) then
       do n = 1, size(r%value)

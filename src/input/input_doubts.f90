@@ -102,7 +102,7 @@ contains
     end do
   end subroutine list_members
 
-  !> Shortest distance of two nodes that lie apart.
+  !> Shortest distance between two nodes that do not coincide.
   pure real(wp) function shortest(x)
     real(wp), intent(in) :: x(:, :) !! (3, n) [L]
     real(wp) :: square
@@ -172,11 +172,11 @@ contains
     end associate
   end function place_of
 
-  !> Warn of linear displacement elements of nearly incompressible materials. A cube of 3 x 3 x 3
-  !! elements with Poisson's ratio 0.499 that is squeezed between rough plates takes 16 times the
-  !! force of a fine mesh with Q1, 1.1 times with Q1E9 (also with a layer ENRIch ... EAS), and 1.2
-  !! times with Q2. The hint does not name IGA 2 (1.6 times), nor layers ENRIch ... EAS on Q1 (7.5
-  !! times), because the elements below the layer lock.
+  !> Warn of linear displacement elements of nearly incompressible materials. As an example, a cube
+  !! of 3 x 3 x 3 elements with Poisson's ratio 0.499 is squeezed between rough plates. The force
+  !! on it, divided by that of a fine mesh, is 16 with Q1, 1.1 with Q1E9 (also with a layer ENRIch
+  !! ... EAS), and 1.2 with Q2. The hint names neither IGA 2 (1.6) nor layers ENRIch ... EAS on Q1
+  !! (7.5), where the elements below the layer lock.
   subroutine warn_locking(draft, mesh)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

@@ -39,7 +39,7 @@ contains
     type(error_list_t), intent(inout) :: errors      !! independent errors of the deck
     type(error_t), allocatable, intent(out) :: error !! an error after which reading cannot continue
     type(draft_t) :: draft
-    integer, allocatable :: tied(:) ! (nnode) the node that each node becomes by TIE
+    integer, allocatable :: tied(:) ! (nnode) the node that replaces each node after TIE
 
     call load_mesh_words(draft%row)
     allocate (draft%model)

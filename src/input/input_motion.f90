@@ -14,14 +14,14 @@ module input_motion
   private
   public :: count_motions_once
 
-  real(wp), parameter :: ALONG = 1.0e-12_wp !! a component of a unit axis this near to 1 is
-  !! its only one
+  !> If a component of a unit axis is this near to 1, the other components are rounding.
+  real(wp), parameter :: ALONG = 1.0e-12_wp
 
-  !> What tells a MOVE from others. Each number is that of the first MOVE which is equal in it.
+  !> The data by which MOVEs are compared.
   type :: identity_t
-    integer :: place = 0
-    integer :: motion = 0
-    integer :: turn = 0 !! how many MOVEs have given this place this motion, with this one
+    integer :: place = 0  !! the first MOVE of the same place
+    integer :: motion = 0 !! the first MOVE with the same motion
+    integer :: turn = 0   !! number of MOVEs, up to this one, with the same place and motion
   end type identity_t
 
 contains
@@ -71,7 +71,7 @@ contains
     end do
   end subroutine identify
 
-  !> Warn, for two places, of the nodes they share to which they give different motions.
+  !> Warn of nodes that belong to two places which give them different motions.
   subroutine warn_different(id, nnode, bc)
     type(identity_t), intent(in) :: id(:)
     integer, intent(in) :: nnode
@@ -81,7 +81,7 @@ contains
 
     allocate (on(nnode), source=.false.)
     do i = 2, size(id)
-      if (id(i)%place /= i) cycle ! the place was compared
+      if (id(i)%place /= i) cycle ! the place has been compared already
       on(bc%motion(i)%node) = .true.
       do j = 1, i - 1
         if (id(j)%place /= j) cycle
@@ -97,7 +97,7 @@ contains
     end do
   end subroutine warn_different
 
-  !> Has place i a motion that place j lacks, in a direction in which place j moves, too?
+  !> Does place i have a motion that place j lacks, in a direction in which place j moves too?
   pure logical function lacks(id, motion, i, j)
     type(identity_t), intent(in) :: id(:)
     type(motion_t), intent(in) :: motion(:)

@@ -76,7 +76,7 @@ contains
     end associate
   end subroutine npatch_geometry
 
-  !> Append a body and a block on the given control points.
+  !> Append NPATch k to the mesh, as a body with one block of elements on its control points.
   subroutine append_npatch(draft, k, mesh, error)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: k

@@ -120,7 +120,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(condition_entry_t), intent(in) :: r
     logical, intent(in) :: on(:)  !! (nnode) nodes on the surface
-    integer, intent(in) :: new(:) !! (nnode) the node that each node becomes by TIE
+    integer, intent(in) :: new(:) !! (nnode) the node that replaces each node after TIE
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable, intent(out) :: error
     type(topology_t) :: topology

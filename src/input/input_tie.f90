@@ -19,8 +19,8 @@ module input_tie
   integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! mean number of nodes in a cell; largest
   !! number of cells in a direction
 
-  !> Search grid: each cell has a list of the nodes in it that are kept. Cells are at least twice as
-  !! wide as the tolerance.
+  !> Search grid: each cell has a list of its nodes that no other node replaces. Cells are at least
+  !! twice as wide as the tolerance.
   type :: grid_t
     real(wp) :: low(3), width(3)       !! origin of the grid, size of a cell [L]
     real(wp) :: tol(3)                 !! nodes at most this far apart are tied [L]
@@ -30,7 +30,8 @@ module input_tie
 
 contains
 
-  !> Find for each node the one that it becomes by all TIE records: itself, or one of lower number.
+  !> Find for each node the node that replaces it after all TIE records: itself, or one with a lower
+  !! number.
   subroutine find_tied(draft, mesh, new)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -105,7 +106,7 @@ contains
     end do
   end subroutine tie_nodes
 
-  !> Find for each node the one that it becomes.
+  !> Find for each node the node that replaces it after one TIE record.
   subroutine find_pairs(draft, tie, mesh, new)
     type(draft_t), intent(in) :: draft
     type(tie_entry_t), intent(in) :: tie
@@ -168,7 +169,7 @@ contains
     if (.not. fraction > 0.0_wp) fraction = TOLERANCE/sqrt(real(nnode, wp))
   end function tie_tolerance
 
-  !> A kept node to which node n of cell `at` is tied; 0: there is none.
+  !> The node in the lists of the grid that replaces node n of cell `at`; 0: there is none.
   pure integer function partner(grid, tie, mesh, class, n, at) result(m)
     type(grid_t), intent(in) :: grid
     type(tie_entry_t), intent(in) :: tie
