@@ -14,7 +14,8 @@ module csr
   public :: block_matrix_t, clique_t, new_pattern, element_map, block_position, set_zero, &
             multiply, multiply_free, row_sums, add_element, add_batch
 
-  !> Block positions of one element, conn(nen), or of all elements of a block, conn(nen, nelem).
+  !> Positions of the 3x3 blocks of one element, conn(nen), or of all elements of a block, conn(nen,
+  !! nelem).
   interface element_map
     module procedure map_one
     module procedure map_all
@@ -162,7 +163,7 @@ contains
     end do
   end subroutine set_row_starts
 
-  !> Find the block positions of the node pairs of every element of a block.
+  !> Do the same as map_one for all elements of a block.
   subroutine map_all(a, conn, map, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:, :)     !! (nen, nelem)
@@ -177,7 +178,7 @@ contains
     end do
   end subroutine map_all
 
-  !> Find the block positions of the node pairs of one element.
+  !> Find the positions, in the matrix, of the 3x3 blocks of all pairs of nodes of one element.
   !!
   !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2), or 0 if a symmetric
   !! matrix stores the transpose instead. If b1 /= b2 are the same node, both pairs map to its

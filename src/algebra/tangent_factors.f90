@@ -175,7 +175,8 @@ contains
   subroutine look_for_motions(factors, a, null, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
-    integer, allocatable, intent(inout) :: null(:) !! equations; on entry the solver's, on exit all
+    !> Equations of free motions: on entry those that the solver found, on exit all of them.
+    integer, allocatable, intent(inout) :: null(:)
     type(error_t), allocatable, intent(out) :: error
 
     call prove_regular(a, factors%eq, factors%solver, factors%exact, null, error)

@@ -51,8 +51,9 @@ module byte_file
 
 contains
 
-  !> Open a file for writing: a new file, or an existing one, to be continued at its end. A new file
-  !! takes the place of a link, so that it never lies in another folder.
+  !> Open a file for writing: a new file, or an existing one, to be continued at its end. If the
+  !! path of a new file is a link, the link is replaced, and the file to which it leads stays as it
+  !! is.
   subroutine open_bytes(file, path, appends, error)
     type(byte_file_t), intent(out) :: file
     character(*), intent(in) :: path

@@ -60,7 +60,7 @@ contains
           deallocate (column)
         end associate
         if (.not. allocated(files%kept)) cycle
-        if (files%kept > 0 .and. has_row(run, i)) call note_row(run, i) ! the last row, perhaps
+        if (files%kept > 0 .and. has_row(run, i)) call note_row(run, i) ! this may be its last row
       end do
       files%curves_open = .true.
       if (allocated(files%kept)) call open_fields(run, error)

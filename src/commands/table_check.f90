@@ -1,4 +1,4 @@
-!> Load numbers against the load tables, when the whole deck is known.
+!> Compares load numbers with the load tables, when the whole deck has been read.
 module table_check
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp

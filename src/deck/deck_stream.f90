@@ -260,7 +260,7 @@ contains
     type(record_t) :: record
     character(:), allocatable :: name
     real(wp) :: value
-    integer :: bare !! line of the first of the last records, all without `=`; 0: the last has one
+    integer :: bare !! first line of the current run of records without `=`; 0: there is none
 
     bare = 0
     do

@@ -24,7 +24,7 @@ module format_bext
   !> Vector i is value(first(i) : first(i+1)-1).
   type :: vectors_t
     integer :: n = 0
-    integer :: ndense = 0      !! later vectors are sparse, without their last zeros
+    integer :: ndense = 0      !! later vectors are sparse, without trailing zeros
     integer, allocatable :: first(:)
     real(wp), allocatable :: value(:)
   end type vectors_t

@@ -56,12 +56,12 @@ contains
   !> Bound of the error of the rule in a step, from the changes of displacement and force in this
   !! step and in the one before.
   !!
-  !! While the force varies monotonically, the work lies between that of its first and that of its
-  !! last value, so the error is at most half of |rise.du|. While the force is a convex or a concave
-  !! function of the displacement over both steps, the work also lies between that of the chord and
-  !! that of the line that continues the chord of the step before. The force of that line changes by
-  !! r rise_before, where r du_before is as long as du. A change of direction counts in addition.
-  !! The smaller bound is taken.
+  !! If the force varies monotonically, the work is between that of its first value, held constant,
+  !! and that of its last one, so the error is at most half of |rise.du|. If the force is a convex
+  !! or a concave function of the displacement over both steps, the work is also between those of
+  !! two linear forces: the chord of this step, and the continued chord of the step before. The
+  !! latter changes by r rise_before, where r du_before is as long as du. A change of direction adds
+  !! to the bound. The smaller bound is taken.
   pure real(wp) function error_of_step(du, rise, du_before, rise_before, loaded) result(error)
     real(wp), intent(in) :: du(:, :), rise(:, :), du_before(:, :), rise_before(:, :)
     logical, intent(in) :: loaded(:, :) !! (3, nnode) a support or load acts there

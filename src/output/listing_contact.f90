@@ -140,8 +140,8 @@ contains
                   //', of the moments'//ratio(load_moment, all_sides%moment_size/2))
   end subroutine list_contacts
 
-  !> What is in contact of the two sides, or of the one of self-contact. The cells of the default
-  !! scheme can touch where no integration point lies.
+  !> The state of the points of both sides or, in self-contact, of the only side. The cells of the
+  !! default scheme can touch where no integration point lies.
   pure function closed_text(side) result(text)
     type(resultant_t), intent(in) :: side(:)
     character(:), allocatable :: text

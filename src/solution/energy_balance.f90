@@ -18,7 +18,7 @@ module energy_balance
 
 contains
 
-  !> Accept a converged step: add its works, update the rates, and keep the histories.
+  !> Accept a converged step: add its work to the balance, update the rates, and keep the histories.
   !! state%reaction and the forces of the assembler are those of the converged displacements.
   subroutine accept_solution(asm, model, state)
     type(assembler_t), intent(inout) :: asm
@@ -42,8 +42,9 @@ contains
     call accept_step_state(state)
   end subroutine accept_solution
 
-  !> One entry of the balance [F L]. IMBAlance is what the work of supports and loads exceeds the
-  !! energies by: the error of that work, and what the forces of contact destroy (CREAted < 0).
+  !> One entry of the balance [F L]. IMBAlance is the excess of the work of supports and loads over
+  !! the energies: the error of that work, and the energy that the forces of contact destroy
+  !! (CREAted < 0).
   real(wp) function energy_entry(model, state, entry) result(value)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

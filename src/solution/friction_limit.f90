@@ -1,10 +1,11 @@
 !> Bodies that slide away because friction alone holds them: their loads leave the cone of the
 !! forces that contact can bear.
 !!
-!! Contact pushes a body along directions d, those of the normals of its faces or of the faces
-!! opposite. If all of them are within the angle a of their mean m, every force that contact with
-!! friction mu can bear is within a + atan(mu) of m. Where the loads need a force beyond that, there
-!! is no equilibrium, whatever the step. Directions in which the body is supported do not count.
+!! Contact pushes a body along directions d, which are the normals of its own faces or of the
+!! opposite faces. If all of them are within the angle a of their mean m, every force that contact
+!! with friction mu can bear is within a + atan(mu) of m. Where the loads need a force beyond that,
+!! there is no equilibrium, however small the step is. Directions in which the body is supported do
+!! not count.
 module friction_limit
   use base_kinds, only: wp
   use base_text, only: to_text
@@ -92,7 +93,8 @@ contains
     spread = spread_of(d)
   end subroutine find_cone
 
-  !> Outward unit normals of a surface at its integration points; of elements with a node inside.
+  !> Outward unit normals of a surface at its integration points. If `inside` is present, it selects
+  !! the elements by their first nodes.
   function normals(contact, surface, x, inside) result(n)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: surface

@@ -8,7 +8,7 @@
 !!    with a millionth of an element and grows. As soon as contact resists, Newton's iteration
 !!    continues from there. If the body does not meet any surface, the step fails.
 !! 2. Little stiffness (below WEAK, or negative): a ball can turn and slide on a plate without
-!!    friction. The motion since the start of the step is held by an anchor (module anchors). If the
+!!    friction. An anchor (module anchors) resists the motion since the start of the step. If the
 !!    iteration converges with a load of more than NO_LOAD of all loads in an anchor, the motion is
 !!    released, and the iteration continues.
 !! 3. Springs of the stiffness SPRING D are added to the tangent, but not to the residual. They make

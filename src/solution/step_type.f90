@@ -22,7 +22,7 @@ module step_type
     integer :: cutbacks = 0
     integer :: negative_pivots = 0       !! negative pivots of the last converged state
     logical :: unconverged = .false.     !! a step was closed before it converged
-    logical :: inertia = .false.         !! a state was accepted with inertia
+    logical :: inertia = .false.         !! a step with inertia was accepted
     logical :: unstable = .false.        !! the warning of an unstable state was issued
   end type step_totals_t
 
