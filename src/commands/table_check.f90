@@ -56,7 +56,7 @@ contains
   subroutine warn_sum(model, ntable)
     type(model_t), intent(in) :: model
     integer, intent(in) :: ntable      !! number of tables that PROPs define
-    character(*), parameter :: OWN = 'give it a load table of its own by '
+    character(*), parameter :: OWN = 'give it a load table of its own with '
     integer :: i
 
     associate (bc => model%bc)

@@ -119,7 +119,7 @@ contains
         call warn_far(mesh, r%at, findloc(on, .true., 1), r%place)
       else if (r%gap < 0.0_wp) then
         call warn_layers(mesh, r%direction, on, plane_gap(mesh, r, active), r%place, &
-                         'give a smaller distance by GAP')
+                         'give a smaller distance with GAP')
       end if
     end if
     if (.not. any(active)) then

@@ -82,7 +82,7 @@ contains
           end if
           call fail(error, DECK_ERROR, 'element '//to_text(e)//' refers to node ' &
                     //to_text(list%node(a, e))//', which is not defined', &
-                    draft%places%at(list%place(e)), 'define it by COORdinates or BLOCk; the ' &
+                    draft%places%at(list%place(e)), 'define it with COORdinates or BLOCk; the ' &
                     //'largest node number is '//to_text(nodes%top))
           call draft%errors%add(error)
           exit

@@ -88,10 +88,10 @@ contains
         n = count(on(bc%motion(j)%node))
         if (n == 0 .or. n == max(size(bc%motion(i)%node), size(bc%motion(j)%node))) cycle
         if (.not. (lacks(id, bc%motion, i, j) .or. lacks(id, bc%motion, j, i))) cycle
-        call warn('this MOVE and that of line '//to_text(bc%motion(j)%place%line)//' give ' &
+        call warn('this MOVE and the one in line '//to_text(bc%motion(j)%place%line)//' give ' &
                   //to_text(n)//' common nodes different motions, which are added there', &
-                  bc%motion(i)%place, 'leave directions free by *, or move the common nodes by ' &
-                  //'one MOVE only')
+                  bc%motion(i)%place, 'leave directions free with *, or move the common nodes ' &
+                  //'with one MOVE only')
       end do
       on(bc%motion(i)%node) = .false.
     end do

@@ -46,7 +46,7 @@ contains
         if (i == 0) then
           call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d)) &
                     //' of the NPATch is not defined', p%place, &
-                    'define it by KNOTs: open id len k1 k2 ...')
+                    'define it with KNOTs: open id len k1 k2 ...')
           return
         end if
         patch%dir(d)%knots = draft%knots(i)%u
@@ -63,7 +63,7 @@ contains
             if (n > nodes%top) then
               call fail(error, DECK_ERROR, 'NPATch refers to control point ' &
                         //to_text(p%node(i, j, l))//', which is not defined', p%place, &
-                        'define it by NURBs')
+                        'define it with NURBs')
               return
             end if
             w = nodes%weight(n)

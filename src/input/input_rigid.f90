@@ -38,7 +38,7 @@ contains
       associate (at => draft%pressure(i)%at)
         if (.not. names_rigid(draft, at)) cycle
         call fail(error, DECK_ERROR, 'PRESsure acts on the rigid patch '//quoted(at%body), &
-                  at%place, 'move the patch by MOVE, or load the body that it touches')
+                  at%place, 'move the patch with MOVE, or load the body that it touches')
         call draft%errors%add(error)
       end associate
     end do
@@ -84,7 +84,7 @@ contains
         bc%fixed(:, node) = max(bc%fixed(:, node), 1)
         if (any(abs(bc%value(:, node)) > 0.0_wp)) then
           call fail(error, DECK_ERROR, 'a displacement is prescribed on the rigid patch ' &
-                    //quoted(name), model%mesh%body(b)%place, 'move it by MOVE,'//name//',ALL')
+                    //quoted(name), model%mesh%body(b)%place, 'move it with MOVE,'//name//',ALL')
           call draft%errors%add(error)
         end if
         do m = 1, draft%nmotion
@@ -94,7 +94,7 @@ contains
           n = count(own(bc%motion(m)%node))
           if (n == 0 .or. n == count(own)) cycle
           call fail(error, DECK_ERROR, 'MOVE moves only a part of the rigid patch '//quoted(name), &
-                    draft%motion(m)%at%place, 'move all of it by MOVE,'//name//',ALL')
+                    draft%motion(m)%at%place, 'move all of it with MOVE,'//name//',ALL')
           call draft%errors%add(error)
         end do
       end associate
