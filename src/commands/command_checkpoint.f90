@@ -113,7 +113,7 @@ contains
     call close_files(run, error)
     if (allocated(error)) return
     call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step) &
-              //'; the checkpoint is of step '//to_text(run%restart_point%state%step), &
+              //'; the checkpoint holds step '//to_text(run%restart_point%state%step), &
               hint='continue with --restart '//restart_path(run))
   end subroutine stop_run
 

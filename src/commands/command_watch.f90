@@ -44,8 +44,8 @@ contains
           angle = abs(motion%angle*(factor - start))/DEGREE
           if (angle < HALF_TURN*(1.0_wp - 1.0e-9_wp)) cycle
           call warn('MOVE turns by '//to_text(angle, 5)//' degrees in step '//to_text(state%step), &
-                    motion%place, 'a step knows only where a rotation ends: use steps of less ' &
-                    //'than 180 degrees, preferably of about 10')
+                    motion%place, 'only the position at the end of a step counts: turn by less ' &
+                    //'than 180 degrees in a step, preferably by about 10')
           run%plan%turn_warned = .true.
         end associate
       end do

@@ -55,7 +55,7 @@ contains
           if (.not. contact%self) text = text//' + '//to_text(n(2))
           call log_line('contact '//contact%name//': closed, '//text//' points in contact')
         else
-          call log_line('contact '//contact%name//': lost, no point is in contact')
+          call log_line('contact '//contact%name//': opened, no point is in contact')
         end if
       end associate
     end do

@@ -82,7 +82,7 @@ contains
         if (start%nthrough > 0) then
           call warn(name//to_text(start%nthrough)//' of '//to_text(start%npoint)//' points, such ' &
                     //'as '//position_text(start%x_through)//', lie less than DEPTh '//to_text( &
-                    contact%depth, 3)//' behind the face that they face: it counts as the far ' &
+                    contact%depth, 3)//' behind the face opposite them: it counts as the far ' &
                     //'side of the body and does not touch them', contact%place, 'give a DEPTh ' &
                     //'less than the thickness there; if the faces overlap, move them apart')
         else if (2*sum(start%naway) > start%nnear) then
@@ -103,8 +103,8 @@ contains
           k = merge(1, 2, contact%side(2)%rigid)
           call warn(name//contact%side(3 - k)%name//' lies between the integration points of ' &
                     //contact%side(k)%name//' at the start: contact does not act there', &
-                    contact%place, 'use the default scheme, which has no SCHEme, smaller ' &
-                    //'elements, or more points, QUADrature 10 10')
+                    contact%place, 'remove SCHEme to use the default scheme, or use ' &
+                    //'smaller elements or more points, QUADrature 10 10')
         else if (start%ninside > 0) then
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint) &
                     //' points penetrate at the start, by up to '//to_text(start%deepest, 3) &
@@ -140,7 +140,7 @@ contains
     call warn("contact '"//contact%name//"': the bonded areas of its two sides differ, " &
               //to_text(area(1), 3)//' and '//to_text(area(2), 3), contact%place, &
               'use more points, QUADrature 10 10, or elements whose borders follow the edge of ' &
-              //'the bonds')
+              //'the bonded area')
   end subroutine warn_unequal_bonds
 
   !> What to do if the faces of a contact look the wrong way.

@@ -339,8 +339,8 @@ contains
             x = abs(mesh%xr(:, node(i)) - mesh%xr(:, node(j)))
             if (x(direction) <= norm2(x)*BEHIND) cycle
             call warn('the plane takes nodes '//to_text(node(j))//' and '//to_text(node(i)) &
-                      //' of one element, which lie '//to_text(x(direction), 3) &
-                      //' behind each other: it takes nodes up to '//to_text(gap, 3)//' away', &
+                      //' of one element, although one lies '//to_text(x(direction), 3) &
+                      //' behind the other: it takes nodes up to '//to_text(gap, 3)//' away', &
                       place, hint)
             return
           end do

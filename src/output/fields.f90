@@ -97,9 +97,9 @@ contains
     case ('contact_gap')
       call set(1, 'L', 'normal gap, smoothed; negative: penetration')
     case ('contact_slip')
-      call set(3, 'L', 'elastic part of the tangential displacement; smoothed')
+      call set(3, 'L', 'elastic part of the tangential displacement, smoothed')
     case ('contact_state')
-      call set(1, '-', 'mean of 0 open, 1 stick or without friction, 2 slip; smoothed')
+      call set(1, '-', '0 open, 1 stick (or contact without friction), 2 slip; smoothed mean')
     case default
       call set(1, '-', '') ! unknown: collect_fields gives zeros
     end select

@@ -58,7 +58,7 @@ contains
       end associate
     end if
     text = 'depth '//to_text(contact%depth)
-    if (contact%default_depth) text = text//' (half of the thinner body)'
+    if (contact%default_depth) text = text//' (half the thickness of the thinner body)'
     call log_line('          '//text)
   end subroutine list_contact
 

@@ -51,7 +51,7 @@ contains
     call find_time(newton%constraint, state%time, measure, sum(slope*a), sum(slope*b), dt, &
                    arrived, pass%ok)
     if (.not. pass%ok) then
-      pass%trouble = 'no load since time 0 opens the bonds that far'
+      pass%trouble = 'the loads do not open the bonds that far at any time after 0'
       if (allocated(newton%constraint%direction)) pass%trouble = 'the path leads to times before 0'
       return
     end if

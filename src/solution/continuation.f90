@@ -303,7 +303,7 @@ contains
     hint = 'use smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
     if (size(model%contact) > 0) then
       hint = 'contact has produced energy (see BOOK CREAted), so later results are unreliable; ' &
-             //'if the bonds are peeled off completely, use NORMal ... BORDer 0.2 and SCHEme ' &
+             //'if a body is peeled off completely, use NORMal ... BORDer 0.2 and SCHEme ' &
              //'BALAnced'
     end if
     call warn('step '//to_text(state%step)//': the kinetic energy is ' &

@@ -146,7 +146,7 @@ class Sliding(Folder):
         """Half of the load from above pushes, and friction bears a twentieth of it."""
         said = self.slide()
         self.assertIn("body 'up' slides along x, where only friction holds it", said)
-        self.assertIn("along the contact are 0.5 of those across it, and friction bears 0.05", said)
+        self.assertIn("are 0.5 times those normal to it, but friction bears only 0.05", said)
         self.assertIn("hint: support the body against this motion", said)
         self.assertIn("slides along y", self.slide(("PRESsure,up,1-", "PRESsure,up,2-")))
 
