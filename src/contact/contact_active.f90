@@ -34,7 +34,7 @@ module contact_active
     integer, allocatable :: partner(:)   !! (>= n) element of the other side
     integer, allocatable :: used(:)      !! (>= n) last step in which the pair was needed
     type(map_t), allocatable :: map(:)   !! (n) positions in the current pattern
-    type(map_t), allocatable :: self(:)  !! (nelem) of an element with itself, if it has pairs
+    type(map_t), allocatable :: self(:)  !! (nelem) of each element that has pairs, with itself
   end type pairs_t
 
 contains

@@ -16,7 +16,8 @@ module contact_pair
 
   !> SCHEme: the points at which the laws act, and the bodies on which their tractions act.
   integer, parameter, public :: HALFPASS = 1 !! each integration point loads its own side
-  integer, parameter, public :: BALANCED = 2 !! each integration point loads both sides by half
+  integer, parameter, public :: BALANCED = 2 !! each integration point loads both sides with half
+  !! of its traction
   integer, parameter, public :: MORTAR = 3   !! cells and control points load both sides
 
   !> Functions of the surface elements of one basis: N = C B with Bernstein polynomials B on
@@ -48,7 +49,7 @@ module contact_pair
     integer, allocatable :: first(:)         !! (nelem+1) where an element's nodes begin in `node`
     integer, allocatable :: node(:)          !! nodes and control points of all elements
     real(wp), allocatable :: w(:)            !! (size(node)) weights; not allocated: all one
-    integer, allocatable :: block(:), elem(:), face(:) !! (nelem) the element face it is
+    integer, allocatable :: block(:), elem(:), face(:) !! (nelem) element face
     real(wp), allocatable :: width(:)        !! (nelem) root of the reference area [L]
     !> (4, nelem) element across an edge; 0: the edge belongs to the outer boundary.
     integer, allocatable :: neighbour(:, :)
@@ -117,7 +118,7 @@ module contact_pair
     integer :: ngauss(2) = 5                 !! QUADrature: points of an element in its directions
     integer :: ncell = 1                     !! REFIne: cells in a direction of a refined element
     !> Rule of an element: first the points of the plain rule, then those of the cells.
-    integer :: nq = 0, nplain = 0            !! points, and those of the plain rule
+    integer :: nq = 0, nplain = 0            !! all points; points of the plain rule
     real(wp), allocatable :: xi(:, :)        !! (2, nq)
     real(wp), allocatable :: wgt(:)          !! (nq)
   end type contact_t

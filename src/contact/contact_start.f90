@@ -32,7 +32,7 @@ module contact_start
 
   !> Position of two surfaces relative to each other at the start.
   type :: start_t
-    !> Points of both sides; of the rigid side only, if no point of the other one faces it.
+    !> Number of points of both sides, or of a rigid side alone if no point of the other faces it.
     integer :: npoint = 0
     integer :: ninside = 0               !! of them, points that penetrate
     real(wp) :: deepest = 0.0_wp         !! largest penetration [L]
@@ -220,7 +220,7 @@ contains
     do k = 1, 2
       if (.not. contact%side(k)%rigid) call look_from(k)
     end do
-    do k = 1, 2 ! a rigid side may be narrower than the distances of the points of the other one
+    do k = 1, 2 ! a rigid side may lie between the points of the other side
       if (n > 0 .or. .not. contact%side(k)%rigid) cycle
       call update_grid(contact%side(3 - k), shape(3 - k), grid(3 - k))
       call look_from(k)

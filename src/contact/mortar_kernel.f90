@@ -69,17 +69,17 @@ contains
     end associate
   end subroutine form_cells
 
-  !> Sort the points of element e that touch by the elements that they face. Partners are
-  !! these elements first, and then those of the sliding points. The results of all points are
-  !! cleared.
+  !> Find the points of element e that are in contact, sorted by the elements that they face. The
+  !! first partners are these elements, and those of the sliding points follow. The results of all
+  !! points are cleared.
   pure subroutine list_points(side, e, slides, kernel, work, n, faced)
     type(mortar_side_t), intent(inout) :: side
     integer, intent(in) :: e
     logical, intent(in) :: slides
     type(kernel_t), intent(inout) :: kernel
     type(work_t), intent(inout) :: work
-    integer, intent(out) :: n                  !! points
-    integer, intent(out) :: faced              !! partners that are faced
+    integer, intent(out) :: n                  !! number of points
+    integer, intent(out) :: faced              !! number of partners that points face
     integer :: list(side%cells%first(e + 1) - side%cells%first(e)), slot(size(list))
     integer :: i, j, s
 

@@ -171,8 +171,8 @@ contains
     end associate
   end subroutine keep_friction
 
-  !> The nearest point of the cells of an element that carries a pressure; 0: xi lies in no cell
-  !! with such a point.
+  !> Of the points of the cells of an element that carry a pressure, the one nearest to xi; 0: xi
+  !! lies in no cell with such a point.
   pure integer function nearest_closed(own, side, e, xi) result(j)
     type(surface_t), intent(in) :: own
     type(mortar_side_t), intent(in) :: side
@@ -221,8 +221,8 @@ contains
   end subroutine find_faced
 
   !> Add up the area of side k in contact and its parts that stick and slip, and find the largest
-  !! penetration. Pressures of control points reach over whole elements: a point counts if they
-  !! would remain with the penalty times its own gap subtracted.
+  !! penetration. Pressures of control points extend over whole elements. Therefore a point counts
+  !! only if its pressure exceeds the penalty of the control points times its own gap.
   subroutine measure_cells(mortar, contact, k, shape, state)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact

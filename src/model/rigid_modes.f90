@@ -19,7 +19,7 @@ module rigid_modes
   !> Smaller eigenvalues of a matrix of supports count as zero. The matrix of a single support has
   !! an eigenvalue of about one.
   real(wp), parameter :: UNHELD = 1.0e-12_wp
-  !> Components of a direction that are smaller count as zero in a message.
+  !> Components of a direction below this count as zero in a message.
   real(wp), parameter :: SMALL = 1.0e-3_wp
 
   type :: free_body_t

@@ -23,7 +23,7 @@ module friction_limit
 
   real(wp), parameter :: RIGHT_ANGLE = acos(0.0_wp)
   real(wp), parameter :: ACROSS = 1.0e-3_wp !! component of m along a support that may be neglected
-  real(wp), parameter :: MORE = 1.0e-3_wp   !! angle beyond the cone that is no rounding
+  real(wp), parameter :: MORE = 1.0e-3_wp   !! angle beyond the cone that counts as rounding
 
 contains
 

@@ -8,8 +8,8 @@
 !!    with a millionth of an element and grows. As soon as contact resists, Newton's iteration
 !!    continues from there. If the body does not meet any surface, the step fails.
 !! 2. Little stiffness (below WEAK, or negative): a ball can turn and slide on a plate without
-!!    friction. An anchor (module anchors) resists the motion since the start of the step. If the
-!!    iteration converges with a load of more than NO_LOAD of all loads in an anchor, the motion is
+!!    friction. An anchor (module anchors) resists the motion since the start of the step. If it
+!!    bears more than the fraction NO_LOAD of all loads when the iteration converges, the motion is
 !!    released, and the iteration continues.
 !! 3. Springs of the stiffness SPRING D are added to the tangent, but not to the residual. They make
 !!    every system regular. An increment whose energy is mainly that of the springs is shortened as
@@ -36,15 +36,15 @@ module stabilisation
   real(wp), parameter :: NO_STIFFNESS = 1.0e-9_wp
   real(wp), parameter :: WEAK = 1.0e-4_wp
   real(wp), parameter :: NO_LOAD = 2.0e-2_wp   !! largest force of an anchor, relative to all loads
-  real(wp), parameter :: PURE = 1.0e-6_wp      !! largest rotation in a translation
+  real(wp), parameter :: PURE = 1.0e-6_wp      !! largest part of a rotation in a translation
   real(wp), parameter :: UNLOADED = 1.0e-6_wp  !! a smaller force, relative to the largest one of a
-  !! node, is no load
+  !! node, does not count as a load
   real(wp), parameter :: FIRST = 1.0e-6_wp     !! first move of a body that touches, relative to an
   !! element
   real(wp), parameter :: GROWTH = 4.0_wp       !! length of a move, relative to the one before
   real(wp), parameter :: LONGEST = 0.25_wp     !! longest move, relative to an element or DEPTh
-  real(wp), parameter :: FAR = 2.0_wp          !! a body that moved so far, relative to the model,
-  !! is lost
+  real(wp), parameter :: FAR = 2.0_wp          !! a body that has moved this far, relative to the
+  !! model, is lost
   integer, parameter :: MOST_MOVES = 100       !! number of moves in a step
 
   type :: stabilisation_t
@@ -59,7 +59,7 @@ module stabilisation
     !> (6, body, m) Motions that nothing resists; the 6*body coefficients of each are orthonormal.
     real(wp), allocatable :: unheld(:, :, :)
     real(wp), allocatable :: weak(:, :, :) !! (6, body, m) motions of little stiffness, v.D v = 1
-    real(wp), allocatable :: released(:, :, :) !! (6, body, m) motions that anchors release
+    real(wp), allocatable :: released(:, :, :) !! (6, body, m) motions that are no longer anchored
     real(wp) :: energy = 0.0_wp          !! of the anchors, sum over the steps [F L]
     real(wp) :: work = 0.0_wp            !! of loads and supports in the same steps [F L]
     real(wp), allocatable :: kept(:, :, :) !! (3, 3, node) blocks without the springs
