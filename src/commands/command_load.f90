@@ -99,7 +99,8 @@ contains
     run%program%defined = unique([run%program%defined, [(i, i=first, last)]])
   end subroutine read_tables
 
-  !> Is the record past all data of a batch: the end of the deck, or a word that follows them?
+  !> Does the record come after all data of a batch? If so, it is the end of the deck or a word such
+  !! as STOP.
   pure logical function is_past_data(record)
     type(record_t), intent(in) :: record
 

@@ -148,7 +148,7 @@ contains
         select case (next%key(1))
         case ('loop')
           if (depth == size(loop)) then
-            call fail(error, DECK_ERROR, 'loops are nested deeper than 64', next%place(1))
+            call fail(error, DECK_ERROR, 'LOOP is nested more than 64 deep', next%place(1))
             return
           end if
           depth = depth + 1

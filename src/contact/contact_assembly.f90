@@ -215,7 +215,7 @@ contains
     end do
   end subroutine map_contact
 
-  !> Forces and derivatives of all contacts, at the projections of find_contact.
+  !> Add the forces and derivatives of all contacts, at the projections of find_contact.
   subroutine add_contact(work, model, state, a, f, rounding, largest, only_forces)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -250,7 +250,7 @@ contains
     end do
   end subroutine add_contact
 
-  !> One side of one contact.
+  !> Add the forces and derivatives of one side of one contact.
   subroutine add_side(work, contact, k, x, slides, u, state, a, f, rounding, largest)
     type(contact_work_t), intent(inout) :: work
     type(contact_t), intent(in) :: contact
@@ -279,7 +279,7 @@ contains
     state%side(k)%new_step = .false.
   end subroutine add_side
 
-  !> Accept a step: energies are found, and the stored sliding points move.
+  !> Accept a step: find the energies, and move the stored sliding points.
   subroutine accept_contact(work, model, state)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model

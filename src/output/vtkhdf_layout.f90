@@ -99,8 +99,8 @@ contains
   !> Write where the data of each step begin: geometry and cell data at 0, fields one after the
   !! other.
   !!
-  !! The readers of VTK require as many times (Values) as steps (NSteps). Values is created right
-  !! after the attribute and has no attribute of its own. Both then lie side by side in the file,
+  !! The readers of VTK require as many times (dataset Values) as steps (attribute NSteps). Values
+  !! is created right after NSteps and has no attributes. Both then lie side by side in the file,
   !! and the library changes them in one write. With two writes, a program that is killed between
   !! them would have changed only one of the two.
   subroutine write_offsets(file, view, names, room, error)

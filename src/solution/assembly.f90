@@ -94,8 +94,8 @@ contains
     asm%new_pattern = .true.
   end subroutine set_pattern
 
-  !> Internal and external forces, and the tangent, at the displacements of `state`. The trial
-  !! history of each block is filled. The pattern changes where contact couples further elements.
+  !> Compute internal and external forces, and the tangent, at the displacements of `state`. The
+  !! trial history of each block is filled. The pattern changes if contact couples further elements.
   subroutine form(asm, model, state, sweep, error, only_forces)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -165,7 +165,7 @@ contains
     asm%f_int = asm%f_int + asm%f_inert
   end subroutine form_inertia
 
-  !> One block, element by element.
+  !> Form one block, element by element.
   subroutine form_elements(asm, model, state, b, sweep)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -194,7 +194,7 @@ contains
     end associate
   end subroutine form_elements
 
-  !> One block, NB elements at a time; the last batch repeats its last element.
+  !> Form one block, NB elements at a time; the last batch repeats its last element.
   subroutine form_batches(asm, model, state, b, sweep)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
