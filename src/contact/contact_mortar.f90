@@ -201,7 +201,7 @@ contains
     end associate
   end subroutine project_points
 
-  !> Where the projection of a point moves, to first order, when the point moves.
+  !> Find where the projection of a point moves, to first order, when the point moves.
   pure subroutine move_foot(foot, from, to, xi)
     type(foot_t), intent(in) :: foot          !! of the point at `from`
     real(wp), intent(in) :: from(3), to(3)    !! [L]

@@ -245,7 +245,7 @@ contains
       end associate
     end do
     call compute_at(deck%params, record, first, expression, value, error)
-    if (allocated(error)) value = 1.0_wp   ! so that later records know the name
+    if (allocated(error)) value = 1.0_wp   ! later records then know the name
     call set_parameter(deck%params, name, value)
   end subroutine get_assignment
 

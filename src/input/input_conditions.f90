@@ -47,7 +47,7 @@ contains
     end if
     do i = 1, draft%named_nodes%place%n ! nodes that records referred to before they were defined
       n = draft%named_nodes%node(i)
-      if (n > draft%nodes%top .and. n <= mesh%nnode) cycle ! of a patch
+      if (n > draft%nodes%top .and. n <= mesh%nnode) cycle ! it belongs to a patch
       if (n <= draft%nodes%top) then
         if (draft%nodes%given(n)) cycle
       end if
