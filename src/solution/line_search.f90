@@ -3,6 +3,7 @@ module line_search
   use assembly, only: assembler_t, sweep_t, form, free_part
   use base_error, only: error_t
   use base_kinds, only: wp
+  use contact_pair, only: MORTAR
   use model, only: model_t, state_t
   implicit none
   private
@@ -11,8 +12,8 @@ module line_search
   !> A line search ends when the slope, relative to that at its start, is below this (FEAP).
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp
   integer, parameter :: LINE_TRIALS = 10
-  !> An increment overshoots if the slope at its end has the opposite sign of the slope at its start
-  !! and is more than this many times as large.
+  !> With the schemes of points, an increment overshoots if the slope at its end has the opposite
+  !! sign of the slope at its start and is more than this many times as large.
   real(wp), parameter :: OVERSHOT = 4.0_wp
 
 contains
@@ -82,13 +83,29 @@ contains
     call free_part(model%eq, asm%f_ext - asm%f_int, r)
     g0 = dot_product(dx, rhs)
     g = dot_product(dx, r)
-    if (.not. (g0 > 0.0_wp .and. g < -OVERSHOT*g0 .and. norm2(r) > norm2(rhs))) return
+    if (.not. overshoots(model, g0, g, norm2(r) > norm2(rhs))) return
     s = state%scale
     du = (state%u - state%u_base)/s
     call close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
     if (allocated(error)) return
     call form(asm, model, state, sweep, error) ! its tangent is used
   end subroutine retreat
+
+  !> Is an increment too long? With the mortar scheme a line search answers. Otherwise points with
+  !! friction would alternate between stick and slip at small pressures, where no cut-back helps,
+  !! because the cone of friction looks the same in a smaller step. The schemes of points keep a
+  !! wider limit, because their points open and close one at a time.
+  pure logical function overshoots(model, g0, g, grows) result(yes)
+    type(model_t), intent(in) :: model
+    real(wp), intent(in) :: g0, g      !! du.r at the start and at the end of the increment
+    logical, intent(in) :: grows       !! the residual is larger at the end
+
+    if (all(model%contact%scheme == MORTAR)) then
+      yes = g0 > 0.0_wp .and. g < -LINE_TOLERANCE*g0
+    else
+      yes = g0 > 0.0_wp .and. g < -OVERSHOT*g0 .and. grows
+    end if
+  end function overshoots
 
   !> Search for a small slope by regula falsi with the Illinois modification. The search begins with
   !! the slope g at the fraction s, whose forces are in `sweep`.
