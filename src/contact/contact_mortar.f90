@@ -348,10 +348,11 @@ contains
       if (.not. far > MOVED_FAR*mortar%least) then
         if (trial .or. motion > SETTLES*mortar%least .or. mortar%cuts >= MOST_CUTS) return
         if (far <= MOVED*mortar%least) return
+        mortar%cuts = mortar%cuts + 1
       end if
+    else
+      mortar%cuts = 0
     end if
-    if (new) mortar%cuts = 0
-    mortar%cuts = mortar%cuts + 1
     mortar%x_cut = x
     mortar%travel = 0.0_wp                   ! no point has been projected
     if (any(grid(1)%n == 0) .and. any(grid(2)%n == 0)) return ! a surface is not finite
