@@ -21,6 +21,7 @@ module contact_assembly
   use projection_type, only: foot_t, shape_t, touches
   use rigid_surface, only: react
   use subcell_quadrature, only: acting
+  use tensor, only: cross
   implicit none
   private
   public :: contact_work_t, new_contact_work, begin_contact, find_contact, contact_cliques, &
@@ -63,8 +64,9 @@ contains
           allocate (work(c)%feet(k)%at(contact%nq*contact%side(k)%nelem))
         end associate
       end do
-      if (model%contact(c)%scheme == MORTAR) call new_mortar(model%contact(c), model%mesh%xr, &
-                                                             work(c)%mortar)
+      if (model%contact(c)%scheme /= MORTAR) cycle
+      call new_mortar(model%contact(c), &
+                      model%mesh%xr - spread(model%mesh%origin, 2, model%mesh%nnode), work(c)%mortar)
     end do
   end subroutine new_contact_work
 
@@ -109,13 +111,13 @@ contains
     if (size(work) == 0) return
     trial = .false.
     if (present(only_forces)) trial = only_forces
-    x = model%mesh%xr + state%u
+    x = positions(model, state%u)
     do c = 1, size(work)
       associate (contact => model%contact(c))
         slides = friction_acts(contact, state)
         call place_surfaces(contact, x, work(c)%shape, work(c)%grid)
         if (contact%scheme == MORTAR) then
-          call find_mortar(work(c)%mortar, contact, x, model%mesh%xr + state%u_step, state%step, &
+          call find_mortar(work(c)%mortar, contact, x, positions(model, state%u_step), state%step, &
                            slides, trial, work(c)%shape, work(c)%grid, state%contact(c), &
                            work(c)%pairs, grown)
         end if
@@ -231,7 +233,7 @@ contains
     if (size(work) == 0) return
     tangent = .true.
     if (present(only_forces)) tangent = .not. only_forces
-    x = model%mesh%xr + state%u
+    x = positions(model, state%u)
     do c = 1, size(work)
       state%contact(c)%force = 0.0_wp
       state%contact(c)%moment = 0.0_wp
@@ -247,8 +249,26 @@ contains
         call add_side(work(c), model%contact(c), k, x, friction_acts(model%contact(c), state), &
                       state%u, state%contact(c), a, f, rounding, largest)
       end do
+      do k = 1, 2
+        associate (force => state%contact(c)%force(:, k), moment => state%contact(c)%moment(:, k))
+          moment = moment + cross(model%mesh%origin, force)
+        end associate
+      end do
     end do
   end subroutine add_contact
+
+  !> Positions relative to the origin of the model. They are differences of the reference positions,
+  !! so that small displacements are not rounded off far from zero.
+  pure function positions(model, u) result(x)
+    type(model_t), intent(in) :: model
+    real(wp), intent(in) :: u(:, :)      !! (3, nnode) [L]
+    real(wp) :: x(3, size(u, 2))         !! [L]
+    integer :: n
+
+    do n = 1, size(u, 2)
+      x(:, n) = (model%mesh%xr(:, n) - model%mesh%origin) + u(:, n)
+    end do
+  end function positions
 
   !> Add the forces and derivatives of one side of one contact.
   subroutine add_side(work, contact, k, x, slides, u, state, a, f, rounding, largest)
@@ -288,7 +308,7 @@ contains
     integer :: c, k
 
     if (size(work) == 0) return
-    x = model%mesh%xr + state%u
+    x = positions(model, state%u)
     do c = 1, size(work)
       associate (contact => model%contact(c), point => state%contact(c)%side)
         do k = 1, 2

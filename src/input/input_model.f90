@@ -18,6 +18,7 @@ module input_model
   use input_rigid, only: hold_rigid
   use input_tie, only: find_tied, tie_nodes
   use input_untied, only: warn_untied
+  use mesh, only: place_origin
   use model, only: model_t
   use model_basis, only: tabulate_basis
   use unread_constraints, only: find_unread
@@ -76,6 +77,7 @@ contains
         if (draft%errors%count() == 0) call check_twice(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call warn_locking(draft, mesh)
+        call place_origin(mesh)
         call build_contacts(draft, draft%model)
         if (draft%errors%count() == 0) call warn_untied(draft, mesh)
         if (draft%errors%count() > 0) exit stages

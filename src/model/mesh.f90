@@ -11,7 +11,7 @@ module mesh
   implicit none
   private
   public :: mesh_t, block_t, operator_t, body_t, body_face_t, group_t, block_cell, append_nodes, &
-            append_blocks, append_body, is_rigid, solid_nodes
+            append_blocks, append_body, is_rigid, solid_nodes, place_origin
 
   !> Bezier extraction operator of one knot span, or of a whole surface element.
   type :: operator_t
@@ -78,6 +78,9 @@ module mesh
     integer :: nnode = 0
     real(wp), allocatable :: xr(:, :) !! (3, nnode) reference positions of nodes and control points
     !! [L]
+    !> Contact measures positions from here, because the rounding of a position grows with its
+    !! distance from zero. It is zero where the model is not far from there. [L]
+    real(wp) :: origin(3) = 0.0_wp
     logical, allocatable :: is_control(:) !! (nnode) a control point (its position is a coefficient)
     logical, allocatable :: used(:)        !! (nnode) the node belongs to an element
     type(block_t), allocatable :: block(:)
@@ -85,7 +88,22 @@ module mesh
     type(constraint_t) :: constraint       !! hanging nodes
   end type mesh_t
 
+  !> A model is far from zero if its centre is farther away than this many times its extent.
+  real(wp), parameter :: FAR_AWAY = 100.0_wp
+
 contains
+
+  !> Place the origin of contact at the centre of a mesh that is far from zero.
+  pure subroutine place_origin(mesh)
+    type(mesh_t), intent(inout) :: mesh
+    real(wp) :: high(3), low(3)
+
+    mesh%origin = 0.0_wp
+    if (mesh%nnode == 0) return
+    high = maxval(mesh%xr, 2)
+    low = minval(mesh%xr, 2)
+    if (norm2(high + low)/2 > FAR_AWAY*norm2(high - low)) mesh%origin = (high + low)/2
+  end subroutine place_origin
 
   !> Set the cell to the degrees, operators and weights of element e of a block.
   subroutine block_cell(block, e, cell)
