@@ -65,8 +65,10 @@ contains
         end associate
       end do
       if (model%contact(c)%scheme /= MORTAR) cycle
-      call new_mortar(model%contact(c), &
-                      model%mesh%xr - spread(model%mesh%origin, 2, model%mesh%nnode), work(c)%mortar)
+      associate (mesh => model%mesh)
+        call new_mortar(model%contact(c), mesh%xr - spread(mesh%origin, 2, mesh%nnode), &
+                        work(c)%mortar)
+      end associate
     end do
   end subroutine new_contact_work
 
