@@ -9,7 +9,7 @@ from post._error import Unreadable
 from post._table import Table, read_text
 
 #: Entries about where and when a run was made, which are not results.
-NOT_RESULTS = ("format", "version", "deck", "seconds", "peak_memory_mb")
+NOT_RESULTS = ("format", "version", "deck", "seconds", "cpu_seconds", "peak_memory_mb")
 
 #: Format of the reports that can be read; those without a format have this one.
 FORMAT = 1

@@ -14,6 +14,7 @@ module krylov
   type :: krylov_report_t
     logical :: converged = .false.
     logical :: indefinite = .false.    !! conjugate gradients met a direction of negative curvature
+    logical :: slow = .false.          !! it was given up early
     integer :: iterations = 0          !! number of applications of the preconditioner
     real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed rather than estimated
   end type krylov_report_t
@@ -28,7 +29,7 @@ contains
   !! Each search direction is explicitly made conjugate to the last one (the flexible form), so that
   !! the preconditioner may be unsymmetric up to rounding.
   !! Source: Golub and Ye 1999 [bib: golub1999]
-  subroutine conjugate_gradients(a, eq, solver, b, x, limit, tolerance, report, error)
+  subroutine conjugate_gradients(a, eq, solver, b, x, limit, tolerance, report, error, hurries)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)               !! (3, nnode) equation numbers, 0: prescribed
     class(solver_t), intent(inout) :: solver      !! preconditioner, factorised
@@ -38,6 +39,7 @@ contains
     real(wp), intent(in) :: tolerance             !! tolerance of |b - A x| / |b|
     type(krylov_report_t), intent(out) :: report
     type(error_t), allocatable, intent(out) :: error
+    logical, intent(in), optional :: hurries !! give up early if the limit would be passed
     real(wp), allocatable :: r(:), z(:, :), p(:), q(:), xn(:, :), yn(:, :)
     real(wp) :: rz, pq, alpha, goal, before
     integer :: cycle_number
@@ -66,9 +68,11 @@ contains
         alpha = dot_product(p, r)/pq
         x = x + alpha*p
         r = r - alpha*q
+        report%slow = is_slow(norm2(r)/norm2(b), tolerance, report%iterations, limit, hurries)
+        if (report%slow) exit
       end do
       call true_residual(a, eq, b, x, r, xn, yn)
-      exhausted = report%iterations >= limit .or. report%indefinite
+      exhausted = report%iterations >= limit .or. report%indefinite .or. report%slow
       if (stops(a, eq, b, x, r, goal, before, exhausted, report)) return
     end do
   end subroutine conjugate_gradients
@@ -76,7 +80,7 @@ contains
   !> Solve by restarted GMRES with the preconditioner on the right; x starts at zero. The
   !! preconditioned vectors are kept (the flexible form), which saves one solve in each cycle.
   !! Source: Saad 1993 [bib: saad1993]
-  subroutine gmres(a, eq, solver, b, x, limit, tolerance, report, error)
+  subroutine gmres(a, eq, solver, b, x, limit, tolerance, report, error, hurries)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
     class(solver_t), intent(inout) :: solver
@@ -86,11 +90,13 @@ contains
     real(wp), intent(in) :: tolerance
     type(krylov_report_t), intent(out) :: report
     type(error_t), allocatable, intent(out) :: error
+    logical, intent(in), optional :: hurries
     integer, parameter :: RESTART = 30
     real(wp), allocatable :: v(:, :), z(:, :), r(:), xn(:, :), yn(:, :)
     real(wp) :: h(RESTART + 1, RESTART), rotation(2, RESTART), g(RESTART + 1), y(RESTART)
     real(wp) :: goal, before
     integer :: i, j, m
+    logical :: exhausted
 
     m = min(RESTART, limit, size(b))
     allocate (v(size(b), m + 1), z(size(b), m), r(size(b)), xn(3, a%nnode), yn(3, a%nnode))
@@ -117,6 +123,8 @@ contains
         if (h(j + 1, j) > 0.0_wp) v(:, j + 1) = v(:, j + 1)/h(j + 1, j)
         call rotate(h(:, j), rotation, g, j)
         if (report%iterations >= limit .or. .not. abs(g(j + 1)) > goal) exit
+        report%slow = is_slow(abs(g(j + 1))/norm2(b), tolerance, report%iterations, limit, hurries)
+        if (report%slow) exit
       end do
       j = min(j, m)
       y = 0.0_wp
@@ -125,9 +133,25 @@ contains
       end do
       x = x + matmul(z(:, 1:j), y(1:j))
       call true_residual(a, eq, b, x, r, xn, yn)
-      if (stops(a, eq, b, x, r, goal, before, report%iterations >= limit, report)) return
+      exhausted = report%iterations >= limit .or. report%slow
+      if (stops(a, eq, b, x, r, goal, before, exhausted, report)) return
     end do
   end subroutine gmres
+
+  !> Would an iteration that hurries pass its limit, judging by the digits that it has gained?
+  pure logical function is_slow(reached, tolerance, iterations, limit, hurries)
+    real(wp), intent(in) :: reached    !! relative residual
+    real(wp), intent(in) :: tolerance
+    integer, intent(in) :: iterations, limit
+    logical, intent(in), optional :: hurries
+    integer, parameter :: TRIAL = 6            !! iterations that are made in any case
+    real(wp), parameter :: ALLOWANCE = 1.5_wp  !! as it may become faster
+
+    is_slow = .false.
+    if (present(hurries)) is_slow = hurries
+    is_slow = is_slow .and. iterations >= TRIAL .and. reached > tolerance
+    if (is_slow) is_slow = iterations*log(tolerance) < ALLOWANCE*limit*log(reached)
+  end function is_slow
 
   !> Make column j of the Hessenberg matrix triangular by Givens rotations; g carries the residual.
   pure subroutine rotate(h, rotation, g, j)

@@ -6,12 +6,17 @@
 !!          factorisation.
 !! SINGLE   does the same with factors in single precision, which need half the memory.
 !! LOWRANK  does the same with compressed factors.
+!! AUTO     is FULL where a factorisation costs no more than a few iterations, otherwise SINGLE.
 !!
 !! The solution meets the same tolerance in every mode.
 !!
-!! A kept factorisation becomes less useful as the matrix changes. The cost per solve, averaged over
-!! the life of a factorisation, is least if the factorisation is replaced as soon as a solve costs
-!! more than the average so far. Costs are counted in iterations; the operation count of a
+!! The counts of the analysis choose between FULL and SINGLE in AUTO. If factors in single precision
+!! turn out not to suffice, they are made in double precision from then on. Where the caller needs
+!! the signs of the pivots or of the determinant, AUTO finds them like FULL.
+!!
+!! A kept factorisation becomes less useful as the matrix changes. The cost of a digit, averaged
+!! over the life of a factorisation, is least if the factorisation is replaced as soon as a digit
+!! costs more than the average so far. Costs are counted in iterations; the operation count of a
 !! factorisation is converted to iterations. Times are not measured, so that runs can be repeated
 !! exactly.
 module linear_system
@@ -21,41 +26,51 @@ module linear_system
   use base_system, only: seconds_of_both
   use base_text, only: to_text
   use csr, only: block_matrix_t
+  use definiteness, only: is_still_definite
   use krylov, only: krylov_report_t, conjugate_gradients, gmres
   use tangent_factors, only: solve_report_t, factors_t, new_factors, take_equations, analyse, &
-                             renew, look_for_motions, be_exact, start_anew, drop
+                             use_precision, renew, look_for_motions, be_exact, start_anew, drop
   implicit none
   private
   public :: linear_system_t, solve_report_t, new_linear_system, change_pattern
-  public :: reuse_policy_t, note_factorisation, note_solve, iteration_limit
+  public :: reuse_policy_t, note_factorisation, note_solve, iteration_limit, worth_keeping
 
-  integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4
+  integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4, AUTO = 5
 
   integer, parameter :: MOST_ATTEMPTS = 3 !! one with old, one with new, one with exact factors
   integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
+  real(wp), parameter :: FEWEST_DIGITS = 2.0_wp !! of a solve, as iterations are whole numbers
   integer, parameter :: LEAST_LIMIT = 10 !! smallest limit on the iterations with other factors
-  !> Number of operations of an elimination that take as long as a solve needs for one entry of the
-  !! factors. In one second, a thread does about 45e9 operations of an elimination, or handles 6e8
-  !! entries in a solve.
-  real(wp), parameter :: OPERATIONS_AN_ENTRY = 72.0_wp
+  !> A factorisation costs as much as PREPARATION iterations, because it assembles the entries, and
+  !! one more for OPERATIONS_AN_ENTRY operations for every entry of the factors. Measured costs of
+  !! cubes with 3, 26 and 86 thousand equations are 14, 18 and 26 iterations.
+  real(wp), parameter :: PREPARATION = 10.0_wp, OPERATIONS_AN_ENTRY = 110.0_wp
+  !> AUTO keeps factors if a factorisation costs more iterations than this, as it does from about
+  !! 12,000 equations of linear hexahedra on. Smaller models would gain too, but their runs are
+  !! short.
+  real(wp), parameter :: KEEPING = 15.0_wp
+  integer, parameter :: LIKELY = 12000 !! AUTO keeps factors of more equations, as a rule
 
   !> The costs of a factorisation and of its use so far.
   type :: reuse_policy_t
     logical :: due = .true.         !! the next solve factorises
     real(wp) :: worth = 0.0_wp      !! cost of the factorisation, in iterations
     real(wp) :: spent = 0.0_wp      !! total cost so far with the factorisation, in iterations
-    integer :: solves = 0           !! number of solves so far
+    real(wp) :: digits = 0.0_wp     !! decimal digits that all solves so far have gained
   end type reuse_policy_t
 
   !> A system with its pattern, its factors and the costs of their use.
   type :: linear_system_t
     integer :: neq = 0
-    integer :: mode = FULL
+    integer :: mode = FULL                 !! of AUTO, the chosen one
+    logical, private :: automatic = .false. !! AUTO
     type(factors_t), private :: factors
     logical, private :: current = .false.  !! the factors are those of the last matrix
     type(reuse_policy_t), private :: policy
+    real(wp), allocatable, private :: probe(:) !! (neq) load that shows indefiniteness
   contains
     procedure :: solve
+    procedure :: keeps_factors
     procedure :: estimate_mb
     procedure :: force_refactor
     procedure :: forget
@@ -65,28 +80,39 @@ module linear_system
 contains
 
   !> Make a system of the free dofs of a matrix, and analyse its pattern.
-  subroutine new_linear_system(ls, a, eq, mode, eps, error, available_mb)
+  subroutine new_linear_system(ls, a, eq, mode, eps, error, available_mb, keeping)
     type(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)   !! (3, nnode) equation numbers, 0: prescribed
-    integer, intent(in) :: mode       !! FULL, REUSE, SINGLE, LOWRANK
+    integer, intent(in) :: mode       !! FULL, REUSE, SINGLE, LOWRANK, AUTO
     real(wp), intent(in) :: eps       !! LOWRANK: relative error of compressed blocks, in (0, 1)
     type(error_t), allocatable, intent(out) :: error
     real(wp), intent(in), optional :: available_mb !! memory [MB]; absent: that of the machine
+    real(wp), intent(in), optional :: keeping !! replaces KEEPING
+    logical :: halved !! the factors are in single precision
 
     call ls%free()
-    ls%mode = mode
-    if (mode < FULL .or. mode > LOWRANK) then
+    ls%automatic = mode == AUTO
+    ls%mode = merge(FULL, mode, ls%automatic)
+    if (mode < FULL .or. mode > AUTO) then
       call fail(error, BUG, 'unknown mode '//to_text(mode)//' of a linear system')
     else if (mode == LOWRANK .and. .not. (eps > 0.0_wp .and. eps < 1.0_wp)) then
       call fail(error, BUG, 'expected an error of low-rank factors between 0 and 1, found ' &
                 //to_text(eps))
     end if
     if (allocated(error)) return
-    call new_factors(ls%factors, mode == SINGLE, merge(eps, 0.0_wp, mode == LOWRANK), available_mb)
+    halved = mode == SINGLE
+    if (ls%automatic .and. size(eq) > 0) halved = maxval(eq) > LIKELY
+    call new_factors(ls%factors, halved, merge(eps, 0.0_wp, mode == LOWRANK), available_mb)
     call change_pattern(ls, a, eq, error)
     if (allocated(error)) return
     call analyse(ls%factors, a, error)
+    if (allocated(error) .or. .not. ls%automatic) return
+    associate (info => ls%factors%solver%info)
+      halved = worth_keeping(info%flops, info%entries, keeping)
+    end associate
+    if (halved) ls%mode = SINGLE
+    call use_precision(ls%factors, halved, a, error)
   end subroutine new_linear_system
 
   !> Take a matrix with another pattern, as contact causes it. Existing factors remain the
@@ -103,6 +129,13 @@ contains
     if (size(eq) > 0) ls%neq = maxval(eq)
   end subroutine change_pattern
 
+  !> Do solves use factors of earlier matrices, or factors that are not exact?
+  pure logical function keeps_factors(self)
+    class(linear_system_t), intent(in) :: self
+
+    keeps_factors = self%mode /= FULL
+  end function keeps_factors
+
   !> Memory of a factorisation, as estimated by the analysis [MB].
   pure real(wp) function estimate_mb(self)
     class(linear_system_t), intent(in) :: self
@@ -111,7 +144,7 @@ contains
   end function estimate_mb
 
   !> Solve A x = rhs.
-  subroutine solve(ls, a, rhs, x, tolerance, report, error, same_matrix)
+  subroutine solve(ls, a, rhs, x, tolerance, report, error, same_matrix, signs)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
     real(wp), intent(in) :: rhs(:)           !! (neq)
@@ -120,9 +153,10 @@ contains
     type(solve_report_t), intent(out) :: report
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: same_matrix !! .true.: a has not changed since the last solve
+    logical, intent(in), optional :: signs !! .true.: AUTO finds the signs of the pivots
     type(krylov_report_t) :: run
-    real(wp) :: start(2)
     integer :: attempt
+    logical :: inexact, wanted
 
     x = 0.0_wp
     report%null = [integer ::]
@@ -138,19 +172,20 @@ contains
       ls%current = .false.
     end if
     if (ls%mode == FULL .and. .not. ls%current) ls%policy%due = .true.
+    wanted = .false.
+    if (present(signs)) wanted = signs .and. ls%automatic .and. .not. ls%current
+    if (wanted) call prove_definite(ls, a, report, error)
+    if (allocated(error)) return
+    inexact = .not. ls%factors%exact
     do attempt = 1, MOST_ATTEMPTS
       if (ls%policy%due .or. .not. ls%factors%valid) then
-        start = seconds_of_both()
-        call renew(ls%factors, a, report, error)
-        if (allocated(error)) return
-        call note_factorisation(ls%policy, ls%factors%solver%info%flops, &
-                                ls%factors%solver%info%entries)
-        ls%current = ls%factors%valid
-        report%singular = .not. ls%factors%valid
-        report%converged = ls%factors%valid
-        call describe(ls, report)
-        report%seconds_factor = report%seconds_factor + seconds_of_both() - start
-        if (report%singular) return
+        call factorise(ls, a, report, error)
+        if (allocated(error) .or. report%singular) return
+        if (wanted .and. are_doubtful(ls)) then ! the signs are found with exact factors
+          call be_exact(ls%factors)
+          ls%policy%due = .true.
+          cycle
+        end if
       end if
       call iterate(ls, a, rhs, x, tolerance, run, report, error)
       if (allocated(error) .or. run%converged) exit
@@ -165,10 +200,74 @@ contains
       ls%policy%due = .true.
     end do
     if (allocated(error)) return
+    report%gave_up_single = ls%automatic .and. inexact .and. ls%factors%exact
     report%converged = run%converged
     report%residual = run%residual
-    call note_solve(ls%policy, run%iterations)
+    call note_solve(ls%policy, run%iterations, max(FEWEST_DIGITS, -log10(tolerance)))
   end subroutine solve
+
+  !> Factorise the matrix, and report the times of this and of analyses since the last report.
+  subroutine factorise(ls, a, report, error)
+    class(linear_system_t), intent(inout) :: ls
+    type(block_matrix_t), intent(in) :: a
+    type(solve_report_t), intent(inout) :: report
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: start(2), before(2)
+
+    start = seconds_of_both()
+    before = ls%factors%seconds_analyse
+    call renew(ls%factors, a, report, error)
+    associate (analysis => ls%factors%seconds_analyse)
+      report%seconds_analyse = report%seconds_analyse + analysis
+      report%seconds_factor = report%seconds_factor + seconds_of_both() - start &
+                              - (analysis - before)
+      analysis = 0.0_wp
+    end associate
+    if (allocated(error)) return
+    call note_factorisation(ls%policy, ls%factors%solver%info%flops, &
+                            ls%factors%solver%info%entries)
+    if (allocated(ls%probe)) deallocate (ls%probe) ! it depends on the factors
+    ls%current = ls%factors%valid
+    report%singular = .not. ls%factors%valid
+    report%converged = ls%factors%valid
+    report%signed = ls%factors%valid
+    call describe(ls, report)
+  end subroutine factorise
+
+  !> The signs of all pivots are known if kept factors show that the matrix is positive definite;
+  !! otherwise it is factorised.
+  subroutine prove_definite(ls, a, report, error)
+    class(linear_system_t), intent(inout) :: ls
+    type(block_matrix_t), intent(in) :: a
+    type(solve_report_t), intent(inout) :: report
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: start(2)
+
+    if (ls%policy%due .or. .not. ls%factors%valid) return
+    start = seconds_of_both()
+    if (is_definite(ls, a)) call is_still_definite(a, ls%factors%eq, ls%factors%solver, ls%probe, &
+                                                   report%signed, report%iterations, error)
+    ls%policy%due = .not. report%signed
+    report%seconds_solve = report%seconds_solve + seconds_of_both() - start
+  end subroutine prove_definite
+
+  !> Are matrix and factors positive definite as far as is known?
+  pure logical function is_definite(ls, a)
+    class(linear_system_t), intent(in) :: ls
+    type(block_matrix_t), intent(in) :: a
+
+    is_definite = a%symmetric .and. ls%factors%solver%symmetric &
+                  .and. ls%factors%solver%info%negative == 0
+  end function is_definite
+
+  !> Do approximate factors have negative signs, which may be due to rounding?
+  pure logical function are_doubtful(ls)
+    class(linear_system_t), intent(in) :: ls
+
+    associate (info => ls%factors%solver%info)
+      are_doubtful = .not. ls%factors%exact .and. (info%negative > 0 .or. info%determinant < 1)
+    end associate
+  end function are_doubtful
 
   !> Iterate with the existing factors, by conjugate gradients if matrix and factors are positive
   !! definite as far as is known.
@@ -189,18 +288,18 @@ contains
     if (.not. norm2(rhs) > 0.0_wp) return
     start = seconds_of_both()
     limit = iteration_limit(ls%policy, ls%current, ls%factors%exact)
-    definite = a%symmetric .and. ls%factors%solver%symmetric &
-               .and. ls%factors%solver%info%negative == 0
+    definite = is_definite(ls, a)
     if (definite) then
       call conjugate_gradients(a, ls%factors%eq, ls%factors%solver, rhs, x, limit, tolerance, &
-                               run, error)
+                               run, error, hurries=.not. ls%current)
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
     end if
     ! If old factors led to a direction of negative curvature, new factors are made first, because
     ! their pivots show whether the matrix is indefinite.
     if (.not. definite .or. (run%indefinite .and. ls%current .and. .not. run%converged)) then
-      call gmres(a, ls%factors%eq, ls%factors%solver, rhs, x, limit, tolerance, run, error)
+      call gmres(a, ls%factors%eq, ls%factors%solver, rhs, x, limit, tolerance, run, error, &
+                 hurries=.not. ls%current)
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
       report%used_gmres = .true.
@@ -248,6 +347,23 @@ contains
     if (allocated(self%factors%eq)) deallocate (self%factors%eq)
   end subroutine free
 
+  !> Does a factorisation cost so much that AUTO keeps it?
+  pure logical function worth_keeping(flops, entries, least) result(worth)
+    real(wp), intent(in) :: flops   !! operations of the elimination
+    real(wp), intent(in) :: entries !! entries of the factors
+    real(wp), intent(in), optional :: least !! replaces KEEPING
+
+    worth = cost_of(flops, entries) > KEEPING
+    if (present(least)) worth = cost_of(flops, entries) > least
+  end function worth_keeping
+
+  !> Cost of a factorisation, in iterations.
+  pure real(wp) function cost_of(flops, entries)
+    real(wp), intent(in) :: flops, entries
+
+    cost_of = PREPARATION + flops/max(entries, 1.0_wp)/OPERATIONS_AN_ENTRY
+  end function cost_of
+
   !> Record the cost of a factorisation.
   pure subroutine note_factorisation(policy, flops, entries)
     type(reuse_policy_t), intent(inout) :: policy
@@ -255,19 +371,20 @@ contains
     real(wp), intent(in) :: entries !! entries of the factors
 
     policy%due = .false.
-    policy%worth = flops/max(entries, 1.0_wp)/OPERATIONS_AN_ENTRY
+    policy%worth = cost_of(flops, entries)
     policy%spent = policy%worth
-    policy%solves = 0
+    policy%digits = 0.0_wp
   end subroutine note_factorisation
 
   !> Record the iterations of a solve.
-  pure subroutine note_solve(policy, iterations)
+  pure subroutine note_solve(policy, iterations, digits)
     type(reuse_policy_t), intent(inout) :: policy
     integer, intent(in) :: iterations
+    real(wp), intent(in) :: digits  !! decimal digits by which the residual had to fall
 
-    if (policy%solves > 0) policy%due = iterations*policy%solves > policy%spent
+    if (policy%digits > 0.0_wp) policy%due = iterations*policy%digits > policy%spent*digits
     policy%spent = policy%spent + iterations
-    policy%solves = policy%solves + 1
+    policy%digits = policy%digits + digits
   end subroutine note_solve
 
   !> Number of iterations after which a solve is given up.

@@ -3,7 +3,7 @@
 module tangent_factors
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
   use base_kinds, only: wp
-  use base_system, only: available_memory_mb, return_memory
+  use base_system, only: available_memory_mb, return_memory, seconds_of_both
   use base_text, only: to_text
   use csr, only: block_matrix_t
   use csr_extract, only: entries_t, new_entries, gather
@@ -14,7 +14,7 @@ module tangent_factors
   use solver_type, only: solver_t
   implicit none
   private
-  public :: solve_report_t, factors_t, new_factors, take_equations, analyse, renew, &
+  public :: solve_report_t, factors_t, new_factors, take_equations, analyse, use_precision, renew, &
             look_for_motions, be_exact, start_anew, drop
 
   !> Report of one solve.
@@ -27,11 +27,13 @@ module tangent_factors
     integer :: factorisations = 0          !! number of factorisations in this call
     logical :: used_single = .false.       !! the last factors are in single precision
     logical :: used_gmres = .false.
+    logical :: gave_up_single = .false.    !! AUTO: double factors from now on
+    logical :: signed = .false.            !! `negative` and `determinant` are those of this matrix
     integer :: negative = 0                !! number of negative pivots of the factors in use
     integer :: determinant = 1             !! sign of the determinant of an unsymmetric matrix
     real(wp) :: residual = 0.0_wp          !! |b - A x| / |b|
-    !> Wall and processor time of analysis and factorisation, and of the rest [s].
-    real(wp) :: seconds_factor(2) = 0.0_wp, seconds_solve(2) = 0.0_wp
+    !> Wall and processor time [s]. That of the analysis includes those before this solve.
+    real(wp) :: seconds_analyse(2) = 0.0_wp, seconds_factor(2) = 0.0_wp, seconds_solve(2) = 0.0_wp
     real(wp) :: memory_mb = 0.0_wp         !! memory held by the factors [MB]
   end type solve_report_t
 
@@ -46,7 +48,9 @@ module tangent_factors
     integer, allocatable :: eq(:, :)     !! (3, nnode) equation numbers, 0: prescribed
     logical :: valid = .false.           !! the factors exist and are those of a regular matrix
     logical :: exact = .true.            !! the factors are in double precision and not compressed
+    real(wp) :: seconds_analyse(2) = 0.0_wp !! wall and processor time not reported yet [s]
     type(entries_t), private :: entries
+    integer, allocatable, private :: order(:) !! of the elimination, for the current pattern
     logical, private :: analysed = .false.  !! the solver knows the current pattern
     logical, private :: proved = .false.    !! a matrix of this system was regular
     logical, private :: escalated = .false. !! the chosen precision did not suffice
@@ -85,6 +89,7 @@ contains
     end if
     factors%eq = eq
     factors%analysed = .false.
+    if (allocated(factors%order)) deallocate (factors%order)
   end subroutine take_equations
 
   !> Analyse the pattern of the free dofs for a solver of the chosen or required precision: a dense
@@ -94,10 +99,11 @@ contains
     type(block_matrix_t), intent(in) :: a
     type(error_t), allocatable, intent(out) :: error
     type(solver_mumps_t), allocatable :: mumps
-    integer, allocatable :: order(:)
+    real(wp) :: start(2)
     real(wp) :: low_rank !! relative error of compressed blocks; 0: none
     logical :: single    !! the factors are in single precision
 
+    start = seconds_of_both()
     call drop(factors)
     call new_entries(factors%entries, a, factors%eq, error)
     if (allocated(error)) return
@@ -107,20 +113,36 @@ contains
       factors%exact = entries%neq <= SMALL .or. .not. (single .or. low_rank > 0.0_wp)
       if (entries%neq <= SMALL) then
         allocate (solver_dense_t :: factors%solver)
-        order = [integer ::]
+        factors%order = [integer ::]
       else
         allocate (mumps)
         call new_solver_mumps(mumps, single, low_rank)
         call move_alloc(mumps, factors%solver)
-        call elimination_order(a, factors%eq, order, error)
-        if (allocated(error)) return
+        if (.not. allocated(factors%order)) then
+          call elimination_order(a, factors%eq, factors%order, error)
+          if (allocated(error)) return
+        end if
       end if
-      call factors%solver%analyse(entries%neq, a%symmetric, entries%row, entries%col, order, error)
+      call factors%solver%analyse(entries%neq, a%symmetric, entries%row, entries%col, &
+                                  factors%order, error)
     end associate
+    factors%seconds_analyse = factors%seconds_analyse + seconds_of_both() - start
     if (allocated(error)) return
     factors%estimate_mb = factors%solver%info%estimate_mb
     factors%analysed = .true.
   end subroutine analyse
+
+  !> Choose a precision after the analysis, which is repeated if it was for the other one.
+  subroutine use_precision(factors, single, a, error)
+    type(factors_t), intent(inout) :: factors
+    logical, intent(in) :: single
+    type(block_matrix_t), intent(in) :: a
+    type(error_t), allocatable, intent(out) :: error
+
+    if (factors%single .eqv. single) return
+    factors%single = single
+    call analyse(factors, a, error)
+  end subroutine use_precision
 
   !> Factorise the matrix. If approximate factors seem to be singular, exact factors decide.
   subroutine renew(factors, a, report, error)

@@ -26,6 +26,7 @@ module base_timer
     procedure :: stop => stop_one
     procedure :: add
     procedure :: seconds
+    procedure :: cpu => cpu_of
     procedure :: names
     procedure :: table
   end type timers_t
@@ -104,6 +105,22 @@ contains
       wall = wall_seconds() - timers%born
     end if
   end function seconds
+
+  !> Processor time of a timer [s]; that of 'total' is the time of the process.
+  function cpu_of(timers, name) result(cpu)
+    class(timers_t), intent(in) :: timers
+    character(*), intent(in) :: name
+    real(wp) :: cpu
+    integer :: i
+
+    cpu = 0.0_wp
+    i = place_of(timers, name)
+    if (i > 0) then
+      cpu = timers%timer(i)%cpu
+    else if (name == 'total') then
+      cpu = cpu_seconds()
+    end if
+  end function cpu_of
 
   !> Names of the timers, in the order of their first start.
   pure function names(timers) result(list)

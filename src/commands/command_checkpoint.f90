@@ -104,7 +104,7 @@ contains
       call abandon_step(run%step, run%state)
       call rewind_program(run%program, run%deck%params)
     end if
-    if (run%step%newton%mode == FULL .or. .not. run%restart_point%set) then
+    if (.not. (run%step%newton%system%keeps_factors() .and. run%restart_point%set)) then
       call write_checkpoint(run, error)
     else
       call store_restart_point(run, error)

@@ -6,8 +6,8 @@ module command_solve
   use base_system, only: wall_seconds
   use base_text, only: to_text
   use command_step, only: open_step_here, take_outcome
-  use command_type, only: run_t, command_t, command_row_t, new_row
-  use linear_system, only: FULL, REUSE, SINGLE, LOWRANK
+  use command_type, only: run_t, command_t, command_row_t, program_t, new_row
+  use linear_system, only: FULL, REUSE, SINGLE, LOWRANK, AUTO
   use model, only: model_t
   use newton, only: set_factorisation
   use step, only: form_pass, solve_pass, STEP_GOES_ON
@@ -25,7 +25,7 @@ contains
     row(3) = new_row('FORM', 'FORM', 1, run_form)
     row(4) = new_row('SOLV', 'SOLV,[LINE]', 2, run_solve)
     row(5) = new_row('TOL', 'TOL,,energy', 4, run_tolerance)
-    row(6) = new_row('FACTor', 'FACTor REUSe | SINGle | LOWRank eps', 2, run_factor)
+    row(6) = new_row('FACTor', 'FACTor AUTO | FULL | REUSe | SINGle | LOWRank eps', 2, run_factor)
   end function solve_rows
 
   !> Run TANG or UTAN: form the system, and solve it unless the number after the option is 0.
@@ -100,6 +100,7 @@ contains
     end if
     if (solves) then
       if (outcome == STEP_GOES_ON) then
+        run%step%newton%alone = is_alone(run%program)
         call solve_pass(run%step, run%model, run%state, command%option == 'line', &
                         command%record%place(1), outcome, error)
       end if
@@ -110,7 +111,10 @@ contains
           asm%seconds = 0.0_wp
           asm%contact_seconds = 0.0_wp
         end associate
-        call run%timers%add('factorise', pass%solve%seconds_factor)
+        if (pass%solve%factorisations > 0) then
+          call run%timers%add('analyse', pass%solve%seconds_analyse)
+          call run%timers%add('factorise', pass%solve%seconds_factor)
+        end if
         call run%timers%add('solve', pass%solve%seconds_solve)
         if (allocated(error)) return ! the report includes the times of a failed pass
         if (pass%ok) call show_iteration(run)
@@ -118,6 +122,15 @@ contains
     end if
     call take_outcome(run, outcome)
   end subroutine iterate
+
+  !> Is the current command executed once in a step, as in decks of linear problems?
+  pure logical function is_alone(program)
+    type(program_t), intent(in) :: program
+
+    is_alone = size(program%loop) == 0
+    if (is_alone) return
+    is_alone = program%command(program%loop(size(program%loop))%at)%holds_time
+  end function is_alone
 
   !> Show an iteration: a line in the log, and on a terminal a line that the next one overwrites.
   subroutine show_iteration(run)
@@ -128,6 +141,10 @@ contains
     integer :: i, seconds
 
     associate (state => run%state, iterations => run%step%newton%iterations, pass => run%step%pass)
+      if (pass%solve%gave_up_single) then
+        call log_line('note: factors in single precision do not suffice here; from now on they ' &
+                      //'are in double precision')
+      end if
       write (line, '(a,i6,a,es12.5,a,i3,3(a,es10.3))') 'step', state%step, '  time', &
         state%time, '  iteration', iterations, '  residual', pass%residual, &
         '  energy', pass%energy, '  ratio', pass%ratio
@@ -199,6 +216,8 @@ contains
     integer :: mode
 
     select case (command%option)
+    case ('auto')
+      mode = AUTO
     case ('full')
       mode = FULL
     case ('reus')
@@ -209,7 +228,7 @@ contains
       mode = LOWRANK
     case default
       call fail(error, DECK_ERROR, 'unknown linear solver', command%record%place(2), &
-                'FACTor FULL | REUSe | SINGle | LOWRank eps')
+                'FACTor AUTO | FULL | REUSe | SINGle | LOWRank eps')
       return
     end select
     if (mode == LOWRANK .and. .not. (command%x(1) > 0.0_wp .and. command%x(1) < 1.0_wp)) then

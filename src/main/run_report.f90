@@ -76,6 +76,7 @@ contains
     allocate (part, source=[character(24) :: job%timers%names(), 'total'])
     do i = 1, size(part)
       call add_real(report%seconds, trim(part(i)), job%timers%seconds(part(i)))
+      call add_real(report%cpu_seconds, trim(part(i)), job%timers%cpu(part(i)))
     end do
     call add_last_rows(job, report)
     report%equilibrium = .not. (job%step%total%unconverged .or. job%step%total%inertia)

@@ -52,7 +52,7 @@ module report_file
     integer :: negative_pivots = 0      !! of the last factorisation
     real(wp) :: peak_memory_mb = 0.0_wp
     type(named_count_t), allocatable :: element(:)
-    type(named_real_t), allocatable :: seconds(:)
+    type(named_real_t), allocatable :: seconds(:), cpu_seconds(:)
     type(curve_row_t), allocatable :: final(:)
     type(contact_row_t), allocatable :: contact(:)
     logical :: equilibrium = .true.     !! every state converged without inertia
@@ -97,6 +97,7 @@ contains
            json_member('elements', json_object(elements))//SEP// &
            json_member('negative_pivots', json_number(report%negative_pivots))//SEP// &
            json_member('seconds', reals(report%seconds))//SEP// &
+           json_member('cpu_seconds', reals(report%cpu_seconds))//SEP// &
            json_member('peak_memory_mb', json_number(report%peak_memory_mb))//SEP// &
            json_member('final', json_object(final))
     text = text//SEP//json_member('warnings', '['//messages(report)//']')//SEP// &

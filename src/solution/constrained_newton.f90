@@ -16,7 +16,7 @@ module constrained_newton
   use convergence, only: check_convergence
   use csr, only: multiply
   use external_load, only: load_rates
-  use linear_system, only: solve_report_t, FULL
+  use linear_system, only: solve_report_t
   use model, only: model_t, state_t
   use newton_type, only: newton_t, pass_t
   use prescribed, only: prescribed_rates, to_prescribed
@@ -47,7 +47,7 @@ contains
     call solve_both(newton, model, state, forcing, a, b, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
     newton%iterations = newton%iterations + 1
-    newton%exact = newton%exact .and. newton%mode == FULL
+    newton%exact = newton%exact .and. .not. newton%system%keeps_factors()
     call find_time(newton%constraint, state%time, measure, sum(slope*a), sum(slope*b), dt, &
                    arrived, pass%ok)
     if (.not. pass%ok) then
@@ -117,7 +117,8 @@ contains
     real(wp), allocatable :: rate(:, :), force(:, :), rhs(:), slope(:)
 
     allocate (rate(3, model%mesh%nnode), force(3, model%mesh%nnode), rhs(size(newton%rhs)))
-    call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, forcing, pass%solve, error)
+    call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, forcing, pass%solve, error, &
+                             signs=.true.)
     if (allocated(error)) return
     call full_vector(model%eq, newton%dx, a)
     slope = factor_slopes(state, ahead=state%time <= newton%constraint%start)

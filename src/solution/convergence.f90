@@ -15,7 +15,8 @@ module convergence
   implicit none
   private
   public :: check_convergence, energy_tolerance, force_tolerance, find_largest_residual, &
-            node_spacing, find_floor, needs_line_search, damping, count_flips, turns_back
+            node_spacing, find_floor, needs_line_search, needs_signs, find_forcing, damping, &
+            count_flips, turns_back
 
   !> Rounding error of an energy, relative to the sum of |f||u|.
   real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2
@@ -31,6 +32,14 @@ module convergence
   !! below minus this.
   real(wp), parameter :: OPPOSITE = 0.7_wp
   real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a shortened increment
+  !> Relative residuals of linear solves: the largest; with kept factors those of an increment with
+  !! prescribed motion, of one with contact, of a solve which only confirms convergence, and of one
+  !! that is not repeated; the smallest of the others.
+  real(wp), parameter :: FORCING = 1.0e-3_wp, FORCING_MOVED = 1.0e-4_wp, FORCING_LAST = 0.1_wp
+  real(wp), parameter :: FORCING_CONTACT = 1.0e-4_wp
+  real(wp), parameter :: FORCING_LEAST = 1.0e-8_wp, FORCING_ALONE = 1.0e-12_wp
+  real(wp), parameter :: NEARLY = 3.0_wp !! times as large as expected of a linear problem
+  real(wp), parameter :: MARGIN = 0.2_wp !! of the tolerance, for the residual that a solve leaves
   integer, parameter :: MOST_FLIPS = 5 !! number of consecutive changes of sign that shows an
   !! alternation
 
@@ -143,6 +152,51 @@ contains
 
     needs_line_search = size(model%contact) > 0 .and. newton%iterations - newton%before > PATIENCE
   end function needs_line_search
+
+  !> Relative residual to which a linear system is solved (inexact Newton).
+  !!
+  !! Exact factors reach far more. With kept factors every digit takes an iteration, and a solve
+  !! needs no more digits than Newton's iteration can use: where it converges quadratically, the
+  !! residual falls by the square of its last ratio. It need not fall far below the tolerance
+  !! either. If the last solve left what it would in a linear problem, this one goes on to the
+  !! tolerance.
+  !! Source: Eisenstat and Walker 1996 [bib: eisenstat1996]
+  pure real(wp) function find_forcing(newton, pass) result(eta)
+    type(newton_t), intent(in) :: newton
+    type(pass_t), intent(in) :: pass
+    real(wp) :: gain
+
+    eta = FORCING
+    if (.not. newton%system%keeps_factors()) return
+    if (newton%alone) then
+      eta = FORCING_ALONE
+    else if (newton%moves) then
+      eta = FORCING_MOVED
+    else if (pass%residual <= force_tolerance(pass)) then
+      eta = FORCING_LAST
+    else
+      if (size(newton%asm%contact) > 0) eta = FORCING_CONTACT
+      gain = 1.0_wp
+      if (pass%residual <= NEARLY*newton%expected) then
+        gain = 0.0_wp
+      else if (newton%before_solve > 0.0_wp) then
+        gain = (pass%residual/newton%before_solve)**2
+      end if
+      gain = max(gain, MARGIN*force_tolerance(pass)/pass%residual)
+      eta = max(FORCING_LEAST, min(eta, gain))
+    end if
+  end function find_forcing
+
+  !> Are the signs of the pivots needed? They show whether a converged state is stable, and are part
+  !! of the treatment of bodies that contact does not hold and of steps that do not converge.
+  pure logical function needs_signs(newton, pass) result(yes)
+    type(newton_t), intent(in) :: newton
+    type(pass_t), intent(in) :: pass
+
+    yes = newton%hold%active .or. allocated(newton%asm%anchors%dv) &
+          .or. newton%iterations - newton%before > PATIENCE &
+          .or. (pass%residual <= force_tolerance(pass) .and. .not. newton%moves)
+  end function needs_signs
 
   !> Fraction of an increment to take. Points that alternate between two states of contact make
   !! Newton's iteration oscillate. If an increment reverses most of the previous one, Aitken's

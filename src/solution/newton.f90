@@ -11,11 +11,11 @@ module newton
   use continuation_type, only: turns_away
   use convergence, only: check_convergence, energy_tolerance, force_tolerance, &
                          find_largest_residual, node_spacing, find_floor, needs_line_search, &
-                         damping, count_flips
+                         needs_signs, find_forcing, damping, count_flips
   use csr, only: multiply
   use failure_text, only: name_element, name_singularity
   use line_search, only: search_line, step_by, retreat
-  use linear_system, only: new_linear_system, change_pattern, FULL
+  use linear_system, only: new_linear_system, change_pattern
   use model, only: model_t, state_t
   use newton_type, only: newton_t, pass_t
   use predictor, only: predict
@@ -30,8 +30,6 @@ module newton
   public :: newton_t, pass_t, begin_newton, prepare_newton, set_factorisation, form_system, &
             solve_system, close_newton
 
-  !> Tolerance of the relative residual of a linear solve with kept factors.
-  real(wp), parameter :: FORCING = 1.0e-3_wp
   integer, parameter :: MOST_HALVINGS = 6   !! of a prescribed increment
   !> The energy of the springs of `stabilisation` in an increment is negligible if it is smaller
   !! than this, relative to the whole energy of the increment.
@@ -55,6 +53,8 @@ contains
     newton%exact = .true.
     newton%may_retreat = .false.
     newton%largest_energy = 0.0_wp
+    newton%before_solve = 0.0_wp
+    newton%expected = 0.0_wp
     newton%sign = 0
     newton%flips = 0
     if (.not. allocated(newton%move)) allocate (newton%move(3, model%mesh%nnode))
@@ -171,15 +171,18 @@ contains
     if (newton%constraint%on) then
       call take_pattern(newton, model, error)
       if (allocated(error)) return
-      call solve_constrained(newton, model, state, FORCING, pass, error)
+      call solve_constrained(newton, model, state, find_forcing(newton, pass), pass, error)
       return
     end if
     call solve_held(newton, model, state, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
     moved = newton%moves
     newton%iterations = newton%iterations + 1
-    call count_flips(newton, merge(0, pass%solve%determinant, newton%symmetric))
-    newton%exact = newton%exact .and. newton%mode == FULL
+    call count_flips(newton, merge(0, pass%solve%determinant, &
+                                   newton%symmetric .or. .not. pass%solve%signed))
+    newton%exact = newton%exact .and. .not. newton%system%keeps_factors()
+    newton%before_solve = merge(0.0_wp, pass%residual, moved)
+    newton%expected = newton%forcing*maxval(abs(newton%rhs))
     call find_increment(newton, model, moved, du, pass)
     newton%has_moved = moved
     if (moved) newton%moved = newton%move
@@ -349,7 +352,9 @@ contains
     end if
     do
       if (newton%hold%springs) call add_springs(newton%hold, newton%asm%k)
-      call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, FORCING, pass%solve, error)
+      newton%forcing = find_forcing(newton, pass)
+      call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, newton%forcing, pass%solve, &
+                               error, signs=needs_signs(newton, pass))
       if (.not. (allocated(error) .or. pass%solve%singular)) then
         call solve_anchored(newton, model, pass%solve, error)
       end if
@@ -413,7 +418,7 @@ contains
   !> Set the options of FACTor; the analysis is repeated if one of them changes.
   subroutine set_factorisation(newton, mode, eps)
     type(newton_t), intent(inout) :: newton
-    integer, intent(in) :: mode        !! FULL, REUSE, SINGLE, LOWRANK
+    integer, intent(in) :: mode        !! FULL, REUSE, SINGLE, LOWRANK, AUTO
     real(wp), intent(in) :: eps        !! accuracy of LOWRANK
 
     if (newton%ready .and. (mode /= newton%mode .or. abs(eps - newton%eps) > 0.0_wp)) then

@@ -3,7 +3,7 @@ module newton_type
   use assembly, only: assembler_t, sweep_t
   use base_kinds, only: wp
   use continuation_type, only: path_constraint_t
-  use linear_system, only: linear_system_t, solve_report_t, FULL
+  use linear_system, only: linear_system_t, solve_report_t, AUTO
   use stabilisation, only: stabilisation_t
   implicit none
   private
@@ -16,15 +16,19 @@ module newton_type
     type(stabilisation_t) :: hold      !! of bodies that contact does not hold yet
     logical :: ready = .false.         !! matrix pattern and symbolic factorisation exist
     logical :: symmetric = .true.      !! they are for a symmetric matrix
-    integer :: mode = FULL             !! FACTor
+    integer :: mode = AUTO             !! FACTor
     real(wp) :: eps = 0.0_wp           !! accuracy of LOWRank
     real(wp) :: tolerance = 1.0e-16_wp !! TOL
     integer :: iterations = 0          !! number of solves in this step
     integer :: before = 0              !! number of solves before the last augmentation
+    logical :: alone = .false.         !! the deck does not repeat this solve in a loop
     logical :: converged = .false.
     logical :: exact = .true. !! every solve of the step was full Newton, without kept factors and
     !! with the whole tangent
     real(wp) :: largest_energy = 0.0_wp !! largest energy of an increment of this step [F L]
+    real(wp) :: forcing = 0.0_wp       !! relative residual of the last solve
+    real(wp) :: before_solve = 0.0_wp  !! largest residual before it, 0: with prescribed motion [F]
+    real(wp) :: expected = 0.0_wp      !! largest residual after it if nothing is nonlinear [F]
     integer :: sign = 0                !! sign of the last tangent's determinant; 0: not known
     integer :: flips = 0               !! consecutive iterations that changed the sign
     real(wp), allocatable :: rhs(:)    !! (neq) [F]

@@ -19,7 +19,6 @@ module step
   use convergence, only: turns_back
   use energy_balance, only: accept_solution
   use friction_limit, only: sliding_text
-  use linear_system, only: FULL
   use model, only: model_t, state_t
   use newton, only: begin_newton, form_system, solve_system, close_newton
   use newton_type, only: pass_t
@@ -207,7 +206,7 @@ contains
         if (any(model%contact%scheme == HALFPASS)) hint = hint//'remove SCHEme HALFpass, or '
         hint = hint//'use UTAN,LINE,1 or NORMal ... SMOOth d'
       end if
-      if (.not. step%newton%exact .and. step%newton%mode == FULL) then
+      if (.not. step%newton%exact .and. .not. step%newton%system%keeps_factors()) then
         hint = 'TANG leaves out the unsymmetric part of the tangent: use UTAN,,1; '//hint
       end if
       if (turns_back(step%newton)) then
@@ -330,7 +329,7 @@ contains
     integer :: negative
 
     associate (pass => step%pass, total => step%total)
-      if (.not. pass%solve%factorised) return
+      if (.not. pass%solve%signed) return
       negative = pass%solve%negative + pass%sweep%negative
       text = to_text(negative)//trim(merge(' negative pivot ', ' negative pivots', negative == 1))
       if (negative == 0 .and. .not. step%newton%symmetric .and. pass%solve%determinant < 0) then
