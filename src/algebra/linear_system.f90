@@ -70,6 +70,7 @@ module linear_system
     real(wp), allocatable, private :: probe(:) !! (neq) load that shows indefiniteness
   contains
     procedure :: solve
+    procedure :: find_signs
     procedure :: keeps_factors
     procedure :: estimate_mb
     procedure :: force_refactor
@@ -205,6 +206,27 @@ contains
     report%residual = run%residual
     call note_solve(ls%policy, run%iterations, max(FEWEST_DIGITS, -log10(tolerance)))
   end subroutine solve
+
+  !> AUTO: find the signs of the pivots of the last matrix after a solve, if it did not need them.
+  subroutine find_signs(ls, a, report, error)
+    class(linear_system_t), intent(inout) :: ls
+    type(block_matrix_t), intent(in) :: a
+    type(solve_report_t), intent(inout) :: report !! of the solve
+    type(error_t), allocatable, intent(out) :: error
+    logical :: inexact
+
+    if (report%signed .or. .not. ls%automatic .or. ls%neq == 0) return
+    inexact = .not. ls%factors%exact
+    call prove_definite(ls, a, report, error)
+    if (allocated(error) .or. report%signed) return
+    do
+      call factorise(ls, a, report, error)
+      if (allocated(error) .or. report%singular) return
+      if (.not. are_doubtful(ls)) exit
+      call be_exact(ls%factors)
+    end do
+    report%gave_up_single = report%gave_up_single .or. (inexact .and. ls%factors%exact)
+  end subroutine find_signs
 
   !> Factorise the matrix, and report the times of this and of analyses since the last report.
   subroutine factorise(ls, a, report, error)

@@ -47,7 +47,7 @@ contains
     call solve_both(newton, model, state, forcing, a, b, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
     newton%iterations = newton%iterations + 1
-    newton%exact = newton%exact .and. .not. newton%system%keeps_factors()
+    newton%forcing = forcing
     call find_time(newton%constraint, state%time, measure, sum(slope*a), sum(slope*b), dt, &
                    arrived, pass%ok)
     if (.not. pass%ok) then

@@ -34,10 +34,11 @@ module convergence
   real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a shortened increment
   !> Relative residuals of linear solves: the largest; with kept factors those of an increment with
   !! prescribed motion, of one with contact, of a solve which only confirms convergence, and of one
-  !! that is not repeated; the smallest of the others.
+  !! that is not repeated or not held by supports; the smallest of the others.
   real(wp), parameter :: FORCING = 1.0e-3_wp, FORCING_MOVED = 1.0e-4_wp, FORCING_LAST = 0.1_wp
   real(wp), parameter :: FORCING_CONTACT = 1.0e-4_wp
   real(wp), parameter :: FORCING_LEAST = 1.0e-8_wp, FORCING_ALONE = 1.0e-12_wp
+  real(wp), parameter :: FORCING_NEWTON = 1.0e-4_wp !! up to this, an increment is Newton's
   real(wp), parameter :: NEARLY = 3.0_wp !! times as large as expected of a linear problem
   real(wp), parameter :: MARGIN = 0.2_wp !! of the tolerance, for the residual that a solve leaves
   integer, parameter :: MOST_FLIPS = 5 !! number of consecutive changes of sign that shows an
@@ -59,10 +60,27 @@ contains
       return
     end if
     newton%converged = .not. moved .and. pass%energy <= energy_tolerance(newton, pass)
-    if (newton%converged .and. .not. newton%exact) then
+    if (newton%converged .and. .not. is_newton_increment(newton)) then
       newton%converged = pass%residual <= force_tolerance(pass)
     end if
   end subroutine check_convergence
+
+  !> Is the increment that of the whole tangent, up to a small error?
+  pure logical function is_newton_increment(newton)
+    type(newton_t), intent(in) :: newton
+
+    is_newton_increment = newton%exact
+    if (newton%system%keeps_factors()) then
+      is_newton_increment = newton%exact .and. newton%forcing <= FORCING_NEWTON
+    end if
+  end function is_newton_increment
+
+  !> Is a body held by nothing but springs or anchors?
+  pure logical function is_held(newton)
+    type(newton_t), intent(in) :: newton
+
+    is_held = newton%hold%active .or. allocated(newton%asm%anchors%dv)
+  end function is_held
 
   !> Largest |du.r| that passes the test.
   pure real(wp) function energy_tolerance(newton, pass) result(energy)
@@ -168,7 +186,7 @@ contains
 
     eta = FORCING
     if (.not. newton%system%keeps_factors()) return
-    if (newton%alone) then
+    if (newton%alone .or. is_held(newton)) then
       eta = FORCING_ALONE
     else if (newton%moves) then
       eta = FORCING_MOVED
@@ -187,14 +205,14 @@ contains
     end if
   end function find_forcing
 
-  !> Are the signs of the pivots needed? They show whether a converged state is stable, and are part
-  !! of the treatment of bodies that contact does not hold and of steps that do not converge.
+  !> Are the signs of the pivots needed in this solve? They show whether a converged state is
+  !! stable, and are part of the treatment of bodies that contact does not hold and of steps that do
+  !! not converge.
   pure logical function needs_signs(newton, pass) result(yes)
     type(newton_t), intent(in) :: newton
     type(pass_t), intent(in) :: pass
 
-    yes = newton%hold%active .or. allocated(newton%asm%anchors%dv) &
-          .or. newton%iterations - newton%before > PATIENCE &
+    yes = is_held(newton) .or. newton%iterations - newton%before > PATIENCE &
           .or. (pass%residual <= force_tolerance(pass) .and. .not. newton%moves)
   end function needs_signs
 

@@ -180,7 +180,6 @@ contains
     newton%iterations = newton%iterations + 1
     call count_flips(newton, merge(0, pass%solve%determinant, &
                                    newton%symmetric .or. .not. pass%solve%signed))
-    newton%exact = newton%exact .and. .not. newton%system%keeps_factors()
     newton%before_solve = merge(0.0_wp, pass%residual, moved)
     newton%expected = newton%forcing*maxval(abs(newton%rhs))
     call find_increment(newton, model, moved, du, pass)
@@ -190,6 +189,9 @@ contains
     call check_convergence(newton, pass, moved)
     if (.not. pass%ok) return
     if (newton%converged) then
+      call newton%system%find_signs(newton%asm%k, pass%solve, error)
+      if (.not. allocated(error)) call name_trouble(model, state, pass)
+      if (allocated(error) .or. .not. pass%ok) return
       call release_loaded(newton%hold, model, state, newton%asm%anchors, &
                           sum_of_loads(newton, model, state), loaded)
       newton%converged = .not. loaded
@@ -363,6 +365,15 @@ contains
       if (.not. pass%solve%singular) exit
       if (.not. use_springs(newton%hold, state)) exit
     end do
+    call name_trouble(model, state, pass)
+  end subroutine solve_tangent
+
+  !> Name the reason if the system has no solution.
+  subroutine name_trouble(model, state, pass)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(pass_t), intent(inout) :: pass
+
     if (pass%solve%singular) then
       pass%ok = .false.
       call name_singularity(model, state, pass%solve%null, pass%trouble, pass%hopeless)
@@ -370,7 +381,7 @@ contains
       pass%ok = .false.
       pass%trouble = 'the tangent is so nearly singular that its system cannot be solved'
     end if
-  end subroutine solve_tangent
+  end subroutine name_trouble
 
   !> Find the reactions at the final displacements. A step that has not passed its test yet is
   !! tested once more.

@@ -23,8 +23,7 @@ module newton_type
     integer :: before = 0              !! number of solves before the last augmentation
     logical :: alone = .false.         !! the deck does not repeat this solve in a loop
     logical :: converged = .false.
-    logical :: exact = .true. !! every solve of the step was full Newton, without kept factors and
-    !! with the whole tangent
+    logical :: exact = .true.          !! every solve of the step had the whole tangent
     real(wp) :: largest_energy = 0.0_wp !! largest energy of an increment of this step [F L]
     real(wp) :: forcing = 0.0_wp       !! relative residual of the last solve
     real(wp) :: before_solve = 0.0_wp  !! largest residual before it, 0: with prescribed motion [F]

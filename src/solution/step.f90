@@ -206,7 +206,7 @@ contains
         if (any(model%contact%scheme == HALFPASS)) hint = hint//'remove SCHEme HALFpass, or '
         hint = hint//'use UTAN,LINE,1 or NORMal ... SMOOth d'
       end if
-      if (.not. step%newton%exact .and. .not. step%newton%system%keeps_factors()) then
+      if (.not. step%newton%exact) then
         hint = 'TANG leaves out the unsymmetric part of the tangent: use UTAN,,1; '//hint
       end if
       if (turns_back(step%newton)) then

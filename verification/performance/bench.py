@@ -26,6 +26,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 RECORD = HERE / "record.json"
 FULL = "full"
 OURS = {  # name: element, FACTor
+    "default": ("Q1", "AUTO"),
     "reuse": ("Q1", "REUSe"),
     "single": ("Q1", "SINGle"),
     "reuse, Q1E9": ("Q1E9", "REUSe"),
@@ -70,8 +71,10 @@ def main():
     result["peel"] = bench_peel.time_peel(bezel, folder)
     if o.large:
         print(f"bench: one step at n={o.large}", flush=True)
-        large = runs.run_bezel(bezel, folder, "large", o.large, steps=1)
-        short = runs.run_bezel(bezel, folder, "short", o.large, steps=1, limit_mb=o.short)
+        large = runs.run_bezel(bezel, folder, "large", o.large, factor="FULL", steps=1)
+        short = runs.run_bezel(
+            bezel, folder, "short", o.large, factor="FULL", steps=1, limit_mb=o.short
+        )
         result["large"] = large | {"n": o.large, "limit_mb": o.short}
         result["large"]["short_of_memory"] = short.get("message", "it ran")
     return finish(result, folder, parts, o.record)
@@ -118,7 +121,7 @@ def time_cube(bezel, folder, n, rounds, missing):
     names = [*OURS, *OTHERS]
 
     def full():
-        return note(samples, FULL, runs.run_bezel(bezel, folder, FULL, n))
+        return note(samples, FULL, runs.run_bezel(bezel, folder, FULL, n, factor="FULL"))
 
     for turn in range(rounds):
         before = full()

@@ -4,6 +4,7 @@ import json
 import pathlib
 
 from verification.performance import bench_runs as runs
+from verification.performance.bench_contact import PARTS
 
 DECKS = pathlib.Path(__file__).resolve().parents[1] / "benchmark/section5_debonding"
 
@@ -19,7 +20,7 @@ def time_peel(bezel, folder):
         raise SystemExit(f"bench: error: bezel ended with {code}: {errors.strip()}")
     report = json.loads((folder / "iga2.report.json").read_text())
     seconds = report["seconds"]
-    solving = sum(seconds[part] for part in ("assembly", "contact", "factorise", "solve"))
+    solving = sum(seconds[part] for part in PARTS)
     counts = {key: report[key] for key in ("steps", "iterations", "cutbacks", "equations")}
     return counts | {"wall": wall, "cpu": cpu, "share": seconds["contact"] / solving}
 

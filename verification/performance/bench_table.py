@@ -4,6 +4,7 @@ from verification.performance import bench_contact, bench_peel
 
 TITLES = {
     "full": "bezel, full Newton",
+    "default": "bezel, default (FACTor AUTO)",
     "reuse": "bezel, FACTor REUSe",
     "single": "bezel, FACTor SINGle",
     "reuse, Q1E9": "bezel, Q1E9, FACTor REUSe",
@@ -16,7 +17,7 @@ TITLES = {
 def same_force(result, tolerance):
     """Whether bezel's solvers agree with each other and with FElupe; Q1E9 and CalculiX solve another problem."""
     rows = result["runs"]
-    same = [n for n in ("reuse", "single", "felupe", "felupe, symmetric") if n in rows]
+    same = [n for n in ("default", "reuse", "single", "felupe", "felupe, symmetric") if n in rows]
     return all(difference(rows, name) <= tolerance for name in same)
 
 
