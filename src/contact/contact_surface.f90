@@ -108,10 +108,11 @@ contains
     type(surface_basis_t), allocatable :: basis(:)
     type(surface_basis_t) :: new
     type(cell_t) :: cell
-    integer(i8) :: key(surface%nelem), last
+    integer(i8) :: key(surface%nelem), last, radix
     integer :: order(surface%nelem), i, k, f, n, nbasis
 
-    key = [(face_key(mesh, surface, f), f=1, surface%nelem)]
+    radix = operator_radix(mesh, surface)
+    key = [(face_key(mesh, surface, f, radix), f=1, surface%nelem)]
     call sort_index(key, order)
     allocate (class(size(key)), basis(size(key)))
     n = 0
@@ -143,33 +144,51 @@ contains
   end subroutine find_classes
 
   !> Key of the functions of a face. Faces with equal keys have the same functions: the same block,
-  !! face and extraction operators. If the key is negative, no other face has these functions.
-  integer(i8) function face_key(mesh, surface, f) result(key)
+  !! face and extraction operators. If the key is negative, no other face has these functions. All
+  !! blocks number their operators with the same radix; otherwise keys of two blocks
+  !! could be equal.
+  integer(i8) function face_key(mesh, surface, f, radix) result(key)
     type(mesh_t), intent(in) :: mesh
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: f
-    integer, parameter :: MOST_OPERATORS = 100000 ! with more, the key would overflow
-    integer(i8) :: n
+    integer(i8), intent(in) :: radix !! of operator_radix
     type(cell_t) :: cell
-    integer :: d
+    integer :: op(3)
 
     associate (block => mesh%block(surface%block(f)), ext => mesh%block(surface%block(f))%ext, &
                e => surface%elem(f))
-      key = 6*int(surface%block(f), i8) + surface%face(f)
-      n = 1
+      op = 0
       if (allocated(ext%surface)) then
-        key = key*(size(ext%surface) + 1) + ext%isurface(e)
+        op(1) = ext%isurface(e)
       else if (allocated(ext%op)) then
-        n = size(ext%op) + 1
-        do d = 1, 3
-          key = key*n + ext%iop(d, e)
-        end do
+        op = ext%iop(:, e)
       end if
+      key = 6*int(surface%block(f), i8) + surface%face(f)
       cell%degree = ext%degree
       if (allocated(ext%w)) cell%w = ext%w(:, e)
-      if (n > MOST_OPERATORS .or. is_mixed(cell, block%nen, surface%face(f))) key = -f
+      if (key >= huge(key)/radix/radix/radix .or. is_mixed(cell, block%nen, surface%face(f))) then
+        key = -f
+      else
+        key = ((key*radix + op(1))*radix + op(2))*radix + op(3)
+      end if
     end associate
   end function face_key
+
+  !> Radix of the keys: one more than the largest number of operators of a block.
+  pure integer(i8) function operator_radix(mesh, surface) result(radix)
+    type(mesh_t), intent(in) :: mesh
+    type(surface_t), intent(in) :: surface
+    integer :: b
+
+    radix = 1
+    do b = 1, size(mesh%block)
+      if (all(surface%block /= b)) cycle
+      associate (ext => mesh%block(b)%ext)
+        if (allocated(ext%surface)) radix = max(radix, size(ext%surface, kind=i8) + 1)
+        if (allocated(ext%op)) radix = max(radix, size(ext%op, kind=i8) + 1)
+      end associate
+    end do
+  end function operator_radix
 
   !> Set the n1 x n2 Gauss points of a contact, with the first direction fastest, and the functions
   !! of both sides at them. If contact%ncell > 1, the points of ncell x ncell cells follow
