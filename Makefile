@@ -98,12 +98,12 @@ endif
 include verification/unit/unit.mk
 include tools/packages/packages.mk
 
-.PHONY: check tests deck_errors post_tests reference patch trouble setup
+.PHONY: check tests deck_errors post_tests reference patch trouble bench_parts setup
 setup:
 	@tools/setup.sh
 check: setup
 	@$(MAKE) tests
-GOALS := runner unit deck_errors manual post_tests reference patch trouble
+GOALS := runner unit deck_errors manual post_tests reference patch trouble bench_parts
 WHAT_runner      := the runner of the unit tests judges failures as failures
 WHAT_unit        := unit tests; they are compiled first, which takes some minutes
 WHAT_deck_errors := bad decks, each with the message that it must give
@@ -112,6 +112,7 @@ WHAT_post_tests  := tests of post, verify and tools; a dot each
 WHAT_reference   := the second implementation beside the program, on the smallest meshes
 WHAT_patch       := patch tests: comparisons with exact answers
 WHAT_trouble     := files, signals, restarts; then decks that must not go wrong silently
+WHAT_bench_parts := the programs of make bench compile; they are not run
 tests:
 	@$(MAKE) $(B)/bezel
 	@failed=; $(foreach goal,$(GOALS),echo "== $(goal): $(WHAT_$(goal))"; \
@@ -183,6 +184,7 @@ bench:
 	@tools/setup.sh bench
 	@$(MAKE) $(B)/bezel $(BENCH)
 	@$(PYTHON) -m verification.performance.bench --bezel $(B)/bezel --out $(BUILD)/bench --parts $(BENCH) $(ARGS)
+bench_parts: $(BENCH)
 $(BENCH): $(B)/%: verification/performance/%.f90 $(B)/libbezel.a
 	@mkdir -p $(@D); $(FC) -std=f2008 $(WARN) $(OPT) -J$(@D) -I$(B) $^ $(LIBS) -o $@
 

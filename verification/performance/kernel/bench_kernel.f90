@@ -2,6 +2,7 @@
 !! what dgemm reaches here. Results of many elements are summed so that nothing can be left out.
 program bench_kernel
   use base_cpu, only: vector_level
+  use base_error, only: error_t
   use base_kinds, only: wp, i8
   use basis_type, only: basis_t
   use blas_choice, only: prepare_blas
@@ -19,11 +20,13 @@ program bench_kernel
   !> The best of many short samples: what others do on the machine must not count.
   integer, parameter :: SAMPLES = 60
   integer(i8), parameter :: SAMPLE_TIME = 3000000_i8 ! [ns]
+  type(error_t), allocatable :: error
   real(wp) :: check
 
   check = 0.0_wp
   call prepare_blas()
-  call set_threads(1)
+  call set_threads(1, error)
+  if (allocated(error)) error stop 'no memory for the linear algebra'
   print '(a, i0, 2a)', ' element kernels, one thread; x86-64 level ', vector_level(), &
     ', BLAS kernel ', blas_kernel()
   call load_elements(element)

@@ -17,6 +17,7 @@ program bench_solver
   implicit none
 
   integer, parameter :: NMATRIX = 15 !! as many as Newton iterations in section 4 of the paper
+  type(error_t), allocatable :: error
   type(block_matrix_t) :: a
   type(clique_t) :: mesh(1)
   integer, allocatable :: map(:, :, :), eq(:, :)
@@ -25,7 +26,8 @@ program bench_solver
 
   n = argument(1, 16)
   threads = argument(2, 1)
-  call set_threads(threads)
+  call set_threads(threads, error)
+  if (allocated(error)) error stop 'no memory for the linear algebra'
   call make_mesh(n)
   call element_stiffness(0.3_wp, ke)
   print '(a, i0, a, i0, a, i0, 2a)', 'bar of ', size(mesh(1)%conn, 2), ' elements, ', neq, &
