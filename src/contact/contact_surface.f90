@@ -15,7 +15,7 @@ module contact_surface
   use surface_topology, only: connect_elements
   implicit none
   private
-  public :: build_surface, tabulate_contact
+  public :: build_surface, gather_faces, tabulate_contact
 
   !> A class of element faces with the same functions.
   type :: class_t
@@ -32,6 +32,20 @@ contains
     character(*), intent(in) :: name
     type(surface_t), intent(out) :: surface
     type(error_t), allocatable, intent(out) :: error
+
+    call gather_faces(mesh, block, elem, side, name, surface)
+    call connect_elements(mesh%xr, mesh%constraint, surface, error)
+    if (allocated(error)) return
+    call number_controls(surface)
+  end subroutine build_surface
+
+  !> Gather element faces with their nodes and functions. They may belong to several bodies: no
+  !! element has a neighbour.
+  subroutine gather_faces(mesh, block, elem, side, name, surface)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6
+    character(*), intent(in) :: name
+    type(surface_t), intent(out) :: surface
     type(class_t), allocatable :: class(:)
     type(cell_t) :: cell
     integer :: iclass(size(elem)), f, i
@@ -64,10 +78,7 @@ contains
         end do
       end associate
     end do
-    call connect_elements(mesh%xr, mesh%constraint, surface, error)
-    if (allocated(error)) return
-    call number_controls(surface)
-  end subroutine build_surface
+  end subroutine gather_faces
 
   !> Number the control points of a surface: its nodes, or the vertices if some function of the
   !! surface is negative somewhere (Lagrange functions of higher degree).
@@ -145,8 +156,7 @@ contains
 
   !> Key of the functions of a face. Faces with equal keys have the same functions: the same block,
   !! face and extraction operators. If the key is negative, no other face has these functions. All
-  !! blocks number their operators with the same radix; otherwise keys of two blocks
-  !! could be equal.
+  !! blocks number their operators with the same radix; otherwise keys of two blocks could be equal.
   integer(i8) function face_key(mesh, surface, f, radix) result(key)
     type(mesh_t), intent(in) :: mesh
     type(surface_t), intent(in) :: surface

@@ -17,6 +17,7 @@ module input_model
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use input_rigid, only: hold_rigid
   use input_tie, only: find_tied, tie_nodes
+  use input_touching, only: warn_touching
   use input_untied, only: warn_untied
   use mesh, only: place_origin
   use model, only: model_t
@@ -41,6 +42,7 @@ contains
     type(error_t), allocatable, intent(out) :: error !! an error after which reading cannot continue
     type(draft_t) :: draft
     integer, allocatable :: tied(:) ! (nnode) the node that replaces each node after TIE
+    logical, allocatable :: told(:, :) ! (nbody, nbody) pairs of bodies that were warned of
 
     call load_mesh_words(draft%row)
     allocate (draft%model)
@@ -79,8 +81,9 @@ contains
         call warn_locking(draft, mesh)
         call place_origin(mesh)
         call build_contacts(draft, draft%model)
-        if (draft%errors%count() == 0) call warn_untied(draft, mesh)
         if (draft%errors%count() > 0) exit stages
+        call warn_untied(draft, mesh, told)
+        call warn_touching(draft, mesh, draft%model%contact, told)
         call integrate_loads(draft%model)
       end associate
     end block stages

@@ -35,13 +35,15 @@ contains
 
   !> Warn of the pairs of bodies that touch and are tied only in part, or not at all. Bodies between
   !! which a contact acts are skipped.
-  subroutine warn_untied(draft, mesh)
+  subroutine warn_untied(draft, mesh, told)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
+    logical, allocatable, intent(out) :: told(:, :) !! (nbody, nbody) the pairs, first body first
     type(skin_t), allocatable :: skin(:)
     real(wp) :: near
     integer :: a, b, n, tied
 
+    allocate (told(size(mesh%body), size(mesh%body)), source=.false.)
     if (size(mesh%body) < 2 .or. size(draft%tie) == 0 .or. mesh%nnode == 0) return
     near = ON_FACE*maxval(maxval(mesh%xr, 2) - minval(mesh%xr, 2))
     allocate (skin(size(mesh%body)))
@@ -54,6 +56,7 @@ contains
         if (in_contact(draft, mesh%body(a)%name, mesh%body(b)%name)) cycle
         n = loose(mesh, a, b, skin, near) + loose(mesh, b, a, skin, near)
         if (n == 0) cycle
+        told(a, b) = .true.
         tied = shared(mesh%body(a)%node, mesh%body(b)%node)
         call warn('TIE joins '//to_text(tied)//' nodes of '//quoted(mesh%body(a)%name)//' and ' &
                   //quoted(mesh%body(b)%name)//'; '//to_text(n)//' nodes on their common face ' &

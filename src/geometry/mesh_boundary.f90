@@ -1,0 +1,67 @@
+!> Outer faces of the elements that belong to no body (BLOCk, ELEMents): faces whose corners no
+!! other of these elements shares. Bodies know their faces themselves.
+module mesh_boundary
+  use base_kinds, only: i8
+  use base_sort, only: hash, sort_index, unique
+  use element_type, only: cell_t, topology_t
+  use mesh, only: mesh_t, block_cell
+  implicit none
+  private
+  public :: find_outer_faces
+
+  integer, parameter :: MOST = 4 !! corners of a face
+
+contains
+
+  !> Find the outer faces of all elements without a body.
+  subroutine find_outer_faces(mesh, block, elem, side)
+    type(mesh_t), intent(in) :: mesh
+    integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
+    integer, allocatable :: corner(:, :) ! (MOST, n) in ascending order; a triangle begins with 0
+    integer(i8), allocatable :: key(:)
+    integer, allocatable :: order(:), node(:)
+    logical, allocatable :: outer(:)
+    type(topology_t) :: topology
+    type(cell_t) :: cell
+    integer :: b, e, f, i, j, n
+
+    n = 6*sum([(mesh%block(b)%nelem, b=1, size(mesh%block))], mesh%block%body == 0)
+    allocate (block(n), elem(n), side(n), corner(MOST, n), key(n))
+    n = 0
+    do b = 1, size(mesh%block)
+      associate (set => mesh%block(b))
+        if (set%body > 0 .or. set%nelem == 0) cycle
+        call block_cell(set, 1, cell)
+        call set%row%topology(cell, topology)
+        do e = 1, set%nelem
+          do f = 1, topology%nface
+            node = topology%node(topology%first(f):topology%first(f + 1) - 1)
+            node = pack(node, [(any(topology%corner == node(i)), i=1, size(node))])
+            node = unique(set%conn(node, e))
+            if (size(node) < 3) cycle ! the face is collapsed
+            n = n + 1
+            block(n) = b
+            elem(n) = e
+            side(n) = f
+            corner(:, n) = 0
+            corner(MOST - size(node) + 1:, n) = node
+            key(n) = hash(node)
+          end do
+        end do
+      end associate
+    end do
+    allocate (order(n), outer(n))
+    outer = .true.
+    call sort_index(key(:n), order)
+    do i = 2, n
+      do j = i - 1, 1, -1
+        if (key(order(j)) /= key(order(i))) exit
+        if (all(corner(:, order(j)) == corner(:, order(i)))) outer(order([i, j])) = .false.
+      end do
+    end do
+    block = pack(block(:n), outer)
+    elem = pack(elem(:n), outer)
+    side = pack(side(:n), outer)
+  end subroutine find_outer_faces
+
+end module mesh_boundary

@@ -1,0 +1,494 @@
+!> Looks for faces of elements that touch each other and that neither common nodes nor a contact
+!! joins. The bodies do not act on each other there, or a body comes apart, and nothing else in the
+!! results says so.
+module input_touching
+  use base_error, only: place_t
+  use base_kinds, only: wp
+  use base_log, only: warn
+  use base_text, only: to_text, quoted
+  use constraint, only: slave_marks
+  use contact_pair, only: contact_t, surface_t
+  use contact_surface, only: gather_faces
+  use input_draft, only: draft_t
+  use mesh, only: mesh_t, is_rigid
+  use mesh_boundary, only: find_outer_faces
+  use projection_type, only: shape_t
+  use surface_geometry, only: surface_point, update_shape
+  use tensor, only: cross
+  implicit none
+  private
+  public :: warn_touching
+
+  !> Faces touch if their distance, relative to the smaller face, is less than this.
+  real(wp), parameter :: TOUCHING = 1.0e-6_wp
+  !> Flat elements of two curved surfaces that touch overlap in places and are apart in others, by
+  !! up to this fraction of a face, and not by more than this fraction of the depth of an element.
+  real(wp), parameter :: CURVED = 0.05_wp, SHALLOW = 0.2_wp
+  real(wp), parameter :: OPPOSITE = -0.7_wp !! largest cosine of the angle between outward normals
+  integer, parameter :: NPOINT = 4          !! points of a face in each of its two directions
+  integer, parameter :: MOST_STEPS = 20
+  integer, parameter :: MOST_PAIRS = 5      !! that are named one by one
+  real(wp), parameter :: BORDER = 1.0e-6_wp !! parameter beyond the border that is rounding
+
+  !> All outer faces, and buckets of those that are near each other.
+  type :: skin_t
+    type(surface_t) :: surface
+    type(shape_t) :: shape
+    integer, allocatable :: body(:)    !! (nelem) body of each face; 0: the elements have none
+    logical, allocatable :: rigid(:)   !! (nelem)
+    real(wp), allocatable :: width(:)  !! (nelem) largest extent of a face [L]
+    real(wp), allocatable :: depth(:)  !! (nelem) of the element behind a face [L]
+    integer, allocatable :: side(:, :) !! (nelem, ncontact) bits 0 and 1: it is on that side
+    real(wp) :: low(3) = 0.0_wp, cell = 1.0_wp !! corner and width of the buckets [L]
+    integer :: n(3) = 1                !! number of buckets
+    integer, allocatable :: first(:)   !! where the faces of a bucket begin
+    integer, allocatable :: face(:)
+  end type skin_t
+
+  !> Two bodies that touch, or a body that touches itself.
+  type :: pair_t
+    integer :: body(2) = 0
+    integer :: face = 0                !! a face of the second one that touches
+    real(wp) :: area(2) = 0.0_wp       !! of each that touches the other [L^2]
+    real(wp) :: near(2) = 0.0_wp       !! the same with distances up to CURVED [L^2]
+    logical :: overlaps = .false.      !! at some of these points
+  end type pair_t
+
+contains
+
+  !> Warn of each pair of bodies whose faces touch and are not joined, and of each body that has
+  !! such faces itself.
+  subroutine warn_touching(draft, mesh, contact, told)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    logical, intent(in) :: told(:, :) !! (nbody, nbody) pairs that a warning has named already
+    type(skin_t) :: skin
+    type(pair_t), allocatable :: pair(:)
+    logical, allocatable :: double(:) ! (nnode) another node that is not joined lies here
+    integer :: n, p, npair
+
+    call make_skin(mesh, contact, skin)
+    if (skin%surface%nelem < 2) return
+    call find_pairs(mesh, contact, skin, pair, npair, double)
+    n = 0
+    do p = 1, npair
+      associate (a => pair(p)%body(1), b => pair(p)%body(2))
+        if (.not. any(pair(p)%area > 0.0_wp) .and. .not. pair(p)%overlaps) cycle
+        if (a > 0) then
+          if (told(a, b)) cycle
+        end if
+        n = n + 1
+        if (n > MOST_PAIRS) then
+          cycle
+        else if (a == b) then
+          call warn_seam(draft, mesh, skin, pair(p), double)
+        else
+          call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' touch over an area of ' &
+                    //'about '//to_text(maxval(area_of(pair(p))), 2)//' where nothing joins ' &
+                    //'them: they do not act on each other there', &
+                    place_of(draft, mesh, skin, pair(p)), &
+                    'TIE joins nodes at one position; CONTact between these faces lets them ' &
+                    //'press and slide, or bonds them with COHEsive')
+        end if
+      end associate
+    end do
+    if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies touch where ' &
+                                  //'nothing joins them')
+  end subroutine warn_touching
+
+  !> Area of each body that touches the other one [L^2]. If their elements overlap in places, they
+  !! are those of curved surfaces.
+  pure function area_of(pair) result(area)
+    type(pair_t), intent(in) :: pair
+    real(wp) :: area(2)
+
+    area = pair%area
+    if (pair%overlaps) area = pair%near
+  end function area_of
+
+  !> Warn of a body that comes apart, or of the elements that belong to no body.
+  subroutine warn_seam(draft, mesh, skin, pair, double)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), intent(in) :: skin
+    type(pair_t), intent(in) :: pair
+    logical, intent(in) :: double(:)  !! (nnode)
+    logical :: seen(size(double))
+    character(:), allocatable :: text, hint
+    integer :: e, n
+
+    seen = .false.
+    do e = 1, skin%surface%nelem
+      if (skin%body(e) /= pair%body(1)) cycle
+      seen(skin%surface%node(skin%surface%first(e):skin%surface%first(e + 1) - 1)) = .true.
+    end do
+    n = count(seen .and. double)
+    text = 'element faces of '//body_name(mesh, pair%body(1))//' touch over an area of about ' &
+           //to_text(sum(pair%area)/2, 2)//' and are not joined'
+    if (n > 0) then
+      text = text//': '//to_text(n)//' of their nodes lie where another node lies'
+      hint = 'TIE joins nodes at one position; without it, the body comes apart there'
+    else
+      hint = 'the body comes apart there: use meshes that match, and TIE'
+    end if
+    call warn(text, place_of(draft, mesh, skin, pair), hint)
+  end subroutine warn_seam
+
+  function body_name(mesh, body) result(text)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: body
+    character(:), allocatable :: text
+
+    text = 'the mesh'
+    if (body > 0) text = quoted(mesh%body(body)%name)
+  end function body_name
+
+  !> The place in the deck of the second body of a pair, or of one of its elements.
+  function place_of(draft, mesh, skin, pair) result(place)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), intent(in) :: skin
+    type(pair_t), intent(in) :: pair
+    type(place_t) :: place
+
+    if (pair%body(2) > 0) then
+      place = mesh%body(pair%body(2))%place
+    else
+      associate (block => mesh%block(skin%surface%block(pair%face)))
+        place = draft%places%at(draft%elements%place(block%number(skin%surface%elem(pair%face))))
+      end associate
+    end if
+  end function place_of
+
+  !> Gather the outer faces of all bodies, and sort them into buckets.
+  subroutine make_skin(mesh, contact, skin)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    type(skin_t), intent(out) :: skin
+    integer, allocatable :: block(:), elem(:), side(:)
+    integer :: b, f
+
+    call find_outer_faces(mesh, block, elem, side)
+    do b = 1, size(mesh%body)
+      do f = 1, 6
+        associate (face => mesh%body(b)%face(f))
+          block = [block, face%block]
+          elem = [elem, face%elem]
+          side = [side, face%side]
+        end associate
+      end do
+    end do
+    call gather_faces(mesh, block, elem, side, 'all faces', skin%surface)
+    if (size(block) == 0) return
+    call update_shape(skin%surface, mesh%xr, skin%shape)
+    skin%body = mesh%block(block)%body
+    skin%rigid = is_rigid(mesh%block(block))
+    skin%width = maxval(skin%shape%high - skin%shape%low, dim=1)
+    call find_depths(mesh, skin)
+    call mark_sides(contact, skin)
+    call fill_buckets(skin)
+  end subroutine make_skin
+
+  !> Estimate the depth of the element behind each face: twice the distance of the mean of its
+  !! nodes.
+  subroutine find_depths(mesh, skin)
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), intent(inout) :: skin
+    real(wp) :: x(3), a(3, 2), b(3, 3), n(3)
+    integer :: e
+
+    associate (s => skin%surface)
+      allocate (skin%depth(s%nelem))
+      do e = 1, s%nelem
+        call surface_point(s, skin%shape, e, [0.0_wp, 0.0_wp], x, a, b)
+        n = cross(a(:, 1), a(:, 2))
+        associate (node => mesh%block(s%block(e))%conn(:, s%elem(e)))
+          skin%depth(e) = 2*abs(dot_product(sum(mesh%xr(:, node), 2)/size(node) - x, n)) &
+                          /max(norm2(n), tiny(n))
+        end associate
+        if (skin%rigid(e)) skin%depth(e) = huge(n) ! it may be a surface alone
+      end do
+    end associate
+  end subroutine find_depths
+
+  !> Mark the faces on the two sides of each contact.
+  subroutine mark_sides(contact, skin)
+    type(contact_t), intent(in) :: contact(:)
+    type(skin_t), intent(inout) :: skin
+    integer, allocatable :: at(:, :, :) ! (6, nelem, nblock) number of each face
+    integer :: c, e, k, f
+
+    associate (s => skin%surface)
+      allocate (skin%side(s%nelem, size(contact)), source=0)
+      if (size(contact) == 0) return
+      allocate (at(maxval(s%face), maxval(s%elem), maxval(s%block)), source=0)
+      do e = 1, s%nelem
+        at(s%face(e), s%elem(e), s%block(e)) = e
+      end do
+      do c = 1, size(contact)
+        do k = 1, 2
+          do f = 1, contact(c)%side(k)%nelem
+            associate (side => contact(c)%side(k))
+              e = at(side%face(f), side%elem(f), side%block(f))
+            end associate
+            if (e > 0) skin%side(e, c) = ibset(skin%side(e, c), k - 1)
+          end do
+        end do
+      end do
+    end associate
+  end subroutine mark_sides
+
+  !> Sort the faces into buckets that are about as wide as a face; a face is in each bucket that its
+  !! box reaches.
+  subroutine fill_buckets(skin)
+    type(skin_t), intent(inout) :: skin
+    integer :: e, i, j, k, m, pass, from(3), to(3)
+    real(wp) :: high(3)
+
+    skin%low = minval(skin%shape%low, 2)
+    high = maxval(skin%shape%high, 2)
+    skin%cell = max(sum(skin%width)/size(skin%width), maxval(high - skin%low)*1.0e-6_wp, &
+                    tiny(1.0_wp)*1.0e3_wp)
+    do
+      skin%n = int(min((high - skin%low)/skin%cell, 1.0e6_wp)) + 1
+      if (product(real(skin%n, wp)) <= 4.0_wp*size(skin%width) + 8.0_wp) exit
+      skin%cell = 1.3_wp*skin%cell
+    end do
+    allocate (skin%first(product(skin%n) + 2), source=0)
+    do pass = 1, 2 ! count, then fill
+      do e = 1, skin%surface%nelem
+        from = bucket(skin, skin%shape%low(:, e) - CURVED*skin%width(e))
+        to = bucket(skin, skin%shape%high(:, e) + CURVED*skin%width(e))
+        do k = from(3), to(3)
+          do j = from(2), to(2)
+            do i = from(1), to(1)
+              m = number_of(skin, [i, j, k])
+              if (pass == 1) then
+                skin%first(m + 2) = skin%first(m + 2) + 1
+              else
+                skin%face(skin%first(m + 1)) = e
+                skin%first(m + 1) = skin%first(m + 1) + 1
+              end if
+            end do
+          end do
+        end do
+      end do
+      if (pass == 2) exit
+      skin%first(1:2) = 1
+      do m = 3, size(skin%first)
+        skin%first(m) = skin%first(m) + skin%first(m - 1)
+      end do
+      allocate (skin%face(skin%first(size(skin%first)) - 1))
+    end do
+  end subroutine fill_buckets
+
+  pure function bucket(skin, x) result(at)
+    type(skin_t), intent(in) :: skin
+    real(wp), intent(in) :: x(3)
+    integer :: at(3)
+
+    at = int(max(0.0_wp, min((x - skin%low)/skin%cell, skin%n - 1.0_wp))) + 1
+  end function bucket
+
+  pure integer function number_of(skin, at)
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: at(3)
+
+    number_of = at(1) + skin%n(1)*(at(2) - 1 + skin%n(2)*(at(3) - 1))
+  end function number_of
+
+  !> Find the pairs of bodies whose faces touch and are not joined, and the nodes of such faces that
+  !! lie where another node lies.
+  subroutine find_pairs(mesh, contact, skin, pair, npair, double)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    type(skin_t), intent(in) :: skin
+    type(pair_t), allocatable, intent(out) :: pair(:)
+    integer, intent(out) :: npair
+    logical, allocatable, intent(out) :: double(:)
+    logical, allocatable :: hangs(:)
+    real(wp) :: x(3), a(3, 2), b(3, 3), area(3), gap
+    integer :: e, f, i, k, p
+
+    allocate (pair(8), double(mesh%nnode))
+    npair = 0
+    double = .false.
+    hangs = [(.false., i=1, mesh%nnode)]
+    if (mesh%constraint%n > 0) hangs = slave_marks(mesh%constraint, mesh%nnode) > 0
+    associate (s => skin%surface)
+      do e = 1, s%nelem
+        if (any(hangs(s%node(s%first(e):s%first(e + 1) - 1)))) cycle ! its masters join it
+        do k = 0, NPOINT**2 - 1
+          call surface_point(s, skin%shape, e, (2*[mod(k, NPOINT), k/NPOINT] + 1)/real(NPOINT, wp) &
+                             - 1.0_wp, x, a, b)
+          area = cross(a(:, 1), a(:, 2))*(2.0_wp/NPOINT)**2
+          call find_face(mesh, contact, skin, e, x, area, f, gap)
+          if (f == 0) cycle
+          if (any(hangs(s%node(s%first(f):s%first(f + 1) - 1)))) cycle
+          call find_pair(skin%body(e), skin%body(f), f, pair, npair, p)
+          call count_point(merge(1, 2, skin%body(e) == pair(p)%body(1)), pair(p))
+          if (skin%body(e) == skin%body(f)) call mark_double(mesh, skin, e, f, double)
+        end do
+      end do
+    end associate
+
+  contains
+
+    !> Count a point of side k.
+    subroutine count_point(k, pair)
+      integer, intent(in) :: k
+      type(pair_t), intent(inout) :: pair
+      real(wp) :: equal
+
+      equal = TOUCHING*min(skin%width(e), skin%width(f))
+      pair%near(k) = pair%near(k) + norm2(area)
+      pair%overlaps = pair%overlaps .or. gap < -equal
+      if (abs(gap) > equal) return
+      pair%area(k) = pair%area(k) + norm2(area)
+    end subroutine count_point
+
+  end subroutine find_pairs
+
+  !> Find the face that touches a point of face e. There is none, f = 0, if one of the faces that
+  !! touch the point is joined to face e.
+  subroutine find_face(mesh, contact, skin, e, x, area, f, gap)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: e
+    real(wp), intent(in) :: x(3), area(3) !! the point, and the outward normal there
+    integer, intent(out) :: f
+    real(wp), intent(out) :: gap          !! [L] negative: the point is behind the face
+    real(wp) :: reach, g
+    integer :: i, m, other
+
+    f = 0
+    gap = huge(gap)
+    m = number_of(skin, bucket(skin, x))
+    do i = skin%first(m), skin%first(m + 1) - 1
+      other = skin%face(i)
+      if (other == e .or. (skin%rigid(e) .and. skin%rigid(other))) cycle
+      reach = min(skin%width(e), skin%width(other))
+      if (skin%body(e) == skin%body(other)) then
+        reach = TOUCHING*reach
+      else
+        reach = min(CURVED*reach, SHALLOW*min(skin%depth(e), skin%depth(other)))
+      end if
+      if (any(x < skin%shape%low(:, other) - reach)) cycle
+      if (any(x > skin%shape%high(:, other) + reach)) cycle
+      call measure(skin, other, x, area, g)
+      if (abs(g) > reach) cycle
+      if (is_joined(skin%surface, e, other) .or. in_contact(mesh, contact, skin, e, other)) then
+        f = 0
+        return
+      end if
+      if (abs(g) >= abs(gap)) cycle
+      gap = g
+      f = other
+    end do
+  end subroutine find_face
+
+  !> Find the gap between a point and a face, by Newton's method within the face. It is huge if the
+  !! closest point of the face is not opposite.
+  subroutine measure(skin, f, x, area, gap)
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: f
+    real(wp), intent(in) :: x(3), area(3)
+    real(wp), intent(out) :: gap
+    real(wp) :: xi(2), y(3), a(3, 2), b(3, 3), m(2, 2), r(2), step(2), det, n(3)
+    integer :: it
+
+    gap = huge(gap)
+    xi = 0.0_wp
+    do it = 1, MOST_STEPS
+      call surface_point(skin%surface, skin%shape, f, xi, y, a, b)
+      m = matmul(transpose(a), a)
+      r = matmul(x - y, a)
+      det = m(1, 1)*m(2, 2) - m(1, 2)**2
+      if (.not. det > epsilon(det)*m(1, 1)*m(2, 2)) return
+      step = [m(2, 2)*r(1) - m(1, 2)*r(2), m(1, 1)*r(2) - m(1, 2)*r(1)]/det
+      xi = max(-1.0_wp - 2*BORDER, min(1.0_wp + 2*BORDER, xi + step))
+      if (maxval(abs(step)) < BORDER) exit
+    end do
+    if (maxval(abs(xi)) > 1.0_wp + BORDER) return
+    n = cross(a(:, 1), a(:, 2))
+    if (dot_product(n, area) > OPPOSITE*norm2(n)*norm2(area)) return
+    gap = dot_product(x - y, n)/norm2(n)
+    if (norm2(x - y) > 2*abs(gap) + TOUCHING*skin%width(f)) gap = huge(gap)
+  end subroutine measure
+
+  !> Do all nodes of one of two faces belong to the other one too?
+  pure logical function is_joined(s, e, f)
+    type(surface_t), intent(in) :: s
+    integer, intent(in) :: e, f
+    integer :: i
+
+    associate (own => s%node(s%first(e):s%first(e + 1) - 1), &
+               other => s%node(s%first(f):s%first(f + 1) - 1))
+      is_joined = all([(any(other == own(i)), i=1, size(own))])
+      if (.not. is_joined) is_joined = all([(any(own == other(i)), i=1, size(other))])
+    end associate
+  end function is_joined
+
+  !> Does a contact between two bodies act on one of two faces of them?
+  pure logical function in_contact(mesh, contact, skin, e, f)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: e, f
+    integer :: c, body(2)
+
+    in_contact = .true.
+    do c = 1, size(contact)
+      if (skin%side(e, c) == 0 .and. skin%side(f, c) == 0) cycle
+      body = [mesh%block(contact(c)%side(1)%block(1))%body, &
+              mesh%block(contact(c)%side(2)%block(1))%body]
+      if (all(body == skin%body([e, f])) .or. all(body == skin%body([f, e]))) return
+    end do
+    in_contact = .false.
+  end function in_contact
+
+  !> Find the pair of two bodies in a list, or append it.
+  subroutine find_pair(a, b, face, pair, npair, p)
+    integer, intent(in) :: a, b, face !! two bodies; a face of the second one
+    type(pair_t), allocatable, intent(inout) :: pair(:)
+    integer, intent(inout) :: npair
+    integer, intent(out) :: p
+    type(pair_t), allocatable :: longer(:)
+
+    do p = 1, npair
+      if (pair(p)%body(1) == min(a, b) .and. pair(p)%body(2) == max(a, b)) return
+    end do
+    if (npair == size(pair)) then
+      allocate (longer(2*npair))
+      longer(:npair) = pair
+      call move_alloc(longer, pair)
+    end if
+    npair = p
+    pair(p)%body = [min(a, b), max(a, b)]
+    pair(p)%face = face
+  end subroutine find_pair
+
+  !> Mark the nodes of two faces that lie at one position.
+  subroutine mark_double(mesh, skin, e, f, double)
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: e, f
+    logical, intent(inout) :: double(:)
+    real(wp) :: near
+    integer :: i, j
+
+    near = TOUCHING*min(skin%width(e), skin%width(f))
+    associate (s => skin%surface)
+      do i = s%first(e), s%first(e + 1) - 1
+        do j = s%first(f), s%first(f + 1) - 1
+          if (s%node(i) == s%node(j)) cycle
+          if (any(abs(mesh%xr(:, s%node(i)) - mesh%xr(:, s%node(j))) > near)) cycle
+          double(s%node([i, j])) = .true.
+        end do
+      end do
+    end associate
+  end subroutine mark_double
+
+end module input_touching
