@@ -4,7 +4,8 @@ module command_load
   use base_kinds, only: wp
   use base_sort, only: unique
   use base_text, only: to_text
-  use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field
+  use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field, &
+                          check_fields
   use deck_expression, only: set_parameter
   use deck_record, only: record_t, check_count, RECORD_WORDS
   use deck_stream, only: deck_t, get_integer, get_real, get_assignment
@@ -33,6 +34,7 @@ contains
     integer, intent(out) :: first, last
     type(error_t), allocatable, intent(out) :: error
 
+    call check_fields(command, 2, 'PROP,,k1[,k2]', error, option=.false.)
     call whole_field(command, 1, first, error)
     call whole_field(command, 2, last, error)
     if (allocated(error)) return

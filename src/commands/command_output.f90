@@ -4,7 +4,7 @@ module command_output
   use base_text, only: to_text, quoted
   use command_checkpoint, only: write_checkpoint
   use command_files, only: open_files, write_fields
-  use command_type, only: run_t, command_t, command_row_t, new_row
+  use command_type, only: run_t, command_t, command_row_t, new_row, check_fields
   use deck_record, only: record_t
   use deck_stream, only: get_integer
   use fields, only: known_fields, named_fields
@@ -31,8 +31,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical :: saves
 
-    if (run%program%dry) return
     saves = command%record%key(1) == 'save'
+    if (saves) call check_fields(command, 0, 'SAVE', error) ! FEAP may name a file
+    if (allocated(error) .or. run%program%dry) return
     if (run%step%open) then
       run%plan%save = run%plan%save .or. saves
       run%plan%plot = run%plan%plot .or. .not. saves

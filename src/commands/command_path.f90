@@ -4,7 +4,7 @@ module command_path
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: quoted, to_text
-  use command_type, only: run_t, command_t, command_row_t, new_row
+  use command_type, only: run_t, command_t, command_row_t, new_row, check_fields
   use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC
   use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use energy_type, only: open_book
@@ -32,6 +32,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(continuation_t) :: default
 
+    call check_fields(command, merge(0, 1, command%option == 'off'), &
+                      trim(run%program%row(command%row)%usage), error)
+    if (allocated(error)) return
     associate (record => command%record, x => command%x(1))
       if (all(command%option /= ['    ', 'dyna', 'leng', 'loca', 'off '])) then
         call fail(error, DECK_ERROR, 'unknown method of continuation '//quoted(record%text(2)), &
@@ -91,7 +94,7 @@ contains
     character(*), parameter :: USAGE = &
                                'TRANsient,BACK | NEWMark,beta,gamma | HHT,beta,gamma,alpha | OFF'
     real(wp) :: beta, gamma, alpha
-    integer :: method
+    integer :: method, nnumber
     logical :: off
 
     if (all(command%option /= ['back', 'newm', 'hht ', 'off ', 'stat'])) then
@@ -99,6 +102,11 @@ contains
                 command%record%place(2), USAGE)
       return
     end if
+    nnumber = 0
+    if (command%option == 'newm') nnumber = 2
+    if (command%option == 'hht') nnumber = 3
+    call check_fields(command, nnumber, USAGE, error)
+    if (allocated(error)) return
     call set_scheme(command, method, beta, gamma, alpha)
     off = any(command%option == ['off ', 'stat'])
     if (.not. (beta > 0.0_wp .and. gamma >= 0.5_wp .and. alpha <= 0.0_wp &

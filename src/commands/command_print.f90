@@ -4,7 +4,7 @@ module command_print
   use base_kinds, only: wp
   use base_text, only: to_text
   use byte_file, only: open_bytes
-  use command_type, only: run_t, command_t, command_row_t, new_row, whole_field
+  use command_type, only: run_t, command_t, command_row_t, new_row, whole_field, check_fields
   use newton, only: form_system
   use newton_type, only: pass_t
   use print_tables, only: print_displacements, print_reactions, print_stresses, print_nodal_stresses
@@ -29,6 +29,8 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
+    call check_fields(command, 0, trim(run%program%row(command%row)%usage), error, option=.false.)
+    if (allocated(error)) return
     if (.not. run%program%dry) run%plan%prints = command%record%key(1) == 'prin'
   end subroutine run_switch
 
@@ -83,7 +85,7 @@ contains
     type(command_t), intent(in) :: command
     integer, intent(out) :: first, last, step
     type(error_t), allocatable, intent(out) :: error
-    integer :: most
+    integer :: most, nnumber
 
     if (all(command%option /= ['    ', 'all ', 'node', 'coor']) .or. &
         (command%option == 'node' .and. command%record%key(1) /= 'stre')) then
@@ -91,6 +93,11 @@ contains
                 command%record%place(2), trim(run%program%row(command%row)%usage))
       return
     end if
+    nnumber = 3
+    if (command%option == 'all') nnumber = 0
+    if (command%option == 'coor') nnumber = 2
+    call check_fields(command, nnumber, trim(run%program%row(command%row)%usage), error)
+    if (allocated(error)) return
     most = run%model%mesh%nnode
     if (command%record%key(1) == 'stre' .and. all(command%option /= ['node', 'coor'])) then
       most = sum(run%model%mesh%block%nelem)

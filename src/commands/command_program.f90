@@ -10,7 +10,7 @@ module command_program
   use command_type, only: run_t, program_t, command_t, data_t
   use deck_expression, only: params_t
   use deck_feap, only: command_hint
-  use deck_record, only: record_t, check_count, RECORD_WORDS, RECORD_END
+  use deck_record, only: record_t, check_count, check_numbers, RECORD_WORDS, RECORD_END
   use deck_stream, only: get_real
   use step_control, only: step_control_t
   implicit none
@@ -50,7 +50,10 @@ contains
       if (allocated(error)) return
       if (record%kind == RECORD_END) exit
       if (record%kind /= RECORD_WORDS) cycle
-      if (record%key(1) == 'stop') exit
+      if (record%key(1) == 'stop') then
+        call check_numbers(record, 2, 'STOP takes no numbers', error)
+        exit
+      end if
       if (record%key(1) /= 'batc') then
         call fail(error, DECK_ERROR, "unexpected '"//record%text(1)//"'", record%place(1), &
                   'after the mesh come BATCh ... END, the data of its commands and STOP')
@@ -60,9 +63,11 @@ contains
         end if
         return
       end if
-      call read_batch(run, record, errors, error)
+      call check_numbers(record, 2, 'BATCh takes no numbers', error)
+      if (.not. allocated(error)) call read_batch(run, record, errors, error)
       if (allocated(error)) return
     end do
+    if (allocated(error)) return
     ! Undo what the dry run changed.
     run%program%dry = .false.
     run%program%counter = 1
@@ -95,7 +100,11 @@ contains
                   'close the commands with END')
         return
       end if
-      if (record%key(1) == 'end') exit
+      if (record%key(1) == 'end') then
+        call check_numbers(record, 2, 'END takes no numbers', error)
+        if (allocated(error)) return
+        exit
+      end if
       if (record%key(1) == 'incl') then
         call run%deck%include(record, error)
         if (allocated(error)) return

@@ -6,7 +6,8 @@ module command_solve
   use base_system, only: wall_seconds
   use base_text, only: to_text
   use command_step, only: open_step_here, take_outcome
-  use command_type, only: run_t, command_t, command_row_t, program_t, new_row
+  use command_type, only: run_t, command_t, command_row_t, program_t, new_row, &
+                          check_fields
   use linear_system, only: FULL, REUSE, SINGLE, LOWRANK, AUTO
   use model, only: model_t
   use newton, only: set_factorisation
@@ -36,7 +37,15 @@ contains
     logical :: symmetric
 
     call check_option(command, error)
-    if (allocated(error) .or. run%program%dry) return
+    call check_fields(command, merge(2, 1, command%option == 'line'), &
+                      'TANG,,1 or TANG,LINE,1', error)
+    if (allocated(error)) return
+    if (run%program%dry) then
+      if (abs(command%x(2)) > 0.0_wp) then
+        call log_line("note: the line search ends at its own ratio, 0.8, not at FEAP's number")
+      end if
+      return
+    end if
     symmetric = command%record%key(1) == 'tang' .or. .not. is_unsymmetric(run%model)
     call iterate(run, command, .true., symmetric, abs(command%x(1)) > 0.0_wp, error)
   end subroutine run_tangent
@@ -47,7 +56,8 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
-    if (run%program%dry) return
+    call check_fields(command, 0, 'FORM', error, option=.false.)
+    if (allocated(error) .or. run%program%dry) return
     call iterate(run, command, .true., &
                  run%step%newton%symmetric .or. .not. is_unsymmetric(run%model), .false., error)
   end subroutine run_form
@@ -60,6 +70,7 @@ contains
     integer :: i
 
     call check_option(command, error)
+    call check_fields(command, 0, 'SOLV,[LINE]', error)
     if (allocated(error)) return
     do i = run%program%counter - 1, 1, -1
       if (any(run%program%command(i)%record%key(1) == ['tang', 'utan', 'form', 'time'])) exit
@@ -201,6 +212,8 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
+    call check_fields(command, 1, 'TOL,,energy', error, option=command%option == 'ener')
+    if (allocated(error)) return
     if (.not. (command%x(1) > 0.0_wp .and. command%x(1) < 1.0_wp)) then
       call fail(error, DECK_ERROR, 'expected a tolerance between 0 and 1, found ' &
                 //to_text(command%x(1)), command%record%place(3), 'write TOL,,1.e-16')
@@ -231,6 +244,9 @@ contains
                 'FACTor AUTO | FULL | REUSe | SINGle | LOWRank eps')
       return
     end select
+    call check_fields(command, merge(1, 0, mode == LOWRANK), &
+                      trim(run%program%row(command%row)%usage), error)
+    if (allocated(error)) return
     if (mode == LOWRANK .and. .not. (command%x(1) > 0.0_wp .and. command%x(1) < 1.0_wp)) then
       call fail(error, DECK_ERROR, 'LOWRank needs an accuracy between 0 and 1, found ' &
                 //to_text(command%x(1)), command%record%place(2), 'write FACTor LOWRank 1.e-8')

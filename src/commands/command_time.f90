@@ -3,7 +3,7 @@ module command_time
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
   use command_step, only: finish_step, open_step_here
-  use command_type, only: run_t, command_t, command_row_t, new_row
+  use command_type, only: run_t, command_t, command_row_t, new_row, check_fields
   use program_position, only: targets_left
   use step, only: change_dt
   use step_control, only: set_auto
@@ -26,6 +26,8 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
+    call check_fields(command, 1, 'DT,,dt', error, option=.false.)
+    if (allocated(error)) return
     if (command%x(1) > 0) then
       call change_dt(run%step, run%state%time, command%x(1))
     else
@@ -56,6 +58,8 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
 
+    call check_fields(command, 2, 'AUTO,,dtmin,dtmax', error, option=.false.)
+    if (allocated(error)) return
     if (command%x(1) > 0 .and. command%x(2) >= command%x(1)) then
       call set_auto(run%step%control, command%x(1), command%x(2))
     else

@@ -3,7 +3,8 @@ module command_tplot
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: to_text
-  use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field
+  use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field, &
+                          check_fields
   use curve_type, only: curve_t, quantity_t, Q_NODAL, Q_DISP
   use deck_record, only: record_t, check_count, RECORD_WORDS
   use deck_stream, only: get_integer, get_real
@@ -29,6 +30,7 @@ contains
     integer :: every
 
     call whole_field(command, 1, every, error)
+    call check_fields(command, 1, 'TPLOt,,interval', error, option=.false.)
     if (allocated(error) .or. run%program%dry) return
     run%plan%tplot_every = max(1, every)
   end subroutine run_tplot

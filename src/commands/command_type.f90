@@ -7,7 +7,7 @@ module command_type
   use byte_file, only: byte_file_t
   use curve_file, only: curve_file_t
   use deck_expression, only: params_t
-  use deck_record, only: record_t
+  use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t
   use load_curve, only: load_table_t
   use model, only: model_t, state_t
@@ -16,7 +16,8 @@ module command_type
   use step, only: step_t
   implicit none
   private
-  public :: run_t, program_t, loop_t, command_t, command_row_t, data_t, new_row, whole_field
+  public :: run_t, program_t, loop_t, command_t, command_row_t, data_t, new_row, whole_field, &
+            check_fields
 
   !> Data records of a command, read before the run starts.
   type :: data_t
@@ -163,6 +164,31 @@ contains
     row%run => run
     if (present(data)) row%data => data
   end function new_row
+
+  !> Fail if a command has a number after the first n that it reads, or, with `option` .false., a
+  !! field where other commands have an option; 0 is the value of empty fields.
+  subroutine check_fields(command, n, usage, error, option)
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: n
+    character(*), intent(in) :: usage
+    type(error_t), allocatable, intent(inout) :: error !! keep an earlier error
+    logical, intent(in), optional :: option !! default: .true.
+    integer :: i
+
+    if (allocated(error)) return
+    if (present(option)) then
+      if (.not. (option .or. command%record%is_empty(2))) then
+        call fail(error, DECK_ERROR, quoted(command%record%text(2))//' is not read', &
+                  command%record%place(2), 'write '//usage)
+        return
+      end if
+    end if
+    do i = n + 1, size(command%x)
+      if (.not. abs(command%x(i)) > 0.0_wp) cycle
+      call check_count(command%record, 1, n + 2, usage, error)
+      return
+    end do
+  end subroutine check_fields
 
   !> Get the i-th number of a command, which must be a whole number.
   subroutine whole_field(command, i, n, error)

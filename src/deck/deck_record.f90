@@ -2,15 +2,17 @@
 module deck_record
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_file, only: folder_of
-  use base_text, only: key_of, to_text
+  use base_text, only: key_of, quoted, to_text
   implicit none
   private
-  public :: record_t, check_count, get_word, resolve_path
+  public :: record_t, check_count, check_numbers, mixed_comma, get_word, resolve_path
 
   integer, parameter, public :: RECORD_WORDS = 1   !! has fields
   integer, parameter, public :: RECORD_BLANK = 2   !! empty
   integer, parameter, public :: RECORD_COMMENT = 3 !! only a comment
   integer, parameter, public :: RECORD_END = 4     !! end of the deck
+
+  character(*), parameter :: BLANKS = ' '//achar(9)
 
   !> One logical record; it may run over several lines of the file.
   type :: record_t
@@ -152,7 +154,105 @@ contains
     if (nmax > 1) expected = expected//'s'
     call fail(error, DECK_ERROR, 'expected '//expected//', found '//to_text(record%n), &
               record%place(min(record%n, nmax) + 1), usage)
+    if (record%n > nmax) call hint_at_comma(record, error)
   end subroutine check_count
+
+  !> Check that no field from `first` on is a number; words that explain, as FEAP allows them, may
+  !! stand there.
+  subroutine check_numbers(record, first, usage, error, last)
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: first
+    character(*), intent(in) :: usage
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(in), optional :: last !! last of these fields; default: all that follow
+    integer :: i, n
+
+    n = record%n
+    if (present(last)) n = min(last, n)
+    do i = first, n
+      if (.not. begins_number(record%text(i))) cycle
+      call fail(error, DECK_ERROR, quoted(record%text(i))//' is not read', record%place(i), usage)
+      call hint_at_comma(record, error)
+      return
+    end do
+  end subroutine check_numbers
+
+  !> Put the decimal comma of a record that has too many fields in front of the hint.
+  subroutine hint_at_comma(record, error)
+    type(record_t), intent(in) :: record
+    type(error_t), intent(inout) :: error
+    character(:), allocatable :: whole, part
+    integer :: i
+
+    i = comma_field(record, 2)
+    if (i == 0) i = comma_field(record, 1) ! often a node and its increment
+    if (i == 0) return
+    whole = record%text(i)
+    part = record%text(i + 1)
+    error%hint = quoted(whole//','//part)//' is two numbers: if it is meant as one, write '//whole &
+                 //'.'//part//'; '//error%hint
+  end subroutine hint_at_comma
+
+  !> Field of the whole part of the first number that seems to be written with a decimal comma,
+  !! such as 1,5: digits on both sides of a comma without a blank. The result is 0 if there is none.
+  pure integer function comma_field(record, first) result(i)
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: first !! the field from which on it is looked for
+
+    do i = first, record%n - 1
+      if (record%is_empty(i) .or. record%is_empty(i + 1)) cycle
+      associate (last => record%last(i))
+        if (record%first(i + 1) /= last + 2 .or. record%raw(last + 1:last + 1) /= ',') cycle
+      end associate
+      if (is_digits(record%text(i + 1)) .and. is_whole(record%text(i))) return
+    end do
+    i = 0
+  end function comma_field
+
+  !> Field of the whole part of a number that is probably written with a decimal comma, because its
+  !! comma stands alone in a record whose numbers are separated by blanks; 0: there is none. The
+  !! first two fields may be a node and its increment.
+  pure integer function mixed_comma(record) result(i)
+    type(record_t), intent(in) :: record
+    integer :: j
+
+    i = 0
+    if (record%n < 4) return
+    i = comma_field(record, 2)
+    if (i == 0) return
+    if (record%raw(record%first(i) - 1:record%first(i) - 1) == ',') i = 0
+    if (i == 0) return
+    j = record%last(i + 1) + 1
+    if (j <= len(record%raw)) then
+      if (record%raw(j:j) == ',') i = 0
+    end if
+    do j = 1, record%n - 1
+      if (i == 0 .or. j == i) cycle
+      if (.not. (begins_number(record%text(j)) .and. begins_number(record%text(j + 1)))) cycle
+      if (verify(record%raw(record%last(j) + 1:record%first(j + 1) - 1), BLANKS) == 0) return
+    end do
+    i = 0
+  end function mixed_comma
+
+  !> Is the text a whole number, with or without a sign?
+  pure logical function is_whole(text)
+    character(*), intent(in) :: text
+
+    is_whole = is_digits(text)
+    if (len(text) > 1 .and. scan(text, '+-') == 1) is_whole = is_digits(text(2:))
+  end function is_whole
+
+  pure logical function is_digits(text)
+    character(*), intent(in) :: text
+
+    is_digits = len(text) > 0 .and. verify(text, '0123456789') == 0
+  end function is_digits
+
+  pure logical function begins_number(text)
+    character(*), intent(in) :: text
+
+    begins_number = scan(text, '+-.0123456789') == 1 .and. scan(text, '0123456789') > 0
+  end function begins_number
 
   !> Get field i as written; it must not be empty.
   subroutine get_word(record, i, word, error)

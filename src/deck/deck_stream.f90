@@ -2,16 +2,18 @@
 module deck_stream
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: lower, quoted, to_text
   use deck_expression, only: compute, params_t, set_parameter, trouble_t
   use deck_params, only: is_name
   use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, &
                          cancel_loops, check_loops, source_text
-  use deck_record, only: record_t, check_count, RECORD_WORDS, RECORD_BLANK, RECORD_COMMENT
+  use deck_record, only: record_t, check_count, mixed_comma, RECORD_WORDS, RECORD_BLANK, &
+                         RECORD_COMMENT
   use deck_settings, only: setting_t, read_settings, use_setting, check_used, settings_text
   implicit none
   private
-  public :: deck_t, open_deck, check_settings, deck_text
+  public :: deck_t, open_deck, check_settings, warn_of_comma, deck_text
   public :: get_real, get_integer, get_assignment, read_parameters
 
   type :: deck_t
@@ -21,6 +23,7 @@ module deck_stream
     type(setting_t), allocatable, private :: setting(:)
     type(record_t), private :: returned
     logical, private :: has_returned = .false.
+    type(record_t), private :: comma  !! first record with a number like 1,5; n = 0: there is none
   contains
     procedure :: next
     procedure :: next_of_set
@@ -54,6 +57,22 @@ contains
     call check_used(deck%setting, deck%params, error)
   end subroutine check_settings
 
+  !> Warn, after the deck has been read, of the first number that seems to be written with a decimal
+  !! comma. A comma separates, so its record has one number more.
+  subroutine warn_of_comma(deck)
+    type(deck_t), intent(in) :: deck
+    character(:), allocatable :: whole, part
+    integer :: i
+
+    if (deck%comma%n == 0) return
+    i = mixed_comma(deck%comma)
+    whole = deck%comma%text(i)
+    part = deck%comma%text(i + 1)
+    call warn(quoted(whole//','//part)//' is read as two numbers', deck%comma%place(i), 'a comma ' &
+              //'separates: write '//whole//'.'//part//', or a blank between two numbers; ' &
+              //'further such numbers are not reported')
+  end subroutine warn_of_comma
+
   !> Text of the deck with all its files and the settings of the command line.
   function deck_text(deck) result(text)
     type(deck_t), intent(in) :: deck
@@ -74,6 +93,9 @@ contains
     else
       call next_unrolled(deck%reader, deck%params, record, error)
       if (allocated(error)) return
+      if (deck%comma%n == 0) then
+        if (mixed_comma(record) > 0) deck%comma = record
+      end if
     end if
     deck%consumed = deck%consumed + 1
     if (record%key(1) /= 'end') return

@@ -3,7 +3,7 @@ module input_model
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_text, only: to_text, quoted, nearest
   use deck_feap, only: mesh_hint
-  use deck_record, only: record_t, RECORD_WORDS
+  use deck_record, only: record_t, check_numbers, RECORD_WORDS
   use deck_stream, only: deck_t
   use input_check, only: check_references, check_size, check_jacobians
   use input_conditions, only: apply_conditions, note_loose
@@ -121,7 +121,11 @@ contains
                   'close the mesh with END, before BATCh')
         return
       end if
-      if (record%key(1) == 'end') exit
+      if (record%key(1) == 'end') then
+        call check_numbers(record, 2, 'END takes no numbers', error)
+        if (allocated(error)) return
+        exit
+      end if
       r = row_of(draft, record%text(1))
       if (r == 0) then
         call skip_unknown(draft, deck, record, error)

@@ -14,7 +14,7 @@ module word_material
   use base_kinds, only: wp
   use base_text, only: to_text, quoted, nearest, key_of
   use deck_feap, only: property_hint
-  use deck_record, only: record_t, check_count
+  use deck_record, only: record_t, check_count, check_numbers
   use deck_stream, only: deck_t, get_integer, get_real
   use input_draft, only: draft_t, next_data
   use material_table, only: load_materials
@@ -83,6 +83,8 @@ contains
     ! The material is added before its records are read, so that it is known even if one of them has
     ! an error.
     draft%model%material = [draft%model%material, set]
+    call check_numbers(record, 3, 'MATErial m', error) ! FEAP allows a label there
+    if (allocated(error)) return
     call next_data(draft, deck, line, more, error)
     if (allocated(error)) return
     if (.not. more) then
@@ -152,6 +154,9 @@ contains
         set%enhanced = line%key(1) == 'enha'
       case ('dens') ! DENSity [a word] rho
         call check_count(line, 2, 3, 'DENSity rho', error)
+        if (.not. allocated(error) .and. line%n > 2) then ! 1,5 is two numbers
+          call check_numbers(line, 2, 'DENSity rho', error, last=2)
+        end if
         if (.not. allocated(error)) call get_real(deck, line, line%n, set%density, error)
         if (allocated(error)) return
         if (set%density < 0.0_wp) call fail(error, DECK_ERROR, 'the density is ' &

@@ -226,7 +226,8 @@ contains
     fields = 'i x y z p'
     if (r%word == R_CBOU) then
       fields = 'i x y z'
-      call get_values(deck, line, 2, r, error)
+      call check_count(line, 1, 4, 'SURFace code1 code2 code3', error)
+      if (.not. allocated(error)) call get_values(deck, line, 2, r, error)
     else
       call check_count(line, 1, 1, 'SURFace has no options; '//fields//' follows', error)
     end if

@@ -16,7 +16,7 @@ module run
   use command_step, only: finish_step
   use command_type, only: run_t
   use command_watch, only: watch_end
-  use deck_stream, only: open_deck, check_settings, deck_text
+  use deck_stream, only: open_deck, check_settings, warn_of_comma, deck_text
   use dof_map, only: number_equations
   use input_model, only: build_model
   use solution_state, only: new_state
@@ -51,6 +51,7 @@ contains
     if (allocated(error)) return
     call check_tables(job%model%bc, job%program%ntable, error)
     if (allocated(error)) return
+    call warn_of_comma(job%deck)
     call warn_sum(job%model, size(job%program%defined))
     job%files%deck_text = deck_text(job%deck)
     call new_state(job%model, job%state)
