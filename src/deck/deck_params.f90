@@ -5,10 +5,13 @@ module deck_params
   use deck_function, only: PI
   implicit none
   private
-  public :: params_t, set_parameter, find_parameter, parameter_names, is_name
+  public :: params_t, set_parameter, find_parameter, parameter_names, is_name, &
+            note_spelling
 
   type :: name_t
     character(:), allocatable :: text !! lower case
+    character(:), allocatable :: spelling !! as the deck wrote it last
+    integer :: line = 0               !! line of the deck that set it last
   end type name_t
 
   type :: params_t
@@ -40,6 +43,9 @@ contains
       allocate (longer(2*params%n))
       do i = 1, params%n
         call move_alloc(params%name(i)%text, longer(i)%text)
+        if (.not. allocated(params%name(i)%spelling)) cycle
+        call move_alloc(params%name(i)%spelling, longer(i)%spelling)
+        longer(i)%line = params%name(i)%line
       end do
       call move_alloc(longer, params%name)
     end if
@@ -48,6 +54,28 @@ contains
     params%value = [params%value, value]
     params%order = [params%order(:at - 1), params%n, params%order(at:)]
   end subroutine set_parameter
+
+  !> Note how the deck writes the name of a parameter that is set, and where. The earlier spelling
+  !! and line are returned; the spelling is not allocated the first time.
+  subroutine note_spelling(params, spelling, line, earlier, earlier_line)
+    type(params_t), intent(inout) :: params
+    character(*), intent(in) :: spelling
+    integer, intent(in) :: line
+    character(:), allocatable, intent(out) :: earlier
+    integer, intent(out) :: earlier_line
+    integer :: at
+    logical :: known
+
+    earlier_line = 0
+    call locate(params, lower(spelling), at, known)
+    if (.not. known) return
+    associate (name => params%name(params%order(at)))
+      if (allocated(name%spelling)) earlier = name%spelling
+      earlier_line = name%line
+      name%spelling = spelling
+      name%line = line
+    end associate
+  end subroutine note_spelling
 
   !> Find the value of a parameter; pi is known unless the deck sets it.
   pure subroutine find_parameter(params, name, value, known)

@@ -3,9 +3,9 @@ module deck_stream
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_log, only: warn
-  use base_text, only: lower, quoted, to_text
+  use base_text, only: key_of, lower, quoted, to_text
   use deck_expression, only: compute, params_t, set_parameter, trouble_t
-  use deck_params, only: is_name
+  use deck_params, only: is_name, note_spelling
   use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, &
                          cancel_loops, check_loops, source_text
   use deck_record, only: record_t, check_count, mixed_comma, RECORD_WORDS, RECORD_BLANK, &
@@ -19,6 +19,7 @@ module deck_stream
   type :: deck_t
     type(params_t) :: params          !! current parameters
     integer :: consumed = 0           !! records handed out since the last END
+    integer, private :: set_line = huge(1) !! first line of the PARAmeter that is being read
     type(reader_t), private :: reader
     type(setting_t), allocatable, private :: setting(:)
     type(record_t), private :: returned
@@ -256,6 +257,7 @@ contains
     call use_setting(deck%setting, name, value, found)
     if (found) then
       call set_parameter(deck%params, name, value)
+      call warn_of_name(deck, record)
       return
     end if
     ! All that follows the name is one expression, which may contain blanks.
@@ -269,13 +271,39 @@ contains
     call compute_at(deck%params, record, first, expression, value, error)
     if (allocated(error)) value = 1.0_wp   ! later records then know the name
     call set_parameter(deck%params, name, value)
+    call warn_of_name(deck, record)
   end subroutine get_assignment
+
+  !> Warn if a parameter is set that has been set before under a name with other capitals, or in the
+  !! same PARAmeter by another record, whose value it does not use.
+  subroutine warn_of_name(deck, record)
+    type(deck_t), intent(inout) :: deck
+    type(record_t), intent(in) :: record
+    character(:), allocatable :: name, earlier, value
+    integer :: line
+
+    name = record%text(1)
+    call note_spelling(deck%params, name, record%line, earlier, line)
+    if (.not. allocated(earlier)) return
+    value = lower(record%raw(record%first(2):record%last(record%n)))
+    if (index(value, lower(name)) > 0 .or. line == record%line) return
+    if (earlier /= name) then
+      call warn(quoted(name)//' and '//quoted(earlier)//' are the same parameter, because case ' &
+                //'is ignored', record%place(1), 'the value of line '//to_text(line) &
+                //' is replaced from here on; use another name')
+    else if (line >= deck%set_line .and. line < record%line) then
+      call warn('parameter '//quoted(name)//' is set twice in one PARAmeter', record%place(1), &
+                'it replaces the value of line '//to_text(line)//' from here on')
+    end if
+  end subroutine warn_of_name
 
   !> Read the records after PARAmeters, up to a blank one; of several errors, the first is returned.
   !! If the blank record is missing, the records that follow are read as parameters: an error in one
-  !! without `=` says where a blank record may be missing.
-  subroutine read_parameters(deck, line, error)
+  !! without `=` says where a blank record may be missing. A record of this form that begins with a
+  !! word of the mesh part is an error in any case: MATErial 1 would set a parameter.
+  subroutine read_parameters(deck, words, line, error)
     type(deck_t), intent(inout) :: deck
+    character(*), intent(in) :: words(:) !! words of the mesh part
     integer, intent(out) :: line !! line number of the blank record
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: found
@@ -289,9 +317,17 @@ contains
       call deck%next_of_set(record, found)
       line = record%line
       if (.not. allocated(found)) then
-        if (record%kind /= RECORD_WORDS) return
+        if (record%kind /= RECORD_WORDS) exit
         if (record%assigns()) bare = 0
+        deck%set_line = min(deck%set_line, line)
         if (bare == 0 .and. .not. record%assigns()) bare = line
+        if (.not. record%assigns() .and. is_word(record%text(1), words)) then
+          if (allocated(error)) return
+          call fail(error, DECK_ERROR, 'expected name = expression, found the word ' &
+                    //quoted(record%text(1)), record%place(1), 'close PARAmeter with a blank ' &
+                    //'record; a parameter of this name needs an equals sign')
+          return
+        end if
         call get_assignment(deck, record, name, value, found)
         if (allocated(found) .and. bare > 0) then
           if (allocated(found%hint)) found%hint = found%hint//'; '
@@ -302,7 +338,20 @@ contains
       end if
       if (allocated(found) .and. .not. allocated(error)) call move_alloc(found, error)
     end do
+    deck%set_line = huge(1)
   end subroutine read_parameters
+
+  !> Is the text one of the words, in full or as its first four letters?
+  pure logical function is_word(text, words) result(yes)
+    character(*), intent(in) :: text
+    character(*), intent(in) :: words(:)
+    integer :: i
+
+    yes = .false.
+    do i = 1, size(words)
+      yes = yes .or. lower(text) == lower(trim(words(i))) .or. lower(text) == key_of(words(i))
+    end do
+  end function is_word
 
   !> Compute the value of an expression that begins at character `first` of the record.
   subroutine compute_at(params, record, first, expression, value, error)

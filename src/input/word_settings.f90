@@ -22,7 +22,7 @@ contains
 
     call check_count(record, 1, 1, 'PARAmeters has no options; name = expression follows', error)
     if (allocated(error)) return
-    call read_parameters(deck, draft%closed_line, error)
+    call read_parameters(deck, draft%row%name, draft%closed_line, error)
     if (.not. allocated(error)) draft%in_set = .false.
   end subroutine read_para
 
