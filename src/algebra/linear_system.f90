@@ -8,6 +8,9 @@
 !! LOWRANK  does the same with compressed factors.
 !! AUTO     is FULL where a factorisation costs no more than a few iterations, otherwise SINGLE.
 !!
+!! If memory is too short, AUTO makes factors in single precision, then compressed, then on disk;
+!! the other modes go to disk at once, apart from LOWRANK.
+!!
 !! The solution meets the same tolerance in every mode.
 !!
 !! The counts of the analysis choose between FULL and SINGLE in AUTO. If factors in single precision
@@ -28,8 +31,9 @@ module linear_system
   use csr, only: block_matrix_t
   use definiteness, only: is_still_definite
   use krylov, only: krylov_report_t, conjugate_gradients, gmres
-  use tangent_factors, only: solve_report_t, factors_t, new_factors, take_equations, analyse, &
-                             use_precision, renew, look_for_motions, be_exact, start_anew, drop
+  use tangent_factors, only: solve_report_t, factors_t, storage_t, new_factors, take_equations, &
+                             analyse, use_precision, memory_of, describe_storage, renew, &
+                             look_for_motions, be_exact, start_anew, drop
   implicit none
   private
   public :: linear_system_t, solve_report_t, new_linear_system, change_pattern
@@ -49,6 +53,12 @@ module linear_system
   !! 12,000 equations of linear hexahedra on. Smaller models would gain too, but their runs are
   !! short.
   real(wp), parameter :: KEEPING = 15.0_wp
+  real(wp), parameter :: COMPRESSION = 1e-4_wp !! AUTO: relative error of compressed blocks
+  type(storage_t), parameter :: AUTO_WAYS(4) = [ & !! in the order in which AUTO tries them
+                                storage_t(), &
+                                storage_t(single=.true.), &
+                                storage_t(single=.true., eps=COMPRESSION), &
+                                storage_t(single=.true., on_disk=.true.)]
   integer, parameter :: LIKELY = 12000 !! AUTO keeps factors of more equations, as a rule
 
   !> The costs of a factorisation and of its use so far.
@@ -73,6 +83,7 @@ module linear_system
     procedure :: find_signs
     procedure :: keeps_factors
     procedure :: estimate_mb
+    procedure :: list_memory
     procedure :: force_refactor
     procedure :: forget
     procedure :: free
@@ -104,7 +115,7 @@ contains
     if (allocated(error)) return
     halved = mode == SINGLE
     if (ls%automatic .and. size(eq) > 0) halved = maxval(eq) > LIKELY
-    call new_factors(ls%factors, halved, merge(eps, 0.0_wp, mode == LOWRANK), available_mb)
+    call new_factors(ls%factors, ways_of(mode, halved, eps), available_mb)
     call change_pattern(ls, a, eq, error)
     if (allocated(error)) return
     call analyse(ls%factors, a, error)
@@ -114,7 +125,25 @@ contains
     end associate
     if (halved) ls%mode = SINGLE
     call use_precision(ls%factors, halved, a, error)
+    if (.not. ls%factors%exact) ls%mode = SINGLE ! memory may require it
   end subroutine new_linear_system
+
+  !> The ways to store factors in a mode, in the order in which they are tried.
+  pure function ways_of(mode, single, eps) result(ways)
+    integer, intent(in) :: mode
+    logical, intent(in) :: single !! the first way is in single precision
+    real(wp), intent(in) :: eps   !! LOWRANK: relative error of compressed blocks
+    type(storage_t), allocatable :: ways(:)
+
+    select case (mode)
+    case (LOWRANK)
+      allocate (ways, source=[storage_t(eps=eps)])
+    case (AUTO)
+      allocate (ways, source=AUTO_WAYS(merge(2, 1, single):))
+    case default
+      allocate (ways, source=[storage_t(single=single), storage_t(single=single, on_disk=.true.)])
+    end select
+  end function ways_of
 
   !> Take a matrix with another pattern, as contact causes it. Existing factors remain the
   !! preconditioner if the equations are the same.
@@ -143,6 +172,24 @@ contains
 
     estimate_mb = self%factors%estimate_mb
   end function estimate_mb
+
+  !> The ways of AUTO to store factors, from the largest to the smallest memory, with the memory of
+  !! a factorisation in each.
+  subroutine list_memory(self, a, way, mb, error)
+    class(linear_system_t), intent(in) :: self
+    type(block_matrix_t), intent(in) :: a
+    character(64), allocatable, intent(out) :: way(:) !! in words
+    real(wp), allocatable, intent(out) :: mb(:)       !! [MB]
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    allocate (way(size(AUTO_WAYS)), mb(size(AUTO_WAYS)))
+    do i = 1, size(AUTO_WAYS)
+      way(i) = describe_storage(AUTO_WAYS(i))
+      call memory_of(self%factors, a, AUTO_WAYS(i), mb(i), error)
+      if (allocated(error)) return
+    end do
+  end subroutine list_memory
 
   !> Solve A x = rhs.
   subroutine solve(ls, a, rhs, x, tolerance, report, error, same_matrix, signs)
@@ -332,7 +379,7 @@ contains
 
   !> Copy the information of the solver into the report.
   subroutine describe(ls, report)
-    class(linear_system_t), intent(in) :: ls
+    class(linear_system_t), intent(inout) :: ls
     type(solve_report_t), intent(inout) :: report
 
     associate (info => ls%factors%solver%info)
@@ -341,6 +388,7 @@ contains
       report%memory_mb = info%used_mb
     end associate
     report%used_single = .not. ls%factors%exact .and. ls%mode == SINGLE
+    if (allocated(ls%factors%note)) call move_alloc(ls%factors%note, report%storage)
   end subroutine describe
 
   !> Factorise at the next solve, and forget what is known about earlier matrices. From then on,

@@ -88,21 +88,24 @@ contains
   end function runs
 
   !> Set the options of the analysis.
-  subroutine give_options(m, symmetric, low_rank, ordering)
+  subroutine give_options(m, symmetric, low_rank, ordering, on_disk)
     type(mumps_t), intent(inout) :: m
     logical, intent(in) :: symmetric
     real(wp), intent(in) :: low_rank !! relative error of compressed blocks; 0: none
     integer, intent(in) :: ordering
+    logical, intent(in) :: on_disk   !! the factors are kept in files, in MUMPS_OOC_TMPDIR
 
     if (associated(m%s)) then
       call set_controls(m%s%icntl, symmetric, low_rank > 0.0_wp, ordering)
       call set_fronts(m%s%keep)
+      m%s%icntl(22) = merge(1, 0, on_disk)
       m%s%cntl(3) = real(NULL_PIVOT_SINGLE, sp)
       m%s%cntl(7) = real(low_rank, sp)
       m%s%keep(CLUSTERING) = PLAIN
     else
       call set_controls(m%d%icntl, symmetric, low_rank > 0.0_wp, ordering)
       call set_fronts(m%d%keep)
+      m%d%icntl(22) = merge(1, 0, on_disk)
       m%d%cntl(3) = NULL_PIVOT
       m%d%cntl(7) = low_rank
       m%d%keep(CLUSTERING) = PLAIN

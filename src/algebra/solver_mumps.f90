@@ -1,5 +1,6 @@
 !> The sparse direct solver MUMPS in double or single precision, with or without low-rank
-!! compression.
+!! compression, with factors in memory or on disk. MUMPS writes them into the folder that the
+!! environment variable MUMPS_OOC_TMPDIR names.
 !! Source: Amestoy, Duff, L'Excellent and Koster 2001 [bib: amestoy2001]; users' guide of MUMPS 5.5
 module solver_mumps
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -22,6 +23,7 @@ module solver_mumps
     private
     logical :: single = .false.
     real(wp) :: low_rank = 0.0_wp             !! relative error of compressed blocks; 0: none
+    logical :: on_disk = .false.              !! the factors are kept on disk
     integer :: ordering = ORDER_AMD           !! used if `analyse` gets no order
     integer :: margin = FIRST_MARGIN
     type(mumps_t) :: mumps
@@ -34,16 +36,18 @@ module solver_mumps
 
 contains
 
-  !> Choose the precision and the compression.
-  subroutine new_solver_mumps(solver, single, low_rank, ordering)
+  !> Choose the precision, the compression and the place of the factors.
+  subroutine new_solver_mumps(solver, single, low_rank, ordering, on_disk)
     type(solver_mumps_t), intent(out) :: solver
     logical, intent(in) :: single              !! the factors are in single precision
     real(wp), intent(in) :: low_rank           !! relative error of compressed blocks; 0: none
     integer, intent(in), optional :: ordering  !! used if `analyse` gets no order
+    logical, intent(in), optional :: on_disk
 
     solver%single = single
     solver%low_rank = low_rank
     if (present(ordering)) solver%ordering = ordering
+    if (present(on_disk)) solver%on_disk = on_disk
   end subroutine new_solver_mumps
 
   subroutine analyse(self, neq, symmetric, row, col, order, error)
@@ -63,7 +67,7 @@ contains
     call start(self%mumps, self%single, symmetric, error)
     if (allocated(error)) return
     call give_options(self%mumps, symmetric, self%low_rank, &
-                      merge(ORDER_GIVEN, self%ordering, size(order) > 0))
+                      merge(ORDER_GIVEN, self%ordering, size(order) > 0), self%on_disk)
     call give_pattern(self%mumps, neq, row, col, order, error)
     if (allocated(error)) return
     call run(self%mumps, ANALYSE_JOB, error)
@@ -73,7 +77,11 @@ contains
       self%info%flops = self%mumps%rinfog(1)
       self%info%entries = count_of(infog(20))
       ! MUMPS rounds down to whole megabytes.
-      self%info%estimate_mb = 1 + merge(infog(37), infog(17), self%low_rank > 0.0_wp)
+      if (self%low_rank > 0.0_wp) then
+        self%info%estimate_mb = 1 + merge(infog(39), infog(37), self%on_disk)
+      else
+        self%info%estimate_mb = 1 + merge(infog(27), infog(17), self%on_disk)
+      end if
     end associate
   end subroutine analyse
 

@@ -1,8 +1,9 @@
-!> Factors of the tangent matrix in the chosen precision. Exact factors replace them if they turn
-!! out to be needed.
+!> Factors of the tangent matrix, stored in the first of several ways for which the memory suffices:
+!! in double precision, in single precision, compressed, on disk. Exact factors replace them if they
+!! turn out to be needed.
 module tangent_factors
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
-  use base_kinds, only: wp
+  use base_kinds, only: wp, i8
   use base_system, only: available_memory_mb, return_memory, seconds_of_both
   use base_text, only: to_text
   use csr, only: block_matrix_t
@@ -14,8 +15,19 @@ module tangent_factors
   use solver_type, only: solver_t
   implicit none
   private
-  public :: solve_report_t, factors_t, new_factors, take_equations, analyse, use_precision, renew, &
-            look_for_motions, be_exact, start_anew, drop
+  public :: solve_report_t, factors_t, storage_t, new_factors, take_equations, analyse, &
+            use_precision, renew, look_for_motions, be_exact, start_anew, drop, describe_storage, &
+            memory_of
+
+  !> A way to store factors.
+  type :: storage_t
+    logical :: single = .false.   !! in single precision
+    real(wp) :: eps = 0.0_wp      !! relative error of compressed blocks; 0: not compressed
+    logical :: on_disk = .false.
+  end type storage_t
+
+  !> Exact factors, in memory or on disk.
+  type(storage_t), parameter :: EXACT_WAYS(2) = [storage_t(), storage_t(on_disk=.true.)]
 
   !> Report of one solve.
   type :: solve_report_t
@@ -35,13 +47,13 @@ module tangent_factors
     !> Wall and processor time [s]. That of the analysis includes those before this solve.
     real(wp) :: seconds_analyse(2) = 0.0_wp, seconds_factor(2) = 0.0_wp, seconds_solve(2) = 0.0_wp
     real(wp) :: memory_mb = 0.0_wp         !! memory held by the factors [MB]
+    character(:), allocatable :: storage   !! a sentence, if memory was too short for the first way
   end type solve_report_t
 
   integer, parameter :: SMALL = 24 !! largest number of equations for the dense solver
 
   type :: factors_t
-    logical :: single = .false.          !! single precision was chosen
-    real(wp) :: eps = 0.0_wp             !! chosen relative error of compressed blocks; 0: none
+    type(storage_t), allocatable :: ways(:) !! in the order in which they are tried
     real(wp) :: available_mb = 0.0_wp    !! available memory [MB]; 0: that of the machine
     real(wp) :: estimate_mb = 0.0_wp     !! estimated memory of a factorisation [MB]
     class(solver_t), allocatable :: solver
@@ -54,19 +66,20 @@ module tangent_factors
     logical, private :: analysed = .false.  !! the solver knows the current pattern
     logical, private :: proved = .false.    !! a matrix of this system was regular
     logical, private :: escalated = .false. !! the chosen precision did not suffice
+    integer, private :: way = 1 !! the way in use: of `ways`, or of EXACT_WAYS if `escalated`
+    !> A sentence that has not been reported yet: why another way than the first is used.
+    character(:), allocatable :: note
   end type factors_t
 
 contains
 
-  !> Choose the precision and the compression.
-  subroutine new_factors(factors, single, eps, available_mb)
+  !> Choose the ways to store the factors.
+  subroutine new_factors(factors, ways, available_mb)
     type(factors_t), intent(out) :: factors
-    logical, intent(in) :: single
-    real(wp), intent(in) :: eps
+    type(storage_t), intent(in) :: ways(:) !! at least one, in the order in which they are tried
     real(wp), intent(in), optional :: available_mb
 
-    factors%single = single
-    factors%eps = eps
+    factors%ways = ways
     if (present(available_mb)) factors%available_mb = available_mb
   end subroutine new_factors
 
@@ -92,31 +105,84 @@ contains
     if (allocated(factors%order)) deallocate (factors%order)
   end subroutine take_equations
 
-  !> Analyse the pattern of the free dofs for a solver of the chosen or required precision: a dense
-  !! one for a few equations, otherwise a sparse one with the ordering of METIS.
+  !> Analyse the pattern of the free dofs for each way to store the factors, until there is enough
+  !! memory for one.
   subroutine analyse(factors, a, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
     type(error_t), allocatable, intent(out) :: error
+
+    do
+      call analyse_way(factors, a, error)
+      if (allocated(error)) return
+      if (factors%estimate_mb <= memory_mb(factors) .or. is_last(factors)) exit
+      call take_next_way(factors)
+    end do
+  end subroutine analyse
+
+  !> Is there no further way to store the factors?
+  pure logical function is_last(factors)
+    type(factors_t), intent(in) :: factors
+
+    is_last = factors%way == merge(size(EXACT_WAYS), size(factors%ways), factors%escalated)
+  end function is_last
+
+  !> Store the factors in the next way, and note why.
+  subroutine take_next_way(factors)
+    type(factors_t), intent(inout) :: factors
+
+    factors%note = 'a factorisation '//describe_storage(the_way(factors))//' needs about ' &
+                   //to_text(nint(factors%estimate_mb, i8))//' MB and ' &
+                   //to_text(nint(memory_mb(factors), i8))//' MB are available; factors are made '
+    factors%way = factors%way + 1
+    factors%note = factors%note//describe_storage(the_way(factors))
+    factors%analysed = .false.
+  end subroutine take_next_way
+
+  !> The way in which factors are stored now.
+  pure type(storage_t) function the_way(factors)
+    type(factors_t), intent(in) :: factors
+
+    if (factors%escalated) then
+      the_way = EXACT_WAYS(factors%way)
+    else
+      the_way = factors%ways(factors%way)
+    end if
+  end function the_way
+
+  !> A way in words that follow 'factors'.
+  pure function describe_storage(way) result(text)
+    type(storage_t), intent(in) :: way
+    character(:), allocatable :: text
+
+    text = 'in '//trim(merge('single', 'double', way%single))//' precision'
+    if (way%eps > 0.0_wp) text = text//' with low-rank blocks'
+    if (way%on_disk) text = text//' on disk'
+  end function describe_storage
+
+  !> Analyse the pattern of the free dofs for the present way to store the factors: for a dense
+  !! solver if there are a few equations, otherwise for a sparse one with the ordering of METIS.
+  subroutine analyse_way(factors, a, error)
+    type(factors_t), intent(inout) :: factors
+    type(block_matrix_t), intent(in) :: a
+    type(error_t), allocatable, intent(out) :: error
     type(solver_mumps_t), allocatable :: mumps
+    type(storage_t) :: way
     real(wp) :: start(2)
-    real(wp) :: low_rank !! relative error of compressed blocks; 0: none
-    logical :: single    !! the factors are in single precision
 
     start = seconds_of_both()
     call drop(factors)
     call new_entries(factors%entries, a, factors%eq, error)
     if (allocated(error)) return
-    single = factors%single .and. .not. factors%escalated
-    low_rank = merge(0.0_wp, factors%eps, factors%escalated)
+    way = the_way(factors)
     associate (entries => factors%entries)
-      factors%exact = entries%neq <= SMALL .or. .not. (single .or. low_rank > 0.0_wp)
+      factors%exact = entries%neq <= SMALL .or. .not. (way%single .or. way%eps > 0.0_wp)
       if (entries%neq <= SMALL) then
         allocate (solver_dense_t :: factors%solver)
         factors%order = [integer ::]
       else
         allocate (mumps)
-        call new_solver_mumps(mumps, single, low_rank)
+        call new_solver_mumps(mumps, way%single, way%eps, on_disk=way%on_disk)
         call move_alloc(mumps, factors%solver)
         if (.not. allocated(factors%order)) then
           call elimination_order(a, factors%eq, factors%order, error)
@@ -130,17 +196,18 @@ contains
     if (allocated(error)) return
     factors%estimate_mb = factors%solver%info%estimate_mb
     factors%analysed = .true.
-  end subroutine analyse
+  end subroutine analyse_way
 
-  !> Choose a precision after the analysis, which is repeated if it was for the other one.
+  !> Choose the precision of the first way after the analysis, which is repeated if it was for the
+  !! other precision. If memory is too short for the first way, nothing changes.
   subroutine use_precision(factors, single, a, error)
     type(factors_t), intent(inout) :: factors
     logical, intent(in) :: single
     type(block_matrix_t), intent(in) :: a
     type(error_t), allocatable, intent(out) :: error
 
-    if (factors%single .eqv. single) return
-    factors%single = single
+    if (factors%way > 1 .or. (factors%ways(1)%single .eqv. single)) return
+    factors%ways(1)%single = single
     call analyse(factors, a, error)
   end subroutine use_precision
 
@@ -165,7 +232,12 @@ contains
       call gather(factors%entries, a, values)
       call factors%solver%factorise(values, memory_mb(factors), error)
       deallocate (values)
-      if (allocated(error)) return
+      if (allocated(error)) then
+        if (error%code /= SYSTEM_ERROR .or. is_last(factors)) return
+        call take_next_way(factors) ! the estimate was too low, or other programs took the memory
+        deallocate (error)
+        cycle
+      end if
       report%factorised = .true.
       report%factorisations = report%factorisations + 1
       report%null = factors%solver%info%null
@@ -179,6 +251,24 @@ contains
     factors%valid = size(report%null) == 0
     factors%proved = factors%valid
   end subroutine renew
+
+  !> Memory of a factorisation that is stored in another way, as estimated by an analysis [MB].
+  subroutine memory_of(factors, a, way, mb, error)
+    type(factors_t), intent(in) :: factors !! with an analysed pattern
+    type(block_matrix_t), intent(in) :: a
+    type(storage_t), intent(in) :: way
+    real(wp), intent(out) :: mb
+    type(error_t), allocatable, intent(out) :: error
+    type(factors_t) :: trial
+
+    mb = 0.0_wp
+    call new_factors(trial, [way])
+    trial%eq = factors%eq
+    trial%order = factors%order
+    call analyse_way(trial, a, error)
+    mb = trial%estimate_mb
+    call drop(trial)
+  end subroutine memory_of
 
   !> Available memory [MB].
   real(wp) function memory_mb(factors)
@@ -209,6 +299,7 @@ contains
     type(factors_t), intent(inout) :: factors
 
     factors%escalated = .true.
+    factors%way = 1
     factors%analysed = .false.
   end subroutine be_exact
 
@@ -218,6 +309,7 @@ contains
 
     factors%proved = .false.
     if (factors%escalated) factors%analysed = .false.
+    if (factors%escalated) factors%way = 1
     factors%escalated = .false.
   end subroutine start_anew
 

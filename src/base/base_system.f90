@@ -2,7 +2,8 @@
 !! and memory.
 module base_system
   use base_kinds, only: wp, i8
-  use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_intptr_t, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_intptr_t, c_size_t, &
+                                                                            c_char, c_null_char
   use, intrinsic :: iso_c_binding, only: c_funptr, c_funloc
   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
   implicit none
@@ -11,7 +12,8 @@ module base_system
             keep_signals_waiting, hold_signals, let_signals_in, &
             stop_requested, stop_signal, start_clock, wall_seconds, cpu_seconds, &
             seconds_of_both, process_id, clock_text, &
-            peak_memory_mb, available_memory_mb, keep_memory, return_memory
+            peak_memory_mb, available_memory_mb, keep_memory, return_memory, &
+            set_variable, set_default
 
   integer(c_int), parameter :: M_TRIM_THRESHOLD = -1, M_MMAP_MAX = -4 ! mallopt
   integer(c_int), parameter :: SIGHUP = 1, SIGINT = 2, SIGUSR1 = 10, SIGUSR2 = 12, SIGPIPE = 13, &
@@ -33,6 +35,7 @@ module base_system
     integer(c_int64_t) :: bits(16)
   end type sigset_t
 
+  ! allow(assumed-size)
   interface
     subroutine c_exit(code) bind(C, name='exit')
       import :: c_int
@@ -45,6 +48,13 @@ module base_system
       implicit none
       integer(c_int), value :: code
     end subroutine c_leave
+
+    integer(c_int) function c_setenv(name, value, overwrite) bind(C, name='setenv')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: name(*), value(*)
+      integer(c_int), value :: overwrite
+    end function c_setenv
 
     function c_mallopt(option, value) bind(C, name='mallopt') result(done)
       import :: c_int
@@ -285,6 +295,22 @@ contains
 
     call cpu_time(seconds)
   end function cpu_seconds
+
+  !> Set an environment variable of this process; `done` becomes true if this succeeds.
+  subroutine set_variable(name, value, done)
+    character(*), intent(in) :: name, value
+    logical, intent(inout) :: done
+
+    if (c_setenv(name//c_null_char, value//c_null_char, 1_c_int) == 0) done = .true.
+  end subroutine set_variable
+
+  !> Set an environment variable of this process, unless the user has set it.
+  subroutine set_default(name, value)
+    character(*), intent(in) :: name, value
+    integer(c_int) :: ignored
+
+    ignored = c_setenv(name//c_null_char, value//c_null_char, 0_c_int)
+  end subroutine set_default
 
   function process_id() result(id)
     integer :: id

@@ -152,6 +152,7 @@ contains
     integer :: i, seconds
 
     associate (state => run%state, iterations => run%step%newton%iterations, pass => run%step%pass)
+      if (allocated(pass%solve%storage)) call log_line('note: '//pass%solve%storage)
       if (pass%solve%gave_up_single) then
         call log_line('note: factors in single precision do not suffice here; from now on they ' &
                       //'are in double precision')

@@ -11,7 +11,7 @@
 module blas_choice
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use base_cpu, only: vector_level
-  use base_system, only: clock_text, keep_signals_waiting, CLOCK_NAME
+  use base_system, only: clock_text, keep_signals_waiting, set_variable, CLOCK_NAME
   use blas_threads, only: blas_kernel
   implicit none
   private
@@ -19,13 +19,6 @@ module blas_choice
 
   ! allow(assumed-size)
   interface
-    integer(c_int) function c_setenv(name, value, overwrite) bind(c, name='setenv')
-      import :: c_char, c_int
-      implicit none
-      character(kind=c_char), intent(in) :: name(*), value(*)
-      integer(c_int), value :: overwrite
-    end function c_setenv
-
     integer(c_int) function c_execv(path, argv) bind(c, name='execv')
       import :: c_char, c_int, c_ptr
       implicit none
@@ -48,24 +41,16 @@ contains
     if (status == 1 .and. any(kernel == [character(8) :: 'Prescott', 'Generic', 'Core2'])) then
       select case (vector_level())
       case (4)
-        call set('OPENBLAS_CORETYPE', 'SkylakeX', again)
+        call set_variable('OPENBLAS_CORETYPE', 'SkylakeX', again)
       case (3)
-        call set('OPENBLAS_CORETYPE', 'Haswell', again)
+        call set_variable('OPENBLAS_CORETYPE', 'Haswell', again)
       case default ! the oldest kernels are right
       end select
     end if
     call get_environment_variable('OPENBLAS_NUM_THREADS', status=status)
-    if (status == 1) call set('OPENBLAS_NUM_THREADS', '1', again)
+    if (status == 1) call set_variable('OPENBLAS_NUM_THREADS', '1', again)
     if (again) call start_again()
   end subroutine prepare_blas
-
-  !> Set an environment variable; `done` becomes true if this succeeds.
-  subroutine set(name, value, done)
-    character(*), intent(in) :: name, value
-    logical, intent(inout) :: done
-
-    if (c_setenv(name//c_null_char, value//c_null_char, 1_c_int) == 0) done = .true.
-  end subroutine set
 
   !> Replace this process by the same program with the same arguments. It returns only on failure.
   subroutine start_again()
@@ -88,7 +73,7 @@ contains
       argv(i) = c_loc(text(1, i))
     end do
     argv(n + 1) = c_null_ptr
-    call set(CLOCK_NAME, clock_text(), done)
+    call set_variable(CLOCK_NAME, clock_text(), done)
     call keep_signals_waiting()
     status = c_execv('/proc/self/exe'//c_null_char, argv)
   end subroutine start_again

@@ -1,6 +1,7 @@
 !> --check: prints sizes, equations and memory; nothing is solved.
 module check_deck
   use base_error, only: error_t
+  use base_kinds, only: wp
   use base_log, only: warning_count, print_lines
   use base_system, only: available_memory_mb
   use base_text, only: to_text
@@ -19,6 +20,8 @@ contains
   subroutine print_check(job, error)
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error
+    character(64), allocatable :: way(:)
+    real(wp), allocatable :: mb(:)
     integer :: i
 
     associate (model => job%model, newton => job%step%newton)
@@ -37,6 +40,11 @@ contains
       if (allocated(error)) return
       print '(a)', 'memory     about '//to_text(newton%system%estimate_mb(), 3) &
         //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
+      call newton%system%list_memory(newton%asm%k, way, mb, error)
+      if (allocated(error)) return
+      do i = 1, size(way)
+        print '(a)', '           about '//to_text(mb(i), 3)//' MB '//trim(way(i))
+      end do
       call print_lines()
       call list_free_bodies(model, warns=.not. has_command(job, 'tran'))
       call warn_contacts(model)

@@ -4,7 +4,7 @@ program main
   use base_file, only: make_folder, lock_file, unlock_file, lock_t, note_input
   use base_log, only: open_log, close_log, log_line, set_quiet, progress, summary
   use base_system, only: finish, finish_now, catch_signals, release_signals, start_clock, &
-                         keep_signals_waiting, wall_seconds, keep_memory
+                         keep_signals_waiting, wall_seconds, keep_memory, set_default
   use base_text, only: to_text
   use base_timer, only: new_timers
   use blas_choice, only: prepare_blas
@@ -93,7 +93,11 @@ program main
   call log_line('bezel '//VERSION//', deck '//options%deck)
   call list_model(job%model)
 
+  ! Factors for which memory is too short go to files beside the results. MUMPS takes no long names.
+  if (len(options%outdir) < 200) call set_default('MUMPS_OOC_TMPDIR', options%outdir)
+  call set_default('MUMPS_OOC_PREFIX', 'factors')
   if (.not. allocated(refused)) call execute(job, error)
+  call job%step%newton%system%free() ! it removes its files
   if (allocated(refused)) call move_alloc(refused, error)
   call progress('')
   call drop_reserve(job) ! the last lines of the log need space too

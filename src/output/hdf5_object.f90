@@ -16,6 +16,7 @@ module hdf5_object
                   h5oopen_f, h5oclose_f, h5aopen_f, h5acreate_f, h5pset_meta_block_size_f
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_file, only: detach
+  use base_system, only: set_variable
   use byte_file, only: reason
   implicit none
   private
@@ -38,16 +39,7 @@ module hdf5_object
     module procedure get_text, get_integers
   end interface get_attribute
 
-  ! allow(assumed-size)
   interface
-    function setenv(name, value, overwrite) bind(C) result(status)
-      import :: c_int, c_char
-      implicit none
-      character(kind=c_char), intent(in) :: name(*), value(*)
-      integer(c_int), value :: overwrite
-      integer(c_int) :: status
-    end function setenv
-
     function h5dont_atexit() bind(C, name='H5dont_atexit') result(status)
       import :: c_int
       implicit none
@@ -273,9 +265,10 @@ contains
   !! file open. Closing a file closes every object that is open in it.
   subroutine start_library(access)
     integer(HID_T), intent(out) :: access !! properties for creating or opening a file
+    logical :: done
     integer :: status
 
-    status = setenv('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char, 1_c_int)
+    call set_variable('HDF5_USE_FILE_LOCKING', 'FALSE', done)
     ! The clean-up of HDF5 1.10.8 at exit crashes after a write to a full disk.
     status = h5dont_atexit()
     call h5open_f(status)

@@ -217,6 +217,25 @@ class Limits(Folder):
                 )
                 self.assertIn(done.returncode, (0, 3), f"{threads} threads, {size} MB")
 
+    @unittest.skipIf("sanitize" in BEZEL.parts, "the sanitizer reserves terabytes of addresses")
+    def test_factors_go_to_disk_where_memory_is_short_and_give_the_same_digits(self):
+        shutil.copy(HERE / "../performance/cube.inp", self.at / "cube.inp")
+        arguments = ("cube.inp", "--set", "n=16", "--set", "steps=1")
+        self.assertEqual(self.run_bezel(*arguments).returncode, 0)
+        whole = (self.at / "cube_force.dat").read_text().split()[-1]
+        used = set()
+        for size in range(360, 270, -10):
+            done = self.run_bezel(*arguments, limits=[(resource.RLIMIT_AS, size * 2**20)])
+            self.assertIn(done.returncode, (0, 3), f"{size} MB: {done.stderr}")
+            self.assertEqual([name for name in self.files() if "mumps" in name], [])
+            if done.returncode == 3:
+                continue
+            force = (self.at / "cube_force.dat").read_text().split()[-1]
+            self.assertAlmostEqual(float(force) / float(whole), 1.0, delta=1e-9)
+            log = (self.at / "cube.log").read_text()
+            used |= {line for line in log.splitlines() if line.endswith("precision on disk")}
+        self.assertTrue(used)
+
 
 def heed():
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
