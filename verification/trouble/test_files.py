@@ -224,7 +224,7 @@ class Limits(Folder):
         self.assertEqual(self.run_bezel(*arguments).returncode, 0)
         whole = (self.at / "cube_force.dat").read_text().split()[-1]
         used = set()
-        for size in range(360, 270, -10):
+        for size in range(350, 280, -20):
             done = self.run_bezel(*arguments, limits=[(resource.RLIMIT_AS, size * 2**20)])
             self.assertIn(done.returncode, (0, 3), f"{size} MB: {done.stderr}")
             self.assertEqual([name for name in self.files() if "mumps" in name], [])
