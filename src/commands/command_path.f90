@@ -3,11 +3,13 @@
 module command_path
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: quoted, to_text
   use command_type, only: run_t, command_t, command_row_t, new_row, check_fields
   use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC
   use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use energy_type, only: open_book
+  use mesh, only: is_rigid
   implicit none
   private
   public :: path_rows
@@ -113,9 +115,8 @@ contains
                .and. alpha > -1.0_wp)) then
       call fail(error, DECK_ERROR, 'the time integration needs beta > 0, gamma >= 1/2, ' &
                 //'-1 < alpha <= 0', command%record%place(3), USAGE)
-    else if (.not. (off .or. any(run%model%material(:)%density > 0.0_wp))) then
-      call fail(error, DECK_ERROR, 'no material has a density', command%record%place(1), &
-                'write DENSity,,rho in the MATErial')
+    else if (.not. off .and. run%program%dry) then
+      call check_masses(run, command, error)
     end if
     if (allocated(error) .or. run%program%dry) return
     associate (dynamics => run%state%dynamics)
@@ -132,6 +133,37 @@ contains
       dynamics%alpha = alpha
     end associate
   end subroutine run_tran
+
+  !> Fail if no body has a mass; warn of the materials of bodies that have none, once each.
+  subroutine check_masses(run, command, error)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(error_t), allocatable, intent(out) :: error
+    logical :: used(size(run%model%material))
+    integer :: b, m
+
+    used = .false.
+    do b = 1, size(run%model%mesh%block)
+      associate (block => run%model%mesh%block(b))
+        if (.not. is_rigid(block)) used(block%material) = .true.
+      end associate
+    end do
+    associate (material => run%model%material)
+      if (.not. any(used .and. material%density > 0.0_wp)) then
+        call fail(error, DECK_ERROR, 'no material of a body has a density', &
+                  command%record%place(1), 'write DENSity,,rho in the MATErial')
+        return
+      end if
+      if (run%program%noted(command%row)) return
+      run%program%noted(command%row) = .true.
+      do m = 1, size(material)
+        if (.not. used(m) .or. material(m)%density > 0.0_wp) cycle
+        call warn('TRANsient, but material '//to_text(material(m)%number)//' has no mass', &
+                  material(m)%place, 'write DENSity,,rho; without it bodies of this material ' &
+                  //'follow the others without inertia')
+      end do
+    end associate
+  end subroutine check_masses
 
   !> Set the parameters given in the deck, or else those of FEAP: 1/4 and 1/2; for HHT they follow
   !! from alpha, -0.05.

@@ -7,6 +7,7 @@ module run
   use base_log, only: warn
   use base_error, only: error_t, fail, NO_SOLUTION, error_list_t
   use command_checkpoint, only: set_restart_point, stop_wanted, stop_run
+  use command_doubts, only: warn_commands
   use command_files, only: remove_curves, open_files, close_files
   use command_line, only: options_t
   use command_program, only: read_program, has_command, execute_next
@@ -52,6 +53,7 @@ contains
     call check_tables(job%model%bc, job%program%ntable, error)
     if (allocated(error)) return
     call warn_of_comma(job%deck)
+    call warn_commands(job)
     call warn_sum(job%model, size(job%program%defined))
     job%files%deck_text = deck_text(job%deck)
     call new_state(job%model, job%state)

@@ -1,8 +1,10 @@
 !> Names the elements and dofs that caused a failed iteration of Newton's method.
 module failure_text
   use assembly, only: sweep_t
+  use base_kinds, only: wp
   use base_text, only: to_text
   use dof_map, only: dof_name
+  use mesh, only: is_rigid
   use model, only: model_t, state_t
   use rigid_modes, only: free_body_t, find_free_bodies, motion_text
   implicit none
@@ -45,6 +47,9 @@ contains
     end do
     if (size(null) > MOST) text = text//' and '//to_text(size(null) - MOST)//' more'
     call find_free_bodies(model, model%mesh%xr + state%u, body)
+    if (state%dynamics%on .and. state%dt > 0.0_wp) then ! bodies with a mass are held by it
+      body = pack(body, [(.not. has_mass(model, body(b)%node), b=1, size(body))])
+    end if
     hopeless = .not. all(body%in_contact)
     named = 0
     do b = 1, size(body)
@@ -60,5 +65,21 @@ contains
     end do
     if (named > MOST) text = text//'; and '//to_text(named - MOST)//' more bodies'
   end subroutine name_singularity
+
+  !> Does any element of a body have a density?
+  pure logical function has_mass(model, node)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: node(:) !! the nodes of the body
+    integer :: b
+
+    has_mass = .false.
+    do b = 1, size(model%mesh%block)
+      associate (block => model%mesh%block(b))
+        if (is_rigid(block)) cycle
+        if (.not. model%material(block%material)%density > 0.0_wp) cycle
+        has_mass = has_mass .or. any(node == block%conn(1, 1))
+      end associate
+    end do
+  end function has_mass
 
 end module failure_text
