@@ -7,6 +7,7 @@ module contact_report
   use contact_history, only: had_touched
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, MORTAR
   use contact_resultant, only: resultant_t, side_resultant
+  use contact_sweep, only: find_sweep
   use contact_type, only: OPEN, STICK
   use model, only: model_t, state_t
   use projection, only: project
@@ -213,8 +214,8 @@ contains
   end function deepest_point
 
   !> Find a point that was outside the other body at the start of the step, and is now behind its
-  !! surface and deeper than DEPTh: contact would never act on this point. `trouble` is allocated if
-  !! there is such a point.
+  !! surface and deeper than DEPTh, or has passed through it within the step: contact would never
+  !! act on this point. `trouble` is allocated if there is such a point.
   subroutine find_jump(model, state, trouble)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -230,22 +231,30 @@ contains
           far = far + maxval(abs(state%u(:, contact%side(k)%node) &
                                  - state%u_step(:, contact%side(k)%node)))
         end do
-        if (far < contact%depth) cycle
+        if (.not. far > 0.0_wp) cycle
         if (.not. allocated(x)) then
           x = model%mesh%xr + state%u
           x_start = model%mesh%xr + state%u_step
         end if
+        side = 0
         if (contact%self) then
+          if (far < contact%depth) cycle
           call find_own_jump(contact, model%mesh%xr, x_start, x, far, gap)
           if (.not. gap < 0.0_wp) cycle
           trouble = contact%side(1)%name//' has passed through its own surface'
         else
-          call find_jump_through(contact, x_start, x, gap, side)
-          if (.not. gap < 0.0_wp) cycle
+          if (far >= contact%depth) call find_jump_through(contact, x_start, x, gap, side)
+          if (side == 0) then
+            call find_sweep(contact, x_start, x, gap, side)
+            gap = -gap
+          end if
+          if (side == 0) cycle
           trouble = contact%side(side)%name//' has passed through '//contact%side(3 - side)%name
         end if
         trouble = 'in contact '//contact%name//' a point of '//trouble//' to a depth of ' &
-                  //to_text(-gap, 3)//', more than DEPTh '//to_text(contact%depth, 3)
+                  //to_text(-gap, 3)
+        if (-gap > contact%depth) trouble = trouble//', more than DEPTh ' &
+                                            //to_text(contact%depth, 3)
         return
       end associate
     end do

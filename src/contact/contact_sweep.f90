@@ -1,0 +1,399 @@
+!> Finds points of contact that pass through the other surface within a step, wherever they end: on
+!! the far side of the body, or beside it. At the end of the step such points are outside the body
+!! or opposite nothing, and no projection tells that they have been inside.
+!!
+!! Points and surfaces move in straight lines from their positions at the start of the step to those
+!! now. The faces of the other surface are divided into triangles; a point enters the body where its
+!! distance from a triangle changes from positive to negative, and leaves it where it changes back.
+module contact_sweep
+  use base_kinds, only: wp
+  use contact_pair, only: contact_t, surface_t
+  use projection, only: project
+  use projection_search, only: grid_t, update_grid
+  use projection_type, only: foot_t, shape_t, touches
+  use surface_geometry, only: surface_point, update_shape
+  use tensor, only: cross
+  implicit none
+  private
+  public :: find_sweep
+
+  integer, parameter :: NPOINT = 3        !! points of an element in each of its two directions
+  integer, parameter :: NPART = 4         !! parts of the step in which crossings are sought
+  integer, parameter :: MOST_CROSSINGS = 16
+  !> A point that was inside at the start of the step has passed through if it is now deeper than
+  !! TWICE DEPTh, about the thickness of the thinner body.
+  real(wp), parameter :: TWICE = 2.0_wp
+  real(wp), parameter :: ON_EDGE = 1.0e-9_wp
+
+  !> Triangles of a surface at the start of the step and now, and the boxes that they sweep.
+  type :: triangles_t
+    integer :: n = 0
+    real(wp), allocatable :: x(:, :, :, :) !! (3, corner, start or now, n) [L]
+    real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) [L]
+  end type triangles_t
+
+  !> A point passes a triangle.
+  type :: crossing_t
+    real(wp) :: t = 0.0_wp                 !! 0: at the start of the step, 1: at its end
+    integer :: triangle = 0
+    logical :: enters = .false.
+  end type crossing_t
+
+contains
+
+  !> Find a point of one side that has passed through the other side to a depth of more than DEPTh;
+  !! side = 0 if there is none. Self-contact is not examined.
+  subroutine find_sweep(contact, x_start, x, depth, side)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now
+    real(wp), intent(out) :: depth                 !! of the point along its way [L]
+    integer, intent(out) :: side                   !! whose point it is
+    real(wp), allocatable :: moved(:, :)           ! x in a frame that moves with side 2 [L]
+    real(wp) :: drift(3), far
+    integer :: d, k
+
+    side = 0
+    depth = 0.0_wp
+    if (contact%self) return
+    associate (node => contact%side(2)%node)
+      do d = 1, 3
+        drift(d) = sum(x(d, node) - x_start(d, node))/size(node)
+      end do
+    end associate
+    allocate (moved, source=x)
+    far = 0.0_wp
+    do k = 1, 2
+      associate (node => contact%side(k)%node)
+        do d = 1, 3
+          moved(d, node) = x(d, node) - drift(d)
+        end do
+        far = far + sqrt(maxval(sum((moved(:, node) - x_start(:, node))**2, 1)))
+      end associate
+    end do
+    if (.not. far > least_depth(contact)) return
+    do k = 1, 2
+      call sweep_points(contact, k, x_start, moved, depth)
+      if (.not. depth > 0.0_wp) cycle
+      side = k
+      return
+    end do
+  end subroutine find_sweep
+
+  !> Depth from which a point has passed through: DEPTh, or half of the thinner body [L].
+  pure real(wp) function least_depth(contact) result(depth)
+    type(contact_t), intent(in) :: contact
+    integer :: k
+
+    depth = contact%depth
+    do k = 1, 2
+      if (contact%side(k)%thickness > 0.0_wp) depth = min(depth, 0.5_wp*contact%side(k)%thickness)
+    end do
+  end function least_depth
+
+  !> Find a point of side k that passes through the other side.
+  subroutine sweep_points(contact, k, x_start, x, depth)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    real(wp), intent(in) :: x_start(:, :), x(:, :)
+    real(wp), intent(out) :: depth            !! 0: there is none
+    type(triangles_t) :: other
+    type(shape_t) :: shape(2), far_shape(2)   ! of side k and of the other side, at both times
+    type(grid_t) :: grid(2)
+    type(crossing_t) :: crossing(MOST_CROSSINGS)
+    type(foot_t) :: foot, start
+    real(wp) :: p(3, 2), n(3, 2), a(3, 2), b(3, 3), low(3), high(3), out(3)
+    integer :: e, i, q, ncrossing, first
+
+    depth = 0.0_wp
+    call divide(contact%side(3 - k), x_start, x, other)
+    low = minval(other%low, 2)
+    high = maxval(other%high, 2)
+    associate (own => contact%side(k), opposite => contact%side(3 - k))
+      call update_shape(own, x_start, shape(1))
+      call update_shape(own, x, shape(2))
+      call update_shape(opposite, x_start, far_shape(1))
+      call update_shape(opposite, x, far_shape(2))
+      do i = 1, 2
+        call update_grid(opposite, far_shape(i), grid(i))
+      end do
+      do e = 1, own%nelem
+        if (any(min(shape(1)%low(:, e), shape(2)%low(:, e)) > high)) cycle
+        if (any(max(shape(1)%high(:, e), shape(2)%high(:, e)) < low)) cycle
+        do q = 0, NPOINT**2 - 1
+          do i = 1, 2
+            call surface_point(own, shape(i), e, (2*[mod(q, NPOINT), q/NPOINT] + 1) &
+                               /real(NPOINT, wp) - 1.0_wp, p(:, i), a, b)
+            n(:, i) = cross(a(:, 1), a(:, 2))
+          end do
+          call find_crossings(other, p, crossing, ncrossing)
+          first = first_entry(other, n, crossing(:ncrossing))
+          if (first > 0) then
+            depth = depth_of_way(other, p, crossing(first:ncrossing))
+            if (depth > least_depth(contact) .and. crossing(ncrossing)%enters) then
+              call find_foot(opposite, far_shape(2), grid(2), p(:, 2), contact%depth, foot)
+              ! contact pushes the point back
+              if (is_pushed(foot, normal(other, crossing(first)%triangle, 1.0_wp))) depth = 0.0_wp
+            end if
+          else ! the point may be inside from the start
+            call find_foot(opposite, far_shape(1), grid(1), p(:, 1), contact%depth, foot)
+            if (.not. is_pushed(foot, -n(:, 1))) cycle
+            start = foot
+            call find_foot(opposite, far_shape(2), grid(2), p(:, 2), huge(depth), foot)
+            out = foot%n
+            if (ncrossing > 0) out = normal(other, crossing(ncrossing)%triangle, 1.0_wp)
+            if ((ncrossing > 0 .or. foot%elem > 0) .and. dot_product(start%n, out) < 0.0_wp) then
+              depth = -dot_product(p(:, 2) - start%x, start%n)
+            else if (foot%elem > 0 .and. foot%gap < -TWICE*contact%depth) then
+              depth = -foot%gap
+            end if
+          end if
+          if (depth > least_depth(contact)) return
+          depth = 0.0_wp
+        end do
+      end do
+    end associate
+  end subroutine sweep_points
+
+  !> Project a point on a surface; no point is deeper below it than `deepest`.
+  subroutine find_foot(surface, shape, grid, x, deepest, foot)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    type(grid_t), intent(in) :: grid
+    real(wp), intent(in) :: x(3), deepest     !! [L]
+    type(foot_t), intent(out) :: foot
+
+    foot%elem = 0
+    call project(surface, shape, grid, x, foot)
+    if (.not. touches(foot, deepest)) foot%elem = 0
+  end subroutine find_foot
+
+  !> Is a point inside the body, and does contact push it out on the side of a normal?
+  pure logical function is_pushed(foot, normal) result(yes)
+    type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: normal(3)
+
+    yes = foot%elem > 0
+    if (yes) yes = foot%gap <= 0.0_wp .and. dot_product(foot%n, normal) > 0.0_wp
+  end function is_pushed
+
+  !> Divide the elements of a surface into triangles, more of them for higher degrees.
+  subroutine divide(surface, x_start, x, mesh)
+    type(surface_t), intent(in) :: surface
+    real(wp), intent(in) :: x_start(:, :), x(:, :)
+    type(triangles_t), intent(out) :: mesh
+    type(shape_t) :: shape
+    real(wp), allocatable :: grid(:, :, :)     ! (3, 0:m, 0:m)
+    real(wp) :: a(3, 2), b(3, 3)
+    integer :: e, i, j, m, n, time
+
+    mesh%n = 2*sum([(parts(surface, e)**2, e=1, surface%nelem)])
+    allocate (mesh%x(3, 3, 2, mesh%n))
+    do time = 1, 2
+      if (time == 1) call update_shape(surface, x_start, shape)
+      if (time == 2) call update_shape(surface, x, shape)
+      n = 0
+      do e = 1, surface%nelem
+        m = parts(surface, e)
+        allocate (grid(3, 0:m, 0:m))
+        do j = 0, m
+          do i = 0, m
+            call surface_point(surface, shape, e, 2*[i, j]/real(m, wp) - 1.0_wp, grid(:, i, j), &
+                               a, b)
+          end do
+        end do
+        do j = 1, m
+          do i = 1, m
+            mesh%x(:, 1, time, n + 1) = grid(:, i - 1, j - 1)
+            mesh%x(:, 2, time, n + 1) = grid(:, i, j - 1)
+            mesh%x(:, 3, time, n + 1) = grid(:, i, j)
+            mesh%x(:, 1, time, n + 2) = grid(:, i - 1, j - 1)
+            mesh%x(:, 2, time, n + 2) = grid(:, i, j)
+            mesh%x(:, 3, time, n + 2) = grid(:, i - 1, j)
+            n = n + 2
+          end do
+        end do
+        deallocate (grid)
+      end do
+    end do
+    mesh%low = minval(minval(mesh%x, 3), 2)
+    mesh%high = maxval(maxval(mesh%x, 3), 2)
+  end subroutine divide
+
+  !> Number of parts of an element in each direction.
+  pure integer function parts(surface, e)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+
+    parts = min(maxval(surface%basis(surface%ibasis(e))%degree), 3)
+  end function parts
+
+  !> Find the crossings of a point with the triangles, in the order of time.
+  subroutine find_crossings(other, p, crossing, ncrossing)
+    type(triangles_t), intent(in) :: other
+    real(wp), intent(in) :: p(3, 2)           !! the point at the start and now
+    type(crossing_t), intent(out) :: crossing(MOST_CROSSINGS)
+    integer, intent(out) :: ncrossing
+    type(crossing_t) :: new
+    real(wp) :: low(3), high(3), t(0:NPART), h(0:NPART)
+    integer :: i, j
+
+    ncrossing = 0
+    low = minval(p, 2)
+    high = maxval(p, 2)
+    do j = 1, other%n
+      if (any(other%low(:, j) > high .or. other%high(:, j) < low)) cycle
+      do i = 0, NPART
+        t(i) = real(i, wp)/NPART
+        h(i) = height(other, j, p, t(i))
+      end do
+      do i = 1, NPART
+        if (h(i - 1) < 0.0_wp .eqv. h(i) < 0.0_wp) cycle
+        new%t = root(other, j, p, t(i - 1), t(i), h(i - 1), h(i))
+        new%triangle = j
+        new%enters = h(i) < 0.0_wp
+        if (is_over(other, j, p, new%t)) call insert(new, crossing, ncrossing)
+      end do
+    end do
+  end subroutine find_crossings
+
+  !> The first crossing at which a point enters while its normal is opposite; 0: there is none.
+  pure integer function first_entry(other, n, crossing) result(first)
+    type(triangles_t), intent(in) :: other
+    real(wp), intent(in) :: n(3, 2)           !! normal of the point at the start and now
+    type(crossing_t), intent(in) :: crossing(:)
+    real(wp) :: own(3)
+
+    do first = 1, size(crossing)
+      if (.not. crossing(first)%enters) cycle
+      associate (t => crossing(first)%t)
+        own = (1.0_wp - t)*n(:, 1) + t*n(:, 2)
+        if (dot_product(own, normal(other, crossing(first)%triangle, t)) < 0.0_wp) return
+      end associate
+    end do
+    first = 0
+  end function first_entry
+
+  !> Insert a crossing in the order of time; the list may be full.
+  pure subroutine insert(new, list, n)
+    type(crossing_t), intent(in) :: new
+    type(crossing_t), intent(inout) :: list(:)
+    integer, intent(inout) :: n
+    integer :: i
+
+    if (n == size(list)) return
+    do i = n, 1, -1
+      if (list(i)%t <= new%t) exit
+      list(i + 1) = list(i)
+    end do
+    list(i + 1) = new
+    n = n + 1
+  end subroutine insert
+
+  !> How deep a point goes from where it enters to where it leaves, or to its end [L]: below the
+  !! plane in which it enters; where it leaves on the same side of the body, no deeper than below
+  !! the plane there.
+  pure real(wp) function depth_of_way(other, p, crossing) result(depth)
+    type(triangles_t), intent(in) :: other
+    real(wp), intent(in) :: p(3, 2)
+    type(crossing_t), intent(in) :: crossing(:) !! the first one enters
+    real(wp) :: t, last, d
+    integer :: i, out
+
+    last = 1.0_wp
+    out = 0
+    do i = 2, size(crossing)
+      if (crossing(i)%enters) cycle
+      out = crossing(i)%triangle
+      last = crossing(i)%t
+      if (dot_product(normal(other, crossing(1)%triangle, last), normal(other, out, last)) &
+          < 0.0_wp) out = 0
+      exit
+    end do
+    depth = 0.0_wp
+    do i = 1, NPART
+      t = crossing(1)%t + (last - crossing(1)%t)*i/NPART
+      d = -height(other, crossing(1)%triangle, p, t)
+      if (out > 0) d = min(d, -height(other, out, p, t))
+      depth = max(depth, d)
+    end do
+  end function depth_of_way
+
+  !> Corners of a triangle at time t.
+  pure function corners(other, j, t) result(x)
+    type(triangles_t), intent(in) :: other
+    integer, intent(in) :: j
+    real(wp), intent(in) :: t
+    real(wp) :: x(3, 3)
+
+    x = (1.0_wp - t)*other%x(:, :, 1, j) + t*other%x(:, :, 2, j)
+  end function corners
+
+  !> Unit outward normal of a triangle at time t; zero if it has no area.
+  pure function normal(other, j, t) result(n)
+    type(triangles_t), intent(in) :: other
+    integer, intent(in) :: j
+    real(wp), intent(in) :: t
+    real(wp) :: n(3), x(3, 3)
+
+    x = corners(other, j, t)
+    n = cross(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
+    n = n/max(norm2(n), tiny(1.0_wp))
+  end function normal
+
+  !> Height of a point above the plane of a triangle at time t [L].
+  pure real(wp) function height(other, j, p, t) result(h)
+    type(triangles_t), intent(in) :: other
+    integer, intent(in) :: j
+    real(wp), intent(in) :: p(3, 2), t
+    real(wp) :: x(3, 3)
+
+    x = corners(other, j, t)
+    h = dot_product((1.0_wp - t)*p(:, 1) + t*p(:, 2) - x(:, 1), normal(other, j, t))
+  end function height
+
+  !> Time at which the height changes its sign, by the secant method with bisection.
+  pure real(wp) function root(other, j, p, t_low, t_high, h_low, h_high) result(t)
+    type(triangles_t), intent(in) :: other
+    integer, intent(in) :: j
+    real(wp), intent(in) :: p(3, 2), t_low, t_high, h_low, h_high
+    real(wp) :: a, b, ha, hb, h
+    integer :: i
+
+    a = t_low
+    b = t_high
+    ha = h_low
+    hb = h_high
+    t = a
+    do i = 1, 40
+      t = a - ha*(b - a)/(hb - ha)
+      if (mod(i, 3) == 0 .or. .not. (t >= a .and. t <= b)) t = 0.5_wp*(a + b)
+      h = height(other, j, p, t)
+      if (abs(h) <= 1.0e-12_wp*abs(h_high - h_low)) return
+      if (h < 0.0_wp .eqv. ha < 0.0_wp) then
+        a = t
+        ha = h
+      else
+        b = t
+        hb = h
+      end if
+    end do
+  end function root
+
+  !> Is a point in the plane of a triangle inside it at time t?
+  pure logical function is_over(other, j, p, t) result(yes)
+    type(triangles_t), intent(in) :: other
+    integer, intent(in) :: j
+    real(wp), intent(in) :: p(3, 2), t
+    real(wp) :: x(3, 3), y(3), n(3), part(3)
+    integer :: i
+
+    x = corners(other, j, t)
+    y = (1.0_wp - t)*p(:, 1) + t*p(:, 2)
+    n = cross(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
+    do i = 1, 3
+      part(i) = dot_product(n, cross(x(:, mod(i, 3) + 1) - y, x(:, mod(i + 1, 3) + 1) - y))
+    end do
+    yes = dot_product(n, n) > 0.0_wp .and. all(part >= -ON_EDGE*dot_product(n, n))
+  end function is_over
+
+end module contact_sweep
