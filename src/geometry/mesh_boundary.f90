@@ -14,9 +14,10 @@ module mesh_boundary
 contains
 
   !> Find the outer faces of all elements without a body.
-  subroutine find_outer_faces(mesh, block, elem, side)
+  subroutine find_outer_faces(mesh, block, elem, side, by_material)
     type(mesh_t), intent(in) :: mesh
     integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
+    logical, intent(in), optional :: by_material !! faces between two materials count as outer faces
     integer, allocatable :: corner(:, :) ! (MOST, n) in ascending order; a triangle begins with 0
     integer(i8), allocatable :: key(:)
     integer, allocatable :: order(:), node(:)
@@ -56,7 +57,12 @@ contains
     do i = 2, n
       do j = i - 1, 1, -1
         if (key(order(j)) /= key(order(i))) exit
-        if (all(corner(:, order(j)) == corner(:, order(i)))) outer(order([i, j])) = .false.
+        if (any(corner(:, order(j)) /= corner(:, order(i)))) cycle
+        if (present(by_material)) then
+          if (by_material .and. mesh%block(block(order(i)))%material &
+              /= mesh%block(block(order(j)))%material) cycle
+        end if
+        outer(order([i, j])) = .false.
       end do
     end do
     block = pack(block(:n), outer)

@@ -8,11 +8,15 @@
 module input_surface
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
+  use base_text, only: to_text
   use boundary, only: boundary_t
   use element_type, only: cell_t, topology_t
   use face_rule, only: face_points, face_normal, face_directions
   use input_draft, only: condition_entry_t
   use mesh, only: mesh_t, block_t, block_cell
+  use mesh_boundary, only: find_outer_faces
+  use quadrature, only: gauss_quad
   use tensor, only: cross
   implicit none
   private
@@ -23,10 +27,16 @@ module input_surface
   real(wp), parameter :: OUTSIDE = 1.0e-4_wp   !! distance outside the boundary that still counts as
   !! inside
   real(wp), parameter :: ALIGNED = 0.8_wp      !! smallest cosine of the angle between the normals
+  real(wp), parameter :: LEAST_SHARE = 0.9_wp  !! of the area that is loaded without a warning
   integer, parameter :: MAX_ITER = 100
   !> Signs of the coordinates of FEAP's nine points in the parameter plane of the surface.
   integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], &
                         AT2(9) = [-1, -1, 1, 1, -1, 0, 1, 0, 0]
+
+  !> Marks of the faces of a block.
+  type :: marks_t
+    logical, allocatable :: face(:, :)         !! (6, nelem)
+  end type marks_t
 
 contains
 
@@ -115,7 +125,9 @@ contains
     end do
   end subroutine functions
 
-  !> Add the forces of the pressure on the element faces whose four corners lie on the surface.
+  !> Add the forces of the pressure on the outer faces of elements whose four corners lie on the
+  !! surface. Faces between two bodies or two materials count as outer faces, and so do those that
+  !! TIE joins.
   subroutine load_surface(mesh, r, on, new, bc, error)
     type(mesh_t), intent(in) :: mesh
     type(condition_entry_t), intent(in) :: r
@@ -123,12 +135,15 @@ contains
     integer, intent(in) :: new(:) !! (nnode) the node that replaces each node after TIE
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable, intent(out) :: error
+    type(marks_t), allocatable :: outer(:)
     type(topology_t) :: topology
     type(cell_t) :: cell
-    logical :: found
-    integer :: b, e, f
+    real(wp) :: loaded, whole
+    integer :: b, e, f, ninner
 
-    found = .false.
+    call mark_outer(mesh, outer)
+    loaded = 0.0_wp
+    ninner = 0
     do b = 1, size(mesh%block)
       do e = 1, mesh%block(b)%nelem
         if (count(on(mesh%block(b)%conn(:, e))) < 3) cycle
@@ -136,28 +151,87 @@ contains
         call mesh%block(b)%row%topology(cell, topology)
         if (topology%nface /= 6) cycle
         do f = 1, 6
-          call load_face(mesh, mesh%block(b), e, f, cell, r, new, bc, found)
+          call load_face(mesh, mesh%block(b), e, f, cell, r, new, outer(b)%face(f, e), bc, loaded, &
+                         ninner)
         end do
       end do
     end do
-    if (.not. found) then
+    whole = area_of(r%surface)
+    if (loaded > 0.0_wp) then
+      if (loaded < LEAST_SHARE*whole) then
+        call warn('the pressure acts on '//to_text(100*loaded/whole, 3)//' % of the area of its ' &
+                  //'surface only', r%place, 'it acts on whole outer faces of elements: give ' &
+                  //'a surface whose edges are edges of elements; or widen the search with GAP d')
+      end if
+    else if (ninner > 0) then
+      call fail(error, DECK_ERROR, 'the surface lies inside a body: the '//to_text(ninner) &
+                //' element faces on it belong to two elements', r%place, 'a pressure acts on ' &
+                //'the outer faces of a body; FORCe and EFORce load nodes inside')
+    else
       call fail(error, DECK_ERROR, 'no element face lies on the surface', r%place, 'number its ' &
                 //'points 1 2 3 4 counter-clockwise as seen from outside; or widen the search ' &
                 //'with GAP d')
     end if
   end subroutine load_surface
 
+  !> Mark the outer faces of all elements before TIE.
+  subroutine mark_outer(mesh, outer)
+    type(mesh_t), intent(in) :: mesh
+    type(marks_t), allocatable, intent(out) :: outer(:)
+    integer, allocatable :: block(:), elem(:), side(:)
+    integer :: b, f, i
+
+    allocate (outer(size(mesh%block)))
+    do b = 1, size(mesh%block)
+      allocate (outer(b)%face(6, mesh%block(b)%nelem), source=.false.)
+    end do
+    call find_outer_faces(mesh, block, elem, side, by_material=.true.)
+    do i = 1, size(block)
+      outer(block(i))%face(side(i), elem(i)) = .true.
+    end do
+    do b = 1, size(mesh%body)
+      do f = 1, 6
+        associate (face => mesh%body(b)%face(f))
+          do i = 1, size(face%elem)
+            outer(face%block(i))%face(face%side(i), face%elem(i)) = .true.
+          end do
+        end associate
+      end do
+    end do
+  end subroutine mark_outer
+
+  !> Area of a surface of nine points, by 5 x 5 Gauss points in each quarter [L^2].
+  real(wp) function area_of(surface) result(area)
+    real(wp), intent(in) :: surface(:, :) !! (4, 9)
+    real(wp) :: xi(2, 25), w(25), f(9), d(2, 9)
+    integer :: i, j, q
+
+    call gauss_quad(5, 5, xi, w)
+    area = 0.0_wp
+    do i = -1, 1, 2
+      do j = -1, 1, 2
+        do q = 1, size(w)
+          call functions(0.5_wp*(xi(:, q) + [i, j]), f, d)
+          area = area + 0.25_wp*w(q)*norm2(cross(matmul(surface(:3, :), d(1, :)), &
+                                                 matmul(surface(:3, :), d(2, :))))
+        end do
+      end do
+    end do
+  end function area_of
+
   !> Add the forces on one face if its normal is aligned with that of the surface. The pressure at
   !! an integration point is that of the surface at the closest point.
-  subroutine load_face(mesh, block, e, f, cell, r, new, bc, found)
+  subroutine load_face(mesh, block, e, f, cell, r, new, is_outer, bc, loaded, ninner)
     type(mesh_t), intent(in) :: mesh
     type(block_t), intent(in) :: block
     integer, intent(in) :: e, f
     type(cell_t), intent(in) :: cell
     type(condition_entry_t), intent(in) :: r
     integer, intent(in) :: new(:)
+    logical, intent(in) :: is_outer           !! otherwise the face is counted and not loaded
     type(boundary_t), intent(inout) :: bc
-    logical, intent(inout) :: found
+    real(wp), intent(inout) :: loaded         !! area of the faces [L^2]
+    integer, intent(inout) :: ninner
     real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :), x(:, :)
     real(wp) :: corner(3, 4), area(3), t1(3), t2(3), normal(3), load, low(3), high(3), gap, &
                 eta(2), g(9), d(2, 9)
@@ -181,11 +255,15 @@ contains
     call face_normal(f, x, dshp, area, t1, t2)
     call project(r%surface, matmul(x, shp), huge(gap), eta, normal, lies)
     if (.not. dot_product(area, normal) > ALIGNED*norm2(area)*norm2(normal)) return
-    found = .true.
+    if (.not. is_outer) then
+      ninner = ninner + 1
+      return
+    end if
     call face_points(cell%degree, block%rule%xi, f, xi, w, order=2)
     do q = 1, size(w)
       call block%row%functions(cell, xi(:, q), shp, dshp)
       call face_normal(f, x, dshp, area, t1, t2)
+      loaded = loaded + w(q)*norm2(area)
       call project(r%surface, matmul(x, shp), huge(gap), eta, normal, lies)
       call functions(eta, g, d)
       load = w(q)*dot_product(g, r%surface(4, :))
