@@ -22,7 +22,8 @@ module dynamics_type
     real(wp) :: c(3) = 0.0_wp
     real(wp), allocatable :: v(:, :)             !! (3, nnode) velocity when the step began [L/T]
     real(wp), allocatable :: a(:, :)             !! (3, nnode) acceleration at that time [L/T^2]
-    real(wp), allocatable :: held(:, :)          !! (3, nnode) force at that time (HHT) [F]
+    !> (3, nnode) Internal minus external force at that time, of which HHT keeps a share [F].
+    real(wp), allocatable :: static(:, :)
   end type dynamics_t
 
 contains
@@ -32,8 +33,8 @@ contains
     type(dynamics_t), intent(inout) :: dynamics
     integer, intent(in) :: nnode
 
-    if (allocated(dynamics%v)) deallocate (dynamics%v, dynamics%a, dynamics%held)
-    allocate (dynamics%v(3, nnode), dynamics%a(3, nnode), dynamics%held(3, nnode), source=0.0_wp)
+    if (allocated(dynamics%v)) deallocate (dynamics%v, dynamics%a, dynamics%static)
+    allocate (dynamics%v(3, nnode), dynamics%a(3, nnode), dynamics%static(3, nnode), source=0.0_wp)
   end subroutine new_dynamics
 
   !> Begin a step of length dt.
@@ -76,7 +77,7 @@ contains
     if (.not. dynamics%on) then ! without inertia: set the rates from which a later step may start
       dynamics%v = du/dt
       dynamics%a = 0.0_wp
-      dynamics%held = 0.0_wp
+      dynamics%static = 0.0_wp
       return
     end if
     allocate (a, source=acceleration(dynamics, du, [(i, i=1, size(du, 2))]))
@@ -88,7 +89,7 @@ contains
       end associate
     end if
     call move_alloc(a, dynamics%a)
-    if (dynamics%method == HHT) dynamics%held = -dynamics%alpha/(1.0_wp + dynamics%alpha)*static
+    dynamics%static = static
   end subroutine advance
 
 end module dynamics_type

@@ -114,7 +114,7 @@ contains
       call exchange(archive, group//'/density', dynamics%density, error)
       call exchange(archive, group//'/v', dynamics%v, error)
       call exchange(archive, group//'/a', dynamics%a, error)
-      call exchange(archive, group//'/held', dynamics%held, error)
+      call exchange(archive, group//'/static', dynamics%static, error)
     end if
   end subroutine exchange_dynamics
 

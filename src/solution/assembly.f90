@@ -10,6 +10,7 @@ module assembly
   use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, &
                  set_zero
   use csr_fold, only: fold_t, tied_cliques, new_fold, fold_matrix
+  use dynamics_type, only: HHT
   use element_type, only: form_report_t, NB
   use external_load, only: map_t, external_force, scatter_force
   use inertia, only: mass_t, find_masses, add_inertia
@@ -147,6 +148,10 @@ contains
   end subroutine form
 
   !> Add the forces of inertia and their tangent, where bodies move in time.
+  !!
+  !! The equations of HHT are divided by 1 + alpha, so their forces of inertia are M a/(1 + alpha)
+  !! plus the share of the static force at the start of the step. These are equations of free dofs.
+  !! The force of a support is M a plus the static force at the end of the step.
   subroutine form_inertia(asm, model, state)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -156,12 +161,21 @@ contains
     asm%f_inert = 0.0_wp
     if (.not. state%dynamics%on) return
     if (.not. allocated(asm%mass)) call find_masses(model, state%dynamics, asm%mass)
-    asm%f_inert = state%dynamics%held
+    associate (alpha => state%dynamics%alpha)
+      if (state%dynamics%method == HHT) then
+        where (model%eq > 0) asm%f_inert = -alpha/(1.0_wp + alpha)*state%dynamics%static
+      end if
+    end associate
     do b = 1, size(model%mesh%block)
       if (.not. allocated(asm%mass(b)%m)) cycle
       call add_inertia(model%mesh%block(b), asm%mass(b), state%dynamics, state, asm%map(b)%at, &
                        asm%k, asm%f_inert)
     end do
+    if (state%dynamics%method == HHT) then
+      ! slaves have no equations, so their forces go to the masters before supports are scaled
+      call fold_force(model%mesh%constraint, asm%f_inert)
+      where (model%eq == 0) asm%f_inert = (1.0_wp + state%dynamics%alpha)*asm%f_inert
+    end if
     asm%f_int = asm%f_int + asm%f_inert
   end subroutine form_inertia
 
