@@ -4,7 +4,7 @@
 
 # --- Variables of the command line -------------------------------------------------------------
 ifeq ($(origin FC),default)
-FC     := gfortran
+FC     := $(if $(filter 1 yes,$(MPI)),mpifort,gfortran)
 endif
 KIND   ?= release
 BUILD  ?= build
@@ -14,7 +14,10 @@ PFUNIT ?=
 MINUTES ?= 60
 SEED   ?= 1
 T      ?=
-B      := $(BUILD)/$(KIND)
+MPI    ?=
+RANKS  := $(filter 1 yes,$(MPI))
+export MPI
+B      := $(BUILD)/$(if $(RANKS),mpi$(KIND:release=),$(KIND))
 U      := $(B)/$(if $(PFUNIT),pfunit,unit)
 PYTHON := .venv/bin/python
 PY     := $(or $(wildcard $(PYTHON)),python3)
@@ -39,8 +42,10 @@ HDF5_PC    := $(shell pkg-config --libs-only-L hdf5-serial 2>/dev/null)
 HDF5_MOD   := $(firstword $(wildcard $(addsuffix /hdf5.mod,/usr/include/hdf5/serial \
               $(addsuffix /include,$(ROOTS)) /usr/lib64/gfortran/modules)))
 INCLUDE    := $(addprefix -I,$(HDF5_MOD:/hdf5.mod=) $(wildcard $(addsuffix /include,$(ROOTS)) \
-              $(addsuffix /include/mumps_seq,$(ROOTS))))
-MUMPS_LIBS ?= -ldmumps_seq -lsmumps_seq -lmumps_common_seq -lpord_seq -lmpiseq_seq
+              $(if $(RANKS),,$(addsuffix /include/mumps_seq,$(ROOTS)))))
+MUMPS_seq  := -ldmumps_seq -lsmumps_seq -lmumps_common_seq -lpord_seq -lmpiseq_seq
+MUMPS_mpi  := -ldmumps -lsmumps -lmumps_common -lpord -lscalapack-openmpi
+MUMPS_LIBS ?= $(MUMPS_$(if $(RANKS),mpi,seq))
 LIBS       := $(or $(HDF5_PC),$(addprefix -L,$(wildcard /usr/lib/*/hdf5/serial))) \
               $(addprefix -L,$(wildcard $(addsuffix /lib,$(filter-out /usr,$(ROOTS))))) \
               $(MUMPS_LIBS) -lmetis -lhdf5_fortran -lhdf5 -lopenblas $(LDFLAGS)
@@ -49,11 +54,9 @@ LIBS       := $(or $(HDF5_PC),$(addprefix -L,$(wildcard /usr/lib/*/hdf5/serial))
 .PHONY: all help FORCE
 all: $(B)/bezel
 
-SOURCES := $(wildcard src/*/*.f90)
+# The ranks of MPI=1, or a single process, are behind one module, base_comm.
+SOURCES := $(filter-out src/base/base_comm_$(if $(RANKS),serial,mpi).f90,$(wildcard src/*/*.f90))
 include src/simd.mk
-ifdef MPI
-$(error MPI=1 is not available yet)
-endif
 OBJECTS := $(patsubst %.f90,$(B)/%.o,$(notdir $(SOURCES) $(COPIES)))
 vpath %.f90 $(wildcard src/*) $(sort $(dir $(COPIES)))
 
@@ -98,12 +101,12 @@ endif
 include verification/unit/unit.mk
 include tools/packages/packages.mk
 
-.PHONY: check tests deck_errors post_tests reference patch trouble bench_parts setup
+.PHONY: check tests deck_errors post_tests reference patch trouble ranks bench_parts setup
 setup:
 	@tools/setup.sh
 check: setup
 	@$(MAKE) tests
-GOALS := runner unit deck_errors manual post_tests reference patch trouble bench_parts
+GOALS := $(if $(RANKS),ranks patch,runner unit deck_errors manual post_tests reference patch trouble bench_parts)
 WHAT_runner      := the runner of the unit tests judges failures as failures
 WHAT_unit        := unit tests; they are compiled first, which takes some minutes
 WHAT_deck_errors := bad decks, each with the message that it must give
@@ -111,6 +114,7 @@ WHAT_manual      := a page and an example for every word; theory and tests for e
 WHAT_post_tests  := tests of post, verify and tools; a dot each
 WHAT_reference   := the second implementation beside the program, on the smallest meshes
 WHAT_patch       := patch tests: comparisons with exact answers
+WHAT_ranks       := the serial program beside 1, 2 and 3 ranks; kills, signals, limits, restarts
 WHAT_trouble     := files, signals, restarts; then decks that must not go wrong silently
 WHAT_bench_parts := the programs of make bench compile; they are not run
 tests:
@@ -128,6 +132,12 @@ PATCHES := $(patsubst verification/patch/%/expect.toml,%,$(wildcard verification
 patch: $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
 	  > $(B)/patch.txt; code=$$?; grep -v '  ok$$' $(B)/patch.txt; exit $$code
+
+# The program for ranks (MPI=1) beside the serial one.
+ranks:
+	@$(MAKE) MPI= $(BUILD)/release/bezel
+	@$(MAKE) MPI=1 $(BUILD)/mpi/bezel
+	@$(PYTHON) -m verification.ranks --bezel $(BUILD)/mpi/bezel --serial $(BUILD)/release/bezel $(ARGS)
 
 # Files, signals, limits and restarts, then decks that must not go wrong silently.
 trouble: $(B)/bezel
@@ -232,6 +242,7 @@ clean:
 
 #: make               $(BUILD)/release/bezel
 #: make check         unit tests, bad decks, manual, post, patch tests, files and signals: what a commit must pass
+#: make MPI=1         $(BUILD)/mpi/bezel for mpirun; make check MPI=1: on 1, 2 and 3 ranks
 #: make unit T=word   the unit tests whose path has the word, and what they need
 #: make verify        patch tests and quick benchmarks; verify-all: every one, restarts, sanitizers
 #: make soak          MINUTES= of hostile inputs, kills, signals, limits and units, drawn from SEED=

@@ -4,6 +4,7 @@
 #        tools/setup.sh dev        and the tools of `make lint`, `make coverage`, `make doc`
 #        tools/setup.sh bench      and FElupe and CalculiX, which `make bench` compares with
 #        tools/setup.sh mesh       and Gmsh and TetGen, which `python -m post mesh` starts
+#        MPI=1 tools/setup.sh      MUMPS and compiler for several ranks instead of the serial ones
 #        tools/setup.sh libraries  install nothing, only report what is missing
 # With apt and the permission to use it (root or sudo) missing packages are installed; otherwise one
 # sentence names them, and the exit code is 1.
@@ -13,8 +14,10 @@ unset MAKEFLAGS MFLAGS MAKELEVEL 2>/dev/null || true
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-APT='gfortran make pkg-config libmumps-seq-dev libmetis-dev libhdf5-dev libopenblas-dev
-     python3 python3-venv libgl1 libegl1 libosmesa6 libxrender1'
+compiler=gfortran mumps=mumps mumps_apt=libmumps-seq-dev
+[ "${MPI:-}" != 1 ] || compiler=mpifort mumps=mumps_mpi mumps_apt='libmumps-dev libopenmpi-dev openmpi-bin'
+APT="gfortran make pkg-config $mumps_apt libmetis-dev libhdf5-dev libopenblas-dev
+     python3 python3-venv libgl1 libegl1 libosmesa6 libxrender1"
 
 # --- What is missing ---------------------------------------------------------------------------
 
@@ -44,14 +47,14 @@ missing_libraries() {
   folders=$(printf '%s\n' $LIBS | grep '^-L' || true)
   if ! has "$FC"; then
     name=$(printf '%s\n' $MUMPS_LIBS | sed -n 's/^-l//p' | head -n 1)
-    installed "${name:-dmumps_seq}" || echo mumps
+    installed "${name:-dmumps_seq}" || echo $mumps
     for name in metis hdf5_fortran openblas; do installed $name || echo ${name%_fortran}; done
     return
   fi
   links "$LIBS" "use hdf5
 include 'dmumps_struc.h'
 include 'smumps_struc.h'" && return
-  links '' "include 'dmumps_struc.h'" && links "$MUMPS_LIBS -lopenblas" '' || echo mumps
+  links '' "include 'dmumps_struc.h'" && links "$MUMPS_LIBS -lopenblas" '' || echo $mumps
   links -lmetis '' || echo metis
   links '-lhdf5_fortran -lhdf5' 'use hdf5' || echo hdf5
   links -lopenblas '' || echo openblas
@@ -68,9 +71,9 @@ find_python() {
 }
 
 missing_program() {
-  FC=${FC:-gfortran}
+  FC=${FC:-$compiler}
   has make || echo make
-  has "$FC" || echo gfortran
+  has "$FC" || echo $compiler
   missing_libraries
 }
 
@@ -90,6 +93,8 @@ names() {
     make)     echo 'make|make|make|make|make' ;;
     gfortran) echo 'the Fortran compiler|gfortran|gcc-gfortran|gfortran|gcc languages=fortran' ;;
     mumps)    echo 'MUMPS without MPI|libmumps-seq-dev|MUMPS-devel|mumps-seq|mumps~mpi' ;;
+    mpifort)  echo 'MPI with its compiler|libopenmpi-dev openmpi-bin|openmpi-devel|openmpi|openmpi' ;;
+    mumps_mpi) echo 'MUMPS with MPI|libmumps-dev|MUMPS-openmpi-devel|mumps-mpi|mumps+mpi' ;;
     metis)    echo 'METIS|libmetis-dev|metis-devel|metis|metis' ;;
     hdf5)     echo 'HDF5 with Fortran|libhdf5-dev|hdf5-devel|hdf5|hdf5+fortran~mpi' ;;
     openblas) echo 'OpenBLAS|libopenblas-dev|openblas-devel|openblas|openblas' ;;

@@ -5,6 +5,7 @@
 module mumps_instance
   use, intrinsic :: ieee_arithmetic, only: ieee_get_underflow_mode, ieee_set_underflow_mode
   use, intrinsic :: ieee_arithmetic, only: ieee_support_underflow_control
+  use base_comm, only: communicator, is_root, share
   use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
   use base_kinds, only: wp, i8
   use base_text, only: to_text
@@ -68,12 +69,12 @@ contains
     matrix_type = merge(SYMMETRIC_GENERAL, UNSYMMETRIC, symmetric)
     if (single) then
       allocate (m%s)
-      m%s%comm = 0 ! libmpiseq ignores it
+      m%s%comm = communicator()
       m%s%par = 1
       m%s%sym = matrix_type
     else
       allocate (m%d)
-      m%d%comm = 0
+      m%d%comm = communicator()
       m%d%par = 1
       m%d%sym = matrix_type
     end if
@@ -258,11 +259,13 @@ contains
     if (m%infog(1) < 0) call describe_failure(m%infog(1), m%infog(2), m%neq, error)
   end subroutine run
 
-  !> Solve for right-hand sides, which the solutions replace.
+  !> Solve for right-hand sides, which the solutions replace. All ranks have the same ones and get
+  !! the same solutions; MUMPS works with those of the first rank.
   subroutine solve_with(m, x, error)
     type(mumps_t), intent(inout) :: m
     real(wp), intent(inout) :: x(:, :) !! (neq, nrhs)
     type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: list(:)
     real(wp) :: factor
 
     if (associated(m%s)) then
@@ -272,7 +275,9 @@ contains
       m%s%nrhs = size(x, 2)
       m%s%lrhs = m%neq
       call run(m, SOLVE_JOB, error)
-      x = reshape(real(m%s%rhs, wp), shape(x))*(factor/m%scale)
+      list = real(m%s%rhs, wp)
+      call share(list, 1)
+      x = reshape(list, shape(x))*(factor/m%scale)
       deallocate (m%s%rhs)
     else
       allocate (m%d%rhs(size(x)))
@@ -280,6 +285,7 @@ contains
       m%d%nrhs = size(x, 2)
       m%d%lrhs = m%neq
       call run(m, SOLVE_JOB, error)
+      call share(m%d%rhs, 1)
       x = reshape(m%d%rhs, shape(x))
       deallocate (m%d%rhs)
     end if
@@ -290,13 +296,13 @@ contains
     type(mumps_t), intent(in) :: m
     integer, allocatable :: list(:)
 
-    if (m%infog(28) == 0) then
-      list = [integer ::]
-    else if (associated(m%s)) then
-      list = m%s%pivnul_list(1:m%infog(28))
-    else
-      list = m%d%pivnul_list(1:m%infog(28))
+    allocate (list(m%infog(28)), source=0)
+    if (size(list) == 0) return
+    if (is_root()) then ! MUMPS gives it the list
+      if (associated(m%s)) list = m%s%pivnul_list(:size(list))
+      if (associated(m%d)) list = m%d%pivnul_list(:size(list))
     end if
+    call share(list, 1)
   end function null_pivots
 
   !> Finish the instance and release its memory.

@@ -4,6 +4,7 @@
 !! Source: Amestoy, Duff, L'Excellent and Koster 2001 [bib: amestoy2001]; users' guide of MUMPS 5.5
 module solver_mumps
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use base_agreement, only: agree
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
   use base_kinds, only: wp
   use mumps_instance, only: mumps_t, start, runs, give_options, give_pattern, give_values, &
@@ -69,6 +70,7 @@ contains
     call give_options(self%mumps, symmetric, self%low_rank, &
                       merge(ORDER_GIVEN, self%ordering, size(order) > 0), self%on_disk)
     call give_pattern(self%mumps, neq, row, col, order, error)
+    call agree(error)
     if (allocated(error)) return
     call run(self%mumps, ANALYSE_JOB, error)
     if (allocated(error)) return

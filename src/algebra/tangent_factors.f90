@@ -2,6 +2,8 @@
 !! in double precision, in single precision, compressed, on disk. Exact factors replace them if they
 !! turn out to be needed.
 module tangent_factors
+  use base_agreement, only: agree
+  use base_comm, only: is_root, ranks_here, total
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
   use base_kinds, only: wp, i8
   use base_system, only: available_memory_mb, return_memory, seconds_of_both
@@ -185,7 +187,9 @@ contains
         call new_solver_mumps(mumps, way%single, way%eps, on_disk=way%on_disk)
         call move_alloc(mumps, factors%solver)
         if (.not. allocated(factors%order)) then
-          call elimination_order(a, factors%eq, factors%order, error)
+          factors%order = [integer ::] ! only the first rank needs it
+          if (is_root()) call elimination_order(a, factors%eq, factors%order, error)
+          call agree(error)
           if (allocated(error)) return
         end if
       end if
@@ -227,8 +231,9 @@ contains
       allocate (values(size(factors%entries%row)), stat=stat)
       if (stat /= 0) then
         call fail(error, SYSTEM_ERROR, 'not enough memory for the values of the tangent matrix')
-        return
       end if
+      call agree(error)
+      if (allocated(error)) return
       call gather(factors%entries, a, values)
       call factors%solver%factorise(values, memory_mb(factors), error)
       deallocate (values)
@@ -270,18 +275,25 @@ contains
     call drop(trial)
   end subroutine memory_of
 
-  !> Available memory [MB].
+  !> Available memory of all machines [MB].
   real(wp) function memory_mb(factors)
     type(factors_t), intent(in) :: factors
-    real(wp), parameter :: MEBIBYTE = 1.048576_wp
 
     memory_mb = factors%available_mb
     if (memory_mb > 0.0_wp) return
-    memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
+    memory_mb = memory_of_all()
     if (memory_mb + factors%solver%info%used_mb >= factors%estimate_mb) return
     call return_memory() ! which earlier solvers have freed
-    memory_mb = min(available_memory_mb(), 1e12_wp)*MEBIBYTE
+    memory_mb = memory_of_all()
   end function memory_mb
+
+  !> Memory that is available now on all machines [MB]; each rank counts its part of one.
+  real(wp) function memory_of_all()
+    real(wp), parameter :: MEBIBYTE = 1.048576_wp
+
+    memory_of_all = min(available_memory_mb(), 1e12_wp)*MEBIBYTE/ranks_here()
+    call total(memory_of_all)
+  end function memory_of_all
 
   !> Look for free motions of the matrix that was just factorised.
   subroutine look_for_motions(factors, a, null, error)

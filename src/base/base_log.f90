@@ -10,7 +10,7 @@ module base_log
   implicit none
   private
   public :: open_log, close_log, log_line, note, warn, warning_count, message_count, &
-            get_warning, recall_warning, progress, summary, set_quiet, print_lines
+            get_warning, recall_warning, progress, summary, set_quiet, mute_log, print_lines
 
   !> The message of a warning.
   type :: message_t
@@ -27,6 +27,7 @@ module base_log
   integer :: nmessage = 0                  !! number of messages in use; the array may be longer
   integer :: shown = 0                     !! characters of the progress line on the screen
   logical :: quiet = .false., asked = .false., terminal = .false.
+  logical :: muted = .false.               !! this is not the first rank: nothing is written
   logical :: prints = .false.              !! lines go to standard output; there is no log
 
 contains
@@ -35,8 +36,14 @@ contains
   subroutine set_quiet(yes)
     logical, intent(in) :: yes
 
-    quiet = yes
+    quiet = yes .or. muted
   end subroutine set_quiet
+
+  !> Only count warnings and keep their messages, because the first rank writes them.
+  subroutine mute_log()
+    muted = .true.
+    quiet = .true.
+  end subroutine mute_log
 
   !> From now on, print the lines of the log instead of keeping them (--check).
   subroutine print_lines()
@@ -72,6 +79,7 @@ contains
     character(*), intent(in) :: text
     character(:), allocatable :: longer
 
+    if (muted) return
     if (opened) then
       call put(text)
       return

@@ -1,6 +1,8 @@
 !> Checkpoints: the values that they hold in addition to the state, when they are written, and how a
 !! run continues from a checkpoint.
 module command_checkpoint
+  use base_agreement, only: agree
+  use base_comm, only: is_root, largest
   use base_error, only: error_t, fail, SYSTEM_ERROR, STOPPED
   use base_kinds, only: wp
   use base_log, only: log_line, message_count, get_warning, recall_warning
@@ -86,13 +88,14 @@ contains
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path)
   end subroutine restore_run
 
-  !> Has a signal to stop been received, or has the time limit been reached?
+  !> Has a signal to stop been received, or has the time limit been reached, on any rank?
   function stop_wanted(run) result(yes)
     type(run_t), intent(in) :: run
     logical :: yes
 
     yes = stop_requested()
     if (.not. yes .and. run%time_limit > 0.0_wp) yes = wall_seconds() > run%time_limit
+    yes = largest(merge(1, 0, yes)) == 1
   end function stop_wanted
 
   !> Discard the current step, write a checkpoint of the previous one, and end with code 4.
@@ -122,8 +125,11 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(fingerprint_t) :: print
 
-    call make_fingerprint(VERSION, run%files%deck_text, run%model, print)
-    call store(restart_path(run), print, run%restart_point%state, run%restart_point%values, error)
+    if (is_root()) then
+      call make_fingerprint(VERSION, run%files%deck_text, run%model, print)
+      call store(restart_path(run), print, run%restart_point%state, run%restart_point%values, error)
+    end if
+    call agree(error)
   end subroutine store_restart_point
 
   function restart_path(run) result(path)

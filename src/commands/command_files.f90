@@ -1,6 +1,9 @@
 !> The files of a run. They are opened when the first step is written, so that a deck that fails
 !! leaves none.
+!! The first rank writes them; all ranks learn whether it could.
 module command_files
+  use base_agreement, only: agree
+  use base_comm, only: is_root
   use base_error, only: error_t
   use base_file, only: remove_file
   use base_kinds, only: wp
@@ -23,6 +26,7 @@ contains
     type(run_t), intent(in) :: run
     integer :: i
 
+    if (.not. is_root()) return
     do i = 1, size(run%model%curve)
       call remove_file(curve_path(run, i))
     end do
@@ -54,8 +58,9 @@ contains
           do j = 1, size(column)
             column(j) = curve%quantity(j)%column
           end do
-          call open_curve(files%curve(i), curve_path(run, i), column, run%program%ntable, error, &
-                          files%kept)
+          if (is_root()) call open_curve(files%curve(i), curve_path(run, i), column, &
+                                         run%program%ntable, error, files%kept)
+          call agree(error)
           if (allocated(error)) return
           deallocate (column)
         end associate
@@ -80,9 +85,11 @@ contains
     do i = 1, size(run%files%curve)
       if (.not. has_row(run, i)) cycle
       call note_row(run, i)
-      call write_row(run%files%curve(i), run%state%step, run%state%time, factor, &
-                     run%step%newton%iterations, run%step%cutbacks, run%step%newton%converged, &
-                     run%files%last_row(i)%value(3:), error)
+      if (is_root()) call write_row(run%files%curve(i), run%state%step, run%state%time, factor, &
+                                    run%step%newton%iterations, run%step%cutbacks, &
+                                    run%step%newton%converged, run%files%last_row(i)%value(3:), &
+                                    error)
+      call agree(error)
       if (allocated(error)) return
     end do
   end subroutine write_rows
@@ -119,15 +126,17 @@ contains
 
     if (.not. run%files%result_open) call open_fields(run, error)
     if (allocated(error)) return
-    call write_result(run%files%result, run%model, run%state, error)
+    if (is_root()) call write_result(run%files%result, run%model, run%state, error)
+    call agree(error)
   end subroutine write_fields
 
   subroutine open_fields(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
 
-    call open_result(run%files%result, run%files%stem, run%model, run%files%deck_text, error, &
-                     run%files%kept)
+    if (is_root()) call open_result(run%files%result, run%files%stem, run%model, &
+                                    run%files%deck_text, error, run%files%kept)
+    call agree(error)
     run%files%result_open = .not. allocated(error)
   end subroutine open_fields
 
@@ -139,13 +148,16 @@ contains
     associate (files => run%files)
       if (files%curves_open) then
         do i = 1, size(files%curve)
-          call close_curve(files%curve(i), error)
+          if (is_root()) call close_curve(files%curve(i), error)
+          call agree(error)
           if (allocated(error)) return
         end do
       end if
-      if (files%result_open) call close_result(files%result, error)
+      if (files%result_open .and. is_root()) call close_result(files%result, error)
+      call agree(error)
       if (allocated(error)) return
-      if (files%out_open) call close_bytes(files%out, error)
+      if (files%out_open .and. is_root()) call close_bytes(files%out, error)
+      call agree(error)
       files%out_open = .false.
       files%curves_open = .false.
       files%result_open = .false.

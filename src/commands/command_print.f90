@@ -1,5 +1,7 @@
 !> DISP, REAC, STRE: FEAP's tables in <stem>.out; PRIN and NOPR turn them on and off.
 module command_print
+  use base_agreement, only: agree
+  use base_comm, only: is_root
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: to_text
@@ -41,22 +43,36 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
     type(pass_t) :: pass
-    integer, allocatable :: list(:)
-    integer :: first, last, step, i, d
-    real(wp) :: gap
+    integer :: first, last, step
 
     call read_range(run, command, first, last, step, error)
     if (allocated(error) .or. run%program%dry .or. .not. run%plan%prints) return
+    if (.not. run%files%out_open) then
+      if (is_root()) call open_bytes(run%files%out, run%files%stem//'.out', &
+                                     allocated(run%files%kept), error)
+      call agree(error)
+      if (allocated(error)) return
+      run%files%out_open = .true.
+    end if
+    if (run%step%open .and. run%step%solved) then ! after a solve, reactions are outdated
+      call form_system(run%step%newton, run%model, run%state, run%step%newton%symmetric, pass, &
+                       error)
+      if (allocated(error)) return
+    end if
+    if (is_root()) call write_table(run, command, first, last, step, error)
+    call agree(error)
+  end subroutine run_print
+
+  subroutine write_table(run, command, first, last, step, error)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: first, last, step
+    type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: list(:)
+    integer :: d, i
+    real(wp) :: gap
+
     associate (out => run%files%out, model => run%model, state => run%state)
-      if (.not. run%files%out_open) then
-        call open_bytes(out, run%files%stem//'.out', allocated(run%files%kept), error)
-        if (allocated(error)) return
-        run%files%out_open = .true.
-      end if
-      if (run%step%open .and. run%step%solved) then ! after a solve, reactions are outdated
-        call form_system(run%step%newton, model, state, run%step%newton%symmetric, pass, error)
-        if (allocated(error)) return
-      end if
       if (command%record%key(1) == 'stre' .and. all(command%option /= ['node', 'coor'])) then
         call print_stresses(out, model, state, first, last, step, error)
         return
@@ -78,7 +94,7 @@ contains
         call print_nodal_stresses(out, model, state, list, error)
       end select
     end associate
-  end subroutine run_print
+  end subroutine write_table
 
   subroutine read_range(run, command, first, last, step, error)
     type(run_t), intent(in) :: run

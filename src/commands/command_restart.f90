@@ -1,5 +1,6 @@
 !> RESTart: continues from the state in a checkpoint, with the commands of this deck.
 module command_restart
+  use base_agreement, only: agree
   use base_error, only: error_t, fail, DECK_ERROR
   use base_log, only: log_line
   use base_text, only: to_text, quoted
@@ -88,6 +89,7 @@ contains
     call make_fingerprint(VERSION, text, run%model, print)
     call read_checkpoint(path_of(run, command), print, state, values, error, any_deck=.true., &
                          constants=.not. command%record%is_empty(3), changed=changed)
+    call agree(error)
     if (.not. allocated(error)) return
     error%place = command%record%place(1)
     if (error%code == DECK_ERROR) then

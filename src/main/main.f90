@@ -1,9 +1,12 @@
 !> The main program, from arguments to exit code. Start reading at run.f90.
 program main
+  use base_agreement, only: agree
+  use base_comm, only: start_comm, stop_comm, is_root, rank_count
   use base_error, only: error_t, render, DECK_ERROR, error_list_t
   use base_file, only: make_folder, lock_file, unlock_file, lock_t, note_input
-  use base_log, only: open_log, close_log, log_line, set_quiet, progress, summary
-  use base_system, only: finish, finish_now, catch_signals, release_signals, start_clock, &
+  use base_log, only: open_log, close_log, log_line, set_quiet, mute_log, progress, &
+                      summary
+  use base_system, only: finish_now, catch_signals, release_signals, start_clock, &
                          keep_signals_waiting, wall_seconds, keep_memory, set_default
   use base_text, only: to_text
   use base_timer, only: new_timers
@@ -31,20 +34,22 @@ program main
   call keep_signals_waiting() ! until catch_signals
   call start_clock()
   call keep_memory()
+  call prepare_blas()
+  call start_comm()
+  if (.not. is_root()) call mute_log()
   call read_command_line(options, error)
   call stop_on(error)
   if (options%help) then
     call print_help()
-    call finish(0)
+    call stop_comm(0, '')
   else if (options%version) then
     print '(a)', 'bezel '//VERSION
-    call finish(0)
+    call stop_comm(0, '')
   else if (allocated(options%list)) then
     call print_list(options%list)
-    call finish(0)
+    call stop_comm(0, '')
   end if
 
-  call prepare_blas()
   call catch_signals()
   if (options%check) call release_signals()
   call set_quiet(options%quiet)
@@ -57,10 +62,11 @@ program main
   call new_timers(job%timers)
   job%files%stem = options%outdir//'/'//options%stem
   call read_deck(options, job, errors, error)
+  call agree(error)
   if (errors%count() > 0) then
     if (allocated(error)) call errors%add(error)
     write (error_unit, '(a)') errors%render()
-    call finish(1)
+    call stop_comm(1, errors%render())
   end if
   call stop_on(error)
   if (allocated(options%restart)) call note_input(options%restart, checkpoint=.true.)
@@ -69,28 +75,35 @@ program main
   if (options%check) then
     call print_check(job, error)
     call stop_on(error)
-    call finish(0)
+    call stop_comm(0, '')
   end if
 
   ! A checkpoint of another deck counts as an error in the deck. No file may have been changed
   ! before such an error.
   if (allocated(options%restart)) call restore_run(job, options%restart, refused)
+  call agree(refused)
   if (allocated(refused)) then
     if (refused%code == DECK_ERROR) call stop_on(refused)
   end if
-  call make_folder(options%outdir, error)
+  if (is_root()) call make_folder(options%outdir, error)
+  call agree(error)
   call stop_on(error)
   job%time_limit = options%time_limit
-  call lock_file(job%files%stem//'.lock', lock, error)
+  if (is_root()) call lock_file(job%files%stem//'.lock', lock, error)
+  call agree(error)
   call stop_on(error)
-  call reserve_report(job)
-  call open_log(job%files%stem//'.log', error)
+  if (is_root()) then
+    call reserve_report(job)
+    call open_log(job%files%stem//'.log', error)
+    if (allocated(error)) call drop_reserve(job)
+  end if
+  call agree(error)
   if (allocated(error)) then
-    call drop_reserve(job)
     call unlock_file(lock)
     call stop_on(error)
   end if
   call log_line('bezel '//VERSION//', deck '//options%deck)
+  if (rank_count() > 1) call log_line('runs on '//to_text(rank_count())//' ranks')
   call list_model(job%model)
 
   ! Factors for which memory is too short go to files beside the results. MUMPS takes no long names.
@@ -100,7 +113,7 @@ program main
   call job%step%newton%system%free() ! it removes its files
   if (allocated(refused)) call move_alloc(refused, error)
   call progress('')
-  call drop_reserve(job) ! the last lines of the log need space too
+  if (is_root()) call drop_reserve(job) ! the last lines of the log need space too
   code = 0
   if (allocated(error)) then
     code = error%code
@@ -110,13 +123,15 @@ program main
   call log_line('')
   call log_line(job%timers%table())
   call log_line('exit code '//to_text(code)//', '//to_text(wall_seconds(), 4)//' s')
-  call report_run(job, options%deck, code, unreported)
+  if (is_root()) call report_run(job, options%deck, code, unreported)
+  call agree(unreported)
   call summary(run_summary(job, code))
   call close_log(unlogged)
+  call agree(unlogged)
   call unlock_file(lock)
   if (code == 0) call stop_on(unreported)
   if (code == 0) call stop_on(unlogged)
-  call finish(code)
+  call stop_comm(code, '')
 
 contains
 
@@ -125,7 +140,7 @@ contains
 
     if (.not. allocated(error)) return
     write (error_unit, '(a)') render(error)
-    call finish(error%code)
+    call stop_comm(error%code, render(error))
   end subroutine stop_on
 
 end program main

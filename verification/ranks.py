@@ -1,0 +1,245 @@
+"""Run decks on several ranks of `make MPI=1` and compare them with the serial program.
+
+    .venv/bin/python -m verification.ranks --bezel build/mpi/bezel --serial build/release/bezel
+
+1. On one rank, curves and fields have the bits of the serial program.
+2. On more ranks the steps, iterations and cut-backs are those of the serial program, and curves differ
+   by at most 1e-9 of the largest value of their column.
+3. After kill -9 of one rank or of all, after a signal and after --time-limit, the run continues on
+   another number of ranks and ends like an uninterrupted one.
+
+It prints a line per check and `N passed, N failed`. The ranks may be more than the processors.
+"""
+
+import argparse
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+from verification import TOP
+from verification.restart.run import fields, whole
+
+RESTART = TOP / "verification" / "restart"
+#: name: (deck, further arguments); the first ones are the quick ones
+DECKS = {
+    "cube": (TOP / "input" / "cube_q1.inp", []),
+    "contact_patch": (TOP / "verification/patch/contact_mortar/turned_q1e9.inp", []),
+    "kept_factors": (
+        TOP / "verification/performance/cube.inp",
+        ["--set", "n=13", "--set", "steps=2"],
+    ),
+    "peel": (RESTART / "peel.inp", []),
+    "reuse": (RESTART / "reuse.inp", []),
+    "length": (RESTART / "length.inp", []),
+    "spline": (RESTART / "spline.inp", []),
+    "loose": (RESTART / "loose.inp", []),
+    "local": (RESTART / "local.inp", []),
+    "self": (RESTART / "self.inp", []),
+    "contact": (RESTART / "contact.inp", []),
+    "cells": (RESTART / "cells.inp", []),
+}
+QUICK = 4
+FAULTS = "contact"  #: the deck of the kills, signals and limits
+CLOSE = 1e-9  #: of curves on several ranks, relative to the largest value of a column
+COUNTS = ("step", "iterations", "cutbacks", "converged")
+MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--quiet"]
+MPIRUN += ["--mca", "mpi_yield_when_idle", "1"]
+
+
+class Program:
+    """The serial program and the one for ranks."""
+
+    def __init__(self, bezel, serial):
+        self.bezel, self.serial = str(bezel), str(serial)
+
+    def start(self, nrank, deck, out, *options):
+        """Start a run on so many ranks, 0: with the serial program. Return the process."""
+        command = [*MPIRUN, "-n", str(nrank), self.bezel] if nrank else [self.serial]
+        return subprocess.Popen(
+            [*command, "--quiet", "-o", str(out), *options, str(deck)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+
+    def run(self, *args):
+        """Return the exit code of a run."""
+        return self.start(*args).wait()
+
+    def restart(self, nrank, deck, out):
+        """Continue a run from its checkpoint, or begin it again if it has none."""
+        checkpoint = out / f"{deck.stem}.restart.h5"
+        return self.run(
+            nrank, deck, out, *(["--restart", str(checkpoint)] if checkpoint.exists() else [])
+        )
+
+
+def ranks_of(process):
+    """The processes of the ranks that an mpirun has started."""
+    path = pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    return [int(child) for child in path.read_text().split()]
+
+
+def curves(folder):
+    return sorted(path.name for path in folder.glob("*.dat"))
+
+
+def same(a, b):
+    """The reason why the curves or fields of two folders do not have the same bits, or None."""
+    if curves(a) != curves(b):
+        return f"curves {curves(a)} and {curves(b)}"
+    for name in curves(a):
+        if (a / name).read_bytes() != (b / name).read_bytes():
+            return f"{name} differs"
+    for path in a.glob("*.vtkhdf"):
+        left, right = fields(path), fields(b / path.name)
+        for name in left:
+            if name not in right or left[name].tobytes() != right[name].tobytes():
+                return f"{path.name} differs in {name}"
+    return None
+
+
+def close(a, b):
+    """The reason why the curves of two folders are not close to each other, and their difference."""
+    if curves(a) != curves(b):
+        return f"curves {curves(a)} and {curves(b)}", 0.0
+    worst = 0.0
+    for name in curves(a):
+        head = (a / name).read_text().split("\n", 1)[0].lstrip("#").split()
+        left, right = (np.loadtxt(at / name, ndmin=2) for at in (a, b))
+        if left.shape != right.shape:
+            return f"{name} has {len(left)} and {len(right)} rows", worst
+        for column, values, others in zip(head, left.T, right.T, strict=True):
+            if column in COUNTS and (values != others).any():
+                return f"{column} differ in row {np.argmax(values != others) + 1} of {name}", worst
+            scale = np.abs(values).max()
+            if column.startswith("book_"):  # errors of the energy balance are differences
+                scale = max(np.abs(v).max() for n, v in zip(head, left.T) if n.startswith("book_"))
+            if scale > 0 and column not in COUNTS:
+                worst = max(worst, np.abs(values - others).max() / scale)
+    return (None if worst <= CLOSE else f"curves differ by {worst:.1e}"), worst
+
+
+class Driver:
+    def __init__(self, program, top):
+        self.program, self.top = program, top
+        self.passed = self.failed = 0
+
+    def report(self, text, trouble):
+        self.passed, self.failed = (
+            self.passed + (trouble is None),
+            self.failed + (trouble is not None),
+        )
+        print(
+            f"{'ok    ' if trouble is None else 'FAILED'} {text}{': ' + trouble if trouble else ''}"
+        )
+        sys.stdout.flush()
+
+    def compare(self, name, ranks):
+        """Compare runs on some numbers of ranks with the serial program."""
+        deck, options = DECKS[name]
+        serial = self.top / f"{name}_serial"
+        code = self.program.run(0, deck, serial, *options)
+        if code:
+            return self.report(f"{name}: serial", f"exit code {code}")
+        for nrank in ranks:
+            out = self.top / f"{name}_{nrank}"
+            begin = time.time()
+            code = self.program.run(nrank, deck, out, *options)
+            text = f"{name}: {nrank} rank{'s' * (nrank > 1)}, {time.time() - begin:.1f} s"
+            if code:
+                trouble = f"exit code {code}"
+            elif nrank == 1:
+                trouble = same(serial, out)
+            else:
+                trouble, worst = close(serial, out)
+                text += f", differs by {worst:.0e}"
+            self.report(text, trouble)
+            shutil.rmtree(out, ignore_errors=True)
+        return None
+
+    def check_faults(self):
+        """Kill, stop and limit runs on three ranks, and continue them on other numbers of ranks."""
+        deck, _ = DECKS[FAULTS]
+        serial = self.top / f"{FAULTS}_faults"
+        self.program.run(0, deck, serial)
+        begin = time.time()
+        self.report("faults: 3 ranks", self.ends(self.program.run(3, deck, self.top / "f3"), 0))
+        seconds = time.time() - begin
+        for text, nrank, hit in (
+            ("kill -9 of the first rank", 2, lambda pids: [(pids[0], signal.SIGKILL)]),
+            ("kill -9 of the last rank", 1, lambda pids: [(pids[-1], signal.SIGKILL)]),
+            ("kill -9 of all ranks", 2, lambda pids: [(pid, signal.SIGKILL) for pid in pids]),
+            ("SIGTERM of the last rank", 2, lambda pids: [(pids[-1], signal.SIGTERM)]),
+            ("SIGUSR1 of mpirun", 2, lambda pids: []),
+        ):
+            out = self.top / text.replace(" ", "_")
+            process = self.program.start(3, deck, out)
+            time.sleep(random.uniform(0.4, 0.7) * seconds)
+            try:
+                for pid, number in hit(ranks_of(process)) or [(process.pid, signal.SIGUSR1)]:
+                    os.kill(pid, number)
+                code = process.wait(timeout=120)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
+                self.report(f"faults: {text}", "the run does not end")
+                continue
+            trouble = whole(out, deck.stem)
+            if "SIG" in text and code != 4:
+                trouble = f"exit code {code}"
+            self.report(f"faults: {text}", trouble)
+            self.finish(f"{text}, then {nrank} ranks", nrank, deck, out, serial)
+        out = self.top / "limit"
+        codes = [self.program.run(3, deck, out, "--time-limit", f"{0.25 * seconds:.2f}")]
+        self.report("faults: --time-limit", self.ends(codes[0], 4))
+        self.finish("--time-limit, then 2 ranks", 2, deck, out, serial)
+        out = self.top / "serial_first"
+        self.program.run(0, deck, out, "--time-limit", "1")
+        self.finish("serial, then 3 ranks", 3, deck, out, serial)
+        out = self.top / "serial_last"
+        self.program.run(3, deck, out, "--time-limit", f"{0.25 * seconds:.2f}")
+        self.finish("3 ranks, then serial", 0, deck, out, serial)
+
+    def ends(self, code, expected):
+        return None if code == expected else f"exit code {code}"
+
+    def finish(self, text, nrank, deck, out, serial):
+        """Continue a run and compare its end with an uninterrupted one."""
+        code = self.program.restart(nrank, deck, out)
+        trouble, _ = close(serial, out) if code == 0 else (f"exit code {code}", 0)
+        self.report(f"faults: {text}", trouble)
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="python -m verification.ranks", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/mpi/bezel")
+    parser.add_argument("--serial", type=pathlib.Path, default=TOP / "build/release/bezel")
+    parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--deck", action="append", choices=DECKS, help="only this one")
+    parser.add_argument("--quick", action="store_true", help=f"the first {QUICK} decks, no faults")
+    parser.add_argument("--faults", action="store_true", help="only the faults")
+    args = parser.parse_args()
+    random.seed(1)
+    with tempfile.TemporaryDirectory() as top:
+        driver = Driver(Program(args.bezel, args.serial), pathlib.Path(top))
+        if not args.faults:
+            for name in args.deck or list(DECKS)[: QUICK if args.quick else None]:
+                driver.compare(name, args.ranks)
+        if not (args.quick or args.deck):
+            driver.check_faults()
+    print(f"{driver.passed} passed, {driver.failed} failed")
+    return 1 if driver.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
