@@ -7,7 +7,7 @@ module contact_assembly
   use contact_bond, only: needs_projection
   use contact_element, only: form_element
   use contact_energy, only: measure_energy
-  use contact_history, only: side_positions, mark_beside, BESIDE, accept_slides
+  use contact_history, only: side_positions, mark_beside, BESIDE, accept_slides, enter_slide
   use contact_mortar, only: find_mortar, add_mortar
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, is_integrated, MORTAR
   use contact_scatter, only: scatter_element
@@ -43,6 +43,10 @@ module contact_assembly
     type(feet_t) :: feet(2)
     type(pairs_t) :: pairs(2)
     type(work_t) :: element(2)
+    !> Where points that enter in this step get their sliding points: the surfaces at its start.
+    logical :: started = .false.         !! they have been found in this step
+    type(shape_t) :: start(2)
+    type(grid_t) :: start_grid(2)
     type(mortar_t) :: mortar             !! of MORTar
   end type contact_work_t
 
@@ -80,6 +84,7 @@ contains
 
     do c = 1, size(work)
       work(c)%step = -1
+      work(c)%started = .false.
       work(c)%mortar%step = -1
       do k = 1, 2
         call forget_need(work(c)%pairs(k))
@@ -128,6 +133,8 @@ contains
           if (contact%scheme /= MORTAR) then
             call project_side(contact, k, work(c)%shape(3 - k), work(c)%grid(3 - k), x, &
                               work(c)%feet(k)%at, state%contact(c)%side(k))
+            if (slides) call enter_slides(work(c), model, c, k, state%u_step, &
+                                          state%contact(c)%side(k))
             call need_pairs(work(c), contact, k, x, state%contact(c)%side(k), slides, state%step, &
                             grown)
           end if
@@ -137,6 +144,29 @@ contains
       end associate
     end do
   end subroutine find_contact
+
+  !> Give sliding points to the points that touch the other side and have none: those of the first
+  !! step, and those that were far from the other side when the previous step was accepted.
+  subroutine enter_slides(work, model, c, k, u_step, points)
+    type(contact_work_t), intent(inout) :: work
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: c, k                !! side k of contact c
+    real(wp), intent(in) :: u_step(:, :)       !! (3, nnode) displacements at its start [L]
+    type(contact_points_t), intent(inout) :: points
+    real(wp), allocatable :: x(:, :)
+    integer :: i
+
+    associate (contact => model%contact(c))
+      do i = 1, size(points%slide)
+        if (points%slide(i) > 0) cycle
+        if (.not. touches(work%feet(k)%at(i), contact%depth)) cycle
+        if (.not. allocated(x)) x = positions(model, u_step)
+        if (.not. work%started) call place_surfaces(contact, x, work%start, work%start_grid)
+        work%started = .true.
+        call enter_slide(contact, k, work%start(3 - k), work%start_grid(3 - k), x, i, points)
+      end do
+    end associate
+  end subroutine enter_slides
 
   !> Pairs of elements that are coupled by the points in contact.
   subroutine need_pairs(work, contact, k, x, points, slides, step, grown)

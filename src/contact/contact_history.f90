@@ -12,13 +12,15 @@ module contact_history
                           MORTAR
   use contact_smooth, only: count_nodes, NSPREAD
   use contact_type, only: OPEN, MAX_PAST, STICK, SLIP
+  use projection, only: project
+  use projection_search, only: grid_t
   use projection_type, only: foot_t, shape_t
   use surface_geometry, only: surface_point
   use surface_traversal, only: walk
   implicit none
   private
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
-            side_positions, accept_slides, trail_behind
+            side_positions, enter_slide, accept_slides, trail_behind
 
   !> A point lies at a surface if its distance is less than this fraction of DEPTh.
   real(wp), parameter, public :: BESIDE = 0.1_wp
@@ -172,6 +174,31 @@ contains
       end do
     end associate
   end subroutine side_positions
+
+  !> Set the sliding point of point i, which enters in this step, to where it was projected at the
+  !! start of the step. Friction then resists the whole tangential motion of the step, as it does at
+  !! points whose sliding points were set when the previous step was accepted.
+  subroutine enter_slide(contact, k, shape, grid, x_start, i, points)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, i
+    type(shape_t), intent(in) :: shape           !! of the other side at the start of the step
+    type(grid_t), intent(in) :: grid
+    real(wp), intent(in) :: x_start(:, :)        !! (3, nnode) at the start of the step [L]
+    type(contact_points_t), intent(inout) :: points
+    type(foot_t) :: foot
+    real(wp) :: xp(3, 1)
+
+    call side_positions(contact%side(k), (i - 1)/contact%nq + 1, x_start, xp, &
+                        from=mod(i - 1, contact%nq))
+    call project(contact%side(3 - k), shape, grid, xp(:, 1), foot)
+    if (foot%elem > 0) then
+      points%slide(i) = foot%elem
+      points%slide_xi(:, i) = foot%xi
+    else
+      points%slide(i) = foot%outer
+      points%slide_xi(:, i) = foot%outer_xi
+    end if
+  end subroutine enter_slide
 
   !> Set the sliding points of an accepted step. A sticking point keeps its sliding point. The
   !! sliding point of a slipping point follows the projection at the distance of the elastic part
