@@ -2,16 +2,18 @@
 module command_doubts
   use base_log, only: warn
   use command_type, only: run_t
+  use table_use, only: warn_tables
   implicit none
   private
   public :: warn_commands
 
 contains
 
-  !> Warn of commands that have no effect without others.
+  !> Warn of load tables without loads, and of commands that have no effect without others.
   subroutine warn_commands(run)
     type(run_t), intent(in) :: run
 
+    call warn_tables(run)
     if (first(run, 'tran') == 0) then
       call warn_idle(run, 'mass', 'MASS has no effect without TRANsient', &
                      'TRANsient computes with inertia')

@@ -11,6 +11,7 @@ module command_load
   use deck_stream, only: deck_t, get_integer, get_real, get_assignment
   use load_curve, only: load_table_t
   use solution_state, only: set_factors
+  use table_use, only: warn_jump
   implicit none
   private
   public :: load_rows
@@ -98,6 +99,11 @@ contains
       if (allocated(error)) return
     end do
     run%program%ntable = max(run%program%ntable, last)
+    if (.not. allocated(run%program%prop_at)) then
+      allocate (run%program%prop_at(MOST_TABLES), source=0)
+    end if
+    where (run%program%prop_at(first:last) == 0) run%program%prop_at(first:last) = &
+      run%program%counter
     run%program%defined = unique([run%program%defined, [(i, i=first, last)]])
   end subroutine read_tables
 
@@ -189,6 +195,11 @@ contains
 
     call table_range(command, first, last, error)
     if (allocated(error) .or. run%program%dry) return
+    associate (table => command%data(command%visit)%table)
+      do n = first, last
+        call warn_jump(run, n, table(n - first + 1), command%record%place(1))
+      end do
+    end associate
     n = size(run%state%table)
     if (last > n) then
       allocate (longer(last))

@@ -75,6 +75,7 @@ module command_type
     logical :: dry = .false.                    !! commands only check their fields
     integer :: ntable = 0                       !! highest number of a load table of the whole run
     integer, allocatable :: defined(:)          !! numbers of its load tables
+    integer, allocatable :: prop_at(:)          !! (number) command that defines each table first
     logical, allocatable :: noted(:)            !! rows whose note has been written
   end type program_t
 
@@ -86,6 +87,9 @@ module command_type
     integer :: tplot_every = 1                  !! steps between rows of TPLOt's table
     logical :: prints = .true.                  !! PRINt and NOPRint
     logical :: turn_warned = .false., strain_warned = .false. !! see command_watch
+    logical :: corner_warned = .false.          !! see table_use, as the two below
+    logical, allocatable :: acted(:)            !! (0:ntable) the factor was not 0 in some step
+    logical, allocatable :: ended(:)            !! (ntable) the warning of its end was issued
   end type plan_t
 
   !> Values of one row of a curve.

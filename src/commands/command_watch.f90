@@ -6,6 +6,7 @@ module command_watch
   use command_type, only: run_t
   use load_curve, only: load_factor, table_factor
   use mesh, only: is_rigid
+  use table_use, only: watch_tables, watch_tables_end
   implicit none
   private
   public :: watch_step, watch_end
@@ -21,6 +22,7 @@ contains
 
     if (.not. run%plan%turn_warned) call watch_rotations(run)
     if (.not. run%plan%strain_warned) call watch_strains(run)
+    call watch_tables(run)
   end subroutine watch_step
 
   !> Warn of a MOVE that turns by half a turn or more in one step. Displacements depend only on the
@@ -84,11 +86,12 @@ contains
     end do
   end subroutine watch_strains
 
-  !> At the end of a run, warn of friction that was never switched on.
+  !> At the end of a run, warn of loads that never acted and of friction that was never switched on.
   subroutine watch_end(run)
     type(run_t), intent(in) :: run
     integer :: c
 
+    call watch_tables_end(run)
     do c = 1, size(run%model%contact)
       associate (contact => run%model%contact(c))
         if (.not. contact%friction%given .or. run%state%step == 0) cycle

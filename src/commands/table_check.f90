@@ -14,14 +14,14 @@ contains
 
   !> Check that every load number has a PROP. Number 0, the sum of all tables, needs no PROP; if
   !! there is no PROP at all, every factor is 1.
-  subroutine check_tables(bc, ntable, error)
+  subroutine check_tables(bc, defined, error)
     type(boundary_t), intent(in) :: bc
-    integer, intent(in) :: ntable      !! highest table that a PROP defines
+    integer, intent(in) :: defined(:)  !! numbers of the tables that PROPs define
     type(error_t), allocatable, intent(out) :: error
     type(place_t) :: place
-    integer :: i
+    integer :: d, i
 
-    if (ntable == 0) return
+    if (size(defined) == 0) return
     do i = 1, size(bc%motion)
       call check(bc%motion(i)%table, bc%motion(i)%place)
     end do
@@ -32,10 +32,12 @@ contains
       call check(bc%dead(i)%table, bc%dead(i)%place)
     end do
     do i = 1, size(bc%table, 2)
-      if (maxval(bc%table(:, i)) <= ntable) cycle
-      call place_of_number(bc, maxval(bc%table(:, i)), place)
-      call check(maxval(bc%table(:, i)), place)
-      return
+      do d = 1, 3
+        if (bc%table(d, i) == 0 .or. any(defined == bc%table(d, i))) cycle
+        call place_of_number(bc, bc%table(d, i), place)
+        call check(bc%table(d, i), place)
+        return
+      end do
     end do
 
   contains
@@ -44,7 +46,7 @@ contains
       integer, intent(in) :: table
       type(place_t), intent(in) :: place
 
-      if (allocated(error) .or. table <= ntable) return
+      if (allocated(error) .or. table == 0 .or. any(defined == table)) return
       call fail(error, DECK_ERROR, 'load table '//to_text(table)//' is not defined', place, &
                 'put PROP,,'//to_text(table)//' among the commands and its data after END')
     end subroutine check

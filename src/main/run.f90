@@ -50,7 +50,7 @@ contains
     end if
     call check_settings(job%deck, error)
     if (allocated(error)) return
-    call check_tables(job%model%bc, job%program%ntable, error)
+    call check_tables(job%model%bc, job%program%defined, error)
     if (allocated(error)) return
     call warn_of_comma(job%deck)
     call warn_commands(job)

@@ -1,0 +1,247 @@
+!> Which loads and motions follow which load table, and warnings where a table does not act as it is
+!! probably meant.
+module table_use
+  use base_error, only: place_t
+  use base_kinds, only: wp
+  use base_log, only: note, warn
+  use base_text, only: to_text
+  use boundary, only: boundary_t, place_of_number
+  use command_type, only: run_t
+  use load_curve, only: load_factor, load_table_t, table_factor
+  implicit none
+  private
+  public :: use_t, find_uses, warn_tables, watch_tables, warn_jump, watch_tables_end
+
+  !> The first load or motion that follows a table.
+  type :: use_t
+    integer :: table = 0               !! 0: the sum of all tables
+    character(:), allocatable :: what  !! such as: MOVE
+    logical :: acts = .false.          !! some load or motion of this table is not zero
+    type(place_t) :: place             !! without a file if it is not known
+  end type use_t
+
+contains
+
+  !> List the tables in use, each once.
+  subroutine find_uses(bc, uses)
+    type(boundary_t), intent(in) :: bc
+    type(use_t), allocatable, intent(out) :: uses(:)
+    type(place_t) :: place
+    integer :: i, d, n
+
+    allocate (uses(0))
+    do i = 1, size(bc%motion)
+      associate (m => bc%motion(i))
+        call add(m%table, 'MOVE', m%place, m%rotates .or. any(abs(m%vector) > 0.0_wp))
+      end associate
+    end do
+    do i = 1, size(bc%pressure)
+      associate (p => bc%pressure(i))
+        call add(p%table, 'PRESsure', p%place, abs(p%value) > 0.0_wp)
+      end associate
+    end do
+    do i = 1, size(bc%dead)
+      if (size(bc%dead(i)%node) > 0) call add(bc%dead(i)%table, 'a load', bc%dead(i)%place, .true.)
+    end do
+    do n = 1, size(bc%table, 2)
+      do d = 1, 3
+        if (.not. (abs(bc%force(d, n)) > 0.0_wp .or. &
+                   (abs(bc%value(d, n)) > 0.0_wp .and. bc%fixed(d, n) /= 0))) cycle
+        if (any(uses%table == bc%table(d, n) .and. uses%acts)) cycle
+        call place_of_number(bc, bc%table(d, n), place)
+        call add(bc%table(d, n), 'a nodal load or displacement', place, .true.)
+      end do
+    end do
+
+  contains
+
+    subroutine add(table, what, where, acts)
+      integer, intent(in) :: table
+      character(*), intent(in) :: what
+      type(place_t), intent(in) :: where
+      logical, intent(in) :: acts
+      type(use_t) :: new
+      integer :: u
+
+      do u = 1, size(uses)
+        if (uses(u)%table /= table) cycle
+        if (uses(u)%acts .or. .not. acts) return
+        uses(u)%acts = .true.
+        uses(u)%place = where
+        uses(u)%what = what
+        return
+      end do
+      new%table = table
+      new%what = what
+      new%place = where
+      new%acts = acts
+      uses = [uses, new]
+    end subroutine add
+  end subroutine find_uses
+
+  !> When the whole deck has been read, warn of loads whose table no PROP defines or a late one;
+  !! note tables that no load follows, because staged decks may keep some.
+  subroutine warn_tables(run)
+    type(run_t), intent(in) :: run
+    type(use_t), allocatable :: uses(:)
+    integer :: solve, i, k, u
+
+    call find_uses(run%model%bc, uses)
+    associate (program => run%program)
+      if (size(program%defined) == 0) then
+        do u = 1, size(uses)
+          if (uses(u)%table == 0 .or. .not. uses(u)%acts) cycle
+          call warn('load table '//to_text(uses(u)%table)//' is not defined: the deck has no ' &
+                    //'PROP, so its factor is 1', uses(u)%place, 'put PROP,,' &
+                    //to_text(uses(u)%table)//' among the commands and its data after END')
+          return
+        end do
+        return
+      end if
+      do solve = 1, size(program%command)
+        if (any(program%command(solve)%record%key(1) == ['tang', 'utan', 'solv'])) exit
+      end do
+      do i = 1, size(program%defined)
+        k = program%defined(i)
+        associate (record => program%command(program%prop_at(k))%record)
+          if (all(uses%table /= k .and. uses%table /= 0)) then
+            call note('no load follows load table '//to_text(k)//', which PROP in line ' &
+                      //to_text(record%line)//' defines')
+          else if (program%prop_at(k) > solve) then
+            call warn('PROP defines load table '//to_text(k)//' behind the first solve, so that ' &
+                      //'earlier steps do not follow it', record%place(1), 'put PROP before the ' &
+                      //'first TIME')
+          end if
+        end associate
+      end do
+    end associate
+  end subroutine warn_tables
+
+  !> Warn if a PROP replaces a table by one with another factor at the present time, where steps
+  !! have been closed: the loads jump in the next step.
+  subroutine warn_jump(run, k, new, place)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: k               !! number of the table
+    type(load_table_t), intent(in) :: new
+    type(place_t), intent(in) :: place     !! of the PROP
+    type(use_t), allocatable :: uses(:)
+    real(wp) :: before, after
+
+    if (run%state%step == 0 .or. k > size(run%state%table)) return
+    associate (old => run%state%table(k))
+      if (old%kind == 1 .and. .not. old%tmax > old%tmin) return ! no PROP has defined it
+      before = table_factor(old, run%state%time)
+    end associate
+    after = table_factor(new, run%state%time)
+    if (abs(after - before) <= 1.0e-9_wp*max(abs(after), abs(before))) return
+    call find_uses(run%model%bc, uses)
+    if (all(uses%table /= k .and. uses%table /= 0)) return
+    call warn('PROP redefines load table '//to_text(k)//' at time '//to_text(run%state%time) &
+              //': its factor changes from '//to_text(before)//' to '//to_text(after), place, &
+              'let the new table begin with the present factor, or use one table for all steps')
+  end subroutine warn_jump
+
+  !> After a step, warn of tables that have ended before it and of corners inside it; once each.
+  subroutine watch_tables(run)
+    type(run_t), intent(inout) :: run
+    type(use_t), allocatable :: uses(:)
+    integer :: u, k
+
+    associate (state => run%state, plan => run%plan)
+      if (size(state%table) == 0) return
+      if (.not. allocated(plan%acted)) then
+        allocate (plan%acted(0:size(state%table)), plan%ended(size(state%table)), source=.false.)
+      else if (size(plan%ended) < size(state%table)) then
+        plan%acted = [plan%acted, spread(.false., 1, size(state%table) - size(plan%ended))]
+        plan%ended = [plan%ended, spread(.false., 1, size(state%table) - size(plan%ended))]
+      end if
+      call find_uses(run%model%bc, uses)
+      do u = 1, size(uses)
+        if (.not. uses(u)%acts .or. uses(u)%table > size(state%table)) cycle
+        associate (factor => load_factor(state%factor, uses(u)%table))
+          plan%acted(uses(u)%table) = plan%acted(uses(u)%table) .or. abs(factor) > 0.0_wp
+          do k = 1, size(state%table)
+            if (uses(u)%table /= 0 .and. uses(u)%table /= k) cycle
+            if (.not. run%step%control%automatic) call watch_corners(run, k)
+            if (plan%ended(k) .or. abs(factor) > 0.0_wp .or. state%dynamics%on) cycle
+            plan%ended(k) = has_ended(state%table(k), state%time)
+            if (plan%ended(k)) call warn('load table '//to_text(k)//' ends at time ' &
+                                         //to_text(state%table(k)%tmax)//': its factor is 0 in ' &
+                                         //'step '//to_text(state%step)//', time ' &
+                                         //to_text(state%time), uses(u)%place, &
+                                         'a table of type 1 is 0 outside tmin and tmax: let tmax ' &
+                                         //'be the end of the run, or use type 2')
+          end do
+        end associate
+      end do
+    end associate
+  end subroutine watch_tables
+
+  !> Is the time behind the range of a formula that does not go to zero at its end?
+  pure logical function has_ended(table, time) result(ended)
+    type(load_table_t), intent(in) :: table
+    real(wp), intent(in) :: time
+
+    ended = .false.
+    if (table%kind /= 1 .or. .not. table%tmax > table%tmin) return
+    if (abs(table_factor(table, time)) > 0.0_wp .or. time <= table%tmax) return
+    ended = abs(table_factor(table, table%tmax)) > 1.0e-9_wp*largest_factor(table)
+  end function has_ended
+
+  !> Largest factor of a formula at eleven times of its range.
+  pure real(wp) function largest_factor(table) result(largest)
+    type(load_table_t), intent(in) :: table
+    integer :: i
+
+    largest = maxval([(abs(table_factor(table, table%tmin &
+                                        + 0.1_wp*i*(table%tmax - table%tmin))), i=0, 10)])
+  end function largest_factor
+
+  !> Warn of a peak or a trough of a table of pairs that lies inside the step.
+  subroutine watch_corners(run, k)
+    type(run_t), intent(inout) :: run
+    integer, intent(in) :: k
+    real(wp) :: start, gap, ends(2)
+    integer :: i
+
+    associate (state => run%state, table => run%state%table(k))
+      if (run%plan%corner_warned .or. table%kind /= 2 .or. .not. state%dt > 0.0_wp) return
+      start = state%time - state%dt
+      gap = 1.0e-6_wp*state%dt
+      ends = [table_factor(table, start), table_factor(table, state%time)]
+      do i = 1, size(table%t)
+        if (table%t(i) <= start + gap .or. table%t(i) >= state%time - gap) cycle
+        gap = 1.0e-6_wp*max(maxval(abs(ends)), abs(table%p(i)))
+        if (table%p(i) <= maxval(ends) + gap .and. table%p(i) >= minval(ends) - gap) cycle
+        run%plan%corner_warned = .true.
+        call warn('load table '//to_text(k)//' reaches '//to_text(table%p(i))//' at time ' &
+                  //to_text(table%t(i))//', inside step '//to_text(state%step)//', which ends at ' &
+                  //to_text(state%time)//': this load is never applied', run%program%command( &
+                  run%program%prop_at(k))%record%place(1), 'choose DT such ' &
+                  //'that a step ends there, or use AUTO, whose steps end at corners')
+        return
+      end do
+    end associate
+  end subroutine watch_corners
+
+  !> At the end of a run, warn of loads whose factor was zero in all steps.
+  subroutine watch_tables_end(run)
+    type(run_t), intent(in) :: run
+    type(use_t), allocatable :: uses(:)
+    character(:), allocatable :: name
+    integer :: u
+
+    if (.not. allocated(run%plan%acted) .or. allocated(run%files%kept)) return
+    call find_uses(run%model%bc, uses)
+    do u = 1, size(uses)
+      if (.not. uses(u)%acts .or. uses(u)%table > size(run%plan%ended)) cycle
+      if (run%plan%acted(uses(u)%table)) cycle
+      name = 'load table '//to_text(uses(u)%table)//' is'
+      if (uses(u)%table == 0) name = 'all load tables are'
+      call warn(name//' 0 at the end of every step, so '//uses(u)%what//' never acts', &
+                uses(u)%place, 'the steps must reach times at which the table is not 0: see DT, ' &
+                //'TIME and the data of PROP')
+    end do
+  end subroutine watch_tables_end
+
+end module table_use
