@@ -3,9 +3,9 @@
 module command_path
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_log, only: warn
+  use base_log, only: log_line, warn
   use base_text, only: quoted, to_text
-  use command_type, only: run_t, command_t, command_row_t, new_row, check_fields
+  use command_type, only: run_t, command_t, command_row_t, new_row, has_number, check_fields
   use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC
   use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use energy_type, only: open_book
@@ -33,23 +33,27 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
     type(continuation_t) :: default
+    real(wp) :: x
+    logical :: given
 
     call check_fields(command, merge(0, 1, command%option == 'off'), &
                       trim(run%program%row(command%row)%usage), error)
     if (allocated(error)) return
-    associate (record => command%record, x => command%x(1))
+    given = has_number(command, 1) .and. command%option /= ''
+    x = merge(command%x(1), 0.0_wp, given)
+    associate (record => command%record)
       if (all(command%option /= ['    ', 'dyna', 'leng', 'loca', 'off '])) then
         call fail(error, DECK_ERROR, 'unknown method of continuation '//quoted(record%text(2)), &
                   record%place(2), 'ARCLength,DYNAmic,[density] | LOCAl,[fraction] ' &
                   //'| LENGth,[multiple] | OFF')
       else if (command%option == 'leng') then
-        if (abs(x) > 0.0_wp .and. .not. x >= 1.0_wp) then
+        if (given .and. .not. x >= 1.0_wp) then
           call fail(error, DECK_ERROR, 'expected a multiple of at least 1, found '//to_text(x), &
                     record%place(3), 'the multiple is the length of the ' &
                     //'longest step over that of the first; the default is 4')
         end if
       else if (command%option /= 'loca') then
-        if (.not. x >= 0.0_wp) then
+        if (x < 0.0_wp .or. given .and. .not. x > 0.0_wp) then
           call fail(error, DECK_ERROR, 'expected a positive density, found '//to_text(x), &
                     record%place(3), 'omit the density to have it chosen from the work done')
         end if
@@ -58,13 +62,18 @@ contains
                   //'has no bonds', &
                   record%place(2), 'give a CONTact with COHEsive, or use ' &
                   //'ARCLength,DYNAmic')
-      else if (x < 0.0_wp .or. x >= 1.0_wp) then
+      else if (x < 0.0_wp .or. x >= 1.0_wp .or. given .and. .not. x > 0.0_wp) then
         call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &
                   //to_text(x), record%place(3), 'omit the fraction to use the default, 0.01')
       end if
     end associate
-    if (allocated(error) .or. run%program%dry) return
-    associate (path => run%step%continuation, x => command%x(1))
+    if (allocated(error)) return
+    if (run%program%dry) then
+      if (abs(command%x(1)) > 0.0_wp .and. .not. given) call log_line( &
+        "note: FEAP's number of an arc length method is not used")
+      return
+    end if
+    associate (path => run%step%continuation)
       path%given = .true.
       path%density = -1.0_wp
       select case (command%option)
@@ -166,7 +175,8 @@ contains
   end subroutine check_masses
 
   !> Set the parameters given in the deck, or else those of FEAP: 1/4 and 1/2; for HHT they follow
-  !! from alpha, -0.05.
+  !! from alpha, -0.05. As in FEAP, a beta or gamma of 0 is replaced; an alpha of 0 is Newmark's
+  !! scheme.
   pure subroutine set_scheme(command, method, beta, gamma, alpha)
     type(command_t), intent(in) :: command
     integer, intent(out) :: method
@@ -178,7 +188,7 @@ contains
     alpha = 0.0_wp
     if (method == HHT) then
       alpha = -0.05_wp
-      if (abs(command%x(3)) > 0.0_wp) alpha = command%x(3)
+      if (has_number(command, 3)) alpha = command%x(3)
     end if
     beta = 0.25_wp*(1.0_wp - alpha)**2
     gamma = 0.5_wp - alpha

@@ -16,8 +16,8 @@ module command_type
   use step, only: step_t
   implicit none
   private
-  public :: run_t, program_t, loop_t, command_t, command_row_t, data_t, new_row, whole_field, &
-            check_fields
+  public :: run_t, program_t, loop_t, command_t, command_row_t, data_t, new_row, has_number, &
+            whole_field, check_fields
 
   !> Data records of a command, read before the run starts.
   type :: data_t
@@ -193,6 +193,15 @@ contains
       return
     end do
   end subroutine check_fields
+
+  !> Is the i-th number of a command in the deck? It is 0 if its field is empty, but an explicit 0
+  !! may be meant.
+  pure logical function has_number(command, i)
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: i
+
+    has_number = .not. command%record%is_empty(i + 2)
+  end function has_number
 
   !> Get the i-th number of a command, which must be a whole number.
   subroutine whole_field(command, i, n, error)
