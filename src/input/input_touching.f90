@@ -70,7 +70,7 @@ contains
 
     call make_skin(mesh, contact, skin)
     if (skin%surface%nelem < 2) return
-    call find_pairs(mesh, contact, skin, pair, npair, double)
+    call find_pairs(mesh, skin, pair, npair, double)
     n = 0
     do p = 1, npair
       associate (a => pair(p)%body(1), b => pair(p)%body(2))
@@ -300,9 +300,8 @@ contains
 
   !> Find the pairs of bodies whose faces touch and are not joined, and the nodes of such faces that
   !! lie where another node lies.
-  subroutine find_pairs(mesh, contact, skin, pair, npair, double)
+  subroutine find_pairs(mesh, skin, pair, npair, double)
     type(mesh_t), intent(in) :: mesh
-    type(contact_t), intent(in) :: contact(:)
     type(skin_t), intent(in) :: skin
     type(pair_t), allocatable, intent(out) :: pair(:)
     integer, intent(out) :: npair
@@ -323,7 +322,7 @@ contains
           call surface_point(s, skin%shape, e, (2*[mod(k, NPOINT), k/NPOINT] + 1)/real(NPOINT, wp) &
                              - 1.0_wp, x, a, b)
           area = cross(a(:, 1), a(:, 2))*(2.0_wp/NPOINT)**2
-          call find_face(mesh, contact, skin, e, x, area, f, gap)
+          call find_face(skin, e, x, area, f, gap)
           if (f == 0) cycle
           if (any(hangs(s%node(s%first(f):s%first(f + 1) - 1)))) cycle
           call find_pair(skin%body(e), skin%body(f), f, pair, npair, p)
@@ -352,9 +351,7 @@ contains
 
   !> Find the face that touches a point of face e. There is none, f = 0, if one of the faces that
   !! touch the point is joined to face e.
-  subroutine find_face(mesh, contact, skin, e, x, area, f, gap)
-    type(mesh_t), intent(in) :: mesh
-    type(contact_t), intent(in) :: contact(:)
+  subroutine find_face(skin, e, x, area, f, gap)
     type(skin_t), intent(in) :: skin
     integer, intent(in) :: e
     real(wp), intent(in) :: x(3), area(3) !! the point, and the outward normal there
@@ -379,7 +376,7 @@ contains
       if (any(x > skin%shape%high(:, other) + reach)) cycle
       call measure(skin, other, x, area, g)
       if (abs(g) > reach) cycle
-      if (is_joined(skin%surface, e, other) .or. in_contact(mesh, contact, skin, e, other)) then
+      if (is_joined(skin%surface, e, other) .or. in_contact(skin, e, other)) then
         f = 0
         return
       end if
@@ -431,22 +428,13 @@ contains
     end associate
   end function is_joined
 
-  !> Does a contact between two bodies act on one of two faces of them?
-  pure logical function in_contact(mesh, contact, skin, e, f)
-    type(mesh_t), intent(in) :: mesh
-    type(contact_t), intent(in) :: contact(:)
+  !> Are two faces on the two sides of a contact?
+  pure logical function in_contact(skin, e, f)
     type(skin_t), intent(in) :: skin
     integer, intent(in) :: e, f
-    integer :: c, body(2)
 
-    in_contact = .true.
-    do c = 1, size(contact)
-      if (skin%side(e, c) == 0 .and. skin%side(f, c) == 0) cycle
-      body = [mesh%block(contact(c)%side(1)%block(1))%body, &
-              mesh%block(contact(c)%side(2)%block(1))%body]
-      if (all(body == skin%body([e, f])) .or. all(body == skin%body([f, e]))) return
-    end do
-    in_contact = .false.
+    in_contact = any((btest(skin%side(e, :), 0) .and. btest(skin%side(f, :), 1)) &
+                     .or. (btest(skin%side(e, :), 1) .and. btest(skin%side(f, :), 0)))
   end function in_contact
 
   !> Find the pair of two bodies in a list, or append it.
