@@ -40,6 +40,12 @@ contains
     call check_fields(command, merge(2, 1, command%option == 'line'), &
                       'TANG,,1 or TANG,LINE,1', error)
     if (allocated(error)) return
+    if (all(abs(command%x(1) - [0.0_wp, 1.0_wp]) > 0.0_wp)) then
+      call fail(error, DECK_ERROR, 'expected 1 or 0, found '//to_text(command%x(1)), &
+                command%record%place(3), '1 solves the system that '//command%record%text(1) &
+                //' forms; without it SOLV solves it')
+      return
+    end if
     if (run%program%dry) then
       if (abs(command%x(2)) > 0.0_wp) then
         call log_line("note: the line search ends at its own ratio, 0.8, not at FEAP's number")
