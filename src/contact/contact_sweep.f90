@@ -102,6 +102,7 @@ contains
     type(crossing_t) :: crossing(MOST_CROSSINGS)
     type(foot_t) :: foot, start
     real(wp) :: p(3, 2), n(3, 2), a(3, 2), b(3, 3), low(3), high(3), out(3)
+    integer, allocatable :: near(:)           ! triangles that an element may pass
     integer :: e, i, q, ncrossing, first
 
     depth = 0.0_wp
@@ -119,13 +120,14 @@ contains
       do e = 1, own%nelem
         if (any(min(shape(1)%low(:, e), shape(2)%low(:, e)) > high)) cycle
         if (any(max(shape(1)%high(:, e), shape(2)%high(:, e)) < low)) cycle
+        near = pack([(i, i=1, other%n)], is_near(other, shape, e))
         do q = 0, NPOINT**2 - 1
           do i = 1, 2
             call surface_point(own, shape(i), e, (2*[mod(q, NPOINT), q/NPOINT] + 1) &
                                /real(NPOINT, wp) - 1.0_wp, p(:, i), a, b)
             n(:, i) = cross(a(:, 1), a(:, 2))
           end do
-          call find_crossings(other, p, crossing, ncrossing)
+          call find_crossings(other, near, p, crossing, ncrossing)
           first = first_entry(other, n, crossing(:ncrossing))
           if (first > 0) then
             depth = depth_of_way(other, p, crossing(first:ncrossing))
@@ -153,6 +155,21 @@ contains
       end do
     end associate
   end subroutine sweep_points
+
+  !> Mark the triangles whose boxes meet the box that an element sweeps.
+  pure function is_near(other, shape, e) result(near)
+    type(triangles_t), intent(in) :: other
+    type(shape_t), intent(in) :: shape(2)     !! of the element's surface, at both times
+    integer, intent(in) :: e
+    logical :: near(other%n)
+    integer :: d
+
+    near = .true.
+    do d = 1, 3
+      near = near .and. other%low(d, :) <= max(shape(1)%high(d, e), shape(2)%high(d, e)) &
+             .and. other%high(d, :) >= min(shape(1)%low(d, e), shape(2)%low(d, e))
+    end do
+  end function is_near
 
   !> Project a point on a surface; no point is deeper below it than `deepest`.
   subroutine find_foot(surface, shape, grid, x, deepest, foot)
@@ -228,19 +245,21 @@ contains
   end function parts
 
   !> Find the crossings of a point with the triangles, in the order of time.
-  subroutine find_crossings(other, p, crossing, ncrossing)
+  subroutine find_crossings(other, near, p, crossing, ncrossing)
     type(triangles_t), intent(in) :: other
+    integer, intent(in) :: near(:)            !! the triangles to look at
     real(wp), intent(in) :: p(3, 2)           !! the point at the start and now
     type(crossing_t), intent(out) :: crossing(MOST_CROSSINGS)
     integer, intent(out) :: ncrossing
     type(crossing_t) :: new
     real(wp) :: low(3), high(3), t(0:NPART), h(0:NPART)
-    integer :: i, j
+    integer :: i, j, m
 
     ncrossing = 0
     low = minval(p, 2)
     high = maxval(p, 2)
-    do j = 1, other%n
+    do m = 1, size(near)
+      j = near(m)
       if (any(other%low(:, j) > high .or. other%high(:, j) < low)) cycle
       do i = 0, NPART
         t(i) = real(i, wp)/NPART
