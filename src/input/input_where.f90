@@ -18,6 +18,7 @@ module input_where
 
   character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is ' &
                              //'given by its two faces: 1-,3+'
+  character(*), parameter :: ONE_FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+; give a record for each'
   real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent / sqrt(nodes), as in
   !! EBOUndary
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, relative to the
@@ -100,6 +101,10 @@ contains
         place%mask = ibset(0, f - 1)
         if (i + 2 <= record%n) then
           second = face_number(record%text(i + 2))
+          if (second == 0 .and. is_like_face(record%text(i + 2))) then
+            call unknown_face(record%text(i + 2), record%place(i + 2), error)
+            return
+          end if
           if (second > 0) then
             if ((second + 1)/2 == (f + 1)/2) then
               call fail(error, DECK_ERROR, 'faces '//record%text(i + 1)//' and ' &
@@ -125,7 +130,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     f = face_number(record%text(i))
-    if (f == 0) call unknown_face(record%text(i), record%place(i), error)
+    if (f > 0) return
+    call unknown_face(record%text(i), record%place(i), error)
+    if (error%hint == FACE_HINT) error%hint = ONE_FACE_HINT
   end subroutine read_face
 
   subroutine unknown_face(text, place, error)
@@ -133,8 +140,46 @@ contains
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
 
-    call fail(error, DECK_ERROR, 'unknown face '//quoted(text), place, FACE_HINT)
+    call fail(error, DECK_ERROR, 'unknown face '//quoted(text), place, face_hint_for(text))
   end subroutine unknown_face
+
+  !> A hint for a name that is no face: what its direction and its sign may mean, or all faces.
+  pure function face_hint_for(text) result(hint)
+    character(*), intent(in) :: text
+    character(:), allocatable :: hint
+    character :: direction
+    integer :: at
+
+    hint = FACE_HINT
+    at = verify(text, '+-')
+    if (at == 0 .or. len(text) > 3) return
+    direction = lower(text(at:at))
+    if (index('123xyz', direction) == 0 .or. verify(text, '+-', back=.true.) /= at) return
+    if (index('xyz', direction) > 0) then
+      direction = '123' (index('xyz', direction):index('xyz', direction))
+      hint = 'faces belong to the directions 1, 2 and 3 of a patch'
+    else
+      hint = 'a face is a direction and a sign'
+    end if
+    if (scan(text, '+') > 0 .eqv. scan(text, '-') > 0) then
+      hint = hint//': '//direction//'- or '//direction//'+'
+    else if (scan(text, '-') > 0) then
+      hint = hint//': '//direction//'-'
+    else
+      hint = hint//': '//direction//'+'
+    end if
+    hint = hint//'; direction '//direction//' begins at '//direction//'- and ends at '//direction &
+           //'+'
+  end function face_hint_for
+
+  !> Is a field written like a face, one digit and a sign? Letters may be the name of a patch.
+  pure logical function is_like_face(text)
+    character(*), intent(in) :: text
+
+    is_like_face = len(text) == 2
+    if (is_like_face) is_like_face = scan(text(1:1), '0123456789') > 0 &
+                                     .and. scan(text(2:2), '+-') > 0
+  end function is_like_face
 
   pure integer function face_number(text) result(f)
     character(*), intent(in) :: text
