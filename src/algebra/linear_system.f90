@@ -41,6 +41,7 @@ module linear_system
 
   integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4, AUTO = 5
 
+  real(wp), parameter :: SMALLEST = 1.0e-100_wp, LARGEST = 1.0e100_wp !! of unscaled loads
   integer, parameter :: MOST_ATTEMPTS = 3 !! one with old, one with new, one with exact factors
   integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
   real(wp), parameter :: FEWEST_DIGITS = 2.0_wp !! of a solve, as iterations are whole numbers
@@ -348,18 +349,26 @@ contains
     type(krylov_report_t), intent(out) :: run
     type(solve_report_t), intent(inout) :: report
     type(error_t), allocatable, intent(out) :: error
-    real(wp) :: start(2)
-    integer :: limit
+    real(wp) :: start(2), most
+    real(wp), allocatable :: b(:)
+    integer :: limit, power
     logical :: definite
 
     x = 0.0_wp
     run%converged = .true.
-    if (.not. norm2(rhs) > 0.0_wp) return
+    most = maxval(abs(rhs))
+    if (.not. most > 0.0_wp) return
+    ! The squares in the norms of very small or large loads are not representable. A power of two
+    ! changes no digit.
+    power = 0
+    if (most < SMALLEST .or. most > LARGEST) power = exponent(most)
+    b = rhs
+    if (power /= 0) b = scale(rhs, -power)
     start = seconds_of_both()
     limit = iteration_limit(ls%policy, ls%current, ls%factors%exact)
     definite = is_definite(ls, a)
     if (definite) then
-      call conjugate_gradients(a, ls%factors%eq, ls%factors%solver, rhs, x, limit, tolerance, &
+      call conjugate_gradients(a, ls%factors%eq, ls%factors%solver, b, x, limit, tolerance, &
                                run, error, hurries=.not. ls%current)
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
@@ -367,12 +376,13 @@ contains
     ! If old factors led to a direction of negative curvature, new factors are made first, because
     ! their pivots show whether the matrix is indefinite.
     if (.not. definite .or. (run%indefinite .and. ls%current .and. .not. run%converged)) then
-      call gmres(a, ls%factors%eq, ls%factors%solver, rhs, x, limit, tolerance, run, error, &
+      call gmres(a, ls%factors%eq, ls%factors%solver, b, x, limit, tolerance, run, error, &
                  hurries=.not. ls%current)
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
       report%used_gmres = .true.
     end if
+    if (power /= 0) x = scale(x, power)
     call describe(ls, report)
     report%seconds_solve = report%seconds_solve + seconds_of_both() - start
   end subroutine iterate

@@ -59,6 +59,14 @@ contains
       pass%trouble = 'the energy of the increment is not a number'
       return
     end if
+    if (.not. (moved .or. newton%largest_energy > 0.0_wp)) then
+      if (pass%residual > force_tolerance(pass)) then
+        pass%ok = .false.
+        pass%trouble = 'the energy of the increment is too small to be represented; ' &
+                       //'choose units in which lengths and stiffnesses are larger'
+        return
+      end if
+    end if
     newton%converged = .not. moved .and. pass%energy <= energy_tolerance(newton, pass)
     if (newton%converged .and. .not. is_newton_increment(newton)) then
       newton%converged = pass%residual <= force_tolerance(pass)
