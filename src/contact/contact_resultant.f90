@@ -12,7 +12,7 @@ module contact_resultant
   use contact_history, only: side_positions
   use contact_pair, only: contact_t, contact_points_t, is_integrated, surface_t, MORTAR
   use contact_smooth, only: smooth_t, smooth_side, largest_pressure, largest_tangential
-  use contact_type, only: OPEN, STICK, SLIP
+  use contact_type, only: LARGEST_OPENINGS, OPEN, STICK, SLIP
   use contact_work, only: own_share, position_at
   use curve_type, only: quantity_t, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, &
                         Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, &
@@ -180,9 +180,7 @@ contains
           value = largest_tangential(contact, k, field, quantity%component)
           return
         case (Q_CONTACT_DEBONDED)
-          value = ratio(sum(points%area0, mask=points%bond > 0 &
-                            .and. points%opening >= contact%released), &
-                        sum(points%area0, mask=points%bond > 0))
+          value = released_fraction(contact, points)
           return
         case default             ! all other quantities need the sums over the points
         end select
@@ -206,6 +204,22 @@ contains
       value = 0.0_wp
     end select
   end function contact_value
+
+  !> Fraction of the bonded area that is released. With damage the largest openings so far decide,
+  !! because a bond that closes again does not heal; a reversible law stores its current opening.
+  pure real(wp) function released_fraction(contact, points) result(value)
+    type(contact_t), intent(in) :: contact
+    type(contact_points_t), intent(in) :: points
+    real(wp) :: part
+    integer :: i
+
+    part = 0.0_wp
+    do i = 1, size(points%bond)
+      if (points%bond(i) == 0) cycle
+      if (norm2(points%past(LARGEST_OPENINGS, i)) >= contact%released) part = part + points%area0(i)
+    end do
+    value = ratio(part, sum(points%area0, mask=points%bond > 0))
+  end function released_fraction
 
   !> Ratio part/whole; 0 if nothing is in contact or bonded.
   pure real(wp) function ratio(part, whole)

@@ -10,6 +10,9 @@ module contact_type
 
   integer, parameter, public :: MAX_LAW_PROP = 16 !! length of a row of properties
   integer, parameter, public :: MAX_PAST = 7      !! history variables of a bonded point
+  !> Those of them that hold the openings on which the traction depends: of both modes, or of the
+  !! whole vector and zero.
+  integer, parameter, public :: LARGEST_OPENINGS(2) = [1, 2]
 
   !> Role of a law, named after the record of the deck to which it belongs.
   integer, parameter, public :: NORMAL = 1, FRICTION = 2, COHESIVE = 3
