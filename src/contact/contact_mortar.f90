@@ -34,7 +34,7 @@ module contact_mortar
   use projection, only: project
   use projection_search, only: grid_t, update_grid
   use projection_type, only: foot_t, shape_t, touches
-  use self_contact, only: project_on_itself
+  use self_contact, only: project_on_itself, project_on_edge
   use surface_geometry, only: update_shape, surface_point
   implicit none
   private
@@ -248,6 +248,14 @@ contains
       if (contact%self) then
         call project_on_itself(contact, mortar%start(3 - k), mortar%reference(k), cells%elem(i), &
                                cells%xi(:, i), foot)
+        if (foot%elem == 0 .and. foot%outer == 0) then ! it came over an edge of the body
+          foot%elem = cells%foot(i)%elem
+          foot%xi = cells%foot(i)%xi
+          call project_on_edge(contact, mortar%start(3 - k), cells%elem(i), cells%xi(:, i), foot)
+          foot%outer = foot%elem
+          foot%outer_xi = foot%xi
+          foot%elem = 0
+        end if
       else
         call project(contact%side(3 - k), mortar%start(3 - k), mortar%start_grid(3 - k), at, foot)
       end if
