@@ -36,7 +36,7 @@ contains
       print '(a)', 'dofs       '//to_text(model%ndof)
       print '(a)', 'equations  '//to_text(model%neq)
       print '(a)', 'commands   '//to_text(size(job%program%command))
-      call prepare_newton(newton, model, .true., error)
+      call prepare_newton(newton, model, .not. has_command(job, 'utan'), error)
       if (allocated(error)) return
       print '(a)', 'memory     about '//to_text(newton%system%estimate_mb(), 3) &
         //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
