@@ -193,7 +193,9 @@ BENCH := $(patsubst verification/performance/%.f90,$(B)/%,$(wildcard verificatio
 bench:
 	@tools/setup.sh bench
 	@$(MAKE) $(B)/bezel $(BENCH)
-	@$(PYTHON) -m verification.performance.bench --bezel $(B)/bezel --out $(BUILD)/bench --parts $(BENCH) $(ARGS)
+	@$(if $(filter --scale,$(ARGS)), \
+	  $(PYTHON) -m verification.performance.bench_scale --bezel $(B)/bezel --out $(BUILD)/bench/scale $(filter-out --scale,$(ARGS)), \
+	  $(PYTHON) -m verification.performance.bench --bezel $(B)/bezel --out $(BUILD)/bench --parts $(BENCH) $(ARGS))
 bench_parts: $(BENCH)
 $(BENCH): $(B)/%: verification/performance/%.f90 $(B)/libbezel.a
 	@mkdir -p $(@D); $(FC) -std=f2008 $(WARN) $(OPT) -J$(@D) -I$(B) $^ $(LIBS) -o $@

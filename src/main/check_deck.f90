@@ -15,6 +15,9 @@ module check_deck
   private
   public :: print_check
 
+  !> The ways to store factors are listed for models that need more memory than this [MB].
+  real(wp), parameter :: WORTH_A_CHOICE = 100.0_wp
+
 contains
 
   subroutine print_check(job, error)
@@ -36,13 +39,16 @@ contains
       print '(a)', 'dofs       '//to_text(model%ndof)
       print '(a)', 'equations  '//to_text(model%neq)
       print '(a)', 'commands   '//to_text(size(job%program%command))
-      call prepare_newton(newton, model, .not. has_command(job, 'utan'), error)
+      call prepare_newton(newton, model,.not. has_command(job, 'utan'), error)
       if (allocated(error)) return
       print '(a)', 'memory     about '//to_text(newton%system%estimate_mb(), 3) &
         //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
-      call newton%system%list_memory(newton%asm%k, way, mb, error)
-      if (allocated(error)) return
-      do i = 1, size(way)
+      allocate (mb(0))
+      if (newton%system%estimate_mb() > WORTH_A_CHOICE) then
+        call newton%system%list_memory(newton%asm%k, way, mb, error)
+        if (allocated(error)) return
+      end if
+      do i = 1, size(mb)
         print '(a)', '           about '//to_text(mb(i), 3)//' MB '//trim(way(i))
       end do
       call print_lines()

@@ -1,6 +1,6 @@
 """Compare the speed of bezel with FElupe and CalculiX; `make bench` runs it.
 
-    python -m verification.performance.bench [--n 16] [--rounds 2] [--large 32] [--parts PROGRAM ...]
+    python -m verification.performance.bench [--n 16] [--rounds 2] [--parts PROGRAM ...]
 
 All programs solve the cube of cube.inp with one thread. Every run is made between two runs of bezel
 with full Newton iteration (A B A), and only ratios within such a triple are compared with the targets,
@@ -69,14 +69,6 @@ def main():
     result["kernels"] = read_kernels(parts)
     result["contact"] = bench_contact.time_contact(bezel, folder, result["missing"])
     result["peel"] = bench_peel.time_peel(bezel, folder)
-    if o.large:
-        print(f"bench: one step at n={o.large}", flush=True)
-        large = runs.run_bezel(bezel, folder, "large", o.large, factor="FULL", steps=1)
-        short = runs.run_bezel(
-            bezel, folder, "short", o.large, factor="FULL", steps=1, limit_mb=o.short
-        )
-        result["large"] = large | {"n": o.large, "limit_mb": o.short}
-        result["large"]["short_of_memory"] = short.get("message", "it ran")
     return finish(result, folder, parts, o.record)
 
 
@@ -101,10 +93,6 @@ def parser():
     p.add_argument("--out", default="build/bench", help="folder of all files")
     p.add_argument("--n", type=int, default=16, help="elements along half an edge (8 is quick)")
     p.add_argument("--rounds", type=int, default=2)
-    p.add_argument("--large", type=int, default=32, help="n of the large step (0 for none)")
-    p.add_argument(
-        "--short", type=float, default=2000, help="memory in MB in which the large step fails"
-    )
     p.add_argument("--parts", nargs="*", default=[], help="programs that time a part")
     p.add_argument(
         "--only",

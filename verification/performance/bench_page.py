@@ -106,8 +106,6 @@ def page(result):
         MISSED.format(lines=missed(result)).lstrip("\n"),
         KERNELS + table.kernels(result),
     ]
-    if "large" in result:
-        parts.append("## A large step and a memory limit\n\n" + table.large(result["large"]))
     return "\n".join(parts)
 
 

@@ -33,8 +33,6 @@ def render(result, record, tolerance):
         parts.append(bench_contact.table(result["contact"]))
     if "peel" in result:
         parts.append(bench_peel.table(result["peel"]))
-    if "large" in result:
-        parts.append(large(result["large"]))
     if record:
         parts.append(change(result, record))
     return "\n".join(parts)
@@ -129,17 +127,6 @@ def kernels(result):
     lines = ["| kernel | |", "|---|--:|"]
     lines += [f"| {key} | {value:g} |" for key, value in result["kernels"].items()]
     return "\n".join(lines) + "\n"
-
-
-def large(r):
-    """The large step."""
-    if "message" in r:
-        return f"n = {r['n']}: {r['message']}\n"
-    return (
-        f"One step with n = {r['n']} and {r['equations']} equations takes {r['iterations']} iterations, "
-        f"{r['cpu']:.0f} s of CPU time, {r['wall']:.0f} s of wall-clock time and {r['memory'] / 1024:.1f} GiB. "
-        f"With a limit of {r['limit_mb']:.0f} MB the program reports:\n\n```\n{r['short_of_memory']}\n```\n"
-    )
 
 
 def change(result, record):

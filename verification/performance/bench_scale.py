@@ -1,0 +1,247 @@
+"""Time and memory of one load step over the size of the model: `make bench ARGS=--scale`.
+
+    python -m verification.performance.bench_scale [--bezel PROGRAM] [--out DIR] [--sizes 8 16 ...]
+
+The cube of section 4 with n x n x 2n elements takes one step by default (FACTor AUTO), on one thread.
+A size that was measured before with the same program is not measured again, so that the study
+continues after an interruption. --record keeps the results and writes doc/verification/scale.md and
+its figure.
+"""
+
+import argparse
+import datetime
+import json
+import pathlib
+import re
+
+import numpy as np
+
+from post import _style
+from verification.performance import bench_runs as runs
+
+HERE = pathlib.Path(__file__).resolve().parent
+DOC = HERE.parents[1] / "doc/verification"
+RECORD = HERE / "scale.json"
+SIZES = (8, 12, 16, 24, 32, 40, 56)
+WAYS_AT = 32  # size at which the ways to store factors are compared
+#: FACTor and limit of the address space [MB] that makes the program take each way at WAYS_AT.
+WAYS = (("FULL", None), ("AUTO", None), ("FULL", 2200), ("AUTO", 1500))
+NOTE = "factors are made "
+DGEMM = "dgemm 500 [GFLOP/s]"  # in record.json, in double precision
+PARTS = ("assembly", "analyse", "factorise", "solve")
+
+PAGE = """# Size of models
+
+## Summary
+
+- **Measured:** CPU time and memory of one load step of a cube with {small:,} to {large:,} equations, by default, on one thread.
+- **Main result:** {main}
+- **Command:** `make bench ARGS=--scale`; `--record` after it writes this page from `verification/performance/scale.json`.
+
+## One step over the size
+
+{machine}
+
+The cube of section 4, n x n x 2n trilinear elements (Q1), is compressed by 5 % in one step with the default `FACTor AUTO`: factors in single
+precision are made once and kept, and iterations with the tangent and the residual in double precision reach the usual tolerance.
+
+{sizes}
+
+![CPU time and memory over the number of equations](figures/scale.png)
+
+- Between the two largest models the CPU time grows with the power {time_power:.2f} of the number of equations, and the memory with {memory_power:.2f}. Nested
+  dissection of a cube gives 2 for the operations and 4/3 for the entries of the factors in the limit.
+- The force converges with the second power of the element size. The value extrapolated from n = {fit[0]} and n = {fit[1]} for n = {fit[2]} is {predicted:.9f};
+  the run gives {found:.9f} (relative difference {difference:.1e}).
+
+## Where memory is short
+
+One step with n = {ways_at} in four ways. The limit is one of `ulimit -v`; the program chooses the way by itself and says so in the log.
+
+{ways}
+
+## On paper: ten million unknowns and a thousand ranks
+
+The constants are those measured above for {large:,} equations: {per_equation:.1f} KB of memory per equation in all, of which the factors take
+{factor_share:.0f} %. What follows is a model and was not run.
+
+- **The factors** of $10^7$ equations ($n = {n_big}$) take {factors_big:,.0f} GB in single precision, by the power 4/3, and {hours_big:,.0f} hours of the core that was
+  measured, by the power 2. A thousand ranks with an efficiency of 0.5 would take {minutes_big:.0f} minutes for a factorisation.
+- **The root front** belongs to a separator of about $3 n^2$ = {root:,.0f} unknowns: {root_gb:.1f} GB in single precision. MUMPS distributes it in two
+  dimensions only with ScaLAPACK, which bezel switches off because the count of negative pivots needs the usual elimination. One rank takes
+  {root_minutes:.1f} minutes for it at the measured rate of dgemm, so that no number of ranks is more than {speed_up:,.0f} times as fast as one.
+- **The replicated state:** with `MPI=1` every rank holds mesh, state and pattern, {state_kb:.1f} KB per equation or {state_gb:.0f} GB for $10^7$ equations.
+  A node with 64 ranks would need {node_gb:,.0f} GB for that alone, so one rank per node with many threads is the limit of this design. Beyond it the mesh
+  has to be distributed too.
+"""
+
+
+def measure(bezel, folder, name, n, factor, limit=None):
+    """One step of the cube, or what was measured before with the same program."""
+    kept = folder / f"{name}.scale.json"
+    stamp = pathlib.Path(bezel).stat().st_mtime
+    if kept.exists():
+        row = json.loads(kept.read_text())
+        if row["stamp"] == stamp:
+            return row
+    print(f"bench: one step, n = {n}, {factor}" + (f", {limit} MB" if limit else ""), flush=True)
+    row = runs.run_bezel(bezel, folder, name, n, factor=factor, steps=1, limit_mb=limit)
+    if "code" in row:
+        raise SystemExit(f"bench: error: bezel ended with {row['code']}: {row['message']}")
+    row |= {"n": n, "factor": factor, "limit": limit, "stamp": stamp}
+    row |= json.loads((folder / f"{name}.report.json").read_text())["cpu_seconds"]
+    notes = [line for line in (folder / f"{name}.log").read_text().splitlines() if NOTE in line]
+    row["way"] = notes[-1].split(NOTE)[1] if notes else ""
+    kept.write_text(json.dumps(row, indent=1) + "\n")
+    return row
+
+
+def machine():
+    """The machine in a line."""
+    m = runs.machine("")
+    return (
+        f"Machine: {m['cpu']}, {m['cores']} cores, {m['memory_gib']} GiB; one thread; gfortran {m['gfortran']}, "
+        f"MUMPS {m['mumps']}, OpenBLAS {m['openblas']}."
+    )
+
+
+def table(rows):
+    """A row for each size."""
+    lines = [
+        "| n | equations | iterations | CPU s | assembly | analysis | factors | solves | wall s | peak GB | force |",
+        "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    for r in rows:
+        parts = " | ".join(f"{r[part]:.2f}" for part in PARTS)
+        lines.append(
+            f"| {r['n']} | {r['equations']:,} | {r['iterations']} | {r['cpu']:.1f} | {parts} "
+            f"| {r['wall']:.1f} | {r['memory'] / 1024:.2f} | {r['force']:.9f} |"
+        )
+    return "\n".join(lines)
+
+
+def ways_table(rows):
+    """A row for each way to store factors."""
+    lines = [
+        "| FACTor | limit MB | factors | CPU s | wall s | peak GB | force against the first |",
+        "|---|--:|---|--:|--:|--:|--:|",
+    ]
+    for r in rows:
+        plain = {"FULL": "in double precision", "AUTO": "in single precision"}[r["factor"]]
+        lines.append(
+            f"| {r['factor']} | {r['limit'] or '-'} | {r['way'] or plain} | {r['cpu']:.1f} | {r['wall']:.1f} "
+            f"| {r['memory'] / 1024:.2f} | {r['force'] / rows[0]['force'] - 1:.0e} |"
+        )
+    return "\n".join(lines)
+
+
+def extrapolate(rows):
+    """The force at the largest n from the two sizes before it, whose error falls with n squared."""
+    a, b, c = rows[-3:]
+    slope = (a["force"] - b["force"]) / (a["n"] ** -2 - b["n"] ** -2)
+    return b["force"] + slope * (c["n"] ** -2 - b["n"] ** -2)
+
+
+def on_paper(row, factors_mb, dgemm):
+    """The numbers of the model for 1e7 equations; dgemm is the measured rate in single precision."""
+    growth = 1e7 / row["equations"]
+    n = row["n"] * growth ** (1 / 3)
+    root = 3 * n**2
+    hours = row["factorise"] * growth**2 / 3600
+    minutes = root**3 / 3 / dgemm / 60
+    rest = row["memory"] - factors_mb
+    return {
+        "per_equation": row["memory"] * 1024 / row["equations"],
+        "factor_share": 100 * factors_mb / row["memory"],
+        "n_big": round(n),
+        "factors_big": factors_mb * growth ** (4 / 3) / 1024,
+        "hours_big": hours,
+        "minutes_big": hours * 60 / 500,
+        "root": root,
+        "root_gb": 4 * root**2 / 2 / 2**30,
+        "root_minutes": minutes,
+        "speed_up": hours * 60 / minutes,
+        "state_kb": rest * 1024 / row["equations"],
+        "state_gb": rest * growth / 1024,
+        "node_gb": 64 * rest * growth / 1024,
+    }
+
+
+def memory_in_single(bezel, folder, n):
+    """Memory of a factorisation in single precision, as --check estimates it [MB]."""
+    command = [bezel, "--check", "--set", f"n={n}", str(HERE / "cube.inp")]
+    *_, output, _ = runs.measure(command, folder)
+    return float(re.search(r"about (\S+) MB in single precision\n", output)[1])
+
+
+def draw(rows, path):
+    """CPU time and memory over the number of equations, beside the powers of nested dissection."""
+    with _style.styled() as plt:
+        figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 2.9))
+        neq = np.array([r["equations"] for r in rows])
+        time = np.array([r["cpu"] for r in rows])
+        memory = np.array([r["memory"] / 1024 for r in rows])
+        for axis, value, power, label, slope in (
+            (axes[0], time, 2.0, "CPU time of a step [s]", "power 2 (operations)"),
+            (axes[1], memory, 4 / 3, "peak memory [GB]", "power 4/3 (entries of factors)"),
+        ):
+            axis.loglog(neq, value, "o-", color=_style.COLOURS[0], label="measured")
+            axis.loglog(neq[-3:], value[-1] * (neq[-3:] / neq[-1]) ** power, "--",
+                        color=_style.COLOURS[1], label=slope)  # fmt: skip
+            axis.set(xlabel="equations", ylabel=label)
+            axis.legend()
+        figure.savefig(path)
+
+
+def page(record):
+    """The text of the page."""
+    rows, ways = record["sizes"], record["ways"]
+    a, b = rows[-2:]
+    grow = np.log(b["equations"] / a["equations"])
+    predicted = extrapolate(rows)
+    return PAGE.format(
+        small=rows[0]["equations"],
+        large=b["equations"],
+        main=f"{b['equations']:,} equations take {b['cpu']:.0f} s of CPU time, {b['wall']:.0f} s of wall-clock time and "
+        f"{b['memory'] / 1024:.1f} GB.",
+        machine=record["machine"],
+        sizes=table(rows),
+        time_power=np.log(b["cpu"] / a["cpu"]) / grow,
+        memory_power=np.log(b["memory"] / a["memory"]) / grow,
+        fit=[r["n"] for r in rows[-3:]],
+        predicted=predicted,
+        found=b["force"],
+        difference=abs(predicted / b["force"] - 1),
+        ways_at=WAYS_AT,
+        ways=ways_table(ways),
+        **on_paper(b, record["factors_mb"], record["dgemm"]),
+    )
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+    parser.add_argument("--bezel", default="build/release/bezel")
+    parser.add_argument("--out", default="build/bench/scale", help="folder of all files")
+    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES)
+    parser.add_argument("--record", action="store_true", help="keep the results and write the page")
+    o = parser.parse_args()
+    bezel, folder = str(pathlib.Path(o.bezel).resolve()), pathlib.Path(o.out).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    record = {"date": datetime.date.today().isoformat()}
+    record["sizes"] = [measure(bezel, folder, f"cube_{n}", n, "AUTO") for n in o.sizes]
+    record["ways"] = [
+        measure(bezel, folder, f"way_{i}", WAYS_AT, factor, limit)
+        for i, (factor, limit) in enumerate(WAYS)
+    ]
+    record["factors_mb"] = memory_in_single(bezel, folder, o.sizes[-1])
+    record["dgemm"] = 2e9 * json.loads((HERE / "record.json").read_text())["kernels"][DGEMM]
+    record["machine"] = machine()
+    print(table(record["sizes"]), ways_table(record["ways"]), sep="\n\n")
+    if o.record:
+        RECORD.write_text(json.dumps(record, indent=1) + "\n")
+        (DOC / "scale.md").write_text(page(record))
+        draw(record["sizes"], DOC / "figures/scale.png")
+
+
+if __name__ == "__main__":
+    main()
