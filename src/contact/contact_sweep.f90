@@ -2,15 +2,18 @@
 !! the far side of the body, or beside it. At the end of the step such points are outside the body
 !! or opposite nothing, and no projection tells that they have been inside.
 !!
-!! Points and surfaces move in straight lines from their positions at the start of the step to those
-!! now. The faces of the other surface are divided into triangles; a point enters the body where its
-!! distance from a triangle changes from positive to negative, and leaves it where it changes back.
+!! The motion of each surface is the rigid motion that fits it best, and a rest that grows linearly;
+!! straight lines would cut through a shaft that turns in its hole. The faces of the other surface
+!! are divided into triangles, which are looked at in a frame that moves with that surface. A point
+!! enters the body where its distance from a triangle changes from positive to negative, and leaves
+!! it where it changes back.
 module contact_sweep
   use base_kinds, only: wp
   use contact_pair, only: contact_t, surface_t
   use projection, only: project
   use projection_search, only: grid_t, update_grid
   use projection_type, only: foot_t, shape_t, touches
+  use screw_motion, only: screw_t, continue_screw, fit_screw, rotate
   use surface_geometry, only: surface_point, update_shape
   use tensor, only: cross
   implicit none
@@ -18,7 +21,9 @@ module contact_sweep
   public :: find_sweep
 
   integer, parameter :: NPOINT = 3        !! points of an element in each of its two directions
-  integer, parameter :: NPART = 4         !! parts of the step in which crossings are sought
+  integer, parameter :: NPART = 4         !! parts of a stage in which crossings are sought
+  real(wp), parameter :: STAGE = 0.1_wp   !! rotation of a stage, along which a point moves straight
+  integer, parameter :: MOST_STAGES = 40
   integer, parameter :: MOST_CROSSINGS = 16
   !> A point that was inside at the start of the step has passed through if it is now deeper than
   !! TWICE DEPTh, about the thickness of the thinner body.
@@ -48,36 +53,46 @@ contains
     real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now
     real(wp), intent(out) :: depth                 !! of the point along its way [L]
     integer, intent(out) :: side                   !! whose point it is
-    real(wp), allocatable :: moved(:, :)           ! x in a frame that moves with side 2 [L]
-    real(wp) :: drift(3), far
-    integer :: d, k
+    type(screw_t) :: screw(2)
+    integer :: k
 
     side = 0
     depth = 0.0_wp
     if (contact%self) return
-    associate (node => contact%side(2)%node)
-      do d = 1, 3
-        drift(d) = sum(x(d, node) - x_start(d, node))/size(node)
-      end do
-    end associate
-    allocate (moved, source=x)
-    far = 0.0_wp
     do k = 1, 2
       associate (node => contact%side(k)%node)
-        do d = 1, 3
-          moved(d, node) = x(d, node) - drift(d)
-        end do
-        far = far + sqrt(maxval(sum((moved(:, node) - x_start(:, node))**2, 1)))
+        call fit_screw(x_start(:, node), x(:, node), screw(k))
       end associate
     end do
-    if (.not. far > least_depth(contact)) return
     do k = 1, 2
-      call sweep_points(contact, k, x_start, moved, depth)
+      call sweep_points(contact, k, screw(k), screw(3 - k), x_start, x, depth)
       if (.not. depth > 0.0_wp) cycle
       side = k
       return
     end do
   end subroutine find_sweep
+
+  !> Positions of the nodes of a surface at the fraction s of the step, in a frame that is at rest
+  !! at the start of the step and then moves with `frame`.
+  subroutine place(surface, screw, frame, s, x_start, x, y)
+    type(surface_t), intent(in) :: surface
+    type(screw_t), intent(in) :: screw, frame  !! motions of the surface and of the frame
+    real(wp), intent(in) :: s
+    real(wp), intent(in) :: x_start(:, :), x(:, :)
+    real(wp), intent(inout) :: y(:, :)         !! (3, nnode); other nodes keep their values [L]
+    real(wp) :: rest(3), back(3)
+    integer :: i
+
+    do i = 1, size(surface%node)
+      associate (n => surface%node(i))
+        back = continue_screw(screw, -1.0_wp, x(:, n))
+        rest = rotate(screw%w, x_start(:, n) - back)
+        rest = continue_screw(screw, s - 1.0_wp, x(:, n)) &
+               + (1.0_wp - s)*rotate((s - 1.0_wp)*screw%w, rest)
+        y(:, n) = continue_screw(frame, -s, rest)
+      end associate
+    end do
+  end subroutine place
 
   !> Depth from which a point has passed through: DEPTh, or half of the thinner body [L].
   pure real(wp) function least_depth(contact) result(depth)
@@ -91,38 +106,56 @@ contains
   end function least_depth
 
   !> Find a point of side k that passes through the other side.
-  subroutine sweep_points(contact, k, x_start, x, depth)
+  subroutine sweep_points(contact, k, screw, frame, x_start, x, depth)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
+    type(screw_t), intent(in) :: screw, frame !! motions of side k and of the other side
     real(wp), intent(in) :: x_start(:, :), x(:, :)
     real(wp), intent(out) :: depth            !! 0: there is none
     type(triangles_t) :: other
-    type(shape_t) :: shape(2), far_shape(2)   ! of side k and of the other side, at both times
+    type(shape_t), allocatable :: shape(:)    ! of side k at the ends of the stages
+    type(shape_t) :: far_shape(2)             ! of the other side at the start and now
     type(grid_t) :: grid(2)
     type(crossing_t) :: crossing(MOST_CROSSINGS)
     type(foot_t) :: foot, start
-    real(wp) :: p(3, 2), n(3, 2), a(3, 2), b(3, 3), low(3), high(3), out(3)
+    real(wp), allocatable :: y(:, :)          ! positions in the frame [L]
+    real(wp), allocatable :: p(:, :), n(:, :) ! the way of a point, and its normal
+    real(wp) :: a(3, 2), b(3, 3), low(3), high(3), out(3)
     integer, allocatable :: near(:)           ! triangles that an element may pass
-    integer :: e, i, q, ncrossing, first
+    integer :: e, i, m, q, ncrossing, first
 
     depth = 0.0_wp
-    call divide(contact%side(3 - k), x_start, x, other)
+    m = min(MOST_STAGES, 1 + int((norm2(screw%w) + norm2(frame%w))/STAGE))
+    allocate (y, source=x_start)
+    call place(contact%side(3 - k), frame, frame, 1.0_wp, x_start, x, y)
+    call place(contact%side(k), screw, frame, 1.0_wp, x_start, x, y)
+    if (.not. (maxval(abs(y(:, contact%side(k)%node) - x_start(:, contact%side(k)%node))) &
+               + maxval(abs(y(:, contact%side(3 - k)%node) &
+                            - x_start(:, contact%side(3 - k)%node))))*sqrt(3.0_wp) &
+        > least_depth(contact)) return
+    call divide(contact%side(3 - k), x_start, y, other)
     low = minval(other%low, 2)
     high = maxval(other%high, 2)
+    allocate (shape(0:m), p(3, 0:m), n(3, 0:m))
     associate (own => contact%side(k), opposite => contact%side(3 - k))
-      call update_shape(own, x_start, shape(1))
-      call update_shape(own, x, shape(2))
       call update_shape(opposite, x_start, far_shape(1))
-      call update_shape(opposite, x, far_shape(2))
+      call update_shape(opposite, y, far_shape(2))
       do i = 1, 2
         call update_grid(opposite, far_shape(i), grid(i))
       end do
+      do i = 0, m
+        call place(own, screw, frame, real(i, wp)/m, x_start, x, y)
+        call update_shape(own, y, shape(i))
+      end do
+      do i = 1, m ! the boxes of the first shape contain the others
+        shape(0)%low = min(shape(0)%low, shape(i)%low)
+        shape(0)%high = max(shape(0)%high, shape(i)%high)
+      end do
       do e = 1, own%nelem
-        if (any(min(shape(1)%low(:, e), shape(2)%low(:, e)) > high)) cycle
-        if (any(max(shape(1)%high(:, e), shape(2)%high(:, e)) < low)) cycle
-        near = pack([(i, i=1, other%n)], is_near(other, shape, e))
+        if (any(shape(0)%low(:, e) > high) .or. any(shape(0)%high(:, e) < low)) cycle
+        near = pack([(i, i=1, other%n)], is_near(other, shape(0)%low(:, e), shape(0)%high(:, e)))
         do q = 0, NPOINT**2 - 1
-          do i = 1, 2
+          do i = 0, m
             call surface_point(own, shape(i), e, (2*[mod(q, NPOINT), q/NPOINT] + 1) &
                                /real(NPOINT, wp) - 1.0_wp, p(:, i), a, b)
             n(:, i) = cross(a(:, 1), a(:, 2))
@@ -132,19 +165,19 @@ contains
           if (first > 0) then
             depth = depth_of_way(other, p, crossing(first:ncrossing))
             if (depth > least_depth(contact) .and. crossing(ncrossing)%enters) then
-              call find_foot(opposite, far_shape(2), grid(2), p(:, 2), contact%depth, foot)
+              call find_foot(opposite, far_shape(2), grid(2), p(:, m), contact%depth, foot)
               ! contact pushes the point back
               if (is_pushed(foot, normal(other, crossing(first)%triangle, 1.0_wp))) depth = 0.0_wp
             end if
           else ! the point may be inside from the start
-            call find_foot(opposite, far_shape(1), grid(1), p(:, 1), contact%depth, foot)
-            if (.not. is_pushed(foot, -n(:, 1))) cycle
+            call find_foot(opposite, far_shape(1), grid(1), p(:, 0), contact%depth, foot)
+            if (.not. is_pushed(foot, -n(:, 0))) cycle
             start = foot
-            call find_foot(opposite, far_shape(2), grid(2), p(:, 2), huge(depth), foot)
+            call find_foot(opposite, far_shape(2), grid(2), p(:, m), huge(depth), foot)
             out = foot%n
             if (ncrossing > 0) out = normal(other, crossing(ncrossing)%triangle, 1.0_wp)
             if ((ncrossing > 0 .or. foot%elem > 0) .and. dot_product(start%n, out) < 0.0_wp) then
-              depth = -dot_product(p(:, 2) - start%x, start%n)
+              depth = -dot_product(p(:, m) - start%x, start%n)
             else if (foot%elem > 0 .and. foot%gap < -TWICE*contact%depth) then
               depth = -foot%gap
             end if
@@ -156,18 +189,16 @@ contains
     end associate
   end subroutine sweep_points
 
-  !> Mark the triangles whose boxes meet the box that an element sweeps.
-  pure function is_near(other, shape, e) result(near)
+  !> Mark the triangles whose boxes meet a box.
+  pure function is_near(other, low, high) result(near)
     type(triangles_t), intent(in) :: other
-    type(shape_t), intent(in) :: shape(2)     !! of the element's surface, at both times
-    integer, intent(in) :: e
+    real(wp), intent(in) :: low(3), high(3)
     logical :: near(other%n)
     integer :: d
 
     near = .true.
     do d = 1, 3
-      near = near .and. other%low(d, :) <= max(shape(1)%high(d, e), shape(2)%high(d, e)) &
-             .and. other%high(d, :) >= min(shape(1)%low(d, e), shape(2)%low(d, e))
+      near = near .and. other%low(d, :) <= high(d) .and. other%high(d, :) >= low(d)
     end do
   end function is_near
 
@@ -248,11 +279,11 @@ contains
   subroutine find_crossings(other, near, p, crossing, ncrossing)
     type(triangles_t), intent(in) :: other
     integer, intent(in) :: near(:)            !! the triangles to look at
-    real(wp), intent(in) :: p(3, 2)           !! the point at the start and now
+    real(wp), intent(in) :: p(:, 0:)          !! (3, 0:m) the way of the point
     type(crossing_t), intent(out) :: crossing(MOST_CROSSINGS)
     integer, intent(out) :: ncrossing
     type(crossing_t) :: new
-    real(wp) :: low(3), high(3), t(0:NPART), h(0:NPART)
+    real(wp) :: low(3), high(3), t(0:NPART*(size(p, 2) - 1)), h(0:NPART*(size(p, 2) - 1))
     integer :: i, j, m
 
     ncrossing = 0
@@ -261,11 +292,11 @@ contains
     do m = 1, size(near)
       j = near(m)
       if (any(other%low(:, j) > high .or. other%high(:, j) < low)) cycle
-      do i = 0, NPART
-        t(i) = real(i, wp)/NPART
+      do i = 0, ubound(t, 1)
+        t(i) = real(i, wp)/ubound(t, 1)
         h(i) = height(other, j, p, t(i))
       end do
-      do i = 1, NPART
+      do i = 1, ubound(t, 1)
         if (h(i - 1) < 0.0_wp .eqv. h(i) < 0.0_wp) cycle
         new%t = root(other, j, p, t(i - 1), t(i), h(i - 1), h(i))
         new%triangle = j
@@ -278,15 +309,13 @@ contains
   !> The first crossing at which a point enters while its normal is opposite; 0: there is none.
   pure integer function first_entry(other, n, crossing) result(first)
     type(triangles_t), intent(in) :: other
-    real(wp), intent(in) :: n(3, 2)           !! normal of the point at the start and now
+    real(wp), intent(in) :: n(:, 0:)          !! (3, 0:m) normal of the point on its way
     type(crossing_t), intent(in) :: crossing(:)
-    real(wp) :: own(3)
 
     do first = 1, size(crossing)
       if (.not. crossing(first)%enters) cycle
       associate (t => crossing(first)%t)
-        own = (1.0_wp - t)*n(:, 1) + t*n(:, 2)
-        if (dot_product(own, normal(other, crossing(first)%triangle, t)) < 0.0_wp) return
+        if (dot_product(on_way(n, t), normal(other, crossing(first)%triangle, t)) < 0.0_wp) return
       end associate
     end do
     first = 0
@@ -313,7 +342,7 @@ contains
   !! the plane there.
   pure real(wp) function depth_of_way(other, p, crossing) result(depth)
     type(triangles_t), intent(in) :: other
-    real(wp), intent(in) :: p(3, 2)
+    real(wp), intent(in) :: p(:, 0:)
     type(crossing_t), intent(in) :: crossing(:) !! the first one enters
     real(wp) :: t, last, d
     integer :: i, out
@@ -329,13 +358,25 @@ contains
       exit
     end do
     depth = 0.0_wp
-    do i = 1, NPART
-      t = crossing(1)%t + (last - crossing(1)%t)*i/NPART
+    do i = 1, NPART*(size(p, 2) - 1)
+      t = crossing(1)%t + (last - crossing(1)%t)*i/(NPART*(size(p, 2) - 1))
       d = -height(other, crossing(1)%triangle, p, t)
       if (out > 0) d = min(d, -height(other, out, p, t))
       depth = max(depth, d)
     end do
   end function depth_of_way
+
+  !> Position on a way of straight stages at time t.
+  pure function on_way(p, t) result(x)
+    real(wp), intent(in) :: p(:, 0:), t
+    real(wp) :: x(3), s
+    integer :: i, m
+
+    m = ubound(p, 2)
+    i = max(0, min(m - 1, int(t*m)))
+    s = t*m - i
+    x = (1.0_wp - s)*p(:, i) + s*p(:, i + 1)
+  end function on_way
 
   !> Corners of a triangle at time t.
   pure function corners(other, j, t) result(x)
@@ -363,18 +404,18 @@ contains
   pure real(wp) function height(other, j, p, t) result(h)
     type(triangles_t), intent(in) :: other
     integer, intent(in) :: j
-    real(wp), intent(in) :: p(3, 2), t
+    real(wp), intent(in) :: p(:, 0:), t
     real(wp) :: x(3, 3)
 
     x = corners(other, j, t)
-    h = dot_product((1.0_wp - t)*p(:, 1) + t*p(:, 2) - x(:, 1), normal(other, j, t))
+    h = dot_product(on_way(p, t) - x(:, 1), normal(other, j, t))
   end function height
 
   !> Time at which the height changes its sign, by the secant method with bisection.
   pure real(wp) function root(other, j, p, t_low, t_high, h_low, h_high) result(t)
     type(triangles_t), intent(in) :: other
     integer, intent(in) :: j
-    real(wp), intent(in) :: p(3, 2), t_low, t_high, h_low, h_high
+    real(wp), intent(in) :: p(:, 0:), t_low, t_high, h_low, h_high
     real(wp) :: a, b, ha, hb, h
     integer :: i
 
@@ -402,12 +443,12 @@ contains
   pure logical function is_over(other, j, p, t) result(yes)
     type(triangles_t), intent(in) :: other
     integer, intent(in) :: j
-    real(wp), intent(in) :: p(3, 2), t
+    real(wp), intent(in) :: p(:, 0:), t
     real(wp) :: x(3, 3), y(3), n(3), part(3)
     integer :: i
 
     x = corners(other, j, t)
-    y = (1.0_wp - t)*p(:, 1) + t*p(:, 2)
+    y = on_way(p, t)
     n = cross(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
     do i = 1, 3
       part(i) = dot_product(n, cross(x(:, mod(i, 3) + 1) - y, x(:, mod(i + 1, 3) + 1) - y))
