@@ -8,9 +8,10 @@
 module input_conditions
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: to_text
   use boundary, only: boundary_t, note_load_number
-  use input_draft, only: draft_t, condition_entry_t
+  use input_draft, only: draft_t, condition_entry_t, C_FIXED, C_VALUE, C_FORCE, C_TABLE
   use input_surface, only: mark_surface, load_surface
   use input_where, only: warn_far, warn_layers
   use mesh, only: mesh_t, solid_nodes
@@ -24,6 +25,16 @@ module input_conditions
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, for
   !! squared distances
 
+  character(13), parameter :: WORDS(8) = &
+                              [character(13) :: 'EBOUndary', 'EDISplacement', 'EFORce', &
+                                          'EPROportional', 'CBOUndary', 'CFORce', 'CDISplacement', &
+                                                 'CSURface'] !! R_EBOU ...
+  character(13), parameter :: NODAL_WORDS(4) = &
+                              [character(13) :: 'BOUNdary', 'DISPlacement', 'FORCe', &
+                                                 'FPROportional'] !! C_FIXED ...
+  character(12), parameter :: VALUES(4) = [character(12) :: 'restraint', 'displacement', 'force', &
+                                                                       'load number'] !! C_FIXED ...
+
 contains
 
   !> Set the conditions of the deck in `bc`; errors go to the list.
@@ -34,6 +45,8 @@ contains
     type(boundary_t), intent(inout) :: bc
     logical, allocatable :: active(:)
     type(error_t), allocatable :: error
+    real(wp), allocatable :: before(:, :)
+    logical :: may_lose, said(R_CSUR) ! one warning a word
     integer :: word, i, n
 
     allocate (bc%fixed(3, mesh%nnode), bc%table(3, mesh%nnode), source=0)
@@ -57,11 +70,19 @@ contains
     end do
     call share_conditions(new, bc)
     call mark_active(draft, mesh, active)
+    said = .false.
     do word = R_EBOU, R_CSUR
       do i = 1, draft%ncondition
         if (draft%condition(i)%word /= word) cycle
+        may_lose = .false.
+        if (.not. said(word)) may_lose = replaces_later(draft, i)
+        if (may_lose) call get_condition(bc, kind_of(word), before)
         call apply(draft%condition(i), mesh, active, new, bc, error)
-        if (allocated(error)) call draft%errors%add(error)
+        if (allocated(error)) then
+          call draft%errors%add(error)
+        else if (may_lose) then
+          call warn_replaced(draft, i, mesh, active, new, bc, before, said(word))
+        end if
       end do
     end do
   end subroutine apply_conditions
@@ -162,7 +183,7 @@ contains
           bc%fixed(:, n) = abs(nint(r%value))
         end if
       case (R_EDIS, R_CDIS)
-        bc%value(:, n) = r%value + merge(bc%value(:, n), 0.0_wp, r%adds .and. r%word == R_EDIS)
+        bc%value(:, n) = r%value + merge(bc%value(:, n), 0.0_wp, r%adds)
       case (R_EFOR, R_CFOR, R_CSUR)
         bc%force(:, n) = r%value + merge(bc%force(:, n), 0.0_wp, r%adds)
       case default
@@ -170,6 +191,122 @@ contains
       end select
     end do
   end subroutine apply
+
+  !> What the records of a word set: C_FIXED ...
+  pure integer function kind_of(word) result(kind)
+    integer, intent(in) :: word
+
+    select case (word)
+    case (R_EBOU, R_CBOU)
+      kind = C_FIXED
+    case (R_EDIS, R_CDIS)
+      kind = C_VALUE
+    case (R_EPRO)
+      kind = C_TABLE
+    case default
+      kind = C_FORCE
+    end select
+  end function kind_of
+
+  !> Values of one kind of condition.
+  pure subroutine get_condition(bc, kind, value)
+    type(boundary_t), intent(in) :: bc
+    integer, intent(in) :: kind
+    real(wp), allocatable, intent(out) :: value(:, :) !! (3, nnode)
+
+    select case (kind)
+    case (C_FIXED)
+      value = real(bc%fixed, wp)
+    case (C_VALUE)
+      value = bc%value
+    case (C_FORCE)
+      value = bc%force
+    case default
+      value = real(bc%table, wp)
+    end select
+  end subroutine get_condition
+
+  !> Does record j set the same kind of condition as record i, and act before it although it stands
+  !! after it?
+  pure logical function is_overtaken(draft, i, j) result(yes)
+    type(draft_t), intent(in) :: draft
+    integer, intent(in) :: i, j
+
+    associate (r => draft%condition(i), s => draft%condition(j))
+      yes = j > i .and. s%word < r%word .and. kind_of(s%word) == kind_of(r%word)
+    end associate
+  end function is_overtaken
+
+  !> May record i replace a condition that stands after it in the deck?
+  pure logical function replaces_later(draft, i) result(yes)
+    type(draft_t), intent(in) :: draft
+    integer, intent(in) :: i
+    integer :: j
+
+    associate (r => draft%condition(i))
+      yes = .not. (r%adds .or. r%word == R_CSUR .or. allocated(r%surface))
+      if (yes) yes = draft%nodes%after(kind_of(r%word)) >= i .or. &
+                     any([(is_overtaken(draft, i, j), j=i + 1, draft%ncondition)])
+    end associate
+  end function replaces_later
+
+  !> Warn if record i has replaced a condition that stands after it in the deck.
+  subroutine warn_replaced(draft, i, mesh, active, new, bc, before, found)
+    type(draft_t), intent(in) :: draft
+    integer, intent(in) :: i
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: active(:)
+    integer, intent(in) :: new(:)          !! (nnode)
+    type(boundary_t), intent(in) :: bc
+    real(wp), intent(in) :: before(:, :)   !! (3, nnode) values before record i was applied
+    logical, intent(out) :: found
+    character(:), allocatable :: word, other, hint
+    real(wp), allocatable :: now(:, :)
+    logical, allocatable :: lost(:, :), on(:)
+    integer :: d, j, n, kind
+
+    associate (r => draft%condition(i))
+      kind = kind_of(r%word)
+      call get_condition(bc, kind, now)
+      call mark(mesh, r, active, on)
+      on(pack(new, on)) = .true.
+      allocate (lost, source=abs(before) > 0.0_wp .and. spread(on, 1, 3))
+      select case (kind)
+      case (C_FIXED) ! codes have no size
+        lost = lost .and. .not. abs(now) > 0.0_wp
+      case (C_VALUE, C_TABLE)
+        lost = lost .and. abs(before - now) > 0.0_wp
+      case default ! a force would have been added
+      end select
+      found = .false.
+      do j = i + 1, draft%ncondition
+        if (.not. (any(lost) .and. is_overtaken(draft, i, j))) cycle
+        associate (s => draft%condition(j))
+          call mark(mesh, s, active, on)
+          on(pack(new, on)) = .true.
+          do d = 1, 3
+            if (abs(s%value(d)) > 0.0_wp .and. any(on .and. lost(d, :))) found = .true.
+          end do
+          word = trim(WORDS(s%word))
+          other = word//' in line '//to_text(s%place%line)
+          n = findloc(on .and. any(lost, 1), .true., 1)
+        end associate
+        if (found) exit
+      end do
+      if (.not. found .and. any(lost) .and. draft%nodes%after(kind) >= i) then
+        found = .true.
+        word = trim(NODAL_WORDS(kind))
+        other = 'a later '//word
+        n = findloc(any(lost, 1), .true., 1)
+      end if
+      if (.not. found) return
+      hint = 'give both in '//trim(WORDS(r%word))
+      if (kind /= C_TABLE) hint = 'write '//trim(WORDS(r%word))//',ADD to keep both'
+      call warn(trim(WORDS(r%word))//' replaces the '//trim(VALUES(kind))//' that '//other &
+                //' gives to node '//to_text(n)//': '//trim(WORDS(r%word))//' acts after ' &
+                //word//', wherever it stands', r%place, hint)
+    end associate
+  end subroutine warn_replaced
 
   !> Mark the nodes that a record finds. In the search for nodes on a plane, FEAP's gap shrinks with
   !! the number of nodes for EBOU and EPRO, but not for the other words. At a point, CBOU and CDIS

@@ -100,6 +100,9 @@ module input_draft
     type(column_entry_t), allocatable :: column(:)
   end type curve_entry_t
 
+  integer, parameter, public :: C_FIXED = 1, C_VALUE = 2, C_FORCE = 3, C_TABLE = 4 !! conditions of
+  !! nodes: restraints, prescribed displacements, forces, load numbers
+
   !> A record of EBOU, EDIS, EFOR, EPRO, CBOU, CDIS, CFOR or CSUR. Such a condition is given by
   !! position and is applied at the END of the mesh.
   type :: condition_entry_t

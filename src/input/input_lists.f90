@@ -23,6 +23,9 @@ module input_lists
     real(wp), allocatable :: value(:, :)     !! (3, n) DISP [L]
     integer, allocatable :: table(:, :)      !! (3, n) FPRO
     type(place_t) :: disp                    !! place of the first record of DISP
+    !> Number of records by position (condition_entry_t) that precede the first BOUN, DISP, FORC and
+    !! FPRO in the deck; -1: there is none.
+    integer :: after(4) = -1
   end type node_list_t
 
   !> Elements 1 to `top`; `nen` is 0 for numbers that the deck leaves out.

@@ -11,7 +11,8 @@ module word_nodal
   use boundary, only: note_load_number
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
-  use input_draft, only: draft_t, next_data, check_number, check_increment
+  use input_draft, only: draft_t, next_data, check_number, check_increment, C_FIXED, &
+                         C_VALUE, C_FORCE, C_TABLE
   use input_fields, only: get_numbers
   use input_lists, only: grow_nodes, add_named_node
   implicit none
@@ -31,6 +32,7 @@ contains
 
     call check_count(record, 1, 1, 'BOUNdary has no options; n g code1 code2 code3 follows', error)
     if (allocated(error)) return
+    call note_order(draft, C_FIXED)
     n = 0
     step = 0
     do
@@ -64,6 +66,7 @@ contains
 
     call check_count(record, 1, 1, 'FPROportional has no options; n g k1 k2 k3 follows', error)
     if (allocated(error)) return
+    call note_order(draft, C_TABLE)
     n = 0
     step = 0
     do
@@ -104,6 +107,7 @@ contains
     if (is_force) fields = 'n g f1 f2 f3'
     call check_count(record, 1, 1, record%text(1)//' has no options; '//fields//' follows', error)
     if (allocated(error)) return
+    call note_order(draft, merge(C_FORCE, C_VALUE, is_force))
     n = 0
     step = 0
     do
@@ -125,6 +129,14 @@ contains
       end if
     end do
   end subroutine read_vectors
+
+  !> Note how many records by position precede the first record of this kind.
+  pure subroutine note_order(draft, kind)
+    type(draft_t), intent(inout) :: draft
+    integer, intent(in) :: kind !! C_FIXED ...
+
+    if (draft%nodes%after(kind) < 0) draft%nodes%after(kind) = draft%ncondition
+  end subroutine note_order
 
   !> Read the next record with its node number and increment; n = 0 at the end of the data (a blank
   !! record, or node 0 as in FEAP).
