@@ -25,15 +25,12 @@ module input_conditions
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, for
   !! squared distances
 
-  character(13), parameter :: WORDS(8) = &
-                              [character(13) :: 'EBOUndary', 'EDISplacement', 'EFORce', &
-                                          'EPROportional', 'CBOUndary', 'CFORce', 'CDISplacement', &
-                                                 'CSURface'] !! R_EBOU ...
-  character(13), parameter :: NODAL_WORDS(4) = &
-                              [character(13) :: 'BOUNdary', 'DISPlacement', 'FORCe', &
-                                                 'FPROportional'] !! C_FIXED ...
-  character(12), parameter :: VALUES(4) = [character(12) :: 'restraint', 'displacement', 'force', &
-                                                                       'load number'] !! C_FIXED ...
+  !> Names of R_EBOU to R_CSUR; words by node number, and values, of C_FIXED to C_TABLE.
+  character(13), parameter :: &
+    WORDS(8) = ['EBOUndary    ', 'EDISplacement', 'EFORce       ', 'EPROportional', &
+                'CBOUndary    ', 'CFORce       ', 'CDISplacement', 'CSURface     '], &
+    NODAL_WORDS(4) = ['BOUNdary     ', 'DISPlacement ', 'FORCe        ', 'FPROportional'], &
+    VALUES(4) = ['restraint    ', 'displacement ', 'force        ', 'load number  ']
 
 contains
 
