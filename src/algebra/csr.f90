@@ -6,13 +6,14 @@
 !! node has a diagonal block. Columns ascend within a row.
 module csr
   use base_kinds, only: wp, i8
+  use base_comm, only: total_of => total
   use base_error, only: error_t, fail, BUG, SYSTEM_ERROR
   use base_text, only: to_text
   use element_type, only: NB
   implicit none
   private
   public :: block_matrix_t, clique_t, new_pattern, element_map, block_position, set_zero, &
-            multiply, multiply_free, row_sums, add_element, add_batch
+            multiply, multiply_free, row_sums, add_element, add_batch, sum_diagonal, diagonal_block
 
   !> Positions of the 3x3 blocks of one element, conn(nen), or of all elements of a block, conn(nen,
   !! nelem).
@@ -33,6 +34,8 @@ module csr
     integer, allocatable :: row(:)         !! (nnode+1) index of the first block of each row
     integer, allocatable :: col(:)         !! (nblock) column node of each block
     real(wp), allocatable :: val(:, :, :)  !! (3, 3, nblock) row dof, column dof, block
+    logical :: shared = .false.            !! the matrix is the sum of those of all ranks
+    real(wp), allocatable, private :: diagonal(:, :, :) !! (3, 3, nnode) of this sum
   end type block_matrix_t
 
   !> The cliques that each node belongs to.
@@ -232,20 +235,53 @@ contains
     a%val = 0.0_wp
   end subroutine set_zero
 
-  !> Compute y = A x over all nodes, prescribed dofs included.
+  !> Add the diagonal blocks of the ranks, of a matrix that they share, for diagonal_block.
+  subroutine sum_diagonal(a)
+    type(block_matrix_t), intent(inout) :: a
+    real(wp), allocatable :: list(:, :)
+    integer :: n
+
+    if (allocated(a%diagonal)) deallocate (a%diagonal)
+    if (.not. a%shared) return
+    allocate (list(9, a%nnode))
+    do n = 1, a%nnode
+      list(:, n) = reshape(diagonal_block(a, n), [9])
+    end do
+    call total_of(list)
+    a%diagonal = reshape(list, [3, 3, a%nnode])
+  end subroutine sum_diagonal
+
+  !> The diagonal block of a node; zero if it is not stored.
+  pure function diagonal_block(a, n) result(block)
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: n
+    real(wp) :: block(3, 3)
+    integer :: p
+
+    if (allocated(a%diagonal)) then
+      block = a%diagonal(:, :, n)
+      return
+    end if
+    p = block_position(a, n, n)
+    block = 0.0_wp
+    if (p > 0) block = a%val(:, :, p)
+  end function diagonal_block
+
+  !> Compute y = A x over all nodes, prescribed dofs included. All ranks get the same y.
   !!
   !! If x = 0 at the free dofs, y has the forces that prescribed motion exerts on them; the tangent
   !! predictor uses this.
-  pure subroutine multiply(a, x, y)
+  subroutine multiply(a, x, y)
     type(block_matrix_t), intent(in) :: a
     real(wp), intent(in) :: x(:, :)   !! (3, nnode)
-    real(wp), intent(out) :: y(:, :)  !! (3, nnode)
+    real(wp), intent(out), contiguous :: y(:, :)  !! (3, nnode)
 
     if (a%symmetric) then
       call multiply_symmetric(a%nnode, a%row, a%col, a%val, x, y)
     else
       call multiply_full(a%nnode, a%row, a%col, a%val, x, y)
     end if
+    if (a%shared) call total_of(y)
   end subroutine multiply
 
   !> Multiply by a symmetric matrix whose upper half is stored.
@@ -301,13 +337,13 @@ contains
   end subroutine multiply_full
 
   !> Compute y = A x over the free dofs.
-  pure subroutine multiply_free(a, eq, x, y, xn, yn)
+  subroutine multiply_free(a, eq, x, y, xn, yn)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
     real(wp), intent(in) :: x(:)         !! (neq)
     real(wp), intent(inout) :: y(:)      !! (neq)
     real(wp), intent(inout) :: xn(:, :)  !! (3, nnode) work space
-    real(wp), intent(inout) :: yn(:, :)  !! (3, nnode) work space
+    real(wp), intent(inout), contiguous :: yn(:, :) !! (3, nnode) work space
     integer :: i, n
 
     do n = 1, a%nnode
@@ -324,11 +360,13 @@ contains
     end do
   end subroutine multiply_free
 
-  !> Sum the absolute values of each free row over the free columns.
-  pure subroutine row_sums(a, eq, total)
+  !> Sum the absolute values of each free row over the free columns. Where ranks share an entry, its
+  !! parts count.
+  subroutine row_sums(a, eq, total)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)       !! (3, nnode)
     real(wp), intent(out) :: total(:)     !! (neq)
+    real(wp), allocatable :: list(:, :)
     integer :: i, j, n, m, p
 
     total = 0.0_wp
@@ -345,6 +383,10 @@ contains
         end do
       end do
     end do
+    if (.not. a%shared) return
+    list = reshape(total, [1, size(total)])
+    call total_of(list)
+    total = list(1, :)
   end subroutine row_sums
 
   !> Add one element matrix. To a symmetric matrix only the blocks on and above its diagonal are

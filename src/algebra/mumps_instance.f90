@@ -5,7 +5,7 @@
 module mumps_instance
   use, intrinsic :: ieee_arithmetic, only: ieee_get_underflow_mode, ieee_set_underflow_mode
   use, intrinsic :: ieee_arithmetic, only: ieee_support_underflow_control
-  use base_comm, only: communicator, is_root, share
+  use base_comm, only: communicator, is_root, largest, rank_count, share
   use base_error, only: error_t, fail, BUG, NO_SOLUTION, SYSTEM_ERROR
   use base_kinds, only: wp, i8
   use base_text, only: to_text
@@ -114,7 +114,7 @@ contains
   end subroutine give_options
 
   !> Set the options in ICNTL, before the analysis.
-  pure subroutine set_controls(icntl, symmetric, compressed, ordering)
+  subroutine set_controls(icntl, symmetric, compressed, ordering)
     integer, intent(inout) :: icntl(:)
     logical, intent(in) :: symmetric
     logical, intent(in) :: compressed  !! low-rank blocks are used
@@ -124,6 +124,7 @@ contains
     icntl(6) = 0   ! no permutation: it would need values in the analysis
     icntl(7) = ordering
     icntl(12) = 1  ! no other symmetric preprocessing
+    if (rank_count() > 1) icntl(18) = 3 ! each rank gives its entries
     icntl(13) = 1  ! treat the root node like the others, for exact inertia
     icntl(14) = FIRST_MARGIN
     icntl(24) = 1  ! detect null pivots
@@ -142,7 +143,8 @@ contains
     keep(1) = 2
   end subroutine set_fronts
 
-  !> Copy the pattern and allocate room for its values.
+  !> Copy the pattern and allocate room for its values. With several ranks it is that of the entries
+  !! of this rank; only the first one gives an order.
   subroutine give_pattern(m, neq, row, col, order, error)
     type(mumps_t), intent(inout) :: m
     integer, intent(in) :: neq
@@ -152,9 +154,15 @@ contains
     integer :: stat
 
     m%neq = neq
-    if (associated(m%s)) then
+    if (associated(m%s) .and. rank_count() > 1) then
+      call copy(m%s%n, m%s%nnz_loc, m%s%irn_loc, m%s%jcn_loc, m%s%perm_in)
+      if (stat == 0) allocate (m%s%a_loc(size(row)), stat=stat)
+    else if (associated(m%s)) then
       call copy(m%s%n, m%s%nnz, m%s%irn, m%s%jcn, m%s%perm_in)
       if (stat == 0) allocate (m%s%a(size(row)), stat=stat)
+    else if (rank_count() > 1) then
+      call copy(m%d%n, m%d%nnz_loc, m%d%irn_loc, m%d%jcn_loc, m%d%perm_in)
+      if (stat == 0) allocate (m%d%a_loc(size(row)), stat=stat)
     else
       call copy(m%d%n, m%d%nnz, m%d%irn, m%d%jcn, m%d%perm_in)
       if (stat == 0) allocate (m%d%a(size(row)), stat=stat)
@@ -188,10 +196,12 @@ contains
     real(wp), intent(in) :: values(:) !! (nnz)
 
     if (associated(m%s)) then
-      m%scale = power_of_two(maxval(abs(values)))
-      m%s%a = real(values/m%scale, sp)
+      m%scale = power_of_two(largest(maxval(abs(values))))
+      if (associated(m%s%a)) m%s%a = real(values/m%scale, sp)
+      if (associated(m%s%a_loc)) m%s%a_loc = real(values/m%scale, sp)
     else
-      m%d%a = values
+      if (associated(m%d%a)) m%d%a = values
+      if (associated(m%d%a_loc)) m%d%a_loc = values
     end if
   end subroutine give_values
 
@@ -312,12 +322,16 @@ contains
 
     if (associated(m%d)) then
       call drop_pattern(m%d%irn, m%d%jcn, m%d%perm_in)
+      call drop_pattern(m%d%irn_loc, m%d%jcn_loc, m%d%perm_in)
       if (associated(m%d%a)) deallocate (m%d%a)
+      if (associated(m%d%a_loc)) deallocate (m%d%a_loc)
       call run(m, FINISH_JOB, ignored)
       deallocate (m%d)
     else if (associated(m%s)) then
       call drop_pattern(m%s%irn, m%s%jcn, m%s%perm_in)
+      call drop_pattern(m%s%irn_loc, m%s%jcn_loc, m%s%perm_in)
       if (associated(m%s%a)) deallocate (m%s%a)
+      if (associated(m%s%a_loc)) deallocate (m%s%a_loc)
       call run(m, FINISH_JOB, ignored)
       deallocate (m%s)
     end if

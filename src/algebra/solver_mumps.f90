@@ -5,6 +5,7 @@
 module solver_mumps
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_agreement, only: agree
+  use base_comm, only: largest
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
   use base_kinds, only: wp
   use mumps_instance, only: mumps_t, start, runs, give_options, give_pattern, give_values, &
@@ -108,7 +109,7 @@ contains
       call fail(error, BUG, 'factorise was called before analyse')
       return
     end if
-    if (.not. all(ieee_is_finite(values))) then
+    if (largest(merge(0, 1, all(ieee_is_finite(values)))) > 0) then
       call fail(error, NO_SOLUTION, 'the tangent contains a number that is not finite')
       return
     end if

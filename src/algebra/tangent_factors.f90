@@ -9,6 +9,7 @@ module tangent_factors
   use base_system, only: available_memory_mb, return_memory, seconds_of_both
   use base_text, only: to_text
   use csr, only: block_matrix_t
+  use csr_whole, only: gather_pattern
   use csr_extract, only: entries_t, new_entries, gather
   use null_space, only: prove_regular
   use partition_metis, only: elimination_order
@@ -171,6 +172,7 @@ contains
     type(solver_mumps_t), allocatable :: mumps
     type(storage_t) :: way
     real(wp) :: start(2)
+    logical :: dense
 
     start = seconds_of_both()
     call drop(factors)
@@ -178,8 +180,9 @@ contains
     if (allocated(error)) return
     way = the_way(factors)
     associate (entries => factors%entries)
-      factors%exact = entries%neq <= SMALL .or. .not. (way%single .or. way%eps > 0.0_wp)
-      if (entries%neq <= SMALL) then
+      dense = entries%neq <= SMALL .and. .not. a%shared
+      factors%exact = dense .or. .not. (way%single .or. way%eps > 0.0_wp)
+      if (dense) then
         allocate (solver_dense_t :: factors%solver)
         factors%order = [integer ::]
       else
@@ -187,9 +190,7 @@ contains
         call new_solver_mumps(mumps, way%single, way%eps, on_disk=way%on_disk)
         call move_alloc(mumps, factors%solver)
         if (.not. allocated(factors%order)) then
-          factors%order = [integer ::] ! only the first rank needs it
-          if (is_root()) call elimination_order(a, factors%eq, factors%order, error)
-          call agree(error)
+          call find_order(a, factors%eq, factors%order, error)
           if (allocated(error)) return
         end if
       end if
@@ -201,6 +202,25 @@ contains
     factors%estimate_mb = factors%solver%info%estimate_mb
     factors%analysed = .true.
   end subroutine analyse_way
+
+  !> Find the order of elimination, which only the first rank needs; it is empty on the others.
+  subroutine find_order(a, eq, order, error)
+    type(block_matrix_t), intent(in) :: a
+    integer, intent(in) :: eq(:, :)
+    integer, allocatable, intent(out) :: order(:)
+    type(error_t), allocatable, intent(out) :: error
+    type(block_matrix_t) :: whole
+
+    if (.not. a%shared) then
+      call elimination_order(a, eq, order, error)
+      return
+    end if
+    call gather_pattern(a, whole, error)
+    if (allocated(error)) return
+    if (is_root()) call elimination_order(whole, eq, order, error)
+    if (.not. allocated(order)) order = [integer ::]
+    call agree(error)
+  end subroutine find_order
 
   !> Choose the precision of the first way after the analysis, which is repeated if it was for the
   !! other precision. If memory is too short for the first way, nothing changes.

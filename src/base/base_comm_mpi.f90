@@ -19,6 +19,10 @@ module base_comm
     module procedure share_integers, share_reals, share_text
   end interface share
 
+  interface largest
+    module procedure largest_integer, largest_real
+  end interface largest
+
   interface total
     module procedure total_scalar, total_matrix
   end interface total
@@ -102,17 +106,17 @@ contains
     call finish(code)
   end subroutine stop_comm
 
-  integer function rank_count()
+  pure integer function rank_count()
 
     rank_count = nrank
   end function rank_count
 
-  integer function this_rank()
+  pure integer function this_rank()
 
     this_rank = rank0 + 1
   end function this_rank
 
-  logical function is_root()
+  pure logical function is_root()
 
     is_root = rank0 == 0
   end function is_root
@@ -122,17 +126,24 @@ contains
     communicator = mpi_comm_world%mpi_val
   end function communicator
 
-  integer function ranks_here()
+  pure integer function ranks_here()
 
     ranks_here = nhere
   end function ranks_here
 
-  integer function largest(i)
+  integer function largest_integer(i) result(largest)
     integer, intent(in) :: i
 
     largest = i
     if (nrank > 1) call mpi_allreduce(i, largest, 1, mpi_integer, mpi_max, mpi_comm_world)
-  end function largest
+  end function largest_integer
+
+  real(wp) function largest_real(x) result(largest)
+    real(wp), intent(in) :: x
+
+    largest = x
+    if (nrank > 1) call mpi_allreduce(x, largest, 1, mpi_double_precision, mpi_max, mpi_comm_world)
+  end function largest_real
 
   subroutine total_scalar(x)
     real(wp), intent(inout) :: x

@@ -16,6 +16,11 @@ module base_comm
     module procedure share_integers, share_reals, share_text
   end interface share
 
+  !> The largest of the numbers that the ranks have.
+  interface largest
+    module procedure largest_integer, largest_real
+  end interface largest
+
   !> total(x) adds the values of all ranks in the order of the ranks, so that the sum does not
   !! depend on which rank is faster.
   interface total
@@ -38,19 +43,19 @@ contains
   end subroutine stop_comm
 
   !> Number of ranks.
-  integer function rank_count()
+  pure integer function rank_count()
 
     rank_count = 1
   end function rank_count
 
   !> Number of this rank, from 1.
-  integer function this_rank()
+  pure integer function this_rank()
 
     this_rank = 1
   end function this_rank
 
   !> Is this the first rank, which writes all files and the screen?
-  logical function is_root()
+  pure logical function is_root()
 
     is_root = .true.
   end function is_root
@@ -62,17 +67,22 @@ contains
   end function communicator
 
   !> Number of ranks on the machine of this one, which share its memory.
-  integer function ranks_here()
+  pure integer function ranks_here()
 
     ranks_here = 1
   end function ranks_here
 
-  !> The largest of the numbers that the ranks have.
-  integer function largest(i)
+  integer function largest_integer(i) result(largest)
     integer, intent(in) :: i
 
     largest = i
-  end function largest
+  end function largest_integer
+
+  real(wp) function largest_real(x) result(largest)
+    real(wp), intent(in) :: x
+
+    largest = x
+  end function largest_real
 
   subroutine total_scalar(x)
     real(wp), intent(inout) :: x

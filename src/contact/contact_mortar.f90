@@ -18,6 +18,7 @@
 !! element: the sliding point of the new point is its projection at the start of the step, moved
 !! back by this elastic slip.
 module contact_mortar
+  use base_comm, only: is_root, rank_count, this_rank
   use base_kinds, only: wp
   use contact_active, only: pairs_t, need_pair
   use contact_cells, only: cells_t, cut_cells
@@ -421,19 +422,21 @@ contains
     real(wp), intent(inout) :: f(:, :)        !! (3, nnode) internal forces [F]
     real(wp), intent(inout) :: rounding, largest !! see sweep_t
     integer :: e
+    logical :: owned                          ! this rank adds the tangent of the element
 
     associate (own => contact%side(k), cells => mortar%side(k)%cells)
       do e = 1, own%nelem
         if (cells%first(e) == cells%first(e + 1)) cycle
+        owned = mod(e, rank_count()) + 1 == this_rank()
         call form_cells(contact, k, e, x, merge(dt, -1.0_wp, mortar%fresh), mortar%slides, &
-                        tangent, mortar%side(k), mortar%kernel, work)
+                        tangent .and. owned, mortar%side(k), mortar%kernel, work)
         if (work%npartner == 0) cycle
-        call scatter_element(contact, k, e, work, pairs, x, u, tangent, state, a, f, rounding, &
-                             largest)
+        call scatter_element(contact, k, e, work, pairs, x, u, tangent .and. owned, state, a, f, &
+                             rounding, largest)
       end do
     end associate
     mortar%fresh = .false.
-    if (.not. (contact%control_penalty > 0.0_wp .and. tangent)) return
+    if (.not. (contact%control_penalty > 0.0_wp .and. tangent .and. is_root())) return
     call add_control_tangent(mortar%side(k), contact, k, x, a)
   end subroutine add_mortar
 

@@ -6,7 +6,7 @@
 !! v.
 module anchors
   use base_kinds, only: wp
-  use csr, only: block_matrix_t, block_position
+  use csr, only: block_matrix_t, diagonal_block
   use rigid_modes, only: free_body_t, rigid_motion
   implicit none
   private
@@ -147,10 +147,10 @@ contains
   pure real(wp) function node_stiffness(k, n) result(stiffness)
     type(block_matrix_t), intent(in) :: k
     integer, intent(in) :: n
-    integer :: p
+    real(wp) :: block(3, 3)
 
-    p = block_position(k, n, n)
-    stiffness = abs(k%val(1, 1, p) + k%val(2, 2, p) + k%val(3, 3, p))/3.0_wp
+    block = diagonal_block(k, n)
+    stiffness = abs(block(1, 1) + block(2, 2) + block(3, 3))/3.0_wp
   end function node_stiffness
 
 end module anchors

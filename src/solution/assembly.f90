@@ -1,14 +1,20 @@
 !> Assembly: internal and external forces, and the tangent of the whole model.
+!!
+!! Each rank forms a part of the elements of each block. Their forces are given to all ranks, which
+!! add them in the order of the elements, so that the residual has the same bits on any number of
+!! ranks. Their matrices stay on the rank: the tangent is the sum of those of all ranks.
 module assembly
   use anchors, only: anchors_t, anchor_force
+  use base_agreement, only: agree
+  use base_comm, only: gather_blocks, rank_count, this_rank
   use base_error, only: error_t
-  use base_kinds, only: wp
+  use base_kinds, only: wp, i8
   use base_system, only: seconds_of_both
   use constraint, only: follow, fold_force
   use contact_assembly, only: contact_work_t, new_contact_work, find_contact, contact_cliques, &
                               map_contact, add_contact, CLIQUES
   use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, &
-                 set_zero
+                 set_zero, sum_diagonal
   use csr_fold, only: fold_t, tied_cliques, new_fold, fold_matrix
   use dynamics_type, only: HHT
   use element_type, only: form_report_t, NB
@@ -21,7 +27,10 @@ module assembly
   public :: assembler_t, sweep_t, new_assembler, form, free_part, full_vector
 
   type :: assembler_t
-    type(block_matrix_t) :: k
+    type(block_matrix_t) :: k            !! of this rank
+    !> (rank_count() + 1, nblock) rank r forms elements first(r) + 1 to first(r + 1) of a block.
+    integer, allocatable :: first(:, :)
+    integer :: rank = 1                  !! number of this rank
     logical :: new_pattern = .false.   !! the pattern of k changed and has not been analysed since
     type(contact_work_t), allocatable :: contact(:)
     type(map_t), allocatable :: map(:)
@@ -56,10 +65,36 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call new_contact_work(model, asm%contact)
+    call divide_elements(model, asm%first)
+    asm%rank = this_rank()
     allocate (asm%f_int(3, model%mesh%nnode), asm%f_ext(3, model%mesh%nnode))
     allocate (asm%f_inert(3, model%mesh%nnode), asm%f_contact(3, model%mesh%nnode), source=0.0_wp)
     call set_pattern(asm, model, symmetric, 0, error)
   end subroutine new_assembler
+
+  !> Divide the elements of each block into equal parts of whole batches, one for each rank.
+  subroutine divide_elements(model, first)
+    type(model_t), intent(in) :: model
+    integer, allocatable, intent(out) :: first(:, :)
+    integer(i8) :: nbatch
+    integer :: b, nelem, r
+
+    allocate (first(rank_count() + 1, size(model%mesh%block)))
+    do b = 1, size(first, 2)
+      nelem = merge(0, model%mesh%block(b)%nelem, is_rigid(model%mesh%block(b)))
+      nbatch = (nelem + NB - 1)/NB
+      first(:, b) = [(min(nelem, NB*int(nbatch*r/rank_count())), r=0, rank_count())]
+    end do
+  end subroutine divide_elements
+
+  !> The first and the last element of a block that this rank forms.
+  pure function own_elements(asm, b) result(range)
+    type(assembler_t), intent(in) :: asm
+    integer, intent(in) :: b
+    integer :: range(2)
+
+    range = [asm%first(asm%rank, b) + 1, asm%first(asm%rank + 1, b)]
+  end function own_elements
 
   !> Pattern of the elements and of the active contact pairs of a step.
   subroutine set_pattern(asm, model, symmetric, step, error)
@@ -69,29 +104,44 @@ contains
     integer, intent(in) :: step
     type(error_t), allocatable, intent(out) :: error
     type(clique_t), allocatable :: clique(:)
-    integer :: b, n, nblock
+    integer :: b, n, nblock, own(2)
 
     nblock = size(model%mesh%block)
-    allocate (clique(nblock + CLIQUES*size(asm%contact) + 1))
+    allocate (clique(nblock + CLIQUES*size(asm%contact) + 2))
     do b = 1, nblock
-      n = merge(0, model%mesh%block(b)%nelem, is_rigid(model%mesh%block(b)))
-      clique(b)%conn = model%mesh%block(b)%conn(:, :n)
+      own = own_elements(asm, b)
+      clique(b)%conn = model%mesh%block(b)%conn(:, own(1):own(2))
     end do
     n = size(clique) - 1
-    call contact_cliques(asm%contact, model, step, clique(nblock + 1:n))
+    call contact_cliques(asm%contact, model, step, clique(nblock + 1:n - 1))
+    associate (list => model%mesh%constraint) ! slaves are moved although no own element has them
+      if (rank_count() > 1 .and. list%n > 0) then
+        clique(n)%conn = reshape(list%slave(:list%n), [1, list%n])
+      else
+        allocate (clique(n)%conn(1, 0))
+      end if
+    end associate
     call tied_cliques(model%mesh%constraint, model%mesh%nnode, clique(:n), clique(n + 1))
     call new_pattern(asm%k, model%mesh%nnode, clique, symmetric, error)
+    call agree(error)
     if (allocated(error)) return
+    asm%k%shared = rank_count() > 1
     if (.not. allocated(asm%map)) allocate (asm%map(nblock))
     do b = 1, nblock
       if (is_rigid(model%mesh%block(b))) cycle
       n = model%mesh%block(b)%nen
-      if (.not. allocated(asm%map(b)%at)) allocate (asm%map(b)%at(n, n, model%mesh%block(b)%nelem))
-      call element_map(asm%k, model%mesh%block(b)%conn, asm%map(b)%at, error)
+      if (.not. allocated(asm%map(b)%at)) then
+        allocate (asm%map(b)%at(n, n, model%mesh%block(b)%nelem), source=0)
+      end if
+      own = own_elements(asm, b)
+      call element_map(asm%k, model%mesh%block(b)%conn(:, own(1):own(2)), &
+                       asm%map(b)%at(:, :, own(1):own(2)), error)
+      call agree(error)
       if (allocated(error)) return
     end do
     call map_contact(asm%contact, model, asm%k)
     call new_fold(model%mesh%constraint, asm%k, asm%fold, error)
+    call agree(error)
     asm%new_pattern = .true.
   end subroutine set_pattern
 
@@ -143,6 +193,7 @@ contains
       call fold_force(model%mesh%constraint, asm%f_ext)
       call fold_matrix(asm%fold, asm%k)
       call anchor_force(asm%anchors, state%u - state%u_step, asm%f_int)
+      call sum_diagonal(asm%k)
     end if
     asm%seconds = asm%seconds + seconds_of_both() - start
   end subroutine form
@@ -186,26 +237,34 @@ contains
     type(state_t), intent(inout) :: state
     integer, intent(in) :: b
     type(sweep_t), intent(inout) :: sweep
-    real(wp), allocatable :: xr(:, :), u(:, :), du(:, :), r(:, :), k(:, :)
+    real(wp), allocatable :: xr(:, :), u(:, :), du(:, :), r(:, :), k(:, :), found(:, :)
     type(form_report_t) :: report
-    integer :: e, nen
+    integer :: e, nen, own(2)
 
+    own = own_elements(asm, b)
     associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material), &
                h => state%history(b))
       nen = block%nen
       allocate (xr(3, nen), u(3, nen), du(3, nen), r(3, nen), k(3*nen, 3*nen))
-      do e = 1, block%nelem
+      call make_room(asm, block%nelem, nen, found)
+      do e = own(1), own(2)
         xr = model%mesh%xr(:, block%conn(:, e))
         u = state%u(:, block%conn(:, e))
         du = u - state%u_base(:, block%conn(:, e))
         call block%row%form(block%basis(block%ibasis(e)), mat%row, mat%prop, xr, u, du, &
                             state%scale, h%iter(:, e), h%trial(:, e), r, k, report)
-        call note(sweep, report, b, e, r, u)
-        if (.not. sweep%ok) return
-        call scatter_force(block%conn(:, e), r, asm%f_int)
+        if (asm%k%shared) then
+          if (.not. report%ok) exit
+          found(:, e) = packed(report, r)
+        else
+          call note(sweep, report, b, e, r, u)
+          if (.not. sweep%ok) return
+          call scatter_force(block%conn(:, e), r, asm%f_int)
+        end if
         call add_element(asm%k, asm%map(b)%at(:, :, e), k)
       end do
     end associate
+    if (asm%k%shared) call add_found(asm, model, state, b, found, sweep)
   end subroutine form_elements
 
   !> Form one block, NB elements at a time; the last batch repeats its last element.
@@ -216,17 +275,19 @@ contains
     integer, intent(in) :: b
     type(sweep_t), intent(inout) :: sweep
     real(wp), allocatable :: xr(:, :, :), u(:, :, :), du(:, :, :), r(:, :, :), k(:, :, :, :, :)
-    real(wp), allocatable :: h_old(:, :), h_new(:, :)
+    real(wp), allocatable :: h_old(:, :), h_new(:, :), found(:, :)
     type(form_report_t) :: report(NB)
-    integer :: e, e0, i, lane, n, nen
+    integer :: e, e0, i, lane, n, nen, own(2)
 
+    own = own_elements(asm, b)
     associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material), &
                h => state%history(b))
       nen = block%nen
       allocate (xr(NB, 3, nen), u(NB, 3, nen), du(NB, 3, nen), r(NB, 3, nen), k(NB, 3, 3, nen, nen))
       allocate (h_old(size(h%iter, 1), NB), h_new(size(h%iter, 1), NB))
-      do e0 = 0, block%nelem - 1, NB
-        n = min(NB, block%nelem - e0)
+      call make_room(asm, block%nelem, nen, found)
+      batches: do e0 = own(1) - 1, own(2) - 1, NB
+        n = min(NB, own(2) - e0)
         do lane = 1, NB
           e = e0 + min(lane, n)
           do i = 1, nen
@@ -240,15 +301,72 @@ contains
                                   h_old, h_new, r, k, report)
         do lane = 1, n
           e = e0 + lane
+          if (asm%k%shared) then
+            if (.not. report(lane)%ok) exit batches
+            found(:, e) = packed(report(lane), r(lane, :, :))
+            h%trial(:, e) = h_new(:, lane)
+            cycle
+          end if
           call note(sweep, report(lane), b, e, r(lane, :, :), u(lane, :, :))
           if (.not. sweep%ok) return
           h%trial(:, e) = h_new(:, lane)
           call scatter_force(block%conn(:, e), r(lane, :, :), asm%f_int)
         end do
         call add_batch(asm%k, asm%map(b)%at(:, :, e0 + 1:e0 + n), k)
-      end do
+      end do batches
     end associate
+    if (asm%k%shared) call add_found(asm, model, state, b, found, sweep)
   end subroutine form_batches
+
+  !> Room for what ranks tell each other about their elements. Elements that are not formed, since
+  !! one before them failed, count as failed.
+  subroutine make_room(asm, nelem, nen, found)
+    type(assembler_t), intent(in) :: asm
+    integer, intent(in) :: nelem, nen
+    real(wp), allocatable, intent(out) :: found(:, :) !! (3*nen + 3, nelem), see packed
+
+    if (asm%k%shared) allocate (found(3*nen + 3, nelem), source=0.0_wp)
+  end subroutine make_room
+
+  !> The forces of an element, whether it was formed, and its report.
+  pure function packed(report, r) result(list)
+    type(form_report_t), intent(in) :: report
+    real(wp), intent(in) :: r(:, :)
+    real(wp) :: list(size(r) + 3)
+
+    list = [reshape(r, [size(r)]), 1.0_wp, real(report%negative, wp), report%enhanced]
+  end function packed
+
+  !> Give all ranks what each has found, and add it as form_elements does on one rank. All ranks get
+  !! the history of all elements.
+  subroutine add_found(asm, model, state, b, found, sweep)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    integer, intent(in) :: b
+    real(wp), intent(inout), contiguous :: found(:, :)
+    type(sweep_t), intent(inout) :: sweep
+    type(form_report_t) :: report
+    real(wp) :: r(3, model%mesh%block(b)%nen)
+    integer :: e, n
+
+    call gather_blocks(found, asm%first(:, b))
+    if (size(state%history(b)%trial, 1) > 0) then
+      call gather_blocks(state%history(b)%trial, asm%first(:, b))
+    end if
+    n = size(r)
+    do e = 1, size(found, 2)
+      report%ok = found(n + 1, e) > 0.0_wp
+      report%negative = nint(found(n + 2, e))
+      report%enhanced = found(n + 3, e)
+      r = reshape(found(:n, e), shape(r))
+      associate (node => model%mesh%block(b)%conn(:, e))
+        call note(sweep, report, b, e, r, state%u(:, node))
+        if (.not. sweep%ok) return
+        call scatter_force(node, r, asm%f_int)
+      end associate
+    end do
+  end subroutine add_found
 
   !> Add the report of an element.
   pure subroutine note(sweep, report, b, e, r, u)

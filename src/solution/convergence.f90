@@ -8,7 +8,7 @@
 module convergence
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
-  use csr, only: block_matrix_t, block_position
+  use csr, only: block_matrix_t, diagonal_block
   use mesh, only: mesh_t
   use model, only: model_t
   use newton_type, only: newton_t, pass_t, floor_t
@@ -156,16 +156,15 @@ contains
     real(wp), intent(in) :: spacing(:)   !! (nnode) [L]
     real(wp), intent(in) :: u(:, :)      !! (3, nnode) [L]
     type(floor_t) :: floor
-    real(wp) :: length
-    integer :: i, n, p
+    real(wp) :: block(3, 3), length
+    integer :: i, n
 
     do n = 1, k%nnode
-      p = block_position(k, n, n)
-      if (p == 0) cycle
+      block = diagonal_block(k, n)
       length = norm2(u(:, n)) + spacing(n)
       do i = 1, 3
-        floor%force = max(floor%force, FLOOR_OF_FORCE*abs(k%val(i, i, p))*length)
-        floor%energy = floor%energy + abs(k%val(i, i, p))*(FLOOR_OF_MOTION*length)**2
+        floor%force = max(floor%force, FLOOR_OF_FORCE*abs(block(i, i))*length)
+        floor%energy = floor%energy + abs(block(i, i))*(FLOOR_OF_MOTION*length)**2
       end do
     end do
   end function find_floor

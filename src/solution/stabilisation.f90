@@ -20,6 +20,7 @@
 module stabilisation
   use anchors, only: anchors_t, find_load, node_stiffness, rigid_field
   use base_kinds, only: wp
+  use base_comm, only: is_root
   use csr, only: block_matrix_t, block_position, multiply
   use lapack, only: dsyev
   use model, only: model_t, state_t
@@ -325,6 +326,7 @@ contains
         p = block_position(k, hold%body(b)%node(j), hold%body(b)%node(j))
         m = m + 1
         hold%kept(:, :, m) = k%val(:, :, p)
+        if (.not. is_root()) cycle ! ranks add their matrices
         do i = 1, 3
           k%val(i, i, p) = k%val(i, i, p) + SPRING*node_stiffness(k, hold%body(b)%node(j))
         end do
