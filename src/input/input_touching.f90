@@ -186,7 +186,7 @@ contains
     skin%rigid = is_rigid(mesh%block(block))
     skin%width = maxval(skin%shape%high - skin%shape%low, dim=1)
     call find_depths(mesh, skin)
-    call mark_sides(contact, skin)
+    call mark_sides(mesh, contact, skin)
     call fill_buckets(skin)
   end subroutine make_skin
 
@@ -213,30 +213,37 @@ contains
   end subroutine find_depths
 
   !> Mark the faces on the two sides of each contact.
-  subroutine mark_sides(contact, skin)
+  subroutine mark_sides(mesh, contact, skin)
+    type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
     type(skin_t), intent(inout) :: skin
-    integer, allocatable :: at(:, :, :) ! (6, nelem, nblock) number of each face
-    integer :: c, e, k, f
+    integer, allocatable :: at(:, :)  ! (6, elements of all blocks) number of each face; 0: inner
+    integer :: before(size(mesh%block)) ! elements of the blocks before
+    integer :: b, c, e, f, k, n
 
+    n = 0
+    do b = 1, size(mesh%block)
+      before(b) = n
+      n = n + mesh%block(b)%nelem
+    end do
     associate (s => skin%surface)
       allocate (skin%side(s%nelem, size(contact)), source=0)
       if (size(contact) == 0) return
-      allocate (at(maxval(s%face), maxval(s%elem), maxval(s%block)), source=0)
+      allocate (at(6, n), source=0)
       do e = 1, s%nelem
-        at(s%face(e), s%elem(e), s%block(e)) = e
-      end do
-      do c = 1, size(contact)
-        do k = 1, 2
-          do f = 1, contact(c)%side(k)%nelem
-            associate (side => contact(c)%side(k))
-              e = at(side%face(f), side%elem(f), side%block(f))
-            end associate
-            if (e > 0) skin%side(e, c) = ibset(skin%side(e, c), k - 1)
-          end do
-        end do
+        at(s%face(e), before(s%block(e)) + s%elem(e)) = e
       end do
     end associate
+    do c = 1, size(contact)
+      do k = 1, 2
+        associate (side => contact(c)%side(k))
+          do f = 1, side%nelem
+            e = at(side%face(f), before(side%block(f)) + side%elem(f))
+            if (e > 0) skin%side(e, c) = ibset(skin%side(e, c), k - 1)
+          end do
+        end associate
+      end do
+    end do
   end subroutine mark_sides
 
   !> Sort the faces into buckets that are about as wide as a face; a face is in each bucket that its
