@@ -6,6 +6,7 @@ module contact_assembly
   use contact_active, only: pairs_t, new_pairs, need_pair, forget_need, has_idle, prune_pairs, &
                             pair_clique, map_pairs, project_side, follow_silent
   use contact_bond, only: needs_projection
+  use contact_corners, only: deepest_corner
   use contact_element, only: form_element
   use contact_energy, only: measure_energy
   use contact_history, only: side_positions, mark_beside, BESIDE, accept_slides, enter_slide
@@ -359,6 +360,8 @@ contains
           call mark_beside(work(c)%feet(k)%at, BESIDE*contact%depth, point(k))
           call accept_slides(contact%side(k), contact%side(3 - k), work(c)%shape(3 - k), x, &
                              work(c)%feet(k)%at, point(k))
+          state%contact(c)%penetration(k) = deepest_corner(contact, k, work(c)%shape, &
+                                                           work(c)%grid(3 - k), point(k))
         end do
       end associate
     end do

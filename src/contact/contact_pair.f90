@@ -207,7 +207,7 @@ module contact_pair
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
     real(wp) :: force_step(3, 2) = 0.0_wp, moment_step(3, 2) = 0.0_wp !! at the start of the step
     !> MORTAR: of each side that is integrated, current area in contact and those parts of it that
-    !! stick and slip [L^2], largest penetration [L].
+    !! stick and slip [L^2]. Largest penetration of its corners and, with MORTAR, its points [L].
     real(wp) :: area(2) = 0.0_wp, sticks(2) = 0.0_wp, slips(2) = 0.0_wp, penetration(2) = 0.0_wp
     logical :: depth_warned = .false.        !! the warning of points deeper than `depth` was issued
     !> Of all steps: largest |F1 + F2| relative to the larger force, and largest penetration

@@ -84,11 +84,9 @@ contains
         deepest = 0.0_wp
         do k = 1, 2
           if (.not. is_integrated(contact, k)) cycle
-          if (contact%scheme == MORTAR) then
-            deepest = max(deepest, now%penetration(k)/smallest(contact))
-          else
-            deepest = max(deepest, deepest_point(contact, k, now%side(k)))
-          end if
+          deepest = max(deepest, now%penetration(k)/smallest(contact))
+          if (contact%scheme == MORTAR) cycle
+          deepest = max(deepest, deepest_point(contact, k, now%side(k)))
         end do
         now%deepest = max(now%deepest, deepest)
         if (now%balance > UNBALANCED .and. .not. now%balance_warned) then

@@ -30,7 +30,7 @@ module contact_resultant
     real(wp) :: force_size = 0.0_wp      !! int |t| da [F]
     real(wp) :: moment_size = 0.0_wp     !! int |(x - about) x t| da [F L]
     real(wp) :: area = 0.0_wp            !! current area in contact [L^2]
-    real(wp) :: penetration = 0.0_wp     !! largest penetration of the points in contact [L]
+    real(wp) :: penetration = 0.0_wp     !! largest penetration of its points and corners [L]
     integer :: npoint = 0, nclosed = 0   !! points, and how many of them are in contact
     integer :: nstick = 0, nslip = 0
     !> The total of which `stick` and `slip` are parts: the points in contact, or the area in
@@ -51,11 +51,12 @@ contains
 
     call find_resultant(model%contact(c), k, state%contact(c)%side, model%mesh%xr + state%u, &
                         about, total)
+    own = merge(k, 3 - k, is_integrated(model%contact(c), k))
+    total%penetration = max(total%penetration, state%contact(c)%penetration(own))
     if (model%contact(c)%scheme /= MORTAR) return
     associate (contact => state%contact(c))
       total%force = contact%force(:, k)
       total%moment = contact%moment(:, k) - cross(about, contact%force(:, k))
-      own = merge(k, 3 - k, is_integrated(model%contact(c), k))
       total%area = contact%area(own)
       total%penetration = contact%penetration(own)
       total%stick = contact%sticks(own)

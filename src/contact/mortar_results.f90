@@ -2,6 +2,7 @@
 module mortar_results
   use base_kinds, only: wp
   use contact_cells, only: cells_t
+  use contact_corners, only: deepest_corner, CORNER_XI
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, friction_points_t, &
                           surface_t
   use contact_point, only: traction_derivatives_t, vary_normal
@@ -39,6 +40,12 @@ contains
 
     call keep_friction(mortar%side(k), contact, state%side(k)%dt, state%rubbed(k), state%dissipated)
     call measure_cells(mortar, contact, k, shape(k), state)
+    if (contact%self) then
+      p = deepest_own_corner(mortar, contact, shape(k))
+    else
+      p = deepest_corner(contact, k, shape, grid(3 - k), state%side(k))
+    end if
+    state%penetration(k) = max(state%penetration(k), p)
     state%pressed(k) = pressed_energy(contact, k, mortar%side(k), state%control(k))
     associate (own => contact%side(k), side => mortar%side(k), points => state%side(k))
       points%traction = 0.0_wp
@@ -219,6 +226,25 @@ contains
     foot%elem = cells%faced(i)
     foot%xi = cells%faced_xi(:, i)
   end subroutine find_faced
+
+  !> Largest penetration of corners of elements in self-contact [L].
+  pure real(wp) function deepest_own_corner(mortar, contact, shape) result(deepest)
+    type(mortar_t), intent(in) :: mortar
+    type(contact_t), intent(in) :: contact
+    type(shape_t), intent(in) :: shape
+    type(foot_t) :: foot
+    integer :: e, i
+
+    deepest = 0.0_wp
+    do e = 1, contact%side(1)%nelem
+      do i = 1, 4
+        call find_faced(mortar%side(1)%cells, e, CORNER_XI(:, i), foot)
+        if (foot%elem == 0) exit
+        call project_on_itself(contact, shape, mortar%reference(1), e, CORNER_XI(:, i), foot)
+        if (touches(foot, contact%depth)) deepest = max(deepest, -foot%gap)
+      end do
+    end do
+  end function deepest_own_corner
 
   !> Add up the area of side k in contact and its parts that stick and slip, and find the largest
   !! penetration. Pressures of control points extend over whole elements. Therefore a point counts

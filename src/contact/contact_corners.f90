@@ -1,0 +1,59 @@
+!> The largest penetration of the corners of surface elements.
+!!
+!! Integration points lie inside the elements. Where a body stands on an edge or on a corner, or
+!! where two edges cross, the corners of the elements penetrate much deeper than any point at which
+!! contact acts. Results and warnings of the penetration therefore include the corners.
+module contact_corners
+  use base_kinds, only: wp
+  use contact_pair, only: contact_t, contact_points_t
+  use projection, only: project
+  use projection_search, only: grid_t
+  use projection_type, only: foot_t, shape_t, touches
+  use surface_geometry, only: surface_point
+  use tensor, only: cross
+  implicit none
+  private
+  public :: deepest_corner, CORNER_XI
+
+  !> Parameters of the corners of an element, in their order.
+  real(wp), parameter :: CORNER_XI(2, 4) = reshape([-1, -1, 1, -1, -1, 1, 1, 1]*1.0_wp, [2, 4])
+
+contains
+
+  !> Largest penetration of the corners of side k into the other side [L]. A corner counts if one of
+  !! its elements faces the surface onto which it is projected. Corners of bonded elements are left
+  !! out, as bonded points are.
+  pure real(wp) function deepest_corner(contact, k, shape, grid, points) result(deepest)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(shape_t), intent(in) :: shape(2)
+    type(grid_t), intent(in) :: grid           !! of the other side
+    type(contact_points_t), intent(in) :: points
+    type(foot_t) :: foot
+    real(wp) :: x(3), a(3, 2), b(3, 3)
+    integer :: i, j, q, v
+    logical :: faces
+
+    deepest = 0.0_wp
+    associate (own => contact%side(k))
+      do v = 1, size(own%ring_first) - 1
+        faces = .false.
+        do j = own%ring_first(v), own%ring_first(v + 1) - 1
+          i = (own%ring_elem(j) - 1)*contact%nq
+          if (any([(points%bond(i + q) > 0, q=1, contact%nq)])) exit
+          call surface_point(own, shape(k), own%ring_elem(j), CORNER_XI(:, own%ring_corner(j)), x, &
+                             a, b)
+          if (j == own%ring_first(v)) then
+            foot%elem = 0
+            call project(contact%side(3 - k), shape(3 - k), grid, x, foot, contact%depth)
+            if (.not. touches(foot, contact%depth)) exit
+            if (.not. -foot%gap > deepest) exit
+          end if
+          faces = faces .or. dot_product(cross(a(:, 1), a(:, 2)), foot%n) < 0.0_wp
+        end do
+        if (j == own%ring_first(v + 1) .and. faces) deepest = -foot%gap
+      end do
+    end associate
+  end function deepest_corner
+
+end module contact_corners
