@@ -52,7 +52,43 @@ contains
     do n = 1, mesh%nnode
       new(n) = new(new(n)) ! numbers only decrease, so the target is final
     end do
+    if (all(abs(draft%tie%tolerance) <= 0.0_wp)) call warn_distant(draft, mesh, new)
   end subroutine find_tied
+
+  !> Warn if the default tolerance, a fraction of the whole mesh, joins nodes across a gap that is
+  !! visible beside their elements.
+  subroutine warn_distant(draft, mesh, new)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: new(:)          !! (nnode)
+    real(wp), parameter :: VISIBLE = 0.05_wp !! distance of the nodes over that in an element
+    real(wp) :: distance(mesh%nnode), edge(mesh%nnode), length
+    integer :: a, b, e, i, n, worst
+
+    distance = [(norm2(mesh%xr(:, n) - mesh%xr(:, new(n))), n=1, mesh%nnode)]
+    if (.not. any(distance > 0.0_wp)) return
+    edge = huge(edge) ! shortest distance to another node of an element
+    do b = 1, size(mesh%block)
+      do i = 1, mesh%block(b)%nelem
+        associate (node => mesh%block(b)%conn(:, i))
+          do e = 2, size(node)
+            do a = 1, e - 1
+              length = norm2(mesh%xr(:, node(a)) - mesh%xr(:, node(e)))
+              if (.not. length > 0.0_wp) cycle ! a collapsed element
+              edge(node(a)) = min(edge(node(a)), length)
+              edge(node(e)) = min(edge(node(e)), length)
+            end do
+          end do
+        end associate
+      end do
+    end do
+    worst = maxloc(distance/min(edge, edge(new)), 1)
+    if (.not. distance(worst) > VISIBLE*min(edge(worst), edge(new(worst)))) return
+    call warn('TIE joins nodes that are '//to_text(distance(worst), 3) &
+              //' apart in elements of size '//to_text(min(edge(worst), edge(new(worst))), 3), draft%tie(1)%place, &
+              'the default tolerance is a fraction of the whole mesh; give a smaller one: ' &
+              //'TIE,,,,tolerance')
+  end subroutine warn_distant
 
   !> Replace tied nodes in elements, constraints and bodies, and set `used` of the mesh again.
   subroutine tie_nodes(new, mesh)
