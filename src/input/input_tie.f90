@@ -85,9 +85,9 @@ contains
     worst = maxloc(distance/min(edge, edge(new)), 1)
     if (.not. distance(worst) > VISIBLE*min(edge(worst), edge(new(worst)))) return
     call warn('TIE joins nodes that are '//to_text(distance(worst), 3) &
-              //' apart in elements of size '//to_text(min(edge(worst), edge(new(worst))), 3), draft%tie(1)%place, &
-              'the default tolerance is a fraction of the whole mesh; give a smaller one: ' &
-              //'TIE,,,,tolerance')
+              //' apart in elements of size '//to_text(min(edge(worst), edge(new(worst))), 3), &
+              draft%tie(1)%place, 'the default tolerance is a fraction of the whole mesh; ' &
+              //'give a smaller one: TIE,,,,tolerance')
   end subroutine warn_distant
 
   !> Replace tied nodes in elements, constraints and bodies, and set `used` of the mesh again.
