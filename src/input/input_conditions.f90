@@ -135,7 +135,7 @@ contains
     if (any(on) .and. .not. allocated(r%surface)) then
       if (r%direction == 0) then
         call warn_far(mesh, r%at, findloc(on, .true., 1), r%place)
-      else if (r%gap < 0.0_wp) then
+      else
         call warn_layers(mesh, r%direction, on, plane_gap(mesh, r, active), r%place, &
                          'give a smaller distance with GAP')
       end if
@@ -358,19 +358,26 @@ contains
     if (r%word == R_EBOU .or. r%word == R_EPRO) gap = gap/sqrt(real(max(1, mesh%nnode), wp))
   end function plane_gap
 
-  !> Find the records that prescribe displacements at free dofs, for a warning, because a prescribed
-  !! displacement acts only at a restrained dof (FEAP). All restraints must have been set before.
+  !> Find the records that prescribe displacements at dofs without a restraint, for a warning,
+  !! because a prescribed displacement acts only at a restrained dof (FEAP). All restraints and
+  !! motions must have been set before.
   subroutine note_loose(draft, mesh, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(inout) :: bc
-    logical, allocatable :: loose(:, :), active(:), on(:)
+    logical, allocatable :: loose(:, :), held(:, :), active(:), on(:), moved(:)
     type(place_t), allocatable :: found(:)
     integer :: i, d, n
 
     loose = abs(bc%value) > 0.0_wp .and. bc%fixed == 0 .and. spread(mesh%used, 1, 3)
     if (.not. any(loose)) return
-    allocate (found(draft%ncondition + 1))
+    allocate (held(3, mesh%nnode), source=.false.)
+    do i = 1, size(bc%motion)
+      do d = 1, 3
+        if (bc%motion(i)%acts(d)) held(d, bc%motion(i)%node) = .true.
+      end do
+    end do
+    allocate (found(draft%ncondition + 1), moved(draft%ncondition + 1))
     n = 0
     call mark_active(draft, mesh, active)
     do i = 1, draft%ncondition
@@ -380,6 +387,11 @@ contains
         if (.not. any([(abs(r%value(d)) > 0.0_wp .and. any(on .and. loose(d, :)), d=1, 3)])) cycle
         n = n + 1
         found(n) = r%place
+        moved(n) = .false.
+        do d = 1, 3
+          if (abs(r%value(d)) > 0.0_wp) moved(n) = moved(n) .or. &
+                                                   any(on .and. loose(d, :) .and. held(d, :))
+        end do
         do d = 1, 3
           if (abs(r%value(d)) > 0.0_wp) loose(d, :) = loose(d, :) .and. .not. on
         end do
@@ -388,8 +400,10 @@ contains
     if (any(loose)) then
       n = n + 1
       found(n) = draft%nodes%disp
+      moved(n) = any(loose .and. held)
     end if
     bc%loose = found(:n)
+    bc%loose_moved = moved(:n)
   end subroutine note_loose
 
 end module input_conditions

@@ -59,6 +59,7 @@ module boundary
     !! integration
     type(load_number_t), allocatable :: number(:) !! load numbers of FPRO and EPRO, each once
     type(place_t), allocatable :: loose(:) !! records of displacements that have no restraint
+    logical, allocatable :: loose_moved(:) !! (size(loose)) MOVE holds dofs of this record
   end type boundary_t
 
 contains

@@ -93,15 +93,20 @@ contains
     end do
   end subroutine list_free_bodies
 
-  !> Warn of displacements prescribed at free dofs, which have no effect.
+  !> Warn of displacements prescribed at dofs without a restraint, where they have no effect.
   subroutine warn_loose(model)
     type(model_t), intent(in) :: model
     integer :: i
 
     if (.not. allocated(model%bc%loose)) return
     do i = 1, size(model%bc%loose)
-      call warn('a displacement is prescribed at a free dof, where it has no effect', &
-                model%bc%loose(i), hint='restrain it: BOUN, EBOU, CBOU or FIX')
+      if (model%bc%loose_moved(i)) then
+        call warn('a displacement is prescribed at a dof that MOVE holds, where it has no effect', &
+                  model%bc%loose(i), hint='add it to the motion of MOVE, or write FIX instead')
+      else
+        call warn('a displacement is prescribed at a free dof, where it has no effect', &
+                  model%bc%loose(i), hint='restrain it: BOUN, EBOU, CBOU or FIX')
+      end if
     end do
   end subroutine warn_loose
 
