@@ -9,7 +9,7 @@ module input_loads
   use tensor, only: det3
   implicit none
   private
-  public :: integrate_loads
+  public :: integrate_loads, add_pressure
 
 contains
 

@@ -11,6 +11,7 @@ module input_model
   use input_contact, only: build_contacts
   use input_doubts, only: check_twice, warn_locking
   use input_draft, only: draft_t, mesh_read_i, skip_set, row_of, known_word
+  use input_idle, only: note_idle_materials, warn_idle_loads
   use input_loads, only: integrate_loads
   use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_motion, only: count_motions_once
@@ -79,6 +80,8 @@ contains
         if (draft%errors%count() == 0) call check_twice(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call warn_locking(draft, mesh)
+        call note_idle_materials(draft, mesh)
+        call warn_idle_loads(draft, mesh, bc)
         call place_origin(mesh)
         call build_contacts(draft, draft%model)
         if (draft%errors%count() > 0) exit stages

@@ -1,0 +1,96 @@
+!> Warnings about loads and materials that have no effect, and about values that are given twice.
+module input_idle
+  use base_kinds, only: wp
+  use base_log, only: log_line, warn
+  use base_text, only: to_text
+  use boundary, only: boundary_t
+  use input_draft, only: draft_t
+  use input_loads, only: add_pressure
+  use mesh, only: is_rigid, mesh_t
+  implicit none
+  private
+  public :: warn_idle_loads, note_idle_materials
+
+  real(wp), parameter :: NEGLIGIBLE = 1.0e-9_wp !! of the largest nodal force of a pressure
+
+contains
+
+  !> Note materials that no body uses; included files often hold some.
+  subroutine note_idle_materials(draft, mesh)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    logical :: used(size(draft%model%material))
+    integer :: b, m
+
+    used = .false.
+    do b = 1, size(mesh%block)
+      if (.not. is_rigid(mesh%block(b))) used(mesh%block(b)%material) = .true.
+    end do
+    do m = 1, size(used)
+      if (used(m)) cycle
+      associate (set => draft%model%material(m))
+        call log_line('note: no element uses material '//to_text(set%number)//', which line ' &
+                      //to_text(set%place%line)//' defines')
+      end associate
+    end do
+  end subroutine note_idle_materials
+
+  !> Warn of nodal forces in directions that supports or motions prescribe, if FORCe gives one of
+  !! them or if all are like that, and of pressures all of whose nodes are prescribed. Such loads
+  !! only change reactions.
+  subroutine warn_idle_loads(draft, mesh, bc)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    type(boundary_t), intent(in) :: bc
+    real(wp), allocatable :: f(:, :)
+    logical, allocatable :: held(:, :), acts(:, :)
+    character(:), allocatable :: text
+    integer :: j, m, n
+
+    allocate (held(3, mesh%nnode), acts(3, mesh%nnode))
+    held = bc%fixed /= 0
+    do m = 1, size(bc%motion)
+      do j = 1, size(bc%motion(m)%node)
+        where (bc%motion(m)%acts) held(:, bc%motion(m)%node(j)) = .true.
+      end do
+    end do
+    acts = abs(bc%force) > 0.0_wp
+    n = count(acts .and. held)
+    if (n > 0) then
+      text = to_text(n)//' of '//to_text(count(acts))//' nodal forces act in directions in ' &
+             //'which supports or MOVE prescribe the motion, first at node ' &
+             //to_text(findloc(any(acts .and. held, 1), .true., 1))
+      if (n == count(acts) .or. any_given(draft, held)) then
+        call warn(text, hint='they have no effect there but on reactions: see FORC, EFOR, CFOR ' &
+                  //'and BOUN, EBOU, CBOU, FIX')
+      else ! a loaded plane often ends at a support
+        call log_line('note: '//text)
+      end if
+    end if
+    if (size(bc%pressure) == 0) return
+    allocate (f(3, mesh%nnode))
+    do j = 1, size(bc%pressure)
+      f = 0.0_wp
+      call add_pressure(mesh, bc%pressure(j), f)
+      acts = abs(f) > NEGLIGIBLE*maxval(abs(f))
+      if (.not. any(acts) .or. any(acts .and. .not. held)) cycle
+      call warn('this PRESsure acts on a face whose nodes are all prescribed by supports or MOVE', &
+                bc%pressure(j)%place, 'it has no effect there but on reactions: choose another ' &
+                //'face, or leave directions free with 0 in FIX or * in MOVE')
+    end do
+  end subroutine warn_idle_loads
+
+  !> Does a record of FORCe give a force in a direction that is held?
+  pure logical function any_given(draft, held)
+    type(draft_t), intent(in) :: draft
+    logical, intent(in) :: held(:, :) !! (3, nnode)
+    integer :: n
+
+    any_given = .false.
+    if (.not. allocated(draft%nodes%force)) return
+    do n = 1, min(size(held, 2), size(draft%nodes%force, 2))
+      any_given = any_given .or. any(abs(draft%nodes%force(:, n)) > 0.0_wp .and. held(:, n))
+    end do
+  end function any_given
+
+end module input_idle
