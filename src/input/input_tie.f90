@@ -75,6 +75,7 @@ contains
             do a = 1, e - 1
               length = norm2(mesh%xr(:, node(a)) - mesh%xr(:, node(e)))
               if (.not. length > 0.0_wp) cycle ! a collapsed element
+              if (new(node(a)) == new(node(e))) return ! another check refuses such elements
               edge(node(a)) = min(edge(node(a)), length)
               edge(node(e)) = min(edge(node(e)), length)
             end do
