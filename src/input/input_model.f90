@@ -19,7 +19,7 @@ module input_model
   use input_rigid, only: hold_rigid
   use input_tie, only: find_tied, tie_nodes
   use input_touching, only: warn_touching
-  use input_untied, only: warn_untied
+  use input_untied, only: warn_hanging, warn_untied
   use mesh, only: place_origin
   use model, only: model_t
   use model_basis, only: tabulate_basis
@@ -86,6 +86,7 @@ contains
         call build_contacts(draft, draft%model)
         if (draft%errors%count() > 0) exit stages
         call warn_untied(draft, mesh, told)
+        call warn_hanging(mesh, draft%model%contact, tied)
         call warn_touching(draft, mesh, draft%model%contact, told)
         call integrate_loads(draft%model)
       end associate

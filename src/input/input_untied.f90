@@ -6,7 +6,7 @@ module input_untied
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: to_text, quoted, lower
-  use contact_pair, only: surface_t
+  use contact_pair, only: contact_t, surface_t
   use contact_surface, only: build_surface
   use input_draft, only: draft_t
   use input_where, only: where_t, find_faces, W_FACES
@@ -17,7 +17,7 @@ module input_untied
   use surface_geometry, only: update_shape
   implicit none
   private
-  public :: warn_untied
+  public :: warn_untied, warn_hanging
 
   !> A node lies on a face if its distance, relative to the extent of the mesh, is less than this.
   real(wp), parameter :: ON_FACE = 1.0e-6_wp
@@ -32,6 +32,41 @@ module input_untied
   end type skin_t
 
 contains
+
+  !> Warn of contacts whose sides TIE has joined along a line or at single points: the bodies hang
+  !! on each other there. If it has joined whole elements of a side, contact_start warns.
+  subroutine warn_hanging(mesh, contact, tied)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    integer, intent(in) :: tied(:)        !! (nnode) the node that replaces each node after TIE
+    logical :: meets(mesh%nnode), joined(mesh%nnode), on(mesh%nnode, 2)
+    integer :: c, e, k, n
+
+    meets = .false.
+    do n = 1, mesh%nnode
+      if (tied(n) /= n) meets(tied(n)) = .true.
+    end do
+    if (.not. any(meets)) return
+    do c = 1, size(contact)
+      if (contact(c)%self) cycle
+      on = .false.
+      do k = 1, 2
+        on(contact(c)%side(k)%node, k) = .true.
+      end do
+      joined = meets .and. on(:, 1) .and. on(:, 2)
+      n = count(joined)
+      associate (side => contact(c)%side(1))
+        do e = 1, side%nelem
+          if (all(joined(side%node(side%first(e):side%first(e + 1) - 1)))) n = 0
+        end do
+      end associate
+      if (n > 0) then
+        call warn("contact '"//contact(c)%name//"': TIE joins "//to_text(n)//' nodes of its two ' &
+                  //'sides, which cannot part or slide there', contact(c)%place, &
+                  'a plane of TIE takes every body: use TIE,NODE or TIE,MATErial')
+      end if
+    end do
+  end subroutine warn_hanging
 
   !> Warn of the pairs of bodies that touch and are tied only in part, or not at all. Bodies between
   !! which a contact acts are skipped.
