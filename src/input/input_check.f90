@@ -31,7 +31,8 @@ contains
     type(error_t), allocatable :: error
     integer, allocatable :: missing(:)
     real(wp) :: n
-    integer :: i, j, e, last
+    integer :: i, j, e
+    integer, allocatable :: last ! material of the element before
 
     if (draft%incomplete) return ! the word that was skipped may have defined it
     do i = 1, size(draft%patch)
@@ -70,11 +71,12 @@ contains
       call check_words(draft, draft%npatch(i)%material, .true.)
     end do
     allocate (missing(0)) ! materials of ELEMents and BLOCk that are missing, each reported once
-    last = -1
     do e = 1, draft%elements%top
       if (draft%elements%nen(e) == 0) cycle
       associate (m => draft%elements%material(e))
-        if (m == last) cycle
+        if (allocated(last)) then
+          if (m == last) cycle
+        end if
         last = m
         if (material_index(draft, m) > 0 .or. any(missing == m)) cycle
         missing = [missing, m]
