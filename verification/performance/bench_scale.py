@@ -43,7 +43,7 @@ PAGE = """# Size of models
 {machine}
 
 The cube of section 4, n x n x 2n trilinear elements (Q1), is compressed by 5 % in one step with the default `FACTor AUTO`: factors in single
-precision are made once and kept, and iterations with the tangent and the residual in double precision reach the usual tolerance.
+precision are made once and kept, and iterations with the tangent and the residual in double precision reach the usual tolerance. Models below about 12,000 equations are factorised in double precision in every iteration.
 
 {sizes}
 
@@ -51,8 +51,8 @@ precision are made once and kept, and iterations with the tangent and the residu
 
 - Between the two largest models the CPU time grows with the power {time_power:.2f} of the number of equations, and the memory with {memory_power:.2f}. Nested
   dissection of a cube gives 2 for the operations and 4/3 for the entries of the factors in the limit.
-- The force converges with the second power of the element size. The value extrapolated from n = {fit[0]} and n = {fit[1]} for n = {fit[2]} is {predicted:.9f};
-  the run gives {found:.9f} (relative difference {difference:.1e}).
+- If the error of the force fell with the second power of the element size, n = {fit[0]} and n = {fit[1]} would give {predicted:.9f} for n = {fit[2]};
+  the run gives {found:.9f} (relative difference {difference:.1e}). The clamped edges make the true power a little smaller.
 
 ## Where memory is short
 
@@ -62,17 +62,17 @@ One step with n = {ways_at} in four ways. The limit is one of `ulimit -v`; the p
 
 ## On paper: ten million unknowns and a thousand ranks
 
-The constants are those measured above for {large:,} equations: {per_equation:.1f} KB of memory per equation in all, of which the factors take
-{factor_share:.0f} %. What follows is a model and was not run.
+The constants are those measured above for {large:,} equations: {per_equation:.1f} KB of memory per equation in all. `--check` of that model, which holds
+mesh, state, pattern and analysis but no factors, takes {state_kb:.1f} KB per equation. What follows is a model and was not run.
 
 - **The factors** of $10^7$ equations ($n = {n_big}$) take {factors_big:,.0f} GB in single precision, by the power 4/3, and {hours_big:,.0f} hours of the core that was
-  measured, by the power 2. A thousand ranks with an efficiency of 0.5 would take {minutes_big:.0f} minutes for a factorisation.
+  measured, by the power 2. A thousand ranks with an efficiency of 0.5 would take {minutes_big:.1f} minutes for a factorisation.
 - **The root front** belongs to a separator of about $3 n^2$ = {root:,.0f} unknowns: {root_gb:.1f} GB in single precision. MUMPS distributes it in two
   dimensions only with ScaLAPACK, which bezel switches off because the count of negative pivots needs the usual elimination. One rank takes
   {root_minutes:.1f} minutes for it at the measured rate of dgemm, so that no number of ranks is more than {speed_up:,.0f} times as fast as one.
-- **The replicated state:** with `MPI=1` every rank holds mesh, state and pattern, {state_kb:.1f} KB per equation or {state_gb:.0f} GB for $10^7$ equations.
-  A node with 64 ranks would need {node_gb:,.0f} GB for that alone, so one rank per node with many threads is the limit of this design. Beyond it the mesh
-  has to be distributed too.
+- **The replicated state:** with `MPI=1` every rank holds mesh, state and pattern, {state_gb:.0f} GB for $10^7$ equations. A node with 64 ranks would
+  need {node_gb:,.0f} GB for that alone, so that few ranks per node with several threads each are the limit of this design. Beyond it the mesh has to be
+  distributed too.
 """
 
 
@@ -142,36 +142,35 @@ def extrapolate(rows):
     return b["force"] + slope * (c["n"] ** -2 - b["n"] ** -2)
 
 
-def on_paper(row, factors_mb, dgemm):
+def on_paper(row, check, dgemm):
     """The numbers of the model for 1e7 equations; dgemm is the measured rate in single precision."""
     growth = 1e7 / row["equations"]
     n = row["n"] * growth ** (1 / 3)
     root = 3 * n**2
     hours = row["factorise"] * growth**2 / 3600
     minutes = root**3 / 3 / dgemm / 60
-    rest = row["memory"] - factors_mb
     return {
         "per_equation": row["memory"] * 1024 / row["equations"],
-        "factor_share": 100 * factors_mb / row["memory"],
         "n_big": round(n),
-        "factors_big": factors_mb * growth ** (4 / 3) / 1024,
+        "factors_big": check["factors"] * growth ** (4 / 3) / 1024,
         "hours_big": hours,
         "minutes_big": hours * 60 / 500,
         "root": root,
         "root_gb": 4 * root**2 / 2 / 2**30,
         "root_minutes": minutes,
         "speed_up": hours * 60 / minutes,
-        "state_kb": rest * 1024 / row["equations"],
-        "state_gb": rest * growth / 1024,
-        "node_gb": 64 * rest * growth / 1024,
+        "state_kb": check["peak"] * 1024 / row["equations"],
+        "state_gb": check["peak"] * growth / 1024,
+        "node_gb": 64 * check["peak"] * growth / 1024,
     }
 
 
-def memory_in_single(bezel, folder, n):
-    """Memory of a factorisation in single precision, as --check estimates it [MB]."""
+def memory_of_check(bezel, folder, n):
+    """What --check estimates for factors in single precision, and its own peak [MB]."""
     command = [bezel, "--check", "--set", f"n={n}", str(HERE / "cube.inp")]
-    *_, output, _ = runs.measure(command, folder)
-    return float(re.search(r"about (\S+) MB in single precision\n", output)[1])
+    _, _, peak, _, output, _ = runs.measure(command, folder)
+    found = re.search(r"about (\S+) MB in single precision\n", output)
+    return {"factors": float(found[1]), "peak": peak}
 
 
 def draw(rows, path):
@@ -214,7 +213,7 @@ def page(record):
         difference=abs(predicted / b["force"] - 1),
         ways_at=WAYS_AT,
         ways=ways_table(ways),
-        **on_paper(b, record["factors_mb"], record["dgemm"]),
+        **on_paper(b, record["check"], record["dgemm"]),
     )
 
 
@@ -233,7 +232,7 @@ def main():
         measure(bezel, folder, f"way_{i}", WAYS_AT, factor, limit)
         for i, (factor, limit) in enumerate(WAYS)
     ]
-    record["factors_mb"] = memory_in_single(bezel, folder, o.sizes[-1])
+    record["check"] = memory_of_check(bezel, folder, o.sizes[-1])
     record["dgemm"] = 2e9 * json.loads((HERE / "record.json").read_text())["kernels"][DGEMM]
     record["machine"] = machine()
     print(table(record["sizes"]), ways_table(record["ways"]), sep="\n\n")
