@@ -201,7 +201,7 @@ contains
   subroutine watch_corners(run, k)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k
-    real(wp) :: start, gap, ends(2)
+    real(wp) :: start, gap, ends(2), range
     integer :: i
 
     associate (state => run%state, table => run%state%table(k))
@@ -211,8 +211,8 @@ contains
       ends = [table_factor(table, start), table_factor(table, state%time)]
       do i = 1, size(table%t)
         if (table%t(i) <= start + gap .or. table%t(i) >= state%time - gap) cycle
-        gap = 1.0e-6_wp*max(maxval(abs(ends)), abs(table%p(i)))
-        if (table%p(i) <= maxval(ends) + gap .and. table%p(i) >= minval(ends) - gap) cycle
+        range = 1.0e-6_wp*max(maxval(abs(ends)), abs(table%p(i)))
+        if (table%p(i) <= maxval(ends) + range .and. table%p(i) >= minval(ends) - range) cycle
         run%plan%corner_warned = .true.
         call warn('load table '//to_text(k)//' reaches '//to_text(table%p(i))//' at time ' &
                   //to_text(table%t(i))//', inside step '//to_text(state%step)//', which ends at ' &
