@@ -1,5 +1,5 @@
-!> Outer faces of the elements that belong to no body (BLOCk, ELEMents): faces whose corners no
-!! other of these elements shares. Bodies know their faces themselves.
+!> Outer faces of all elements. Bodies know theirs; those of elements that belong to no body (BLOCk,
+!! ELEMents) are the faces whose corners no other of these elements shares.
 module mesh_boundary
   use base_kinds, only: i8
   use base_sort, only: hash, sort_index, unique
@@ -13,7 +13,7 @@ module mesh_boundary
 
 contains
 
-  !> Find the outer faces of all elements without a body.
+  !> Find the outer faces of all elements; those of bodies come last.
   subroutine find_outer_faces(mesh, block, elem, side, by_material)
     type(mesh_t), intent(in) :: mesh
     integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
@@ -68,6 +68,15 @@ contains
     block = pack(block(:n), outer)
     elem = pack(elem(:n), outer)
     side = pack(side(:n), outer)
+    do b = 1, size(mesh%body)
+      do f = 1, 6
+        associate (face => mesh%body(b)%face(f))
+          block = [block, face%block]
+          elem = [elem, face%elem]
+          side = [side, face%side]
+        end associate
+      end do
+    end do
   end subroutine find_outer_faces
 
 end module mesh_boundary

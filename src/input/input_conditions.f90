@@ -10,7 +10,7 @@ module input_conditions
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: to_text
-  use boundary, only: boundary_t, note_load_number
+  use boundary, only: boundary_t, moved_dofs, note_load_number
   use input_draft, only: draft_t, condition_entry_t, C_FIXED, C_VALUE, C_FORCE, C_TABLE
   use input_surface, only: mark_surface, load_surface
   use input_where, only: warn_far, warn_layers
@@ -371,12 +371,7 @@ contains
 
     loose = abs(bc%value) > 0.0_wp .and. bc%fixed == 0 .and. spread(mesh%used, 1, 3)
     if (.not. any(loose)) return
-    allocate (held(3, mesh%nnode), source=.false.)
-    do i = 1, size(bc%motion)
-      do d = 1, 3
-        if (bc%motion(i)%acts(d)) held(d, bc%motion(i)%node) = .true.
-      end do
-    end do
+    held = moved_dofs(bc, mesh%nnode)
     allocate (found(draft%ncondition + 1), moved(draft%ncondition + 1))
     n = 0
     call mark_active(draft, mesh, active)

@@ -4,7 +4,7 @@ module input_constraint
   use base_kinds, only: wp
   use base_sort, only: find
   use base_text, only: to_text, quoted
-  use boundary, only: boundary_t
+  use boundary, only: boundary_t, moved_dofs
   use constraint, only: constraint_t, add_constraint, follow, slave_marks
   use input_draft, only: draft_t
   use mesh, only: mesh_t
@@ -144,12 +144,7 @@ contains
     integer :: i, j, m, d
 
     if (mesh%constraint%n == 0) return
-    held = bc%fixed /= 0
-    do m = 1, size(bc%motion)
-      do j = 1, size(bc%motion(m)%node)
-        where (bc%motion(m)%acts) held(:, bc%motion(m)%node(j)) = .true.
-      end do
-    end do
+    held = bc%fixed /= 0 .or. moved_dofs(bc, mesh%nnode)
     do i = 1, mesh%constraint%n
       associate (list => mesh%constraint, s => mesh%constraint%slave(i))
         directions: do d = 1, 3

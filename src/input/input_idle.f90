@@ -3,7 +3,7 @@ module input_idle
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use boundary, only: boundary_t
+  use boundary, only: boundary_t, moved_dofs
   use input_draft, only: draft_t
   use input_loads, only: add_pressure
   use mesh, only: is_rigid, mesh_t
@@ -45,15 +45,10 @@ contains
     real(wp), allocatable :: f(:, :)
     logical, allocatable :: held(:, :), acts(:, :)
     character(:), allocatable :: text
-    integer :: j, m, n
+    integer :: j, n
 
     allocate (held(3, mesh%nnode), acts(3, mesh%nnode))
-    held = bc%fixed /= 0
-    do m = 1, size(bc%motion)
-      do j = 1, size(bc%motion(m)%node)
-        where (bc%motion(m)%acts) held(:, bc%motion(m)%node(j)) = .true.
-      end do
-    end do
+    held = bc%fixed /= 0 .or. moved_dofs(bc, mesh%nnode)
     acts = abs(bc%force) > 0.0_wp
     n = count(acts .and. held)
     if (n > 0) then

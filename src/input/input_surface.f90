@@ -179,7 +179,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(marks_t), allocatable, intent(out) :: outer(:)
     integer, allocatable :: block(:), elem(:), side(:)
-    integer :: b, f, i
+    integer :: b, i
 
     allocate (outer(size(mesh%block)))
     do b = 1, size(mesh%block)
@@ -188,15 +188,6 @@ contains
     call find_outer_faces(mesh, block, elem, side, by_material=.true.)
     do i = 1, size(block)
       outer(block(i))%face(side(i), elem(i)) = .true.
-    end do
-    do b = 1, size(mesh%body)
-      do f = 1, 6
-        associate (face => mesh%body(b)%face(f))
-          do i = 1, size(face%elem)
-            outer(face%block(i))%face(face%side(i), face%elem(i)) = .true.
-          end do
-        end associate
-      end do
     end do
   end subroutine mark_outer
 

@@ -167,18 +167,8 @@ contains
     type(contact_t), intent(in) :: contact(:)
     type(skin_t), intent(out) :: skin
     integer, allocatable :: block(:), elem(:), side(:)
-    integer :: b, f
 
     call find_outer_faces(mesh, block, elem, side)
-    do b = 1, size(mesh%body)
-      do f = 1, 6
-        associate (face => mesh%body(b)%face(f))
-          block = [block, face%block]
-          elem = [elem, face%elem]
-          side = [side, face%side]
-        end associate
-      end do
-    end do
     call gather_faces(mesh, block, elem, side, 'all faces', skin%surface)
     if (size(block) == 0) return
     call update_shape(skin%surface, mesh%xr, skin%shape)

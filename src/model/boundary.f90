@@ -7,7 +7,7 @@ module boundary
   implicit none
   private
   public :: boundary_t, motion_t, pressure_t
-  public :: note_load_number, place_of_number
+  public :: note_load_number, place_of_number, moved_dofs
 
   !> Rigid motion of a set of nodes (MOVE), which acts on the reference positions. Several moves of
   !! a node are added in the order of the deck: first the rotations of the reference position, then
@@ -63,6 +63,21 @@ module boundary
   end type boundary_t
 
 contains
+
+  !> The dofs that MOVE prescribes.
+  pure function moved_dofs(bc, nnode) result(moved)
+    type(boundary_t), intent(in) :: bc
+    integer, intent(in) :: nnode
+    logical :: moved(3, nnode)
+    integer :: j, m
+
+    moved = .false.
+    do m = 1, size(bc%motion)
+      do j = 1, size(bc%motion(m)%node)
+        where (bc%motion(m)%acts) moved(:, bc%motion(m)%node(j)) = .true.
+      end do
+    end do
+  end function moved_dofs
 
   !> Record the place where a load number occurs first.
   subroutine note_load_number(bc, table, place)

@@ -1,7 +1,7 @@
 !> Equation numbers of the free degrees of freedom.
 module dof_map
   use base_text, only: to_text
-  use boundary, only: boundary_t
+  use boundary, only: boundary_t, moved_dofs
   use mesh, only: mesh_t, solid_nodes
   implicit none
   private
@@ -17,15 +17,10 @@ contains
     integer, intent(out) :: neq                   !! number of free dofs
     integer, intent(out) :: ndof                  !! dofs of nodes in use, without rigid bodies
     logical, allocatable :: free(:, :), solid(:)
-    integer :: i, j, m, n
+    integer :: i, j, n
 
     allocate (eq(3, mesh%nnode), free(3, mesh%nnode))
-    free = bc%fixed == 0
-    do m = 1, size(bc%motion)
-      do j = 1, size(bc%motion(m)%node)
-        where (bc%motion(m)%acts) free(:, bc%motion(m)%node(j)) = .false.
-      end do
-    end do
+    free = bc%fixed == 0 .and. .not. moved_dofs(bc, mesh%nnode)
     do j = 1, mesh%constraint%n
       free(:, mesh%constraint%slave(j)) = .false.
     end do
