@@ -117,12 +117,11 @@ contains
     type(shape_t) :: far_shape(2)             ! of the other side at the start and now
     type(grid_t) :: grid(2)
     type(crossing_t) :: crossing(MOST_CROSSINGS)
-    type(foot_t) :: foot, start
     real(wp), allocatable :: y(:, :)          ! positions in the frame [L]
     real(wp), allocatable :: p(:, :), n(:, :) ! the way of a point, and its normal
-    real(wp) :: a(3, 2), b(3, 3), low(3), high(3), out(3)
+    real(wp) :: a(3, 2), b(3, 3), low(3), high(3)
     integer, allocatable :: near(:)           ! triangles that an element may pass
-    integer :: e, i, m, q, ncrossing, first
+    integer :: e, i, m, q, ncrossing
 
     depth = 0.0_wp
     m = min(MOST_STAGES, 1 + int((norm2(screw%w) + norm2(frame%w))/STAGE))
@@ -161,33 +160,55 @@ contains
             n(:, i) = cross(a(:, 1), a(:, 2))
           end do
           call find_crossings(other, near, p, crossing, ncrossing)
-          first = first_entry(other, n, crossing(:ncrossing))
-          if (first > 0) then
-            depth = depth_of_way(other, p, crossing(first:ncrossing))
-            if (depth > least_depth(contact) .and. crossing(ncrossing)%enters) then
-              call find_foot(opposite, far_shape(2), grid(2), p(:, m), contact%depth, foot)
-              ! contact pushes the point back
-              if (is_pushed(foot, normal(other, crossing(first)%triangle, 1.0_wp))) depth = 0.0_wp
-            end if
-          else ! the point may be inside from the start
-            call find_foot(opposite, far_shape(1), grid(1), p(:, 0), contact%depth, foot)
-            if (.not. is_pushed(foot, -n(:, 0))) cycle
-            start = foot
-            call find_foot(opposite, far_shape(2), grid(2), p(:, m), huge(depth), foot)
-            out = foot%n
-            if (ncrossing > 0) out = normal(other, crossing(ncrossing)%triangle, 1.0_wp)
-            if ((ncrossing > 0 .or. foot%elem > 0) .and. dot_product(start%n, out) < 0.0_wp) then
-              depth = -dot_product(p(:, m) - start%x, start%n)
-            else if (foot%elem > 0 .and. foot%gap < -TWICE*contact%depth) then
-              depth = -foot%gap
-            end if
-          end if
+          call measure_depth(contact, opposite, far_shape, grid, other, p, n, &
+                             crossing(:ncrossing), depth)
           if (depth > least_depth(contact)) return
           depth = 0.0_wp
         end do
       end do
     end associate
   end subroutine sweep_points
+
+  !> How deep a point goes into the other side and stays there unseen [L]; 0 if it stays outside, or
+  !! if contact pushes it back at the end of the step.
+  subroutine measure_depth(contact, opposite, shape, grid, other, p, n, crossing, depth)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: opposite
+    type(shape_t), intent(in) :: shape(2)     !! of the other side at the start and now
+    type(grid_t), intent(in) :: grid(2)
+    type(triangles_t), intent(in) :: other
+    real(wp), intent(in) :: p(:, 0:), n(:, 0:) !! (3, 0:m) the way of the point, and its normal
+    type(crossing_t), intent(in) :: crossing(:) !! in the order of time
+    real(wp), intent(out) :: depth
+    type(foot_t) :: foot, start
+    real(wp) :: out(3)
+    integer :: first, last, m
+
+    depth = 0.0_wp
+    m = ubound(p, 2)
+    last = size(crossing)
+    first = first_entry(other, n, crossing)
+    if (first > 0) then
+      depth = depth_of_way(other, p, crossing(first:))
+      if (depth > least_depth(contact) .and. crossing(last)%enters) then
+        call find_foot(opposite, shape(2), grid(2), p(:, m), contact%depth, foot)
+        if (is_pushed(foot, normal(other, crossing(first)%triangle, 1.0_wp))) depth = 0.0_wp
+      end if
+      return
+    end if
+    ! the point may be inside from the start
+    call find_foot(opposite, shape(1), grid(1), p(:, 0), contact%depth, foot)
+    if (.not. is_pushed(foot, -n(:, 0))) return
+    start = foot
+    call find_foot(opposite, shape(2), grid(2), p(:, m), huge(depth), foot)
+    out = foot%n
+    if (last > 0) out = normal(other, crossing(last)%triangle, 1.0_wp)
+    if ((last > 0 .or. foot%elem > 0) .and. dot_product(start%n, out) < 0.0_wp) then
+      depth = -dot_product(p(:, m) - start%x, start%n)
+    else if (foot%elem > 0 .and. foot%gap < -TWICE*contact%depth) then
+      depth = -foot%gap
+    end if
+  end subroutine measure_depth
 
   !> Mark the triangles whose boxes meet a box.
   pure function is_near(other, low, high) result(near)

@@ -29,10 +29,8 @@ contains
   subroutine check_references(draft)
     type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error
-    integer, allocatable :: missing(:)
     real(wp) :: n
-    integer :: i, j, e
-    integer, allocatable :: last ! material of the element before
+    integer :: i, j
 
     if (draft%incomplete) return ! the word that was skipped may have defined it
     do i = 1, size(draft%patch)
@@ -70,19 +68,7 @@ contains
       call check_material(draft, draft%npatch(i)%material, draft%npatch(i)%place)
       call check_words(draft, draft%npatch(i)%material, .true.)
     end do
-    allocate (missing(0)) ! materials of ELEMents and BLOCk that are missing, each reported once
-    do e = 1, draft%elements%top
-      if (draft%elements%nen(e) == 0) cycle
-      associate (m => draft%elements%material(e))
-        if (allocated(last)) then
-          if (m == last) cycle
-        end if
-        last = m
-        if (material_index(draft, m) > 0 .or. any(missing == m)) cycle
-        missing = [missing, m]
-        call check_material(draft, m, draft%places%at(draft%elements%place(e)))
-      end associate
-    end do
+    call check_element_materials(draft)
     do i = 1, draft%nsupport
       call check_where(draft, draft%support(i)%at)
     end do
@@ -108,6 +94,28 @@ contains
     call check_contacts(draft)
     call check_rigid(draft)
   end subroutine check_references
+
+  !> Check the materials of ELEMents and BLOCk; each that is missing is reported once.
+  subroutine check_element_materials(draft)
+    type(draft_t), intent(inout) :: draft
+    integer, allocatable :: missing(:)
+    integer, allocatable :: last ! material of the element before
+    integer :: e
+
+    allocate (missing(0))
+    do e = 1, draft%elements%top
+      if (draft%elements%nen(e) == 0) cycle
+      associate (m => draft%elements%material(e))
+        if (allocated(last)) then
+          if (m == last) cycle
+        end if
+        last = m
+        if (material_index(draft, m) > 0 .or. any(missing == m)) cycle
+        missing = [missing, m]
+        call check_material(draft, m, draft%places%at(draft%elements%place(e)))
+      end associate
+    end do
+  end subroutine check_element_materials
 
   subroutine check_material(draft, number, place)
     type(draft_t), intent(inout) :: draft

@@ -25,6 +25,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     character(64), allocatable :: way(:)
     real(wp), allocatable :: mb(:)
+    logical :: symmetric
     integer :: i
 
     associate (model => job%model, newton => job%step%newton)
@@ -39,7 +40,8 @@ contains
       print '(a)', 'dofs       '//to_text(model%ndof)
       print '(a)', 'equations  '//to_text(model%neq)
       print '(a)', 'commands   '//to_text(size(job%program%command))
-      call prepare_newton(newton, model,.not. has_command(job, 'utan'), error)
+      symmetric = .not. has_command(job, 'utan')
+      call prepare_newton(newton, model, symmetric, error)
       if (allocated(error)) return
       print '(a)', 'memory     about '//to_text(newton%system%estimate_mb(), 3) &
         //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
