@@ -12,7 +12,7 @@ module base_comm
                      mpi_double_precision
   implicit none
   private
-  public :: start_comm, stop_comm, rank_count, this_rank, is_root, communicator, ranks_here, &
+  public :: start_comm, stop_comm, rank_count, this_rank, owns, is_root, communicator, ranks_here, &
             largest, total, share, gather_blocks
 
   interface share
@@ -115,6 +115,12 @@ contains
 
     this_rank = rank0 + 1
   end function this_rank
+
+  pure logical function owns(i)
+    integer, intent(in) :: i
+
+    owns = mod(i, nrank) == rank0
+  end function owns
 
   pure logical function is_root()
 

@@ -8,7 +8,7 @@ module base_comm
   use base_system, only: finish
   implicit none
   private
-  public :: start_comm, stop_comm, rank_count, this_rank, is_root, communicator, ranks_here, &
+  public :: start_comm, stop_comm, rank_count, this_rank, owns, is_root, communicator, ranks_here, &
             largest, total, share, gather_blocks
 
   !> share(x, rank) gives all ranks the value that one rank has.
@@ -53,6 +53,14 @@ contains
 
     this_rank = 1
   end function this_rank
+
+  !> Does this rank form the derivatives of item i of a list that the ranks divide?
+  pure logical function owns(i)
+    integer, intent(in) :: i !! from 1
+
+    associate (unused => i); end associate
+    owns = .true.
+  end function owns
 
   !> Is this the first rank, which writes all files and the screen?
   pure logical function is_root()

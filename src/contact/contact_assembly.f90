@@ -1,7 +1,7 @@
 !> Contact in the global system: projects all points, finds the element pairs that contact couples,
 !! and adds their forces and derivatives. When a step is accepted, it moves the sliding points.
 module contact_assembly
-  use base_comm, only: rank_count, this_rank
+  use base_comm, only: owns
   use base_kinds, only: wp
   use contact_active, only: pairs_t, new_pairs, need_pair, forget_need, has_idle, prune_pairs, &
                             pair_clique, map_pairs, project_side, follow_silent
@@ -326,8 +326,7 @@ contains
           call react(contact%side(3 - k), work%feet(k)%at(i + 1:i + contact%nq), state%side(k), &
                      i, f)
         end if
-        call scatter_element(contact, k, e, part, work%pairs(k), x, u, &
-                             mod(e, rank_count()) + 1 == this_rank(), state, a, f, &
+        call scatter_element(contact, k, e, part, work%pairs(k), x, u, owns(e), state, a, f, &
                              rounding, largest)
       end do
     end associate

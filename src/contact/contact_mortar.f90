@@ -18,7 +18,7 @@
 !! element: the sliding point of the new point is its projection at the start of the step, moved
 !! back by this elastic slip.
 module contact_mortar
-  use base_comm, only: is_root, rank_count, this_rank
+  use base_comm, only: is_root, owns
   use base_kinds, only: wp
   use contact_active, only: pairs_t, need_pair
   use contact_cells, only: cells_t, cut_cells
@@ -427,7 +427,7 @@ contains
     associate (own => contact%side(k), cells => mortar%side(k)%cells)
       do e = 1, own%nelem
         if (cells%first(e) == cells%first(e + 1)) cycle
-        owned = mod(e, rank_count()) + 1 == this_rank()
+        owned = owns(e)
         call form_cells(contact, k, e, x, merge(dt, -1.0_wp, mortar%fresh), mortar%slides, &
                         tangent .and. owned, mortar%side(k), mortar%kernel, work)
         if (work%npartner == 0) cycle
