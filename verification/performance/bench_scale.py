@@ -65,13 +65,13 @@ One step with n = {ways_at} in four ways. The limit is one of `ulimit -v`; the p
 The constants are those measured above for {large:,} equations: {per_equation:.1f} KB of memory per equation in all. `--check` of that model, which holds
 mesh, state, pattern and analysis but no factors, takes {state_kb:.1f} KB per equation. What follows is a model and was not run.
 
-- **The factors** of $10^7$ equations ($n = {n_big}$) take {factors_big:,.0f} GB in single precision, by the power 4/3, and {hours_big:,.0f} hours of the core that was
+- **The factors** of $10^7$ equations ($n = {n_big}$) take {factors_big:,.0f} GiB in single precision, by the power 4/3, and {hours_big:,.0f} hours of the core that was
   measured, by the power 2. A thousand ranks with an efficiency of 0.5 would take {minutes_big:.1f} minutes for a factorisation.
-- **The root front** belongs to a separator of about $3 n^2$ = {root:,.0f} unknowns: {root_gb:.1f} GB in single precision. MUMPS distributes it in two
+- **The root front** belongs to a separator of about $3 n^2$ = {root:,.0f} unknowns: {root_gb:.1f} GiB in single precision. MUMPS distributes it in two
   dimensions only with ScaLAPACK, which bezel switches off because the count of negative pivots needs the usual elimination. One rank takes
   {root_minutes:.1f} minutes for it at the measured rate of dgemm, so that no number of ranks is more than {speed_up:,.0f} times as fast as one.
-- **The replicated state:** with `MPI=1` every rank holds mesh, state and pattern, {state_gb:.0f} GB for $10^7$ equations. A node with 64 ranks would
-  need {node_gb:,.0f} GB for that alone, so that few ranks per node with several threads each are the limit of this design. Beyond it the mesh has to be
+- **The replicated state:** with `MPI=1` every rank holds mesh, state and pattern, {state_gb:.0f} GiB for $10^7$ equations. A node with 64 ranks would
+  need {node_gb:,.0f} GiB for that alone, so that few ranks per node with several threads each are the limit of this design. Beyond it the mesh has to be
   distributed too.
 """
 
@@ -108,7 +108,7 @@ def machine():
 def table(rows):
     """A row for each size."""
     lines = [
-        "| n | equations | iterations | CPU s | assembly | analysis | factors | solves | wall s | peak GB | force |",
+        "| n | equations | iterations | CPU s | assembly | analysis | factors | solves | wall s | peak GiB | force |",
         "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
     ]
     for r in rows:
@@ -123,7 +123,7 @@ def table(rows):
 def ways_table(rows):
     """A row for each way to store factors."""
     lines = [
-        "| FACTor | limit MB | factors | CPU s | wall s | peak GB | force against the first |",
+        "| FACTor | limit MB | factors | CPU s | wall s | peak GiB | force against the first |",
         "|---|--:|---|--:|--:|--:|--:|",
     ]
     for r in rows:
@@ -182,7 +182,7 @@ def draw(rows, path):
         memory = np.array([r["memory"] / 1024 for r in rows])
         for axis, value, power, label, slope in (
             (axes[0], time, 2.0, "CPU time of a step [s]", "power 2 (operations)"),
-            (axes[1], memory, 4 / 3, "peak memory [GB]", "power 4/3 (entries of factors)"),
+            (axes[1], memory, 4 / 3, "peak memory [GiB]", "power 4/3 (entries of factors)"),
         ):
             axis.loglog(neq, value, "o-", color=_style.COLOURS[0], label="measured")
             axis.loglog(neq[-3:], value[-1] * (neq[-3:] / neq[-1]) ** power, "--",
@@ -202,7 +202,7 @@ def page(record):
         small=rows[0]["equations"],
         large=b["equations"],
         main=f"{b['equations']:,} equations take {b['cpu']:.0f} s of CPU time, {b['wall']:.0f} s of wall-clock time and "
-        f"{b['memory'] / 1024:.1f} GB.",
+        f"{b['memory'] / 1024:.1f} GiB.",
         machine=record["machine"],
         sizes=table(rows),
         time_power=np.log(b["cpu"] / a["cpu"]) / grow,
