@@ -14,9 +14,9 @@
 !! control points, where it does not lock.
 !!
 !! Friction acts at the points of the cells too, so that its bound is mu times their pressure. When
-!! cells are cut, a point takes over the elastic slip of the nearest point of the last step in its
-!! element: the sliding point of the new point is its projection at the start of the step, moved
-!! back by this elastic slip.
+!! cells are cut, a point takes over the elastic slip that the points of the last step have at its
+!! place in the element: the sliding point of the new point is its projection at the start of the
+!! step, moved back by this elastic slip.
 module contact_mortar
   use base_comm, only: is_root, owns
   use base_kinds, only: wp
@@ -74,7 +74,6 @@ contains
     type(pairs_t), intent(inout) :: pairs(2)
     logical, intent(inout) :: grown
     integer :: faced(2), slid(2)              ! the last pairs of elements
-    real(wp) :: motion                        ! since the last projection [L]
     integer :: i, k
 
     mortar%slides = slides
@@ -87,8 +86,9 @@ contains
         call update_grid(contact%side(k), mortar%start(k), mortar%start_grid(k))
       end do
     end if
-    call find_motion(mortar, contact, x, motion)
-    call recut(mortar, contact, x, step, motion, trial, shape, grid)
+    call add_travel(mortar, contact, x)
+    call recut(mortar, contact, x, step, trial, shape, grid)
+    if (.not. trial) mortar%x_iterate = x
     do k = 1, 2
       if (.not. is_integrated(contact, k)) cycle
       associate (cells => mortar%side(k)%cells, side => mortar%side(k))
@@ -120,29 +120,33 @@ contains
     mortar%step = step
   end subroutine find_mortar
 
-  !> Find how far the nodes of both sides have moved since the last projection.
-  subroutine find_motion(mortar, contact, x, motion)
+  !> Add the motion of both sides since the last projection to the bound of all motions.
+  subroutine add_travel(mortar, contact, x)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)
-    real(wp), intent(out) :: motion           !! of the node that moved farthest [L]
-    real(wp) :: far
-    integer :: i, k
+    integer :: k
 
-    motion = 0.0_wp
     if (.not. allocated(mortar%x_last)) mortar%x_last = x
     do k = 1, 2
-      far = 0.0_wp
-      do i = 1, size(contact%side(k)%node)
-        associate (node => contact%side(k)%node(i))
-          far = max(far, sum((x(:, node) - mortar%x_last(:, node))**2))
-        end associate
-      end do
-      mortar%travel = mortar%travel + OVERSHOOT*sqrt(far)
-      motion = max(motion, sqrt(far))
+      mortar%travel = mortar%travel &
+                      + OVERSHOOT*largest_motion(contact%side(k)%node, x, mortar%x_last)
     end do
     mortar%x_last = x
-  end subroutine find_motion
+  end subroutine add_travel
+
+  !> How far the node that moved farthest has moved.
+  pure real(wp) function largest_motion(node, x, x_before) result(far)
+    integer, intent(in) :: node(:)
+    real(wp), intent(in) :: x(:, :), x_before(:, :) !! (3, nnode) [L]
+    integer :: i
+
+    far = 0.0_wp
+    do i = 1, size(node)
+      far = max(far, sum((x(:, node(i)) - x_before(:, node(i)))**2))
+    end do
+    far = sqrt(far)
+  end function largest_motion
 
   !> Project the points of side k. Points that cannot have closed since their last projection stay
   !! open, unless control points need their gaps. So do points whose distance from the last
@@ -239,8 +243,7 @@ contains
     integer, intent(in) :: k, i
     type(friction_points_t), intent(in) :: rubbed
     type(foot_t) :: foot
-    real(wp) :: at(3), a(3, 2), b(3, 3), n(3)
-    integer :: j
+    real(wp) :: at(3), a(3, 2), b(3, 3), n(3), elastic(3), slip_rate, limit
 
     associate (side => mortar%side(k), cells => mortar%side(k)%cells)
       call surface_point(contact%side(k), mortar%start(k), cells%elem(i), cells%xi(:, i), at, a, b)
@@ -271,16 +274,14 @@ contains
       else
         return
       end if
-      j = nearest_rubbed(rubbed, cells%elem(i), cells%xi(:, i))
-      if (j == 0) return
-      side%limit(i) = rubbed%limit(j)
+      call last_friction(rubbed, cells%elem(i), cells%xi(:, i), elastic, slip_rate, limit)
+      side%limit(i) = limit
       side%ahead(i) = -1.0_wp
-      if (rubbed%slip_rate(j) > 0.0_wp) side%ahead(i) = rubbed%slip_rate(j)
-      if (.not. any(abs(rubbed%elastic(:, j)) > 0.0_wp)) return
+      if (slip_rate > 0.0_wp) side%ahead(i) = slip_rate
+      if (.not. any(abs(elastic) > 0.0_wp)) return
       n = foot%n
       call trail_behind(contact%side(3 - k), mortar%start(3 - k), at, foot, &
-                        rubbed%elastic(:, j) - dot_product(rubbed%elastic(:, j), n)*n, &
-                        side%slide(i), side%slide_xi(:, i))
+                        elastic - dot_product(elastic, n)*n, side%slide(i), side%slide_xi(:, i))
     end associate
   end subroutine find_slide
 
@@ -298,15 +299,21 @@ contains
                            dshp(:, :n))
   end subroutine find_slide_functions
 
-  !> The point of the previous step that is nearest to xi in element e; 0: the element had none.
-  pure integer function nearest_rubbed(rubbed, e, xi) result(j)
+  !> Friction of the last step at xi in element e: a mean of its points there, with weights that
+  !! fall with the fourth power of the distance (Shepard 1968). A point that has not moved keeps its
+  !! values, and values change continuously with the cells, so that rounding cannot select them.
+  !! They are zero if the element had no points.
+  pure subroutine last_friction(rubbed, e, xi, elastic, slip_rate, limit)
     type(friction_points_t), intent(in) :: rubbed
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
-    integer :: low, high, middle
-    real(wp) :: d, least
+    real(wp), intent(out) :: elastic(3)       !! [L]
+    real(wp), intent(out) :: slip_rate        !! [L/T]
+    real(wp), intent(out) :: limit            !! [F/L^2]
+    real(wp), parameter :: SAME = 1.0e-24_wp  ! squared distance of points in one place
+    integer :: first, low, high, middle, j
+    real(wp) :: least, w, total
 
-    j = 0
     low = 1
     high = size(rubbed%elem) + 1
     do while (low < high) ! the first point of element e
@@ -317,45 +324,57 @@ contains
         high = middle
       end if
     end do
+    first = low
     least = huge(least)
-    do while (low <= size(rubbed%elem))
-      if (rubbed%elem(low) /= e) exit
-      d = sum((rubbed%xi(:, low) - xi)**2)
-      if (d < least) then
-        least = d
-        j = low
-      end if
-      low = low + 1
+    do high = first, size(rubbed%elem)
+      if (rubbed%elem(high) /= e) exit
+      least = min(least, sum((rubbed%xi(:, high) - xi)**2) + SAME)
     end do
-  end function nearest_rubbed
+    elastic = 0.0_wp
+    slip_rate = 0.0_wp
+    limit = 0.0_wp
+    total = 0.0_wp
+    do j = first, high - 1
+      w = (least/(sum((rubbed%xi(:, j) - xi)**2) + SAME))**2
+      total = total + w
+      elastic = elastic + w*rubbed%elastic(:, j)
+      slip_rate = slip_rate + w*rubbed%slip_rate(j)
+      limit = limit + w*rubbed%limit(j)
+    end do
+    if (.not. total > 0.0_wp) return
+    elastic = elastic/total
+    slip_rate = slip_rate/total
+    limit = limit/total
+  end subroutine last_friction
 
   !> Cut the cells at the beginning of a step, and again if a surface has moved far enough since.
-  subroutine recut(mortar, contact, x, step, motion, trial, shape, grid)
+  subroutine recut(mortar, contact, x, step, trial, shape, grid)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)
     integer, intent(in) :: step
-    real(wp), intent(in) :: motion            !! see find_motion
     logical, intent(in) :: trial              !! forces are compared on the same cells
     type(shape_t), intent(in) :: shape(2)
     type(grid_t), intent(in) :: grid(2)
     type(facets_t) :: facets(2)
-    real(wp) :: far
-    integer :: i, k
+    real(wp) :: far, increment                ! since the cells were cut, since the last iterate [L]
+    integer :: k
     logical :: new
 
     new = mortar%step /= step .or. .not. allocated(mortar%x_cut)
     if (.not. new) then
       far = 0.0_wp
+      increment = 0.0_wp
       do k = 1, 2
-        do i = 1, size(contact%side(k)%node)
-          associate (node => contact%side(k)%node(i))
-            far = max(far, maxval(abs(x(:, node) - mortar%x_cut(:, node))))
-          end associate
-        end do
+        associate (node => contact%side(k)%node)
+          far = max(far, largest_motion(node, x, mortar%x_cut))
+          increment = max(increment, largest_motion(node, x, mortar%x_iterate))
+        end associate
       end do
       if (.not. far > MOVED_FAR*mortar%least) then
-        if (trial .or. motion > SETTLES*mortar%least .or. mortar%cuts >= MOST_CUTS) return
+        if (trial) return
+        if (increment > SETTLES*mortar%least) mortar%cuts = 0
+        if (increment > SETTLES*mortar%least .or. mortar%cuts >= MOST_CUTS) return
         if (far <= MOVED*mortar%least) return
         mortar%cuts = mortar%cuts + 1
       end if

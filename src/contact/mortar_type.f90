@@ -61,11 +61,12 @@ module mortar_type
   !> Work space of one contact.
   type, public :: mortar_t
     integer :: step = -1                      !! of the last projection
-    integer :: cuts = 0                       !! of cells, in this step
+    integer :: cuts = 0                       !! of cells since the iteration settled
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
     real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut
     real(wp) :: travel = 0.0_wp               !! bound of all motions so far [L]
     real(wp), allocatable :: x_last(:, :)     !! (3, nnode) positions at the last projection [L]
+    real(wp), allocatable :: x_iterate(:, :)  !! (3, nnode) of the last iterate, without trials [L]
     logical :: slides = .false.               !! friction acts
     logical :: fresh = .false.                !! forces of this step have not been formed yet
     type(shape_t) :: reference(2)

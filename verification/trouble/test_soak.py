@@ -135,6 +135,18 @@ class Trials(Folder):
             self.assertTrue(all(len(row) == 3 for row in powers))
         self.assertTrue(os.access(BEZEL, os.X_OK))
 
+    def test_self_contact_with_line_searches_does_not_depend_on_units(self):
+        # Rounding takes the iteration another way through its line searches; the cells of the
+        # converged state must not remember it.
+        deck = next(d for d in KILLED if d.stem == "self")
+        unit = (3.0, 7e-6, 5e3)
+        curves = []
+        for name, values in (("one", (1.0, 1.0, 1.0)), ("other", unit)):
+            words = [w for n, v in zip("lst", values, strict=True) for w in ("--set", f"{n}={v!r}")]
+            self.assertEqual(self.run_bezel("-o", name, *words, deck).returncode, 0)
+            curves.append(np.loadtxt(self.at / name / "self_force.dat", ndmin=2))
+        self.assertEqual(in_units(*curves, KILLED[deck], unit), "")
+
 
 if __name__ == "__main__":
     unittest.main()
