@@ -1,5 +1,5 @@
-!> Borders of a cell: corrects the corners of a polygon of straight edges, and bends its edges where
-!! the elements are curved.
+!> Borders of a cell: corrects the corners of a polygon with straight edges, and bends its edges
+!! where the elements are curved.
 !!
 !! An edge of a cell lies on an edge of its own facet, which is straight in the chart of the element
 !! (surface_chart), or comes from an edge of a facet of the other side. In the second case, points
@@ -69,17 +69,18 @@ contains
   end subroutine bend_functions
 
   !> Correct the corners of a cell, and find how far its edges deviate from straight lines. `tag`
-  !! says where the edge after a corner comes from: -k means edge k of the own part, and k means
-  !! edge k of the other part.
+  !! says where the edge after a corner comes from: -k means edge k of this side's part, and k means
+  !! edge k of the other side's part.
   pure subroutine find_border(own, shape, mine, other, opposite, theirs, m, tag, xi, zeta, bend)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite
     type(part_t), intent(in) :: mine, theirs
     integer, intent(in) :: m                    !! number of corners
     integer, intent(in) :: tag(:)               !! (m)
-    real(wp), intent(inout) :: xi(:, :)         !! (2, m) parameters of the own part
-    real(wp), intent(inout) :: zeta(:, :)       !! (2, m) of the other part, on its edges
-    !> Deviations of the edges in the chart of the element, as integrate_polygon takes them.
+    real(wp), intent(inout) :: xi(:, :)         !! (2, m) parameters of this side's part
+    real(wp), intent(inout) :: zeta(:, :)       !! (2, m) of the other side's part, on its edges
+    !> Deviations of the edges in the chart of the element, in the form that integrate_polygon
+    !! expects.
     real(wp), intent(out) :: bend(2, NBEND, MOST_CORNERS)
     integer :: before, c, i
 
@@ -103,7 +104,7 @@ contains
     end do
   end subroutine find_border
 
-  !> Find the point of the own part that faces a point of the other surface. If there is no such
+  !> Find the point of this side's part that faces a point of the other surface. If there is no such
   !! point near xi, xi is not changed.
   pure subroutine find_facing(own, shape, mine, other, opposite, elem, zeta, xi, found)
     type(surface_t), intent(in) :: own, other
@@ -138,8 +139,8 @@ contains
     if (present(found)) found = .true.
   end subroutine find_facing
 
-  !> Find the point where edge k of the own part crosses edge i of the other part. If the edges do
-  !! not cross near xi and zeta, these are not changed.
+  !> Find the point where edge k of this side's part crosses edge i of the other side's part. If the
+  !! edges do not cross near xi and zeta, these are not changed.
   pure subroutine find_crossing(own, shape, mine, k, other, opposite, theirs, i, xi, zeta)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite

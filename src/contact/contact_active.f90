@@ -17,15 +17,15 @@ module contact_active
   public :: pairs_t, new_pairs, need_pair, find_pair, forget_need, has_idle, prune_pairs, &
             pair_clique, map_pairs, project_side, follow_silent
 
-  !> Positions in the matrix of the blocks of one pair.
+  !> Positions in the tangent matrix of the blocks of one pair.
   type :: map_t
     integer, allocatable :: at(:, :)     !! (nk, nl)
     integer, allocatable :: back(:, :)   !! (nl, nk) with BALAnced: rows of the partner
     integer, allocatable :: there(:, :)  !! (nl, nl) with BALAnced: diagonal block of the partner
   end type map_t
 
-  !> Pairs of an element of one side and one of the other. The pairs of an element form a linked
-  !! list.
+  !> Pairs of an element of one side and an element of the other side. The pairs of an element form
+  !! a linked list.
   type :: pairs_t
     integer :: n = 0
     integer, allocatable :: head(:)      !! (nelem) first pair of an element, 0: none
@@ -188,7 +188,7 @@ contains
   subroutine map_pairs(pairs, own, other, balanced, a)
     type(pairs_t), intent(inout) :: pairs
     type(surface_t), intent(in) :: own, other
-    logical, intent(in) :: balanced      !! include the partners' rows
+    logical, intent(in) :: balanced      !! include the rows of the partners
     type(block_matrix_t), intent(in) :: a
     integer :: i, nk, nl
 
@@ -218,7 +218,7 @@ contains
     end do
   end subroutine map_pairs
 
-  !> Project the active points of side k; elements may be refined in the process.
+  !> Project the active points of side k; this may refine elements.
   subroutine project_side(contact, k, shape, grid, x, feet, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

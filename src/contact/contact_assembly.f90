@@ -32,7 +32,7 @@ module contact_assembly
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of a contact
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the step
 
-  !> Projections of the points of one side on the other.
+  !> Projections of the points of one side onto the other side.
   type :: feet_t
     type(foot_t), allocatable :: at(:)   !! (np)
   end type feet_t
@@ -45,7 +45,8 @@ module contact_assembly
     type(feet_t) :: feet(2)
     type(pairs_t) :: pairs(2)
     type(work_t) :: element(2)
-    !> Where points that enter in this step get their sliding points: the surfaces at its start.
+    !> Surfaces at the start of the step, on which points that enter in this step get their sliding
+    !! points.
     logical :: started = .false.         !! they have been found in this step
     type(shape_t) :: start(2)
     type(grid_t) :: start_grid(2)
@@ -79,7 +80,7 @@ contains
   end subroutine new_contact_work
 
   !> Begin a step, or begin it again after a cut-back. The pattern of the step must not depend on
-  !! what earlier attempts coupled, because a restarted run does not know these attempts.
+  !! the couplings of earlier attempts, because a restarted run does not know these attempts.
   pure subroutine begin_contact(work)
     type(contact_work_t), intent(inout) :: work(:)
     integer :: c, k
@@ -147,8 +148,9 @@ contains
     end do
   end subroutine find_contact
 
-  !> Give sliding points to the points that touch the other side and have none: those of the first
-  !! step, and those that were far from the other side when the previous step was accepted.
+  !> Give sliding points to the points that touch the other side and have none: all points in the
+  !! first step, and later those that were far from the other side when the previous step was
+  !! accepted.
   subroutine enter_slides(work, model, c, k, u_step, points)
     type(contact_work_t), intent(inout) :: work
     type(model_t), intent(in) :: model
@@ -208,8 +210,8 @@ contains
     end do
   end subroutine need_pairs
 
-  !> Couplings for the pattern, CLIQUES for each contact; pairs not needed in this step are
-  !! removed.
+  !> Couplings for the sparsity pattern, in CLIQUES groups for each contact. Pairs that this step
+  !! does not need are removed.
   subroutine contact_cliques(work, model, step, clique)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -234,7 +236,7 @@ contains
     end do
   end subroutine contact_cliques
 
-  !> Positions of the couplings in a new pattern.
+  !> Find the positions of the couplings in a new pattern.
   subroutine map_contact(work, model, a)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -291,8 +293,8 @@ contains
     end do
   end subroutine add_contact
 
-  !> Positions relative to the origin of the model. They are differences of the reference positions,
-  !! so that small displacements are not rounded off far from zero.
+  !> Positions relative to the origin of the model. Differences of reference positions are used, so
+  !! that small displacements are not lost to rounding in a model far from zero.
   pure function positions(model, u) result(x)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: u(:, :)      !! (3, nnode) [L]

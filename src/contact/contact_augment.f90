@@ -2,16 +2,16 @@
 !!
 !! If each multiplier took over the pressure of its own point, the multipliers would rise until no
 !! point of either side penetrates. There are more points than nodes, and both sides are integrated.
-!! If the two surfaces do not match, one of them would then get all multipliers and the other one
-!! none, and different forces would act on the two bodies. Therefore pressures and penetrations are
-!! first smoothed with the functions of the surfaces. Augmentation then makes two quantities vanish,
-!! the mean of the penetrations of both sides and the difference of their pressures. The increments
-!! of the multipliers are
+!! If the two meshes do not match, one of the surfaces would then get all multipliers and the other
+!! one none, and different forces would act on the two bodies. Therefore pressures and penetrations
+!! are first smoothed with the functions of the surfaces. Augmentation then makes two quantities
+!! vanish, the mean of the penetrations of both sides and the difference of their pressures. The
+!! increments of the multipliers are
 !!
 !!   rise_1 = (d_1 + d_2)/2 - (p_1 - p_2)/2,   rise_2 = (d_1 + d_2)/2 + (p_1 - p_2)/2,
 !!
-!! where p is the pressure and d = p - multiplier is its part due to the penetration. For a body on
-!! a rigid surface, rise = d.
+!! where p is the pressure and d = p - multiplier is the part of it due to the penetration. For a
+!! body on a rigid surface, rise = d.
 module contact_augment
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, MORTAR, contact_points_t
@@ -80,7 +80,8 @@ contains
     end do
   end subroutine find_rise
 
-  !> Smooth a value of all points of side k, in contact or not; the result is field%pressure.
+  !> Smooth a value of all points of side k, whether in contact or not; the result is
+  !! field%pressure.
   subroutine smooth(contact, k, points, value, field)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -115,9 +116,9 @@ contains
     end associate
   end function value_at
 
-  !> Let a penalty act at control points too, in a deck with AUGMent. The penalty at points stays as
-  !! it is, because a control point whose support is larger than the area of contact bears nothing:
-  !! its mean gap is positive.
+  !> In a deck with AUGMent, let a penalty act at control points too. The penalty at points stays as
+  !! it is, because a control point whose support is larger than the contact area bears nothing: its
+  !! mean gap is positive.
   pure subroutine share_penalty(contact)
     type(contact_t), intent(inout) :: contact
 

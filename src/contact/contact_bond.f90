@@ -1,11 +1,11 @@
 !> Bonds: which points are bonded to which partners, and the tractions between them.
 !!
 !! The partner of a point is its projection in the reference configuration, eq. (30) of Corbett and
-!! Sauer 2015. The cohesive law and, with PAIR, the penalty act between the two.
+!! Sauer 2015. The cohesive law and, with PAIR, the penalty act between the point and its partner.
 !!
 !! g is the vector from the partner x_p = x_l(xi_0) to the point x, and n is the outward unit normal
-!! of side l at xi_0. Both surfaces move while xi_0 is constant, so that with the tangents a_1, a_2
-!! there
+!! of side l at xi_0. Both surfaces move while xi_0 is constant, so that, with the tangents a_1 and
+!! a_2 at the partner,
 !!
 !!   dg = dx - dx_p,    dn = -sum_j a^j (n . da_j).
 !!
@@ -26,17 +26,17 @@ module contact_bond
   public :: find_bonds, bond_traction_t, find_bond_traction, needs_projection
 
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
-  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! rounding of positions that are computed in two ways
+  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! rounding of positions computed in two ways
 
   !> Traction of a bonded point on its reference area, and its derivatives.
   type :: bond_traction_t
     real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
     real(wp) :: dtdg(3, 3) = 0.0_wp    !! with respect to g [F/L^3]
     real(wp) :: dtda(3, 3, 2) = 0.0_wp !! with respect to the tangents of l at the partner
-    real(wp) :: p = 0.0_wp             !! part of t that is pressure of the penalty [F/L^2]
+    real(wp) :: p = 0.0_wp             !! part of t that is the pressure of the penalty [F/L^2]
     real(wp) :: energy = 0.0_wp        !! energy of this pressure [F/L]
     real(wp) :: gap = 0.0_wp           !! n . g [L]
-    !> Fraction with which normal and friction law act at the current projection.
+    !> Weight of the normal law and of the friction law at the current projection.
     real(wp) :: share = 1.0_wp
     real(wp) :: slope(3) = 0.0_wp      !! dshare/dg [1/L]
   end type bond_traction_t
@@ -103,7 +103,8 @@ contains
     end do
   end function is_inside
 
-  !> Find the traction of the cohesive law and the penalty on bonded point i at the position `at`.
+  !> Find the traction that the cohesive law and the penalty exert on bonded point i at the position
+  !! `at`.
   pure subroutine find_bond_traction(contact, other, x, i, at, points, work, bond)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: other

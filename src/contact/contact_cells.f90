@@ -1,15 +1,16 @@
 !> Cells of a surface: its elements, cut along the borders of the elements that they touch.
 !!
 !! An integrand that depends on both surfaces has kinks at the borders of the elements of the other
-!! one. Gauss points of whole elements integrate it badly: blocks with different meshes then miss
-!! the patch test (Puso and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are divided
-!! into facets that are nearly flat (contact_facets); each facet of the integrated side is clipped,
-!! in its own plane, by the facets of the other side that face it, and the pieces are mapped back to
-!! the chart of the element (surface_chart): its parameters or, on a triangle, coordinates of the
-!! triangle. Parts of a facet beyond the border of the other surface belong to no cell.
+!! surface. Gauss points of whole elements integrate it badly: blocks with different meshes then
+!! miss the patch test (Puso and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are
+!! divided into facets that are nearly flat (contact_facets); each facet of the integrated side is
+!! clipped, in its own plane, by the facets of the other side that face it, and the pieces are
+!! mapped back to the chart of the element (surface_chart): its parameters or, on a triangle,
+!! coordinates of the triangle. Parts of a facet beyond the border of the other surface belong to no
+!! cell.
 !!
-!! The points of the cells have reference areas as weights, so that only positions vary while the
-!! cells are kept.
+!! The points of the cells have reference areas as weights, so that only the positions vary as long
+!! as the cells are kept.
 module contact_cells
   use base_kinds, only: wp
   use cell_border, only: part_t, find_border, bend_functions, NBEND
@@ -31,13 +32,13 @@ module contact_cells
   !> Relative error that the integration over a cell may have where the functions of a side are not
   !! polynomials.
   real(wp), parameter :: ACCURACY = 1.0e-10_wp
-  real(wp), parameter :: EVEN = 1.0e-8_wp      !! a smaller change of tangents is rounding
+  real(wp), parameter :: EVEN = 1.0e-8_wp      !! a smaller change is due to rounding
   real(wp), parameter :: MOST_UNEVEN = 0.9_wp
   integer, parameter :: MOST_STEPS = 20        !! of Newton's method
   integer, parameter :: USUAL_POINTS = 5       !! of QUADrature
   !> A piece whose map is not a polynomial has one more point in each direction by default. If an
   !! exact result would need more than MANY further points, as on strongly deformed surfaces, the
-  !! piece has no further point, because further points would cost more than they are worth.
+  !! piece has no further point, because these points would cost more than the accuracy is worth.
   integer, parameter :: MANY = 5
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
@@ -46,7 +47,7 @@ module contact_cells
   type :: rule_t
     real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) of order n
     real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
-    integer :: least = 1                    !! points that polynomials of both surfaces need
+    integer :: least = 1                    !! points needed for polynomials of both surfaces
     integer :: further = 0                  !! points that QUADrature asks for beyond the usual ones
     integer :: whole = 1                    !! points of a whole element
   end type rule_t
@@ -76,7 +77,7 @@ contains
     type(shape_t), intent(in) :: reference  !! of side k, before it deformed
     type(facets_t), intent(in) :: facets(2) !! of both sides
     real(wp), intent(in) :: reach           !! [L] facets farther apart do not touch
-    type(cells_t), intent(inout) :: cells   !! earlier cells are lost
+    type(cells_t), intent(inout) :: cells   !! replaces the earlier cells
     real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
     real(wp) :: point(2, MOST_POINTS), weight(MOST_POINTS)
     real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2)
@@ -254,15 +255,15 @@ contains
     frame(:, 3) = normal
   end subroutine make_frame
 
-  !> Overlap of a facet with one of the other side, seen along the normal of the first.
+  !> Overlap of a facet with a facet of the other side, seen along the normal of the former.
   pure subroutine overlap(origin, frame, quad, x, deep, high, m, corner, tag, zeta)
     real(wp), intent(in) :: origin(3), frame(3, 3)
     real(wp), intent(in) :: quad(2, 4)    !! the facet in its plane
     real(wp), intent(in) :: x(3, 4)       !! the other facet
-    real(wp), intent(in) :: deep, high    !! [L] depth and height beyond which they do not touch
+    real(wp), intent(in) :: deep, high    !! [L] depth, height beyond which facets do not touch
     integer, intent(out) :: m             !! number of corners; 0: no overlap
     real(wp), intent(out) :: corner(2, MOST_CORNERS)
-    !> The edge after each corner is edge -tag of the facet, or edge tag of the other one.
+    !> The edge after each corner is edge -tag of the facet, or edge `tag` of the other facet.
     integer, intent(out) :: tag(MOST_CORNERS)
     !> Parameters, on [0,1], of the corners that lie on edges of the other facet.
     real(wp), intent(out) :: zeta(2, MOST_CORNERS)
@@ -337,8 +338,8 @@ contains
   end subroutine remove_corner
 
   !> Where edges of both facets lie on one line, rounding decides which of them the clipping keeps,
-  !! whether it adds a corner between them, and which corner is the first. Here the whole edge of
-  !! the other facet is taken, and the order is that of the clipping of distinct lines.
+  !! whether it adds a corner between them, and which corner is the first. To avoid this, take the
+  !! whole edge of the other facet, and keep the order that clipping with distinct lines would give.
   pure subroutine settle_edges(seen, m, corner, tag)
     real(wp), intent(in) :: seen(2, 4)      !! the other facet
     integer, intent(inout) :: m             !! corners

@@ -2,7 +2,7 @@
 !!
 !! Integration points lie inside the elements. Where a body stands on an edge or on a corner, or
 !! where two edges cross, the corners of the elements penetrate much deeper than any point at which
-!! contact acts. Results and warnings of the penetration therefore include the corners.
+!! contact acts. Results and warnings about the penetration therefore include the corners.
 module contact_corners
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t

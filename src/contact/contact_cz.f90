@@ -16,7 +16,7 @@ module contact_cz
   private
   public :: describe, irreversible
 
-  real(wp), parameter :: RELEASED_AT = 8.0_wp !! in multiples of g0; 0.7 % of T0 is left
+  real(wp), parameter :: RELEASED_AT = 8.0_wp !! opening over g0 where 0.7 % of T0 is left
 
 contains
 
@@ -44,7 +44,7 @@ contains
     row%cohesive => irreversible_law
   end function irreversible
 
-  !> T = -T0 (g/g0) exp(1 - |g|/g0), also in compression.
+  !> The traction T = -T0 (g/g0) exp(1 - |g|/g0), which also acts in compression.
   pure subroutine reversible_law(prop, lag, g, n, past, now, c)
     real(wp), intent(in) :: prop(:), lag, g(3), n(3), past(:)
     real(wp), intent(out) :: now(:)

@@ -5,8 +5,8 @@
 !! prop(3)  largest shear traction Tt [F/L^2]
 !! prop(4)  opening gt at which the shear traction is Tt [L]
 !! Source:  van den Bosch, Schreurs and Geers 2006: a law of Xu and Needleman's type that stays
-!!          physical if the two energies differ. Here it has damage and is not reversible, cf.
-!!          Kolluri et al. 2014. The energies per area are e Tn gn and sqrt(e) Tt gt
+!!          physical if the two energies differ. Here it has damage instead of being reversible,
+!!          cf. Kolluri et al. 2014. The energies per area are e Tn gn and sqrt(e) Tt gt
 module contact_cz_mixed
   use base_kinds, only: wp
   use contact_secant, only: pull_by_secants, MODES
@@ -15,7 +15,8 @@ module contact_cz_mixed
   private
   public :: describe
 
-  !> Openings of release: 8 gn, where 0.7 % of Tn is left, and 4 gt, where 0.2 % of Tt is left.
+  !> Openings at which a bond is released: 8 gn, where 0.7 % of Tn is left, and 4 gt, where 0.2 % of
+  !! Tt is left.
   real(wp), parameter :: RELEASED_AT(2) = [8.0_wp, 4.0_wp]
 
 contains

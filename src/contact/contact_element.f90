@@ -136,8 +136,8 @@ contains
     call taper_edge(contact%taper, outside, foot, point, dt)
   end subroutine find_traction
 
-  !> Record the results of the laws at a point. Tractions are per current area, whichever area the
-  !! laws refer to.
+  !> Record the results of the laws at a point. Tractions are recorded per current area, whichever
+  !! area the laws refer to.
   pure subroutine record(contact, foot, i, point, bond, da, points)
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: foot

@@ -1,5 +1,5 @@
-!> Facets of a surface, which are its elements divided until they are nearly flat. A search finds
-!! the facets of another surface that are near.
+!> Facets of a surface: its elements, divided until the parts are nearly flat. A search finds nearby
+!! facets of another surface.
 module contact_facets
   use base_kinds, only: wp
   use contact_pair, only: surface_t
@@ -104,7 +104,7 @@ contains
     normal = normal/max(norm2(normal), tiny(1.0_wp))
   end subroutine place_facet
 
-  !> Change of the tangents from those in the middle, in components along the tangents in the
+  !> Change of the tangents relative to those in the middle, as components along the tangents in the
   !! middle.
   pure real(wp) function change(middle, a) result(r)
     real(wp), intent(in) :: middle(3, 2), a(3, 2)
@@ -119,7 +119,8 @@ contains
             sum(abs(m(1, 1)*d(2, :) - m(1, 2)*d(1, :))))/det
   end function change
 
-  !> Divisions of an element in each direction that make its parts flat and their edges straight.
+  !> Number of divisions of an element in each direction that makes its parts nearly flat and their
+  !! edges nearly straight.
   pure integer function divisions(surface, shape, e) result(m)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

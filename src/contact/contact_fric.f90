@@ -27,8 +27,8 @@ contains
 
   !> Predict stick. If the traction then exceeds mu p, the corrector returns it to mu p. Across the
   !! direction of slip, the tangent is mu p divided by |d|. At the start of a step |d| is nearly
-  !! that of the elastic part, which would make the tangent a hundred times too stiff. Therefore the
-  !! expected slip `ahead` is added to |d|.
+  !! that of the elastic part, which would make the tangent a hundred times too stiff. The expected
+  !! slip `ahead` is therefore added to |d|.
   pure subroutine coulomb(prop, d, p, ahead, t, dtdd, dtdp, elastic, state)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: d(3), p, ahead

@@ -3,7 +3,7 @@
 !!
 !! Its arrays are those of contact_points_t (contact_pair); those that end in `_step` hold the state
 !! at the start of the step. Friction keeps a sliding point on the other surface, which moves only
-!! when a step is accepted (accept_slides). Read on: contact_assembly (fills the arrays in an
+!! when a step is accepted (accept_slides). See also contact_assembly (fills the arrays in an
 !! iteration), contact_smooth and contact_resultant (fields and sums from them), contact_augment
 !! (multipliers).
 module contact_history
@@ -22,11 +22,11 @@ module contact_history
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
             side_positions, enter_slide, accept_slides, trail_behind
 
-  !> A point lies at a surface if its distance is less than this fraction of DEPTh.
+  !> A point lies at a surface if its distance from it is less than this fraction of DEPTh.
   real(wp), parameter, public :: BESIDE = 0.1_wp
 
   integer, parameter :: MOST_STEPS = 20
-  !> A gap that is smaller than this, relative to the tangents, has no direction.
+  !> A gap that is smaller than this, relative to the tangents, has no meaningful direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
 
 contains
@@ -148,7 +148,7 @@ contains
   end function had_touched
 
   !> Find positions of integration points of element e. The first `from` points are left out, and as
-  !! many points follow as xp has room for.
+  !! many of the next ones are taken as xp has room for.
   pure subroutine side_positions(surface, e, x, xp, from)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -175,9 +175,9 @@ contains
     end associate
   end subroutine side_positions
 
-  !> Set the sliding point of point i, which enters in this step, to where it was projected at the
-  !! start of the step. Friction then resists the whole tangential motion of the step, as it does at
-  !! points whose sliding points were set when the previous step was accepted.
+  !> Set the sliding point of point i, which comes into contact in this step, to its projection at
+  !! the start of the step. Friction then resists the whole tangential motion of the step, as it
+  !! does at points whose sliding points were set when the previous step was accepted.
   subroutine enter_slide(contact, k, shape, grid, x_start, i, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, i
@@ -201,10 +201,10 @@ contains
   end subroutine enter_slide
 
   !> Set the sliding points of an accepted step. A sticking point keeps its sliding point. The
-  !! sliding point of a slipping point follows the projection at the distance of the elastic part
-  !! (Sauer and De Lorenzis 2015). The sliding point of any other point is its projection. If the
-  !! point lies beyond the outer boundary, it is the closest point of the boundary, so that friction
-  !! acts in the step in which the point crosses the boundary.
+  !! sliding point of a slipping point follows the projection at a distance equal to the elastic
+  !! part (Sauer and De Lorenzis 2015). The sliding point of any other point is its projection. If
+  !! the point lies beyond the outer boundary, its sliding point is the closest point of the
+  !! boundary, so that friction acts in the step in which the point crosses the boundary.
   pure subroutine accept_slides(own, other, shape, x, feet, points)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape           !! of the other side

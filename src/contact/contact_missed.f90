@@ -1,7 +1,7 @@
 !> Contacts that have not closed in any step of a run: their smallest gap, and a note at the end.
 !!
-!! Such a contact may be a stop that nothing should reach, so the note is no warning. A contact with
-!! bonds is left out: its faces are meant to part.
+!! Such a contact may be a stop that nothing should reach, so this is a note and not a warning. A
+!! contact with bonds is left out: its faces are meant to part.
 module contact_missed
   use base_kinds, only: wp
   use base_log, only: note
@@ -16,8 +16,8 @@ module contact_missed
 
 contains
 
-  !> After a step is accepted: has a contact closed? If not, keep the smallest gap so far; that of
-  !! the reference configuration counts as well, as step 0.
+  !> After a step is accepted, find out whether a contact has closed. If not, keep the smallest gap
+  !! so far; the gap in the reference configuration counts too, as that of step 0.
   subroutine follow_gaps(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -38,7 +38,7 @@ contains
     end do
   end subroutine follow_gaps
 
-  !> Keep the smallest gap at the positions x if it is less than those before.
+  !> Keep the smallest gap at the positions x if it is smaller than the earlier ones.
   subroutine keep_gap(contact, x, step, now)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]

@@ -1,4 +1,4 @@
-!> The mortar scheme (SCHEme MORTar): one energy of the normal contact of both sides, integrated
+!> The mortar scheme (SCHEme MORTar): one energy for the normal contact of both sides, integrated
 !! over cells.
 !!
 !! Each side k that is not rigid is integrated over its cells (contact_cells). The share c is 1/2,
@@ -13,10 +13,10 @@
 !! resolves the edge of the contact area. If the penalty is stiff, the rest of it, eps_2, acts at
 !! control points, where it does not lock.
 !!
-!! Friction acts at the points of the cells too, so that its bound is mu times their pressure. When
-!! cells are cut, a point takes over the elastic slip that the points of the last step have at its
-!! place in the element: the sliding point of the new point is its projection at the start of the
-!! step, moved back by this elastic slip.
+!! Friction acts at the points of the cells too, so that its limit is mu times their pressure. When
+!! cells are cut, a point takes over the elastic slip that the points of the previous step have at
+!! its place in the element: the sliding point of the new point is its projection at the start of
+!! the step, moved back by this elastic slip.
 module contact_mortar
   use base_comm, only: is_root, owns
   use base_kinds, only: wp
@@ -43,13 +43,13 @@ module contact_mortar
 
   !> Cells are cut again if a node has since moved farther than this many times the smallest facet.
   real(wp), parameter :: MOVED_FAR = 1.0_wp
-  !> The iteration settles when its last increment is below this fraction of the smallest facet.
+  !> The iteration has settled when its last increment is below this fraction of the smallest facet.
   real(wp), parameter :: SETTLES = 0.3_wp
-  !> Once the iteration settles, cells are cut again if a node has moved farther than this fraction
-  !! of the smallest facet. The converged state then does not depend on where the iteration began.
-  !! Without friction it has a potential, and it rotates with the bodies.
+  !> Once the iteration has settled, cells are cut again if a node has moved farther than this
+  !! fraction of the smallest facet. The converged state then does not depend on where the iteration
+  !! began. Without friction it has a potential, and it rotates with the bodies.
   real(wp), parameter :: MOVED = 1.0e-8_wp
-  !> Largest number of such cuts in a step once the iteration settles.
+  !> Largest number of such cuts in a step once the iteration has settled.
   integer, parameter :: MOST_CUTS = 8
   !> A point of a surface moves at most this many times as far as the nodes, because functions may
   !! be negative.
@@ -67,7 +67,7 @@ contains
     real(wp), intent(in) :: x_start(:, :)     !! (3, nnode) at the start of the step [L]
     integer, intent(in) :: step
     logical, intent(in) :: slides             !! friction acts
-    logical, intent(in) :: trial              !! of a line search: only forces are wanted
+    logical, intent(in) :: trial              !! of a line search: only forces are needed
     type(shape_t), intent(in) :: shape(2)
     type(grid_t), intent(in) :: grid(2)
     type(contact_state_t), intent(inout) :: state
@@ -120,7 +120,7 @@ contains
     mortar%step = step
   end subroutine find_mortar
 
-  !> Add the motion of both sides since the last projection to the bound of all motions.
+  !> Add the motion of both sides since the last projection to the bound on all motions.
   subroutine add_travel(mortar, contact, x)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
@@ -135,7 +135,7 @@ contains
     mortar%x_last = x
   end subroutine add_travel
 
-  !> How far the node that moved farthest has moved.
+  !> The largest distance that a node has moved.
   pure real(wp) function largest_motion(node, x, x_before) result(far)
     integer, intent(in) :: node(:)
     real(wp), intent(in) :: x(:, :), x_before(:, :) !! (3, nnode) [L]
@@ -149,8 +149,8 @@ contains
   end function largest_motion
 
   !> Project the points of side k. Points that cannot have closed since their last projection stay
-  !! open, unless control points need their gaps. So do points whose distance from the last
-  !! projected one, which faces the same element, is smaller than the gap there.
+  !! open, unless control points need their gaps. So do points that face the same element as the
+  !! last projected point and are nearer to it than its gap.
   subroutine project_points(contact, k, x, travel, reference, shape, grid, side)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -206,7 +206,7 @@ contains
     end associate
   end subroutine project_points
 
-  !> Find where the projection of a point moves, to first order, when the point moves.
+  !> Find, to first order, where the projection of a point moves when the point moves.
   pure subroutine move_foot(foot, from, to, xi)
     type(foot_t), intent(in) :: foot          !! of the point at `from`
     real(wp), intent(in) :: from(3), to(3)    !! [L]
@@ -299,10 +299,10 @@ contains
                            dshp(:, :n))
   end subroutine find_slide_functions
 
-  !> Friction of the last step at xi in element e: a mean of its points there, with weights that
-  !! fall with the fourth power of the distance (Shepard 1968). A point that has not moved keeps its
-  !! values, and values change continuously with the cells, so that rounding cannot select them.
-  !! They are zero if the element had no points.
+  !> Friction of the previous step at xi in element e: a mean over the points of the element, with
+  !! weights that fall with the fourth power of the distance (Shepard 1968). A point that has not
+  !! moved keeps its values, and values change continuously with the cells, so that rounding cannot
+  !! select them. All values are zero if the element had no points.
   pure subroutine last_friction(rubbed, e, xi, elastic, slip_rate, limit)
     type(friction_points_t), intent(in) :: rubbed
     integer, intent(in) :: e

@@ -26,7 +26,7 @@ contains
   end function describe
 
   !> Find p = <y> with y = multiplier - eps_n gap; without augmentation the multiplier is zero. If d
-  !! > 0, p = y^2/(2 eps_n d) up to y = eps_n d, and p = y - eps_n d/2 beyond. With d > 0 the
+  !! > 0, p = y^2/(2 eps_n d) up to y = eps_n d, and p = y - eps_n d/2 beyond that. With d > 0 the
   !! derivative has no jump, and surfaces that just touch exert no pressure.
   pure subroutine pressure(prop, gap, multiplier, p, dp, energy)
     real(wp), intent(in) :: prop(:)

@@ -2,7 +2,7 @@
 !!
 !! `contact_t` carries a contact from the records of the deck to its use: the reader of CONTact sets
 !! what the deck gives, and `input_contact` resolves the surfaces, the integration points and the
-!! numbers that are left to the program.
+!! numbers that the deck leaves to the program.
 module contact_pair
   use base_kinds, only: wp
   use base_error, only: place_t
@@ -16,7 +16,7 @@ module contact_pair
 
   !> SCHEme: the points at which the laws act, and the bodies on which their tractions act.
   integer, parameter, public :: HALFPASS = 1 !! each integration point loads its own side
-  integer, parameter, public :: BALANCED = 2 !! each integration point loads both sides with half
+  integer, parameter, public :: BALANCED = 2 !! each integration point loads both sides by half
   !! of its traction
   integer, parameter, public :: MORTAR = 3   !! cells and control points load both sides
 
@@ -30,7 +30,7 @@ module contact_pair
     real(wp), allocatable :: dshp(:, :, :)   !! (2, nsf, nq)
   end type surface_basis_t
 
-  !> A part of an edge at a T-junction and the element edge that it adjoins.
+  !> A part of an edge at a T-junction, and the element edge that adjoins it.
   type :: edge_part_t
     real(wp) :: own(2) = 0.0_wp              !! parameters of the edge, ascending
     integer :: elem = 0, edge = 0            !! the neighbour
@@ -54,8 +54,9 @@ module contact_pair
     !> (4, nelem) element across an edge; 0: the edge belongs to the outer boundary.
     integer, allocatable :: neighbour(:, :)
     integer, allocatable :: edge(:, :)       !! (4, nelem) its edge; negative: opposite direction
-    !> The parts of edge k of element e begin at part_first(4(e-1)+k), where an edge meets several
-    !! edges or a part of one; `neighbour` is then one of them. Not allocated: there are none.
+    !> Where an edge meets several edges, or only a part of one edge: the parts of edge k of element
+    !! e begin at part_first(4(e-1)+k), and `neighbour` is one of the elements there. Not allocated:
+    !! there are no such edges.
     integer, allocatable :: part_first(:)    !! (4*nelem+1)
     type(edge_part_t), allocatable :: part(:)
     !> (4, nelem) the edge is collapsed to a point (prisms); not allocated: no edge is collapsed.
@@ -97,8 +98,8 @@ module contact_pair
     character(:), allocatable :: name
     type(place_t) :: place
     type(surface_t) :: side(2)
-    !> Self-contact: both sides are the same surface. Side 1 is integrated over its cells and
-    !! projected on side 2.
+    !> Self-contact: both sides are the same surface. Side 1 is integrated over its cells, whose
+    !! points are projected onto side 2.
     logical :: self = .false.
     type(assigned_law_t) :: normal, friction, cohesive
     !> PAIR: the penalty of bonded points acts between point and partner until the bond is released.
@@ -112,7 +113,7 @@ module contact_pair
     real(wp) :: after = -huge(1.0_wp)        !! AFTEr: earliest start of a step with friction [T]
     type(bond_t), allocatable :: bond(:)     !! regions of BONDed; bonds are in their intersection
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element
-    real(wp) :: released = 0.0_wp            !! opening from which a bond counts as released [L]
+    real(wp) :: released = 0.0_wp            !! opening at which a bond counts as released [L]
     real(wp) :: depth = 0.0_wp               !! DEPTh: a deeper penetration is not contact [L]
     logical :: default_depth = .false.       !! the deck gives no DEPTh
     integer :: ngauss(2) = 5                 !! QUADrature: points of an element in its directions
@@ -125,7 +126,8 @@ module contact_pair
 
   !> History of the integration points of one side. Point q of element e is number (e-1)*nq + q.
   type :: contact_points_t
-    !> Element of the closest point on the other surface, where the next projection starts; 0: none.
+    !> Element of the closest point on the other surface, where the next projection starts; 0: there
+    !! is none.
     integer, allocatable :: closest(:)       !! (np)
     real(wp), allocatable :: closest_xi(:, :) !! (2, np)
     integer, allocatable :: closest_step(:)  !! (np) the same at the start of the step
@@ -141,7 +143,7 @@ module contact_pair
     integer, allocatable :: state_step(:)
     real(wp), allocatable :: slip_rate(:)    !! (np) rate of slip in the previous step [L/T]
     real(wp) :: dt = 0.0_wp                  !! of the current step [T]; 0: no time
-    !> (np) At the end of the previous step the point was beside the other surface and not far
+    !> (np) At the end of the previous step, the point was beside the other surface and not far
     !! above it. Such a point enters the body over the boundary and is not pushed out through the
     !! face.
     logical, allocatable :: beside(:)
@@ -200,22 +202,23 @@ module contact_pair
     type(contact_points_t) :: side(2)
     type(control_points_t) :: control(2)
     type(friction_points_t) :: rubbed(2)
-    !> At the end of the last step: energy of the pressure and elastic energy of friction at the
+    !> At the end of the previous step: energy of the pressure and elastic energy of friction at the
     !! points of each side, and the work of all slip so far [F L].
     real(wp) :: pressed(2) = 0.0_wp, sheared(2) = 0.0_wp, dissipated = 0.0_wp
     !> MORTAR: force on each side and its moment about the origin, of the last assembly [F], [F L]
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
     real(wp) :: force_step(3, 2) = 0.0_wp, moment_step(3, 2) = 0.0_wp !! at the start of the step
-    !> MORTAR: of each side that is integrated, current area in contact and those parts of it that
-    !! stick and slip [L^2]. Largest penetration of its corners and, with MORTAR, its points [L].
+    !> MORTAR: for each side that is integrated, the current area in contact and the parts of it
+    !! that stick and slip [L^2]. Largest penetration of the corners of each side and, with MORTAR,
+    !! of its points [L].
     real(wp) :: area(2) = 0.0_wp, sticks(2) = 0.0_wp, slips(2) = 0.0_wp, penetration(2) = 0.0_wp
-    logical :: depth_warned = .false.        !! the warning of points deeper than `depth` was issued
-    !> Of all steps: largest |F1 + F2| relative to the larger force, and largest penetration
+    logical :: depth_warned = .false.        !! warned about points deeper than `depth`
+    !> Over all steps: largest |F1 + F2| relative to the larger force, and largest penetration
     !! relative to the width of an element or the thickness, whichever is smaller [-]; the largest
     !! force [F].
     real(wp) :: balance = 0.0_wp, deepest = 0.0_wp, largest_force = 0.0_wp
     !> As long as the contact has not closed in any step: the smallest gap of all steps [L], the
-    !! point that has it, and its step.
+    !! point where it occurs, and its step.
     logical :: touched = .false.
     real(wp) :: nearest = huge(1.0_wp), x_nearest(3) = 0.0_wp
     integer :: nearest_step = 0              !! 0: before the first step
@@ -224,7 +227,7 @@ module contact_pair
 
 contains
 
-  !> Is a side integrated? Each point then loads its own side and the other one.
+  !> Is a side integrated? Each point then loads its own side and the other side.
   pure logical function is_integrated(contact, k)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -232,8 +235,8 @@ contains
     is_integrated = .not. (contact%side(k)%rigid .or. (contact%self .and. k == 2))
   end function is_integrated
 
-  !> Options of a contact as the log shows them after the normal law. Each option has one statement
-  !! here.
+  !> Options of a contact as the log shows them after the normal law. There is one statement for
+  !! each option.
   function option_text(contact) result(text)
     type(contact_t), intent(in) :: contact
     character(:), allocatable :: text

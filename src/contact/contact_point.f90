@@ -17,7 +17,7 @@ module contact_point
   public :: point_t, traction_derivatives_t, vary_projection, vary_normal, traction_at, &
             add_friction, inverse, outer, energy_at_rest
 
-  !> A distance that is smaller than this, relative to the tangents, has no direction.
+  !> A distance that is smaller than this, relative to the tangents, has no meaningful direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
 
   !> Kinematics and tractions of a point.
@@ -29,7 +29,7 @@ module contact_point
     real(wp) :: multiplier = 0.0_wp    !! of the augmentation [F/L^2]
     real(wp) :: full = -1.0_wp         !! [L] depth from which the pressure decreases; negative: it
     !! never does
-    real(wp) :: last = 0.0_wp          !! [L] depth from which nothing acts, > 2*full
+    real(wp) :: last = 0.0_wp          !! [L] depth beyond which nothing acts, > 2*full
     integer :: state = OPEN
     real(wp) :: n(3) = 0.0_wp          !! normal of the other side, if in contact
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
@@ -51,7 +51,7 @@ module contact_point
 
 contains
 
-  !> Find the traction of the normal and the friction law, and its derivatives.
+  !> Find the traction given by the normal law and the friction law, and its derivatives.
   pure subroutine traction_at(contact, foot, point, dt)
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: foot
@@ -79,7 +79,7 @@ contains
     if (point%slides .and. point%p > 0.0_wp) call add_friction(contact, dn, dpdx, point, dt)
   end subroutine traction_at
 
-  !> Add the traction of friction at a point that carries a pressure, and its derivatives.
+  !> Add the frictional traction at a point that carries a pressure, and its derivatives.
   pure subroutine add_friction(contact, dn, dpdx, point, dt)
     type(contact_t), intent(in) :: contact
     type(traction_derivatives_t), intent(in) :: dn !! of the normal point%n
@@ -117,7 +117,7 @@ contains
 
   !> Find the pressure of the normal law. A point deeper than `full` is not pushed out through the
   !! face: its pressure decreases to zero between `full` and twice that depth, and its energy
-  !! decreases to zero between there and `last`.
+  !! decreases to zero from there to `last`.
   pure subroutine press(contact, gap, point, dp)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: gap            !! [L]
@@ -145,8 +145,8 @@ contains
     end if
   end subroutine press
 
-  !> Energy that the law of the pressure has at a gap of zero, due to the multiplier. The energy of
-  !! a contact is counted without it, so it is zero where augmentation has closed the gap.
+  !> Energy of the pressure at a gap of zero, due to the multiplier. The energy of a contact is
+  !! counted without this part, so it is zero where augmentation has closed the gap.
   pure real(wp) function energy_at_rest(normal, multiplier) result(energy)
     type(assigned_law_t), intent(in) :: normal
     real(wp), intent(in) :: multiplier     !! [F/L^2]

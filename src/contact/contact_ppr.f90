@@ -43,7 +43,7 @@ contains
     call pull_by_secants(secants, MODES, prop, minval(prop(11:12)), lag, g, n, past, now, c)
   end subroutine ppr_law
 
-  !> Compute prop(9:16) from the numbers of the deck; `wrong` is the position of a number with which
+  !> Compute prop(9:16) from the numbers of the deck; `wrong` is the position of a number for which
   !! this is impossible.
   pure subroutine prepare(prop, wrong, hint)
     real(wp), intent(inout) :: prop(:)
@@ -81,7 +81,7 @@ contains
   !! y = k_2/delta_t:
   !! s_n = -Gamma_n (m + alpha)/delta_n^2 P_n(x) Q_t(y),
   !! s_t = -Gamma_t (n + beta)/delta_t^2 P_t(y) Q_n(x).
-  !! P is zero beyond the final opening, and Q is zero from the opening at which it changes its
+  !! P is zero beyond the final opening, and Q is zero beyond the opening at which it changes its
   !! sign.
   pure subroutine secants(prop, k, s, ds)
     real(wp), intent(in) :: prop(:), k(2)

@@ -1,4 +1,4 @@
-!> The release of bonds, which is the measure prescribed under control of the release.
+!> The release of bonds, which is the quantity that control of the release prescribes.
 module contact_release
   use base_kinds, only: wp
   use constraint, only: fold_force
@@ -67,8 +67,8 @@ contains
     end do
   end subroutine spread_slope
 
-  !> Reference area of all bonded points of both sides [L^2], which is the release when all bonds
-  !! are open.
+  !> Reference area of all bonded points of both sides [L^2], which equals the release when all
+  !! bonds are open.
   pure real(wp) function bonded_area(model, state) result(area)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -1,5 +1,5 @@
-!> Reports contacts during a run: contacts that close or open in a step, points that have passed
-!! through the other body, and warnings of results that cannot be right.
+!> Reports on contacts during a run: contacts that close or open in a step, points that have passed
+!! through the other body, and warnings about results that cannot be right.
 module contact_report
   use base_kinds, only: wp
   use base_log, only: log_line, warn
@@ -115,7 +115,8 @@ contains
   end subroutine measure_contacts
 
   !> Keep the largest energy of penetration so far, and its fraction of the work of supports and
-  !! loads at that time. Models with bonds or inertia are left out, because these do work too.
+  !! loads at that time. Models with bonds or inertia are left out, because bonds and inertia do
+  !! work too.
   pure subroutine follow_penetration(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -132,7 +133,7 @@ contains
     end associate
   end subroutine follow_penetration
 
-  !> At the end of a run: warn if penetration has taken so much of the work that the bodies deform
+  !> At the end of a run, warn if penetration has taken so much of the work that the bodies deform
   !! much less than they should. The fraction does not depend on the units.
   subroutine warn_soft_penalty(model, state)
     type(model_t), intent(in) :: model
@@ -149,7 +150,8 @@ contains
               //', or a finer mesh')
   end subroutine warn_soft_penalty
 
-  !> The smallest width of the elements of both sides that are not rigid, or thickness [L].
+  !> The smallest of the thicknesses of both sides and of the mean widths of the elements of those
+  !! sides that are not rigid [L].
   pure real(wp) function smallest(contact) result(h)
     type(contact_t), intent(in) :: contact
     integer :: k
@@ -212,8 +214,8 @@ contains
   end function deepest_point
 
   !> Find a point that was outside the other body at the start of the step, and is now behind its
-  !! surface and deeper than DEPTh, or has passed through it within the step: contact would never
-  !! act on this point. `trouble` is allocated if there is such a point.
+  !! surface and deeper than DEPTh, or has passed through the body within the step: contact would
+  !! never act on this point. `trouble` is allocated if there is such a point.
   subroutine find_jump(model, state, trouble)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -262,7 +264,7 @@ contains
   subroutine find_jump_through(contact, x_start, x, gap, side)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now
-    real(wp), intent(out) :: gap                   !! the point's [L]; positive: there is none
+    real(wp), intent(out) :: gap                   !! gap of the point [L]; positive: there is none
     integer, intent(out) :: side                   !! whose point it is
     type(shape_t) :: shape(2), start(2)
     type(grid_t) :: grid(2), start_grid(2)

@@ -1,12 +1,12 @@
 !> Resultants of one side of a contact (force, moment, area and points in contact), and the values
 !! of the contact quantities of a CURVe.
 !!
-!! The tractions of side k are those that act on side k: a body that is pressed onto another one is
-!! pushed up, and the other one feels a negative z force. Force and moment are those of the nodal
-!! forces of the side. If the points of the other side load it too (with BALAnced, or if it is
-!! rigid), their forces act at their projections. The moments of the two sides then differ by forces
-!! along the surface (friction, BORDer) times penetration. A rigid side has no points of its own:
-!! areas and numbers of points are those of the other side.
+!! The tractions of side k are those that act on side k: a body that is pressed down onto another
+!! one is pushed up, and a negative z force acts on the other body. Force and moment are those of
+!! the nodal forces of the side. If the points of the other side load it too (with BALAnced, or if
+!! it is rigid), their forces act at their projections. The moments of the two sides then differ by
+!! the forces along the surface (friction, BORDer) times the penetration. A rigid side has no points
+!! of its own: areas and numbers of points are those of the other side.
 module contact_resultant
   use base_kinds, only: wp
   use contact_history, only: side_positions
@@ -33,7 +33,7 @@ module contact_resultant
     real(wp) :: penetration = 0.0_wp     !! largest penetration of its points and corners [L]
     integer :: npoint = 0, nclosed = 0   !! points, and how many of them are in contact
     integer :: nstick = 0, nslip = 0
-    !> The total of which `stick` and `slip` are parts: the points in contact, or the area in
+    !> The whole of which `stick` and `slip` are parts: the points in contact, or the area in
     !! contact (MORTar).
     real(wp) :: closed = 0.0_wp, stick = 0.0_wp, slip = 0.0_wp
   end type resultant_t
@@ -206,8 +206,9 @@ contains
     end select
   end function contact_value
 
-  !> Fraction of the bonded area that is released. With damage the largest openings so far decide,
-  !! because a bond that closes again does not heal; a reversible law stores its current opening.
+  !> Fraction of the bonded area that is released. With damage, the largest openings so far are
+  !! used, because a bond that closes again does not heal; a reversible law stores its current
+  !! opening.
   pure real(wp) function released_fraction(contact, points) result(value)
     type(contact_t), intent(in) :: contact
     type(contact_points_t), intent(in) :: points

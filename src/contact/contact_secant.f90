@@ -1,7 +1,7 @@
 !> Cohesive tractions given by secants: the part that all cohesive laws share.
 !!
-!! With the normal n of the partner, the gap g is split into d_n = n.g and g_t = g - d_n n; d_t =
-!! |g_t|:
+!! With the normal n at the partner, the gap g is split into d_n = n.g and g_t = g - d_n n, and d_t
+!! = |g_t|:
 !!
 !!   T = -s_n(k) d_n n - s_t(k) g_t.
 !!
@@ -26,7 +26,7 @@ module contact_secant
   !! largest openings of both modes so far.
   integer, parameter :: REVERSIBLE = 0, WHOLE = 1, MODES = 2
 
-  !> Number of intervals over which the work of a step is integrated: PER_SCALE in an opening of
+  !> Number of intervals over which the work of a step is integrated: PER_SCALE for an opening of
   !! `scale`, and at most MOST.
   integer, parameter :: PER_SCALE = 32, MOST = 512
 
@@ -165,8 +165,8 @@ contains
     now(6) = past(6) + 0.5_wp*(past(7) + now(7))*(now(5) - past(5))
   end subroutine add_viscosity
 
-  !> Integrate the work from the opening at the start of the step straight to d, by Simpson's rule
-  !! on intervals.
+  !> Integrate the work along the straight line from the opening at the start of the step to d, by
+  !! Simpson's rule on intervals.
   pure subroutine integrate_work(secants, memory, prop, scale, past, d, work)
     procedure(secants_i) :: secants
     integer, intent(in) :: memory

@@ -26,7 +26,7 @@ module contact_smooth
     integer, allocatable :: node(:)         !! (n) nodes and control points of the side, each once
     integer, allocatable :: at(:)           !! (size(surface%node)) their positions in `node`
     real(wp), allocatable :: traction(:, :) !! (3, n) on this side [F/L^2]
-    real(wp), allocatable :: friction(:, :) !! (3, n) part of it that is friction [F/L^2]
+    real(wp), allocatable :: friction(:, :) !! (3, n) the frictional part of it [F/L^2]
     real(wp), allocatable :: pressure(:)    !! (n) [F/L^2]
     real(wp), allocatable :: slip(:, :)     !! (3, n) elastic part of the slip [L]
     real(wp), allocatable :: state(:)       !! (n) 0 open, 1 stick (or no friction), 2 slip
@@ -36,7 +36,7 @@ module contact_smooth
   !> Relative rounding error of the square of a pressure.
   real(wp), parameter :: ROUNDING = 64.0_wp*epsilon(1.0_wp)
 
-  !> Rows of the sums that points%spread has: traction, pressure, elastic slip, state, friction.
+  !> Rows of the sums in points%spread: traction, pressure, elastic slip, state, friction.
   integer, parameter, public :: NSPREAD = 11
   !> Further rows.
   integer, parameter :: AREA = 12, GAP = 13, GAP_AREA = 14, NSUM = 14
@@ -47,8 +47,8 @@ module contact_smooth
 
 contains
 
-  !> Find all fields of side k, which must not be rigid. A node near which no point has a projection
-  !! is given the gap of the farthest point that has one.
+  !> Find all fields of side k, which must not be rigid. If no point near a node has a projection,
+  !! the node is given the gap of the farthest point that has one.
   subroutine smooth_side(contact, k, points, field)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -171,7 +171,7 @@ contains
   end subroutine add_point
 
   !> Friction at a point. Friction acts along the elastic part of the slip, and the pressure acts
-  !! perpendicular to it. If the elastic part is only rounding, its direction is arbitrary;
+  !! perpendicular to it. If the elastic part is nothing but rounding, its direction is arbitrary;
   !! therefore friction is limited to the part of t that is not pressure.
   pure function friction_of(t, p, elastic) result(friction)
     real(wp), intent(in) :: t(3), p, elastic(3)

@@ -1,5 +1,5 @@
-!> What the log reports about contacts before the first step: their bonds, and warnings of faces
-!! that look wrong and of initial penetrations.
+!> What the log reports about contacts before the first step: their bonds, and warnings about faces
+!! that look wrong and about initial penetrations.
 !!
 !! All points are projected in the reference configuration. Points that are inside the other body at
 !! the start indicate a press fit or a mistake. If the outward normals of the two surfaces point the
@@ -23,22 +23,23 @@ module contact_start
   private
   public :: start_t, look_at_start, warn_contacts, position_text
 
-  !> Fraction of the size of an element: a smaller gap is rounding.
+  !> A gap that is smaller than this fraction of the size of an element is due to rounding.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
   !> Elements count as nearest if their gaps exceed the smallest one by at most this fraction of the
-  !! width of the element that has it.
+  !! width of the element with the smallest gap.
   real(wp), parameter :: NEAREST = 0.01_wp
   real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of the bonded areas
 
   !> Position of two surfaces relative to each other at the start.
   type :: start_t
-    !> Number of points of both sides, or of a rigid side alone if no point of the other faces it.
+    !> Number of points of both sides, or of a rigid side alone if no point of the other side faces
+    !! it.
     integer :: npoint = 0
-    integer :: ninside = 0               !! of them, points that penetrate
+    integer :: ninside = 0               !! number of these that penetrate
     real(wp) :: deepest = 0.0_wp         !! largest penetration [L]
     real(wp) :: x(3) = 0.0_wp            !! and the point that has it [L]
-    integer :: nnear = 0                 !! near points: about as near as the nearest point
-    integer :: naway(2) = 0              !! near points where side 1, or side 2, faces away
+    integer :: nnear = 0                 !! points about as near as the nearest one
+    integer :: naway(2) = 0              !! such points where side 1, or side 2, faces away
     real(wp) :: overlap = 0.0_wp         !! largest penetration between DEPTh and a whole body [L]
     real(wp) :: x_overlap(3) = 0.0_wp    !! the point that has it [L]
     integer :: nbehind = 0               !! nearest points that are behind the whole other body
@@ -54,7 +55,8 @@ module contact_start
 
 contains
 
-  !> Log the bonds of all contacts, and warn of faces that look wrong and of initial penetrations.
+  !> Log the bonds of all contacts, and warn about faces that look wrong and about initial
+  !! penetrations.
   subroutine warn_contacts(model)
     type(model_t), intent(in) :: model
     type(contact_state_t) :: state
@@ -126,7 +128,7 @@ contains
     text = '('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', '//to_text(x(3), 4)//')'
   end function position_text
 
-  !> Warn if the bonded areas of the two sides differ. Each point counts with all of its area or not
+  !> Warn if the bonded areas of the two sides differ. Each point counts with its whole area or not
   !! at all, so a few points cannot represent the edge of a bond well.
   subroutine warn_unequal_bonds(contact, state)
     type(contact_t), intent(in) :: contact
@@ -143,7 +145,7 @@ contains
               //'the bonded area')
   end subroutine warn_unequal_bonds
 
-  !> What to do if the faces of a contact look the wrong way.
+  !> Hint: what to do if the faces of a contact point the wrong way.
   function facing_hint(mesh, contact) result(hint)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact
@@ -182,8 +184,8 @@ contains
     end associate
   end subroutine warn_tied
 
-  !> Project all points of a contact at the positions x, no farther than the thickness of the
-  !! thicker body plus the width of an element.
+  !> Project all points of a contact at the positions x, over a distance of at most the thickness of
+  !! the thicker body plus the width of an element.
   subroutine look_at_start(contact, x, start)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
@@ -241,7 +243,7 @@ contains
 
   contains
 
-    !> Project the points of side k on the other side.
+    !> Project the points of side k onto the other side.
     subroutine look_from(k)
       integer, intent(in) :: k
       type(foot_t) :: foot
@@ -309,7 +311,7 @@ contains
   end subroutine look_at_itself
 
   !> Mean width of those elements of a surface that are about as near to the other surface as the
-  !! nearest element. On graded meshes, large elements far from the contact must not count.
+  !! nearest element. On graded meshes, large elements far from the contact must not be included.
   pure real(wp) function nearest_width(width, reach) result(mean)
     real(wp), intent(in) :: width(:)     !! (nelem) [L]
     real(wp), intent(in) :: reach(:)     !! distance to the other surface [L]; huge: not near

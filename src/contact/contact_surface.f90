@@ -1,6 +1,6 @@
 !> Surfaces of contact, assembled from element faces and tabulated at the integration points.
 !!
-!! Surfaces have the type surface_t of contact_pair. Read on: surface_basis (shape functions on a
+!! Surfaces have the type surface_t of contact_pair. See also surface_basis (shape functions on a
 !! face), surface_topology and surface_t_junctions (neighbours, vertices), surface_geometry (current
 !! position, tangents), surface_traversal (motion along a surface); then `projection`.
 module contact_surface
@@ -39,8 +39,8 @@ contains
     call number_controls(surface)
   end subroutine build_surface
 
-  !> Gather element faces with their nodes and functions. They may belong to several bodies: no
-  !! element has a neighbour.
+  !> Gather element faces with their nodes and functions. They may belong to several bodies, so no
+  !! element is given a neighbour.
   subroutine gather_faces(mesh, block, elem, side, name, surface)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6
@@ -200,9 +200,9 @@ contains
     end do
   end function operator_radix
 
-  !> Set the n1 x n2 Gauss points of a contact, with the first direction fastest, and the functions
-  !! of both sides at them. If contact%ncell > 1, the points of ncell x ncell cells follow
-  !! (subcell_quadrature).
+  !> Set the n1 x n2 Gauss points of a contact, with the first direction varying fastest, and
+  !! evaluate the functions of both sides at them. If contact%ncell > 1, the points of ncell x ncell
+  !! cells follow (subcell_quadrature).
   subroutine tabulate_contact(contact, n1, n2)
     type(contact_t), intent(inout) :: contact
     integer, intent(in) :: n1, n2

@@ -1,12 +1,12 @@
 !> Finds points of contact that pass through the other surface within a step, wherever they end: on
 !! the far side of the body, or beside it. At the end of the step such points are outside the body
-!! or opposite nothing, and no projection tells that they have been inside.
+!! or opposite nothing, and no projection shows that they have been inside.
 !!
-!! The motion of each surface is the rigid motion that fits it best, and a rest that grows linearly;
-!! straight lines would cut through a shaft that turns in its hole. The faces of the other surface
-!! are divided into triangles, which are looked at in a frame that moves with that surface. A point
-!! enters the body where its distance from a triangle changes from positive to negative, and leaves
-!! it where it changes back.
+!! The motion of each surface is the rigid motion that fits it best, plus a remainder that grows
+!! linearly in the step; straight paths would cut through a shaft that turns in its hole. The faces
+!! of the other surface are divided into triangles, which are described in a frame that moves with
+!! that surface. A point enters the body where its distance from a triangle changes from positive to
+!! negative, and leaves it where it changes back.
 module contact_sweep
   use base_kinds, only: wp
   use contact_pair, only: contact_t, surface_t
@@ -22,7 +22,7 @@ module contact_sweep
 
   integer, parameter :: NPOINT = 3        !! points of an element in each of its two directions
   integer, parameter :: NPART = 4         !! parts of a stage in which crossings are sought
-  real(wp), parameter :: STAGE = 0.1_wp   !! rotation of a stage, along which a point moves straight
+  real(wp), parameter :: STAGE = 0.1_wp   !! rotation in a stage, in which points move straight
   integer, parameter :: MOST_STAGES = 40
   integer, parameter :: MOST_CROSSINGS = 16
   !> A point that was inside at the start of the step has passed through if it is now deeper than
@@ -51,7 +51,7 @@ contains
   subroutine find_sweep(contact, x_start, x, depth, side)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now
-    real(wp), intent(out) :: depth                 !! of the point along its way [L]
+    real(wp), intent(out) :: depth                 !! of the point along its path [L]
     integer, intent(out) :: side                   !! whose point it is
     type(screw_t) :: screw(2)
     integer :: k
@@ -94,7 +94,8 @@ contains
     end do
   end subroutine place
 
-  !> Depth from which a point has passed through: DEPTh, or half of the thinner body [L].
+  !> Depth beyond which a point has passed through: DEPTh, or half the thickness of the thinner body
+  !! [L].
   pure real(wp) function least_depth(contact) result(depth)
     type(contact_t), intent(in) :: contact
     integer :: k
@@ -169,16 +170,16 @@ contains
     end associate
   end subroutine sweep_points
 
-  !> How deep a point goes into the other side and stays there unseen [L]; 0 if it stays outside, or
-  !! if contact pushes it back at the end of the step.
+  !> The depth to which a point enters the other side without contact acting on it [L]; 0 if it
+  !! stays outside, or if contact pushes it back at the end of the step.
   subroutine measure_depth(contact, opposite, shape, grid, other, p, n, crossing, depth)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: opposite
     type(shape_t), intent(in) :: shape(2)     !! of the other side at the start and now
     type(grid_t), intent(in) :: grid(2)
     type(triangles_t), intent(in) :: other
-    real(wp), intent(in) :: p(:, 0:), n(:, 0:) !! (3, 0:m) the way of the point, and its normal
-    type(crossing_t), intent(in) :: crossing(:) !! in the order of time
+    real(wp), intent(in) :: p(:, 0:), n(:, 0:) !! (3, 0:m) path of the point, and its normal
+    type(crossing_t), intent(in) :: crossing(:) !! in chronological order
     real(wp), intent(out) :: depth
     type(foot_t) :: foot, start
     real(wp) :: out(3)
@@ -223,7 +224,7 @@ contains
     end do
   end function is_near
 
-  !> Project a point on a surface; no point is deeper below it than `deepest`.
+  !> Project a point onto a surface; no point is deeper below it than `deepest`.
   subroutine find_foot(surface, shape, grid, x, deepest, foot)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -236,7 +237,7 @@ contains
     if (.not. touches(foot, deepest)) foot%elem = 0
   end subroutine find_foot
 
-  !> Is a point inside the body, and does contact push it out on the side of a normal?
+  !> Is a point inside the body, and does contact push it out on the side to which a normal points?
   pure logical function is_pushed(foot, normal) result(yes)
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: normal(3)
@@ -296,11 +297,11 @@ contains
     parts = min(maxval(surface%basis(surface%ibasis(e))%degree), 3)
   end function parts
 
-  !> Find the crossings of a point with the triangles, in the order of time.
+  !> Find the crossings of a point with the triangles, in chronological order.
   subroutine find_crossings(other, near, p, crossing, ncrossing)
     type(triangles_t), intent(in) :: other
     integer, intent(in) :: near(:)            !! the triangles to look at
-    real(wp), intent(in) :: p(:, 0:)          !! (3, 0:m) the way of the point
+    real(wp), intent(in) :: p(:, 0:)          !! (3, 0:m) path of the point
     type(crossing_t), intent(out) :: crossing(MOST_CROSSINGS)
     integer, intent(out) :: ncrossing
     type(crossing_t) :: new
@@ -327,10 +328,11 @@ contains
     end do
   end subroutine find_crossings
 
-  !> The first crossing at which a point enters while its normal is opposite; 0: there is none.
+  !> The first crossing at which a point enters through a face with an opposite normal; 0: there is
+  !! none.
   pure integer function first_entry(other, n, crossing) result(first)
     type(triangles_t), intent(in) :: other
-    real(wp), intent(in) :: n(:, 0:)          !! (3, 0:m) normal of the point on its way
+    real(wp), intent(in) :: n(:, 0:)          !! (3, 0:m) normal of the point along its path
     type(crossing_t), intent(in) :: crossing(:)
 
     do first = 1, size(crossing)
@@ -342,7 +344,7 @@ contains
     first = 0
   end function first_entry
 
-  !> Insert a crossing in the order of time; the list may be full.
+  !> Insert a crossing in chronological order; the list may be full.
   pure subroutine insert(new, list, n)
     type(crossing_t), intent(in) :: new
     type(crossing_t), intent(inout) :: list(:)
@@ -358,9 +360,9 @@ contains
     n = n + 1
   end subroutine insert
 
-  !> How deep a point goes from where it enters to where it leaves, or to its end [L]: below the
-  !! plane in which it enters; where it leaves on the same side of the body, no deeper than below
-  !! the plane there.
+  !> The depth that a point reaches between the place where it enters and the place where it leaves,
+  !! or the end of its path [L]. The depth is measured from the plane through which it enters; if it
+  !! leaves on the same side of the body, the depth below the plane there is a further bound.
   pure real(wp) function depth_of_way(other, p, crossing) result(depth)
     type(triangles_t), intent(in) :: other
     real(wp), intent(in) :: p(:, 0:)
@@ -387,7 +389,7 @@ contains
     end do
   end function depth_of_way
 
-  !> Position on a way of straight stages at time t.
+  !> Position at time t on a path of straight stages.
   pure function on_way(p, t) result(x)
     real(wp), intent(in) :: p(:, 0:), t
     real(wp) :: x(3), s

@@ -1,6 +1,6 @@
-!> The table of contact laws: a new law is a new file and a line here.
+!> The table of contact laws: a new law needs a new file and a line here.
 !!
-!! Read on: contact_type (definition of a row), contact_normal (PENAlty), contact_fric (COULomb),
+!! See also contact_type (definition of a row), contact_normal (PENAlty), contact_fric (COULomb),
 !! contact_secant (the part that cohesive laws share) with contact_cz (EXPOnential),
 !! contact_cz_mixed (MIXEd) and contact_ppr (PPR); contact_point and contact_bond call the laws.
 module contact_table

@@ -1,4 +1,4 @@
-!> One row of the table of contact laws: the interface of a law to the rest of the program.
+!> One row of the table of contact laws: the interface between a law and the rest of the program.
 !!
 !! A law knows a gap and a history, but no surfaces. The tractions of all laws of a contact are
 !! added up.
@@ -10,8 +10,8 @@ module contact_type
 
   integer, parameter, public :: MAX_LAW_PROP = 16 !! length of a row of properties
   integer, parameter, public :: MAX_PAST = 7      !! history variables of a bonded point
-  !> Those of them that hold the openings on which the traction depends: of both modes, or of the
-  !! whole vector and zero.
+  !> Number of these variables that hold the openings on which the traction depends: those of both
+  !! modes, or that of the whole vector and zero.
   integer, parameter, public :: LARGEST_OPENINGS(2) = [1, 2]
 
   !> Role of a law, named after the record of the deck to which it belongs.
@@ -73,7 +73,7 @@ module contact_type
       real(wp), intent(in) :: d(3)        !! [L] from the sliding point, in the tangent plane
       real(wp), intent(in) :: p           !! [F/L^2] pressure, > 0
       !> [L] In the first iteration of a step: the slip that is expected in the step. The point then
-      !! slips whatever d is. In other iterations it is negative, and d decides between stick and
+      !! slips, whatever d is. In other iterations it is negative, and d decides between stick and
       !! slip.
       real(wp), intent(in) :: ahead
       real(wp), intent(out) :: t(3)       !! [F/L^2]
@@ -106,7 +106,7 @@ module contact_type
       character(:), allocatable, intent(out) :: hint
     end subroutine prepare_i
 
-    !> Opening [L] from which a bond counts as released, because hardly any traction is left.
+    !> Opening [L] at which a bond counts as released, because hardly any traction is left.
     pure function released_i(prop) result(opening)
       import :: wp
       implicit none

@@ -2,7 +2,7 @@
 !!
 !! The force on node b of the element is N_b t da. With BALAnced the force on node c of the partner
 !! is -M_c(xi) t da, where M are the functions of the partner. The traction t and the area da vary,
-!! and at a projection xi also varies:
+!! and at a projection xi varies too:
 !!
 !!   dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b.
 !!
@@ -20,8 +20,8 @@ module contact_work
             add_back, add_cross, measure, position_on, position_at, tangents_on, &
             element_functions, own_share, energy_share, loads_both
 
-  !> Work arrays of one element and of its partners, which are the elements of the other side to
-  !! which its points refer. A slot is the position of a partner in the list.
+  !> Work arrays of one element and of its partners, which are the elements of the other side that
+  !! its points face. A slot is the position of a partner in the list.
   type :: work_t
     integer :: nk = 0                          !! nodes of the element
     integer :: npartner = 0
@@ -110,7 +110,7 @@ contains
     call move_alloc(cross, work%cross)
   end subroutine reserve_crosses
 
-  !> Fraction of its traction with which a point loads its own side: half where both sides are
+  !> Fraction of its traction by which a point loads its own side: one half if both sides are
   !! integrated and load each other.
   pure real(wp) function own_share(contact)
     type(contact_t), intent(in) :: contact
@@ -133,7 +133,7 @@ contains
     loads_both = contact%balanced .or. contact%scheme == MORTAR
   end function loads_both
 
-  !> Functions of element e of a surface at a point, weights included.
+  !> Functions of element e of a surface at a point, including the weights.
   pure subroutine element_functions(surface, e, xi, shp, dshp)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -221,8 +221,8 @@ contains
     call raise(a, n, up, area)
   end subroutine measure
 
-  !> Unit normal, contravariant tangents and area of two tangents. All are zero if the tangents are
-  !! parallel.
+  !> Unit normal, contravariant tangents and area, from two tangents. All are zero if the tangents
+  !! are parallel.
   pure subroutine raise(a, n, up, area)
     real(wp), intent(in) :: a(3, 2)
     real(wp), intent(out) :: n(3), up(3, 2), area
@@ -291,7 +291,7 @@ contains
     call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
   end subroutine add_partner
 
-  !> The slot of a partner; it gets a new one if it has none.
+  !> The slot of a partner, which is assigned a new one if it has none.
   pure subroutine find_slot(e, work)
     integer, intent(in) :: e
     type(work_t), intent(inout) :: work

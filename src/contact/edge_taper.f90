@@ -2,15 +2,15 @@
 !! to zero over a fraction of an element, so that a point that slides across the boundary does not
 !! lose its load suddenly.
 !!
-!! With the taper s(xi) at the projection and the potential W of the pressure, the point has the
-!! energy s W per area, from which follows the traction
+!! With the taper s(xi) at the projection and the potential W of the pressure, the energy of the
+!! point is s W per area, from which the traction follows:
 !!
 !!   t = s p n - W grad s,    grad s = sum_a s_,a a^a = v.
 !!
 !! The second part points outwards along the surface. Without it, a point could enter across the
 !! boundary without work, and gain energy when it leaves through the face.
-!! Limits: a^a are those at the projection; off a curved surface grad s differs by gap times
-!!         curvature.
+!! Limits: the a^a are those at the projection; off a curved surface, the error of grad s is about
+!!         gap times curvature.
 module edge_taper
   use base_kinds, only: wp
   use contact_point, only: point_t, traction_derivatives_t, vary_projection, inverse, outer
@@ -22,8 +22,8 @@ module edge_taper
 
 contains
 
-  !> Replace the traction that the laws give at a point near the outer boundary by t, and update its
-  !! derivatives. With A = [a_1 a_2], the metric M = A^T A, w = M^-1 s_,xi and v = A w,
+  !> At a point near the outer boundary, replace the traction that the laws give by t, and update
+  !! its derivatives. With A = [a_1 a_2], the metric M = A^T A, w = M^-1 s_,xi and v = A w,
   !!
   !!   dv = sum_j (w_j (1 - sum_a a^a a_a) - a^j v) . da_j + sum_ab a^a s_,ab dxi_b.
   pure subroutine taper_edge(width, outside, foot, point, dt)

@@ -16,7 +16,7 @@ module mortar_control
 
   !> An overlap of a control point does not count if it is below this fraction of the largest one.
   real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
-  !> A gap below this fraction of the element's width is rounding.
+  !> A gap below this fraction of the element's width is due to rounding.
   real(wp), parameter :: NO_GAP = 1.0e-9_wp
 
 contains
@@ -25,7 +25,7 @@ contains
   !!
   !! Where surfaces just touch, rounding decides whether a point is open or closed. Such a point is
   !! given the stiffness of a closed one. If only a random half of the points had a stiffness, the
-  !! first iteration could lead to a state in which the edges of the bodies do not meet any more.
+  !! first iteration could lead to a state in which the edges of the bodies no longer meet.
   subroutine find_pressures(contact, k, side, control)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

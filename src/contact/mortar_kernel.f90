@@ -1,9 +1,9 @@
 !> Forces and derivatives of the points of one element with the mortar scheme.
 !!
 !! A point of element e loads its own nodes b with -N_b w t and the nodes c of the element that it
-!! faces with M_c(xi) w t. Of these, t and xi vary. For all points of e that face the same element,
-!! the derivatives of the forces with respect to the positions x_d of the nodes of both elements are
-!! products of matrices, which BLAS computes:
+!! faces with M_c(xi) w t. In these forces, t and xi vary. For all points of e that face the same
+!! element, the derivatives of the forces with respect to the positions x_d of the nodes of both
+!! elements are products of matrices, which BLAS computes:
 !!
 !!   dr_b = -sum N_b (w dt/dx_d),
 !!   dr_c =  sum M_c (w dt/dx_d) + sum_a sum (M_c,a t) (w dxi_a/dx_d).
@@ -70,8 +70,8 @@ contains
   end subroutine form_cells
 
   !> Find the points of element e that are in contact, sorted by the elements that they face. The
-  !! first partners are these elements, and those of the sliding points follow. The results of all
-  !! points are cleared.
+  !! first partners are these elements, followed by the elements of the sliding points. The results
+  !! of all points are cleared.
   pure subroutine list_points(side, e, slides, kernel, work, n, faced)
     type(mortar_side_t), intent(inout) :: side
     integer, intent(in) :: e
@@ -125,7 +125,7 @@ contains
     end do
   end subroutine list_points
 
-  !> The slot of a partner; it gets a new one if it has none.
+  !> The slot of a partner, which is assigned a new one if it has none.
   pure subroutine find_slot(partner, work, slot)
     integer, intent(in) :: partner
     type(work_t), intent(inout) :: work
@@ -174,8 +174,8 @@ contains
               kernel%dxi(4*nd*m), kernel%ds(3, 3, 2*m), kernel%k(3*max(nk, nl)*nd))
   end subroutine reserve
 
-  !> Find, for the points that face one partner, tractions and states, the forces, and the factors
-  !! of the derivatives of the forces.
+  !> For the points that face one partner, find the tractions, the states, the forces, and the
+  !! factors of the derivatives of the forces.
   pure subroutine form_points(contact, k, slot, from, nk, nl, nd, m, x, dt_first, tangent, side, &
                               point, slide_slot, xe, own_shp, shp, slope, dt, dxi, ds, work)
     type(contact_t), intent(in) :: contact
@@ -371,7 +371,7 @@ contains
     end associate
   end subroutine add_away
 
-  !> Add a vector times the functions of n nodes to their rows of a column.
+  !> Add a vector times the functions of n nodes to the rows of these nodes in a column.
   pure subroutine add_rows(n, shp, q, column)
     integer, intent(in) :: n
     real(wp), intent(in) :: shp(n), q(3)
@@ -383,7 +383,7 @@ contains
     end do
   end subroutine add_rows
 
-  !> The number of a pair of slots; it gets a new one if it has none.
+  !> The number of a pair of slots, which is assigned a new one if it has none.
   pure subroutine find_cross(slot, other, work, c)
     integer, intent(in) :: slot, other
     type(work_t), intent(inout) :: work

@@ -178,7 +178,7 @@ contains
     end associate
   end subroutine keep_friction
 
-  !> Of the points of the cells of an element that carry a pressure, the one nearest to xi; 0: xi
+  !> The point nearest to xi among the points of an element's cells that carry a pressure; 0: xi
   !! lies in no cell with such a point.
   pure integer function nearest_closed(own, side, e, xi) result(j)
     type(surface_t), intent(in) :: own
@@ -207,8 +207,8 @@ contains
     if (.not. inside) j = 0
   end function nearest_closed
 
-  !> Find where the nearest point of the cells of an element is projected, or else the facet that
-  !! this point faces. Element 0 means that the element faces nothing.
+  !> Find the projection of the nearest point of an element's cells, or else the facet that this
+  !! point faces. Element 0 means that the element faces nothing.
   pure subroutine find_faced(cells, e, xi, foot)
     type(cells_t), intent(in) :: cells
     integer, intent(in) :: e

@@ -22,13 +22,13 @@ module mortar_type
     real(wp), allocatable :: shp(:, :)        !! (nk, n) functions of a point's own element
     real(wp), allocatable :: seen(:)          !! (n) `travel` at the last projection; negative: none
     real(wp), allocatable :: p(:), dp(:)      !! (n) pressure, and the derivative of its eps_1 part
-    integer, allocatable :: slide(:)          !! (n) element of the sliding point; 0: not looked for
+    integer, allocatable :: slide(:)          !! (n) element of the sliding point; 0: not sought
     !! yet, negative: there is none
     real(wp), allocatable :: slide_xi(:, :)   !! (2, n)
     real(wp), allocatable :: slide_shp(:, :)  !! (nl, n) functions there
     !> (n) Expected rate of slip [L/T]; negative: none.
     real(wp), allocatable :: ahead(:)
-    real(wp), allocatable :: limit(:)         !! (n) friction at which it slipped before [F/L^2]
+    real(wp), allocatable :: limit(:)         !! (n) friction limit at its previous slip [F/L^2]
     real(wp), allocatable :: friction(:, :)   !! (3, n) traction of friction [F/L^2]
     real(wp), allocatable :: elastic(:, :)    !! (3, n) see friction_law_i [L]
     real(wp), allocatable :: slip(:)          !! (n) [L]
@@ -37,17 +37,17 @@ module mortar_type
     real(wp), allocatable :: a(:)             !! (ncontrol) reference area of the overlap [L^2]
     real(wp), allocatable :: volume(:)        !! (ncontrol) sum of w N g [L^3]
     integer, allocatable :: round_first(:)    !! (ncontrol+1)
-    integer, allocatable :: round(:)          !! elements round a control point
+    integer, allocatable :: round(:)          !! elements around a control point
     type(node_list_t), allocatable :: known(:) !! (ncontrol) couplings of the current pattern
   end type mortar_side_t
 
-  !> Scratch of the points of one element that carry a pressure. nk and nl are the numbers of nodes
-  !! of the two elements, nd = 3 (nk + nl).
+  !> Scratch space for the points of one element that carry a pressure. nk and nl are the numbers of
+  !! nodes of the two elements, nd = 3 (nk + nl).
   type, public :: kernel_t
     integer, allocatable :: point(:)           !! (n) points, sorted by slot
     integer, allocatable :: slot(:)            !! (n) of the element that the point faces
     integer, allocatable :: slide_slot(:)      !! (n) of its sliding point; 0: it has none
-    real(wp), allocatable :: xe(:, :)          !! (3, nk) positions of the own nodes [L]
+    real(wp), allocatable :: xe(:, :)          !! (3, nk) positions of its own nodes [L]
     !> For the m points that face one element; some of them slide on another element:
     real(wp), allocatable :: own(:)            !! (nk, m) own functions
     real(wp), allocatable :: shp(:)            !! (nl, m) functions at the projections
@@ -99,7 +99,7 @@ contains
     end do
   end subroutine new_mortar
 
-  !> The elements round each control point.
+  !> Find the elements around each control point.
   subroutine find_rounds(surface, side)
     type(surface_t), intent(in) :: surface
     type(mortar_side_t), intent(inout) :: side

@@ -1,13 +1,13 @@
-!> Closest-point projection onto a surface: Newton's method from element to element.
+!> Closest-point projection onto a surface, by Newton's method that passes from element to element.
 !!
 !! Within an element the distance is minimised under the bounds -1 <= xi <= 1. If the distance would
-!! decrease further beyond an edge, the search looks at the neighbour. If the distance decreases in
+!! decrease further beyond an edge, the search examines the neighbour. If the distance decreases in
 !! the neighbour too, the search continues there; otherwise the edge is a ridge of the surface, and
 !! the projection is a point of the edge. At a vertex, all elements around it are tried; in a
 !! triangle, the vertex may be a collapsed edge, at which a tangent vanishes (surface_chart).
 !! Projections onto the outer boundary are rejected.
 !!
-!! Read on: projection_type (the result of a projection), projection_iterate (one Newton step),
+!! See also projection_type (the result of a projection), projection_iterate (one Newton step),
 !! projection_search (starting points), then contact_point (gap, traction and tangent at a
 !! projection).
 module projection
@@ -34,7 +34,7 @@ module projection
   !> If the step beyond an edge is smaller than this, a ridge cannot be distinguished from a smooth
   !! edge.
   real(wp), parameter :: NO_PUSH = 1.0e-10_wp
-  !> Steps shorter than this that no longer become shorter are due to rounding.
+  !> If steps shorter than this no longer become shorter, they are due to rounding.
   real(wp), parameter :: STALLED = 1.0e-8_wp
   !> A step that squares the error and is shorter than this is the last one; no further evaluation
   !! is needed.
@@ -43,7 +43,7 @@ module projection
   !! other elements around the edge are tried. An iterate that is closer than ARRIVED lies on the
   !! edge.
   real(wp), parameter :: BESIDE = 1.0e-3_wp, ARRIVED = 1.0e-9_wp
-  !> An element is not evaluated on its collapsed edge, but at this distance from the edge.
+  !> On its collapsed edge, an element is evaluated at this distance from the edge instead.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
   !> Ways in which an iteration ends.
   integer, parameter :: LOST = 0, OUTER = 1, SMOOTH = 2, ON_EDGE = 3, ON_VERTEX = 4
@@ -103,9 +103,9 @@ contains
     end if
   end subroutine project
 
-  !> Project the point x on the part of a surface where foot%elem and foot%xi are: the search starts
-  !! nowhere else, so the projection is a local minimum of the distance. There is none (element 0)
-  !! if it ends at the outer boundary or fails.
+  !> Project the point x onto the part of a surface where foot%elem and foot%xi are: the search
+  !! starts nowhere else, so the projection is a local minimum of the distance. There is no
+  !! projection (element 0) if the search ends at the outer boundary or fails.
   pure subroutine project_from(surface, shape, x, foot)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -131,7 +131,7 @@ contains
     end if
   end subroutine project_from
 
-  !> Minimise the distance, beginning from an iterate.
+  !> Minimise the distance, starting from an iterate.
   pure subroutine minimise(surface, shape, x, iterate, ending, edge, changes)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -220,8 +220,8 @@ contains
   end subroutine count_change
 
   !> At the end of an iteration, try the neighbour across an edge that the iterate has reached but
-  !! beyond which the distance does not decrease. An example is a point of one face of a block: its
-  !! closest point on the adjacent face lies on the edge between the two.
+  !! beyond which the distance does not decrease. An example is a point on one face of a block: its
+  !! closest point on the adjacent face lies on the edge between the two faces.
   pure subroutine leave_edge(surface, shape, x, edge, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -378,7 +378,7 @@ contains
     if (falls_inwards) falls_inwards = .not. is_rounding(iterate, i, iterate%g(i)/iterate%m(i))
   end function falls_inwards
 
-  !> The way in which an iteration ends at a stationary point with these active bounds.
+  !> How an iteration ends at a stationary point with these active bounds.
   pure integer function ending_at(surface, iterate, edge) result(ending)
     type(surface_t), intent(in) :: surface
     type(iterate_t), intent(in) :: iterate

@@ -85,7 +85,7 @@ contains
   pure subroutine find_active(iterate, edge, push)
     type(iterate_t), intent(in) :: iterate
     integer, intent(out) :: edge(2)     !! for each parameter; 0: none
-    real(wp), intent(out) :: push(2)    !! how far it would decrease, as an approximate change of
+    real(wp), intent(out) :: push(2)    !! how far the distance would decrease, as a change of
     !! the parameter
     integer :: i
 
@@ -200,7 +200,7 @@ contains
     end do
   end subroutine take_step
 
-  !> Take a step that is so short that a Taylor series is exact up to rounding.
+  !> Take a step so short that a Taylor series is exact up to rounding.
   pure subroutine take_last_step(x, d, iterate)
     real(wp), intent(in) :: x(3), d(2)
     type(iterate_t), intent(inout) :: iterate

@@ -31,7 +31,7 @@ module projection_search
 
 contains
 
-  !> Find the shapes of both surfaces at the positions x, and the grids of those surfaces on which
+  !> Find the shapes of both surfaces at the positions x, and the grids of those surfaces onto which
   !! points are projected.
   subroutine place_surfaces(contact, x, shape, grid)
     type(contact_t), intent(in) :: contact
@@ -48,7 +48,7 @@ contains
   end subroutine place_surfaces
 
   !> Sample a surface that has moved, and sort the samples into a grid whose cells are about as wide
-  !! as the samples are apart.
+  !! as the distance between samples.
   subroutine update_grid(surface, shape, grid)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -163,7 +163,7 @@ contains
     is_near = all(x >= grid%low - reach .and. x <= grid%high + reach)
   end function is_near
 
-  !> Find the nearest sample; element 0 if the surface is empty or not finite.
+  !> Find the nearest sample; the element is 0 if the surface is empty or not finite.
   pure subroutine nearest_start(grid, x, elem, xi)
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(3)       !! finite

@@ -24,11 +24,11 @@ module projection_type
     real(wp) :: x(3) = 0.0_wp               !! position [L]
     real(wp) :: a(3, 2) = 0.0_wp            !! tangents
     real(wp) :: b(3, 3) = 0.0_wp            !! second derivatives 11, 22, 12
-    real(wp) :: n(3) = 0.0_wp  !! unit outward normal; a mean on ridges, at vertices
+    real(wp) :: n(3) = 0.0_wp  !! unit outward normal; on ridges, at vertices a mean
     !> [L] negative inside; on a ridge or at a vertex the distance with that sign
     real(wp) :: gap = huge(1.0_wp)
-    !> If there is no projection: the closest point of the outer boundary. Element 0 means that the
-    !! boundary is not near.
+    !> If there is no projection: the closest point of the outer boundary. Element 0 means that no
+    !! boundary is near.
     integer :: outer = 0
     real(wp) :: outer_xi(2) = 0.0_wp
     real(wp) :: outer_gap = 0.0_wp          !! [L] height above the tangent plane there

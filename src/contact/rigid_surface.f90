@@ -32,7 +32,7 @@ contains
   end subroutine react
 
   !> Split the force of point i on the other side into two parts. The force of the bond acts at the
-  !! partner, and all other force at the projection.
+  !! partner, and all other forces act at the projection.
   pure subroutine split_force(points, i, at_partner, at_closest)
     type(contact_points_t), intent(in) :: points
     integer, intent(in) :: i

@@ -1,11 +1,12 @@
-!> Contact of a surface with itself: decides which parts of it may touch, and projects points on
+!> Contact of a surface with itself: decides which parts of it may touch, and projects points onto
 !! these parts.
 !!
 !! The nearest point of the surface is the point itself. A projection therefore begins on a part
 !! that faces the point (contact_cells), goes downhill from there, and counts only if the normal
 !! where it ends faces that of the point. The near side and the far side of a thin body face each
 !! other in the same way as two parts that have passed through each other. Only the reference
-!! configuration distinguishes these cases: the near and the far side have the body between them.
+!! configuration distinguishes these cases: there, the body lies between the near side and the far
+!! side.
 module self_contact
   use base_kinds, only: wp
   use contact_facets, only: FACING
@@ -30,7 +31,8 @@ module self_contact
   !> Parts that overlap at the start by less than this fraction of the width of an element count as
   !! touching, because curved surfaces whose meshes do not match overlap a little.
   real(wp), parameter :: MISFIT = 0.01_wp
-  !> Smallest cosine of the angle between a line through the body and the normals at its ends.
+  !> Smallest cosine of the angle between a line through the body and the normals at the ends of the
+  !! line.
   real(wp), parameter :: ACROSS = 0.25_wp
   !> Assumption: no body is compressed to less than 1/MOST_COMPRESSED of its thickness.
   real(wp), parameter :: MOST_COMPRESSED = 4.0_wp
@@ -40,8 +42,8 @@ module self_contact
 contains
 
   !> May two elements of a surface touch? An element does not touch itself. Two elements on either
-  !! side of a convex edge of the body do not touch each other, however sharp the motion makes the
-  !! edge.
+  !! side of a convex edge of the body do not touch each other, however sharp the edge becomes in
+  !! the motion.
   pure logical function may_touch(surface, reference, shape, e, f) result(may)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: reference, shape !! before the deformation, and now
@@ -89,7 +91,7 @@ contains
     n = n/max(norm2(n), tiny(1.0_wp))
   end subroutine place
 
-  !> Project the point xi of element e on the part of its own surface where `foot` is. There is no
+  !> Project the point xi of element e onto the part of its own surface where `foot` is. There is no
   !! projection (element 0) if the surface does not face the point where the search ends, or if the
   !! point and its projection are on opposite faces of the body.
   pure subroutine project_on_itself(contact, shape, reference, e, xi, foot, through)
@@ -98,7 +100,7 @@ contains
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
     type(foot_t), intent(inout) :: foot
-    !> The two are on opposite faces, but no deeper than DEPTh.
+    !> The point and its projection are on opposite faces, but no deeper than DEPTh.
     logical, intent(out), optional :: through
     real(wp) :: x(3), n(3)
     logical :: touches
@@ -121,9 +123,9 @@ contains
     foot%gap = huge(1.0_wp)
   end subroutine project_on_itself
 
-  !> Find the place nearest to the point xi of element e, of those that face it and can be reached
-  !! from `foot` along the tangent plane there. If the point lies beyond the edge of the part that
-  !! `foot` belongs to, this place is on that edge.
+  !> Among the places that face the point xi of element e and can be reached from `foot` along the
+  !! tangent plane there, find the one nearest to this point. If the point lies beyond the edge of
+  !! the part that `foot` belongs to, this place is on that edge.
   pure subroutine project_on_edge(contact, shape, e, xi, foot)
     type(contact_t), intent(in) :: contact
     type(shape_t), intent(in) :: shape

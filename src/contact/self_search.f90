@@ -29,11 +29,11 @@ module self_search
 
 contains
 
-  !> Project all integration points on the parts of the surface that face them at the positions x.
+  !> Project all integration points onto the parts of the surface that face them at the positions x.
   subroutine search_itself(contact, xr, x, reach, near)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :), x(:, :) !! (3, nnode) before the deformation, and now [L]
-    real(wp), intent(in) :: reach             !! no farther than this [L]
+    real(wp), intent(in) :: reach             !! largest distance [L]
     type(nearness_t), intent(out) :: near
     type(shape_t) :: reference, shape
     type(facets_t) :: facets
@@ -123,7 +123,7 @@ contains
     is_in = all(xi >= facets%from(:, i) .and. xi <= facets%to(:, i))
   end function is_in
 
-  !> Set the point from which a projection on facet j begins: the middle of the facet.
+  !> Set the point from which a projection onto facet j begins: the middle of the facet.
   pure subroutine begin_at(facets, j, foot)
     type(facets_t), intent(in) :: facets
     integer, intent(in) :: j
@@ -140,8 +140,8 @@ contains
     real(wp), intent(in) :: xr(:, :)          !! (3, nnode) before the deformation [L]
     real(wp), intent(in) :: x_start(:, :)     !! at the start of the step [L]
     real(wp), intent(in) :: x(:, :)           !! now [L]
-    real(wp), intent(in) :: far               !! how far points may have moved [L]
-    real(wp), intent(out) :: gap              !! the point's [L]; positive: there is none
+    real(wp), intent(in) :: far               !! distance that points may have moved [L]
+    real(wp), intent(out) :: gap              !! gap of the point [L]; positive: there is none
     type(shape_t) :: reference, shape, start
     type(facets_t) :: facets
     type(foot_t) :: foot

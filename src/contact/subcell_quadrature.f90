@@ -1,12 +1,12 @@
 !> Subcell quadrature (REFIne of QUADrature): finer integration of elements that are partly in
 !! contact.
 !!
-!! The points of an element are those of the plain rule, followed by those of m x m cells with the
-!! plain rule in each. One of the two sets is active. The cells are active if some plain points are
-!! in contact and others are not, at the start of the step or later in it. An element is refined at
-!! most once in a step, and coarsened only between steps, so that Newton's iteration cannot switch
-!! back and forth. Both sets have histories: when a step is accepted, those of the inactive points
-!! are updated.
+!! The points of an element are those of the plain rule, followed by the points of m x m cells, with
+!! the plain rule in each cell. One of the two sets is active. The cells are active if some plain
+!! points are in contact and others are not, at the start of the step or at a later iteration. An
+!! element is refined at most once in a step, and coarsened only between steps, so that Newton's
+!! iteration cannot switch back and forth. Both sets have histories: when a step is accepted, those
+!! of the inactive points are updated.
 module subcell_quadrature
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t
@@ -30,7 +30,7 @@ contains
   end function acting
 
   !> At the start of a step, decide which elements are refined, from the states of the points at the
-  !! end of the last step.
+  !! end of the previous step.
   pure subroutine begin_refinement(contact, points)
     type(contact_t), intent(in) :: contact
     type(contact_points_t), intent(inout) :: points

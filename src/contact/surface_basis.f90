@@ -1,8 +1,8 @@
 !> Shape functions of an element on one of its faces, in Bernstein form: N = C B.
 !!
-!! The extraction C is found by collocation of the functions given by the row of the element, so
-!! that every element type is covered. Weights are usually kept separately (surface%w), so that C
-!! gives the functions without weights. The exceptions are lateral faces of rational enriched
+!! The extraction operator C is found by collocation from the functions in the element's row of the
+!! table, so that every element type is covered. Weights are usually kept separately (surface%w), so
+!! that C gives the functions without weights. The exceptions are lateral faces of rational enriched
 !! elements, on which the nodes of both bases share the denominator W of the surface: there C
 !! contains the weights, W N_b for the Lagrange nodes, and surface%w is one.
 module surface_basis
@@ -114,7 +114,7 @@ contains
   end function directions
 
   !> Find m(b, q), the Bernstein coefficient b of the polynomial that is one at Gauss point q of n
-  !! and zero at the others.
+  !! points and zero at the others.
   subroutine invert_collocation(n, m)
     integer, intent(in) :: n
     real(wp), intent(out) :: m(n, n)

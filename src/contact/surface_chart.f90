@@ -1,4 +1,4 @@
-!> Charts of surface elements: coordinates in which positions are smooth, also where an edge of the
+!> Charts of surface elements: coordinates in which positions are smooth, even where an edge of the
 !! element is collapsed to a point, as on the triangles of tetrahedra, wedges and pyramids.
 !!
 !! The parameters of a triangle are singular at its vertex, the collapsed edge: a straight line in
@@ -82,7 +82,7 @@ contains
     end if
   end function from_chart
 
-  !> Position, and its derivatives with respect to the coordinates of the chart.
+  !> Find a position and its derivatives with respect to the coordinates of the chart.
   pure subroutine chart_point(surface, shape, e, side, u, x, a)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

@@ -195,7 +195,7 @@ contains
     end do
   end subroutine tensor_point
 
-  !> Evaluate a rational surface of any degrees: w x and w as polynomials, then the quotient.
+  !> Evaluate a rational surface of any degrees: w x and w as polynomials, then their quotient.
   pure subroutine rational_point(n1, n2, bez, w, xi, x, a, b)
     integer, intent(in) :: n1, n2
     real(wp), intent(in) :: bez(3, n1*n2), w(n1*n2), xi(2)

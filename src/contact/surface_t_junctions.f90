@@ -15,7 +15,8 @@ module surface_t_junctions
 
 contains
 
-  !> Find position and derivative in the reference configuration at parameter t of an edge.
+  !> Find the position at parameter t of an edge, and its derivative, in the reference
+  !! configuration.
   subroutine edge_point(xr, surface, e, k, t, x, slope)
     real(wp), intent(in) :: xr(:, :)
     type(surface_t), intent(in) :: surface
@@ -141,8 +142,8 @@ contains
     call edge_point(xr, surface, e, k, t, y, slope)
   end subroutine project_on_edge
 
-  !> Set the parts of each edge in the order of its parameter; an edge that is itself a part has
-  !! one.
+  !> Set the parts of each edge in the order of its parameter; an edge that is itself a part has one
+  !! part.
   subroutine set_parts(fine, coarse, at, edge, surface)
     integer, intent(in) :: fine(:), coarse(:)
     real(wp), intent(in) :: at(:, :)

@@ -5,7 +5,7 @@
 !! in the reference configuration. An edge that is collapsed to a point (prisms) has no neighbour.
 !! At a T-junction, an edge meets several others, each of which is a part of it
 !! (surface_t_junctions): the same control points of a spline have traces on all these edges, or the
-!! nodes of the parts are hanging nodes of the whole edge.
+!! nodes of the parts are hanging nodes on the whole edge.
 module surface_topology
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
@@ -21,8 +21,8 @@ module surface_topology
   !> Corners at the ends of the edges xi-, xi+, eta-, eta+, from - to +.
   integer, parameter :: END_OF(2, 4) = reshape([1, 3, 2, 4, 1, 2, 3, 4], [2, 4])
 
-  !> Fractions of the size of an element: edges that are closer than NEAR are the same, and an edge
-  !! that is shorter than COLLAPSED is a point.
+  !> Fractions of the size of an element: edges closer than NEAR are the same, and an edge shorter
+  !! than COLLAPSED is a point.
   real(wp), parameter :: NEAR = 1.0e-6_wp, COLLAPSED = 1.0e-9_wp
   integer, parameter :: NPOINT = 4
 
@@ -104,7 +104,7 @@ contains
     end do
   end subroutine find_edges
 
-  !> Keys that are equal for edges whose nodes depend on the same nodes.
+  !> Find keys that are equal for edges whose nodes depend on the same nodes.
   pure function master_keys(edges, edge, hanging, nnode) result(key)
     type(edges_t), intent(in) :: edges
     integer, intent(in) :: edge(:)

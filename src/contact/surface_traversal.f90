@@ -13,9 +13,9 @@ module surface_traversal
 
 contains
 
-  !> Move (elem, xi) by the tangential vector v: dxi = v . a^alpha. Across an edge, the rest of v is
-  !! taken in the tangent plane of the next element; at the outer boundary, the point slides along
-  !! the edge.
+  !> Move (elem, xi) by the tangential vector v: dxi = v . a^alpha. Beyond an edge, the remainder of
+  !! v is taken in the tangent plane of the next element; at the outer boundary, the point slides
+  !! along the edge.
   pure subroutine walk(surface, shape, elem, xi, v, clamped)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -61,7 +61,7 @@ contains
     end do
   end subroutine walk
 
-  !> Find the parameters of a point of an edge in the element on the other side of the edge.
+  !> Find the parameters that a point of an edge has in the element on the other side of the edge.
   pure subroutine step_across(surface, k, elem, xi, behind)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: k            !! an edge that has a neighbour
@@ -127,7 +127,7 @@ contains
     end if
   end subroutine tangential_step
 
-  !> Corner of the element in the quadrant of xi.
+  !> Corner of the element in the same quadrant as xi.
   pure integer function corner_at(xi)
     real(wp), intent(in) :: xi(2)
 
