@@ -19,7 +19,7 @@ module anchored_newton
 contains
 
   !> Set the anchors of bodies that contact does not hold, and add their forces to the residual.
-  !! There are no anchors while bodies fly, that is, while they are moved towards a contact.
+  !! There are no anchors while bodies "fly", that is, while they are moved towards a contact.
   subroutine renew_anchors(newton, model, state, flies)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -46,7 +46,7 @@ contains
   end subroutine renew_anchors
 
   !> Correct the increment for the stiffness of the anchors, which is not part of the matrix A: each
-  !! of them adds w w^T with w = D v (formula of Sherman, Morrison and Woodbury). Then correct the
+  !! anchor adds w w^T with w = D v (formula of Sherman, Morrison and Woodbury). Then correct the
   !! signs of the pivots by det(A + W W^T) = det(A) det(S), S = 1 + W^T A^-1 W, and by Sylvester's
   !! law of inertia.
   subroutine solve_anchored(newton, model, report, error)

@@ -1,4 +1,4 @@
-!> Anchors: springs that hold rigid motions of bodies which contact resists only weakly.
+!> Anchors: springs that resist those rigid motions of bodies which contact resists only weakly.
 !!
 !! Let du be the displacement since the start of the step. The anchor of the motion v exerts the
 !! force D v (v.D du), where the diagonal matrix D contains the mean stiffness of each node, and v.D
@@ -12,8 +12,8 @@ module anchors
   private
   public :: anchors_t, set_anchors, anchor_force, find_load, node_stiffness, rigid_field
 
-  !> A weak motion counts as released if less than this part of it remains after its components
-  !! along the released motions are subtracted.
+  !> A weak motion counts as released if less than this fraction of it remains after its components
+  !! along the released motions have been subtracted.
   real(wp), parameter :: LEFT = 0.2_wp
 
   type :: anchors_t
@@ -82,8 +82,8 @@ contains
     end do
   end subroutine anchor_force
 
-  !> Find the motion v along which the anchors bear a load, with v.D v = 1, and the load itself.
-  !! This is the resultant of the load, or its moment divided by the size of the body.
+  !> Find the motion v along which the anchors bear a load, with v.D v = 1, and the load itself. The
+  !! load is a resultant force, or a moment divided by the size of the body.
   subroutine find_load(anchors, body, eq, x, du, motion, load)
     type(anchors_t), intent(in) :: anchors
     type(free_body_t), intent(in) :: body(:)
@@ -112,7 +112,7 @@ contains
     load = sqrt(total/maxval(sum(v**2, 1)))
   end subroutine find_load
 
-  !> Displacements of all nodes in rigid motions of the bodies.
+  !> Find the displacements of all nodes in rigid motions of the bodies.
   pure subroutine rigid_field(body, c, eq, x, v)
     type(free_body_t), intent(in) :: body(:)
     real(wp), intent(in) :: c(:, :)           !! (6, body)

@@ -1,8 +1,9 @@
-!> Assembly: internal and external forces, and the tangent of the whole model.
+!> Assembly of the internal and external forces and of the tangent of the whole model.
 !!
-!! Each rank forms a part of the elements of each block. Their forces are given to all ranks, which
-!! add them in the order of the elements, so that the residual has the same bits on any number of
-!! ranks. Their matrices stay on the rank: the tangent is the sum of those of all ranks.
+!! Each rank forms some of the elements of each block. The forces of these elements are sent to all
+!! ranks, which add them in the order of the elements, so that the residual is the same, bit for
+!! bit, on any number of ranks. The matrices stay on the rank: the tangent is the sum of the
+!! matrices on all ranks.
 module assembly
   use anchors, only: anchors_t, anchor_force
   use base_agreement, only: agree
@@ -31,17 +32,18 @@ module assembly
     !> (rank_count() + 1, nblock) rank r forms elements first(r) + 1 to first(r + 1) of a block.
     integer, allocatable :: first(:, :)
     integer :: rank = 1                  !! number of this rank
-    logical :: new_pattern = .false.   !! the pattern of k changed and has not been analysed since
+    logical :: new_pattern = .false.   !! the pattern of k has changed since its last analysis
     type(contact_work_t), allocatable :: contact(:)
     type(map_t), allocatable :: map(:)
     type(fold_t) :: fold                 !! of constraints
     real(wp), allocatable :: f_int(:, :) !! (3, nnode) internal force [F]
     real(wp), allocatable :: f_contact(:, :) !! (3, nnode) contact, a part of f_int [F]
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
-    type(mass_t), allocatable :: mass(:) !! found where the model has inertia
+    type(mass_t), allocatable :: mass(:) !! set if the model has inertia
     real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia, a part of f_int [F]
     type(anchors_t) :: anchors           !! of bodies that contact does not hold
-    !> Wall and processor time of all sweeps, and their part of contact: search, pattern, tangent.
+    !> Wall and processor time of all sweeps, and the part of it that contact takes: search,
+    !! pattern, tangent.
     real(wp) :: seconds(2) = 0.0_wp, contact_seconds(2) = 0.0_wp
   end type assembler_t
 
@@ -57,7 +59,7 @@ module assembly
 
 contains
 
-  !> Allocate arrays, pattern and maps; symmetric: upper blocks only.
+  !> Allocate arrays, pattern and maps; a symmetric matrix has the upper blocks only.
   subroutine new_assembler(asm, model, symmetric, error)
     type(assembler_t), intent(out) :: asm
     type(model_t), intent(in) :: model
@@ -96,7 +98,7 @@ contains
     range = [asm%first(asm%rank, b) + 1, asm%first(asm%rank + 1, b)]
   end function own_elements
 
-  !> Pattern of the elements and of the active contact pairs of a step.
+  !> Find the pattern of the elements and of the active contact pairs of a step.
   subroutine set_pattern(asm, model, symmetric, step, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -198,10 +200,10 @@ contains
     asm%seconds = asm%seconds + seconds_of_both() - start
   end subroutine form
 
-  !> Add the forces of inertia and their tangent, where bodies move in time.
+  !> Add the inertial forces and their tangent in a dynamic analysis.
   !!
-  !! The equations of HHT are divided by 1 + alpha, so their forces of inertia are M a/(1 + alpha)
-  !! plus the share of the static force at the start of the step. These are equations of free dofs.
+  !! The equations of HHT are divided by 1 + alpha, so the inertial forces in them are M a/(1 +
+  !! alpha) plus the share of the static force at the start of the step. This applies to free dofs.
   !! The force of a support is M a plus the static force at the end of the step.
   subroutine form_inertia(asm, model, state)
     type(assembler_t), intent(inout) :: asm
@@ -318,8 +320,8 @@ contains
     if (asm%k%shared) call add_found(asm, model, state, b, found, sweep)
   end subroutine form_batches
 
-  !> Room for what ranks tell each other about their elements. Elements that are not formed, since
-  !! one before them failed, count as failed.
+  !> Allocate room for what ranks tell each other about their elements. Elements that are not formed
+  !! because an earlier one failed count as failed.
   subroutine make_room(asm, nelem, nen, found)
     type(assembler_t), intent(in) :: asm
     integer, intent(in) :: nelem, nen
@@ -337,8 +339,8 @@ contains
     list = [reshape(r, [size(r)]), 1.0_wp, real(report%negative, wp), report%enhanced]
   end function packed
 
-  !> Give all ranks what each has found, and add it as form_elements does on one rank. All ranks get
-  !! the history of all elements.
+  !> Send the results of each rank to all ranks, and add them as form_elements does on one rank. All
+  !! ranks get the history of all elements.
   subroutine add_found(asm, model, state, b, found, sweep)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model

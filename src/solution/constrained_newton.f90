@@ -5,8 +5,9 @@
 !!
 !!     K a = -R,   K b = -dR/dt,   dt = (goal - G - G'.a)/(G'.b),   du = a + dt b.
 !!
-!! As a crack advances, G grows whether loads rise or fall, so dt can be found even when load
-!! control fails. If a step reaches its limit in time first, it ends there with its load prescribed.
+!! As a crack advances, G grows whether loads rise or fall, so dt can be found even where load
+!! control fails. If a step first reaches the time that it must not pass, it ends there, with its
+!! load prescribed.
 module constrained_newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use assembly, only: free_part, full_vector
@@ -79,7 +80,7 @@ contains
   end subroutine solve_constrained
 
   !> Find the increment of time. The time does not pass the limit. A step that stops at the limit
-  !! has arrived if it also stopped there in the iteration before.
+  !! has arrived if it also stopped there in the previous iteration.
   pure subroutine find_time(constraint, time, measure, by_a, by_b, dt, arrived, ok)
     type(path_constraint_t), intent(inout) :: constraint
     real(wp), intent(in) :: time

@@ -31,7 +31,7 @@ module continuation
 
 contains
 
-  !> Begin a step of the method in use, which prescribes the time, the release of the bonds or the
+  !> Begin a step of the current method, which prescribes the time, the release of the bonds or the
   !! arc length.
   subroutine begin_increment(step, model, state, left)
     type(step_t), intent(inout) :: step
@@ -57,7 +57,7 @@ contains
     call open_step(state, to)
   end subroutine begin_increment
 
-  !> Act on a failed step. The result is true if the step is to be repeated from its start, with
+  !> Act on a failed step. The result is true if the step must be repeated from its start, with
   !! another method or with a smaller increment of the constrained measure.
   function change_method(step, model, state, why) result(changed)
     type(step_t), intent(inout) :: step
@@ -210,8 +210,8 @@ contains
   end subroutine follow_arc
 
   !> Add inertia to the next steps. The density is that of the deck, or one for which the initial
-  !! motion, the mean motion since the start, has a small energy. The result is false if there is no
-  !! such density.
+  !! motion, which is the mean motion since the start, has a small energy. The result is false if
+  !! there is no such density.
   function adds_inertia(step, model, state, what, why) result(added)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -262,7 +262,7 @@ contains
     path%method = PATH_OFF
   end subroutine end_continuation
 
-  !> Set the next arc length; return to control of the release as soon as the bonds open again.
+  !> Set the next arc length, or return to control of the release as soon as the bonds open again.
   subroutine adapt_arc_control(step, model, state)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model

@@ -2,13 +2,13 @@
 !! between them.
 !!
 !! Load control goes as far as it can. If even a small step fails, the release of the bonds is
-!! prescribed instead of the load. If that fails too, the arc length of the step is prescribed (with
-!! LENGth this is done at once), or inertia carries the model over the snap. Load control is tried
-!! again after some whole steps of the deck in which the load has increased, or when the motion has
-!! died down. After each failed trial the number of steps before the next one doubles.
+!! prescribed instead of the load. If that fails too, the arc length of the step is prescribed
+!! (LENGth does this at once), or inertia carries the model over the snap. Load control is tried
+!! again after some full steps of the deck in which the load has increased, or when the motion has
+!! died down. After each failed trial, the number of steps before the next trial doubles.
 !!
 !! Under control of the release or of the arc length, a step is constrained: a measure of the step
-!! is prescribed, and its time is unknown (constrained_newton).
+!! is prescribed, and the time at its end is unknown (constrained_newton).
 module continuation_type
   use base_kinds, only: wp
   use contact_release, only: bonded_area, find_release
@@ -25,7 +25,7 @@ module continuation_type
   !! PATH_RELEASE the release is controlled if possible, otherwise the arc length; if neither is
   !! possible, inertia is used.
   integer, parameter, public :: PATH_OFF = 0, PATH_INERTIA = 1, PATH_RELEASE = 2, PATH_ARC = 3
-  !> The method with which the path is followed.
+  !> The method by which the path is followed.
   integer, parameter, public :: BY_LOAD = 0, BY_INERTIA = 1, BY_RELEASE = 2, BY_ARC = 3
 
   real(wp), parameter :: SMALL = 0.6_wp            !! load control ends when a step of at most this
@@ -302,7 +302,7 @@ contains
                    < LEAST_COSINE*norm2(state%u - state%u_step)
   end function turns_away
 
-  !> Did the model have bonds, all of which are released at the end of the previous step?
+  !> Did the model have bonds, all of which had been released by the end of the previous step?
   function is_all_released(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

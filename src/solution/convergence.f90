@@ -1,10 +1,10 @@
-!> The convergence test of Newton's iteration, its limits, and the treatment of iterations that
-!! oscillate.
+!> The convergence test of Newton's iteration, the limits of this test, and the treatment of
+!! iterations that oscillate.
 !!
 !! Positions are known with a relative error of epsilon, so a nodal force is known with an error of
-!! epsilon times the stiffness of the node times its displacement or the distance to its neighbours.
-!! Without this floor, a step in which nothing changes (a load held after unloading) consists of
-!! rounding errors only and never passes a relative test.
+!! epsilon times the stiffness of the node, times its displacement or the distance to its
+!! neighbours. This error is the rounding floor. Without this floor, a step in which nothing changes
+!! (a load held after unloading) consists of rounding errors only and never passes a relative test.
 module convergence
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
@@ -23,7 +23,7 @@ module convergence
   real(wp), parameter :: RESIDUAL = 1.0e-9_wp !! largest residual, relative to the largest nodal
   !! force
   real(wp), parameter :: FLOOR_OF_FORCE = 16.0_wp*epsilon(1.0_wp)
-  !> Error of displacements: the softest motion of a slender body magnifies the rounding of the
+  !> Error of displacements: the softest motion of a slender body magnifies rounding errors of the
   !! forces.
   real(wp), parameter :: FLOOR_OF_MOTION = 1.0e3_wp*epsilon(1.0_wp)
   integer, parameter :: PATIENCE = 6 !! iterations of a step with contact before a line search is
@@ -32,14 +32,15 @@ module convergence
   !! below minus this.
   real(wp), parameter :: OPPOSITE = 0.7_wp
   real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a shortened increment
-  !> Relative residuals of linear solves: the largest; with kept factors those of an increment with
-  !! prescribed motion, of one with contact, of a solve which only confirms convergence, and of one
-  !! that is not repeated or not held by supports; the smallest of the others.
+  !> Relative residuals of linear solves. The largest one; with kept factors, those of an increment
+  !! with prescribed motion, of an increment with contact, of a solve that only confirms
+  !! convergence, and of a solve that is not repeated or whose bodies are not held by supports; the
+  !! smallest one in all other cases.
   real(wp), parameter :: FORCING = 1.0e-3_wp, FORCING_MOVED = 1.0e-4_wp, FORCING_LAST = 0.1_wp
   real(wp), parameter :: FORCING_CONTACT = 1.0e-4_wp
   real(wp), parameter :: FORCING_LEAST = 1.0e-8_wp, FORCING_ALONE = 1.0e-12_wp
   real(wp), parameter :: FORCING_NEWTON = 1.0e-4_wp !! up to this, an increment is Newton's
-  real(wp), parameter :: NEARLY = 3.0_wp !! times as large as expected of a linear problem
+  real(wp), parameter :: NEARLY = 3.0_wp !! a residual is near the expected one up to this factor
   real(wp), parameter :: MARGIN = 0.2_wp !! of the tolerance, for the residual that a solve leaves
   integer, parameter :: MOST_FLIPS = 5 !! number of consecutive changes of sign that shows an
   !! alternation
@@ -73,7 +74,7 @@ contains
     end if
   end subroutine check_convergence
 
-  !> Is the increment that of the whole tangent, up to a small error?
+  !> Was the increment computed with the whole tangent, up to a small error?
   pure logical function is_newton_increment(newton)
     type(newton_t), intent(in) :: newton
 
@@ -83,7 +84,7 @@ contains
     end if
   end function is_newton_increment
 
-  !> Is a body held by nothing but springs or anchors?
+  !> Is a body held only by springs or anchors?
   pure logical function is_held(newton)
     type(newton_t), intent(in) :: newton
 
@@ -180,11 +181,11 @@ contains
 
   !> Relative residual to which a linear system is solved (inexact Newton).
   !!
-  !! Exact factors reach far more. With kept factors every digit takes an iteration, and a solve
+  !! Exact factors reach far more. With kept factors every digit costs an iteration, and a solve
   !! needs no more digits than Newton's iteration can use: where it converges quadratically, the
   !! residual falls by the square of its last ratio. It need not fall far below the tolerance
-  !! either. If the last solve left what it would in a linear problem, this one goes on to the
-  !! tolerance.
+  !! either. If the last solve reduced the residual as it would in a linear problem, this solve
+  !! continues to the tolerance.
   !! Source: Eisenstat and Walker 1996 [bib: eisenstat1996]
   pure real(wp) function find_forcing(newton, pass) result(eta)
     type(newton_t), intent(in) :: newton
@@ -213,8 +214,7 @@ contains
   end function find_forcing
 
   !> Are the signs of the pivots needed in this solve? They show whether a converged state is
-  !! stable, and are part of the treatment of bodies that contact does not hold and of steps that do
-  !! not converge.
+  !! stable, and are used for bodies that contact does not hold and for steps that do not converge.
   pure logical function needs_signs(newton, pass) result(yes)
     type(newton_t), intent(in) :: newton
     type(pass_t), intent(in) :: pass
@@ -223,9 +223,9 @@ contains
           .or. (pass%residual <= force_tolerance(pass) .and. .not. newton%moves)
   end function needs_signs
 
-  !> Fraction of an increment to take. Points that alternate between two states of contact make
-  !! Newton's iteration oscillate. If an increment reverses most of the previous one, Aitken's
-  !! fraction of it is taken.
+  !> Fraction of an increment that is taken. Points that alternate between two states of contact
+  !! make Newton's iteration oscillate. An increment that reverses most of the previous one is
+  !! multiplied by Aitken's factor.
   function damping(newton) result(fraction)
     type(newton_t), intent(in) :: newton
     real(wp) :: fraction

@@ -1,4 +1,4 @@
-!> The energy balance (BOOK): the contributions of accepted steps, and its entries.
+!> The energy balance (BOOK): the contributions of accepted steps, and the entries of the balance.
 module energy_balance
   use assembly, only: assembler_t
   use base_kinds, only: wp
@@ -43,8 +43,8 @@ contains
   end subroutine accept_solution
 
   !> One entry of the balance [F L]. IMBAlance is the excess of the work of supports and loads over
-  !! the energies: the error of that work, and the energy that the forces of contact destroy
-  !! (CREAted < 0).
+  !! the energies; it consists of the error of that work and of the energy that the forces of
+  !! contact destroy (CREAted < 0).
   real(wp) function energy_entry(model, state, entry) result(value)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -1,4 +1,4 @@
-!> Names the elements and dofs that caused a failed iteration of Newton's method.
+!> Names the elements and dofs that made an iteration of Newton's method fail.
 module failure_text
   use assembly, only: sweep_t
   use base_kinds, only: wp

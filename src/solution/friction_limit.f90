@@ -2,10 +2,10 @@
 !! forces that contact can bear.
 !!
 !! Contact pushes a body along directions d, which are the normals of its own faces or of the
-!! opposite faces. If all of them are within the angle a of their mean m, every force that contact
-!! with friction mu can bear is within a + atan(mu) of m. Where the loads need a force beyond that,
-!! there is no equilibrium, however small the step is. Directions in which the body is supported do
-!! not count.
+!! opposite faces. If all of them lie within the angle a from their mean m, every force that contact
+!! with friction mu can bear lies within a + atan(mu) from m. If the loads require a force beyond
+!! that, there is no equilibrium, however small the step is. Directions in which the body is
+!! supported do not count.
 module friction_limit
   use base_kinds, only: wp
   use base_text, only: to_text
@@ -22,12 +22,12 @@ module friction_limit
   public :: sliding_text
 
   real(wp), parameter :: RIGHT_ANGLE = acos(0.0_wp)
-  real(wp), parameter :: ACROSS = 1.0e-3_wp !! component of m along a support that may be neglected
+  real(wp), parameter :: ACROSS = 1.0e-3_wp !! negligible component of m along a support
   real(wp), parameter :: MORE = 1.0e-3_wp   !! angle beyond the cone that counts as rounding
 
 contains
 
-  !> Name the first body that friction cannot hold, and how it slides; empty if there is none.
+  !> Name the first body that friction cannot hold, and say how it slides; empty if there is none.
   function sliding_text(model, body, x, load) result(text)
     type(model_t), intent(in) :: model
     type(free_body_t), intent(in) :: body(:) !! those that only contact can hold
@@ -61,7 +61,7 @@ contains
   end function sliding_text
 
   !> The mean direction in which contacts push a body, the largest angle to it, and the largest
-  !! coefficient of friction; zero if a body has no friction.
+  !! coefficient of friction. All are zero if a body has no friction.
   subroutine find_cone(model, body, x, m, spread, largest)
     type(model_t), intent(in) :: model
     type(free_body_t), intent(in) :: body

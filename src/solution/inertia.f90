@@ -17,8 +17,8 @@ module inertia
 
 contains
 
-  !> Find consistent masses, or diagonal ones with the same sum (Hinton, Rock and Zienkiewicz 1976),
-  !! which are positive for all shape functions.
+  !> Find consistent masses, or diagonal masses with the same sum (Hinton, Rock and Zienkiewicz
+  !! 1976), which are positive for all shape functions.
   subroutine find_masses(model, dynamics, mass)
     type(model_t), intent(in) :: model
     type(dynamics_t), intent(in) :: dynamics

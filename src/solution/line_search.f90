@@ -12,13 +12,13 @@ module line_search
   !> A line search ends when the slope, relative to that at its start, is below this (FEAP).
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp
   integer, parameter :: LINE_TRIALS = 10
-  !> With the schemes of points, an increment overshoots if the slope at its end has the opposite
-  !! sign of the slope at its start and is more than this many times as large.
+  !> With the schemes of integration points, an increment overshoots if the slope at its end has the
+  !! sign opposite to that at its start and is more than this many times as large.
   real(wp), parameter :: OVERSHOT = 4.0_wp
 
 contains
 
-  !> Displacements move by s du from those of the previous iteration.
+  !> Displacements differ by s du from those of the previous iteration.
   pure subroutine step_by(state, du, s)
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: du(:, :), s
@@ -55,10 +55,10 @@ contains
   end subroutine search_line
 
   !> Shorten the last increment if necessary. It has already been added to the displacements, and
-  !! the forces at its end are known. An increment is halved as long as it inverts an element. An
-  !! increment overshoots if, for instance, a surface penetrates the other one in a single increment
+  !! the forces at its end are known. An increment is halved as long as it inverts an element. For
+  !! example, an increment overshoots if a surface penetrates the other one in a single increment
   !! and the whole penalty pushes it back; a line search then finds the fraction of the increment to
-  !! keep. In all other cases nothing has to be computed.
+  !! keep. In all other cases there is nothing to compute.
   subroutine retreat(asm, model, state, dx, rhs, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -91,10 +91,10 @@ contains
     call form(asm, model, state, sweep, error) ! its tangent is used
   end subroutine retreat
 
-  !> Is an increment too long? With the mortar scheme a line search answers. Otherwise points with
+  !> Is an increment too long? With the mortar scheme, a line search follows. Otherwise points with
   !! friction would alternate between stick and slip at small pressures, where no cut-back helps,
-  !! because the cone of friction looks the same in a smaller step. The schemes of points keep a
-  !! wider limit, because their points open and close one at a time.
+  !! because the friction cone is the same in a smaller step. The schemes of integration points have
+  !! a wider limit, because their points open and close one at a time.
   pure logical function overshoots(model, g0, g, grows) result(yes)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: g0, g      !! du.r at the start and at the end of the increment
@@ -108,7 +108,7 @@ contains
   end function overshoots
 
   !> Search for a small slope by regula falsi with the Illinois modification. The search begins with
-  !! the slope g at the fraction s, whose forces are in `sweep`.
+  !! the slope g at the fraction s; the forces there are in `sweep`.
   subroutine close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model

@@ -1,4 +1,4 @@
-!> Newton's iteration: forms the system, solves it, and makes the last test of a step.
+!> Newton's iteration: forms the system, solves it, and performs the last test of a step.
 module newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use anchored_newton, only: renew_anchors, solve_anchored, loads_of, sum_of_loads
@@ -32,13 +32,14 @@ module newton
 
   integer, parameter :: MOST_HALVINGS = 6   !! of a prescribed increment
   !> The energy of the springs of `stabilisation` in an increment is negligible if it is smaller
-  !! than this, relative to the whole energy of the increment.
+  !! than this, relative to the total energy of the increment.
   real(wp), parameter :: NO_ENERGY = 1.0e-3_wp
   real(wp), parameter :: MANY_TIMES = 4.0_wp !! allowed ratio of increment to prescribed motion
 
 contains
 
-  !> Begin a step: state%factor and state%time belong to the end of the step, state%u to its start.
+  !> Begin a step: state%factor and state%time are those at the end of the step, state%u is that at
+  !! its start.
   subroutine begin_newton(newton, model, state, predicts)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -219,8 +220,8 @@ contains
     newton%asm%new_pattern = .false.
   end subroutine take_pattern
 
-  !> Solve the system. As long as bodies fly, which means that contact does not hold them yet, they
-  !! are moved, and the system is formed and solved again.
+  !> Solve the system. As long as bodies "fly", which means that contact does not hold them yet,
+  !! move them, and form and solve the system again.
   subroutine solve_held(newton, model, state, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -261,7 +262,7 @@ contains
     end associate
   end subroutine solve_held
 
-  !> Take the fraction s of an increment in which bodies fly, and form the system there.
+  !> Take the fraction s of an increment in which bodies "fly", and form the system there.
   subroutine fly(newton, model, state, du, s, rigid, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -293,8 +294,8 @@ contains
     call note_move(newton%hold, state%u - before)
   end subroutine fly
 
-  !> Find the fraction of an increment that may be taken while there are springs. It is one, unless
-  !! the increment is mainly a motion that only the springs resist.
+  !> Find the fraction of an increment that may be taken while there are springs. The fraction is
+  !! one, unless the increment is mainly a motion that only the springs resist.
   subroutine find_fraction(newton, model, state, du, s)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -368,7 +369,7 @@ contains
     call name_trouble(model, state, pass)
   end subroutine solve_tangent
 
-  !> Name the reason if the system has no solution.
+  !> State the reason if the system has no solution.
   subroutine name_trouble(model, state, pass)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -404,7 +405,7 @@ contains
                        .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
   end subroutine close_newton
 
-  !> Find the pattern and analyse it. This is done once, and again only when TANG and UTAN
+  !> Find the pattern and analyse it. This is done once, and repeated only when TANG and UTAN
   !! alternate.
   subroutine prepare_newton(newton, model, symmetric, error)
     type(newton_t), intent(inout) :: newton

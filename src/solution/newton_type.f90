@@ -23,7 +23,7 @@ module newton_type
     integer :: before = 0              !! number of solves before the last augmentation
     logical :: alone = .false.         !! the deck does not repeat this solve in a loop
     logical :: converged = .false.
-    logical :: exact = .true.          !! every solve of the step had the whole tangent
+    logical :: exact = .true.          !! every solve of the step used the whole tangent
     real(wp) :: largest_energy = 0.0_wp !! largest energy of an increment of this step [F L]
     real(wp) :: forcing = 0.0_wp       !! relative residual of the last solve
     real(wp) :: before_solve = 0.0_wp  !! largest residual before it, 0: with prescribed motion [F]
@@ -36,14 +36,14 @@ module newton_type
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made [L]
     real(wp), allocatable :: spacing(:) !! (nnode) distance to the nearest neighbour [L]
     logical :: moves = .false.         !! some of `move` is not zero
-    real(wp), allocatable :: moved(:, :) !! (3, nnode) what the last increment prescribed [L]
+    real(wp), allocatable :: moved(:, :) !! (3, nnode) prescribed part of the last increment [L]
     logical :: has_moved = .false.     !! some of `moved` is not zero
     integer, allocatable :: piece(:)   !! (nnode) body of a node, for the predictor
-    logical :: predicted = .false.     !! displacements are predicted ones, without forces so far
+    logical :: predicted = .false.     !! displacements are predicted; no forces yet
     logical :: may_retreat = .false.   !! the last increment may be shortened
   end type newton_t
 
-  !> The residual and energy that rounding alone leaves (see convergence).
+  !> The residual and the energy that remain because of rounding alone (see convergence).
   type :: floor_t
     real(wp) :: force = 0.0_wp         !! of a nodal force [F]
     real(wp) :: energy = 0.0_wp        !! of |du.r| [F L]

@@ -1,10 +1,10 @@
-!> Predictor of a step with contact: continues the displacements as in the last step.
+!> Predictor of a step with contact: continues the displacements as in the previous step.
 !!
 !! Where bodies slide, each step resembles the previous one. If Newton's method starts from the
-!! continued displacements, it then needs as few as half of the iterations. Each body continues with
-!! the rigid motion that fits its last increment best; the rest of the increment, its deformation,
-!! is continued linearly and turns with the body. A linear continuation of rotations would make
-!! bodies grow. Prescribed displacements take their values at the end of the step.
+!! continued displacements, it may need only half as many iterations. Each body continues with the
+!! rigid motion that fits its last increment best; the remainder of the increment, which is its
+!! deformation, is continued linearly and turns with the body. If rotations were continued linearly,
+!! bodies would grow. Prescribed displacements take their values at the end of the step.
 !!
 !! There is a predictor only if all contacts of the model have the mortar scheme. The iterations of
 !! HALFpass thus remain those of the published scheme.
@@ -21,12 +21,12 @@ module predictor
 
   !> Largest change of the rate of a load table, relative to the larger rate.
   real(wp), parameter :: SAME_RATE = 0.5_wp
-  !> Longest step, relative to the last one.
+  !> Longest step, relative to the previous one.
   real(wp), parameter :: LONGEST = 4.0_wp
 
 contains
 
-  !> Replace the displacements by predicted ones if the last step allows a prediction.
+  !> Replace the displacements by predicted ones if the previous step allows a prediction.
   subroutine predict(model, state, move, piece, predicted)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -53,10 +53,10 @@ contains
     predicted = .true.
   end subroutine predict
 
-  !> The increment from the positions x that continues the last one, times `ratio`.
+  !> The increment from the positions x that continues the last increment, times `ratio`.
   subroutine continue_increment(x, last, ratio, piece, increment)
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) [L]
-    real(wp), intent(in) :: last(:, :)       !! (3, nnode) the last increment, which led there [L]
+    real(wp), intent(in) :: last(:, :)       !! (3, nnode) the last increment, which led to x [L]
     real(wp), intent(in) :: ratio
     integer, intent(in) :: piece(:)          !! (nnode) body of a node; 0: none
     real(wp), intent(out) :: increment(:, :) !! (3, nnode) [L]
@@ -78,7 +78,7 @@ contains
     end do
   end subroutine continue_increment
 
-  !> Do all load tables continue with about the same rate as in the last step?
+  !> Do all load tables continue at about the same rate as in the previous step?
   pure logical function loads_go_on(state) result(yes)
     type(state_t), intent(in) :: state
     real(wp) :: last, now, start

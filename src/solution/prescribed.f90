@@ -57,8 +57,8 @@ contains
     call leave_free(model, du)
   end subroutine to_prescribed
 
-  !> Find the derivative of the prescribed displacements with respect to time from that of the
-  !! factors; it is zero elsewhere.
+  !> Find the derivative of the prescribed displacements with respect to time from the derivatives
+  !! of the factors; it is zero elsewhere.
   subroutine prescribed_rates(model, factor, slope, rate)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: factor(:)   !! (ntable)

@@ -122,7 +122,8 @@ contains
     end do
   end subroutine accept_step_state
 
-  !> Restore the state at the start of the step, when its number was `step` and its time `time`.
+  !> Restore the state at the start of the step, at which the number of the step was `step` and the
+  !! time was `time`.
   subroutine restore_step(state, step, time)
     type(state_t), intent(inout) :: state
     integer, intent(in) :: step

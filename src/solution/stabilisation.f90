@@ -1,21 +1,22 @@
-!> Bodies that supports do not hold, and that contact does not hold yet, or not in all directions.
+!> Bodies without sufficient supports that contact does not hold yet, or does not hold in all
+!! directions.
 !!
 !! The rigid motions v of such bodies are sorted by their stiffness v.K v/v.D v, with the tangent K
 !! and with D, the mean stiffness of each node on its diagonal.
 !!
-!! 1. No stiffness (below NO_STIFFNESS), and a load acts along a translation: the body flies. It is
-!!    moved in that direction, up to the nearest other surface and then by a distance that begins
-!!    with a millionth of an element and grows. As soon as contact resists, Newton's iteration
-!!    continues from there. If the body does not meet any surface, the step fails.
+!! 1. No stiffness (below NO_STIFFNESS), and a load acts along a translation: the body "flies". It
+!!    is moved in that direction, up to the nearest other surface and then farther, by distances
+!!    that begin with a millionth of an element and grow. As soon as contact resists, Newton's
+!!    iteration continues from there. If the body does not meet any surface, the step fails.
 !! 2. Little stiffness (below WEAK, or negative): a ball can turn and slide on a plate without
-!!    friction. An anchor (module anchors) resists the motion since the start of the step. If it
-!!    bears more than the fraction NO_LOAD of all loads when the iteration converges, the motion is
-!!    released, and the iteration continues.
+!!    friction. An anchor (module anchors) resists the motion since the start of the step. If the
+!!    anchor bears more than the fraction NO_LOAD of all loads when the iteration converges, the
+!!    motion is released, and the iteration continues.
 !! 3. Springs of the stiffness SPRING D are added to the tangent, but not to the residual. They make
-!!    every system regular. An increment whose energy is mainly that of the springs is shortened as
-!!    in 1.
+!!    every system regular. An increment whose energy is mainly that of the springs is shortened to
+!!    the distances of item 1.
 !!
-!! If the tangent resists every motion, none of this is done. All limits are relative.
+!! None of this is done if the tangent resists every motion. All limits are relative.
 !! Theory: doc/theory/contact.md.
 module stabilisation
   use anchors, only: anchors_t, find_load, node_stiffness, rigid_field
@@ -42,7 +43,7 @@ module stabilisation
   !! node, does not count as a load
   real(wp), parameter :: FIRST = 1.0e-6_wp     !! first move of a body that touches, relative to an
   !! element
-  real(wp), parameter :: GROWTH = 4.0_wp       !! length of a move, relative to the one before
+  real(wp), parameter :: GROWTH = 4.0_wp       !! length of a move, relative to the previous one
   real(wp), parameter :: LONGEST = 0.25_wp     !! longest move, relative to an element or DEPTh
   real(wp), parameter :: FAR = 2.0_wp          !! a body that has moved this far, relative to the
   !! model, is lost
@@ -55,7 +56,7 @@ module stabilisation
     logical :: springs = .false.         !! the tangent of this iteration has springs
     logical :: used = .false.            !! an iteration of this step had springs
     integer :: moves = 0                 !! number of moves in this step
-    integer :: at_contact = 0            !! the last move, if moves began at another surface
+    integer :: at_contact = 0            !! the last move, if it began at another surface
     real(wp), allocatable :: shift(:, :) !! (3, body) sum of these moves [L]
     !> (6, body, m) Motions that nothing resists; the 6*body coefficients of each are orthonormal.
     real(wp), allocatable :: unheld(:, :, :)
@@ -175,7 +176,7 @@ contains
     hold%unheld = reshape(q, [6, size(hold%body), size(q, 2)])
   end subroutine find_unheld
 
-  !> Use springs, because the tangent is singular although every motion seemed to be resisted. The
+  !> Use springs because the tangent is singular although every motion seemed to be resisted. The
   !! result is false if there is no body that springs could hold.
   logical function use_springs(hold, state) result(possible)
     type(stabilisation_t), intent(inout) :: hold
@@ -279,8 +280,8 @@ contains
                             [6, size(hold%body), size(hold%released, 3) + 1])
   end subroutine release_loaded
 
-  !> Find how far a body may move at once [L]: up to the nearest other surface, and a little into
-  !! it.
+  !> Find the distance that a body may move at once [L]: up to the nearest other surface, and a
+  !! little into it.
   subroutine find_reach(hold, model, state, reach)
     type(stabilisation_t), intent(inout) :: hold
     type(model_t), intent(in) :: model
@@ -381,7 +382,7 @@ contains
     end do
   end subroutine note_move
 
-  !> Has a body moved farther than the model is wide?
+  !> Has a body moved farther than FAR times the size of the model?
   pure logical function is_lost(hold, model)
     type(stabilisation_t), intent(in) :: hold
     type(model_t), intent(in) :: model

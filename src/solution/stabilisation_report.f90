@@ -1,5 +1,5 @@
-!> Reports bodies that contact does not hold, in the log and on the screen: where they were moved
-!! to, and the motions that only anchors resist.
+!> Reports on bodies that contact does not hold, in the log and on the screen: where they were
+!! moved, and the motions that only anchors resist.
 module stabilisation_report
   use anchors, only: anchors_t, anchor_force, find_load
   use base_kinds, only: wp
@@ -14,7 +14,7 @@ module stabilisation_report
 
   real(wp), parameter :: ROUGH = 0.2_wp    !! smaller parts of a motion are not named
   real(wp), parameter :: ALONG = 1.0e-6_wp !! largest component of a direction across its axis
-  real(wp), parameter :: MUCH = 1.0e-3_wp  !! work of anchors that is worth another warning
+  real(wp), parameter :: MUCH = 1.0e-3_wp  !! work of anchors that calls for another warning
 
 contains
 
@@ -66,7 +66,7 @@ contains
               hint='support the bodies against these motions, or add friction')
   end subroutine report_stabilisation
 
-  !> A share in per cent; a share that is only rounding is shown as less than 1e-6 %.
+  !> A share in per cent; a share that is due to rounding is shown as less than 1e-6 %.
   function percent(share) result(text)
     real(wp), intent(in) :: share
     character(:), allocatable :: text
@@ -98,7 +98,7 @@ contains
     end do
   end subroutine span_of
 
-  !> The reason for which a step fails in which a body is lost.
+  !> Why a step fails in which a body is lost.
   function lost_text(hold) result(text)
     type(stabilisation_t), intent(in) :: hold
     character(:), allocatable :: text

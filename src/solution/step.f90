@@ -4,7 +4,7 @@
 !!
 !! A pass or the last test may fail. Then cut_step restores the state at the start of the step and
 !! chooses another method of continuation or a smaller step; the outcome STEP_REWOUND tells the
-!! caller to go back to where the step began. If nothing is left to try, cut_step fails.
+!! caller to go back to where the step began. If there is nothing left to try, cut_step fails.
 module step
   use anchored_newton, only: sum_of_loads
   use base_error, only: error_t, place_t, fail, NO_SOLUTION
@@ -34,8 +34,8 @@ module step
   !> A body counts as lost if its displacement in a step, relative to the size of the model, is
   !! larger than this.
   real(wp), parameter :: FAR = 2.0_wp
-  !> Number of iterations in which the cells of the mortar scheme settle; they do not count for the
-  !! size of the next step.
+  !> Number of iterations in which the cells of the mortar scheme settle; these iterations do not
+  !! influence the size of the next step.
   integer, parameter :: SETTLING = 2
 
 contains
@@ -161,8 +161,8 @@ contains
     step%solved = .false.
   end subroutine rewind_step
 
-  !> Forget the current step when a run is stopped, and undo what it has set: a restarted run begins
-  !! it again, and counts its iterations and cut-backs as if the run had not been stopped.
+  !> Forget the current step when a run is stopped, and undo what the step has set: a restarted run
+  !! begins the step again, and counts iterations and cut-backs as if the run had not been stopped.
   subroutine abandon_step(step, state)
     type(step_t), intent(inout) :: step
     type(state_t), intent(inout) :: state
@@ -173,7 +173,8 @@ contains
     step%retry = step%cutbacks > 0
   end subroutine abandon_step
 
-  !> The error of a step that cannot be cut back any further, with what may help.
+  !> Make the error of a step that cannot be cut back any further, with a hint that says what may
+  !! help.
   subroutine fail_step(step, model, state, why, place, error)
     type(step_t), intent(in) :: step
     type(model_t), intent(in) :: model
@@ -303,9 +304,9 @@ contains
   end subroutine close_step
 
   !> In a model with contact, has a node moved farther than twice the sum of the size of the model
-  !! and the largest prescribed displacement? A body that neither contact nor bonds hold is in
-  !! equilibrium anywhere, so such a position has no meaning. Only inertia gives the motion of the
-  !! body a meaning.
+  !! and the largest prescribed displacement? A body that is held neither by contact nor by bonds is
+  !! in equilibrium anywhere, so the position to which such a node has moved has no meaning. Only
+  !! with inertia is the motion of the body determined.
   pure logical function flies_off(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

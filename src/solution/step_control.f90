@@ -1,8 +1,8 @@
 !> Time steps: fixed ones, and automatic ones that are cut back and grow again.
 !!
-!! Target k is at the time origin + k dt, which is never accumulated. A cut-back divides the
-!! interval to the next target into equal steps. A step that has grown beyond dt (dtmax > dt) passes
-!! several targets and ends on one of them.
+!! Target k is at the time origin + k dt, which is never computed by summation. A cut-back divides
+!! the interval to the next target into equal steps. A step that has grown beyond dt (dtmax > dt)
+!! passes several targets and ends on one of them.
 module step_control
   use base_kinds, only: wp
   implicit none
@@ -20,7 +20,7 @@ module step_control
     real(wp) :: from = 0.0_wp, to = 0.0_wp !! times at which the current step begins and ends
     integer :: passed = 0  !! targets that the step passes; 0: it ends between two targets
     integer :: accepted = 0          !! steps since the last cut-back
-    logical :: reduced = .false.     !! after many iterations the next step is smaller
+    logical :: reduced = .false.     !! the next step is smaller, after many iterations
     real(wp) :: failed = 0.0_wp      !! length of the last step that was cut back; 0: there is none
   end type step_control_t
 
@@ -97,8 +97,8 @@ contains
     if (control%passed > 0) to = control%origin + (control%target + control%passed)*control%dt
   end subroutine end_at_corner
 
-  !> Begin a constrained step, whose end is found by the step itself. The result is the time of the
-  !! next target, which the step may not pass.
+  !> Begin a constrained step, which finds its own end. The result is the time of the next target,
+  !! which the step may not pass.
   function next_target(control, time) result(target)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time

@@ -23,7 +23,7 @@ module step_type
     integer :: negative_pivots = 0       !! negative pivots of the last converged state
     logical :: unconverged = .false.     !! a step was closed before it converged
     logical :: inertia = .false.         !! a step with inertia was accepted
-    logical :: unstable = .false.        !! the warning of an unstable state was issued
+    logical :: unstable = .false.        !! the warning about an unstable state was issued
   end type step_totals_t
 
   type :: step_t
@@ -35,10 +35,10 @@ module step_type
     logical :: timed = .false.           !! a TIME began it
     logical :: retry = .false.           !! the next step repeats a step that was cut back
     logical :: solved = .false.          !! at least one system was solved in it
-    integer :: cutbacks = 0              !! cut-backs of this step, without changes of method
+    integer :: cutbacks = 0              !! cut-backs of this step, except changes of method
     integer :: start_step = 0            !! number and time of the state at its start
     real(wp) :: start_time = 0.0_wp
-    integer :: start_iterations = 0      !! total of the iterations when it began
+    integer :: start_iterations = 0      !! total number of iterations when it began
     logical :: start_held = .false.      !! an earlier step had to hold a body
     type(step_totals_t) :: total
   end type step_t
