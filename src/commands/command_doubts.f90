@@ -9,7 +9,7 @@ module command_doubts
 
 contains
 
-  !> Warn of load tables without loads, and of commands that have no effect without others.
+  !> Warn about load tables without loads, and about commands that have no effect without others.
   subroutine warn_commands(run)
     type(run_t), intent(in) :: run
 

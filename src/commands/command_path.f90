@@ -143,7 +143,7 @@ contains
     end associate
   end subroutine run_tran
 
-  !> Fail if no body has a mass; warn of the materials of bodies that have none, once each.
+  !> Fail if no body has a mass; warn about the materials of bodies that have none, once each.
   subroutine check_masses(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

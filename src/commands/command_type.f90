@@ -89,7 +89,7 @@ module command_type
     logical :: turn_warned = .false., strain_warned = .false. !! see command_watch
     logical :: corner_warned = .false.          !! see table_use, as the two below
     logical, allocatable :: acted(:)            !! (0:ntable) the factor was not 0 in some step
-    logical, allocatable :: ended(:)            !! (ntable) the warning of its end was issued
+    logical, allocatable :: ended(:)            !! (ntable) the warning about its end was issued
   end type plan_t
 
   !> Values of one row of a curve.

@@ -25,8 +25,8 @@ contains
     call watch_tables(run)
   end subroutine watch_step
 
-  !> Warn of a MOVE that turns by half a turn or more in one step. Displacements depend only on the
-  !! position at the end of the turn, so a full turn moves nothing.
+  !> Warn about a MOVE that rotates by half a turn or more in one step. Displacements depend only on
+  !! the position at the end of the turn, so a full turn moves nothing.
   subroutine watch_rotations(run)
     type(run_t), intent(inout) :: run
     real(wp) :: before(size(run%state%table)), angle, factor, start
@@ -86,7 +86,7 @@ contains
     end do
   end subroutine watch_strains
 
-  !> At the end of a run, warn of loads that never acted and of friction that was never switched on.
+  !> At the end of a run, warn about loads that never acted and about friction that never acted.
   subroutine watch_end(run)
     type(run_t), intent(in) :: run
     integer :: c

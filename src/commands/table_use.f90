@@ -79,8 +79,8 @@ contains
     end subroutine add
   end subroutine find_uses
 
-  !> When the whole deck has been read, warn of loads whose table no PROP defines or a late one;
-  !! note tables that no load follows, because staged decks may keep some.
+  !> When the whole deck has been read, warn about loads whose table is defined by no PROP or by a
+  !! late one; note tables that no load follows, because staged decks may keep some.
   subroutine warn_tables(run)
     type(run_t), intent(in) :: run
     type(use_t), allocatable :: uses(:)
@@ -141,7 +141,8 @@ contains
               'let the new table begin with the present factor, or use one table for all steps')
   end subroutine warn_jump
 
-  !> After a step, warn of tables that have ended before it and of corners inside it; once each.
+  !> After a step, warn about tables that have ended before it and about corners inside it, once
+  !! each.
   subroutine watch_tables(run)
     type(run_t), intent(inout) :: run
     type(use_t), allocatable :: uses(:)
@@ -197,7 +198,7 @@ contains
                                         + 0.1_wp*i*(table%tmax - table%tmin))), i=0, 10)])
   end function largest_factor
 
-  !> Warn of a peak or a trough of a table of pairs that lies inside the step.
+  !> Warn about a peak or a trough of a table of pairs that lies inside the step.
   subroutine watch_corners(run, k)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k
@@ -224,7 +225,7 @@ contains
     end associate
   end subroutine watch_corners
 
-  !> At the end of a run, warn of loads whose factor was zero in all steps.
+  !> At the end of a run, warn about loads whose factor was zero in all steps.
   subroutine watch_tables_end(run)
     type(run_t), intent(in) :: run
     type(use_t), allocatable :: uses(:)

@@ -28,8 +28,8 @@ module contact_report
 
 contains
 
-  !> Before a step is accepted, log which contacts it has closed or opened, and warn of points that
-  !! were in contact and are now deeper than DEPTh.
+  !> Before a step is accepted, log which contacts it has closed or opened, and warn about points
+  !! that were in contact and are now deeper than DEPTh.
   subroutine report_contact_changes(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state

@@ -163,7 +163,7 @@ contains
     end do
   end function facing_hint
 
-  !> Warn of elements of side 1 all of whose nodes belong to side 2: contact cannot open there.
+  !> Warn about elements of side 1 all of whose nodes belong to side 2: contact cannot open there.
   subroutine warn_tied(contact)
     type(contact_t), intent(in) :: contact
     logical :: shared(max(maxval(contact%side(1)%node), maxval(contact%side(2)%node)))

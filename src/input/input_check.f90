@@ -25,7 +25,7 @@ module input_check
 
 contains
 
-  !> Check that the names and numbers that records refer to exist; errors go to the list.
+  !> Check that the names and numbers to which records refer exist; errors go to the list.
   subroutine check_references(draft)
     type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error
@@ -95,7 +95,7 @@ contains
     call check_rigid(draft)
   end subroutine check_references
 
-  !> Check the materials of ELEMents and BLOCk; each that is missing is reported once.
+  !> Check the materials of ELEMents and BLOCk; each missing material is reported once.
   subroutine check_element_materials(draft)
     type(draft_t), intent(inout) :: draft
     integer, allocatable :: missing(:)
@@ -135,7 +135,7 @@ contains
     call draft%errors%add(error)
   end subroutine check_material
 
-  !> Fail if a material has words that do not apply to a body; report each material once.
+  !> Fail if a material has words that do not apply to its body; report each material once.
   subroutine check_words(draft, number, is_npatch)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: number
@@ -240,7 +240,7 @@ contains
     call draft%errors%add(error)
   end subroutine check_name
 
-  !> Check that the mesh has elements that can deform, and that its nodes are not too many.
+  !> Check that the mesh has elements that can deform, and that it does not have too many nodes.
   subroutine check_size(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -259,8 +259,8 @@ contains
     if (allocated(error)) call draft%errors%add(error)
   end subroutine check_size
 
-  !> Check that the Jacobian of every element is positive at all integration points; report those of
-  !! a block in one message.
+  !> Check that the Jacobian of every element is positive at all integration points; report the
+  !! inverted elements of a block in one message.
   subroutine check_jacobians(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh

@@ -1,7 +1,7 @@
-!> Conditions of nodes and control points, given by number or by position.
+!> Conditions at nodes and control points, which are given by number or by position.
 !!
-!! The order is that of FEAP: BOUN, FORC, DISP and FPRO as they are read; then all of EBOU, EDIS,
-!! EFOR, EPRO, CBOU, CFOR, CDIS and CSUR, each in deck order.
+!! The order is that of FEAP: BOUN, FORC, DISP and FPRO act as they are read; then all records of
+!! EBOU, EDIS, EFOR, EPRO, CBOU, CFOR, CDIS and CSUR act, each word in deck order.
 !!
 !! Nodes that TIE joins share the conditions that BOUN, FORC, DISP and FPRO give to any of them, and
 !! count as one node for the words that find nodes by their position.
@@ -25,7 +25,8 @@ module input_conditions
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, for
   !! squared distances
 
-  !> Names of R_EBOU to R_CSUR; words by node number, and values, of C_FIXED to C_TABLE.
+  !> Names of R_EBOU to R_CSUR; then, for C_FIXED to C_TABLE, the words by node number and the names
+  !! of the values.
   character(13), parameter :: &
     WORDS(8) = ['EBOUndary    ', 'EDISplacement', 'EFORce       ', 'EPROportional', &
                 'CBOUndary    ', 'CFORce       ', 'CDISplacement', 'CSURface     '], &
@@ -189,7 +190,7 @@ contains
     end do
   end subroutine apply
 
-  !> What the records of a word set: C_FIXED ...
+  !> The condition that the records of a word set: C_FIXED ...
   pure integer function kind_of(word) result(kind)
     integer, intent(in) :: word
 
@@ -205,7 +206,7 @@ contains
     end select
   end function kind_of
 
-  !> Values of one kind of condition.
+  !> The values of one kind of condition.
   pure subroutine get_condition(bc, kind, value)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: kind
@@ -223,8 +224,8 @@ contains
     end select
   end subroutine get_condition
 
-  !> Does record j set the same kind of condition as record i, and act before it although it stands
-  !! after it?
+  !> Does record j set the same kind of condition as record i, and act before record i although it
+  !! stands after it?
   pure logical function is_overtaken(draft, i, j) result(yes)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: i, j

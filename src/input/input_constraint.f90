@@ -1,4 +1,4 @@
-!> Constraints of hanging nodes: resolves chains of slaves, checks positions and supports.
+!> Constraints of hanging nodes: resolves chains of slaves, and checks positions and supports.
 module input_constraint
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -19,9 +19,9 @@ module input_constraint
 
 contains
 
-  !> Keep the constraints of the slaves that elements use, express them by masters that are not
-  !! slaves, and move the slaves exactly to the positions that their masters give. A node may be the
-  !! slave of only one constraint.
+  !> Keep the constraints of the slaves that elements use, express these slaves by masters that are
+  !! not slaves, and move the slaves exactly to the positions that their masters give. A node may be
+  !! the slave of only one constraint.
   subroutine close_constraints(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(inout) :: mesh

@@ -3,12 +3,12 @@
 !!
 !! The penalty of AUTO follows from the stiffness and the element size,
 !!
-!!   eps = 125 min over the bodies of E/h,   h^2 the mean area of the surface's elements
+!!   eps = 125 min over the bodies of E/h, h^2 the mean area of the surface's elements
 !!
 !! (with MORTar the factor is 100, and h is that of the elements that are nearest to the other
 !! surface at the start).
 !!
-!! E is Young's modulus of a body; rigid bodies do not count. Under a pressure p the penetration is
+!! E is Young's modulus of a body; rigid bodies are left out. Under a pressure p the penetration is
 !! (p/E) h/125. The constant is that of Corbett and Sauer 2015, section 5.3: eps = 125 E/L, 250 E/L
 !! and 500 E/L on blocks with modulus E and elements of length L, L/2 and L/4.
 module input_contact
@@ -35,7 +35,7 @@ module input_contact
   public :: build_contacts, element_areas, check_contacts
 
   real(wp), parameter :: STIFF = 125.0_wp, STIFF_AT_CELLS = 100.0_wp !! times E/h
-  real(wp), parameter :: CLOSING = 32.0_wp     !! opening of release divided by d of SMOOth
+  real(wp), parameter :: CLOSING = 32.0_wp     !! opening at release, divided by d of SMOOth
   real(wp), parameter :: LOCKS = 4.0_wp        !! largest penalty at points, relative to AUTO
   integer, parameter :: MOST_POINTS = 10000000 !! largest number of integration points of a surface
   real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! relative rounding error of a penalty
@@ -62,7 +62,7 @@ contains
     end do
   end subroutine build_contacts
 
-  !> Check that no element faces that may touch in the last contact may also touch in an earlier
+  !> Check that no two element faces that may touch in the last contact may also touch in an earlier
   !! one.
   subroutine check_counted_once(contact, error)
     type(contact_t), intent(in) :: contact(:)
@@ -85,7 +85,7 @@ contains
     end associate
   end subroutine check_counted_once
 
-  !> Find the data that the records do not give: surfaces, integration points, the default depth and
+  !> Find the data that are not in the records: surfaces, integration points, the default depth and
   !! penalties.
   subroutine resolve_contact(draft, at, model, contact, error)
     type(draft_t), intent(in) :: draft
@@ -227,7 +227,7 @@ contains
     n = count([(key(order(i)) == key(order(i + 1)), i=1, size(key) - 1)])
   end function common_faces
 
-  !> A number for each element face of a surface.
+  !> A distinct number for each element face of a surface.
   pure function face_keys(surface) result(key)
     type(surface_t), intent(in) :: surface
     integer(i8) :: key(surface%nelem)

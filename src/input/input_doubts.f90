@@ -14,20 +14,21 @@ module input_doubts
   private
   public :: check_twice, warn_locking
 
-  real(wp), parameter :: NEAR = 1.0e-6_wp        !! positions closer than this times size are equal
-  !> Poisson's ratios from which linear elements lock, and others have errors of 10 % or more.
+  real(wp), parameter :: NEAR = 1.0e-6_wp     !! positions closer than this, times size, are equal
+  !> Poisson's ratios from which on linear elements lock, and other elements have errors of 10 % or
+  !! more.
   real(wp), parameter :: LOCKING_FROM = 0.49_wp, SOFT_FROM = 0.498_wp
 
   !> An element of any block.
   type :: member_t
     integer :: block = 0, elem = 0
-    real(wp) :: centre(3) = 0.0_wp, size = 0.0_wp !! size: shortest distance of two nodes [L]
+    real(wp) :: centre(3) = 0.0_wp, size = 0.0_wp !! size: shortest distance between nodes [L]
   end type member_t
 
 contains
 
-  !> Refuse elements of one material that have the same nodes, and warn of elements in the same
-  !! place. The stiffness there counts twice.
+  !> Reject elements of one material that have the same nodes, and warn about elements in the same
+  !! place, because the stiffness there counts twice.
   subroutine check_twice(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -78,7 +79,8 @@ contains
     end do
   end subroutine check_twice
 
-  !> List all elements that deform, with the centre and the shortest distance of their nodes.
+  !> List all elements that deform, with the centre of their nodes and the shortest distance between
+  !! nodes.
   subroutine list_members(mesh, list)
     type(mesh_t), intent(in) :: mesh
     type(member_t), allocatable, intent(out) :: list(:)
@@ -174,7 +176,7 @@ contains
     end associate
   end function place_of
 
-  !> Warn of nearly incompressible materials in elements that are not made for them.
+  !> Warn about nearly incompressible materials in elements that are not made for them.
   !!
   !! - Linear displacement elements lock. As an example, a cube of 3 x 3 x 3 elements with a
   !!   Poisson's ratio of 0.499 is squeezed between rough plates. The force on it, divided by that
@@ -217,7 +219,7 @@ contains
     end do
   end subroutine warn_locking
 
-  !> Warn of a kind of elements of a nearly incompressible material.
+  !> Warn about one kind of element with a nearly incompressible material.
   subroutine doubt(m, name, what, hint)
     type(material_set_t), intent(in) :: m
     character(*), intent(in) :: name !! of the elements

@@ -22,7 +22,7 @@ module input_draft
             curve_entry_t, condition_entry_t, tie_entry_t, next_data, next_line, skip_set, &
             known_word, check_number, check_increment, row_of
 
-  integer, parameter :: MOST_RECORDS = 24 !! limit of the number of different words in a set
+  integer, parameter :: MOST_RECORDS = 24 !! limit on the number of different words in a set
 
   !> FEAP's control record; the program counts the quantities that are 0 here.
   type :: control_t
@@ -169,7 +169,7 @@ module input_draft
     logical :: incomplete = .false.    !! an unknown word was skipped: definitions may be missing
     logical :: in_set = .false.        !! between a word and the blank record of its set
     logical :: skips_comments = .false. !! skip comments in the set instead of closing it
-    integer :: closed = 0              !! row of the word of this set, or of the last one
+    integer :: closed = 0              !! row of the word of this or the last set
     type(place_t) :: closed_place      !! place where that set begins
     integer :: closed_line = 0         !! line in which it ends
     logical :: has_pending = .false.
@@ -177,7 +177,8 @@ module input_draft
   end type draft_t
 
   abstract interface
-    !> Read a mesh word, beginning with its first record; the records of its set come from the deck.
+    !> Read a mesh word, beginning with its first record; the records of its set are read from the
+    !! deck.
     subroutine mesh_read_i(draft, deck, record, error)
       import :: draft_t, deck_t, record_t, error_t
       implicit none
@@ -284,8 +285,8 @@ contains
     end if
   end subroutine read_record
 
-  !> Does the record begin with a mesh word that cannot belong to the set? Then the blank record is
-  !! missing.
+  !> Does the record begin with a mesh word that cannot belong to the set? If so, the blank record
+  !! is missing.
   pure logical function ends_set(draft, record) result(ends)
     type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record
@@ -339,7 +340,7 @@ contains
     end if
   end subroutine check_number
 
-  !> Check the increment of generated numbers: a larger increment would cause an overflow.
+  !> Check the increment of generated numbers: an increment above the limit would cause an overflow.
   subroutine check_increment(step, place, error)
     integer, intent(in) :: step
     type(place_t), intent(in) :: place

@@ -9,7 +9,7 @@ module input_fields
   private
   public :: get_numbers, get_direction, get_axis
 
-  !> Read as many numbers as the array has entries, beginning with field `first`.
+  !> Read as many numbers as the array has entries, beginning at field `first`.
   interface get_numbers
     module procedure get_reals, get_integers
   end interface get_numbers

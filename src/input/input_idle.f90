@@ -15,7 +15,7 @@ module input_idle
 
 contains
 
-  !> Note materials that no body uses; included files often hold some.
+  !> Log a note about materials that no body uses; included files often contain some.
   subroutine note_idle_materials(draft, mesh)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -35,9 +35,9 @@ contains
     end do
   end subroutine note_idle_materials
 
-  !> Warn of nodal forces in directions that supports or motions prescribe, if FORCe gives one of
-  !! them or if all are like that, and of pressures all of whose nodes are prescribed. Such loads
-  !! only change reactions.
+  !> Warn about nodal forces in directions that supports or motions prescribe, if FORCe gives one of
+  !! these forces or if all nodal forces act in such directions; and warn about pressures on faces
+  !! all of whose nodes are prescribed. Such loads only change reactions.
   subroutine warn_idle_loads(draft, mesh, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

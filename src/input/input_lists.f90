@@ -1,6 +1,6 @@
 !> Nodes and elements of a FEAP mesh while the deck is read: lists that grow with the numbers.
 !!
-!! A deck may give numbers in any order and leave some out.
+!! A deck may give numbers in any order, and may leave some out.
 module input_lists
   use base_error, only: place_t
   use base_grow, only: grow

@@ -13,7 +13,8 @@ module input_loads
 
 contains
 
-  !> Integrate one dead load for each load number; follower pressures are not integrated here.
+  !> Integrate the dead loads of each load number into one load; follower pressures are not
+  !! integrated here.
   subroutine integrate_loads(model)
     type(model_t), intent(inout) :: model
     type(pressure_t), allocatable :: follower(:)

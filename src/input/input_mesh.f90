@@ -1,5 +1,5 @@
 !> The mesh: nodes and blocks from the lists of the deck, then the bodies of NPATch, PATCh, MESH and
-!! SPLIne. The numbers of their materials and tables are resolved.
+!! SPLIne. The material numbers and the node numbers of tables are resolved.
 module input_mesh
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -23,8 +23,8 @@ module input_mesh
 
 contains
 
-  !> Compare the mesh with the counts of the control record. A mesh that exceeds them is an error,
-  !! as FEAP's manual requires.
+  !> Compare the mesh with the counts of the control record. It is an error if the mesh exceeds
+  !! them, as FEAP's manual requires.
   subroutine count_mesh(draft)
     type(draft_t), intent(inout) :: draft
 
@@ -270,8 +270,8 @@ contains
     end do
   end subroutine add_constraints
 
-  !> Find the node that a number in a table refers to, which is a number of the mesh file or of the
-  !! deck.
+  !> Find the node to which a number in a table refers; the number is that of the mesh file or of
+  !! the deck.
   subroutine resolve_node(draft, mesh, spec, place, node, error)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

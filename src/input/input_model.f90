@@ -1,4 +1,4 @@
-!> Builds a model that can be solved from the records of a deck.
+!> Builds, from the records of a deck, a model that can be solved.
 module input_model
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_text, only: to_text, quoted, nearest
@@ -43,7 +43,7 @@ contains
     type(error_t), allocatable, intent(out) :: error !! an error after which reading cannot continue
     type(draft_t) :: draft
     integer, allocatable :: tied(:) ! (nnode) the node that replaces each node after TIE
-    logical, allocatable :: told(:, :) ! (nbody, nbody) pairs of bodies that were warned of
+    logical, allocatable :: told(:, :) ! (nbody, nbody) pairs of bodies that were warned about
 
     call load_mesh_words(draft%row)
     allocate (draft%model)
@@ -95,7 +95,7 @@ contains
     call move_alloc(draft%model, model)
   end subroutine build_model
 
-  !> Read the title, the control record, and one word after the other up to END.
+  !> Read the title, the control record, and one word after another up to END.
   subroutine read_mesh_part(draft, deck, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -191,8 +191,7 @@ contains
     call skip_set(draft, deck, error)
   end subroutine read_word
 
-  !> Hint for a record that may belong to the set that was closed last; empty if it cannot belong to
-  !! it.
+  !> Hint for a record that may belong to the set that was closed last; empty if it cannot.
   function closed_hint(draft, record) result(hint)
     type(draft_t), intent(in) :: draft
     type(record_t), intent(in) :: record
@@ -213,7 +212,7 @@ contains
     end associate
   end function closed_hint
 
-  !> Report an unknown word with the nearest known one, and skip its records.
+  !> Report an unknown word together with the most similar known word, and skip its records.
   subroutine skip_unknown(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

@@ -1,8 +1,9 @@
-!> Nodes that several MOVEs name, such as the common edge of two faces.
+!> Nodes that several MOVEs name, such as those on the common edge of two faces.
 !!
-!! The MOVEs of one place add up: a face is pressed by one record and dragged by another. A motion
-!! that several places give to a node they share, such as one of a tied edge, counts there once. If
-!! places give such a node different motions in one direction, these add up, with a warning.
+!! The MOVEs of one place add up: a face may be pressed by one record and dragged by another. A
+!! motion that several places give to a node that they share, such as a node of a tied edge, counts
+!! only once there. If places give such a node different motions in one direction, these add up,
+!! with a warning.
 module input_motion
   use base_kinds, only: wp
   use base_log, only: warn
@@ -14,10 +15,10 @@ module input_motion
   private
   public :: count_motions_once
 
-  !> If a component of a unit axis is this near to 1, the other components are rounding.
+  !> If a component of a unit axis is this near to 1, the other components are rounding errors.
   real(wp), parameter :: ALONG = 1.0e-12_wp
 
-  !> The data by which MOVEs are compared.
+  !> The data used to compare MOVEs.
   type :: identity_t
     integer :: place = 0  !! the first MOVE of the same place
     integer :: motion = 0 !! the first MOVE with the same motion
@@ -26,7 +27,7 @@ module input_motion
 
 contains
 
-  !> Take from each motion the nodes to which another place has given the same motion.
+  !> Remove from each motion the nodes to which another place has given the same motion.
   subroutine count_motions_once(draft, nnode, bc)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: nnode
@@ -71,7 +72,7 @@ contains
     end do
   end subroutine identify
 
-  !> Warn of nodes that belong to two places which give them different motions.
+  !> Warn about nodes that belong to two places with different motions.
   subroutine warn_different(id, nnode, bc)
     type(identity_t), intent(in) :: id(:)
     integer, intent(in) :: nnode
@@ -117,7 +118,7 @@ contains
     end do
   end function lacks
 
-  !> Directions in which a motion moves: a rotation moves nothing along its axis.
+  !> Directions in which a motion moves points: a rotation moves no point along its axis.
   pure function directions(motion) result(acts)
     type(motion_t), intent(in) :: motion
     logical :: acts(3)

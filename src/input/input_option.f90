@@ -1,7 +1,7 @@
 !> Options after the required fields of a record: words in any order, each at most once.
 !!
-!! The options of a record are in one list such as ['PAIR', 'SMOOth d'], whose entries are a word
-!! and the value that follows it. Reading, checks and hints use that list.
+!! The options of a record are given in one list such as ['PAIR', 'SMOOth d'], each entry of which
+!! is a word and the value that follows it, if any. Reading, checks and hints use that list.
 module input_option
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp

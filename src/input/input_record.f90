@@ -8,7 +8,7 @@ module input_record
   public :: check_record, record_word_t, word_index, word_list
 
   !> A word of a block. The reader of the block, the check for duplicates and the hints of the
-  !! program take the words from one array of this type.
+  !! program all use the words of one array of this type.
   type :: record_word_t
     character(12) :: name              !! spelling in the manual; only its first four letters count
     logical :: repeats = .false.       !! it may occur more than once

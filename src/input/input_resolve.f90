@@ -1,5 +1,5 @@
-!> FIX, MOVE, PRESsure and CURVe: finds the nodes, faces and elements that their places name, after
-!! TIE.
+!> FIX, MOVE, PRESsure and CURVe: finds, after TIE, the nodes, faces and elements that their places
+!! name.
 module input_resolve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp

@@ -58,7 +58,7 @@ contains
     end do
   end subroutine mark_surface
 
-  !> Find the enlarged bounding box of the surface, and FEAP's gap.
+  !> Find FEAP's gap, and the bounding box of the surface enlarged by it.
   pure subroutine search_box(r, nnode, low, high, gap)
     type(condition_entry_t), intent(in) :: r
     integer, intent(in) :: nnode
@@ -76,7 +76,7 @@ contains
     high = high + 1.5_wp*gap
   end subroutine search_box
 
-  !> Project a point onto the surface, to the closest point, by Newton's method. `on` is true if the
+  !> Project a point onto the closest point of the surface, by Newton's method. `on` is true if the
   !! distance is less than the gap and the projection lies inside the boundary.
   pure subroutine project(surface, x, gap, xi, normal, on)
     real(wp), intent(in) :: surface(:, :) !! (4, 9)
@@ -126,7 +126,7 @@ contains
   end subroutine functions
 
   !> Add the forces of the pressure on the outer faces of elements whose four corners lie on the
-  !! surface. Faces between two bodies or two materials count as outer faces, and so do those that
+  !! surface. Faces between two bodies or two materials count as outer faces, and so do faces that
   !! TIE joins.
   subroutine load_surface(mesh, r, on, new, bc, error)
     type(mesh_t), intent(in) :: mesh
@@ -219,7 +219,7 @@ contains
     type(cell_t), intent(in) :: cell
     type(condition_entry_t), intent(in) :: r
     integer, intent(in) :: new(:)
-    logical, intent(in) :: is_outer           !! otherwise the face is counted and not loaded
+    logical, intent(in) :: is_outer           !! if false, the face is counted, but not loaded
     type(boundary_t), intent(inout) :: bc
     real(wp), intent(inout) :: loaded         !! area of the faces [L^2]
     integer, intent(inout) :: ninner

@@ -20,9 +20,9 @@ module input_thickness
 
 contains
 
-  !> Smallest distance [L] between corresponding points of the named faces and the opposite ones. It
-  !! is 0 if such faces meet or if there is no opposite face. The patch is measured before it is
-  !! refined and placed; placement does not change distances.
+  !> Smallest distance [L] between corresponding points of the named faces and of the opposite
+  !! faces. It is 0 if two such faces meet or if there is no opposite face. The patch is measured
+  !! before it is refined and placed; placement does not change distances.
   function body_thickness(draft, name, mask) result(thickness)
     type(draft_t), intent(in) :: draft
     character(*), intent(in) :: name  !! of a PATCh or NPATch

@@ -1,6 +1,6 @@
 !> TIE: nodes at the same position become one node, the one with the lowest number.
 !!
-!! The tolerance is FEAP's: 1e-3 of the mesh's extent in each direction over the square root of the
+!! The tolerance is FEAP's: in each direction, 1e-3 of the mesh's extent over the square root of the
 !! number of nodes.
 !!
 !! Source: FEAPpv's manual
@@ -19,8 +19,8 @@ module input_tie
   integer, parameter :: PER_CELL = 4, MOST_CELLS = 200 !! mean number of nodes in a cell; largest
   !! number of cells in a direction
 
-  !> Search grid: each cell has a list of its nodes that no other node replaces. Cells are at least
-  !! twice as wide as the tolerance.
+  !> Search grid: each cell lists those of its nodes that are not replaced by another node. Cells
+  !! are at least twice as wide as the tolerance.
   type :: grid_t
     real(wp) :: low(3), width(3)       !! origin of the grid, size of a cell [L]
     real(wp) :: tol(3)                 !! nodes at most this far apart are tied [L]
@@ -55,8 +55,8 @@ contains
     if (all(abs(draft%tie%tolerance) <= 0.0_wp)) call warn_distant(draft, mesh, new)
   end subroutine find_tied
 
-  !> Warn if the default tolerance, a fraction of the whole mesh, joins nodes across a gap that is
-  !! visible beside their elements.
+  !> Warn if the default tolerance, which is a fraction of the extent of the whole mesh, joins nodes
+  !! across a gap that is not small compared with their elements.
   subroutine warn_distant(draft, mesh, new)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -91,7 +91,7 @@ contains
               //'give a smaller one: TIE,,,,tolerance')
   end subroutine warn_distant
 
-  !> Replace tied nodes in elements, constraints and bodies, and set `used` of the mesh again.
+  !> Replace tied nodes in elements, constraints and bodies, and update `used` of the mesh.
   subroutine tie_nodes(new, mesh)
     integer, intent(in) :: new(:) !! (nnode)
     type(mesh_t), intent(inout) :: mesh

@@ -1,6 +1,6 @@
-!> Looks for faces of elements that touch each other and that neither common nodes nor a contact
-!! joins. The bodies do not act on each other there, or a body comes apart, and nothing else in the
-!! results says so.
+!> Finds faces of elements that touch each other but are joined neither by common nodes nor by a
+!! contact. The bodies do not act on each other there, or a body comes apart, and nothing else in
+!! the results shows this.
 module input_touching
   use base_error, only: place_t
   use base_kinds, only: wp
@@ -21,16 +21,17 @@ module input_touching
 
   !> Faces touch if their distance, relative to the smaller face, is less than this.
   real(wp), parameter :: TOUCHING = 1.0e-6_wp
-  !> Flat elements of two curved surfaces that touch overlap in places and are apart in others, by
-  !! up to this fraction of a face, and not by more than this fraction of the depth of an element.
+  !> Where two curved surfaces that touch consist of flat elements, the elements overlap in some
+  !! places and are apart in others, by up to this fraction of the width of a face, but by no more
+  !! than this fraction of the depth of an element.
   real(wp), parameter :: CURVED = 0.05_wp, SHALLOW = 0.2_wp
   real(wp), parameter :: OPPOSITE = -0.7_wp !! largest cosine of the angle between outward normals
   integer, parameter :: NPOINT = 4          !! points of a face in each of its two directions
   integer, parameter :: MOST_STEPS = 20
-  integer, parameter :: MOST_PAIRS = 5      !! that are named one by one
-  real(wp), parameter :: BORDER = 1.0e-6_wp !! parameter beyond the border that is rounding
+  integer, parameter :: MOST_PAIRS = 5      !! largest number of pairs that are named
+  real(wp), parameter :: BORDER = 1.0e-6_wp !! a parameter this far beyond the border is rounding
 
-  !> All outer faces, and buckets of those that are near each other.
+  !> All outer faces, and buckets of faces that are near each other.
   type :: skin_t
     type(surface_t) :: surface
     type(shape_t) :: shape
@@ -56,13 +57,13 @@ module input_touching
 
 contains
 
-  !> Warn of each pair of bodies whose faces touch and are not joined, and of each body that has
-  !! such faces itself.
+  !> Warn about each pair of bodies whose faces touch and are not joined, and about each body that
+  !! has such faces by itself.
   subroutine warn_touching(draft, mesh, contact, told)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
-    logical, intent(in) :: told(:, :) !! (nbody, nbody) pairs that a warning has named already
+    logical, intent(in) :: told(:, :) !! (nbody, nbody) pairs that a warning has already named
     type(skin_t) :: skin
     type(pair_t), allocatable :: pair(:)
     logical, allocatable :: double(:) ! (nnode) another node that is not joined lies here
@@ -97,8 +98,8 @@ contains
                                   //'nothing joins them')
   end subroutine warn_touching
 
-  !> Area of each body that touches the other one [L^2]. If their elements overlap in places, they
-  !! are those of curved surfaces.
+  !> The area of each body that touches the other body [L^2]. If elements overlap in some places,
+  !! the surfaces are curved.
   pure function area_of(pair) result(area)
     type(pair_t), intent(in) :: pair
     real(wp) :: area(2)
@@ -107,7 +108,7 @@ contains
     if (pair%overlaps) area = pair%near
   end function area_of
 
-  !> Warn of a body that comes apart, or of the elements that belong to no body.
+  !> Warn about a body that comes apart, or about the elements that belong to no body.
   subroutine warn_seam(draft, mesh, skin, pair, double)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -180,8 +181,8 @@ contains
     call fill_buckets(skin)
   end subroutine make_skin
 
-  !> Estimate the depth of the element behind each face: twice the distance of the mean of its
-  !! nodes.
+  !> Estimate the depth of the element behind each face as twice the distance between the face and
+  !! the mean of the element's nodes.
   subroutine find_depths(mesh, skin)
     type(mesh_t), intent(in) :: mesh
     type(skin_t), intent(inout) :: skin
@@ -236,8 +237,8 @@ contains
     end do
   end subroutine mark_sides
 
-  !> Sort the faces into buckets that are about as wide as a face; a face is in each bucket that its
-  !! box reaches.
+  !> Sort the faces into buckets that are about as wide as a face; a face is in every bucket that
+  !! its box overlaps.
   subroutine fill_buckets(skin)
     type(skin_t), intent(inout) :: skin
     integer :: e, i, j, k, m, pass, from(3), to(3)
@@ -295,8 +296,8 @@ contains
     number_of = at(1) + skin%n(1)*(at(2) - 1 + skin%n(2)*(at(3) - 1))
   end function number_of
 
-  !> Find the pairs of bodies whose faces touch and are not joined, and the nodes of such faces that
-  !! lie where another node lies.
+  !> Find the pairs of bodies whose faces touch and are not joined, and those nodes of such faces
+  !! that lie at the position of another node.
   subroutine find_pairs(mesh, skin, pair, npair, double)
     type(mesh_t), intent(in) :: mesh
     type(skin_t), intent(in) :: skin
@@ -346,7 +347,7 @@ contains
 
   end subroutine find_pairs
 
-  !> Find the face that touches a point of face e. There is none, f = 0, if one of the faces that
+  !> Find the face that touches a point of face e. There is none (f = 0) if one of the faces that
   !! touch the point is joined to face e.
   subroutine find_face(skin, e, x, area, f, gap)
     type(skin_t), intent(in) :: skin
@@ -412,7 +413,7 @@ contains
     if (norm2(x - y) > 2*abs(gap) + TOUCHING*skin%width(f)) gap = huge(gap)
   end subroutine measure
 
-  !> Do all nodes of one of two faces belong to the other one too?
+  !> Do all nodes of one of two faces belong to the other face too?
   pure logical function is_joined(s, e, f)
     type(surface_t), intent(in) :: s
     integer, intent(in) :: e, f

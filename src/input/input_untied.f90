@@ -1,4 +1,4 @@
-!> Looks, after TIE, for nodes that lie on a face of another body and are not tied to it. If the
+!> Finds, after TIE, the nodes that lie on a face of another body and are not tied to it. If the
 !! meshes of two bodies do not match, TIE joins none or only some of their nodes, and the bodies
 !! come apart there.
 module input_untied
@@ -33,8 +33,8 @@ module input_untied
 
 contains
 
-  !> Warn of contacts whose sides TIE has joined along a line or at single points: the bodies hang
-  !! on each other there. If it has joined whole elements of a side, contact_start warns.
+  !> Warn about contacts whose sides TIE has joined along a line or at single points, where the
+  !! bodies cannot part. If TIE has joined whole elements of a side, contact_start warns.
   subroutine warn_hanging(mesh, contact, tied)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
@@ -68,7 +68,7 @@ contains
     end do
   end subroutine warn_hanging
 
-  !> Warn of the pairs of bodies that touch and are tied only in part, or not at all. Bodies between
+  !> Warn about pairs of bodies that touch and are tied only in part, or not at all. Bodies between
   !! which a contact acts are skipped.
   subroutine warn_untied(draft, mesh, told)
     type(draft_t), intent(in) :: draft

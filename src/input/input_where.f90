@@ -42,7 +42,7 @@ module input_where
 
 contains
 
-  !> Read WHERE from field i on; i is then the field after it.
+  !> Read WHERE from field i on, and set i to the field after it.
   subroutine read_where(deck, record, i, place, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -143,7 +143,8 @@ contains
     call fail(error, DECK_ERROR, 'unknown face '//quoted(text), place, face_hint_for(text))
   end subroutine unknown_face
 
-  !> A hint for a name that is no face: what its direction and its sign may mean, or all faces.
+  !> A hint for a name that is not a face: what its direction and its sign may mean, or a list of
+  !! all faces.
   pure function face_hint_for(text) result(hint)
     character(*), intent(in) :: text
     character(:), allocatable :: hint
@@ -172,7 +173,7 @@ contains
            //'+'
   end function face_hint_for
 
-  !> Is a field written like a face, one digit and a sign? Letters may be the name of a patch.
+  !> Is a field written like a face, as one digit and a sign? Letters may be the name of a patch.
   pure logical function is_like_face(text)
     character(*), intent(in) :: text
 
@@ -203,8 +204,8 @@ contains
     end do
   end function body_index
 
-  !> Find the nodes of a place, each once, in increasing order; after an error there are none. At a
-  !! POINt, a rigid body counts only if no other body is equally near.
+  !> Find the nodes of a place, each once, in increasing order; after an error, the list is empty.
+  !! At a POINt, a rigid body counts only if no other body is equally near.
   subroutine find_nodes(mesh, place, node, error, all_near, no_rigid)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place
@@ -265,7 +266,7 @@ contains
     if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies there', place%place)
   end subroutine find_nodes
 
-  !> Mark the nodes that only rigid bodies have.
+  !> Mark the nodes that belong to rigid bodies only.
   pure subroutine mark_rigid(mesh, rigid)
     type(mesh_t), intent(in) :: mesh
     logical, allocatable, intent(out) :: rigid(:) !! (nnode)
@@ -283,7 +284,7 @@ contains
     rigid = rigid .and. .not. solid
   end subroutine mark_rigid
 
-  !> Keep of the marked nodes those that are nearest to a point. As in FEAP, squares of distances
+  !> Of the marked nodes, keep those that are nearest to a point. As in FEAP, squares of distances
   !! are compared.
   pure subroutine equally_near(mesh, x, on)
     type(mesh_t), intent(in) :: mesh
@@ -328,7 +329,8 @@ contains
     end if
   end subroutine check_near
 
-  !> Warn of a point that is farther away from its nearest node than the nodes of its elements.
+  !> Warn about a point that is farther from its nearest node than this node is from the other nodes
+  !! of its elements.
   subroutine warn_far(mesh, x, node, place)
     type(mesh_t), intent(in) :: mesh
     real(wp), intent(in) :: x(3)       !! the point [L]
@@ -363,7 +365,7 @@ contains
     text = 'the nearest node, '//to_text(node)//', is '//to_text(away, 3)//' away from this point'
   end function far_text
 
-  !> Warn of an element that has two layers of nodes on a plane, one behind the other.
+  !> Warn about an element that has two layers of nodes on a plane, one behind the other.
   subroutine warn_layers(mesh, direction, on, gap, place, hint)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: direction
@@ -406,7 +408,7 @@ contains
     end do
   end function group_index
 
-  !> Find the element faces that belong to faces or to a named group of a body.
+  !> Find the element faces that belong to the named faces or the named group of a body.
   subroutine find_faces(mesh, place, block, elem, side, error)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place

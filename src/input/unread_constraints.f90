@@ -1,8 +1,8 @@
 !> Constraint tables that exist next to the files of a mesh, but that no record reads.
 !!
 !! `post mesh` writes name.con next to name.msh and name.layer if the mesh has hanging nodes. A deck
-!! without the CONStraint record runs, but its hanging nodes are not constrained. Therefore the user
-!! is warned.
+!! without the CONStraint record runs, but its hanging nodes are not constrained, so the user is
+!! warned.
 module unread_constraints
   use base_error, only: place_t
   use base_file, only: file_t, inspect, base_name, FILE_REGULAR
@@ -15,7 +15,7 @@ module unread_constraints
 
   character(*), parameter :: ENDING = '.con'
 
-  !> Tables that were found, and tables that are used.
+  !> The tables that were found, and the tables that are used.
   type :: unread_constraints_t
     type(unread_t), allocatable :: found(:)
     integer(i8), allocatable :: used(:, :) !! (2, n) identities of files

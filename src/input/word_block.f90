@@ -4,8 +4,8 @@
 !!   [BRICk 8|27]  [MATErial m]
 !!   i x y z                  master nodes 1 to 8, and those of 9 to 27 on curved edges or faces
 !!
-!! r, s and t count the intervals between nodes. Each 27-node element spans two, so they must be
-!! even for it. With a negative elmt1 only nodes are made.
+!! r, s and t count the intervals between nodes. Each 27-node element spans two intervals, so these
+!! numbers must be even for such elements. With a negative elmt1 only nodes are made.
 !!
 !! Source: FEAPpv's manual
 module word_block
@@ -30,7 +30,7 @@ module word_block
   !> Positions of FEAP's 27 master nodes in tensor order; FEAP's element nodes have another order.
   integer, parameter :: MASTER27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 10, 12, 18, 16, 2, 6, 8, 4, 5, &
                                         20, 24, 26, 22, 23, 11, 15, 17, 13, 14]
-  !> Element nodes with the lower and the upper face exchanged; the first 8 also serve 8-node
+  !> Element nodes with the lower and the upper face exchanged; the first 8 also serve for 8-node
   !! elements.
   integer, parameter :: MIRRORED(27) = [5, 6, 7, 8, 1, 2, 3, 4, 13, 14, 15, 16, 9, 10, 11, 12, 17, &
                                         18, 19, 20, 22, 21, 23, 24, 25, 26, 27]
@@ -194,8 +194,8 @@ contains
   end subroutine check_block
 
   !> Make nodes at equal intervals of the parameters of the master block; r varies fastest. Missing
-  !! master nodes follow FEAP's rules: edges are straight, faces and the centre interpolate edges
-  !! and corners.
+  !! master nodes follow FEAP's rules: edges are straight, and faces and the centre interpolate
+  !! edges and corners.
   subroutine make_nodes(draft, spec)
     type(draft_t), intent(inout) :: draft
     type(block_spec_t), intent(in) :: spec

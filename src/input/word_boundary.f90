@@ -102,7 +102,7 @@ contains
     draft%motion(draft%nmotion) = m
   end subroutine read_move
 
-  !> Read [PROP k] at field i; i is then the field after it.
+  !> Read [PROP k] at field i, and set i to the field after it.
   subroutine read_table(deck, record, i, table, usage, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record

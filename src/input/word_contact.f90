@@ -24,7 +24,7 @@ module word_contact
   character(*), parameter :: SURFACE_USAGE = 'SURFaces patch face patch face'
   integer, parameter :: MAX_POINT = 50 !! integration points of an element in one direction
   integer, parameter :: MAX_CELL = 10  !! cells of an element in one direction
-  integer, parameter :: LONGEST = 32   !! longest name, as it becomes part of column names
+  integer, parameter :: LONGEST = 32   !! longest name; it becomes part of column names
 
   type(record_word_t), parameter, public :: CONTACT_RECORDS(9) = [ &
                                             record_word_t('SURFaces'), record_word_t('NORMal'), &

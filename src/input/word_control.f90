@@ -10,7 +10,7 @@ module word_control
   private
   public :: read_title, read_control
 
-  !> Order of the control record; three further numbers give sizes of FEAP's arrays and are not
+  !> Order of the control record; three further numbers give the sizes of FEAP's arrays and are not
   !! used.
   integer, parameter :: NUMNP = 1, NUMEL = 2, NUMMAT = 3, NDM = 4, NDF = 5, NEN = 6
   character(*), parameter :: USAGE = 'write ndm = 3 and a blank record, or six numbers: numnp ' &
@@ -116,8 +116,8 @@ contains
   end subroutine read_control
 
   !> Which number of the control record does a record such as `ndm = 3` give? The result is its
-  !! position, or 0 if the record gives none of them. Two of FEAP's names are also mesh words, but
-  !! these are not followed by an equals sign.
+  !! position, or 0 if the record gives none of them. Two of FEAP's names are also mesh words, but a
+  !! mesh word is not followed by an equals sign.
   pure integer function size_index(record) result(i)
     type(record_t), intent(in) :: record
 

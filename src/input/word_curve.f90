@@ -64,7 +64,7 @@ module word_curve
   !> Components of a stress as they are written in the deck, and their positions in Voigt notation.
   character(2), parameter :: COMPONENT(9) = ['11', '22', '33', '12', '23', '31', '21', '32', '13']
   integer, parameter :: VOIGT(9) = [1, 2, 3, 4, 5, 6, 4, 5, 6]
-  integer, parameter :: LONGEST = 60 !! longest name, as it becomes part of a file name
+  integer, parameter :: LONGEST = 60 !! longest name; it becomes part of a file name
 
 contains
 
@@ -205,7 +205,8 @@ contains
     end subroutine read_component
   end subroutine read_column
 
-  !> Read STREss patch x y z component. The patch ALL means any body, and also ELEMents.
+  !> Read STREss patch x y z component. The patch ALL means any body, including elements of
+  !! ELEMents.
   subroutine read_stress(deck, line, column, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line

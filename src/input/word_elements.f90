@@ -3,8 +3,8 @@
 !! A record is `n g m i j k ...`: number, increment of the node numbers for the elements generated
 !! after it, material, nodes. With `ELEMents,OLD` the increment follows the nodes; `MATErial m`
 !! after ELEMents overrides the material. FEAP reads 16 numbers from a record, so an element with
-!! more than 13 nodes continues in a second one. The table of elements defines the possible numbers
-!! of nodes.
+!! more than 13 nodes continues in a second record. The table of elements defines the possible
+!! numbers of nodes.
 !!
 !! Source: FEAPpv's manual
 module word_elements
@@ -141,8 +141,8 @@ contains
     if (e%increment == 0) e%increment = 1
   end subroutine read_entry
 
-  !> Collect all numbers of an element: those of its first record, and of a second one if FEAP needs
-  !! it.
+  !> Collect all numbers of an element: those of its first record, and those of a second one if FEAP
+  !! requires it.
   subroutine collect_numbers(draft, deck, first, least, most, usage, field, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

@@ -319,7 +319,8 @@ contains
     call set_properties(given, set%prop, error)
   end subroutine set_law
 
-  !> For a hint: the records that choose a law for finite strains, for small strains, or for either.
+  !> For a hint, list the records that choose a law for finite strains, for small strains, or for
+  !! either.
   function laws_of(finite) result(text)
     logical, intent(in) :: finite(:)
     character(:), allocatable :: text

@@ -130,7 +130,7 @@ contains
     end do
   end subroutine read_vectors
 
-  !> Note how many records by position precede the first record of this kind.
+  !> Record how many conditions by position precede the first record of this kind.
   pure subroutine note_order(draft, kind)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: kind !! C_FIXED ...

@@ -99,7 +99,8 @@ contains
     end subroutine set_point
   end subroutine read_points
 
-  !> Read TRANsform: three rows of a matrix T and a vector s; what is read after it becomes T x + s.
+  !> Read TRANsform: three rows of a matrix T and a vector s; positions x read after it become T x +
+  !! s.
   subroutine read_transform(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

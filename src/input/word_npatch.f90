@@ -26,7 +26,7 @@ module word_npatch
 
 contains
 
-  !> Read KNOTs: one vector after the other, each of which may continue in further records.
+  !> Read KNOTs: one vector after another, each of which may continue in further records.
   subroutine read_knots(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

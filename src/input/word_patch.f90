@@ -107,7 +107,7 @@ contains
     call move_alloc(longer, draft%patch)
   end subroutine append_patch
 
-  !> Check for missing records. A deformable patch needs more of them than a rigid one, which is
+  !> Check for missing records. A deformable patch needs more records than a rigid one, which is
   !! only a surface.
   subroutine check_complete(patch, error)
     type(patch_entry_t), intent(in) :: patch
@@ -189,7 +189,7 @@ contains
     end associate
   end subroutine read_patch_record
 
-  !> Set the number of elements. Fail if ELEMents and KNOTs give different ones.
+  !> Set the number of elements. Fail if ELEMents and KNOTs give different numbers.
   subroutine set_number(line, i, n, d, spec, error)
     type(record_t), intent(in) :: line
     integer, intent(in) :: i !! field to which an error refers

@@ -21,7 +21,7 @@ module word_position
   character(4), parameter :: WORD(8) = ['ebou', 'edis', 'efor', 'epro', 'cbou', 'cfor', 'cdis', &
                                         'csur'] !! of these requests
 
-  !> Records of the words that select planes, of those that select points, of CBOUndary, of
+  !> Records of the words that select planes, of the words that select points, of CBOUndary and of
   !! CSURface.
   character(12), parameter, public :: &
     PLANE_RECORDS(1) = ['GAP         '], &
@@ -32,8 +32,9 @@ module word_position
 
 contains
 
-  !> Begin the requests of a word: set their kind, and whether they add to other values or replace
-  !! them. Without ADD or SET, words that select planes add to other values, except EPROportional.
+  !> Begin the requests of a word: set their kind, and whether their values are added to other
+  !! values or replace them. Without ADD or SET, the values of words that select planes are added to
+  !! other values, except those of EPROportional.
   subroutine begin_requests(record, r, error)
     type(record_t), intent(in) :: record
     type(condition_entry_t), intent(out) :: r
@@ -111,7 +112,8 @@ contains
     end select
   end function value_names
 
-  !> Read three values from a field on. Restraint codes and load numbers are whole numbers.
+  !> Read three values, beginning at a given field. Restraint codes and load numbers are whole
+  !! numbers.
   subroutine get_values(deck, record, first, r, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record

@@ -120,8 +120,8 @@ contains
     end associate
   end subroutine read_record
 
-  !> Check for missing records. A layer needs its inner nodes, which also define its side, and a
-  !! material; a rigid surface can only be moved.
+  !> Check for missing records. A layer needs a material and its inner nodes, which also define on
+  !! which side it lies; a rigid surface can only be moved.
   subroutine check_complete(patch, error)
     type(patch_entry_t), intent(in) :: patch
     type(error_t), allocatable, intent(out) :: error

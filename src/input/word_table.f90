@@ -1,4 +1,4 @@
-!> The table of mesh words: a new word is a reader in a file of its group and a line here.
+!> The table of mesh words: a new word needs a reader in the file of its group and a line here.
 module word_table
   use base_text, only: key_of
   use input_draft, only: mesh_word_t, mesh_read_i

@@ -65,8 +65,8 @@ contains
     call log_line('')
   end subroutine list_model
 
-  !> List the bodies that supports do not hold, and their motions. If `warns` is true, warn of the
-  !! bodies that contact cannot hold either.
+  !> List the bodies without sufficient supports, and their motions. If `warns` is true, warn about
+  !! the bodies that contact cannot hold either.
   subroutine list_free_bodies(model, warns)
     type(model_t), intent(in) :: model
     logical, intent(in), optional :: warns
@@ -93,7 +93,7 @@ contains
     end do
   end subroutine list_free_bodies
 
-  !> Warn of displacements prescribed at dofs without a restraint, where they have no effect.
+  !> Warn about displacements prescribed at dofs without a restraint, where they have no effect.
   subroutine warn_loose(model)
     type(model_t), intent(in) :: model
     integer :: i
@@ -110,7 +110,7 @@ contains
     end do
   end subroutine warn_loose
 
-  !> Warn of constraint tables that exist next to files of the deck and were not read.
+  !> Warn about constraint tables that exist next to files of the deck and were not read.
   subroutine warn_unread(model)
     type(model_t), intent(in) :: model
     integer :: i
