@@ -28,7 +28,7 @@ contains
   !> Use n threads in factorisations.
   !!
   !! A thread of OpenBLAS allocates its buffer when it starts; the first thread does so at its first
-  !! product. If memory is short, a thread tries again forever, so the memory is tested first.
+  !! product. If memory is short, a thread retries forever, so the available memory is tested first.
   !! Products of small matrices need no buffer.
   subroutine set_threads(n, error)
     integer, intent(in) :: n
@@ -56,7 +56,7 @@ contains
     call dgemm('N', 'N', LARGE, LARGE, LARGE, 1.0_wp, a, LARGE, a, LARGE, 0.0_wp, c, LARGE)
   end subroutine set_threads
 
-  !> Name of the processor for which OpenBLAS is tuned, to be given with measured times.
+  !> Name of the processor for which OpenBLAS is tuned; it is reported with measured times.
   function blas_kernel() result(name)
     character(:), allocatable :: name
     integer, parameter :: LONGEST = 64

@@ -38,7 +38,7 @@ module csr
     real(wp), allocatable, private :: diagonal(:, :, :) !! (3, 3, nnode) of this sum
   end type block_matrix_t
 
-  !> The cliques that each node belongs to.
+  !> The cliques to which each node belongs.
   type :: incidence_t
     integer, allocatable :: first(:)  !! (nnode+1) index at which the cliques of a node begin
     integer, allocatable :: group(:)  !! index into the array of cliques
@@ -171,7 +171,7 @@ contains
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:, :)     !! (nen, nelem)
     integer, intent(out) :: map(:, :, :)  !! (nen, nen, nelem)
-    type(error_t), allocatable, intent(out), optional :: error !! a pair is missing in the pattern
+    type(error_t), allocatable, intent(out), optional :: error !! a pair is missing from the pattern
     integer :: e
 
     do e = 1, size(conn, 2)
@@ -235,7 +235,8 @@ contains
     a%val = 0.0_wp
   end subroutine set_zero
 
-  !> Add the diagonal blocks of the ranks, of a matrix that they share, for diagonal_block.
+  !> Add up the diagonal blocks that the ranks have of a matrix that they share; diagonal_block uses
+  !! the sums.
   subroutine sum_diagonal(a)
     type(block_matrix_t), intent(inout) :: a
     real(wp), allocatable :: list(:, :)
@@ -267,10 +268,10 @@ contains
     if (p > 0) block = a%val(:, :, p)
   end function diagonal_block
 
-  !> Compute y = A x over all nodes, prescribed dofs included. All ranks get the same y.
+  !> Compute y = A x over all nodes, including prescribed dofs. All ranks get the same y.
   !!
-  !! If x = 0 at the free dofs, y has the forces that prescribed motion exerts on them; the tangent
-  !! predictor uses this.
+  !! If x = 0 at the free dofs, y contains the forces that prescribed motion exerts on them; the
+  !! tangent predictor uses this.
   subroutine multiply(a, x, y)
     type(block_matrix_t), intent(in) :: a
     real(wp), intent(in) :: x(:, :)   !! (3, nnode)
@@ -360,8 +361,8 @@ contains
     end do
   end subroutine multiply_free
 
-  !> Sum the absolute values of each free row over the free columns. Where ranks share an entry, its
-  !! parts count.
+  !> Sum the absolute values of each free row over the free columns. If ranks share an entry, the
+  !! absolute value of each rank's part is added.
   subroutine row_sums(a, eq, total)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)       !! (3, nnode)

@@ -10,7 +10,7 @@ module csr_coupling
 contains
 
   !> Find the block positions of pairs of a row node and a column node. If a position is negative,
-  !! the transpose is stored there; 0: the pair is not in the pattern.
+  !! the transpose is stored there; if it is 0, the pair is not in the pattern.
   pure subroutine coupling_map(a, rows, cols, map)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: rows(:), cols(:) !! nodes

@@ -8,13 +8,14 @@ module csr_extract
   private
   public :: entries_t, new_entries, gather
 
-  !> Positions of the entries at the free dofs; of a symmetric matrix, those of the upper triangle.
+  !> Positions of the entries at the free dofs; for a symmetric matrix, only those of the upper
+  !! triangle.
   type :: entries_t
     integer :: neq = 0
     logical :: symmetric = .true.
     integer, allocatable :: row(:)      !! (nnz) equation numbers
     integer, allocatable :: col(:)      !! (nnz)
-    integer, allocatable :: place(:)    !! (nnz) position in a%val, seen as one vector
+    integer, allocatable :: place(:)    !! (nnz) position in a%val, taken as one vector
   end type entries_t
 
 contains
@@ -81,7 +82,7 @@ contains
     call pick(size(a%val), a%val, entries%place, values)
   end subroutine gather
 
-  !> Set values = val(place), with val seen as one vector.
+  !> Set values = val(place), with val taken as one vector.
   pure subroutine pick(n, val, place, values)
     integer, intent(in) :: n
     real(wp), intent(in) :: val(n)

@@ -12,7 +12,7 @@ module csr_fold
   private
   public :: fold_t, tied_cliques, new_fold, fold_matrix
 
-  !> Moves of blocks: block `from`, multiplied by c, is added to block `to`. It is added as it is
+  !> Moves of blocks: block `from`, multiplied by c, is added to block `to`, either as it is
   !! (PLAIN), or transposed (TRANSPOSED), or once in each form (BOTH).
   type :: fold_t
     integer :: n = 0

@@ -1,4 +1,4 @@
-!> The pattern of a matrix that ranks share, as a whole, on the first rank.
+!> The whole pattern of a matrix that ranks share, on the first rank.
 module csr_whole
   use base_agreement, only: agree
   use base_comm, only: is_root, rank_count, share, this_rank

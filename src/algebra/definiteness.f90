@@ -1,10 +1,10 @@
-!> Finds out with kept factors whether a matrix is still positive definite.
+!> Uses kept factors to find out whether a matrix is still positive definite.
 !!
 !! The factors are those of an older matrix that was positive definite. They precondition conjugate
-!! gradients for a load that contains all modes, because it is irregular; half of it is weighted
+!! gradients for an irregular load, which therefore contains all modes; half of the load is weighted
 !! with the softness of the modes. If an eigenvalue has become zero or negative, the residual of its
 !! mode does not fall before a direction of negative curvature is found. If the residual falls fast,
-!! there is no such eigenvalue. This costs about as much as to solve one system.
+!! there is no such eigenvalue. This costs about as much as solving one system.
 module definiteness
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -16,7 +16,7 @@ module definiteness
   public :: is_still_definite
 
   integer, parameter :: MOST = 8          !! iterations; more of them would not be fast
-  real(wp), parameter :: SHARE = 0.1_wp   !! residual that may be left, relative to a mode's share
+  real(wp), parameter :: SHARE = 0.1_wp   !! allowed residual, relative to a mode's share
 
 contains
 
@@ -25,7 +25,7 @@ contains
     integer, intent(in) :: eq(:, :)            !! (3, nnode) equation numbers, 0: prescribed
     class(solver_t), intent(inout) :: solver   !! with factors that have no negative pivot
     real(wp), allocatable, intent(inout) :: load(:) !! (neq) if absent, it is made for the factors
-    logical, intent(out) :: definite           !! .false.: it may still be, factors must show it
+    logical, intent(out) :: definite           !! .false.: not known; exact factors must decide
     integer, intent(inout) :: iterations       !! solves with the factors so far
     type(error_t), allocatable, intent(out) :: error
     type(krylov_report_t) :: run

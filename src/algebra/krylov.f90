@@ -1,6 +1,6 @@
-!> Krylov methods that use a factorisation as preconditioner. The factors are those of an older
-!! matrix, or in single precision, or compressed. With exact factors of the same matrix, the methods
-!! are an iterative refinement.
+!> Krylov methods that use a factorisation as the preconditioner. The factors are those of an older
+!! matrix, or are in single precision, or are compressed. With exact factors of the same matrix, the
+!! methods amount to iterative refinement.
 module krylov
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -26,8 +26,8 @@ contains
 
   !> Solve by preconditioned conjugate gradients for a symmetric matrix; x starts at zero.
   !!
-  !! Each search direction is explicitly made conjugate to the last one (the flexible form), so that
-  !! the preconditioner may be unsymmetric up to rounding.
+  !! Each search direction is explicitly made conjugate to the previous one (the flexible form), so
+  !! that the preconditioner may be unsymmetric up to rounding.
   !! Source: Golub and Ye 1999 [bib: golub1999]
   subroutine conjugate_gradients(a, eq, solver, b, x, limit, tolerance, report, error, hurries)
     type(block_matrix_t), intent(in) :: a
@@ -138,14 +138,15 @@ contains
     end do
   end subroutine gmres
 
-  !> Would an iteration that hurries pass its limit, judging by the digits that it has gained?
+  !> Would an iteration that may give up early pass its limit, judging by the digits that it has
+  !! gained?
   pure logical function is_slow(reached, tolerance, iterations, limit, hurries)
     real(wp), intent(in) :: reached    !! relative residual
     real(wp), intent(in) :: tolerance
     integer, intent(in) :: iterations, limit
     logical, intent(in), optional :: hurries
     integer, parameter :: TRIAL = 6            !! iterations that are made in any case
-    real(wp), parameter :: ALLOWANCE = 1.5_wp  !! as it may become faster
+    real(wp), parameter :: ALLOWANCE = 1.5_wp  !! it may become faster
 
     is_slow = .false.
     if (present(hurries)) is_slow = hurries

@@ -1,21 +1,22 @@
 !> Linear systems of Newton's method: one call solves a system to a tolerance.
 !!
 !! FULL     factorises every matrix.
-!! REUSE    keeps a factorisation as preconditioner of conjugate gradients (or of GMRES if the
+!! REUSE keeps a factorisation as the preconditioner of conjugate gradients (or of GMRES if the
 !!          matrix is unsymmetric or has negative pivots) until iterations cost more than a
 !!          factorisation.
 !! SINGLE   does the same with factors in single precision, which need half the memory.
 !! LOWRANK  does the same with compressed factors.
-!! AUTO     is FULL where a factorisation costs no more than a few iterations, otherwise SINGLE.
+!! AUTO is the same as FULL if a factorisation costs no more than a few iterations, and the same as
+!! SINGLE otherwise.
 !!
-!! If memory is too short, AUTO makes factors in single precision, then compressed, then on disk;
-!! the other modes go to disk at once, apart from LOWRANK.
+!! If memory is too short, AUTO tries factors in single precision, then compressed factors, then
+!! factors on disk; the other modes, except LOWRANK, write them to disk at once.
 !!
 !! The solution meets the same tolerance in every mode.
 !!
-!! The counts of the analysis choose between FULL and SINGLE in AUTO. If factors in single precision
-!! turn out not to suffice, they are made in double precision from then on. Where the caller needs
-!! the signs of the pivots or of the determinant, AUTO finds them like FULL.
+!! AUTO chooses between FULL and SINGLE by the counts of the analysis. If factors in single
+!! precision turn out not to suffice, they are made in double precision from then on. If the caller
+!! needs the signs of the pivots or of the determinant, AUTO finds them as FULL does.
 !!
 !! A kept factorisation becomes less useful as the matrix changes. The cost of a digit, averaged
 !! over the life of a factorisation, is least if the factorisation is replaced as soon as a digit
@@ -42,16 +43,16 @@ module linear_system
   integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4, AUTO = 5
 
   real(wp), parameter :: SMALLEST = 1.0e-100_wp, LARGEST = 1.0e100_wp !! of unscaled loads
-  integer, parameter :: MOST_ATTEMPTS = 3 !! one with old, one with new, one with exact factors
+  integer, parameter :: MOST_ATTEMPTS = 3 !! one each with old, new and exact factors
   integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
-  real(wp), parameter :: FEWEST_DIGITS = 2.0_wp !! of a solve, as iterations are whole numbers
+  real(wp), parameter :: FEWEST_DIGITS = 2.0_wp !! of a solve; iterations are whole numbers
   integer, parameter :: LEAST_LIMIT = 10 !! smallest limit on the iterations with other factors
-  !> A factorisation costs as much as PREPARATION iterations, because it assembles the entries, and
-  !! one more for OPERATIONS_AN_ENTRY operations for every entry of the factors. Measured costs of
-  !! cubes with 3, 26 and 86 thousand equations are 14, 18 and 26 iterations.
+  !> A factorisation costs as much as PREPARATION iterations, because it assembles the entries, plus
+  !! one iteration for each OPERATIONS_AN_ENTRY operations per entry of the factors. Measured costs
+  !! of cubes with 3, 26 and 86 thousand equations are 14, 18 and 26 iterations.
   real(wp), parameter :: PREPARATION = 10.0_wp, OPERATIONS_AN_ENTRY = 110.0_wp
-  !> AUTO keeps factors if a factorisation costs more iterations than this, as it does from about
-  !! 12,000 equations of linear hexahedra on. Smaller models would gain too, but their runs are
+  !> AUTO keeps factors if a factorisation costs more iterations than this, which is so from about
+  !! 12,000 equations on with linear hexahedra. Smaller models would gain too, but their runs are
   !! short.
   real(wp), parameter :: KEEPING = 15.0_wp
   real(wp), parameter :: COMPRESSION = 1e-4_wp !! AUTO: relative error of compressed blocks
@@ -60,7 +61,7 @@ module linear_system
                                 storage_t(single=.true.), &
                                 storage_t(single=.true., eps=COMPRESSION), &
                                 storage_t(single=.true., on_disk=.true.)]
-  integer, parameter :: LIKELY = 12000 !! AUTO keeps factors of more equations, as a rule
+  integer, parameter :: LIKELY = 12000 !! AUTO usually keeps factors of more equations
 
   !> The costs of a factorisation and of its use so far.
   type :: reuse_policy_t
@@ -73,7 +74,7 @@ module linear_system
   !> A system with its pattern, its factors and the costs of their use.
   type :: linear_system_t
     integer :: neq = 0
-    integer :: mode = FULL                 !! of AUTO, the chosen one
+    integer :: mode = FULL                 !! for AUTO, the mode that it chose
     logical, private :: automatic = .false. !! AUTO
     type(factors_t), private :: factors
     logical, private :: current = .false.  !! the factors are those of the last matrix
@@ -146,8 +147,8 @@ contains
     end select
   end function ways_of
 
-  !> Take a matrix with another pattern, as contact causes it. Existing factors remain the
-  !! preconditioner if the equations are the same.
+  !> Replace the matrix by one with another pattern, as when contact changes. Existing factors
+  !! remain the preconditioner if the equations are the same.
   subroutine change_pattern(ls, a, eq, error)
     type(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -255,7 +256,7 @@ contains
     call note_solve(ls%policy, run%iterations, max(FEWEST_DIGITS, -log10(tolerance)))
   end subroutine solve
 
-  !> AUTO: find the signs of the pivots of the last matrix after a solve, if it did not need them.
+  !> AUTO: after a solve that did not need the signs of the pivots, find those of the last matrix.
   subroutine find_signs(ls, a, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -276,7 +277,7 @@ contains
     report%gave_up_single = report%gave_up_single .or. (inexact .and. ls%factors%exact)
   end subroutine find_signs
 
-  !> Factorise the matrix, and report the times of this and of analyses since the last report.
+  !> Factorise the matrix, and report the time of this and of the analyses since the last report.
   subroutine factorise(ls, a, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -304,8 +305,8 @@ contains
     call describe(ls, report)
   end subroutine factorise
 
-  !> The signs of all pivots are known if kept factors show that the matrix is positive definite;
-  !! otherwise it is factorised.
+  !> Find the signs of all pivots: they are known if kept factors show that the matrix is positive
+  !! definite; otherwise the matrix is factorised.
   subroutine prove_definite(ls, a, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a

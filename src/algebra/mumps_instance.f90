@@ -38,7 +38,7 @@ module mumps_instance
     type(dmumps_struc), pointer, private :: d => null()
     type(smumps_struc), pointer, private :: s => null()
     integer, private :: neq = 0
-    real(wp), private :: scale = 1.0_wp !! power of two by which the single matrix is divided
+    real(wp), private :: scale = 1.0_wp !! power of two that divides the single matrix
     integer :: infog(80) = 0            !! INFOG of the last call
     real(wp) :: rinfog(40) = 0.0_wp
   end type mumps_t
@@ -94,7 +94,7 @@ contains
     logical, intent(in) :: symmetric
     real(wp), intent(in) :: low_rank !! relative error of compressed blocks; 0: none
     integer, intent(in) :: ordering
-    logical, intent(in) :: on_disk   !! the factors are kept in files, in MUMPS_OOC_TMPDIR
+    logical, intent(in) :: on_disk   !! keep the factors in files, in MUMPS_OOC_TMPDIR
 
     if (associated(m%s)) then
       call set_controls(m%s%icntl, symmetric, low_rank > 0.0_wp, ordering)
@@ -133,7 +133,7 @@ contains
     if (compressed) icntl(35) = 2
   end subroutine set_controls
 
-  !> Make the fronts smaller than by default, before the analysis: nodes of the elimination tree are
+  !> Before the analysis, make the fronts smaller than by default: nodes of the elimination tree are
   !! merged up to a smaller number of pivots. For cubes with 26 and 82 thousand equations, this
   !! saved 9 and 7 % of the operations and of the entries. KEEP is not described in the guide;
   !! dini_defaults.F of MUMPS has had these values since 5.0.
@@ -143,8 +143,8 @@ contains
     keep(1) = 2
   end subroutine set_fronts
 
-  !> Copy the pattern and allocate room for its values. With several ranks it is that of the entries
-  !! of this rank; only the first one gives an order.
+  !> Copy the pattern and allocate room for its values. With several ranks, the pattern is that of
+  !! the entries of this rank; only the first rank gives an order.
   subroutine give_pattern(m, neq, row, col, order, error)
     type(mumps_t), intent(inout) :: m
     integer, intent(in) :: neq
@@ -230,9 +230,10 @@ contains
     if (associated(m%d)) call set_panels(m%d%keep)
   end subroutine narrow_panels
 
-  !> Make the inner panels narrower than by default (16 and 32 columns), after the analysis of a
-  !! symmetric matrix. Inside a panel MUMPS updates column by column, which took a fifth of the
-  !! time; the rest is done by dgemm. This saved 15 % of a factorisation with 26 thousand equations.
+  !> After the analysis of a symmetric matrix, make the inner panels narrower than by default (16
+  !! and 32 columns). Inside a panel MUMPS updates column by column, which took a fifth of the time;
+  !! everything else is done by dgemm. This saved 15 % of a factorisation with 26 thousand
+  !! equations.
   pure subroutine set_panels(keep)
     integer, intent(inout) :: keep(:)
 
@@ -269,8 +270,8 @@ contains
     if (m%infog(1) < 0) call describe_failure(m%infog(1), m%infog(2), m%neq, error)
   end subroutine run
 
-  !> Solve for right-hand sides, which the solutions replace. All ranks have the same ones and get
-  !! the same solutions; MUMPS works with those of the first rank.
+  !> Solve for right-hand sides, which the solutions replace. All ranks have the same right-hand
+  !! sides and get the same solutions; MUMPS works with those of the first rank.
   subroutine solve_with(m, x, error)
     type(mumps_t), intent(inout) :: m
     real(wp), intent(inout) :: x(:, :) !! (neq, nrhs)
@@ -348,7 +349,7 @@ contains
 
   end subroutine finish
 
-  !> Refuse a factorisation for which there is not enough memory, because otherwise the computer
+  !> Reject a factorisation for which there is not enough memory, because otherwise the computer
   !! would start to swap.
   subroutine check_memory(need_mb, available_mb, neq, single, error)
     real(wp), intent(in) :: need_mb, available_mb

@@ -3,8 +3,8 @@
 !! Pivots alone do not show this: rounding leaves pivots of 1e-9 in a free slender body, and
 !! supported slender bodies have pivots of 1e-10. Two steps of inverse iteration find the smallest
 !! eigenvalue itself, which is of the order of the rounding unit if the matrix is singular, and far
-!! larger otherwise. The matrix is scaled so that its rows have unit sums; units and stiff parts
-!! then have no influence.
+!! larger otherwise. The matrix is scaled so that its rows have unit sums; units and stiff parts of
+!! the model then have no influence.
 module null_space
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -14,8 +14,8 @@ module null_space
   private
   public :: prove_regular, pick_dofs
 
-  !> Smaller eigenvalues count as zero. Free bodies of all shapes had 6e-17 to 9e-17, a clamped bar
-  !! of 3000 cubes in a row had 2e-15.
+  !> Smaller eigenvalues count as zero. Free bodies of all shapes had eigenvalues of 6e-17 to 9e-17,
+  !! and a clamped bar of 3000 cubes in a row had one of 2e-15.
   real(wp), parameter :: ZERO_EIGENVALUE = 2*epsilon(1.0_wp)
   real(wp), parameter :: DOUBT = 2*epsilon(1.0) !! the same for factors in single precision
   integer, parameter :: MOST = 14  !! motions found at once: those of two bodies, and two more
@@ -23,8 +23,9 @@ module null_space
 
 contains
 
-  !> Find out whether the matrix that was just factorised is regular; then `null` stays empty.
-  !! Otherwise it gets the equations whose support would stop the free motions, one for each motion.
+  !> Find out whether the matrix that was just factorised is regular; if so, `null` stays empty.
+  !! Otherwise `null` gets one equation for each free motion, such that supports at these equations
+  !! would prevent the motions.
   !!
   !! If approximate factors do not give a clear answer, the matrix counts as singular, and exact
   !! factors must decide.
@@ -95,8 +96,8 @@ contains
     end do
   end subroutine iterate
 
-  !> Orthonormalise by the Gram-Schmidt method, taking the longest column next. This is done twice,
-  !! as the columns are almost parallel.
+  !> Orthonormalise by the Gram-Schmidt method, taking the longest column next. This is done twice
+  !! because the columns are almost parallel.
   pure subroutine orthonormalise(q)
     real(wp), intent(inout) :: q(:, :)
     real(wp) :: length(size(q, 2)), column(size(q, 1))

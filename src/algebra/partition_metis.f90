@@ -138,9 +138,9 @@ contains
               hint='there may be too little memory')
   end subroutine order_graph
 
-  !> Does METIS use integers of 64 bits? A library is built for 32 or 64 bits and does not say
-  !! which. However, it fills an array of options, and the end of the filled part shows the size of
-  !! its integers.
+  !> Does METIS use integers of 64 bits, rather than 32? A library is built for one of the two and
+  !! does not say for which. However, it fills an array of options, and the end of the filled part
+  !! shows the size of its integers.
   logical function has_long_integers()
     integer(c_int32_t), target :: buffer(2*NOPTION)
     integer(c_int) :: status

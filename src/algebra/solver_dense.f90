@@ -56,7 +56,7 @@ contains
   subroutine factorise(self, values, available_mb, error)
     class(solver_dense_t), intent(inout) :: self
     real(wp), intent(in) :: values(:)
-    real(wp), intent(in) :: available_mb !! hardly used, as the matrix is small
+    real(wp), intent(in) :: available_mb !! not used, because the matrix is small
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: work(:)
     logical, allocatable :: is_null(:)

@@ -1,6 +1,6 @@
-!> Factors of the tangent matrix, stored in the first of several ways for which the memory suffices:
-!! in double precision, in single precision, compressed, on disk. Exact factors replace them if they
-!! turn out to be needed.
+!> Factors of the tangent matrix, which are stored in the first of several ways for which there is
+!! enough memory: in double precision, in single precision, compressed, or on disk. Exact factors
+!! replace them if they turn out to be needed.
 module tangent_factors
   use base_agreement, only: agree
   use base_comm, only: is_root, ranks_here, total
@@ -47,7 +47,7 @@ module tangent_factors
     integer :: negative = 0                !! number of negative pivots of the factors in use
     integer :: determinant = 1             !! sign of the determinant of an unsymmetric matrix
     real(wp) :: residual = 0.0_wp          !! |b - A x| / |b|
-    !> Wall and processor time [s]. That of the analysis includes those before this solve.
+    !> Wall and processor time [s]. The time of the analysis includes analyses before this solve.
     real(wp) :: seconds_analyse(2) = 0.0_wp, seconds_factor(2) = 0.0_wp, seconds_solve(2) = 0.0_wp
     real(wp) :: memory_mb = 0.0_wp         !! memory held by the factors [MB]
     character(:), allocatable :: storage   !! a sentence, if memory was too short for the first way
@@ -69,14 +69,14 @@ module tangent_factors
     logical, private :: analysed = .false.  !! the solver knows the current pattern
     logical, private :: proved = .false.    !! a matrix of this system was regular
     logical, private :: escalated = .false. !! the chosen precision did not suffice
-    integer, private :: way = 1 !! the way in use: of `ways`, or of EXACT_WAYS if `escalated`
-    !> A sentence that has not been reported yet: why another way than the first is used.
+    integer, private :: way = 1 !! way in use: of `ways`, or of EXACT_WAYS if `escalated`
+    !> A sentence that has not been reported yet: why a way other than the first is used.
     character(:), allocatable :: note
   end type factors_t
 
 contains
 
-  !> Choose the ways to store the factors.
+  !> Choose the ways in which the factors may be stored.
   subroutine new_factors(factors, ways, available_mb)
     type(factors_t), intent(out) :: factors
     type(storage_t), intent(in) :: ways(:) !! at least one, in the order in which they are tried
@@ -86,8 +86,8 @@ contains
     if (present(available_mb)) factors%available_mb = available_mb
   end subroutine new_factors
 
-  !> Take a matrix with another pattern. Existing factors are kept if the equations are the same;
-  !! the new pattern is analysed at the next factorisation.
+  !> Replace the matrix by one with another pattern. Existing factors are kept if the equations are
+  !! the same; the new pattern is analysed at the next factorisation.
   subroutine take_equations(factors, a, eq, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
@@ -108,8 +108,8 @@ contains
     if (allocated(factors%order)) deallocate (factors%order)
   end subroutine take_equations
 
-  !> Analyse the pattern of the free dofs for each way to store the factors, until there is enough
-  !! memory for one.
+  !> Analyse the pattern of the free dofs for one way of storing the factors after another, until
+  !! there is enough memory.
   subroutine analyse(factors, a, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
@@ -153,7 +153,7 @@ contains
     end if
   end function the_way
 
-  !> A way in words that follow 'factors'.
+  !> Description of a way of storage, to follow the word 'factors'.
   pure function describe_storage(way) result(text)
     type(storage_t), intent(in) :: way
     character(:), allocatable :: text
@@ -163,8 +163,9 @@ contains
     if (way%on_disk) text = text//' on disk'
   end function describe_storage
 
-  !> Analyse the pattern of the free dofs for the present way to store the factors: for a dense
-  !! solver if there are a few equations, otherwise for a sparse one with the ordering of METIS.
+  !> Analyse the pattern of the free dofs for the present way of storing the factors: for a dense
+  !! solver if there are only a few equations, otherwise for a sparse solver with the ordering of
+  !! METIS.
   subroutine analyse_way(factors, a, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
@@ -203,7 +204,7 @@ contains
     factors%analysed = .true.
   end subroutine analyse_way
 
-  !> Find the order of elimination, which only the first rank needs; it is empty on the others.
+  !> Find the order of elimination, which only the first rank needs; it is empty on the other ranks.
   subroutine find_order(a, eq, order, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
@@ -222,8 +223,8 @@ contains
     call agree(error)
   end subroutine find_order
 
-  !> Choose the precision of the first way after the analysis, which is repeated if it was for the
-  !! other precision. If memory is too short for the first way, nothing changes.
+  !> After the analysis, choose the precision of the first way; the analysis is repeated if it was
+  !! made for the other precision. If memory is too short for the first way, nothing changes.
   subroutine use_precision(factors, single, a, error)
     type(factors_t), intent(inout) :: factors
     logical, intent(in) :: single
@@ -235,7 +236,8 @@ contains
     call analyse(factors, a, error)
   end subroutine use_precision
 
-  !> Factorise the matrix. If approximate factors seem to be singular, exact factors decide.
+  !> Factorise the matrix. If approximate factors seem to be singular, exact factors are used to
+  !! decide.
   subroutine renew(factors, a, report, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
@@ -277,7 +279,8 @@ contains
     factors%proved = factors%valid
   end subroutine renew
 
-  !> Memory of a factorisation that is stored in another way, as estimated by an analysis [MB].
+  !> Memory of a factorisation whose factors are stored in another way, as estimated by an analysis
+  !! [MB].
   subroutine memory_of(factors, a, way, mb, error)
     type(factors_t), intent(in) :: factors !! with an analysed pattern
     type(block_matrix_t), intent(in) :: a
@@ -307,7 +310,7 @@ contains
     memory_mb = memory_of_all()
   end function memory_mb
 
-  !> Memory that is available now on all machines [MB]; each rank counts its part of one.
+  !> Memory that is available now on all machines [MB]; each rank counts its share of its machine.
   real(wp) function memory_of_all()
     real(wp), parameter :: MEBIBYTE = 1.048576_wp
 

@@ -1,4 +1,4 @@
-!> Agreement of all ranks on errors, so that none of them waits for one that has ended.
+!> Agreement of all ranks on errors, so that no rank waits for another one that has ended.
 module base_agreement
   use base_comm, only: largest, rank_count, share, this_rank
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -10,8 +10,9 @@ contains
 
   !> Give the first error that any rank has to all ranks that have none.
   !!
-  !! What only the first rank does, such as writing a file, is followed by this call. If all ranks
-  !! do the same, as when they read the deck, one of them may still fail alone.
+  !! This must be called after anything that only the first rank does, such as writing a file. It is
+  !! also needed if all ranks do the same, as when they read the deck, because one of them may fail
+  !! alone.
   subroutine agree(error)
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: hint, message

@@ -61,7 +61,7 @@ module base_comm
   integer, parameter :: PATIENCE = 20 !! seconds that ranks wait for each other after an error
 
   integer :: rank0 = 0, nrank = 1, nhere = 1
-  integer(c_int) :: screen = STDERR   !! where a rank that is alone with its error shows it
+  integer(c_int) :: screen = STDERR   !! where a rank shows an error that it alone has
 
 contains
 
@@ -160,7 +160,8 @@ contains
     x = sum(part)
   end subroutine total_scalar
 
-  !> Each rank gets a share of the columns from all others, adds them, and gives the sums to all.
+  !> Each rank gets a share of the columns from all other ranks, adds them, and sends the sums to
+  !! all.
   subroutine total_matrix(x)
     real(wp), intent(inout), contiguous :: x(:, :)
     real(wp), allocatable :: part(:, :, :)

@@ -1,8 +1,8 @@
 !> Processes (ranks) that compute one model together: the version for a single process.
 !!
-!! `make MPI=1` compiles base_comm_mpi.f90 instead. Both files hold the same module with the same
-!! names, and the comments here say what a procedure does on any number of ranks. On one rank each
-!! does nothing or returns the value of that rank.
+!! `make MPI=1` compiles base_comm_mpi.f90 instead. Both files contain the same module with the same
+!! names, and the comments here say what a procedure does on any number of ranks. On one rank, each
+!! procedure does nothing or returns the value of that rank.
 module base_comm
   use base_kinds, only: wp
   use base_system, only: finish
@@ -11,7 +11,7 @@ module base_comm
   public :: start_comm, stop_comm, rank_count, this_rank, owns, is_root, communicator, ranks_here, &
             largest, total, share, gather_blocks
 
-  !> share(x, rank) gives all ranks the value that one rank has.
+  !> share(x, rank) gives all ranks the value of one rank.
   interface share
     module procedure share_integers, share_reals, share_text
   end interface share
@@ -29,14 +29,14 @@ module base_comm
 
 contains
 
-  !> Join the other ranks. From here on only the first rank writes on the screen.
+  !> Join the other ranks. From then on, only the first rank writes on the screen.
   subroutine start_comm()
   end subroutine start_comm
 
   !> End the process together with the other ranks. Ranks that do not end are stopped after a while.
   subroutine stop_comm(code, text)
     integer, intent(in) :: code      !! exit code
-    character(*), intent(in) :: text !! shown if the other ranks do not end; they may not know it
+    character(*), intent(in) :: text !! shown if the other ranks do not end
 
     associate (unused => text); end associate
     call finish(code)
@@ -68,13 +68,13 @@ contains
     is_root = .true.
   end function is_root
 
-  !> The ranks as MUMPS is told them; without MPI it ignores this number.
+  !> The ranks, in the form in which MUMPS is told of them; without MPI it ignores this number.
   integer function communicator()
 
     communicator = 0
   end function communicator
 
-  !> Number of ranks on the machine of this one, which share its memory.
+  !> Number of ranks on the machine of this rank, which share its memory.
   pure integer function ranks_here()
 
     ranks_here = 1
@@ -126,7 +126,8 @@ contains
     associate (unused => text, unused_too => rank); end associate
   end subroutine share_text
 
-  !> Give all ranks the columns that each rank has found: first(r) + 1 to first(r + 1) by rank r.
+  !> Give all ranks the columns that each rank has found; rank r has found columns first(r) + 1 to
+  !! first(r + 1).
   subroutine gather_blocks(x, first)
     real(wp), intent(inout), contiguous :: x(:, :)
     integer, intent(in) :: first(:)  !! (rank_count() + 1) ascending from 0

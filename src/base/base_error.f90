@@ -16,7 +16,7 @@ module base_error
   !> A place in a deck.
   type :: place_t
     character(:), allocatable :: file !! path as the user wrote it; not allocated: no place
-    character(:), allocatable :: text !! the line as the file has it
+    character(:), allocatable :: text !! the line as it is in the file
     integer :: line = 0   !! line number, from 1
     integer :: column = 0 !! first character (byte of the text), from 1; 0: the whole line
     integer :: width = 0  !! characters to underline
@@ -30,7 +30,7 @@ module base_error
     type(place_t) :: place
   end type error_t
 
-  integer, parameter :: MOST = 10 !! errors that are kept and shown; further ones are only counted
+  integer, parameter :: MOST = 10 !! errors that are kept and shown; any others are only counted
 
   !> Independent errors of one deck.
   type :: error_list_t
@@ -61,7 +61,7 @@ contains
     if (present(place)) error%place = place
   end subroutine fail
 
-  !> Text of an error as the user sees it: lines, without a line end after the last one.
+  !> Text of an error as the user sees it, with no line end after the last line.
   pure function render(error) result(text)
     type(error_t), intent(in) :: error
     character(:), allocatable :: text
@@ -70,7 +70,7 @@ contains
     if (allocated(error%hint)) text = text//new_line('a')//'hint: '//visible(error%hint)
   end function render
 
-  !> Text of a warning or a note, in the form of an error message; `kind` is its first word.
+  !> Text of a warning or a note, in the same form as an error message; `kind` is its first word.
   pure function render_note(kind, message, place, hint) result(text)
     character(*), intent(in) :: kind, message
     type(place_t), intent(in), optional :: place

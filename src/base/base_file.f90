@@ -130,7 +130,7 @@ module base_file
 
 contains
 
-  !> Look at a path without opening it.
+  !> Examine a path without opening it.
   subroutine inspect(path, file)
     character(*), intent(in) :: path
     type(file_t), intent(out) :: file
@@ -149,7 +149,7 @@ contains
     file%identity = identity_of(buffer)
   end subroutine inspect
 
-  !> Record that a file is read, so that no output replaces it.
+  !> Record that a file is read, so that it is not replaced by output.
   subroutine note_input(path, checkpoint)
     character(*), intent(in) :: path
     logical, intent(in), optional :: checkpoint !! a file of checkpoints
@@ -172,7 +172,7 @@ contains
   !> The name under which the file at a path has been read; blank if it has not.
   function input_of(path, checkpoint) result(name)
     character(*), intent(in) :: path
-    logical, intent(in), optional :: checkpoint !! files of checkpoints do not count
+    logical, intent(in), optional :: checkpoint !! ignore files of checkpoints
     character(:), allocatable :: name
     type(file_t) :: file
     integer :: i
@@ -238,8 +238,8 @@ contains
     failed = c_unlink(c_text(path))
   end subroutine remove_file
 
-  !> Remove a name that is a symbolic link, or one of several names of a file, so that a file which
-  !! is then created under this name changes no other one.
+  !> Remove a name that is a symbolic link, or one of several names of a file, so that creating a
+  !! file under this name does not change any other file.
   subroutine detach(path)
     character(*), intent(in) :: path
     integer, parameter :: REGULAR = 8, LINK = 10
@@ -313,7 +313,7 @@ contains
     name = path(index(path, '/', back=.true.) + 1:)
   end function base_name
 
-  !> Why the last call of the C library failed, in the words of the system.
+  !> Why the last call of the C library failed, in the words of the operating system.
   function system_reason() result(reason)
     character(:), allocatable :: reason
     integer(c_int), pointer :: number

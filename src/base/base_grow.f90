@@ -1,7 +1,7 @@
 !> Arrays that grow while they are filled: old entries are kept, new ones are zero or false.
 !!
-!! The size at least doubles, so that n single additions copy each entry about once. The caller
-!! counts the entries in use. Arrays that are filled together grow to the same size.
+!! The size at least doubles, so that in n single additions each entry is copied about once. The
+!! caller counts the entries in use. Arrays that are filled together grow to the same size.
 module base_grow
   use base_error, only: place_t
   use base_kinds, only: wp

@@ -32,7 +32,7 @@ module base_log
 
 contains
 
-  !> Show no warnings, no progress and no summary on the screen; the log still gets the warnings.
+  !> Show no warnings, no progress and no summary on the screen; warnings still go to the log.
   subroutine set_quiet(yes)
     logical, intent(in) :: yes
 
@@ -63,7 +63,8 @@ contains
     if (allocated(kept)) deallocate (kept)
   end subroutine open_log
 
-  !> Close the log; it is an error if one of its lines could not be written, as on a full disk.
+  !> Close the log; it is an error if one of its lines could not be written, for example because the
+  !! disk is full.
   subroutine close_log(error)
     type(error_t), allocatable, intent(out) :: error
 
@@ -140,7 +141,7 @@ contains
     call show(text//new_line('a'))
   end subroutine show_above
 
-  !> Keep a message for the report, unless it is there already.
+  !> Keep a message for the report, unless it has been kept already.
   subroutine keep(message)
     character(*), intent(in) :: message
     type(message_t), allocatable :: more(:)
@@ -175,7 +176,7 @@ contains
     text = message_of(i)%text
   end subroutine get_warning
 
-  !> Take over a warning that was given before a restart into the log and the report of this run.
+  !> Enter a warning that was issued before a restart into the log and the report of this run.
   subroutine recall_warning(message)
     character(*), intent(in) :: message
     integer :: i
@@ -203,7 +204,7 @@ contains
     call show(text//new_line('a'))
   end subroutine summary
 
-  !> Show a line that the next one overwrites; this is done only on a terminal.
+  !> Show a line that the next line overwrites; this is done only on a terminal.
   subroutine progress(text)
     character(*), intent(in) :: text
     integer, parameter :: WIDTH = 79
@@ -224,7 +225,8 @@ contains
     shown = 0
   end subroutine clear_progress
 
-  !> Write on the screen. A closed screen is not an error, because the log has everything.
+  !> Write on the screen. It is not an error if the screen is closed, because everything is in the
+  !! log.
   subroutine show(text)
     character(*), intent(in) :: text
     integer :: io

@@ -124,8 +124,8 @@ contains
     at = 0
   end function find
 
-  !> A key by which lists can be sorted: equal lists have equal keys, and different lists mostly
-  !! have different ones.
+  !> A key by which lists can be sorted: equal lists have equal keys, and different lists usually
+  !! have different keys.
   pure integer(i8) function hash(list)
     integer, intent(in) :: list(:)
     integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8

@@ -26,8 +26,8 @@ module base_system
 
   integer(c_intptr_t), parameter :: SIG_IGN = 1
   character(*), parameter, public :: CLOCK_NAME = 'BEZEL_CLOCK'
-  !> Environment variable for tests: its value n lets the n-th call of stop_requested find a request
-  !! to stop.
+  !> Environment variable for tests: if its value is n, the n-th call of stop_requested finds a
+  !! request to stop.
   character(*), parameter :: STOP_NAME = 'BEZEL_STOP'
 
   !> A set of signals: 1024 bits.
@@ -132,8 +132,8 @@ contains
     call c_exit(int(code, c_int))
   end subroutine finish
 
-  !> End the process at once. The usual clean-up of libraries would wait forever for a thread of
-  !! OpenBLAS that waits for memory.
+  !> End the process at once. The usual clean-up of the libraries would wait forever for a thread of
+  !! OpenBLAS that is waiting for memory.
   subroutine finish_now(code)
     integer, intent(in) :: code
 
@@ -149,7 +149,7 @@ contains
 
   !> Let the signals of STOPS request a stop from now on; a second SIGINT ends the process. If
   !! SIGHUP is ignored, as under nohup, it stays ignored. If a pipe is closed or a file grows too
-  !! large, the write that fails reports it.
+  !! large, the failing write reports it.
   subroutine catch_signals()
     type(c_funptr) :: old
     character(24) :: text
@@ -218,8 +218,8 @@ contains
     failed = c_sigprocmask(SIG_BLOCK, set, before)
   end subroutine hold_signals
 
-  !> Restore the signal mask as it was before hold_signals; a signal that has arrived meanwhile is
-  !! delivered now.
+  !> Restore the signal mask as it was before hold_signals; a signal that has arrived in the
+  !! meantime is delivered now.
   subroutine let_signals_in()
     type(sigset_t) :: set
     integer(c_int) :: failed
@@ -247,8 +247,9 @@ contains
     end do
   end function stop_signal
 
-  !> Set the beginning of the run; otherwise the run begins when the clock is first read. If this
-  !! program has taken the place of another one, the run began with that one.
+  !> Set the time at which the run began; without this call, it is the time at which the clock is
+  !! first read. If this program has taken the place of another one, the run began with that
+  !! program.
   subroutine start_clock()
     integer(i8), parameter :: LONGEST = 60 !! seconds that loading a program may take
     character(24) :: text

@@ -52,7 +52,7 @@ contains
                 .and. verify(lower(text), 'abcdefghijklmnopqrstuvwxyz0123456789_-') == 0
   end function fits_name
 
-  !> A text of the user's, to be quoted in a message; a long one is cut.
+  !> A text that the user has written, quoted for a message; a long text is cut.
   pure function quoted(text) result(with_quotes)
     character(*), intent(in) :: text
     character(:), allocatable :: with_quotes
@@ -80,7 +80,8 @@ contains
     text = trim(buffer)
   end function long_text
 
-  !> A real as %g of C writes it: without an exponent if this is small, and without trailing zeros.
+  !> A real number as C's %g writes it: without an exponent if the exponent is small, and without
+  !! trailing zeros.
   pure function real_text(x, digits) result(text)
     real(wp), intent(in) :: x
     integer, intent(in), optional :: digits !! significant ones, default 6
@@ -129,7 +130,7 @@ contains
     text = number(:n)
   end function without_zeros
 
-  !> The word of a list that is most like `word`, or the first of them if there are several. Case
+  !> The word in a list that is most similar to `word`, or the first of several such words. Case
   !! does not matter, and a word may be shortened to its first four letters.
   pure function nearest_word(word, list) result(found)
     character(*), intent(in) :: word

@@ -51,9 +51,9 @@ module byte_file
 
 contains
 
-  !> Open a file for writing: a new file, or an existing one, to be continued at its end. If the
-  !! path of a new file is a link, the link is replaced, and the file to which it leads stays as it
-  !! is.
+  !> Open a file for writing: either a new file, or an existing file that is continued at its end.
+  !! If the path of a new file is a link, the link is replaced, and the file to which it leads stays
+  !! as it is.
   subroutine open_bytes(file, path, appends, error)
     type(byte_file_t), intent(out) :: file
     character(*), intent(in) :: path
@@ -86,7 +86,8 @@ contains
     end if
   end subroutine write_bytes
 
-  !> Pass all that was written to the operating system, so that it survives the end of the program.
+  !> Pass everything that was written to the operating system, so that it survives the end of the
+  !! program.
   subroutine flush_bytes(file, error)
     type(byte_file_t), intent(in) :: file
     type(error_t), allocatable, intent(out) :: error
@@ -140,8 +141,8 @@ contains
     call close_bytes(file, ignored)
   end subroutine take_room
 
-  !> Reason why a library could not write or read a file, found by a trial: for example ': no space
-  !! left on device', or '' if the system reports no error.
+  !> The reason why a library could not write or read a file, found by trying to do so: for example
+  !! ': no space left on device', or '' if the system reports no error.
   function reason(path, writes) result(text)
     character(*), intent(in) :: path
     logical, intent(in) :: writes

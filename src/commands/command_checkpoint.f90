@@ -1,5 +1,5 @@
-!> Checkpoints: the values that they hold in addition to the state, when they are written, and how a
-!! run continues from a checkpoint.
+!> Checkpoints: the values that they contain in addition to the state, when they are written, and
+!! how a run continues from a checkpoint.
 module command_checkpoint
   use base_agreement, only: agree
   use base_comm, only: is_root, largest
@@ -274,8 +274,8 @@ contains
     end do
   end subroutine exchange_parameters
 
-  !> Exchange the messages of the warnings, one in each line, so that the report of a restarted run
-  !! has all of them.
+  !> Exchange the messages of the warnings, one on each line, so that the report of a restarted run
+  !! contains all of them.
   subroutine exchange_warnings(x)
     type(exchange_t), intent(inout) :: x
     character(:), allocatable :: message, text

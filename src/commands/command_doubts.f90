@@ -1,4 +1,5 @@
-!> Warnings about commands that are probably not intended, when the whole deck has been read.
+!> Warnings about commands that are probably not intended; they are issued when the whole deck has
+!! been read.
 module command_doubts
   use base_log, only: warn
   use command_type, only: run_t

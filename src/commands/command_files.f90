@@ -1,6 +1,5 @@
 !> The files of a run. They are opened when the first step is written, so that a deck that fails
-!! leaves none.
-!! The first rank writes them; all ranks learn whether it could.
+!! leaves none. The first rank writes them, and all ranks are told whether this succeeded.
 module command_files
   use base_agreement, only: agree
   use base_comm, only: is_root
@@ -21,7 +20,7 @@ module command_files
 contains
 
   !> Remove the curves that an earlier run left under the names of this run: a run that closes no
-  !! step writes none, and they must not pass for its own.
+  !! step writes no curves, and the old ones must not be taken for its own.
   subroutine remove_curves(run)
     type(run_t), intent(in) :: run
     integer :: i

@@ -153,7 +153,7 @@ contains
     end if
   end subroutine read_pairs
 
-  !> Take the pairs of one record.
+  !> Read the pairs of one record.
   subroutine take_pairs(deck, record, table, done, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record

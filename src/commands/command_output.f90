@@ -24,7 +24,8 @@ contains
     row(3) = new_row('SAVE', 'SAVE', 2, run_plot_or_save)
   end function output_rows
 
-  !> Write fields or a checkpoint: when the current step closes, or at once between two steps.
+  !> Request fields or a checkpoint: they are written when the current step closes, or at once
+  !! between two steps.
   subroutine run_plot_or_save(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -90,7 +91,7 @@ contains
     end associate
   end subroutine run_output
 
-  !> Find the known fields that an OUTPut names; if it names none, all of them are meant.
+  !> Find the known fields that an OUTPut names; if it names none, all fields are meant.
   pure function wanted_fields(record) result(wanted)
     type(record_t), intent(in) :: record
     logical :: wanted(size(known_fields()))

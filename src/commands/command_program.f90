@@ -1,7 +1,7 @@
 !> Reads the solution part of a deck: BATCh ... END and the data records that follow it.
 !!
-!! Everything is read and checked before anything is solved or written. To this end the commands go
-!! through a dry run, in which each command with data reads its records, in the order of execution.
+!! Everything is read and checked before anything is solved or written. To this end there is a dry
+!! run, in which each command with data reads its records, in the order of execution.
 module command_program
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_kinds, only: wp

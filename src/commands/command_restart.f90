@@ -25,7 +25,7 @@ contains
     row(1)%reads = .true.
   end function restart_rows
 
-  !> Take displacements, history, time and step number from the checkpoint. The load tables remain
+  !> Read displacements, history, time and step number from the checkpoint. The load tables remain
   !! those of this deck, and targets of DT are counted from the time of the checkpoint. The model
   !! must be the same, except for its loads and, with CONStants, its constants.
   subroutine run_restart(run, command, error)

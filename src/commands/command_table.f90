@@ -1,4 +1,4 @@
-!> The table of solution commands. A new command needs one file, and its rows here.
+!> The table of solution commands. A new command needs one new file, and its rows here.
 module command_table
   use base_error, only: error_t
   use base_log, only: log_line

@@ -57,7 +57,7 @@ module command_type
     integer :: limit = 0
   end type loop_t
 
-  !> A position of the program, to which it can go back.
+  !> A position in the program, to which it can return.
   type :: position_t
     integer :: counter = 0
     type(loop_t), allocatable :: loop(:)
@@ -87,7 +87,7 @@ module command_type
     integer :: tplot_every = 1                  !! steps between rows of TPLOt's table
     logical :: prints = .true.                  !! PRINt and NOPRint
     logical :: turn_warned = .false., strain_warned = .false. !! see command_watch
-    logical :: corner_warned = .false.          !! see table_use, as the two below
+    logical :: corner_warned = .false.          !! see table_use for this and the next two
     logical, allocatable :: acted(:)            !! (0:ntable) the factor was not 0 in some step
     logical, allocatable :: ended(:)            !! (ntable) the warning about its end was issued
   end type plan_t
@@ -109,9 +109,9 @@ module command_type
     integer, allocatable :: kept  !! last step before the restart; not allocated: there is none
   end type files_t
 
-  !> The last point from which a restart repeats this run to the last bit. With FULL factorisation
-  !! the end of any step is such a point. If factors are kept, they must have been forgotten at this
-  !! point.
+  !> The last point from which a restart repeats this run to the last bit. With FULL factorisation,
+  !! the end of any step is such a point. If factors are kept, such a point requires that they have
+  !! been discarded.
   type :: restart_point_t
     logical :: set = .false.
     type(state_t) :: state
@@ -169,8 +169,8 @@ contains
     if (present(data)) row%data => data
   end function new_row
 
-  !> Fail if a command has a number after the first n that it reads, or, with `option` .false., a
-  !! field where other commands have an option; 0 is the value of empty fields.
+  !> Fail if a command has more numbers than the n that it reads, or, if `option` is .false., a
+  !! field where other commands have an option. Empty fields have the value 0 and are accepted.
   subroutine check_fields(command, n, usage, error, option)
     type(command_t), intent(in) :: command
     integer, intent(in) :: n

@@ -26,7 +26,7 @@ contains
   end subroutine watch_step
 
   !> Warn about a MOVE that rotates by half a turn or more in one step. Displacements depend only on
-  !! the position at the end of the turn, so a full turn moves nothing.
+  !! the position at the end of the rotation, so a full turn moves nothing.
   subroutine watch_rotations(run)
     type(run_t), intent(inout) :: run
     real(wp) :: before(size(run%state%table)), angle, factor, start
@@ -54,7 +54,7 @@ contains
     end associate
   end subroutine watch_rotations
 
-  !> Warn where materials for small strains are stretched or turned much.
+  !> Warn where materials for small strains are strongly stretched or rotated.
   subroutine watch_strains(run)
     type(run_t), intent(inout) :: run
     real(wp) :: largest

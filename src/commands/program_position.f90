@@ -74,8 +74,8 @@ contains
                    .and. .not. program%command(program%loop(top)%at)%holds_time
   end function is_last_pass
 
-  !> Place in the deck of the command at the counter, or of the last command if all are done. It is
-  !! unknown if there are no commands.
+  !> Place in the deck of the command at the counter, or of the last command if all have been
+  !! executed. It is unknown if there are no commands.
   function current_place(program) result(place)
     type(program_t), intent(in) :: program
     type(place_t) :: place

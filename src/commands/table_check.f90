@@ -54,7 +54,7 @@ contains
   end subroutine check_tables
 
   !> Warn about loads of number 0, which follow the sum of several tables, if other loads have
-  !! numbers. Where all follow the sum, as is usual in FEAP, the tables are meant to be added.
+  !! numbers. If all loads follow the sum, as is usual in FEAP, the tables are meant to be added.
   subroutine warn_sum(model, ntable)
     type(model_t), intent(in) :: model
     integer, intent(in) :: ntable      !! number of tables that PROPs define

@@ -80,7 +80,8 @@ contains
   end subroutine find_uses
 
   !> When the whole deck has been read, warn about loads whose table is defined by no PROP or by a
-  !! late one; note tables that no load follows, because staged decks may keep some.
+  !! late one; only log a note about tables that no load follows, because decks that are run in
+  !! stages may contain some.
   subroutine warn_tables(run)
     type(run_t), intent(in) :: run
     type(use_t), allocatable :: uses(:)
@@ -117,8 +118,8 @@ contains
     end associate
   end subroutine warn_tables
 
-  !> Warn if a PROP replaces a table by one with another factor at the present time, where steps
-  !! have been closed: the loads jump in the next step.
+  !> Warn if a PROP, after steps have been closed, replaces a table by one with another factor at
+  !! the present time: the loads then jump in the next step.
   subroutine warn_jump(run, k, new, place)
     type(run_t), intent(in) :: run
     integer, intent(in) :: k               !! number of the table
@@ -178,7 +179,7 @@ contains
     end associate
   end subroutine watch_tables
 
-  !> Is the time behind the range of a formula that does not go to zero at its end?
+  !> Is the time beyond the range of a formula that does not go to zero at its end?
   pure logical function has_ended(table, time) result(ended)
     type(load_table_t), intent(in) :: table
     real(wp), intent(in) :: time
@@ -189,7 +190,7 @@ contains
     ended = abs(table_factor(table, table%tmax)) > 1.0e-9_wp*largest_factor(table)
   end function has_ended
 
-  !> Largest factor of a formula at eleven times of its range.
+  !> Largest factor of a formula at eleven times in its range.
   pure real(wp) function largest_factor(table) result(largest)
     type(load_table_t), intent(in) :: table
     integer :: i

@@ -40,7 +40,7 @@ module deck_expression
 
 contains
 
-  !> Evaluate the expression `text`, which stands at `place`.
+  !> Evaluate the expression `text`, which is at `place` in the deck.
   subroutine evaluate(params, text, value, place, error)
     type(params_t), intent(in) :: params
     character(*), intent(in) :: text
@@ -97,7 +97,8 @@ contains
     call move_alloc(p%trouble, trouble)
   end subroutine compute
 
-  !> Evaluate the sum that begins at the next character; p%trouble is allocated if it has no value.
+  !> Evaluate the sum that begins at the next character; p%trouble is allocated if the sum has no
+  !! value.
   recursive subroutine parse_sum(p, params, value)
     type(parser_t), intent(inout) :: p
     type(params_t), intent(in) :: params
@@ -259,8 +260,7 @@ contains
     call reject(p, 'unknown parameter '//quoted(name), first, n, hint)
   end subroutine parse_name
 
-  !> Evaluate a function: read its arguments, from the opening parenthesis on, and compute its
-  !! value.
+  !> Evaluate a function: read its arguments from the opening parenthesis on, and compute its value.
   recursive subroutine parse_call(p, params, name, first, value)
     type(parser_t), intent(inout) :: p
     type(params_t), intent(in) :: params

@@ -1,8 +1,8 @@
-!> What to do instead of the words of FEAP that this program does not have. doc/manual/feap.md lists
-!! them for users.
+!> What to use in place of the words of FEAP that this program does not have. doc/manual/feap.md
+!! lists them for users.
 !!
 !! Source: the manual of FEAPpv, and that of FEAP for words that decks use often; SPRIng is in
-!!         neither, but is often tried.
+!! neither, but users often try it.
 module deck_feap
   use base_text, only: key_of
   implicit none
@@ -152,7 +152,7 @@ module deck_feap
 
 contains
 
-  !> What to do instead of a word of FEAP's mesh part; empty if the table has no such word.
+  !> What to use in place of a word of FEAP's mesh part; empty if the table has no such word.
   pure function mesh_hint(word) result(hint)
     character(*), intent(in) :: word
     character(:), allocatable :: hint
@@ -160,7 +160,7 @@ contains
     hint = advice(MESH_WORDS, word)
   end function mesh_hint
 
-  !> What to do instead of a word of FEAP's solution part; empty if the table has no such word.
+  !> What to use in place of a word of FEAP's solution part; empty if the table has no such word.
   pure function command_hint(word) result(hint)
     character(*), intent(in) :: word
     character(:), allocatable :: hint
@@ -168,7 +168,8 @@ contains
     hint = advice(COMMANDS, word)
   end function command_hint
 
-  !> What to do instead of a record that FEAP has in MATErial; empty if the table has no such word.
+  !> What to use in place of a record that FEAP has in MATErial; empty if the table has no such
+  !! word.
   pure function property_hint(word) result(hint)
     character(*), intent(in) :: word
     character(:), allocatable :: hint

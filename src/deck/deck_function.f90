@@ -1,5 +1,5 @@
-!> The functions that an expression may call. Those whose names end in d take or return degrees, and
-!! give exact values where these are simple: cosd(90) is 0.
+!> The functions that an expression may call. Functions whose names end in d take or return degrees,
+!! and give exact values where these are simple: cosd(90) is 0.
 module deck_function
   use base_kinds, only: wp
   use base_text, only: to_text

@@ -1,6 +1,6 @@
 !> Divides the lines of a deck into fields.
 !!
-!! Blanks, a comma or = separate fields; two commas have an empty field between them; commas inside
+!! Blanks, a comma or = separate fields; there is an empty field between two commas; commas inside
 !! parentheses belong to the field. ! starts a comment, text in "..." is one field, and a line that
 !! ends with & continues on the next one.
 module deck_lexer
@@ -17,12 +17,12 @@ module deck_lexer
   character(*), parameter :: QUOTES = 'quotes enclose a whole field: "..."'
   character(*), parameter :: BLANKS = ' '//achar(9)
 
-  !> State while the lines of a record are divided. Positions are those in the text of the whole
+  !> State of the division of the lines of a record. Positions are those in the text of the whole
   !! file.
   type :: cutter_t
     integer :: at = 1              !! next character
     integer :: last = 0            !! last character of the line
-    logical :: expects = .true.    !! a field is expected, so that a comma here makes an empty one
+    logical :: expects = .true.    !! a field is expected, so a comma here makes an empty one
     logical :: continues = .false. !! the line ends with &
     logical :: commented = .false.
     integer :: wrong = 0           !! position of an unreadable character; 0: there is none

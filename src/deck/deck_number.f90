@@ -118,7 +118,7 @@ contains
     end do
   end subroutine collect
 
-  !> Read a number by the Fortran library, which rounds correctly but is slow.
+  !> Read a number with the Fortran library, which rounds correctly but is slow.
   subroutine read_slowly(text, value, trouble)
     character(*), intent(in) :: text
     real(wp), intent(out) :: value

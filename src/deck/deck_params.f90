@@ -10,8 +10,8 @@ module deck_params
 
   type :: name_t
     character(:), allocatable :: text !! lower case
-    character(:), allocatable :: spelling !! as the deck wrote it last
-    integer :: line = 0               !! line of the deck that set it last
+    character(:), allocatable :: spelling !! as the deck last wrote it
+    integer :: line = 0               !! line of the deck that last set it
   end type name_t
 
   type :: params_t
@@ -55,8 +55,8 @@ contains
     params%order = [params%order(:at - 1), params%n, params%order(at:)]
   end subroutine set_parameter
 
-  !> Note how the deck writes the name of a parameter that is set, and where. The earlier spelling
-  !! and line are returned; the spelling is not allocated the first time.
+  !> Record how the deck spells the name of a parameter that it sets, and where. The earlier
+  !! spelling and line are returned; the spelling is not allocated the first time.
   subroutine note_spelling(params, spelling, line, earlier, earlier_line)
     type(params_t), intent(inout) :: params
     character(*), intent(in) :: spelling

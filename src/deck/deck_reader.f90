@@ -57,7 +57,7 @@ contains
     if (.not. allocated(error)) reader%nframe = 1
   end subroutine open_reader
 
-  !> Text of all files as they were read, one after the other.
+  !> Text of all files as they were read, one after another.
   pure function source_text(reader) result(text)
     type(reader_t), intent(in) :: reader
     character(:), allocatable :: text

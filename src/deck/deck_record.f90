@@ -14,7 +14,7 @@ module deck_record
 
   character(*), parameter :: BLANKS = ' '//achar(9)
 
-  !> One logical record; it may run over several lines of the file.
+  !> One logical record, which may extend over several lines of the file.
   type :: record_t
     integer :: kind = RECORD_END
     integer :: n = 0                       !! number of fields
@@ -36,7 +36,8 @@ module deck_record
 
 contains
 
-  !> The significant part of field i as a word: four letters, lower case; blank if it is empty.
+  !> The significant part of field i as a word: its first four letters in lower case; blank if the
+  !! field is empty.
   pure function key(record, i) result(four)
     class(record_t), intent(in) :: record
     integer, intent(in) :: i
@@ -157,7 +158,7 @@ contains
     if (record%n > nmax) call hint_at_comma(record, error)
   end subroutine check_count
 
-  !> Check that no field from `first` on is a number; words that explain, as FEAP allows them, may
+  !> Check that no field from `first` on is a number; explanatory words, which FEAP allows, may
   !! stand there.
   subroutine check_numbers(record, first, usage, error, last)
     type(record_t), intent(in) :: record
@@ -177,7 +178,8 @@ contains
     end do
   end subroutine check_numbers
 
-  !> Put the decimal comma of a record that has too many fields in front of the hint.
+  !> If a record with too many fields has a decimal comma, put a remark about it in front of the
+  !! hint.
   subroutine hint_at_comma(record, error)
     type(record_t), intent(in) :: record
     type(error_t), intent(inout) :: error
@@ -193,11 +195,12 @@ contains
                  //'.'//part//'; '//error%hint
   end subroutine hint_at_comma
 
-  !> Field of the whole part of the first number that seems to be written with a decimal comma,
-  !! such as 1,5: digits on both sides of a comma without a blank. The result is 0 if there is none.
+  !> Field that contains the whole part of the first number that seems to be written with a decimal
+  !! comma, such as 1,5: digits on both sides of a comma without a blank. The result is 0 if there
+  !! is none.
   pure integer function comma_field(record, first) result(i)
     type(record_t), intent(in) :: record
-    integer, intent(in) :: first !! the field from which on it is looked for
+    integer, intent(in) :: first !! the field from which the search begins
 
     do i = first, record%n - 1
       if (record%is_empty(i) .or. record%is_empty(i + 1)) cycle
@@ -209,9 +212,9 @@ contains
     i = 0
   end function comma_field
 
-  !> Field of the whole part of a number that is probably written with a decimal comma, because its
-  !! comma stands alone in a record whose numbers are separated by blanks; 0: there is none. The
-  !! first two fields may be a node and its increment.
+  !> Field that contains the whole part of a number that is probably written with a decimal comma,
+  !! because this comma is the only one in a record whose numbers are separated by blanks; 0: there
+  !! is none. The first two fields may be a node and its increment.
   pure integer function mixed_comma(record) result(i)
     type(record_t), intent(in) :: record
     integer :: j

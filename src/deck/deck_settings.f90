@@ -17,11 +17,10 @@ module deck_settings
 
 contains
 
-  !> Read the settings of the command line, in their order. A value is an expression without
-  !! parameters.
+  !> Read the settings of the command line in order. A value is an expression without parameters.
   subroutine read_settings(list, settings, error)
     type(setting_t), allocatable, intent(out) :: list(:)
-    character(*), intent(in) :: settings(:) !! name=value, as --set gives them
+    character(*), intent(in) :: settings(:) !! name=value, as given by --set
     type(error_t), allocatable, intent(out) :: error
     type(trouble_t), allocatable :: trouble
     type(params_t) :: none
@@ -60,8 +59,9 @@ contains
     end do
   end function position
 
-  !> Get the value that the command line gives to a parameter of the deck. It replaces the first one
-  !! of the deck; later assignments, such as that of a counter in a LOOP, go on from there.
+  !> Get the value that the command line gives to a parameter of the deck. It replaces the first
+  !! value that the deck gives; later assignments, such as that of a counter in a LOOP, continue
+  !! from there.
   subroutine use_setting(list, name, value, found)
     type(setting_t), intent(inout) :: list(:)
     character(*), intent(in) :: name

@@ -83,7 +83,7 @@ contains
 
   end subroutine load_source
 
-  !> Store a text as if it stood in a file.
+  !> Store a text as if it had been read from a file.
   subroutine source_of_text(path, text, source)
     character(*), intent(in) :: path, text
     type(source_t), intent(out) :: source
@@ -93,7 +93,7 @@ contains
     call find_lines(source)
   end subroutine source_of_text
 
-  !> A line as it stands in the file.
+  !> A line as it is in the file.
   pure function source_line(source, line) result(text)
     type(source_t), intent(in) :: source
     integer, intent(in) :: line
@@ -104,7 +104,8 @@ contains
     text = source%text(source%first(line):source%last(line))
   end function source_line
 
-  !> Does the text have NUL characters, or more than one control character in fifty?
+  !> Does the text contain NUL characters, or is more than one character in fifty a control
+  !! character?
   pure function is_binary(text) result(yes)
     character(*), intent(in) :: text
     logical :: yes
@@ -195,7 +196,7 @@ contains
     end if
   end subroutine add_source
 
-  !> Text of all files as they were read, one after the other.
+  !> Text of all files as they were read, one after another.
   pure function joined(list) result(text)
     type(source_list_t), intent(in) :: list
     character(:), allocatable :: text

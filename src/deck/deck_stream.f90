@@ -42,7 +42,7 @@ contains
   subroutine open_deck(deck, path, settings, error)
     type(deck_t), intent(out) :: deck
     character(*), intent(in) :: path
-    character(*), intent(in) :: settings(:) !! name=value, as --set gives them
+    character(*), intent(in) :: settings(:) !! name=value, as given by --set
     type(error_t), allocatable, intent(out) :: error
 
     call read_settings(deck%setting, settings, error)
@@ -58,8 +58,8 @@ contains
     call check_used(deck%setting, deck%params, error)
   end subroutine check_settings
 
-  !> Warn, after the deck has been read, of the first number that seems to be written with a decimal
-  !! comma. A comma separates, so its record has one number more.
+  !> After the deck has been read, warn about the first number that seems to be written with a
+  !! decimal comma. A comma separates fields, so the record has one number more than intended.
   subroutine warn_of_comma(deck)
     type(deck_t), intent(in) :: deck
     character(:), allocatable :: whole, part
@@ -232,8 +232,8 @@ contains
     end if
   end subroutine get_integer
 
-  !> Read a record `name = expression` and set the parameter, to the value of the command line if it
-  !! gives one.
+  !> Read a record `name = expression` and set the parameter, to the value from the command line if
+  !! there is one.
   subroutine get_assignment(deck, record, name, value, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -274,8 +274,8 @@ contains
     call warn_of_name(deck, record)
   end subroutine get_assignment
 
-  !> Warn if a parameter is set that has been set before under a name with other capitals, or in the
-  !! same PARAmeter by another record, whose value it does not use.
+  !> Warn if a parameter has been set before under a name that differs in case, or by another record
+  !! of the same PARAmeter whose value is not used now.
   subroutine warn_of_name(deck, record)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -298,9 +298,10 @@ contains
   end subroutine warn_of_name
 
   !> Read the records after PARAmeters, up to a blank one; of several errors, the first is returned.
-  !! If the blank record is missing, the records that follow are read as parameters: an error in one
-  !! without `=` says where a blank record may be missing. A record of this form that begins with a
-  !! word of the mesh part is an error in any case: MATErial 1 would set a parameter.
+  !! If the blank record is missing, the records that follow are read as parameters: an error in a
+  !! record without `=` says where a blank record may be missing. A record without `=` that begins
+  !! with a word of the mesh part is an error in any case, because MATErial 1 would otherwise set a
+  !! parameter.
   subroutine read_parameters(deck, words, line, error)
     type(deck_t), intent(inout) :: deck
     character(*), intent(in) :: words(:) !! words of the mesh part
@@ -341,7 +342,7 @@ contains
     deck%set_line = huge(1)
   end subroutine read_parameters
 
-  !> Is the text one of the words, in full or as its first four letters?
+  !> Is the text one of the words, either in full or as its first four letters?
   pure logical function is_word(text, words) result(yes)
     character(*), intent(in) :: text
     character(*), intent(in) :: words(:)

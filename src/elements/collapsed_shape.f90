@@ -3,7 +3,7 @@
 !!
 !! With s = (1 + xi)/2, a point of the tetrahedron is t = (s1 (1-s2) (1-s3), s2 (1-s3), s3). Then
 !! face xi- is t1 = 0, xi+ is t1 + t2 + t3 = 1, eta- is t2 = 0, and zeta- is t3 = 0; eta+ is an
-!! edge, and zeta+ a point. Without the third direction this gives the triangle, whose eta+ is a
+!! edge, and zeta+ a point. Without the third direction this gives a triangle, whose side eta+ is a
 !! point.
 !!
 !! Integrands are polynomials on the tetrahedron, so the integration rules of the tetrahedron are
@@ -52,7 +52,7 @@ contains
     dv(:, 1) = -dv(:, 2) - dv(:, 3)
   end subroutine fold_triangle
 
-  !> Convert a rule of the tetrahedron to one of the cube.
+  !> Convert an integration rule of the tetrahedron to one of the cube.
   subroutine unfold_rule(t, w, rule)
     real(wp), intent(in) :: t(:, :)  !! (3, nq) inside the tetrahedron
     real(wp), intent(in) :: w(:)     !! (nq) weights, sum 1/6
@@ -71,7 +71,7 @@ contains
     end do
   end subroutine unfold_rule
 
-  !> Set the rule of a collapsed element: 2 x 2 x 2 points of the cube, or as QUADrature says.
+  !> Set the rule of a collapsed element: 2 x 2 x 2 points of the cube, or as QUADrature specifies.
   subroutine collapsed_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz

@@ -1,4 +1,4 @@
-!> The one list of elements: a new element is a new file and a line here.
+!> The only list of elements: a new element needs a new file and a line here.
 module element_table
   use element_type, only: element_t
   implicit none

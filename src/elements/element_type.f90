@@ -36,10 +36,11 @@ module element_type
     integer :: nen = 0
     integer :: nface = 0
     integer, allocatable :: first(:)  !! (nface+1) where a face's nodes begin in `node`
-    integer, allocatable :: node(:)   !! local nodes of the faces, one after the other
+    integer, allocatable :: node(:)   !! local nodes of the faces, one face after another
     integer :: vtk = 0                !! VTK cell type (12 Q1, 79 Bezier, 10 tetrahedron)
     integer, allocatable :: vtk_node(:) !! local node of each VTK point; unset in spline cells
-    !> What readers of mesh files need to know about elements with deck_nodes > 0; unset in others.
+    !> What readers of mesh files need to know about elements with deck_nodes > 0; unset in other
+    !! elements.
     character(12) :: shape = ''         !! tetrahedron, pyramid, wedge or hexahedron
     integer, allocatable :: corner(:)   !! local nodes at the corners
     real(wp), allocatable :: xr(:, :)   !! (3, nen) node positions in the reference element [-]
@@ -67,7 +68,7 @@ module element_type
     procedure(element_functions_i), pointer, nopass :: functions => null()
     procedure(element_topology_i), pointer, nopass :: topology => null()
     procedure(element_modes_i), pointer, nopass :: modes => null()
-    !> One of these two is given; if both are, the batch is used.
+    !> At least one of these two is given; if both are given, the batch is used.
     procedure(element_form_i), pointer, nopass :: form => null()
     procedure(element_batch_i), pointer, nopass :: form_batch => null()
   end type element_t

@@ -24,7 +24,7 @@ contains
                     spline=.true., rule=set_rule, functions=functions, topology=set_topology)
   end function describe
 
-  !> Set a rule of one point, as nothing is integrated.
+  !> Set a rule of one point, because nothing is integrated.
   subroutine set_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz

@@ -161,7 +161,8 @@ contains
     call gauss_hex(n(1), n(2), n(3), rule%xi, rule%wgt)
   end subroutine tensor_rule
 
-  !> Find the functions of one direction that are not zero at its lower and at its upper end.
+  !> Find the functions of one direction that do not vanish at its lower end, and those that do not
+  !! vanish at its upper end.
   pure subroutine touches(p, c, low, high)
     integer, intent(in) :: p
     real(wp), allocatable, intent(in) :: c(:, :)

@@ -184,7 +184,7 @@ contains
     end do
   end subroutine set_map
 
-  !> Invert in place. If a determinant is not positive and finite, ok becomes .false. and the
+  !> Invert in place. If a determinant is not positive and finite, `ok` becomes .false. and the
   !! numbers stay finite.
   pure subroutine invert(a, det, ok)
     real(wp), intent(inout) :: a(NB, 3, 3)

@@ -94,7 +94,7 @@ contains
     call dgemm('N', 'T', n, n, 3*nq, 1.0_wp, g, n, t, n, merge(0.0_wp, 1.0_wp, first), s, n)
   end subroutine add_symmetric
 
-  !> Build the element matrix from blocks p and the part s; dofs of a function stand together.
+  !> Build the element matrix from blocks p and the part s; the dofs of a function are adjacent.
   pure subroutine fold(n, upper, p, s, k)
     integer, intent(in) :: n
     logical, intent(in) :: upper !! only p_ij with i <= j are set, and the result is symmetric

@@ -13,7 +13,7 @@ module solid_recover
   type :: recovered_t
     real(wp) :: xr(3) = 0.0_wp    !! reference position [L]
     real(wp) :: xc(3) = 0.0_wp    !! current position [L]
-    real(wp) :: dg(3, 3) = 0.0_wp !! deformation gradient, enhanced modes included [-]
+    real(wp) :: dg(3, 3) = 0.0_wp !! deformation gradient with enhanced modes [-]
     real(wp) :: sig(6) = 0.0_wp   !! Cauchy stress, Voigt order 11 22 33 12 23 31 [F/L^2]
     real(wp) :: mises = 0.0_wp    !! von Mises stress [F/L^2]
     real(wp) :: energy = 0.0_wp   !! stored energy per reference volume [F/L^2]

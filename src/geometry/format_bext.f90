@@ -1,9 +1,10 @@
-!> BEXT 2.0 text files of extracted surfaces, as *IGA_INCLUDE_BEZIER of LS-DYNA reads them.
+!> BEXT 2.0 text files of extracted surfaces, in the format that *IGA_INCLUDE_BEZIER of LS-DYNA
+!! reads.
 !!
-!! The reader takes the sizes, the control points, the elements in groups of the same sizes, and the
-!! dense and sparse coefficient vectors that they share; what follows is ignored. Numbers are
-!! separated by blanks, and `$` starts a comment. `etype` is ignored: files of tensor-product
-!! elements have 0 or 1.
+!! The reader uses the sizes, the control points, the elements in groups of equal sizes, and the
+!! dense and sparse coefficient vectors that the elements share; everything after these is ignored.
+!! Numbers are separated by blanks, and `$` starts a comment. `etype` is ignored: files of
+!! tensor-product elements have 0 or 1.
 !! Source: LS-DYNA keyword manual, *IGA_INCLUDE_BEZIER
 module format_bext
   use base_error, only: error_t
@@ -145,7 +146,8 @@ contains
 
   !> Read ndcvb nscvb; the number and length of the vectors of each block; the dense vectors, then
   !! the sparse ones. For sparse vectors, `length` is the number of their entries, which follow as
-  !! positions and then values; the length of the vector is known only from its elements.
+  !! positions and then values; the length of the vector itself follows only from the elements that
+  !! use it.
   subroutine read_vectors(text, nvector, vectors, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: nvector      !! expected number

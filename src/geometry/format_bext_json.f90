@@ -86,7 +86,7 @@ contains
     if (.not. allocated(error)) call get(text, json, i, name, JSON_LIST, list, error)
   end subroutine get_list
 
-  !> Read the elements of all blocks; the sizes of the blocks are in a list of their own.
+  !> Read the elements of all blocks; the sizes of the blocks are in a separate list.
   subroutine read_elements(text, json, elements, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json

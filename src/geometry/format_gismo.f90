@@ -1,7 +1,7 @@
 !> G+Smo XML files: one geometry TensorNurbs3 or TensorBSpline3, or a surface TensorNurbs2 or
 !! TensorBSpline2.
 !!
-!! The reader takes the knot vectors with their degrees, the weights and the coefficients, in which
+!! The reader uses the knot vectors with their degrees, the weights and the coefficients, in which
 !! the first direction varies fastest. Other geometries of the file and other tags are skipped.
 !! Source: the files of G+Smo (gismo/filedata)
 module format_gismo
@@ -155,7 +155,7 @@ contains
     value = text%all(first:last)
   end function attribute
 
-  !> Find the next tag with a name, and its content up to the next tag of any name.
+  !> Find the next tag with a given name, and its content up to the next tag of any name.
   subroutine enter(text, name, tag, part)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name

@@ -1,6 +1,6 @@
 !> Gmsh meshes: MSH 2.2 and 4.1 in ASCII.
 !!
-!! Sections $MeshFormat, $PhysicalNames, $Entities, $Nodes and $Elements are read; others are
+!! The sections $MeshFormat, $PhysicalNames, $Entities, $Nodes and $Elements are read; others are
 !! skipped. Physical groups become named groups; version 2.2 repeats an element for each of its
 !! groups. The topology of an element says which Gmsh type it corresponds to, and in which order
 !! Gmsh numbers its nodes (mesh_shape).
@@ -114,8 +114,8 @@ contains
     call next_integer(text, 'the size of reals', size_of, error)
   end subroutine read_format
 
-  !> Read dimension, tag and quoted name of the physical groups. They are kept in `names`, apart
-  !! from the groups of the file.
+  !> Read the dimension, tag and quoted name of each physical group. They are kept in `names`,
+  !! separately from the groups of the file.
   subroutine read_names(text, names, error)
     type(text_t), intent(inout) :: text
     type(mesh_file_t), intent(out) :: names
@@ -179,8 +179,9 @@ contains
     entity = entity(:, :m)
   end subroutine read_entities
 
-  !> Read the elements of all shapes. In version 2.2 each record has number, type, tags (the first
-  !! is the physical group) and nodes; version 4.1 has blocks of one type on one entity.
+  !> Read the elements of all shapes. In version 2.2, each record has a number, a type, tags (the
+  !! first is the physical group) and nodes; version 4.1 has blocks of elements of one type on one
+  !! entity.
   subroutine read_elements(text, is_new, entity, file, error)
     type(text_t), intent(inout) :: text
     logical, intent(in) :: is_new
@@ -269,8 +270,9 @@ contains
     call add_element(file, s, label, own, spot)
   end subroutine read_element
 
-  !> Read node numbers and coordinates. Version 4.1 has blocks: their entity and number of nodes,
-  !! the numbers, and the coordinates, possibly followed by parameters of the entity.
+  !> Read node numbers and coordinates. Version 4.1 has blocks, each with its entity and number of
+  !! nodes, then the node numbers, and then the coordinates, possibly followed by parameters of the
+  !! entity.
   subroutine read_nodes(text, is_new, file, error)
     type(text_t), intent(inout) :: text
     logical, intent(in) :: is_new

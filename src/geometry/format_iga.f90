@@ -1,7 +1,7 @@
 !> `.iga` files of spline surfaces: control points, and the functions of each element row by row.
 !!
-!! The reader takes `type` (surface or plane), `nodeN`, `elemN`, `node` and `belem`. Sets may
-!! follow, and are ignored. `#` starts a comment.
+!! The reader uses `type` (surface or plane), `nodeN`, `elemN`, `node` and `belem`. Sets may follow,
+!! and are ignored. `#` starts a comment.
 !! Source: the export of T-splines from Rhino
 module format_iga
   use base_kinds, only: wp

@@ -101,7 +101,7 @@ contains
     json%number(i) = 0.0_wp
   end subroutine append
 
-  !> Find the next character that is not a blank; it is a blank at the end of the file.
+  !> Find the next character that is not a blank; at the end of the file, the result is a blank.
   subroutine look(text, c)
     type(text_t), intent(inout) :: text
     character, intent(out) :: c
@@ -301,7 +301,7 @@ contains
     if (.not. allocated(error)) call to_integer(text, json, found, name, n, error)
   end subroutine get_integer
 
-  !> Get value i as an integer; `name` is that of the list or member to which it belongs.
+  !> Get value i as an integer; `name` is the name of the list or member to which it belongs.
   subroutine to_integer(text, json, i, name, n, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -343,7 +343,7 @@ contains
     end do
   end subroutine get_reals
 
-  !> Compare a number with n if the file gives it.
+  !> If the file gives a number, check that it equals n.
   subroutine check_number(text, json, i, name, n, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json

@@ -1,6 +1,6 @@
 !> Files `MFEM NURBS mesh v1.0`: NURBS blocks whose control points have a common numbering.
 !!
-!! The reader takes dimension, elements (cubes), edges, vertices, knotvectors, weights and
+!! The reader uses the dimension, elements (cubes), edges, vertices, knotvectors, weights and
 !! positions, which are not multiplied by the weights; the boundary is skipped. A knot vector runs
 !! in the direction in which its edge is written.
 !!
@@ -24,8 +24,8 @@ module format_mfem
   !> Positions of the eight vertices of an element, 0 or 1 in each of its directions.
   integer, parameter :: CORNER(3, 0:7) = reshape([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &
                                                   0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
-  !> Vertices of the faces of an element, in the order by which the inner points of a face are
-  !! numbered.
+  !> Vertices of the faces of an element, in the order that determines the numbering of the inner
+  !! points of a face.
   integer, parameter :: QUAD(4, 6) = reshape([3, 2, 1, 0, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, &
                                               3, 0, 4, 7, 4, 5, 6, 7], [4, 6])
   !> Positions, in the list of vertices, of the neighbours of the first vertex in the three

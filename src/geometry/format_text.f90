@@ -105,7 +105,7 @@ contains
     word = text%all(first:text%at - 1)
   end subroutine next_word
 
-  !> Go to the next line that has a word, unless this line has words left.
+  !> Go to the next line that has a word, unless there are words left on this line.
   subroutine next_line(text)
     type(text_t), intent(inout) :: text
     integer :: length
@@ -139,7 +139,7 @@ contains
     is_blank = iachar(c) <= 32
   end function is_blank
 
-  !> Read the next word as an integer; `what` says what it should be.
+  !> Read the next word as an integer; `what` says what the number is.
   subroutine next_integer(text, what, n, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: what

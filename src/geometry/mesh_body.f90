@@ -170,7 +170,7 @@ contains
     yes = [(lower(file%group(g)%name) == lower(name), g=1, size(file%group))]
   end function group_named
 
-  !> Make a hint for a name that no group has.
+  !> Make a hint for a group name that does not exist.
   function group_hint(file, name) result(hint)
     type(mesh_file_t), intent(in) :: file
     character(*), intent(in) :: name
@@ -188,7 +188,7 @@ contains
   end function group_hint
 
   !> Set the named groups of a body: the nodes of all their elements, and the faces of their surface
-  !! elements. Groups of the same name become one.
+  !! elements. Groups with the same name are merged.
   subroutine set_groups(file, faces, place, nnode, body)
     type(mesh_file_t), intent(in) :: file
     type(faces_t), intent(in) :: faces

@@ -1,5 +1,6 @@
-!> Outer faces of all elements. Bodies know theirs; those of elements that belong to no body (BLOCk,
-!! ELEMents) are the faces whose corners no other of these elements shares.
+!> Outer faces of all elements. The outer faces of bodies are known. For elements that belong to no
+!! body (BLOCk, ELEMents), they are the faces whose corners are not shared with another such
+!! element.
 module mesh_boundary
   use base_kinds, only: i8
   use base_sort, only: hash, sort_index, unique

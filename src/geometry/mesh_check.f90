@@ -14,12 +14,12 @@ module mesh_check
   public :: check_shapes, check_elements
 
   !> A Jacobian counts as zero if it is below this fraction of the Jacobian of a cube of the size of
-  !! the element: it then comes from the rounding of the coordinates.
+  !! the element: such a value is due to the rounding of the coordinates.
   real(wp), parameter :: FLAT = 1.0e-12_wp
 
 contains
 
-  !> Check that there is a body, and that the table of elements has all its shapes.
+  !> Check that there is a body, and that the table of elements contains all of its shapes.
   subroutine check_shapes(file, text, error)
     type(mesh_file_t), intent(in) :: file
     type(text_t), intent(inout) :: text

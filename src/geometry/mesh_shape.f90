@@ -20,8 +20,8 @@ module mesh_shape
   end type shape_t
 
   !> Gmsh types without a row in the table of elements: points, curves and surfaces, which need no
-  !! row, and two solids, which are rejected by name as long as no row has them (Gmsh reference
-  !! manual, section MSH file format).
+  !! row, and two solids, which are rejected by name as long as there is no row for them (Gmsh
+  !! reference manual, section MSH file format).
   character(10), parameter :: OTHER_NAME(10) = [ &
                               'point     ', 'line      ', 'triangle  ', 'quadrangle', &
                               'line      ', 'triangle  ', 'quadrangle', 'quadrangle', &
@@ -106,7 +106,7 @@ contains
     s = findloc(shapes%dim == 3 .and. shapes%nen == nen, .true., 1)
   end function solid_shape
 
-  !> Use the row `name` for elements of its shape, because TYPE of a MESH names it.
+  !> Use the row `name`, which TYPE of a MESH selects, for elements of its shape.
   subroutine choose_row(shapes, name)
     type(shape_t), intent(inout) :: shapes(:)
     character(*), intent(in) :: name
@@ -124,7 +124,7 @@ contains
     end do
   end subroutine choose_row
 
-  !> The solid elements that the program can solve for, as a hint.
+  !> A hint that lists the solid elements of the program.
   pure function shape_hint(shapes) result(hint)
     type(shape_t), intent(in) :: shapes(:)
     character(:), allocatable :: hint

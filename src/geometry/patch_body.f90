@@ -69,7 +69,7 @@ contains
     call append_draft(draft, s, mesh)
   end subroutine build_body
 
-  !> Change the records that name faces and knots of direction 3, so that they refer to the reversed
+  !> Change the records that name faces or knots of direction 3, so that they refer to the reversed
   !! direction.
   subroutine turn_records(spec)
     type(patch_spec_t), intent(inout) :: spec

@@ -1,5 +1,5 @@
 !> The geometry of a patch (a box, a hemisphere or a NURBS patch), and the parameters at the ends of
-!! its elements, which ELEMents or KNOTs gives.
+!! its elements, which follow from ELEMents or KNOTs.
 module patch_geometry
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp

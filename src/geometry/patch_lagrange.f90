@@ -18,7 +18,7 @@ module patch_lagrange
   private
   public :: build_lagrange
 
-  !> The lattice of nodes: element c of a direction spans the lattice lines m (c-1) to m c.
+  !> The lattice of nodes: element c in a direction spans the lattice lines m (c-1) to m c.
   type :: lattice_t
     integer :: m = 1                        !! intervals in an element: its degree
     integer :: n(3) = 0                     !! total number of intervals
@@ -130,7 +130,7 @@ contains
     end do
   end function parameters_at
 
-  !> Make a block for each type of element that occurs, with room for its elements.
+  !> Make a block for each type of element that occurs, with room for the elements of this type.
   subroutine make_blocks(spec, geo, layer, draft, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo

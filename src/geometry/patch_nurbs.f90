@@ -100,7 +100,7 @@ contains
     end if
   end subroutine check_orientation
 
-  !> Reverse direction 3 of a left-handed patch; files of other programs have such patches.
+  !> Reverse direction 3 of a left-handed patch; files of other programs may contain such patches.
   subroutine turn_right_handed(patch, turned)
     type(nurbs_t), intent(inout) :: patch
     logical, intent(out) :: turned

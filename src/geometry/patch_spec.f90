@@ -10,7 +10,7 @@ module patch_spec
   private
   public :: patch_spec_t, enrich_t, placement_t, compose
 
-  !> The data that a SPLIne block has but a PATCh block does not have.
+  !> The data of a SPLIne block that a PATCh block does not have.
   type :: spline_spec_t
     type(spline_surface_t) :: surface
     logical :: reverse = .false.          !! REVErse: the normal is reversed
@@ -121,7 +121,7 @@ contains
     r(3, 1) = r(3, 1) - s*axis(2)
   end function rotation
 
-  !> A cosine without the rounding of right angles.
+  !> A cosine that is exact for right angles.
   pure elemental real(wp) function clean(c)
     real(wp), intent(in) :: c
 

@@ -109,7 +109,7 @@ contains
     end do
   end subroutine make_surfaces
 
-  !> Give surface b the control points of a on the edge that they share.
+  !> Give surface b the control points of surface a on the edge that they share.
   subroutine share_edge(a, b)
     type(surface_t), intent(in) :: a
     type(surface_t), intent(inout) :: b

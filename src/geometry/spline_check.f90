@@ -18,7 +18,7 @@ module spline_check
 
   real(wp), parameter :: NOTHING = 1.0e-12_wp  !! smaller values at a corner count as zero
   real(wp), parameter :: ALIKE = 1.0e-9_wp     !! tolerance of function values, which sum to one
-  integer, parameter :: MORE = 6               !! more Gauss points, for rational functions
+  integer, parameter :: MORE = 6               !! additional Gauss points, for rational functions
   integer, parameter :: MOST_SAMPLES = 3000
   real(wp), parameter :: OPPOSITE = -0.5_wp, STRAIGHT = 0.8_wp !! cosines
   real(wp), parameter :: CLOSED = 1.0e-6_wp    !! largest |sum of area vectors|/area if closed
@@ -44,7 +44,7 @@ contains
     if (turn .neqv. reverse) call transpose_surface(s)
   end subroutine orient_tool
 
-  !> Make a_1 x a_2 point to the inner nodes in all elements of the layer; fail if elements
+  !> Make a_1 x a_2 point towards the inner nodes in all elements of the layer; fail if elements
   !! disagree.
   subroutine orient_layer(spec, xr, inner, error)
     type(patch_spec_t), intent(inout) :: spec

@@ -1,4 +1,5 @@
-!> Reads spline surfaces and patches from files, whose first characters tell their format.
+!> Reads spline surfaces and patches from files, whose formats are recognised by their first
+!! characters.
 !!
 !! Surfaces: BEXT 2.0 as text or JSON, `.iga`, G+Smo. Trivariate patches: MFEM NURBS, G+Smo.
 module spline_file
@@ -99,7 +100,7 @@ contains
     call finish_surface(text, surface, error)
   end subroutine read_gismo_surface
 
-  !> Read one trivariate patch of a file.
+  !> Read one trivariate patch from a file.
   subroutine read_patch_file(path, name, patch, place, error)
     character(*), intent(in) :: path
     character(*), intent(in) :: name      !! name of the patch; blank: the only one

@@ -15,7 +15,8 @@ module spline_layer
 
 contains
 
-  !> Read the inner nodes: a record has an element, then its inner nodes at (-,-) (+,-) (+,+) (-,+).
+  !> Read the inner nodes: a record consists of an element and its inner nodes at (-,-) (+,-) (+,+)
+  !! (-,+).
   subroutine read_layer(path, nelem, inner, place, error)
     character(*), intent(in) :: path
     integer, intent(in) :: nelem
@@ -62,8 +63,8 @@ contains
     end do
   end subroutine read_layer
 
-  !> Read hanging nodes: a record has the slave, the number of its masters, and each master with its
-  !! coefficient. A negative master is a control point of the surface.
+  !> Read hanging nodes: a record consists of the slave, the number of its masters, and each master
+  !! with its coefficient. A negative master is a control point of the surface.
   subroutine read_constraints(path, list, place, error)
     character(*), intent(in) :: path
     type(constraint_t), intent(inout) :: list

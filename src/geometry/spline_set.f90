@@ -1,5 +1,5 @@
 !> Named sets of elements of a spline surface: reads them from the member `sets` of a BEXT file in
-!! JSON, and makes them groups of the body, which FIX, loads and contact may name.
+!! JSON, and turns them into groups of the body, which FIX, loads and contact may name.
 module spline_set
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, lower, nearest
@@ -13,7 +13,7 @@ module spline_set
 
 contains
 
-  !> Read "sets": {"name": [elements from 0], ...}; a file need not have it.
+  !> Read "sets": {"name": [elements from 0], ...}, which is optional in a file.
   subroutine read_sets(text, json, surface, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -85,11 +85,11 @@ contains
   end subroutine check_set
 
   !> Add the sets as groups to the last body of the mesh, which is that of the surface. A side lists
-  !! its element faces block after block, in the order of the elements.
+  !! its element faces block by block, in the order of the elements.
   subroutine put_sets(s, new, iblock, side, mesh)
     type(spline_surface_t), intent(in) :: s
     integer, intent(in) :: new(:)      !! (nnode of the file) number in the body; 0: none
-    integer, intent(in) :: iblock(:)   !! (nelem) block of the body that has the element
+    integer, intent(in) :: iblock(:)   !! (nelem) block of the body with this element
     integer, intent(in) :: side        !! face of the body that is the surface
     type(mesh_t), intent(inout) :: mesh
     integer :: place(s%nelem), b, e, g, i, n

@@ -1,4 +1,5 @@
-!> A spline surface as files of extracted splines give it: the functions of each element.
+!> A spline surface in the form in which files of extracted splines describe it: by the functions of
+!! each element.
 module spline_surface
   use base_error, only: error_t
   use base_grow, only: grow
@@ -14,7 +15,7 @@ module spline_surface
 
   integer, parameter :: MOST_FUNCTIONS = 256 !! of one element
   integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! of one function
-  !> Tolerance of the sum of the functions; it can be small because files give coefficients in full
+  !> Tolerance for the sum of the functions; it can be small because files give coefficients in full
   !! precision.
   real(wp), parameter :: UNITY = 1.0e-9_wp
 

@@ -59,7 +59,7 @@ contains
     call new_state(job%model, job%state)
   end subroutine read_deck
 
-  !> Execute one command after the other; then close the last step.
+  !> Execute one command after another, and then close the last step.
   subroutine execute(job, error)
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error

@@ -17,13 +17,13 @@ module run_report
   private
   public :: reserve_report, drop_reserve, report_run, run_summary
 
-  integer(i8), parameter :: RESERVE = 16384 !! bytes; reports have about a thousand
+  integer(i8), parameter :: RESERVE = 16384 !! bytes; a report takes about a thousand
 
 contains
 
   !> Claim space on the disk for the report, so that a run that fills the disk can still write it.
-  !! The report of an earlier run is removed, as it would describe results that are about to change.
-  !! If the disk is full already, writing the next file fails.
+  !! The report of an earlier run is removed, because it would describe results that are about to
+  !! change. If the disk is full already, writing the next file fails.
   subroutine reserve_report(job)
     type(run_t), intent(in) :: job
     type(error_t), allocatable :: ignored

@@ -150,7 +150,7 @@ contains
   end subroutine moduli_batch
 
   !> Compute the determinants. If a determinant is not positive and finite, it is set to 1 and its
-  !! ok to .false.
+  !! `ok` is set to .false.
   pure subroutine find_volumes(dg, jac, ok)
     real(wp), intent(in) :: dg(NB, 3, 3)
     real(wp), intent(out) :: jac(NB)

@@ -1,4 +1,4 @@
-!> The one list of constitutive laws: a new law is a new file and a line here.
+!> The only list of constitutive laws: a new law needs a new file and a line here.
 module material_table
   use base_cpu, only: vector_level
   use material_type, only: material_t

@@ -30,7 +30,7 @@ module material_type
     procedure(material_set_i), pointer, nopass :: set => null()
     procedure(material_stiffness_i), pointer, nopass :: stiffness => null()
     procedure(material_stress_i), pointer, nopass :: stress => null()
-    !> Optional and faster, for laws whose spatial tangent is lam 1 x 1 + 2 mus I (two scalars).
+    !> Optional, but faster, for laws whose spatial tangent is lam 1 x 1 + 2 mus I (two scalars).
     procedure(material_moduli_i), pointer, nopass :: moduli => null()
     !> Optional, for laws with `moduli`: the same at NB points at a time.
     procedure(material_batch_i), pointer, nopass :: moduli_batch => null()
@@ -38,7 +38,7 @@ module material_type
   end type material_t
 
   abstract interface
-    !> Set the properties from the numbers of the deck; `error` says which of them is rejected.
+    !> Set the properties from the numbers of the deck; `error` says which number is rejected.
     pure subroutine material_set_i(value, prop, error)
       import :: wp, constant_error_t
       implicit none

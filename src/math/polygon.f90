@@ -9,7 +9,7 @@ module polygon
 
 contains
 
-  !> Clip a polygon by a convex one (Sutherland and Hodgman 1974). Both are counter-clockwise.
+  !> Clip a polygon by a convex polygon (Sutherland and Hodgman 1974). Both are counter-clockwise.
   pure subroutine clip(by, n, x, tag)
     real(wp), intent(in) :: by(:, :)     !! (2, :) corners of the convex polygon
     integer, intent(inout) :: n          !! corners of the polygon; 0: nothing is left
@@ -67,9 +67,9 @@ contains
   end function signed_area
 
   !> Points and weights of a convex polygon. Lines from its first corner divide the polygon into
-  !! quadrilaterals, each of which has Gauss points. If the number of corners is odd, the last
+  !! quadrilaterals, each with its own Gauss points. If the number of corners is odd, the last
   !! quadrilateral is a triangle. Edge i is curved: at the parameter t it deviates from the straight
-  !! one by sum_k bend(:,k,i) f_k(t).
+  !! edge by sum_k bend(:,k,i) f_k(t).
   pure subroutine integrate_polygon(x, bend, g, w, f, df, npoint, xi, weight)
     real(wp), intent(in) :: x(:, :)       !! (2, n) corners
     real(wp), intent(in) :: bend(:, :, :) !! (2, :, n)

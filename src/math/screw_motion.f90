@@ -1,8 +1,8 @@
 !> Rigid motions in space: finds the rigid motion that best fits the motion of a set of points, and
-!! continues it.
+!! continues this motion.
 !!
 !! A rigid motion x -> R (x - c0) + c1 consists of a rotation by the vector w and a translation. If
-!! the motion has a constant rate, its fraction s rotates by s w. With y = x - c1,
+!! the motion has a constant rate, the fraction s of it rotates by s w. With y = x - c1,
 !!
 !!   y -> R(w) y + V(w) v,   R = exp([w]),   V = int_0^1 exp([s w]) ds,
 !!
@@ -26,8 +26,9 @@ module screw_motion
 
 contains
 
-  !> The rigid motion that carries the points `from` nearest to the points `to`, in the sense of
-  !! least squares (Horn 1987: the eigenvector of a 4 x 4 matrix is the quaternion of the rotation).
+  !> The rigid motion that moves the points `from` as near as possible to the points `to`, in the
+  !! sense of least squares (Horn 1987: an eigenvector of a 4 x 4 matrix is the quaternion of the
+  !! rotation).
   subroutine fit_screw(from, to, screw)
     real(wp), intent(in) :: from(:, :), to(:, :) !! (3, n), n > 0 [L]
     type(screw_t), intent(out) :: screw

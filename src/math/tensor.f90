@@ -59,7 +59,7 @@ contains
   end function isotropic
 
   !> Factorise a symmetric matrix as L D L^T, in place (lower part). The number of negative entries
-  !! of D is that of the negative eigenvalues (Sylvester).
+  !! of D equals the number of negative eigenvalues (Sylvester).
   pure subroutine ldl_factor(n, a, negative, ok)
     integer, intent(in) :: n
     real(wp), intent(inout) :: a(n, n) !! on exit, the unit lower factor, with D on the diagonal

@@ -1,4 +1,4 @@
-!> Supports, prescribed motion and loads, as the deck gives them.
+!> Supports, prescribed motion and loads, as given in the deck.
 !!
 !! Load number 0 stands for the sum of all load tables (as in FEAP), and k > 0 for table k.
 module boundary
@@ -40,7 +40,7 @@ module boundary
     type(place_t) :: place           !! place of the first force
   end type dead_load_t
 
-  !> A load number of nodes, and the place where the deck gives it first.
+  !> A load number of nodes, and the place where it first occurs in the deck.
   type :: load_number_t
     integer :: table = 0
     type(place_t) :: place
@@ -79,7 +79,7 @@ contains
     end do
   end function moved_dofs
 
-  !> Record the place where a load number occurs first.
+  !> Record the place where a load number first occurs.
   subroutine note_load_number(bc, table, place)
     type(boundary_t), intent(inout) :: bc
     integer, intent(in) :: table
@@ -93,7 +93,7 @@ contains
     bc%number = [bc%number, new]
   end subroutine note_load_number
 
-  !> Find the place where a load number of nodes occurs first; it stays empty if there is none.
+  !> Find the place where a load number of nodes first occurs; it stays empty if there is none.
   subroutine place_of_number(bc, table, place)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: table

@@ -1,6 +1,6 @@
 !> Linear constraints of nodes: x_s = sum_i c_i x_i, in the reference and in the current
-!! configuration (hanging nodes). The slave s has no unknowns: its displacement follows from its
-!! masters, on which the forces of the slave act.
+!! configuration (hanging nodes). The slave s has no unknowns: its displacement follows from those
+!! of its masters, and the forces on the slave act on the masters.
 module constraint
   use base_error, only: place_t
   use base_grow, only: grow

@@ -1,4 +1,4 @@
-!> The quantities of a CURVe; each gives one column of its table.
+!> The quantities of a CURVe; each of them is one column of its table.
 module curve_type
   use base_error, only: place_t
   use base_kinds, only: wp
@@ -14,10 +14,11 @@ module curve_type
                                 Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, &
                                 Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, Q_CONTACT_AREA = 15, &
                                 Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
-  !> A term of the energy balance; `component` says which (B_WORK to B_ERROR): work done on the
+  !> A term of the energy balance; `component` says which one (B_WORK to B_ERROR): work done on the
   !! bodies; strain energy and kinetic energy; energies of pressure, friction and bonds; dissipation
-  !! of the time integration; the error of the balance; of the bonds, the stored energy and the
-  !! dissipation by damage and by VISCous; what the forces of contact create; the error of the work.
+  !! of the time integration; the error of the balance; for the bonds, the stored energy and the
+  !! dissipation by damage and by VISCous; the energy that the forces of contact create; the error
+  !! of the work.
   integer, parameter, public :: Q_BOOK = 18
   integer, parameter, public :: B_WORK = 1, B_STORED = 2, B_KINETIC = 3, B_NORMAL = 4, &
                                 B_FRICTION = 5, B_COHESIVE = 6, B_INERTIA = 7, B_IMBALANCE = 8, &

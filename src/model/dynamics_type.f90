@@ -16,19 +16,19 @@ module dynamics_type
     real(wp) :: alpha = 0.0_wp                   !! of Hilber, Hughes and Taylor, -1/3 to 0
     logical :: lumped = .false.
     !> Density of all bodies, which replaces the densities of their materials [M/L^3]; if it is
-    !! negative, nothing is replaced.
+    !! negative, the densities of the materials are used.
     real(wp) :: density = -1.0_wp
     !> a = c(1) (u - u_step) - c(2) v - c(3) a_step in the current step
     real(wp) :: c(3) = 0.0_wp
     real(wp), allocatable :: v(:, :)             !! (3, nnode) velocity when the step began [L/T]
     real(wp), allocatable :: a(:, :)             !! (3, nnode) acceleration at that time [L/T^2]
-    !> (3, nnode) Internal minus external force at that time, of which HHT keeps a share [F].
+    !> (3, nnode) Internal minus external force at that time, a share of which enters HHT [F].
     real(wp), allocatable :: static(:, :)
   end type dynamics_t
 
 contains
 
-  !> Start from rest; the rates of nnode nodes are kept from now on.
+  !> Start from rest; from now on, the rates of nnode nodes are stored.
   pure subroutine new_dynamics(dynamics, nnode)
     type(dynamics_t), intent(inout) :: dynamics
     integer, intent(in) :: nnode

@@ -1,29 +1,31 @@
-!> Energy balance since the start: work done on the bodies, and the energies into which it went.
+!> Energy balance since the start: the work done on the bodies, and the energies into which it was
+!! converted.
 module energy_type
   use base_kinds, only: wp
   implicit none
   private
   public :: energy_t, open_book, book_work
 
-  !> Works are sums over the steps of mean force times displacement increment (trapezoidal rule).
-  !! What contact stores and dissipates is found from its laws instead (contact_energy); the work of
-  !! its forces is compared with that.
+  !> Amounts of work are sums over the steps of mean force times displacement increment (trapezoidal
+  !! rule). The energy that contact stores and dissipates is computed from its laws instead
+  !! (contact_energy), and compared with the work of its forces.
   type :: energy_t
     logical :: on = .false.
     real(wp) :: outer = 0.0_wp        !! work of loads and of moving supports [F L]
-    real(wp) :: error = 0.0_wp        !! bound of the error of `outer` (error_of_step) [F L]
+    real(wp) :: error = 0.0_wp        !! bound on the error of `outer` (error_of_step) [F L]
     real(wp) :: inertia = 0.0_wp      !! work against inertia, partly dissipated in time [F L]
     real(wp) :: kinetic = 0.0_wp      !! current kinetic energy [F L]
     real(wp) :: contact = 0.0_wp      !! work against the forces of contact [F L]
     !> The largest energy of penetration so far, and its fraction of `outer` at that time.
     real(wp) :: penetration = 0.0_wp, penetration_share = 0.0_wp
-    !> (3, nnode) Forces at the end of the last step, and the change of f_outer in it [F].
+    !> (3, nnode) Forces at the end of the previous step, and the change of f_outer in that step
+    !! [F].
     real(wp), allocatable :: f_outer(:, :), f_inert(:, :), f_contact(:, :), rise(:, :)
   end type energy_t
 
 contains
 
-  !> Set all works and forces to zero.
+  !> Set all amounts of work and all forces to zero.
   pure subroutine open_book(energy, nnode)
     type(energy_t), intent(out) :: energy
     integer, intent(in) :: nnode
@@ -36,7 +38,7 @@ contains
   !> End a step: add the work that its mean forces do along du.
   pure subroutine book_work(energy, du, du_before, f_outer, f_inert, f_contact)
     type(energy_t), intent(inout) :: energy
-    real(wp), intent(in) :: du(:, :), du_before(:, :) !! (3, nnode) and that of the step before [L]
+    real(wp), intent(in) :: du(:, :), du_before(:, :) !! (3, nnode); previous step [L]
     real(wp), intent(in) :: f_outer(:, :), f_inert(:, :), f_contact(:, :) !! (3, nnode) [F]
     real(wp) :: rise(3, size(du, 2))
 
@@ -53,15 +55,15 @@ contains
     energy%f_contact = f_contact
   end subroutine book_work
 
-  !> Bound of the error of the rule in a step, from the changes of displacement and force in this
-  !! step and in the one before.
+  !> Bound on the error of the rule in a step, from the changes of displacement and force in this
+  !! step and in the previous one.
   !!
-  !! If the force varies monotonically, the work is between that of its first value, held constant,
-  !! and that of its last one, so the error is at most half of |rise.du|. If the force is a convex
-  !! or a concave function of the displacement over both steps, the work is also between those of
-  !! two linear forces: the chord of this step, and the continued chord of the step before. The
-  !! latter changes by r rise_before, where r du_before is as long as du. A change of direction adds
-  !! to the bound. The smaller bound is taken.
+  !! If the force varies monotonically, the work lies between the works of its first value and of
+  !! its last value, each held constant, so the error is at most half of |rise.du|. If the force is
+  !! a convex or a concave function of the displacement over both steps, the work also lies between
+  !! those of two linear forces: the chord of this step, and the continued chord of the previous
+  !! step. The latter changes by r rise_before, where r du_before is as long as du. A change of
+  !! direction adds to the bound. The smaller bound is used.
   pure real(wp) function error_of_step(du, rise, du_before, rise_before, loaded) result(error)
     real(wp), intent(in) :: du(:, :), rise(:, :), du_before(:, :), rise_before(:, :)
     logical, intent(in) :: loaded(:, :) !! (3, nnode) a support or load acts there

@@ -73,8 +73,8 @@ contains
     end select
   end function table_factor
 
-  !> Derivative of the factor with respect to time. At the ends of a formula's range, the formula is
-  !! differentiated as inside it.
+  !> Derivative of the factor with respect to time. At the ends of its range, a formula is
+  !! differentiated as in the interior.
   pure function table_slope(table, time, ahead) result(slope)
     type(load_table_t), intent(in) :: table
     real(wp), intent(in) :: time

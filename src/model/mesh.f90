@@ -78,8 +78,8 @@ module mesh
     integer :: nnode = 0
     real(wp), allocatable :: xr(:, :) !! (3, nnode) reference positions of nodes and control points
     !! [L]
-    !> Contact measures positions from here, because the rounding of a position grows with its
-    !! distance from zero. It is zero where the model is not far from there. [L]
+    !> The origin from which contact measures positions, because the rounding error of a position
+    !! grows with its distance from zero. It is zero if the model is not far from zero. [L]
     real(wp) :: origin(3) = 0.0_wp
     logical, allocatable :: is_control(:) !! (nnode) a control point (its position is a coefficient)
     logical, allocatable :: used(:)        !! (nnode) the node belongs to an element

@@ -29,7 +29,7 @@ module model
     type(place_t) :: place
   end type material_set_t
 
-  !> A file that lies next to a file of the deck but is not read; `text` is the warning about it.
+  !> A file that exists next to a file of the deck but is not read; `text` is the warning about it.
   type :: unread_t
     integer(i8) :: identity(2) = 0
     character(:), allocatable :: text

@@ -9,8 +9,8 @@ module model_basis
   private
   public :: tabulate_basis, tabulate_block, tabulate_points
 
-  !> Largest number of operators for which classes are found; its cube must not overflow an integer.
-  !! If there are more, every element is a class of its own.
+  !> Largest number of operators for which classes are sought; its cube must not overflow an
+  !! integer. If there are more operators, every element is a class of its own.
   integer, parameter :: MOST_OPERATORS = 1290
 
 contains

@@ -176,7 +176,7 @@ contains
     node = pack(node, is_free(node))
   end subroutine leave_slaves
 
-  !> Find the rigid motions of a body, with its nodes at x, that its supports do not prevent.
+  !> Find the rigid motions that the supports of a body, with its nodes at x, do not prevent.
   subroutine find_motions(eq, x, body)
     integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
@@ -366,7 +366,7 @@ contains
     end do
   end function directions
 
-  !> Two lists in one, with a comma between them.
+  !> Two lists as one, with a comma between them.
   pure function list_text(a, b) result(text)
     character(*), intent(in) :: a, b
     character(:), allocatable :: text

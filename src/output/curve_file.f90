@@ -1,7 +1,7 @@
 !> Curves as tables of columns for gnuplot, numpy and pandas: `<stem>_<curve>.dat`.
 !!
-!! The first line is `# name name ...`. One row follows for each step, with numbers of 16 digits.
-!! Each row is handed to the operating system before the next step begins.
+!! The first line is `# name name ...`. It is followed by one row for each step, with numbers of 16
+!! digits. Each row is handed to the operating system before the next step begins.
 module curve_file
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_error, only: error_t, fail, BUG
@@ -96,8 +96,8 @@ contains
     call close_bytes(curve%file, error)
   end subroutine close_curve
 
-  !> Make the names of columns distinct: the second column of a name gets the suffix _2, the third
-  !! _3.
+  !> Make the names of columns distinct: the second column with the same name gets the suffix _2,
+  !! the third _3.
   pure subroutine curve_names(columns, names)
     character(*), intent(in) :: columns(:)
     ! allow(C072)
@@ -115,7 +115,7 @@ contains
   end subroutine curve_names
 
   !> Rows of the old file up to step `keep`; empty if there is no file. If the last line has no line
-  !! end, it was cut off when a run was killed, and it is dropped.
+  !! end, it was cut off when a run was killed, and is dropped.
   function rows_up_to(path, keep) result(text)
     character(*), intent(in) :: path
     integer, intent(in) :: keep

@@ -18,7 +18,7 @@ module fields
   !! slips are added, and the smallest gap and the largest state are taken.
   type :: nodal_contact_t
     real(wp), allocatable :: traction(:, :) !! (3, nnode) on the surface [F/L^2]
-    real(wp), allocatable :: friction(:, :) !! (3, nnode) part of it due to friction [F/L^2]
+    real(wp), allocatable :: friction(:, :) !! (3, nnode) the part due to friction [F/L^2]
     real(wp), allocatable :: pressure(:, :) !! (1, nnode) [F/L^2]
     real(wp), allocatable :: gap(:, :)      !! (1, nnode) [L]
     real(wp), allocatable :: slip(:, :)     !! (3, nnode) [L]
@@ -39,7 +39,8 @@ module fields
 
 contains
 
-  !> All fields in the order in which they are written: first those of bodies, then of contacts.
+  !> All fields in the order in which they are written: first those of bodies, then those of
+  !! contacts.
   pure function known_fields() result(names)
     character(NAME) :: names(NBODY + 6)
 

@@ -236,8 +236,8 @@ contains
     if (status /= 0) call refuse(file, 'cannot read '''//name//''' of', error)
   end subroutine get_text
 
-  !> Read as many integers as `value` holds. It is a failure if the file has a different number of
-  !! them.
+  !> Read as many integers as `value` holds. It is an error if the file contains a different number
+  !! of them.
   subroutine get_integers(file, object, name, value, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: object, name

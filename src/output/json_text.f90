@@ -1,5 +1,5 @@
-!> Writes the part of JSON that a report needs. Numbers have 17 digits, so that reading them gives
-!! the same bits. A number that is not finite becomes null.
+!> Writes the part of JSON that a report needs. Numbers have 17 digits, so that reading them
+!! restores the same bits. A number that is not finite becomes null.
 module json_text
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp

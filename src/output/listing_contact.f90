@@ -4,7 +4,7 @@
 !! In the two-half-pass algorithm each side integrates its own tractions, so the two resultants
 !! differ by the discretisation error, which `sum` shows. With BALAnced or a rigid side the forces
 !! are opposite; the moments are opposite too, except for tangential forces times penetration. The
-!! sum of the forces of supports, contacts and loads is as small as the residual of the step.
+!! forces of supports, contacts and loads add up to zero within the residual of the step.
 module listing_contact
   use base_kinds, only: wp
   use base_log, only: log_line

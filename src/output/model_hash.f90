@@ -22,7 +22,7 @@ module model_hash
 
 contains
 
-  !> The hash of each PART of a model. Load tables do not count.
+  !> The hash of each PART of a model. Load tables are not included.
   pure subroutine hash_model(model, digits)
     type(model_t), intent(in) :: model
     character(16), intent(out) :: digits(NPART)

@@ -22,7 +22,7 @@ module named_values
   end type named_values_t
 
   !> put(values, name, value) stores a number, a list of numbers, a logical or text under a name. It
-  !! replaces an earlier value of that name.
+  !! replaces an earlier value with that name.
   interface put
     module procedure put_real, put_reals, put_integer, put_integers, put_logical, put_text
   end interface put
@@ -159,7 +159,7 @@ contains
     if (found) value = values%value(k)%text
   end subroutine get_text
 
-  !> Position of the value of that name and type; 0: there is none.
+  !> Position of the value with that name and type; 0: there is none.
   pure integer function position(values, name, type) result(k)
     type(named_values_t), intent(in) :: values
     character(*), intent(in) :: name
@@ -170,7 +170,7 @@ contains
     end do
   end function position
 
-  !> Find the position of the value of that name, which is added if it does not exist yet.
+  !> Find the position of the value with that name, which is added if it does not exist yet.
   subroutine claim(values, name, type, k)
     type(named_values_t), intent(inout) :: values
     character(*), intent(in) :: name

@@ -1,4 +1,5 @@
-!> The report of a run: `<stem>.report.json`. The manual explains its keys on the page on files.
+!> The report of a run: `<stem>.report.json`. The manual explains its keys on the page about the
+!! program.
 module report_file
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -33,7 +34,7 @@ module report_file
     character(:), allocatable :: name
     integer :: points = 0               !! number of integration points, both sides
     integer :: closed = 0               !! number of these that are in contact
-    !> Of all steps: largest |F1 + F2| relative to the larger force, and largest penetration
+    !> Over all steps: largest |F1 + F2| relative to the larger force, and largest penetration
     !! relative to the width of an element or the thickness, whichever is smaller [-].
     real(wp) :: balance = 0.0_wp, largest_penetration = 0.0_wp
   end type contact_row_t
@@ -122,7 +123,7 @@ contains
     end do
   end function messages
 
-  !> Count elements of a type. Counts of the same name are added up.
+  !> Count elements of a type. Counts with the same name are added up.
   subroutine add_count(list, name, n)
     type(named_count_t), allocatable, intent(inout) :: list(:)
     character(*), intent(in) :: name

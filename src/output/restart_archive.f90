@@ -19,7 +19,7 @@ module restart_archive
   end type archive_t
 
   !> exchange(archive, path, value, error) writes a value, or reads it if the archive is being read.
-  !! Arrays have the sizes of the model; it is a failure if the file has another size.
+  !! Arrays have the sizes of the model; it is an error if the size in the file is different.
   interface exchange
     module procedure exchange_real, exchange_integer, exchange_logical, exchange_reals, &
       exchange_integers, exchange_logicals, exchange_matrix, exchange_values
@@ -151,7 +151,7 @@ contains
     if (length > 0) call exchange(archive, path, values, error)
   end subroutine exchange_list
 
-  !> Exchange named values. They are numbered in the file, as their names are free text.
+  !> Exchange named values. They are numbered in the file, because their names are free text.
   subroutine exchange_values(archive, group, values, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group

@@ -1,8 +1,9 @@
 !> Checkpoints: `<stem>.restart.h5` holds the last two checkpoints.
 !!
 !! A new file is written next to the old one and takes the name of the old one when it is complete.
-!! There is thus a complete file, whenever the program is killed. Real numbers keep all their bits.
-!! A file is read only by the version of the program that wrote it, and for the same deck and mesh.
+!! There is thus always a complete file, even if the program is killed. Real numbers keep all their
+!! bits. A file is read only by the version of the program that wrote it, and for the same deck and
+!! mesh.
 module restart_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: file_t, inspect, note_input, replace_file, remove_file, FILE_REGULAR
@@ -46,7 +47,7 @@ contains
     call hash_model(model, print%hash)
   end subroutine make_fingerprint
 
-  !> Write a checkpoint and keep the one before it.
+  !> Write a checkpoint and keep the previous one.
   subroutine write_checkpoint(path, print, state, values, error)
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
@@ -250,7 +251,7 @@ contains
               hint='restart from a file <deck>.restart.h5 of this program')
   end subroutine refuse_file
 
-  !> Append the hash of a complete file to it. HDF5 does not read what follows its own data.
+  !> Append the hash of a complete file to it. HDF5 ignores what follows its own data.
   subroutine seal(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
@@ -270,8 +271,8 @@ contains
   end subroutine seal
 
   !> Check the hash at the end of a file, because HDF5 may crash if bytes have changed. If another
-  !! program has written to the file, there is no hash at its end; then only the checksums of the
-  !! datasets count.
+  !! program has written to the file, there is no hash at its end; in that case only the checksums
+  !! of the datasets are checked.
   subroutine check_seal(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error

@@ -51,7 +51,7 @@ contains
     call exchange_energy(archive, group//'/energy', state%energy, size(state%u, 2), error)
   end subroutine exchange_state
 
-  !> Exchange the history of one contact, and the data from which its results of the last step
+  !> Exchange the history of one contact, and the data from which its results in the last step
   !! follow.
   subroutine exchange_contact(archive, group, contact, error)
     type(archive_t), intent(in) :: archive

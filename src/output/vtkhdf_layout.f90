@@ -96,8 +96,8 @@ contains
     call write_offsets(file, view, names, room, error)
   end subroutine write_layout
 
-  !> Write where the data of each step begin: geometry and cell data at 0, fields one after the
-  !! other.
+  !> Write where the data of each step begin: geometry and cell data at 0, fields one step after
+  !! another.
   !!
   !! The readers of VTK require as many times (dataset Values) as steps (attribute NSteps). Values
   !! is created right after NSteps and has no attributes. Both then lie side by side in the file,
