@@ -1,4 +1,6 @@
-"""Compare two tables column by column: what differs, by how much, and where most."""
+"""Compare two tables column by column: what differs, by how much, and where the difference is
+largest.
+"""
 
 from dataclasses import dataclass, field
 
@@ -31,7 +33,7 @@ class ColumnResult:
 
 @dataclass
 class TableResult:
-    """One pair of tables: the results of its columns, and what one side lacks."""
+    """One pair of tables: the results of its columns, and the columns that one side lacks."""
 
     name: str
     columns: list = field(default_factory=list)
@@ -48,10 +50,10 @@ class TableResult:
 def compare_tables(a, b, tolerances, interpolate=None, key=None, only=None, ignore=None):
     """Compare table `a` (got) with table `b` (wanted); return a TableResult.
 
-    Columns match by name. Rows match by position or by the columns in `key`, or `a` is
-    interpolated linearly to the rows of `b` over the column `interpolate`. A column that only `b`
-    has is a difference. So is a column that only `a` has, unless `b` is a .csv file, which may hold
-    a selection of columns.
+    Columns match by name. Rows match by position or by the columns in `key`, or `a` is interpolated
+    linearly to the rows of `b` over the column `interpolate`. A column that only `b` has is a
+    difference. So is a column that only `a` has, unless `b` is a .csv file, which may contain a
+    selection of the columns.
     """
     result = TableResult(b.name, a=a, b=b)
     special = set(key or ()) | ({interpolate} if interpolate else set())

@@ -90,7 +90,9 @@ def _evaluate(face, x, values, n):
 
 
 def _is_triangle(face):
-    """Does the face end where its two parameters add up to 1? That of a quadrilateral is a square."""
+    """Is the face a triangle, which ends where its two parameters add up to 1? The parameters of a
+    quadrilateral fill a square.
+    """
     return face.GetNumberOfEdges() == 3
 
 

@@ -9,7 +9,7 @@ from post._error import Unreadable
 
 
 def text(comparison, quiet=False):
-    """The comparison as a table to read; its last line is the verdict."""
+    """The comparison as a readable table, whose last line is the verdict."""
     lines = []
     for t in comparison.tables:
         if quiet and t.ok:
@@ -107,7 +107,7 @@ def as_json(comparison, reason=None):
 
 
 def _plain(value):
-    """A value that JSON can hold: NaN and infinity become words."""
+    """The value in a form that JSON allows: NaN and infinity become words."""
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 

@@ -15,7 +15,7 @@ GROUPS = {"PointData": "point", "CellData": "cell"}
 
 @dataclass
 class Fields:
-    """What a result file holds.
+    """The contents of a result file.
 
     times: (nstep); numbers: (nstep) number of each step in the analysis, counted from 1 if the file
     does not give it; points: (npoint, 3) reference positions, or control points of spline cells;

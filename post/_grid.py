@@ -123,7 +123,9 @@ def _vtkhdf(path):
 
 
 def _activate(grid):
-    """Set VTK's attributes to the arrays of these names: readers before 9.7 do not do it."""
+    """Set VTK's attributes to the arrays of these names, because readers before version 9.7 do not
+    do so.
+    """
     from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes as attributes
 
     kinds = (attributes.RATIONALWEIGHTS, attributes.HIGHERORDERDEGREES)

@@ -1,4 +1,4 @@
-"""Figures of surfaces: VTK draws each body, matplotlib arranges the pictures on a page."""
+"""Figures of surfaces: VTK draws each body, and matplotlib arranges the pictures on a page."""
 
 from dataclasses import dataclass
 

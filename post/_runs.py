@@ -89,7 +89,7 @@ def matched(a, b):
 
 
 def _partner(a, in_a, reference):
-    """The part of a run that a single reference file belongs to."""
+    """The part of a run to which a single reference file belongs."""
     kind = _kind(reference.name)
     pool = {n: f for n, f in in_a.items() if _kind(f.name) == kind}
     named = [f for n, f in pool.items() if f.name == reference.name]
@@ -107,7 +107,7 @@ def _partner(a, in_a, reference):
 
 
 def tables(file):
-    """Tables of a file of either type."""
+    """The tables of a file of either type."""
     kind = _kind(file.name)
     if kind == "report":
         return [read_report(file)]

@@ -1,4 +1,4 @@
-"""The scalar of a field that is shown, and its colours."""
+"""The scalar of a field that is to be shown, and its colours."""
 
 import numpy as np
 

@@ -45,7 +45,7 @@ def reason_not_ready():
 
 @functools.cache
 def _renders():
-    """Whether a picture can be drawn, tried in a separate process."""
+    """Whether a picture can be drawn, which is tried in a separate process."""
     return subprocess.run([sys.executable, "-c", PROBE], capture_output=True).returncode == 0
 
 

@@ -1,7 +1,7 @@
 """Colours, markers, sizes and fonts of all figures.
 
-The colours are those of Okabe and Ito, which people with colour blindness can tell apart. Every
-series also has its own marker and line style, so that a print in grey stays readable.
+The colours are those of Okabe and Ito, which colour-blind people can distinguish. Every series also
+has its own marker and line style, so that a figure printed in grey remains readable.
 """
 
 import contextlib
@@ -103,7 +103,7 @@ def element_label(name):
 
 
 def save(figure, path):
-    """Write a figure; the same data give the same file, which holds no date."""
+    """Write a figure; the same data give the same file, because it contains no date."""
     import pathlib
 
     from post._error import Unreadable

@@ -11,7 +11,7 @@ def surface(grid, level=None):
     parts per direction.
 
     Positions and point data are evaluated with the (rational) functions of the cell, so that a
-    sphere stays a sphere. The default level gives about 200,000 triangles and is at most 4.
+    sphere remains a sphere. The default level gives about 200,000 triangles and is at most 4.
     """
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter

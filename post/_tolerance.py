@@ -1,4 +1,4 @@
-"""Tolerances: the difference that is allowed, for all columns and for named ones."""
+"""Tolerances: the differences that are allowed in all columns and in particular ones."""
 
 import fnmatch
 import math

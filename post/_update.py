@@ -19,8 +19,8 @@ SHOWN = 40  # number of changes printed per table
 def update(comparison, b, settings):
     """Print the changes and rewrite the files of the reference `b`; return the exit code.
 
-    Values within tolerance keep their old digits. Nothing is written if the new side holds a NaN,
-    lacks a column of the reference, or lacks a whole file.
+    Values within tolerance keep their old digits. Nothing is written if the new side contains a
+    NaN, or lacks a column or a whole file of the reference.
     """
     for table in comparison.tables:
         _refuse(table)
@@ -92,7 +92,9 @@ def _text(value):
 
 
 def _report(table):
-    """The whole new report: the program wrote all of it, so nothing of the old one is kept."""
+    """The whole new report: the program has written all of it, so nothing of the old report is
+    kept.
+    """
     return json.dumps(load(table.a.path), indent=2) + "\n"
 
 
@@ -133,7 +135,7 @@ def _csv_line(cells):
 
 
 def _whole(a, b):
-    """The columns of the reference, the rows of the run."""
+    """A table with the columns of the reference and the rows of the run."""
     names = list(b.columns) if b.path.suffix.lower() == ".csv" else list(a.columns)
     rows = [[_text(a.columns[n][i]) for n in names] for i in range(len(a))]
     if b.path.suffix.lower() == ".csv":
@@ -142,7 +144,9 @@ def _whole(a, b):
 
 
 def _replace(file, write):
-    """Write beside the file, then rename, so that a reference is never half-written."""
+    """Write a new file beside the old one and rename it, so that a reference is never
+    half-written.
+    """
     new = file.with_name(file.name + ".new")
     try:
         write(new)

@@ -26,7 +26,7 @@ RIM = 0.2  # no edges below this cosine of the angle to the eye: they would be d
 def draw(paths, output, scalar="contact_friction", component=None, step="last", limits=None,
          cmap=None, labels=None, axis="z", columns=2, edges=True, say_step=True,
          turn=False):  # fmt: skip
-    """Draw the contact surfaces of result files: one panel per file, one colour scale.
+    """Draw the contact surfaces of result files, with one panel per file and one colour scale.
 
     component: of a vector, by default 1 of friction and traction (their x component); step: as in
     post._grid.load, or a list with one for each file; axis: the viewing direction, seen from its
@@ -71,7 +71,7 @@ class _panel:
         self.caption = f"step {number}, time {time:.4g}"
 
     def facing(self, surface):
-        """Positive where a surface faces the eye."""
+        """Positive where a surface faces the viewer."""
         return np.sign(surface.outward[..., self.out].sum())
 
     def values(self):
@@ -115,7 +115,9 @@ def _corners(a):
 
 
 def _quads(flat, height, seen):
-    """Quadrilaterals that face the eye, far ones first: their order, and a mask of them."""
+    """Quadrilaterals that face the viewer: their order, with the farthest ones first, and a mask of
+    them.
+    """
     shown = _corners(seen).any(axis=-1).ravel()
     quads = np.stack([_corners(flat[..., i]) for i in (0, 1)], axis=-1).reshape(-1, 4, 2)[shown]
     order = np.argsort(_corners(height).mean(axis=-1).ravel()[shown], kind="stable")
@@ -123,7 +125,7 @@ def _quads(flat, height, seen):
 
 
 def _borders(flat, seen):
-    """Edges of the faces, in segments, where they face the eye."""
+    """Segments of the edges of the faces that face the viewer."""
     pieces = []
     for f, s in zip(flat, seen):
         for line, visible in (

@@ -138,7 +138,9 @@ def table_text(series):
 
 
 def draw(series, output, title=None, guides=(-2 / 3,)):
-    """Draw series into the file `output`; element types have fixed colours, other names get others."""
+    """Draw series into the file `output`; element types have fixed colours, and other names get
+    other colours.
+    """
     order = {s.name: _style.series(i) for i, s in enumerate(series)}
     known = all(_style.is_element(s.name) for s in series)
     with _style.styled() as plt:

@@ -1,7 +1,7 @@
 """Compare two runs, or a run and a reference: `python -m post diff A B`.
 
-A is the result, B the reference; each is a folder, a stem or a file. Exit code: 0 same, 1 differs,
-2 unreadable. As a library:
+A is the result, B the reference; each is a folder, a stem or a file. The exit code is 0 if they are
+the same, 1 if they differ, and 2 if one of them cannot be read. As a library:
 
 >>> import post
 >>> comparison = post.diff.compare("build/a", "build/b", post.diff.parse({"rel": ["1e-6"]}))  # doctest: +SKIP
@@ -85,7 +85,9 @@ def _compare_files(part, file_a, file_b, tolerances, interpolate, key, only, ign
 
 
 def _named(part, tables):
-    """Tables named after their part, so that the two sides match even if their file names differ."""
+    """The tables, named after their parts so that the two sides match even if their file names
+    differ.
+    """
     for table in tables:
         table.name = part if len(tables) == 1 else f"{part}/{table.name}"
     return tables
@@ -98,7 +100,9 @@ def _any_chosen(table, only):
 
 
 def _all_used(comparison, tolerances, only, ignore):
-    """Reject a pattern that matches no column: it is an error and would hide a difference."""
+    """Reject a pattern that matches no column, because this is a mistake and could hide a
+    difference.
+    """
     from post._tolerance import matches
 
     names = [

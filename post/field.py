@@ -106,7 +106,8 @@ def main(argv):
 
 
 def _joined(argv):
-    """The arguments with `--view -y` as one: -y and -52,16 are views here and no options.
+    """The arguments, with `--view -y` joined into one, because -y and -52,16 are views here and not
+    options.
 
     >>> _joined(["a.vtkhdf", "--view", "-y"])
     ['a.vtkhdf', '--view=-y']

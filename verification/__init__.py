@@ -31,7 +31,7 @@ TOP = pathlib.Path(__file__).resolve().parent.parent  # top of the tree
 
 
 def need_numpy():
-    """Continue with the Python of .venv if this one has no numpy; stop if neither has it."""
+    """Continue with the Python of .venv if this Python has no numpy; stop if neither has it."""
     if importlib.util.find_spec("numpy"):
         return
     python = TOP / ".venv/bin/python"

@@ -22,7 +22,7 @@ TIME_LIMIT = 1200  # seconds of a run if the check gives no limit
 
 @dataclass(frozen=True)
 class Run:
-    """One call of the program; equal runs are made once."""
+    """One call of the program; equal runs are made only once."""
 
     name: str  # <case>/<deck>-<parameters>, its folder below build/verify
     deck: pathlib.Path
@@ -92,7 +92,9 @@ def new_run(folder, entry):
 
 
 def execute(bezel, out, run):
-    """Run the program in a folder of its own, with its output in stdout.txt and stderr.txt there."""
+    """Run the program in a folder of its own, and store its output there in stdout.txt and
+    stderr.txt.
+    """
     place = out / run.name
     place.mkdir(parents=True, exist_ok=True)
     command = [str(bezel), "--quiet", "-o", str(place), *run.options]
@@ -155,7 +157,9 @@ def exit_code(run, outcome, wanted):
 
 
 def warned(place, stem, wanted):
-    """The report and the log have a warning with these words; without words there is none."""
+    """Check that the report and the log have a warning with these words; if there are no words,
+    that there is no warning.
+    """
     warnings = json.loads((place / f"{stem}.report.json").read_text())["warnings"]
     if not wanted and warnings:
         raise Unreadable(f"unexpected warning: {warnings[0]}")
@@ -220,7 +224,7 @@ def _row_index(table, row):
 
 
 def compared(case, quantity, got, want, tolerance):
-    """A row for one value: words must be equal, numbers agree within the tolerance."""
+    """A row for one value: words must be equal, and numbers must agree within the tolerance."""
     if isinstance(want, str) or isinstance(got, str):
         return Row(case, quantity, got, want, None, "exact", got == want)
     want = float(want)

@@ -2,10 +2,10 @@
 
     .venv/bin/python -m verification.debonding_points [--bezel PROGRAM] [--write]
 
-It runs q1e9_q1n2.inp and iga2.inp of benchmark/section5_debonding with several numbers of points per
-direction, one run at a time. Errors are those of the force on the lifted edge relative to the run with
-the most points: root mean square over the lift from 0.5 to 15, and error of the largest force.
-`--write` puts the rows into runs/points.csv and into doc/verification/tradeoff.md.
+It runs q1e9_q1n2.inp and iga2.inp of benchmark/section5_debonding with various numbers of points
+per direction, one run at a time. Errors are those of the force on the lifted edge relative to the
+run with the most points: the root mean square over lifts from 0.5 to 15, and the error of the
+largest force. `--write` puts the rows into runs/points.csv and into doc/verification/tradeoff.md.
 """
 
 import argparse

@@ -1,4 +1,6 @@
-"""Compare a field of a result file with an exact one, constant or linear in the reference position."""
+"""Compare a field of a result file with an exact field that is constant or linear in the reference
+position.
+"""
 
 import numpy as np
 
@@ -12,8 +14,8 @@ def field_row(case, quantity, path, check):
     """Row for the worst point of a field, compared with `want` (one value per component) or with
     `affine` (rows of A or [A b], field = A x + b).
 
-    A linear function of the position holds at control points as it does at nodes, with any weights.
-    A scaled tolerance refers to the largest magnitude of the exact field.
+    A linear function of the position holds at control points just as it does at nodes, whatever the
+    weights are. A scaled tolerance refers to the largest magnitude of the exact field.
     """
     fields = read_fields(path)
     if check["field"] not in fields.arrays:

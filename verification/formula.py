@@ -19,7 +19,7 @@ def span(x):
 
 
 def work(force, u):
-    """Work of a force over a displacement from the first row on, by the trapezoidal rule."""
+    """Work of a force along a displacement, from the first row on, by the trapezoidal rule."""
     force, u = np.asarray(force), np.asarray(u)
     return np.append(0.0, np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(u)))
 
@@ -34,8 +34,8 @@ FUNCTIONS = {
 def evaluate(text, table, values):
     """The value of the formula `text`; names are columns (or their beginnings) and FUNCTIONS.
 
-    `values` are the parameters that the check sets. A column is an array over the rows, so that the
-    formula must choose a row or reduce all of them to one number.
+    `values` are the parameters that the check sets. A column is an array over the rows, so the
+    formula must choose a row or reduce all rows to one number.
 
     >>> from post._table import Table
     >>> evaluate("last(f)/n", Table("t", {"f_1": np.array([1.0, 3.0])}), {"n": 2})

@@ -1,4 +1,5 @@
-"""Run mutated decks: the program must always end in time, give a reason and write no NaN.
+"""Run mutated decks: the program must always end in time, give a reason if it fails, and write no
+NaN.
 
     python -m verification.mutate [--bezel BEZEL] [-n 1000] [--seed 1] [--keep FOLDER] [DECK ...]
 
@@ -109,7 +110,9 @@ def change_fields(lines, chance):
 
 
 def change_numbers(lines, chance):
-    """Replace numbers by others that a user might have meant; counts of loops stay."""
+    """Replace numbers by others that a user might have meant, except the numbers of passes of
+    loops.
+    """
     for _ in range(chance.randint(1, 3)):
         at = chance.randrange(len(lines)) if lines else 0
         found = (
@@ -176,7 +179,9 @@ def mutate(text: str, chance: random.Random) -> str:
 
 # --- runs ----------------------------------------------------------------------------------------
 def run(bezel: Path, deck: Path, out: Path, seconds: float) -> tuple[int | None, bytes, float]:
-    """Exit code (None if it takes more CPU seconds than given), stderr, wall seconds."""
+    """The exit code (None if the run takes more CPU seconds than allowed), stderr, and the wall
+    seconds.
+    """
     start = time.monotonic()
     most = math.ceil(seconds)
     limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (most, most + 1))
@@ -240,7 +245,7 @@ def judge(code: int | None, stderr: bytes, out: Path) -> str:
 
 
 def processor_seconds() -> float:
-    """CPU seconds of all runs so far, which do not depend on other work of the machine."""
+    """CPU seconds of all runs so far, which do not depend on what else the machine is doing."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

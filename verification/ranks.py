@@ -2,13 +2,13 @@
 
     .venv/bin/python -m verification.ranks --bezel build/mpi/bezel --serial build/release/bezel
 
-1. On one rank, curves and fields have the bits of the serial program.
+1. On one rank, curves and fields equal those of the serial program bit for bit.
 2. On more ranks the steps, iterations and cut-backs are those of the serial program, and curves differ
    by at most 1e-9 of the largest value of their column (but see GAPS).
 3. After kill -9 of one rank or of all, after a signal and after --time-limit, the run continues on
    another number of ranks and ends like an uninterrupted one.
 
-It prints a line per check and `N passed, N failed`. The ranks may be more than the processors.
+It prints a line per check and `N passed, N failed`. There may be more ranks than processors.
 """
 
 import argparse
@@ -57,13 +57,15 @@ MPIRUN += ["--mca", "mpi_yield_when_idle", "1"]
 
 
 class Program:
-    """The serial program and the one for ranks."""
+    """The serial program and the program for ranks."""
 
     def __init__(self, bezel, serial):
         self.bezel, self.serial = str(bezel), str(serial)
 
     def start(self, nrank, deck, out, *options):
-        """Start a run on so many ranks, 0: with the serial program. Return the process."""
+        """Start a run on the given number of ranks; 0 means the serial program. Return the
+        process.
+        """
         command = [*MPIRUN, "-n", str(nrank), self.bezel] if nrank else [self.serial]
         return subprocess.Popen(
             [*command, "--quiet", "-o", str(out), *options, str(deck)],

@@ -19,7 +19,7 @@ COUNTS = ("exit_code", "iterations", "cutbacks", "steps", "final", "contacts", "
 
 
 def run(bezel, run, place, *options, stop=None):
-    """Exit code of one call of the program; `stop` is the number of the command that is not reached."""
+    """Exit code of one call of the program, which is stopped before command number `stop`."""
     place.mkdir(parents=True, exist_ok=True)
     command = [str(bezel), "--quiet", "-o", str(place), *run.options, *options]
     for setting in run.settings:
@@ -80,8 +80,9 @@ def difference(one, other, stem):
 
 
 def recover(bezel, out, run_, parts=3):
-    """Stop a run in the middle and once more, continue it, and compare: a row of the table, or None if
-    the deck is refused or the run stops by itself."""
+    """Stop a run in the middle and once more, continue it, and compare: a row of the table, or None
+    if the deck is rejected or the run stops by itself.
+    """
     folder = out / run_.name
     whole, broken = folder / "whole", folder / "stopped"
     stem = run_.deck.stem

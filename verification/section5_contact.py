@@ -2,10 +2,10 @@
 
     .venv/bin/python -m verification.section5_contact --mesh 1 2 3 [--only NAME] [--jobs N] [--write]
 
-A case that the same program has finished with the same decks is not run again, so that an interrupted
-study continues. It prints the result of each case, then compares Tables 4 and 5 with the paper. The
-exit code is 1 if a case ends early or a number is out of its bound. `--write` puts the curve tables
-and summary.csv into benchmark/section5_contact/runs, from which the figures are drawn.
+A case that the same program has finished with the same decks is not run again, so that an
+interrupted study continues. It prints the result of each case, then compares Tables 4 and 5 with
+the paper. The exit code is 1 if a case ends early or a number exceeds its bound. `--write` puts the
+curve tables and summary.csv into benchmark/section5_contact/runs, from which the figures are drawn.
 Mesh `reference` is IGA2 without friction on a finer mesh, to 45 degrees (half a period).
 """
 
@@ -170,7 +170,9 @@ def write(case, row, place):
 
 
 def report(cases, rows):
-    """Compare Tables 4 and 5 with the paper; return 1 if a case ended early or a number is out."""
+    """Compare Tables 4 and 5 with the paper; return 1 if a case ended early or a number exceeds its
+    bound.
+    """
     lines, bad = [], 0
     for case in cases:
         row = rows[case.name]
@@ -190,7 +192,9 @@ def report(cases, rows):
 
 
 def compared(case, row):
-    """(quantity, paper, ours, bound) for the entries of Tables 4 and 5 of this case."""
+    """(quantity, value of the paper, our value, bound) for the entries of Tables 4 and 5 of this
+    case.
+    """
     same = lambda r: (r["mesh"], r["elements"]) == (case.mesh, case.elements)
     for r in filter(same, paper_table("table4.csv")):
         yield f"{case.name:<22} {'dofs':<22}", int(r["dofs"]), int(row["dofs"]), 0.0

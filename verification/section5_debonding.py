@@ -3,15 +3,15 @@
     .venv/bin/python -m verification.section5_debonding --mesh 1 [--only NAME] [--write] [--force]
     .venv/bin/python -m verification.section5_debonding --suite all|long [--write] [--force]
 
-The suite `all` is mesh 1, and mesh 2 of the bodies of Q1 and of IGA2; `long` is mesh 2 of the bodies
-of Q2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that is complete is not run again
-unless --force is given. It prints the dofs of Table 2, the end of each case, and a comparison with the
-independent numbers of section5_peeling/peeling.csv. The exit code is 1 if a case ends early or a number
-of dofs differs. `--write` puts summary.csv and the curves (with few digits) into
-benchmark/section5_debonding/runs, from which the figures are drawn. `--pictures` also runs the decks of
-Figures 13 and 14, `--readings` those with other interpretations of the scene (readings.csv). `--steps`
-ends runs earlier, in separate folders. `--apart` runs nothing and compares committed curves with each
-other (apart.csv).
+The suite `all` is mesh 1, and mesh 2 of the bodies of Q1 and of IGA2; `long` is mesh 2 of the
+bodies of Q2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that is complete is not run
+again unless --force is given. It prints the dofs of Table 2, the end of each case, and a comparison
+with the independent numbers of section5_peeling/peeling.csv. The exit code is 1 if a case ends
+early or a number of dofs differs. `--write` puts summary.csv and the curves (with few digits) into
+benchmark/section5_debonding/runs, from which the figures are drawn. `--pictures` also runs the
+decks of Figures 13 and 14, and `--readings` runs those with other interpretations of the problem
+(readings.csv). `--steps` ends runs earlier, in separate folders. `--apart` runs nothing and
+compares committed curves with each other (apart.csv).
 """
 
 import argparse
@@ -162,7 +162,7 @@ def summary(mesh, name, place):
 
 
 def readings(o):
-    """Other interpretations of the scene (mesh 1, Q1E9+Q1N2): forces, and the lift at release."""
+    """Other interpretations of the problem (mesh 1, Q1E9+Q1N2): forces, and the lift at release."""
     rows = [("reading", "largest_force", *(f"force_at_{u:g}" for u in READ_AT), "off_at")]
     for name in ("q1e9_q1n2", *sorted(p.stem for p in DECKS.glob("reading_*.inp"))):
         place = o.out / ("1_" + name)
@@ -193,7 +193,9 @@ def roughness(lift, force):
 
 
 def apart(write):
-    """Compare committed curves up to a lift of 15.5, relative to the largest force of the second."""
+    """Compare committed curves up to a lift of 15.5, relative to the largest force of the second
+    curve.
+    """
     rows = [("mesh", "elements", "of_mesh", "of_elements", "rms", "largest", "of_the_peaks")]
     x = np.linspace(0, LIFT, 500)
     for pair in PAIRS:
@@ -218,8 +220,9 @@ def write_rows(name, rows):
 
 
 def beside(o):
-    """Compare the forces of mesh 1, from points that load both surfaces and from two half passes,
-    with the independent ones, which are those of two half passes."""
+    """Compare the forces of mesh 1, computed with points that load both surfaces and with two half
+    passes, with the independent forces, which are those of two half passes.
+    """
     with PEELING.open(newline="") as text:
         theirs = list(csv.DictReader(line for line in text if not line.startswith("#")))
     rows = [

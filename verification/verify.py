@@ -86,7 +86,9 @@ def read_cases(names):
 
 
 def run_all(bezel, out, runs, jobs):
-    """{name of the run: Outcome}; a terminal shows the progress, and other outputs a line every ten seconds."""
+    """{name of the run: Outcome}; a terminal shows the progress, and any other output gets a line
+    every ten seconds.
+    """
     outcomes = {}
     said = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:

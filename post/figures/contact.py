@@ -43,7 +43,9 @@ def column(rows, name):
 
 
 def lines_of_types(ax, rows, name):
-    """The size of an error over the elements across 1.3 contact radii, one line per element type."""
+    """The magnitude of an error over the number of elements in 1.3 contact radii, with one line per
+    element type.
+    """
     for i, kind in enumerate(dict.fromkeys(r["elements"] for r in rows)):
         chosen = [r for r in rows if r["elements"] == kind]
         ax.loglog(
@@ -52,14 +54,14 @@ def lines_of_types(ax, rows, name):
 
 
 def slope(ax, x, y, order):
-    """A short line of the given order."""
+    """A short line whose slope is the given order."""
     ends = np.array([x, 2 * x])
     ax.loglog(ends, y * (ends / x) ** -order, color="#666666", linewidth=0.9)
     ax.annotate(f"{order}", (1.45 * x, y * 1.45**-order), textcoords="offset points", xytext=(6, 3))
 
 
 def hertz(folder, plt):
-    """Errors of the sphere's force and of the pressure of the sphere and the cylinder."""
+    """Errors of the force on the sphere, and of the pressures on the sphere and the cylinder."""
     drawing, axes = plt.subplots(1, 3, figsize=(_style.PAGE, 2.7))
     ball, roller = read(folder / "sphere/curves.csv"), read(folder / "cylinder/curves.csv")
     lines_of_types(axes[0], ball, "force")
@@ -83,7 +85,7 @@ def hertz(folder, plt):
 
 
 def ironing(folder, plt):
-    """Forces of shallow ironing, and the published ones as marks."""
+    """Forces in shallow ironing, with the published ones as marks."""
     drawing, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 2.9))
     rows = read(folder / "ironing/curves.csv")
     meshes = list(dict.fromkeys(r["n"] for r in rows))

@@ -1,4 +1,5 @@
-"""Figures of doc/verification/debonding_laws.md: laws at a point, beams, pulled and peeled strips.
+"""Figures of doc/verification/debonding_laws.md: laws at a point, beams, pulled strips and peeled
+strips.
 
 They are drawn from curves.csv and results.csv, which curves.py and study.py of cz_beams write:
 
@@ -36,7 +37,9 @@ def curve(rows, name):
 
 
 def point(ax, rows, folder, law, title):
-    """Normal and shear loading: the published formula as a line, every second step as a mark."""
+    """Normal and shear loading: the published formula is a line, and every second step is a
+    mark.
+    """
     for phi, column, color in ((0, "force_3", BLUE), (90, "force_1", RED)):
         way, force = curve(rows, f"{law} {phi}")
         reference = read(folder / f"cz_point/reference/{law}_{phi}.csv")
@@ -68,7 +71,7 @@ def dcb(ax, rows):
 
 
 def pulled(ax, rows):
-    """A strip pulled along a plate, and the closed form for the exponential law."""
+    """A strip that is pulled along a plate, and the closed form for the exponential law."""
     stiffness, a, gc, g0 = 180000.0, 10.0, 0.6, 0.01 / np.e
     slip = np.linspace(0, 12 * g0, 200)
     force = np.sqrt(2 * stiffness * gc * (1 - (1 + slip / g0) * np.exp(-slip / g0)))
@@ -83,7 +86,7 @@ def pulled(ax, rows):
 
 
 def peeled(ax, rows):
-    """The peeled strip: force divided by energy and width."""
+    """The peeled strip: the force divided by the energy and the width."""
     way, force = curve(rows, "peel")
     ax.plot(way, force / 0.02, color=BLUE, label="strip")
     ax.axhline(1.0, color="black", linewidth=0.9, label="Rivlin")

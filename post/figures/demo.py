@@ -45,7 +45,7 @@ def draw_cubes(bezel, out):
 
 
 def draw_twist(bezel, out):
-    """Draw the tractions on both surfaces while they stick and slide, and the torque."""
+    """Draw the torque, and the tractions on both surfaces while they stick and while they slide."""
     run(bezel, out, TOP / "input" / f"{TWIST}.inp")
     files = [out / f"{TWIST}.vtkhdf"] * len(STEPS)
     contact_map.draw(files, out / "twist.png", step=list(STEPS), labels=list(STEPS.values()),

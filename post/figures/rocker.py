@@ -1,8 +1,10 @@
-"""`make demo-rocker` goes from a net of quads to a solved contact and draws Figures 5 to 7 for it.
+"""`make demo-rocker` makes a body from a net of quads, solves a contact problem with it, and draws
+Figures 5 to 7 of the paper for this body.
 
 python -m post.figures.rocker --bezel build/release/bezel --out build/rocker
 
-It meshes the body of input/rocker_arm.py, presses a rigid pin on its arm and slides it with friction.
+It meshes the body of input/rocker_arm.py, presses a rigid pin onto its arm and slides the pin along
+it with friction.
 """
 
 import argparse
@@ -29,7 +31,9 @@ NEAR = (2.1, 0.0, 0.3)  # the T-junction of the picture
 
 
 def pin():
-    """The lower half of a cylinder about the z axis, exactly: two rational elements."""
+    """The lower half of a cylinder about the z axis, represented exactly by two rational
+    elements.
+    """
     h = np.sqrt(0.5)
     arc = RADIUS * np.array([[-1.0, 0], [-1, -1], [0, -1], [1, -1], [1, 0]])
     points = [(x, y, z) for z in (-HALF, HALF) for x, y in arc]
@@ -71,7 +75,7 @@ def solve(bezel, out):
 
 
 def draw_run(out):
-    """Draw the stress in the arm at the end, the tractions on its surface, and the forces."""
+    """Draw the final stress in the arm, the tractions on its surface, and the forces."""
     result = out / "rocker.vtkhdf"
     field.draw([result], out / "rocker_stress.png", scalar="mises", view="60,25", labels=["the pin at its end"],
                say_step=False, outline=False)  # fmt: skip

@@ -38,7 +38,8 @@ class Results:
         self.path = path
 
     def column(self, elements, name):
-        """(nmesh) values of a column for an element type, from coarse to fine; empty if not run.
+        """(nmesh) values of a column for an element type, from coarse to fine; empty if there are
+        no runs.
 
         name: force (of the whole cube), error (not negative), or another column of the table.
         """
@@ -58,7 +59,7 @@ class Results:
         return found
 
     def converged(self):
-        """The force that the errors refer to."""
+        """The force to which the errors refer."""
         c = self.table.columns
         row = np.flatnonzero(c["test"] == self.test)[0]
         return QUARTERS * c["force_quarter"][row] / (1 + c["error"][row])
@@ -131,7 +132,7 @@ def figure_12(results, plt):
 
 
 def figure_enhanced(compression, extension, fields, plt):
-    """Draw enhanced strains in the enriched layer, which the paper leaves to future research.
+    """Draw enhanced strains in the enriched layer, which the paper leaves for future research.
 
     fields: (Results, Results) with the errors of fields, or None.
     """

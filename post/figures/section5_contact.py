@@ -6,8 +6,8 @@ They are drawn from curve tables, one for each mesh, element type and coefficien
     <folder>/<mesh>_<elements>_<mu>/*_sole.dat   a folder written by the program
 
 with the columns of `CURVe,sole`: factor_2 (fraction of the half turn), FORCe 3 and TORQue of both
-sides. The reference for the force, IGA2 on a fine mesh, is `reference_IGA2_0.dat`; without it the
-finest IGA2 mesh is used, and the figure says so.
+sides. The reference for the force, IGA2 on a fine mesh, is `reference_IGA2_0.dat`; if it does not
+exist, the finest IGA2 mesh is used, and the figure says so.
 
     python -m post.figures.section5_contact [--results FOLDER] [--to doc/verification/figures]
 """
@@ -61,7 +61,7 @@ class Run:
         return DOFS[self.elements][int(self.mesh) - 1]
 
     def amplitude(self):
-        """Largest torque of both sides: zero without friction."""
+        """Largest torque of both sides, which should be zero without friction."""
         return max(np.abs(t).max() for t in self.torque)
 
     def forces(self):
@@ -130,7 +130,7 @@ class Runs:
         self.reference = next((r for r in runs if r.mesh == "reference" and r.mu == 0), None)
 
     def on(self, mesh, smooth=False):
-        """Runs on a mesh; smooth: without those that have a faceted surface."""
+        """Runs on a mesh; smooth: leave out those with a faceted surface."""
         types = [e for e in DOFS if not (smooth and e == "Q1E9")]
         return [r for e in types for r in self.all if r.elements == e and r.mesh == str(mesh)]
 
@@ -148,8 +148,8 @@ def _line(elements):
 
 
 def torques(ax, runs):
-    """Torque about the axis over the angle: hemisphere solid, block dashed, both in the sense that
-    turns the block.
+    """Torque about the axis over the angle, as solid lines for the hemisphere and dashed lines for
+    the block, both positive in the sense in which the block is turned.
     """
     for run in runs:
         style = _line(run.elements) | {"marker": ""}
@@ -182,7 +182,7 @@ def convergence(ax, runs, value, words):
 
 
 def _degrees_of_freedom(ax):
-    """Few labels at the ticks, because the axis spans less than two decades."""
+    """Put only a few labels at the ticks, because the axis spans less than two decades."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     ax.set_xlabel("degrees of freedom")

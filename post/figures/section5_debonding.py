@@ -2,8 +2,8 @@
 debonding front and the energies.
 
 The curves, one for each mesh and element type, are written by
-`python -m verification.section5_debonding --write`. Figures 13 and 14 are drawn if its option
-`--pictures` has written result files.
+`python -m verification.section5_debonding --write`. Figures 13 and 14 are drawn only if the option
+`--pictures` of that program has written result files.
 
     python -m post.figures.section5_debonding [--results FOLDER] [--fields build/section5_debonding]
         [--to doc/verification/figures]
@@ -34,7 +34,7 @@ OFF = 0.999  # released fraction of the bond from which the strip moves freely, 
 
 
 def bonded(path):
-    """Columns of a curve up to the moment at which the bond is released."""
+    """Columns of a curve up to the step in which the bond is released."""
     columns = read_table(path).columns
     off = columns["contact_glue_1_debonded"] >= OFF
     n = int(off.argmax()) + 1 if off.any() else len(off)
@@ -67,7 +67,7 @@ def forces(results, mesh, group, plt):
 
 
 def line(name):
-    """The line properties of an element type, the same in all figures."""
+    """The line properties of an element type, which are the same in all figures."""
     order = [n for group in GROUPS for n in group if n != "iga2"]
     black = "#000000"
     colours = [c for c in _style.COLOURS if c != black] + ["#8c564b"]  # black is IGA2's
@@ -104,7 +104,7 @@ def strips(fields, to):
 
 
 def energies(results, mesh, name, plt):
-    """Draw the energies over the released fraction, since the lift decreases in a snap-back."""
+    """Draw the energies over the released fraction, because the lift decreases in a snap-back."""
     c = bonded(results / f"{mesh}_{name}.dat")
     figure, ax = plt.subplots(figsize=(0.6 * _style.PAGE, 3.2))
     parts = ("cohesive", "bonds"), ("stored", "strain energy"), ("kinetic", "kinetic energy")

@@ -57,7 +57,7 @@ def body_of(path, closed=True, orient=False, refine=0, smooth=False, split=None,
 
 
 def main(argv):
-    """Run the command; return its exit code: 1 if the body is not fit for a run."""
+    """Run the command; return its exit code, which is 1 if the body is not fit for a run."""
     o = _parser().parse_args(argv)
     output = pathlib.Path(o.output)
     if not output.name.isidentifier():

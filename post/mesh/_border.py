@@ -1,9 +1,9 @@
-"""T-junctions where the enriched part meets the plain one: which edges become straight.
+"""T-junctions where the enriched part meets the plain part: which edges become straight.
 
-A line is the edge of a large element with the corners that hang on it. If a part of it, or a corner
-that hangs on it, belongs to a plain face, the whole line is straight and its corners are plain: each
-has a function of its own or, if it hangs, follows its masters. If only an end of a line is plain,
-the edges of the small elements are computed again from the edge of the large one.
+A line is the edge of a large element together with the corners that hang on it. If a part of it, or
+a corner that hangs on it, belongs to a plain face, the whole line is straight and its corners are
+plain: each has a function of its own or, if it hangs, follows its masters. If only an end of a line
+is plain, the edges of the small elements are computed again from the edge of the large element.
 """
 
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ class Line:
     at: dict = field(default_factory=dict)  # hanging corner: its parameter from 0 to 1
 
     def corners(self):
-        """All corners, with the ends."""
+        """All corners, including the ends."""
         return {*self.ends, *self.at}
 
     def parameter(self, v):
@@ -64,7 +64,7 @@ def in_order(hanging):
 
 
 def by_corner(all_lines):
-    """{corner: [lines that have it]}"""
+    """{corner: [lines that contain it]}"""
     found = {}
     for line in all_lines:
         for v in line.corners():
@@ -79,7 +79,7 @@ def edges(corners):
 
 
 def users(corners, elements):
-    """{corner: those of the elements that have it}"""
+    """{corner: those of the elements that contain it}"""
     found = {}
     for e in elements:
         for v in corners[e].tolist():
@@ -127,7 +127,7 @@ def combination(v, own, hanging):
 
 
 def from_masters(v, own, hanging):
-    """The same for a hanging corner, whether it has a value of its own or not."""
+    """The same for a hanging corner, whether or not it has a value of its own."""
     a, b, tau = hanging[v]
     return combined([(1 - tau, combination(a, own, hanging)), (tau, combination(b, own, hanging))])
 

@@ -17,7 +17,8 @@ FACES = {
 
 
 def draw(body, stem, direction=None, cut=None):
-    """Write STEM_surface.png and STEM_cut.png (four panels as Figure 6 of the paper); return both.
+    """Write STEM_surface.png and STEM_cut.png (four panels, as in Figure 6 of the paper); return
+    both.
 
     direction: from the body to the camera; cut: normal of the cutting plane through the centre, None
     for the shortest side of the bounding box. The part on the side of the normal is omitted.

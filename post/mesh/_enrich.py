@@ -1,9 +1,9 @@
-"""Enrich a part of the surface only: one ring of elements forms the transition to plain faces.
+"""Enrich only a part of the surface: one ring of elements forms the transition to plain faces.
 
 In that ring a corner that also belongs to a plain face gets a function of its own, whose control
 point lies at the corner; the edge between two such corners is made straight. The spline and the
-bilinear faces then have the same points and displacements along their common edges, also with
-hanging corners (_border).
+bilinear faces then have the same points and displacements along their common edges, even where
+there are hanging corners (_border).
 """
 
 import numpy as np
@@ -73,7 +73,9 @@ def _straighten(s, rows, value, plain, straight):
 
 
 def _follow(s, rows, line, around):
-    """Make edges of small elements parts of the large element's edge; around: {corner: elements}."""
+    """Make the edges of small elements parts of the large element's edge; around: {corner:
+    elements}.
+    """
     beside = {e for v in line.corners() for e in around.get(v, ())}
     sides = [(e, *side) for e in sorted(beside) for side in _sides(s, e)]
     e, v, _, points = next(x for x in sides if set(x[1:3]) == set(line.ends))

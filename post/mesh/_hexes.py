@@ -22,8 +22,8 @@ DIRECTIONS = np.array(
 def reuse(net, surface, form):
     """(points, hexes): the inner corners of the layer first, then the inner points, moved along.
 
-    The displacement of the boundary is extended harmonically over the edges, of which short ones are
-    stiffer. Then points of bad cells are moved if that improves the worst cell.
+    The displacement of the boundary is extended harmonically over the edges, the shorter of which
+    are stiffer. Then points of bad cells are moved if that improves the worst cell.
     """
     border = np.unique(net.quads)
     inside = np.setdiff1d(np.unique(net.hexes), border)
@@ -52,7 +52,7 @@ def reuse(net, surface, form):
 
 
 def _positive(points, cells):
-    """The cells, with those turned whose corners are numbered in the opposite sense."""
+    """The cells; those whose corners are numbered in the opposite sense are turned."""
     volume = _quality.hex_volumes(points, cells)
     return np.where((volume < 0)[:, None], cells[:, [4, 5, 6, 7, 0, 1, 2, 3]], cells)
 
@@ -117,7 +117,9 @@ def corner_quality(points, cells):
 
 
 def _improve(points, cells, fixed, target=0.15):
-    """Move inner points of bad cells one after the other if that improves the worst cell around."""
+    """Move the inner points of bad cells one after another if that improves the worst cell around
+    the point.
+    """
     users = {}
     for k, row in enumerate(cells.tolist()):
         for v in row:

@@ -1,6 +1,6 @@
-"""T-junctions below the layer: the pyramids around one share their peak (paper, Figure 7).
+"""T-junctions below the layer: the pyramids around each of them share their peak (paper, Figure 7).
 
-The mesher then sees only triangles between common points. The hanging point stays constrained.
+The mesher then sees only triangles between common points. The hanging point remains constrained.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """The layer of enriched elements: inner corners on normals, at a suitable local distance.
 
-An upper bound follows from the edge lengths, from half the thickness of the body and from where
-normals intersect; a lower one from the inner face, which is flat: under a concave surface it must
-stay below the sag of the surface.
+Upper bounds of this distance follow from the edge lengths, from the thickness of the body, and from
+the points at which normals intersect; a lower bound follows from the inner face, which is flat and
+must stay below the sag of a concave surface.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Layer:
 def build(surface, factor=0.8, thickness_share=0.2, curvature_share=0.6, constant=None):
     """The Layer of a surface.
 
-    factor: relative to the local edge length; thickness_share: to the thickness of the body;
+    factor: bound relative to the local edge length; thickness_share: to the thickness of the body;
     curvature_share: to the smallest radius; constant: use this height [L] everywhere instead.
     """
     x = surface.corner_points()
@@ -86,7 +86,7 @@ def thickness(surface, x, normal):
 
 
 def _bulge(surface, n):
-    """(corners) the largest outward curvature of the elements around [1/L]."""
+    """(corners) the largest outward curvature of the elements around the corner [1/L]."""
     xi, eta = np.meshgrid(SAMPLES, SAMPLES)
     largest = _surface.curvature(surface, xi.ravel(), eta.ravel())[..., 0].max(axis=1)
     result = np.full(n, -np.inf)
@@ -95,7 +95,9 @@ def _bulge(surface, n):
 
 
 def _sag(surface, x, normal):
-    """(corners) largest depth of the elements around below the bilinear face of their corners [L]."""
+    """(corners) largest depth of the elements around the corner below the bilinear face of their
+    corners [L].
+    """
     t = np.linspace(-1, 1, 7)
     xi, eta = (v.ravel() for v in np.meshgrid(t, t))
     y = _surface.evaluate(surface.bezier(), surface.degree, xi, eta, order=0)[0]

@@ -19,7 +19,7 @@ class Net:
 
 
 def checked(net, path, closed=True, orient=False):
-    """The net after all checks; with `orient` its quads are turned so that normals point outward.
+    """The net after all checks; with `orient`, its quads are turned so that normals point outward.
 
     Raises Unreadable with one sentence about the first error.
     """
@@ -193,7 +193,7 @@ def _check_fans(net, twin, fail):
 
 
 def components(quads):
-    """Number of parts that are not connected.
+    """Number of parts that are not connected with each other.
 
     >>> components(np.array([[0, 1, 2, 3], [4, 5, 6, 7]]))
     2
@@ -210,7 +210,9 @@ def components(quads):
 
 
 def refined(net):
-    """One Catmull-Clark step: four quads from each; open boundaries become cubic B-splines."""
+    """One Catmull-Clark step, which makes four quads from each quad; open boundaries become cubic
+    B-splines.
+    """
     quads, x = net.quads, net.points
     twin = twins(quads)
     n, m = len(x), len(quads)

@@ -1,7 +1,7 @@
 """Move peaks of pyramids and points of the mesher to improve the worst cells.
 
 A mesher does not change the triangles of the pyramids, which are poor below long quads. The peaks
-may move like the mesher's own points; the surface and the inner corners of the layer stay.
+may move like the mesher's own points; the surface and the inner corners of the layer do not move.
 """
 
 import numpy as np
@@ -18,10 +18,11 @@ DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1)[:, None]
 
 
 def improve(points, tets, pyramids, fixed):
-    """Move points after the first `fixed` ones, in place, one after the other; return their number.
+    """Move the points after the first `fixed` ones, one after another and in place; return how many
+    were moved.
 
-    A point moves to the best of some positions near it, by the least scaled Jacobian of its
-    tetrahedra and pyramids; the worst value of the body never decreases.
+    A point moves to the best of some positions near it, as judged by the least scaled Jacobian of
+    its tetrahedra and pyramids; the worst value of the body never decreases.
     """
     kinds = (tets, _quality.tet_shapes), (pyramids, _quality.pyramid_shapes)
     around = [_users(cells) for cells, _ in kinds]

@@ -13,7 +13,7 @@ SHRINK = 0.75
 
 @dataclass
 class Pyramids:
-    """The cells, and the closed surface of triangles that the mesher starts from."""
+    """The cells, and the closed surface of triangles from which the mesher starts."""
 
     points: np.ndarray  # (inner corners, then peaks, 3)
     cells: np.ndarray  # (m, 5) base, seen from the peak counter-clockwise, and peak
@@ -55,7 +55,7 @@ def build(faces, points, thickness, splits=None, height_share=0.35, thickness_sh
 
 
 def _raised(x, middle, normal, height, limit, least=0.12):
-    """Heights, which are larger where the corners of a long or skew face would be too flat."""
+    """The heights, which are larger where the corners of a long or skew face would be too flat."""
     for _ in range(6):
         peak = middle + height[:, None] * normal
         cells = np.arange(5 * len(x)).reshape(-1, 5)

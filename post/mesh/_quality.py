@@ -12,7 +12,8 @@ TET_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 
 
 def layer(surface, inner):
-    """{det_gauss, det_corner, scaled_gauss, scaled_corner}: the least of each; empty without layer.
+    """{det_gauss, det_corner, scaled_gauss, scaled_corner}: the least value of each; empty if there
+    is no layer.
 
     If a surface is degenerate at a corner, as at a smooth extraordinary point, det J is zero there
     and is omitted from the values at corners.

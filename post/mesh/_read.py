@@ -15,7 +15,7 @@ FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [
 
 
 def read_net(path):
-    """The net in a file, whose ending gives the format."""
+    """The net in a file; the extension of its name gives the format."""
     readers = {".vtk": read_vtk, ".off": read_off, ".obj": read_obj, ".msh": _read_gmsh.read_gmsh}
     ending = pathlib.Path(path).suffix.lower()
     if ending not in readers:

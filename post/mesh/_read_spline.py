@@ -15,7 +15,7 @@ KINDS = {1: "curves", 3: "a solid"}
 
 
 def is_spline(path):
-    """Whether the ending of a file is that of a spline surface instead of a net.
+    """Whether the extension of a file is that of a spline surface, and not of a net.
 
     >>> is_spline("a.bext.json"), is_spline("a.vtk")
     (True, False)
@@ -42,7 +42,7 @@ def read_spline(path, closed=True):
 
 
 def turned(s):
-    """The surface with its two parameters exchanged, so that its normals change sides."""
+    """The surface with its two parameters exchanged, which reverses its normals."""
     p, q = s.degree
     order = np.arange((p + 1) * (q + 1)).reshape(q + 1, p + 1).T.ravel()
     rows = [c[:, order] for c in s.coefficients]
@@ -96,7 +96,7 @@ def _json(path):
 
 
 def _no_surface(path, dim):
-    """The sentence for splines with another number of parameters than two."""
+    """The message for splines whose number of parameters is not two."""
     kind = KINDS.get(dim, f"splines of {dim} parameters") if isinstance(dim, int) else "no surface"
     return (
         f"'{path}' holds {kind}; a surface is expected, of which the command fills the inside: "
@@ -116,7 +116,7 @@ def _whole(numbers):
 
 
 def _json_counts(path, data):
-    """Check that the file holds as many items as it announces."""
+    """Check that the file contains as many items as it announces."""
     blocks, cells = (data["elements"][key] for key in ("element_block_info", "element_blocks"))
     for what, announced, held in (
         ("control points", data["num_nodes"], data["nodes"]),

@@ -93,7 +93,7 @@ def normal_jumps(s):
 
 
 def text(report):
-    """The report as lines to read."""
+    """The report as readable lines."""
     lines = []
     for key, value in report.items():
         if isinstance(value, dict):
@@ -108,7 +108,7 @@ def _number(v):
 
 
 def bad(report):
-    """Sentences on what makes the body unfit for a run; empty if it is fit."""
+    """Sentences that say why the body is unfit for a run; empty if it is fit."""
     found = []
     if report["layer"] and min(report["layer"]["det_gauss"], report["layer"]["det_corner"]) <= 0:
         found.append("an element of the layer is inverted")

@@ -1,9 +1,9 @@
-"""D-patches: a surface whose normals are continuous also at its extraordinary points.
+"""D-patches: a surface whose normals are continuous at its extraordinary points too.
 
 The elements around such a point are split into four. In the parts that touch it, the four Bezier
 points at the corner coincide, the next ones lie in one plane (the regular part of the discrete
-Fourier transform of their ring), and those on common edges are means, so that neighbours join with
-a common derivative (Reif 1997; first splitting, then smoothing: Toshniwal, Speleers and Hughes
+Fourier transform of their ring), and those on common edges are means, so that neighbours have a
+common derivative there (Reif 1997; splitting before smoothing as in Toshniwal, Speleers and Hughes
 2017). The parametrisation is degenerate at the point itself: det J is zero there and nowhere else.
 """
 
@@ -17,7 +17,8 @@ from post.mesh._patches import tables
 def smooth(surface, everywhere=False):
     """The Surface with D-patches at its extraordinary points.
 
-    everywhere: split all elements, so that no corner hangs, instead of those around such points.
+    everywhere: split all elements instead of only those around such points, so that no corner
+    hangs.
     """
     if surface.degree != (3, 3):
         raise Unreadable("--smooth needs bicubic elements")
@@ -112,7 +113,7 @@ def combined(pairs):
 
 
 def _flatten(rows, fan):
-    """Let the points at the corner coincide, and put the ring around them into one plane."""
+    """Make the points at the corner coincide, and put the ring around them into one plane."""
     n = len(fan)
     sector = 2 * np.pi / n
     beside = (

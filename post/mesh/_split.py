@@ -1,4 +1,4 @@
-"""Split elements into four, and find hanging corners, also in files that do not list corners."""
+"""Split elements into four, and find hanging corners, even in files that do not list corners."""
 
 import numpy as np
 
@@ -53,14 +53,14 @@ def split(surface, chosen):
 
 
 def _places(chosen):
-    """For each old element the numbers of the elements that replace it."""
+    """For each old element, the numbers of the elements that replace it."""
     kept = np.cumsum(~chosen) - 1
     late = np.count_nonzero(~chosen) + 4 * (np.cumsum(chosen) - 1)
     return [np.arange(late[e], late[e] + 4) if chosen[e] else [kept[e]] for e in range(len(chosen))]
 
 
 def _still(hanging, edges):
-    """The corners that do hang on an edge of an element or on a part of such an edge.
+    """Those corners that do hang on an edge of an element or on a part of such an edge.
 
     >>> _still({5: (1, 2, 0.5), 6: (1, 5, 0.5), 7: (3, 4, 0.5)}, {frozenset((1, 2))})
     {5: (1, 2, 0.5), 6: (1, 5, 0.5)}

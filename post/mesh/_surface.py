@@ -8,7 +8,9 @@ import numpy as np
 
 @dataclass
 class Surface:
-    """Functions of the whole surface, and for each element its functions and their coefficients."""
+    """The functions of the whole surface and, for each element, its functions and their
+    coefficients.
+    """
 
     degree: tuple  # (p, q)
     points: np.ndarray  # (n, 3) control points, not weighted

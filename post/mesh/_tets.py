@@ -1,7 +1,7 @@
 """Tetrahedra inside a closed surface of triangles, made by Gmsh or TetGen as separate programs.
 
-Both are optional and have licences of their own (GPL, AGPL). They are started as processes that read
-and write files, and nothing of them is imported here. The points of the surface do not change.
+Both are optional and have licences of their own (GPL, AGPL). They are started as processes that
+read and write files, and no part of them is imported here. The points of the surface do not change.
 """
 
 import importlib.util
@@ -100,7 +100,9 @@ def available(mesher):
 
 
 def _numbered(points, x, tets, mesher):
-    """Points of the surface, then those of the mesher; tetrahedra turned to a positive volume."""
+    """The points of the surface, followed by those of the mesher; tetrahedra with a negative volume
+    are turned.
+    """
     n = len(points)
     scale = np.ptp(points, axis=0).max()
     used = np.zeros(len(x), dtype=bool)
@@ -130,7 +132,7 @@ def _run(command, folder, name):
 
 
 def _program(name):
-    """The command that starts a program beside this Python or on the path, or None."""
+    """The command that starts a program in the folder of this Python or on the path, or None."""
     beside = pathlib.Path(sys.executable).parent / name
     if beside.exists():
         python = beside.read_bytes()[:2] == b"#!"

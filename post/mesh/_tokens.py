@@ -56,7 +56,9 @@ class Tokens:
         return int(self.numbers(1, what, int)[0])
 
     def count(self, what):
-        """The next word as a count: not negative, and not larger than the number of words."""
+        """The next word as a count, which must not be negative or larger than the number of
+        words.
+        """
         n = self.integer(what)
         if not 0 <= n <= len(self.words):
             self.fail(f"{n} is not a valid value of {what}")

@@ -1,4 +1,4 @@
-"""Nets for the tests of `post.mesh`: a block of unit cubes, and files of it."""
+"""Nets for the tests of `post.mesh`: a block of unit cubes, and files that contain it."""
 
 import pathlib
 import tempfile
@@ -31,7 +31,7 @@ def vtk(points, cells, kind=12):
 
 
 class Folder(unittest.TestCase):
-    """A test with a folder of its own."""
+    """A test that has its own folder."""
 
     def setUp(self):
         holder = tempfile.TemporaryDirectory()

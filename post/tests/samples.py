@@ -9,7 +9,7 @@ import numpy as np
 
 
 class Scratch(unittest.TestCase):
-    """A test with a folder of its own, `self.folder`."""
+    """A test that has its own folder, `self.folder`."""
 
     def setUp(self):
         place = tempfile.TemporaryDirectory()

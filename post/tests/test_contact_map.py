@@ -15,7 +15,7 @@ HAS_VTK = importlib.util.find_spec("pyvista") is not None
 
 def two_blocks():
     """A brick [0,1]^3 and above it a triquadratic Bezier cell with a lower face that is curved: the
-    control point in its middle stands 0.5 higher. Contact fields are linear in x.
+    control point in its middle lies 0.5 higher. Contact fields are linear in x.
     """
     import pyvista
 
@@ -56,8 +56,8 @@ SOLIDS = {
 
 
 def solid(name):
-    """One cell whose triangle with corners (0,0), (2,0), (0,1) in the plane z = 0 is in contact. The
-    pressure is 1 at the last of the points there, and 0 at the others.
+    """One cell whose triangle with corners (0,0), (2,0), (0,1) in the plane z = 0 is in contact.
+    The pressure is 1 at the last of its points and 0 at the others.
     """
     import pyvista
 

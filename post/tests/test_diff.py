@@ -14,7 +14,7 @@ from post.tests.samples import Scratch, write_curve, write_report, write_run
 
 class Diff(Scratch):
     def diff(self, *words):
-        """Exit code; what was printed is in self.said."""
+        """Return the exit code; what was printed is in self.said."""
         said = io.StringIO()
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             code = main([str(w) for w in words])
@@ -22,7 +22,7 @@ class Diff(Scratch):
         return code
 
     def curves(self, **of_b):
-        """Two curve files, a.dat and b.dat, the second with changes."""
+        """Write two curve files, a.dat and b.dat, the second one with changes."""
         write_curve(self.folder / "a.dat")
         write_curve(self.folder / "b.dat", **of_b)
         return self.folder / "a.dat", self.folder / "b.dat"

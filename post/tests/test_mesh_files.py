@@ -1,4 +1,4 @@
-"""Files of `post mesh`: what is written, what is read, one sentence for what is wrong."""
+"""Files of `post mesh`: what is written, what is read, and the one sentence for each error."""
 
 import json
 import pathlib

@@ -11,7 +11,9 @@ from post.tests.samples import Scratch
 
 
 def write_run(path, amplitude=0.0, plateau=0.0, force=1.3):
-    """Ten steps down, then 3 degrees a step; torque plateau (1 - exp(-angle/4)) + a sine."""
+    """Ten steps down, then 3 degrees per step; the torque is plateau (1 - exp(-angle/4)) plus a
+    sine.
+    """
     names = "step time factor_1 factor_2 iterations cutbacks converged " + " ".join(
         f"contact_sole_{side}_{q}" for side in (1, 2) for q in ("force_3", "torque")
     )

@@ -1,4 +1,4 @@
-"""Speed for accuracy: how errors are measured, and the tables and figures made from them."""
+"""Accuracy and cost: how errors are measured, and the tables and figures made from them."""
 
 import unittest
 
@@ -16,7 +16,7 @@ HEAD = (
 
 
 class Made:
-    """A curve of given degrees; force of both sides by a function of degrees."""
+    """A curve over the given degrees; the force on both sides is a function of the degrees."""
 
     def __init__(self, degrees, one, two):
         self.degree = np.array(degrees, dtype=float)

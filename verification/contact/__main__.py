@@ -2,10 +2,11 @@
 
     python -m verification.contact [--bezel PROGRAM] [--out DIR] [--write] [NAME ...]
 
-Each NAME is a table of the page (all without one): patch sphere cylinder ironing rings mindlin
-mindlin_sphere turn seal cord drag beams cycle own extremes. `--write` puts the tables into the page, and
-the curves that the figures show into verification/contact/*/curves.csv. Every reference is a closed
-form, a published value or an invariant; `decks.py` writes the decks that differ only in their elements.
+Each NAME is a table of the page (by default all): patch sphere cylinder ironing rings mindlin
+mindlin_sphere turn seal cord drag beams cycle own extremes. `--write` puts the tables into the
+page, and puts the curves that the figures show into verification/contact/*/curves.csv. Every
+reference is a closed form, a published value or an invariant; `decks.py` writes the decks that
+differ only in their elements.
 """
 
 import argparse

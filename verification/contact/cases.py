@@ -29,14 +29,14 @@ def iterations(curve):
 
 
 def failed(run):
-    """What a table says of a run without a result, or '' if it has one."""
+    """What a table says about a run without a result, or '' if there is a result."""
     if run.code == 0:
         return ""
     return f"ends with code {run.code}" if run.code is not None else run.message
 
 
 def patch(runner):
-    """Families of verification/patch/contact_mortar: the largest errors."""
+    """The largest errors of the families of verification/patch/contact_mortar."""
     worst = {}
     for case in make.cases():
         family = case.name.split("-")[0].rstrip("0123456789.")
@@ -291,7 +291,7 @@ def mindlin_sphere(runner):
 
 
 def turn(runner):
-    """A sheared pair turned by 90 degrees, and only held."""
+    """A sheared pair that is turned by 90 degrees, and one that is only held."""
     rows = []
     for name, settings in (
         ("turned by 90 degrees", {}),
@@ -406,7 +406,7 @@ def beams(runner):
 
 
 def cycle(runner):
-    """A frictionless cycle: work that does not come back."""
+    """A frictionless cycle: the work that is not recovered."""
     rows = []
     for steps in (6, 12, 24):
         run = runner("cycle/cycle", steps=steps)
@@ -423,10 +423,14 @@ def cycle(runner):
 
 
 def own(runner):
-    """Surfaces in contact with themselves and a face in two contacts: what must be equal."""
+    """Surfaces in contact with themselves, and a face in two contacts: values that must be
+    equal.
+    """
 
     def differ(c, a, b, angle=0.0, rows=slice(None)):
-        """Forces of copy b, turned back, less those of copy a, over the largest force."""
+        """The forces on copy b, turned back, minus those on copy a, divided by the largest
+        force.
+        """
         x, z = np.cos(np.radians(angle)), np.sin(np.radians(angle))
         one, two = c["force_1" + b][rows], c["force_3" + b][rows]
         off = np.hypot(

@@ -2,12 +2,12 @@
 
     python -m verification.contact.decks
 
-sphere, cylinder: each folder gets one deck for each element type and mesh. Mesh n has n elements of equal width over
-1.3 contact radii of the curved body, and 2 n that grow to its edge, 500 radii away. The block's elements
-are wider by a tenth, so the meshes match nowhere.
+sphere, cylinder: each folder gets one deck for each element type and mesh. On the curved body, mesh
+n has n elements of equal width over 1.3 contact radii, and 2 n elements that grow towards its edge,
+500 radii away. The elements of the block are wider by a tenth, so the meshes match nowhere.
 mindlin: the same for the cylinder between its two edges.
-rings: two rings under an outer pressure, and one that is too wide by 1e-5 in the other.
-drag: the forces and the work of a spring and a slider, reference.csv.
+rings: two rings under an outer pressure, and two rings of which the inner one is too wide by 1e-5.
+drag: reference.csv, the forces and the work of a spring and a slider.
 """
 
 import numpy as np
@@ -31,7 +31,9 @@ FAR = 500.0  # half width of the bodies over the contact radius
 
 
 def knots(fine, count, outer):
-    """Interior knots: `count` equal elements up to `fine`, then `outer` growing ones up to 1."""
+    """Interior knots: `count` equal elements up to `fine`, then `outer` elements of growing width
+    up to 1.
+    """
     inside = [fine * (i + 1) / count for i in range(count)]
     return inside + [fine ** (1 - (i + 1) / outer) for i in range(outer - 1)]
 
@@ -69,7 +71,9 @@ def deck(shape, kind, mesh):
 
 
 def rings(kind, fit):
-    """Two rings; `fit`: the inner one is too wide, else the outer one is pressed from outside."""
+    """Two rings; with `fit` the inner one is too wide, otherwise the outer one is under an outer
+    pressure.
+    """
     label, lines = TYPES[kind]
     what = "a press fit" if fit else "an outer pressure"
     text = [
@@ -99,7 +103,9 @@ def full_knots(fine, count, outer):
 
 
 def mindlin(kind, mesh):
-    """A cylinder pressed on a block and pulled sideways; both edges of the contact."""
+    """A cylinder that is pressed onto a block and pulled sideways; the mesh resolves both edges of
+    the contact.
+    """
     depth = knots(0.5 / FAR, mesh // 2, 3 * mesh // 2)
     text = [
         f"FEAP ** Cattaneo and Mindlin: a cylinder pressed and pulled, {TYPES[kind][0]}, mesh {mesh}",
@@ -119,8 +125,8 @@ def mindlin(kind, mesh):
 def spring_and_slider(mu=0.3, steps=112):
     """Rows (time, force on the block's top, energy of friction) of the dragged block, n = 3.
 
-    The contact is a spring eps A with a slider of mu N in series with the block's shear stiffness. Its
-    energy is the work of the slider and what the spring stores.
+    The contact is a spring eps A with a slider of mu N in series with the block's shear stiffness.
+    The energy consists of the work of the slider and of the energy stored in the spring.
     """
     limit, eps, block = mu * 0.1, 300.0, 0.4 / 0.5
     k = 1 / (1 / eps + 1 / block)

@@ -17,7 +17,9 @@ TIME_LIMIT = 600
 
 @dataclasses.dataclass
 class Result:
-    """What a run has left. code: exit code, None if it took too long; seconds: of the processor."""
+    """The results of a run. code: exit code, None if the run took too long; seconds: processor
+    time.
+    """
 
     place: pathlib.Path
     stem: str
@@ -56,7 +58,7 @@ class Result:
 
 
 class Runner:
-    """Runs decks one after the other, each in a folder of its own below `out`."""
+    """Runs decks one after another, each in a folder of its own below `out`."""
 
     def __init__(self, bezel, out):
         self.bezel, self.out = pathlib.Path(bezel).resolve(), pathlib.Path(out).resolve()

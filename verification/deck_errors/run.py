@@ -2,9 +2,10 @@
 
     python -m verification.deck_errors.run --bezel BEZEL [--update NAME ...]
 
-Every <name>.inp beside this file is run as `bezel -o FOLDER <name>.inp`. It must end with code 1, print
-<name>.expected on stderr and write no file. A <name>.args holds further arguments. Decks that cannot be
-files of a repository (a folder, a pipe, a file without permission to read) are made here.
+Every <name>.inp beside this file is run as `bezel -o FOLDER <name>.inp`. It must end with code 1,
+print <name>.expected on stderr and write no file. A file <name>.args contains further arguments.
+Decks that cannot be files of a repository (a folder, a pipe, a file without permission to read) are
+made here.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ MADE = {
 
 
 def run(bezel: Path, deck: str, arguments: list[str], folder: Path) -> str:
-    """What the deck printed, or the error if it did not fail as expected; `folder` must stay absent."""
+    """What the deck printed, or a complaint if it did not fail as expected; `folder` must not be
+    created.
+    """
     result = subprocess.run(
         [str(bezel), "-o", str(folder), *arguments, deck],
         cwd=HERE, capture_output=True, timeout=SECONDS, check=False)  # fmt: skip

@@ -1,11 +1,12 @@
-"""Write the patch test of an element: a distorted body, and the exact answer.
+"""Write the patch test of an element: a distorted body, and the exact solution.
 
 usage: generate.py ELEMENT
 
-ELEMENT is the name of a row in a file src/elements/elmt_*.f90. An element of ELEMents (its row has `deck_nodes`) gets
-a box of 2 x 2 x 2 cells, filled with elements, whose inner nodes are moved at random; all nodes of the boundary are
-given a linear displacement. Another one gets a PATCh with `TYPE ELEMENT` on the brick of ../distorted. The decks and
-expect.toml go to verification/patch/<element>/; verify.py runs them by `verify.py --case <element>`.
+ELEMENT is the name of a row in a file src/elements/elmt_*.f90. An element of ELEMents (its row has
+`deck_nodes`) gets a box of 2 x 2 x 2 cells, filled with elements, whose inner nodes are moved at
+random; all nodes of the boundary are given a linear displacement. Any other element gets a PATCh
+with `TYPE ELEMENT` on the brick of ../distorted. The decks and expect.toml go to
+verification/patch/<element>/; verify.py runs them by `verify.py --case <element>`.
 """
 
 import argparse

@@ -4,7 +4,7 @@
 
 All programs solve the cube of cube.inp with one thread. Every run is made between two runs of bezel
 with full Newton iteration (A B A), and only ratios within such a triple are compared with the targets,
-so that other work of the machine matters little. The results are medians over the rounds. They are
+so that other work on the machine hardly matters. The results are medians over the rounds. They are
 written to build/bench/bench.json and bench.md and compared with record.json; `--record` makes this run
 the record. A slow run is not an error: the exit code is 0 if bezel runs and its force agrees with
 that of FElupe.
@@ -132,7 +132,7 @@ def time_cube(bezel, folder, n, rounds, missing):
 
 
 def run_one(bezel, folder, name, n):
-    """Make one run other than full Newton."""
+    """Make one run other than that with full Newton iteration."""
     if name in OURS:
         element, factor = OURS[name]
         return runs.run_bezel(bezel, folder, name.replace(", ", "_"), n, element, factor)
@@ -157,7 +157,7 @@ def note(samples, name, found):
 
 
 def summary(samples):
-    """Medians, and the values that do not vary."""
+    """Medians, and the values that do not vary between rounds."""
     row = dict(samples[-1])
     for key in ("wall", "cpu", "share", "memory"):
         if key in row:

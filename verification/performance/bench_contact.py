@@ -1,9 +1,10 @@
 """Contact in `make bench`: the hemisphere of section 5 twisted on its block, also with CalculiX.
 
-Two half passes, as in the paper, are the reference of the ratios; the default scheme is run beside
-them. It runs mesh 2 without and with friction and one thread. Every run of another program or element is
-made between two runs of bezel with Q1E9+Q1N2 (A B A), and ratios are taken within such a triple. Then
-the fraction of contact in an iteration of bezel is measured on mesh 3.
+Runs with two half passes, as in the paper, are the reference of the ratios; the default scheme is
+run as well. It runs mesh 2 without and with friction, on one thread. Every run of another program
+or element is made between two runs of bezel with Q1E9+Q1N2 (A B A), and ratios are taken within
+such a triple. Then the fraction of the time of an iteration that contact takes in bezel is measured
+on mesh 3.
 """
 
 import json
@@ -86,7 +87,9 @@ def per_degree(row):
 
 
 def deck_of(stem, folder):
-    """The deck of a run; that of the default scheme is the reference without its SCHEme."""
+    """The deck of a run; for the default scheme, it is the deck of the reference without its record
+    SCHEme.
+    """
     if stem != DEFAULT:
         return DECKS / f"{stem}.inp"
     place = folder / "default_deck"
@@ -187,7 +190,7 @@ def table(contact):
 
 
 def beside(rows):
-    """Torques of CalculiX over those of Q1E9+Q1N2."""
+    """Torques of CalculiX divided by those of Q1E9+Q1N2."""
     mu = f", {FRICTION[-1]:g}"
     ours = rows[OURS + mu]
     lines = []

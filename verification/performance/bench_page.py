@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write doc/verification/performance.md from record.json; `bench --record` does it too."""
+"""Write doc/verification/performance.md from record.json; `bench --record` does so too."""
 
 import json
 import pathlib
@@ -56,7 +56,9 @@ WHY = {  # the beginning of a target's text: the reason for missing it
 
 
 def summary(result):
-    """The headline of the page: CPU time per iteration of the others over that of bezel."""
+    """The headline of the page: the CPU time per iteration of the other programs divided by that of
+    bezel.
+    """
     rows, contact = result["runs"], result.get("contact", {}).get("runs", {})
     found = [
         f"{rows[name]['iteration_cpu']:.2f} times ({title})"

@@ -2,10 +2,10 @@
 
     .venv/bin/python -m verification.performance.bench_ranks [--n 24] [--rounds 2] [--deck DECK ...]
 
-The runs of a round follow each other, and only their ratios are printed, as medians over the rounds, so
-that other work of the machine matters little. Without DECK it solves two steps of the cube of cube.inp,
-with kept factors and with a factorisation in every iteration. The parts of the logs follow: they show
-what the second rank does not make faster.
+The runs of a round follow each other, and only their ratios are printed, as medians over the
+rounds, so that other work on the machine hardly matters. Without DECK it solves two steps of the
+cube of cube.inp, with kept factors and with a factorisation in every iteration. The times of the
+parts of the runs, from the logs, follow: they show what the second rank does not make faster.
 """
 
 import argparse

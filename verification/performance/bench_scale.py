@@ -77,7 +77,7 @@ mesh, state, pattern and analysis but no factors, takes {state_kb:.1f} KB per eq
 
 
 def measure(bezel, folder, name, n, factor, limit=None):
-    """One step of the cube, or what was measured before with the same program."""
+    """The results of one step of the cube, or those measured earlier with the same program."""
     kept = folder / f"{name}.scale.json"
     stamp = pathlib.Path(bezel).stat().st_mtime
     if kept.exists():
@@ -97,7 +97,7 @@ def measure(bezel, folder, name, n, factor, limit=None):
 
 
 def machine():
-    """The machine in a line."""
+    """A line that describes the machine."""
     m = runs.machine("")
     return (
         f"Machine: {m['cpu']}, {m['cores']} cores, {m['memory_gib']} GiB; one thread; gfortran {m['gfortran']}, "
@@ -121,7 +121,7 @@ def table(rows):
 
 
 def ways_table(rows):
-    """A row for each way to store factors."""
+    """A row for each way of storing factors."""
     lines = [
         "| FACTor | limit MB | factors | CPU s | wall s | peak GiB | force against the first |",
         "|---|--:|---|--:|--:|--:|--:|",
@@ -136,7 +136,9 @@ def ways_table(rows):
 
 
 def extrapolate(rows):
-    """The force at the largest n from the two sizes before it, whose error falls with n squared."""
+    """The force at the largest n, extrapolated from the two smaller sizes, because the error falls
+    with n squared.
+    """
     a, b, c = rows[-3:]
     slope = (a["force"] - b["force"]) / (a["n"] ** -2 - b["n"] ** -2)
     return b["force"] + slope * (c["n"] ** -2 - b["n"] ** -2)
@@ -166,7 +168,9 @@ def on_paper(row, check, dgemm):
 
 
 def memory_of_check(bezel, folder, n):
-    """What --check estimates for factors in single precision, and its own peak [MB]."""
+    """The memory that --check estimates for factors in single precision, and the peak memory of
+    --check itself [MB].
+    """
     command = [bezel, "--check", "--set", f"n={n}", str(HERE / "cube.inp")]
     _, _, peak, _, output, _ = runs.measure(command, folder)
     found = re.search(r"about (\S+) MB in single precision\n", output)
@@ -174,7 +178,9 @@ def memory_of_check(bezel, folder, n):
 
 
 def draw(rows, path):
-    """CPU time and memory over the number of equations, beside the powers of nested dissection."""
+    """CPU time and memory over the number of equations, compared with the powers of nested
+    dissection.
+    """
     with _style.styled() as plt:
         figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 2.9))
         neq = np.array([r["equations"] for r in rows])

@@ -1,10 +1,11 @@
 """The hemisphere that is pressed on a block and twisted, section 5 of Corbett and Sauer 2015, with
 CalculiX: write the input and read the results.
 
-The nodes are those of bezel's Q1 mesh. Elements are C3D8 with eight points, and contact is surface to
-surface with the hemisphere as slave, linear pressure and the stick slope eps. Increments are 1/20 of
-the downward motion and 3 degrees. The rim turns by amplitudes, two per node. The neo-Hooke law is that
-of calculix_cube.py, with (J - 1)^2 instead of the (ln J)^2 of bezel.
+The nodes are those of bezel's Q1 mesh. Elements are C3D8 with eight points, and contact is of the
+type surface to surface, with the hemisphere as the slave, linear pressure and the stick slope eps.
+Increments are 1/20 of the downward motion and 3 degrees. The rim is turned by means of amplitudes,
+two per node. The neo-Hooke law is that of calculix_cube.py, with (J - 1)^2 instead of the (ln J)^2
+of bezel.
 """
 
 import math
@@ -97,7 +98,9 @@ def contact(eps, mu, swapped):
 
 
 def write_input(path, mesh, mu, swapped=False):
-    """Write the mesh {n, m, k, eps}, a step down and a step that turns; swapped: the block is slave."""
+    """Write the mesh {n, m, k, eps}, a step that moves down and a step that turns; swapped: the
+    block is the slave.
+    """
     n, m, k = (mesh[name] for name in "nmk")
     hemi, block = meshes(n, m, k)
     text = []

@@ -1,8 +1,8 @@
 """Solve the cube of cube.inp with FElupe and print JSON: `felupe_cube.py n SOLVER`.
 
 SOLVER is pardiso, which the documentation of FElupe recommends; symmetric, which is Pardiso for a
-symmetric matrix given by its upper triangle; or superlu, the default of FElupe (scipy). The seconds are
-those of the Newton iterations, without imports and mesh.
+symmetric matrix given by its upper triangle; or superlu, the default of FElupe (scipy). The seconds
+are those of the Newton iterations, without the imports and the making of the mesh.
 """
 
 import json

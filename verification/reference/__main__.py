@@ -1,13 +1,13 @@
-"""Print the numbers of this implementation, also beside those of the program.
+"""Print the numbers of this implementation, and on request those of the program.
 
     .venv/bin/python -m verification.reference section4 [--n 1 2 4]
     .venv/bin/python -m verification.reference hemisphere [--mu 0 0.5] [--degrees 180] [--mesh 1]
     .venv/bin/python -m verification.reference strip [--lift 1]
     .venv/bin/python -m verification.reference all --compare build/release/bezel
 
-With --compare the program runs the decks of verification/benchmark, its numbers stand below, and the
-differences are relative to the largest value of the column in that run. The exit code is 1 if one
-exceeds BOUND. --elements NAME ... selects elements.
+With --compare the program runs the decks of verification/benchmark, its numbers are printed below,
+and the differences are relative to the largest value of the column in that run. The exit code is 1
+if a difference exceeds BOUND. --elements NAME ... selects elements.
 """
 
 import argparse

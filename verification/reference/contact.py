@@ -1,8 +1,8 @@
 """Contact in two half passes: penalty (26), Coulomb friction (27)-(29), debonding (30)-(31).
 
-Each side is integrated on its own: a point of side k feels the traction from its foot on side l and
-loads side k only. The derivatives of the traction are taken by complex steps of the vectors that it
-depends on; the foot follows by one Newton step, which has the exact first derivative.
+Each side is integrated separately: the traction at a point of side k comes from its foot on side l
+and loads side k only. The derivatives of the traction are taken by complex steps of the vectors
+that it depends on; the foot is obtained by one Newton step, which gives the exact first derivative.
 """
 
 import numpy as np
@@ -114,8 +114,8 @@ class HalfPass:
     def _behind(self, moves):
         """Sliding points at which the reversible slip D is mu p / eps_t along the old D.
 
-        One step in the tangent plane at the foot, as Sauer and De Lorenzis have it; with `exact` it
-        is repeated until D has that value.
+        This takes one step in the tangent plane at the foot, as in Sauer and De Lorenzis; with
+        `exact`, the step is repeated until D has that value.
         """
         x, n, xi = self.place[moves], self.normal[moves], self.foot[self.active[moves]]
         way = self.mu / self.penalty * self.ahead[moves]
@@ -131,7 +131,7 @@ class HalfPass:
     def largest(self, direction):
         """The largest component of the smoothed tangential traction (Sauer 2013), Table 5.
 
-        T_A = int R_A t da / int R_A da at the control points, looked for at 10 x 10 points an element.
+        T_A = int R_A t da / int R_A da at the control points, sought at 10 x 10 points per element.
         """
         own = self.own
         tangents = np.einsum("pva,pai->vpi", own.functions[:, 1:3], self.x[own.nodes])

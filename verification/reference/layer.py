@@ -19,7 +19,7 @@ def layered_patch(counts, enriched, base="Q1", layer="Q1N2", prism_points=None):
     """Elements Q1, Q1E9 or Q2 whose layers at the faces `enriched` are Q1Np.t, Q2Np.t or Q1E9Np.t.
 
     Where two enriched faces meet, each element of the edge column becomes two prisms (section 4.1):
-    the inner face of the enriched hexahedron collapses onto the line that both layers leave inside.
+    the inner face of the enriched hexahedron collapses onto the inner line where both layers meet.
     prism_points: integration points of the prisms along zeta, if not those of the other elements.
     """
     b = int(base[1])  # degree of the Lagrange functions
@@ -64,7 +64,9 @@ def _at(d, index):
 
 
 def _layer(grid, b, face, d, side, enriched, enhanced, prism_points):
-    """The elements at one enriched face: zeta = -1 there, +1 inside; prisms in a block of their own."""
+    """The elements at one enriched face, with zeta = -1 on the face and +1 inside; prisms form a
+    separate block.
+    """
     spaces = face.spaces
     p = spaces[0].p
     x, w = rule(spaces, (p + 1, p + 1))

@@ -21,7 +21,7 @@ class Block:
     modes: tuple | None = None
 
     def some(self, chosen):
-        """The block of some of its elements."""
+        """The block that consists of some of its elements."""
         modes = self.modes and (self.modes[0], self.modes[1][chosen])
         return Block(self.nodes[chosen], self.derivatives[chosen], self.weights[chosen], modes)
 
@@ -111,7 +111,9 @@ def tensor_patch(spaces, points):
 
 
 def q1_modes(spaces):
-    """What the nine enhanced modes need: xi at the points (Q, 3), derivatives at the centre."""
+    """The data for the nine enhanced modes: xi at the points (Q, 3), and derivatives at the
+    centre.
+    """
     line = np.polynomial.legendre.leggauss(2)[0]
     xi = np.stack(np.meshgrid(line, line, line, indexing="ij"), axis=-1).reshape(-1, 3)
     x, _ = rule(spaces, (1, 1, 1))

@@ -1,8 +1,8 @@
 """B-splines of one direction (sections 2.2 and 2.5 of the paper), by the recursion of Cox and de Boor.
 
 The paper writes the same functions as Bernstein polynomials times extraction operators, eq. (8).
-Lagrange elements are splines too: degree 1, or degree 2 with every interior knot twice, span the
-spaces of Q1 and Q2. All weights are one, so that R = N in eq. (12).
+Lagrange elements are splines too: degree 1, and degree 2 with every interior knot repeated, span
+the spaces of Q1 and Q2. All weights are one, so that R = N in eq. (12).
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Space:
 
     @property
     def greville(self):
-        """Means of p successive knots: control points that make the identity map."""
+        """Means of p successive knots, which are the control points of the identity map."""
         return np.array([self.knots[i + 1 : i + self.p + 1].mean() for i in range(self.size)])
 
     def basis(self, x):

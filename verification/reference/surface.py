@@ -31,8 +31,8 @@ class Surface:
     def project(self, X, points, steps=60):
         """Parameters of the closest points, (x - x_p) . a_alpha = 0, and whether the foot is inside.
 
-        From the nearest of the sampled points Newton's method walks within the patch. At the border
-        a foot is inside only if it is orthogonal there too.
+        Newton's method starts from the nearest of the sampled points and stays within the patch. On
+        the border, a foot is inside only if the orthogonality holds there too.
         """
         nodes, functions = self.sampled
         sampled = np.einsum("pa,pai->pi", functions[:, 0], X[nodes])

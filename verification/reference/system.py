@@ -50,8 +50,8 @@ class System:
     def solve(self, damped=False, tolerance=1e-11):
         """Newton's iteration; the first solution moves the prescribed nodes with the tangent.
 
-        damped: half of each further move, until the residual is small; it ends most cycles between
-        states of contact.
+        damped: take half of each further increment until the residual is small, which ends most
+        cycles between states of contact.
         """
         u, free = self.u.copy(), ~self.fixed.ravel()
         step = np.where(self.fixed, self.value - u, 0.0).ravel()
@@ -85,9 +85,9 @@ def scatter(f, K, rows, fe, columns, Ke):
 
 
 def advance(system, move, steps, accept=lambda: None):
-    """Steps from 0 to 1: move(t) prescribes, accept() runs after each; yields the ends of the steps.
-
-    A step that Newton's iteration does not solve, not even damped, is halved.
+    """Take steps from 0 to 1: move(t) prescribes displacements, and accept() is called after each
+    step; yields the ends of the steps. A step that even the damped Newton iteration does not solve
+    is halved.
     """
     for step in range(steps):
         t, ends = step / steps, [(step + 1) / steps]

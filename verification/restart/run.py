@@ -4,8 +4,8 @@
 
 1. SIGTERM during the run gives exit code 4; after --restart, curves and fields are equal.
 2. --time-limit does the same, with as many restarts as needed.
-3. After kill -9 at random moments every row and field written before is readable, the last checkpoint
-   can be restarted, and the restarted run ends like the uninterrupted one.
+3. After kill -9 at random moments, every row and field written before the kill is readable,
+   the last checkpoint can be restarted, and the restarted run ends like the uninterrupted one.
 4. A restart from a checkpoint that is older than the results, stopped before it makes a step, truncates
    the results to the checkpoint; continuing it ends like the uninterrupted run.
 5. Files that cannot grow beyond a size, as on a full disk, give exit code 3.
@@ -44,8 +44,9 @@ DECKS = [
 
 
 def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM, room=None):
-    """Run a deck; with `wait`, send a signal after so many seconds; `room` limits the bytes of a file.
-    Return the exit code."""
+    """Run a deck; with `wait`, send a signal after that many seconds; `room` limits the bytes of a
+    file. Return the exit code.
+    """
     limit = room and (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)))
     process = subprocess.Popen(
         [bezel, "--quiet", "-o", str(out), *options, str(HERE / deck)],
@@ -110,7 +111,7 @@ def whole(folder, stem):
 
 
 def stop_behind(bezel, deck, folder):
-    """Restart a finished run from its second last checkpoint and stop it immediately."""
+    """Restart a finished run from its second-to-last checkpoint and stop it immediately."""
     stem = pathlib.Path(deck).stem
     checkpoint = folder / f"{stem}.restart.h5"
     with h5py.File(checkpoint, "r+") as file:

@@ -6,14 +6,14 @@
     .venv/bin/python -m verification.section3 hertz [--largest N]
     .venv/bin/python -m verification.section3 check
 
-`mesh` meshes the bodies of VARIANTS below the net of input/rocker_arm.py, or another net, and writes
-verification/section3/mesh_NAME.csv. `bend` meshes the hexahedra of a rocker arm's file, or of a curved
-bar, solves its bending with tetrahedra and with those hexahedra, and writes
-verification/section3/bend.csv. `slide` runs the deck of `make demo-rocker` with the spline on the arm
-and with plain faces of the same net, and writes verification/section3/slide.csv and a figure; it reuses
-runs in the work folder. `hertz` presses spheres of input/sphere_net.py between planes and writes
-verification/section3/hertz.csv. `check`, a part of `make verify-all`, repeats the quick ones of these
-and tries broken files.
+`mesh` meshes the bodies of VARIANTS below the net of input/rocker_arm.py, or another net, and
+writes verification/section3/mesh_NAME.csv. `bend` meshes the hexahedra of a rocker arm's file, or
+of a curved bar, solves its bending with tetrahedra and with those hexahedra, and writes
+verification/section3/bend.csv. `slide` runs the deck of `make demo-rocker` with the spline on the
+arm and with plain faces of the same net, and writes verification/section3/slide.csv and a figure;
+it reuses runs in the work folder. `hertz` presses spheres of input/sphere_net.py between planes and
+writes verification/section3/hertz.csv. `check`, a part of `make verify-all`, repeats the quick ones
+of these runs and tries broken files.
 """
 
 import argparse

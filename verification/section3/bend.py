@@ -1,7 +1,8 @@
 """Bending of bodies from a file of hexahedra: `python -m verification.section3 bend`.
 
-The same surface and layer are placed on tetrahedra and on the hexahedra of the file, and the forces at
-the tip are compared, for a rocker arm made by others and for a curved bar, which `check` also runs.
+The same surface and layer are placed on tetrahedra and on the hexahedra of the file, and the forces
+at the tip are compared, for a rocker arm whose mesh was made elsewhere and for a curved bar, which
+`check` also runs.
 """
 
 import subprocess
@@ -63,7 +64,7 @@ def row(name, net, groups, interior, bezel, work):
 
 
 def solved(bezel, place):
-    """Columns of the curve of a body whose foot is fixed and whose tip is moved."""
+    """The columns of the curve for a body whose foot is fixed and whose tip is moved."""
     deck = place.with_suffix(".inp")
     lines = [line for line in deck.read_text().splitlines() if not line.startswith("! FIX")]
     supports = BENDING.format(name=place.name)

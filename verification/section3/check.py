@@ -1,9 +1,9 @@
 """The checks of section 3 in `make verify-all`: `python -m verification.section3 check`.
 
-Broken files must give one sentence and no output. Bodies below the net of the arm must agree with the
-committed table, the contact of the coarse sphere with its ratios to Hertz' solution, and the forces on
-the same body with tetrahedra and with hexahedra with each other. Checks that need Gmsh or TetGen are
-reported as skipped if these are not installed.
+For broken files, the command must print one sentence and write nothing. Bodies below the net of the
+arm must agree with the committed table, and the contact of the coarse sphere with its committed
+ratios to Hertz' solution; the forces on the same body with tetrahedra and with hexahedra must agree
+with each other. Checks that need Gmsh or TetGen are reported as skipped if these are not installed.
 """
 
 import csv
@@ -105,7 +105,9 @@ def check_broken(work):
 
 
 def check_bodies(net, variants, table):
-    """Compare bodies of the arm with the committed table: counts without the mesher's, sums, shapes."""
+    """Compare bodies of the arm with the committed table: counts (except those that depend on the
+    mesher), sums, shapes.
+    """
     rows = {row["variant"]: row for row in csv.DictReader(table.open())}
     for name, options in variants.items():
         if name not in rows:

@@ -52,7 +52,9 @@ def make(folder, n):
 
 
 def case(bezel, folder, n, a):
-    """A row: force relative to Hertz' force, pressure and radius relative to those of the force."""
+    """A row: the force relative to Hertz' force, and the pressure and radius relative to those that
+    Hertz gives for this force.
+    """
     name = f"hertz_{a:g}".replace(".", "_")
     command = [bezel, "--quiet", "-o", folder, "--name", name, "--set", f"a={a}"]
     subprocess.run([*command, folder / "hertz.inp"], check=True)
@@ -77,7 +79,7 @@ def case(bezel, folder, n, a):
 
 
 def radius_of(force):
-    """Contact radius of a force by Hertz; R = E = 1.
+    """Hertz' contact radius for a force, with R = E = 1.
 
     >>> round(float(radius_of(0.00146520146)), 6)
     0.1
@@ -93,7 +95,7 @@ def approach_of(force):
 
 
 def force_of(approach):
-    """Force of an approach, the inverse of approach_of.
+    """The force that causes an approach: the inverse of approach_of.
 
     >>> abs(approach_of(force_of(0.01)) - 0.01) < 1e-12
     True

@@ -1,10 +1,10 @@
-"""Make trials for some minutes, or a number of them, and print what failed.
+"""Make trials for some minutes, or a given number of trials, and print what failed.
 
     python -m verification.soak [--minutes 60] [--seed 1] [--only KIND] [--trial KIND.NUMBER] [--write]
     python -m verification.soak --mutants 500 --bezel build/sanitize/bezel
 
-A failure is made small and kept in build/soak/failures/. `--trial deck.17 --seed 1` repeats a trial.
---write puts the counts into results.csv and doc/verification/reliability.md.
+A failing input is minimised and kept in build/soak/failures/. `--trial deck.17 --seed 1` repeats a
+trial. --write puts the counts into results.csv and doc/verification/reliability.md.
 """
 
 import argparse

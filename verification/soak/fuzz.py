@@ -57,13 +57,13 @@ def drop_word(lines, chance):
 
 
 def strange_word(lines, chance):
-    """A long name, a name that is no ASCII, a path or junk."""
+    """A long name, a name that is not ASCII, a path or junk."""
     places = words_of(lines)
     return put(lines, chance.choice(places), chance.choice((*NAMES, *JUNK))) if places else lines
 
 
 def other_word(lines, chance):
-    """Another word of the same file, so that the grammar is nearly right."""
+    """Insert another word of the same file, so that the grammar is nearly right."""
     places = words_of(lines)
     return put(lines, chance.choice(places), chance.choice(places)[1][0]) if places else lines
 
@@ -81,7 +81,7 @@ def move_block(lines, chance):
 
 
 def line_ends(lines, chance):
-    """Another way to end or to separate: CR LF, CR, tabs, blanks at the end, a mark of the byte order."""
+    """Change the line ends or separators: CR LF, CR, tabs, blanks at the end, a byte order mark."""
     what = chance.randrange(5)
     if what == 0:
         return [line + "\r" for line in lines]
@@ -97,7 +97,7 @@ def line_ends(lines, chance):
 
 
 def include(lines, chance):
-    """Read itself, a folder, a missing file, or a device once more."""
+    """Make the deck read itself, a folder, a missing file, or a device."""
     what = chance.choice((SELF, SELF, ".", "missing.inc", "/dev/zero", "/dev/null", "", "a" * 5000))
     lines.insert(chance.randrange(len(lines) + 1), f"INCLude {what}")
     return lines
@@ -146,8 +146,9 @@ def mutate_bytes(data, chance):
 
 
 def mutate_text(data, chance, name="", includes=True):
-    """One mutation of a file of that name, given and returned as bytes: by grammar, by junk, or of
-    bytes; includes: the file may have records of a deck."""
+    """One mutation of a file with that name, given and returned as bytes: by grammar, by junk, or
+    of single bytes; includes: the file may contain records of a deck.
+    """
     kind = chance.random()
     if kind < 0.15:
         return mutate_bytes(data, chance)
@@ -164,7 +165,7 @@ def mutate_text(data, chance, name="", includes=True):
 
 
 def mutate_checkpoint(path, chance):
-    """Damage a checkpoint in place; say how."""
+    """Damage a checkpoint in place; return how."""
     if chance.random() < 0.4:
         data = bytearray(path.read_bytes())
         what = chance.randrange(4)

@@ -88,7 +88,9 @@ def call(bezel, home, out, *arguments, seconds=20, limits=(), send=None, stop=No
 
 
 def heeds(process, number):
-    """Does a process catch or block a signal now? It does not while the system loads it."""
+    """Does a process catch or block a signal now? While the system is still loading the process, it
+    does not.
+    """
     try:
         text = pathlib.Path(f"/proc/{process}/status").read_text()
     except OSError:
@@ -116,7 +118,8 @@ def inputs_of(home):
 
 
 def judge(done, out, codes=(0, 1, 2, 3), before=None, place=True):
-    """What is wrong with a call, in one line that begins with a word for its kind; empty if nothing.
+    """What is wrong with a call, in one line that begins with a word for the kind of failure; empty
+    if nothing is wrong.
 
     before: inputs_of before the call; place: an error of the deck must name a line."""
     if done.code is None or -done.code in (signal.SIGXCPU, signal.SIGKILL):
@@ -153,7 +156,7 @@ def judge(done, out, codes=(0, 1, 2, 3), before=None, place=True):
 
 
 def judge_files(done, out):
-    """What is wrong with the files of a run that has begun; empty if nothing."""
+    """What is wrong with the files of a run that has begun; empty if nothing is wrong."""
     for file in done.files:
         if file.suffix in PARTIAL:
             return f"left: a file *{file.suffix}"

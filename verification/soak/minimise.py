@@ -4,7 +4,7 @@ import time
 
 
 def ddmin(parts, fails, until):
-    """A list from which no chunk can be removed so that `fails` stays true."""
+    """A list from which no chunk can be removed without making `fails` false."""
     n = 2
     while len(parts) >= 2 and time.monotonic() < until:
         size = max(1, len(parts) // n)
@@ -23,7 +23,7 @@ def ddmin(parts, fails, until):
 
 
 def minimise(data, fails, seconds=40):
-    """The smallest bytes found in some seconds for which fails(bytes) is true."""
+    """The shortest bytes, found within some seconds, for which fails(bytes) is true."""
     until = time.monotonic() + seconds
     lines = ddmin(data.split(b"\n"), lambda part: fails(b"\n".join(part)), until)
     for i in range(len(lines)):

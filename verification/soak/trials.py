@@ -1,7 +1,7 @@
 """The kinds of trials. Each is a function of a context and a generator of random numbers; it returns
 the exit code of the run that counts, and a Failure or None.
 
-A deck that is to be killed, stopped and run in other units is one entry of KILLED.
+A deck that is to be killed, stopped and run in other units needs only an entry in KILLED.
 """
 
 import json
@@ -139,7 +139,7 @@ def set_up(context, deck):
 
 # --- mutated files -------------------------------------------------------------------------------
 def mutated(context, chance, deck, file):
-    """Run a deck of which one file is mutated; the file is made small if that fails."""
+    """Run a deck one of whose files is mutated; if the run fails a check, the file is minimised."""
     home, names = set_up(context, deck)
     name = os.path.relpath(file, deck.parent)
     if name not in names:
@@ -181,7 +181,7 @@ def spline_trial(context, chance):
 
 
 def restart_trial(context, chance):
-    """A damaged checkpoint is refused, or read as if it were whole."""
+    """A damaged checkpoint is rejected, or read as if it were intact."""
     deck = chance.choice(list(KILLED))
     whole, _, commands = context.whole(deck)
     key = ("stopped", deck)
@@ -223,7 +223,7 @@ def restart_trial(context, chance):
 
 
 def options_trial(context, chance):
-    """Options of the program with values that nobody means."""
+    """Options of the program with nonsensical values."""
     home = context.folder()
     (home / "box.inp").write_bytes((TOP / "verification/trouble/box.inp").read_bytes())
     value = lambda: chance.choice(
@@ -253,7 +253,9 @@ def options_trial(context, chance):
 
 # --- kills, stops and signals --------------------------------------------------------------------
 def readable(out):
-    """After a kill: what cannot be read of the files written so far; empty if nothing."""
+    """After a kill, say which of the files written so far cannot be read; empty if all can be
+    read.
+    """
     for file in sorted(out.glob("*")):
         try:
             if file.suffix == ".dat" and b"\n" in file.read_bytes():
@@ -272,7 +274,7 @@ def go_on(context, home, deck, **more):
 
 
 def finished(context, home, deck, history, wrong=""):
-    """Go on to the end, and compare with the uninterrupted run."""
+    """Continue to the end, and compare with the uninterrupted run."""
     whole, _, _ = context.whole(deck)
     done = None
     if not wrong:
@@ -319,7 +321,7 @@ def stop_trial(context, chance):
 
 
 def signal_trial(context, chance):
-    """A signal at a random moment, in every third trial while the deck is read."""
+    """A signal at a random moment; in every third trial, while the deck is being read."""
     deck = chance.choice(list(KILLED))
     _, seconds, _ = context.whole(deck)
     number = chance.choice(STOPS)
@@ -338,7 +340,9 @@ def signal_trial(context, chance):
 
 # --- limits --------------------------------------------------------------------------------------
 def disk_trial(context, chance):
-    """A disk or a file size that does not suffice: code 3, and everything before can be read."""
+    """A disk or a limit on the file size that is too small: code 3, and everything written before
+    can be read.
+    """
     deck = chance.choice(list(KILLED))
     whole, _, _ = context.whole(deck)
     size = sum(f.stat().st_size for f in whole.iterdir())
@@ -371,7 +375,7 @@ def can_mount():
 
 
 def memory_trial(context, chance):
-    """An address space that does not suffice: code 3, and no waiting."""
+    """An address space that is too small: code 3, and the program does not wait forever."""
     deck = chance.choice(list(KILLED))
     threads = chance.choice((1, 1, 2))
     megabytes = int(60 * (2000 / 60) ** chance.random())
@@ -388,8 +392,9 @@ def memory_trial(context, chance):
 
 
 def loads(context, megabytes):
-    """Does the program begin in this address space? Before that, the loader of the system, the Fortran
-    library or another one gives up with a code and a message of its own."""
+    """Is this address space large enough for the program to start? If it is not, the loader of the
+    system, the Fortran library or another library gives up with a code and a message of its own.
+    """
     limits = ((resource.RLIMIT_AS, megabytes * 2**20),)
     return context.call(context.folder(), None, "--version", limits=limits).code == 0
 
@@ -448,12 +453,12 @@ FUZZ = ("deck", "mesh", "spline")
 
 
 def trial(context, seed, kind, number):
-    """Make one trial; the same three words give the same trial."""
+    """Make one trial; the same three arguments give the same trial."""
     return KINDS[kind][0](context, random.Random(f"{seed}.{kind}.{number}"))
 
 
 def schedule(seed, kinds):
-    """(kind, number) without an end."""
+    """An endless sequence of (kind, number)."""
     done = dict.fromkeys(KINDS, 0)
     turn = 0
     while True:

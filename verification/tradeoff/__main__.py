@@ -11,9 +11,9 @@ turn for both sides of the contact, relative to the mean of the reference:
     torque     120 to 180 degrees, where all points slide
     traction   largest smoothed t_x of each side, 120 to 180 degrees
 
-They are errors relative to benchmark/tradeoff/reference.csv (`--reference` computes it again in half
-an hour), and relative to the run `beside`, which differs in one setting. Ratios of CPU seconds are
-taken to a plain run made immediately afterwards.
+They are errors relative to benchmark/tradeoff/reference.csv (`--reference` computes it again in
+half an hour), and relative to the run `beside`, which differs in one setting. CPU seconds are
+divided by those of a plain run made immediately afterwards.
 """
 
 import argparse
@@ -171,7 +171,9 @@ def time_run(bezel, out, run, again):
 
 
 def time_round(bezel, out, run, again):
-    """Measure the CPU seconds relative to those of the plain run, made one after the other."""
+    """Measure the CPU seconds relative to those of the plain run; the two runs are made one after
+    the other.
+    """
     place = out / run.key
     known = place / "time.json"
     told = json.loads(known.read_text()) if known.exists() else {"cpu": float("inf")}
@@ -184,7 +186,9 @@ def time_round(bezel, out, run, again):
 
 
 def write_reference(out):
-    """Write reference.csv: means of both sides; the traction is from another run than the rest."""
+    """Write reference.csv, the means of both sides; the traction comes from a different run than
+    the other columns.
+    """
     curve, peaks = Curve(out / grid.REFERENCE.key / "run_sole.dat"), Curve(PEAKS)
     with open(REFERENCE, "w", newline="") as file:
         file.write(f"# force, torque: {grid.REFERENCE.command}\n")

@@ -1,4 +1,6 @@
-"""The runs of `python -m verification.tradeoff`: one option varies at a time, from the paper's."""
+"""The runs of `python -m verification.tradeoff`: starting from the settings of the paper, one
+option varies at a time.
+"""
 
 import re
 from dataclasses import dataclass, field
@@ -33,7 +35,7 @@ BEST = (
 
 @dataclass
 class Run:
-    """One run: a deck, a mesh and settings, and the run that it is compared with."""
+    """One run: a deck, a mesh and settings, and the run with which it is compared."""
 
     group: str
     name: str
@@ -97,7 +99,7 @@ def elements():
 
 
 def fine():
-    """Mesh 3, only on request: each run takes many minutes."""
+    """Runs on mesh 3, made only on request because each of them takes many minutes."""
     for name in ("Q1E9", "Q1E9+Q1N2", ENRICHED, SPLINE):
         yield new_run("elements", name, 3, name)
 
@@ -112,7 +114,9 @@ def points():
 
 
 def penalties():
-    """Multiples of the paper's penalty, compared with the largest that runs on the same mesh."""
+    """Multiples of the paper's penalty, compared with the largest one with which the same mesh
+    runs.
+    """
     for mesh, types, factors in (
         (1, (ENRICHED, SPLINE), (0.1, 0.3, 1, 3, 10)),
         (2, (ENRICHED,), (0.1, 1, 3)),

@@ -1,4 +1,6 @@
-"""Factors that FACTor AUTO keeps give the answer of FULL, and the same bits in every run."""
+"""The factors that FACTor AUTO keeps give the same solution as FULL, and the same bits in every
+run.
+"""
 
 import json
 import re
@@ -10,7 +12,7 @@ CUBE = TOP / "verification" / "performance" / "cube.inp"
 
 
 class Kept(Folder):
-    """The cube has 14,000 equations, the fewest whose factors AUTO keeps."""
+    """The cube has 14,000 equations, about the smallest number for which AUTO keeps factors."""
 
     def solve(self, name, factor="", n=13, steps=2):
         """Return the report, the bytes of the curve, the log."""

@@ -1,6 +1,6 @@
-"""Results never replace what a run reads, and every way to end leaves whole files.
+"""Results never replace a file that the run reads, and files are complete however a run ends.
 
-The program is that of the environment variable BEZEL, by default build/release/bezel.
+The environment variable BEZEL names the program; the default is build/release/bezel.
 """
 
 import json
@@ -20,7 +20,7 @@ SECONDS = 60
 
 
 class Folder(unittest.TestCase):
-    """Each test works in an empty folder that holds the deck box.inp."""
+    """Each test works in a folder that contains only the deck box.inp."""
 
     def setUp(self):
         self.at = pathlib.Path(tempfile.mkdtemp())
@@ -109,7 +109,9 @@ class Inputs(Folder):
         self.assertFalse((out / "box.log").is_symlink())
 
     def test_curves_of_an_earlier_run_are_removed_and_nothing_else(self):
-        """They stayed beside the log of a run that closed no step, as if they were its own."""
+        """Old curves used to stay beside the log of a run that closed no step, as if they were its
+        own.
+        """
         self.assertEqual(self.run_bezel("-o", "out", "--name", "a", "box.inp").returncode, 0)
         for name in ["a_other.dat", "b_force.dat"]:
             (self.at / "out" / name).write_text("kept")
@@ -182,7 +184,9 @@ class Limits(Folder):
 
     @unittest.skipUnless(os.geteuid() == 0 and shutil.which("mount"), "only root mounts a disk")
     def test_a_full_disk_leaves_no_unfinished_file(self):
-        """A file of fields of which not even the first bytes had room was left, and was empty."""
+        """If there was not even room for its first bytes, an empty file of fields used to be
+        left.
+        """
         (self.at / "box.inp").write_text(self.deck.replace("    SAVE\n", "    PLOT\n    SAVE\n"))
         for pages in range(2, 12):
             out = self.at / str(pages)
@@ -204,7 +208,7 @@ class Limits(Folder):
 
     @unittest.skipIf("sanitize" in BEZEL.parts, "the sanitizer reserves terabytes of addresses")
     def test_small_address_spaces_end_at_once(self):
-        """The threads of OpenBLAS waited forever for their memory at some limits."""
+        """With some limits, the threads of OpenBLAS used to wait forever for their memory."""
         environment = {k: v for k, v in os.environ.items() if not k.startswith("OPENBLAS_NUM")}
         for threads, sizes in ((1, (250, 310, 340)), (2, (320, 480, 600, 700, 900))):
             for size in sizes:

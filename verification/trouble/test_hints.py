@@ -1,4 +1,4 @@
-"""Hints, notes and reasons of failures on the screen fit the deck that they are about."""
+"""Hints, notes and reasons for failures on the screen fit the deck to which they refer."""
 
 import json
 import pathlib
@@ -42,7 +42,7 @@ STOP
 
 class Locking(Folder):
     def force(self, name, record):
-        """The largest force of a squeezed block whose elements are those of this record."""
+        """The largest force on a squeezed block whose elements are those of this record."""
         deck = SQUEEZED.replace("TYPE Q1\n", record)
         (self.at / f"{name}.inp").write_text(deck)
         done = self.run_bezel(f"{name}.inp")
@@ -51,7 +51,9 @@ class Locking(Folder):
         return report["final"]["force"]["force_3"], done.stderr
 
     def test_what_the_hint_recommends_does_not_lock(self):
-        """Layers on Q1 and quadratic splines give 7.5 and 1.6 times the force of a fine mesh."""
+        """The hint must not recommend layers on Q1 or quadratic splines, which give 7.5 and 1.6
+        times the force of a fine mesh.
+        """
         _, said = self.force("q1", "TYPE Q1\n")
         self.assertIn(
             "use TYPE Q1E9 (ENHAnced with ELEMents), with ENRIch ... EAS on it, or Q2", said
@@ -70,7 +72,9 @@ class Locking(Folder):
 
 class Contact(Folder):
     def run_deck(self, name, *changes):
-        """Run a deck of the folder `silent` with changes; what the screen and the log say."""
+        """Run a deck of the folder `silent` with changes; return what the screen and the log
+        say.
+        """
         deck = (SILENT / f"{name}.inp").read_text()
         for old, new in changes:
             self.assertIn(old, deck)
@@ -81,7 +85,7 @@ class Contact(Folder):
         return done.stderr, (self.at / f"{name}.log").read_text()
 
     def test_a_contact_that_never_closes_is_noted_with_its_smallest_gap(self):
-        """The punch stops 0.02 above the block, or leaves it, or looks away from it."""
+        """The punch stops 0.02 above the block, or moves away from it, or faces away from it."""
         said, log = self.run_deck("narrow", ("0 0 -0.06", "0 0 -0.03"))
         note = "note: contact 'c' has not closed in any step: the smallest gap was 0.02 at "
         self.assertIn(note, said)
@@ -100,7 +104,9 @@ class Contact(Folder):
                 self.assertNotIn("note:", self.run_deck(name)[0])
 
     def test_the_log_says_in_words_what_touches_without_points(self):
-        """The cells of the default scheme can touch between the points, of which none is closed."""
+        """The cells of the default scheme may touch between the integration points, none of which
+        is then closed.
+        """
         _, log = self.run_deck("narrow", ("0 0 -0.06", "0 0 -0.03"))
         self.assertIn("  nothing is in contact\n", log)
         _, log = self.run_deck("narrow")
@@ -108,7 +114,9 @@ class Contact(Folder):
         self.assertNotIn("in contact 0 + 0", log)
 
     def test_schemes_without_cells_do_not_see_a_narrow_punch(self):
-        """Half passes have no point there, and more elements have one; cells need none."""
+        """With these schemes no integration point faces the punch unless there are more elements;
+        cells need no such point.
+        """
         surfaces = "  SURFaces punch 3-  low 3+\n"
         alarm = "punch 3- lies between the integration points of low 3+ at the start"
         for scheme in ("HALFpass", "BALAnced"):
@@ -119,7 +127,9 @@ class Contact(Folder):
                 self.assertNotIn("warning:", said)
 
     def test_a_rigid_spline_that_faces_away_is_told_of_its_reverse(self):
-        """A spline has no opposite face to choose."""
+        """The hint must name REVErse, because a spline has no opposite face that could be
+        chosen.
+        """
         shutil.copy(HERE / "../../input/manual/spli_tool.iga", self.at)
         away = "tool ALL faces away from block 3+"
         (self.at / "tool.inp").write_text(TOOL)
@@ -132,7 +142,7 @@ class Contact(Folder):
 
 class Sliding(Folder):
     def slide(self, *changes):
-        """What the screen says of a block that is pushed sideways."""
+        """What the screen says about a block that is pushed sideways."""
         deck = (HERE / "slides.inp").read_text()
         for old, new in changes:
             self.assertIn(old, deck)
@@ -143,7 +153,9 @@ class Sliding(Folder):
         return done.stderr
 
     def test_a_body_beyond_its_friction_is_named_with_its_motion(self):
-        """Half of the load from above pushes, and friction bears a twentieth of it."""
+        """The block is pushed by half of the load from above, and friction bears a twentieth of
+        that load.
+        """
         said = self.slide()
         self.assertIn("body 'up' slides along x, where only friction holds it", said)
         self.assertIn("are 0.5 times those normal to it, but friction bears only 0.05", said)
@@ -154,6 +166,8 @@ class Sliding(Folder):
         self.assertIn("slides along x", self.slide(("FIX,low", "FIX,up,2- 0 1 0\nFIX,low")))
 
     def test_a_body_that_is_not_held_by_friction_alone_is_not_named(self):
-        """A support along the push holds the block, which fails for want of iterations."""
+        """A support in the direction of the push holds the block; the run fails because it has too
+        few iterations.
+        """
         said = self.slide(("FIX,low", "FIX,up,1+ 1 0 0\nFIX,low"), ("newton,25", "newton,1"))
         self.assertNotIn("slides along", said)

@@ -1,5 +1,6 @@
-"""A checkpoint is read only by its own model, a damaged one is refused in one sentence, and a run that is
-stopped anywhere ends like one that is not."""
+"""A checkpoint is read only by its own model, a damaged checkpoint is rejected in one sentence, and
+a run that is stopped anywhere ends like an uninterrupted run.
+"""
 
 import json
 import random
@@ -23,7 +24,7 @@ class Restart(Folder):
         self.checkpoint = self.at / "box.restart.h5"
 
     def continued(self, *settings, word="", text=None):
-        """Run a deck with RESTart, and with parameters or a text that differ."""
+        """Run a deck with RESTart and with other parameters or another text."""
         deck = (text or self.deck).replace("BATCh", f"BATCh\n  RESTart,box.restart.h5{word}")
         (self.at / "next.inp").write_text(deck)
         more = [part for setting in settings for part in ("--set", setting)]
@@ -123,7 +124,7 @@ class Stops(Folder):
             self.assertIsNone(difference(self.at / "whole", out, deck.stem), command)
 
     def test_between_a_cut_back_and_the_end_of_its_step(self):
-        """The pattern of the tangent must not depend on what the failed attempt coupled."""
+        """The pattern of the tangent must not depend on the couplings of the failed attempt."""
         self.stopped(TOP / "input/manual/arcl.inp", 59, 349)
 
     def test_within_an_iteration_that_started_from_a_prediction(self):
@@ -134,12 +135,16 @@ class Stops(Folder):
         self.stopped(TOP / "verification/trouble/silent/pressed.inp", 3, 28)
 
     def test_warnings_given_before_the_stop_are_in_the_report(self):
-        """Once each; so is the one that penetration has taken the work, which is known at the end only."""
+        """Each warning is there once, even the one about the work that penetration has taken, which
+        is issued only at the end.
+        """
         deck = TOP / "verification/trouble/silent/soft_penalty.inp"
         self.stopped(deck, 20)
         report = json.loads((self.at / "20" / "soft_penalty.report.json").read_text())
         self.assertIn("too soft", " ".join(report["warnings"]))
 
     def test_a_restarted_run_knows_that_it_has_needed_inertia(self):
-        """The report must not say `equilibrium` if only the part before the stop had inertia."""
+        """The report must not say `equilibrium`, even if only the part before the stop needed
+        inertia.
+        """
         self.stopped(TOP / "verification/soak/decks/cohesive.inp", 383)

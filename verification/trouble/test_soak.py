@@ -1,4 +1,6 @@
-"""The soak test sees what it must see: a judge that finds nothing, or cannot be trusted, is no test."""
+"""The soak test detects what it must detect: a judge that finds nothing, or that cannot be trusted,
+tests nothing.
+"""
 
 import os
 import random

@@ -1,10 +1,10 @@
-"""Imbalance of the contact forces if a small block covers elements of a large one partially.
+"""Imbalance of the contact forces if a small block partly covers elements of a large block.
 
     python -m verification.benchmark.contact_patch.imbalance [PROGRAM]
 
 It runs partial_q1n2.inp with the small block at 12 positions, for several numbers q of integration
 points and n of elements of the large block, and writes imbalance.csv: root mean square and largest
-value of 1 - (force on the large block)/(force on the small one).
+value of 1 - (force on the large block)/(force on the small block).
 """
 
 import pathlib
@@ -35,7 +35,7 @@ def main():
 
 
 def run(bezel, settings):
-    """The imbalance of one run; None if it found no equilibrium."""
+    """The imbalance in one run; None if the run found no equilibrium."""
     with tempfile.TemporaryDirectory() as place:
         words = [w for k, v in settings.items() for w in ("--set", f"{k}={v:.12g}")]
         command = [bezel, "--quiet", "-o", place, *words, str(HERE / "partial_q1n2.inp")]

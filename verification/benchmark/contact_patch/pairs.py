@@ -74,7 +74,7 @@ def block(name, z, knots, lines, face):
 
 
 def pair(low, high, curves):
-    """A lower block of one type, an upper one of another, and the contact between them."""
+    """A lower block of one type, an upper block of another type, and the contact between them."""
     name = f"{low}-{high}"
     a, b = f"{name}-a", f"{name}-b"
     curves += [f"  CONTact {name} {side} FORCe 3" for side in (1, 2)]

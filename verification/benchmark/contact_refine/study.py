@@ -1,4 +1,5 @@
-"""Error and cost of more integration points everywhere and of subcells at the contact boundary.
+"""Error and cost of using more integration points everywhere, and of subcells at the contact
+boundary.
 
     python -m verification.benchmark.contact_refine.study [PROGRAM]
 
@@ -60,7 +61,9 @@ def run(bezel, q, cells, mu):
 
 
 def difference(curve, fine, name, mu):
-    """Root mean square over the steps of the fine run; without friction there is only the force."""
+    """Root mean square of the difference over the steps of the fine run; without friction, only
+    that of the force.
+    """
     if mu == 0 and name != "force":
         return "-"
     key = "contact_sole_1_" + MEASURES[name]

@@ -2,9 +2,9 @@
 
     python -m verification.benchmark.cz_beams.study [--bezel build/release/bezel]
 
-A row gives, for a bond strength and an element size, mean and scatter of the force relative to theory
-while the crack grows, the iterations, the cut-backs, the fraction of the bond released at the end, and
-whether the run stopped early.
+For a bond strength and an element size, a row gives the mean and the scatter of the force relative
+to theory while the crack grows, the iterations, the cut-backs, the fraction of the bond released at
+the end, and whether the run stopped early.
 """
 
 import argparse
@@ -26,7 +26,7 @@ RUNS += [("peel", t0, n, 5) for t0 in (0.1, 0.2, 0.4) for n in ("10/3", "5", "10
 
 
 def main():
-    """Run all cases one after the other and write results.csv."""
+    """Run all cases one after another and write results.csv."""
     parser = argparse.ArgumentParser(
         prog="python -m verification.benchmark.cz_beams.study", description=__doc__.splitlines()[0]
     )

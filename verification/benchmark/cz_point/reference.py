@@ -21,7 +21,7 @@ PHI = [0, 45, 90]
 
 
 def exponential(gn, gt, worst):
-    """Eq. (31): the traction of the current opening."""
+    """Eq. (31): the traction at the current opening."""
     r = math.hypot(gn, gt)
     return T0 / G0 * math.exp(1 - r / G0) * np.array([gn, gt])
 
@@ -62,7 +62,8 @@ def ppr(gn, gt, worst):
 
 def potential(gn, gt, normal):
     """Park, Paulino and Roesler 2009; constant beyond the final opening of a mode. For the normal
-    traction the potential also ends where that traction changes sign."""
+    traction, the potential also ends where this traction changes sign.
+    """
     phi = 2 * T0 * G0, 3 * T0 * G0
     strength = T0, 0.8 * T0
     shape = 3.0, 2.5

@@ -1,4 +1,5 @@
-"""Errors of one solution of the cube against another, over its volume and over the face x = 0.5.
+"""Errors of one solution of the cube relative to another one, over its volume and over the face x =
+0.5.
 
 Displacements come from the result file and are evaluated with the functions of the cells. Stresses
 come from a curve of the program at POINTS, so that enhanced strains are included.
@@ -44,7 +45,7 @@ class Solution:
     """The final state of a run of the cube."""
 
     def __init__(self, stem, exact=False):
-        """stem: of its files; exact: prepare for `at`, which needs boxes of equal size."""
+        """stem: that of its files; exact: prepare for `at`, which needs boxes of equal size."""
         self.stem = stem
         self.grid = _grid.load(f"{stem}.vtkhdf")[0]
         self.u = np.asarray(self.grid.point_data["displacement"], float)

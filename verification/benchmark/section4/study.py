@@ -56,7 +56,9 @@ def report(stem):
 
 
 def symmetry(runner):
-    """Section 4.1: a quarter without C1 continuity across symmetry planes, the whole cube with it."""
+    """Section 4.1: a quarter of the cube, without C1 continuity across symmetry planes, and the
+    whole cube, with it.
+    """
     for (test, u), n in itertools.product(TESTS.items(), (1, 2, 4, 8)):
         quarter = 4 * force(runner.run("iga2.inp", n=n, u=u))
         whole = force(runner.run("iga2_full.inp", n=n, u=u))
@@ -67,8 +69,9 @@ def symmetry(runner):
 
 
 def locking(runner):
-    """Compression of a nearly incompressible cube by two per cent, with cubic splines as reference.
-    (Few element types reach a compression of a quarter: the clamped edges are too singular.)
+    """Compression of a nearly incompressible cube by two per cent, with cubic splines as the
+    reference. (Few element types reach a compression of a quarter: the clamped edges are too
+    singular.)
     """
     meshes = [(e, n, 2) for e in ELEMENTS for n in (1, 2, 4, 8)] + [
         ("IGA3", n, 3) for n in (2, 4, 8)
@@ -94,8 +97,8 @@ def _automatic(runner, name):
 
 
 def hourglass(runner):
-    """Compression in steps of one per cent, until a step of a hundredth of that does not converge,
-    and the first unstable state.
+    """Compression in steps of one per cent, until even a hundredth of such a step does not
+    converge; also the first unstable state.
     """
     types = ["Q1", "Q1N2 on 1+", "Q1E9", "Q1E9+Q1E9N2 on 1+", "Q1E9+Q1E9N2 on 1+ and 2+",
              "Q1E9+Q1E9N2 tapered on 1+ and 2+", "IGA2"]  # fmt: skip
@@ -133,7 +136,7 @@ def field(runner):
 
 
 def _field_deck(runner, name):
-    """A deck of this folder that also writes its last state, and stresses at points."""
+    """A deck of this folder that also writes its last state and the stresses at points."""
     from verification.benchmark.section4.field_error import POINTS
 
     text = (HERE / f"{name}.inp").read_text()

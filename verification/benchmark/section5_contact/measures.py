@@ -2,7 +2,8 @@
 
     .venv/bin/python -m verification.benchmark.section5_contact.measures [--write]
 
-It prints them; `--write` puts them into the page, between `<!-- table: name -->` and `<!-- end -->`.
+It prints the tables; `--write` puts them into the page, between `<!-- table: name -->` and
+`<!-- end -->`.
 """
 
 import csv
@@ -55,7 +56,9 @@ def over_meshes(value, have, key):
 
 
 def cost(rows):
-    """Steps, iterations per step, seconds and the share of contact, for meshes 1 to 3."""
+    """Steps, iterations per step, seconds, and the share of the time that contact takes, for meshes
+    1 to 3.
+    """
     shown = []
     for mu in (0.0, 0.5):
         for e in DOFS:
@@ -81,7 +84,7 @@ def reached(row):
 
 
 def tractions(rows):
-    """Table 5: paper, ours, difference."""
+    """Table 5: the values of the paper, our values, and the difference."""
     lines = (HERE / "table5.csv").read_text().splitlines()
     shown = []
     for r in csv.DictReader(line for line in lines if not line.startswith("#")):
@@ -98,7 +101,7 @@ def tractions(rows):
 
 
 def slopes(have, key, value):
-    """Slopes over the number of dofs between successive meshes, on logarithmic scales."""
+    """Slopes between successive meshes over the number of dofs, on logarithmic scales."""
     got = [have.get(key(m)) for m in MESHES]
     return [
         f"{-np.log(value(b) / value(a)) / np.log(b.dofs / a.dofs):.2f}" if a and b else "-"
@@ -126,7 +129,9 @@ def torque(runs):
 
 
 def defects(run):
-    """max |M(t+90) - M(t)| and max |M(90-t) + M(t)| over max |M|, of both sides, each 3 degrees."""
+    """max |M(t+90) - M(t)| and max |M(90-t) + M(t)| over max |M|, on both sides, every 3
+    degrees.
+    """
     if run.degrees[-1] < 180 - 1e-6:
         return "-", "-"
     angles = np.arange(0.0, 90.5, 3.0)
@@ -138,7 +143,9 @@ def defects(run):
 
 
 def force(runs):
-    """Without friction: mean force on hemisphere and block, error of their mean."""
+    """Without friction: mean force on the hemisphere and on the block, and the error of their
+    mean.
+    """
     plain = Runs(list(runs.values()), False)
     reference, words = reference_force(plain)
     shown = []
@@ -176,7 +183,9 @@ def late(run):
 
 
 def plateau(run):
-    """Mean torque from 120 degrees on, hemisphere and block, both in the sense that turns the block."""
+    """Mean torque from 120 degrees on, for the hemisphere and the block, both positive in the sense
+    in which the block is turned.
+    """
     x = run.degrees[late(run)]
     return [abs(np.trapezoid(t[late(run)], x)) / (x[-1] - x[0]) for t in run.torque]
 
@@ -190,20 +199,23 @@ def at_plateau(run):
 
 
 def sliding_from(run):
-    """The angle from which almost no point of the side sticks any more."""
+    """The angle from which on almost no point of the side sticks."""
     return [from_angle(run, side, STICK) for side in (1, 2)]
 
 
 def all_sliding_from(run):
-    """The angle from which no point of the side sticks any more, but the one under the pole, whose
-    share is the smallest of the hemisphere that is not zero."""
+    """The angle from which on no point of the side sticks except the one under the pole, whose
+    share is the smallest nonzero one of the hemisphere.
+    """
     shares, turned = sticking(run, 1)
     pole = shares[(shares > 0) & (turned > 0)].min()
     return [from_angle(run, 1, 1.5 * pole), from_angle(run, 2, 0.0)]
 
 
 def from_angle(run, side, share):
-    """The angle from which at most this share of the points of a side sticks; 180 if that is never so."""
+    """The angle from which on at most this share of the points of a side sticks; 180 if there is no
+    such angle.
+    """
     shares, turned = sticking(run, side)
     above = np.flatnonzero((shares > share) & (turned > 0))
     return turned[min(above[-1] + 1, len(turned) - 1)] if len(above) else 0.0

@@ -2,8 +2,9 @@
 
     .venv/bin/python -m verification.benchmark.section5_contact.rings
 
-It turns Q1E9+Q1N2, mesh 2, to 30, 57 and 93 degrees (three runs of seconds) and prints the mean over the smoothed values
-of the hemisphere's surface that lie within 0.06 of a radius about the axis, in the deformed state.
+It turns Q1E9+Q1N2, mesh 2, to 30, 57 and 93 degrees (three runs of a few seconds) and prints the
+mean over the smoothed values of the hemisphere's surface that lie within 0.06 of a radius about the
+axis, in the deformed state.
 """
 
 import sys

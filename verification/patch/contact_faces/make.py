@@ -1,12 +1,12 @@
-"""Patch tests of the mortar contact on every type of face, of bodies from mesh files.
+"""Patch tests of mortar contact on every type of face, with bodies from mesh files.
 
     python -m verification.patch.contact_faces.make [--bezel PROGRAM] [--keep DIR] [NAME ...]
     python -m verification.patch.contact_faces.make --write
 
-A block of one type of element stands on a block of another one. Inner nodes of both are moved at
-random; on the common face z = 0, triangles are arbitrary, but quadrilaterals are rectangles of
-different sizes, unless the case is `distorted`: then they are arbitrary too, and more points are
-used, as their maps are no polynomials. Two states are exact:
+A block of one element type stands on a block of another element type. The inner nodes of both
+blocks are moved at random; on the common face z = 0, triangles are arbitrary, but quadrilaterals
+are rectangles of different sizes, unless the case is `distorted`: then they are arbitrary too, and
+more points are used, because their maps are not polynomials. Two states are exact:
 
   pressed  a pressure on top, a support that slides below, free sides (uniaxial stress)
   sheared  all nodes of both blocks but those inside the common face follow a homogeneous
@@ -15,9 +15,9 @@ used, as their maps are no polynomials. Two states are exact:
            a margin, so that the inner part of their faces stays covered
 
 It prints the largest relative errors of the normal forces of both sides, of the stress (with shear
-those of friction too) and of the pressure (fields, worst point). Cases whose name contains a NAME are
-run; all without one. --write writes the decks, meshes and the expect.toml of this folder, a choice
-of the cases.
+those of friction too) and of the pressure (fields, worst point). Cases whose name contains a NAME
+are run, or all cases if no NAME is given. --write writes the decks, meshes and the expect.toml of
+this folder, a choice of the cases.
 """
 
 import itertools
@@ -109,7 +109,9 @@ class Block:
         return number
 
     def _two_grids(self, lines, rng):
-        """A coarse grid beside one twice as fine, whose nodes on the common face hang."""
+        """A coarse grid beside one that is twice as fine and whose nodes on the common face
+        hang.
+        """
         middle = len(lines[0]) // 2
         coarse = self._grid([lines[0][: middle + 1], *lines[1:]], rng)
         n = [middle, len(lines[1]) - 1, len(lines[2]) - 1]
@@ -133,7 +135,7 @@ class Block:
         self.hanging = [(number[s], [(number[m], w) for m, w in ms]) for s, ms in self.hanging]
 
     def _orient(self):
-        """Mirror images are turned right again."""
+        """Elements that are mirror images are reversed."""
         for e, (g, c) in enumerate(self.elements):
             x = np.array([self.x[a] for a in c])
             ends = {4: (1, 2, 3), 5: (1, 3, 4), 6: (1, 2, 3), 7: (1, 3, 4)}[g]
@@ -220,7 +222,7 @@ def voigt(s):
 
 
 class Case:
-    """A lower and an upper block in a state that is exact."""
+    """A lower and an upper block in a state that the contact must reproduce exactly."""
 
     def __init__(self, low, high, n, m, state, p=1e-3, distorted=False):
         self.name = f"{state}-{low}-{n[0]}x{n[1]}-{high}-{m[0]}x{m[1]}"
@@ -261,7 +263,7 @@ class Case:
         return "\n".join([*lines, *([""] if steps else []), "", "STOP", ""])
 
     def shift(self):
-        """Of the upper block: penetration, and elastic slip."""
+        """The displacement of the upper block: penetration, and elastic slip."""
         return linear_stress()[:, 2] / EPS
 
     def write(self, folder, stem):

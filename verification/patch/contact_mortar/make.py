@@ -1,9 +1,10 @@
-"""Patch tests of the mortar contact: uniform states of bodies whose meshes do not match.
+"""Patch tests of mortar contact: uniform states of bodies whose meshes do not match.
 
     python -m verification.patch.contact_mortar.make [--bezel PROGRAM] [--keep DIR] [NAME ...]
     python -m verification.patch.contact_mortar.make --write
 
-Each case presses one layer of bodies on another and compares with the exact state, which is uniform:
+Each case presses one layer of bodies onto another and compares the result with the exact state,
+which is uniform:
 
   flat     a flat common surface; pressure on top, a support that slides below. The blocks are free at
            their sides (uniaxial stress) or, where a layer consists of several bodies, guided there
@@ -12,8 +13,8 @@ Each case presses one layer of bodies on another and compares with the exact sta
            all other faces (hydrostatic stress). The penetration g = p/eps changes areas by g/R.
 
 It prints the largest relative errors of the forces of both sides, of the stress and of the pressure
-(fields, worst point). Cases whose name contains a NAME are run; all without one. --write writes the
-decks and the expect.toml of this folder, a choice of the cases.
+(fields, worst point). Cases whose name contains a NAME are run, or all cases if no NAME is given.
+--write writes the decks and the expect.toml of this folder, a choice of the cases.
 """
 
 import argparse
@@ -78,7 +79,7 @@ def guided(p):
 
 
 class Body:
-    """A body between two surfaces over a quadrilateral of the plane."""
+    """A body between two surfaces over a quadrilateral in the plane."""
 
     def __init__(self, name, kind, n, corners, low, high, warp=0.0, face="3+"):
         self.name, self.kind, self.n, self.face = name, kind, n, face
@@ -150,7 +151,7 @@ def control_heights(plane, z):
 
 
 class Case:
-    """Lower and upper bodies, and what is exact."""
+    """Lower and upper bodies, and their exact state."""
 
     def __init__(self, name, lower, upper, state, p=1e-3, eps=100.0, qb=4, rule="", shape=None):
         self.name, self.lower, self.upper, self.state = name, lower, upper, state
@@ -224,7 +225,7 @@ class Case:
         (folder / f"{stem}.inp").write_text(self.deck(stem))
 
     def exact(self):
-        """Stress, and the force of a unit reference area."""
+        """The stress, and the force on a unit of reference area."""
         if self.state == "hydrostatic":
             return [-self.p, -self.p, -self.p, 0, 0, 0], self.p * hydrostatic(self.p) ** 2
         if self.state == "free":
@@ -386,7 +387,7 @@ def write_choice():
 
 
 def command(description, cases, write, argv):
-    """Run the cases that the arguments name and print their errors, or write a choice of them.
+    """Run the cases that the arguments name and print their errors, or write a selection of them.
 
     A case has a `name`, a `rule` (a further record of CONTact) and `run(bezel, folder)`, which
     returns its relative errors, or None and the reason.

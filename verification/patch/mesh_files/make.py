@@ -20,7 +20,9 @@ SIDES = [[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [
 
 
 def grid(n, low, size, amount, rng):
-    """Nodes of a box of n cells, moved at random inside; the number of node (i, j, k)."""
+    """The nodes of a box of n cells, with inner nodes moved at random, and the number of node (i,
+    j, k).
+    """
     x = []
     for k, j, i in itertools.product(*(range(m + 1) for m in n[::-1])):
         at = np.array([i, j, k])
@@ -105,7 +107,9 @@ def mixed():
 
 
 def hanging():
-    """Nodes of the fine block on the common face hang on nodes of the coarse one, some in a chain."""
+    """On the common face, the nodes of the fine block hang on nodes of the coarse block, some of
+    them in a chain.
+    """
     rng = np.random.default_rng(5)
     coarse, fine = np.array([1, 2, 2]), np.array([2, 4, 4])
     x, number = grid(coarse, np.zeros(3), np.ones(3), 0.0, rng)

@@ -1,11 +1,12 @@
-"""Write the files of this case: an L of three blocks with a layer under a smooth surface.
+"""Write the files of this case: an L-shaped body of three blocks with a layer under a smooth
+surface.
 
     python -m verification.patch.spline.make
 
 The surface is that of the boundary of 24 hexahedra: a closed net of 56 quadrilaterals whose corners
-have 3, 4 or 5 edges. Its Bezier points are combinations of the net's: face points with weights
-(n, 2, 2, 1)/(n + 5), edge points the mean of two face points, corners the mean of n. Where n = 4
-that is the uniform bicubic B-spline.
+have 3, 4 or 5 edges. Its Bezier points are combinations of the points of the net: face points with
+weights (n, 2, 2, 1)/(n + 5), edge points as the mean of two face points, corners as the mean of n
+face points. Where n = 4, this is the uniform bicubic B-spline.
 
     surface.bxt  the surface, BEXT 2.0
     layer.txt    inner nodes of its elements
@@ -85,14 +86,14 @@ class Net:
         return {u: w / (n + 5) for u, w in weights}
 
     def edge_point(self, v, u):
-        """On the edge from v to u, near v."""
+        """The point on the edge from v to u that is near v."""
         return mean([self.face_point(q, v) for q in self.round[v] if u in self.quads[q]])
 
     def corner(self, v):
         return mean([self.face_point(q, v) for q in self.round[v]])
 
     def points(self, q):
-        """The 16 Bezier points of a quadrilateral, first direction fastest."""
+        """The 16 Bezier points of a quadrilateral, with the first direction varying fastest."""
         a, b, c, d = self.quads[q]
         return [
             self.corner(a), self.edge_point(a, b), self.edge_point(b, a), self.corner(b),
@@ -140,7 +141,7 @@ def layer(inner):
 
 
 class Hanging:
-    """Nodes at the centres of edges and faces, by their masters."""
+    """Nodes at the centres of edges and faces, found by their masters."""
 
     def __init__(self, last, chosen):
         self.last = last

@@ -53,7 +53,9 @@ class Parts(unittest.TestCase):
         self.assertEqual(strip.build("Q1E9+Q1N2")[0].dofs, 1500)
 
     def test_tangent_is_the_derivative_of_the_forces(self):
-        """At a state with contact, stick, slip and enhanced strains that is no equilibrium."""
+        """Compare at a state with contact, stick, slip and enhanced strains that is not an
+        equilibrium.
+        """
         system, place = hemisphere.build("Q1E9+Q1N2", 1, 0.5)
         place(0.1, 0)
         system.solve()
@@ -78,7 +80,9 @@ class Parts(unittest.TestCase):
         np.testing.assert_allclose(K @ way.ravel(), difference, atol=1e-6 * abs(difference).max())
 
     def test_state_of_a_held_load_does_not_creep(self):
-        """If the sliding point is moved exactly; to first order it does."""
+        """This holds if the sliding point is moved exactly; if it is moved to first order, the load
+        creeps.
+        """
         creep = {}
         for exact in (True, False):
             system, place = hemisphere.build("Q1E9+Q1N2", 1, 0.5, exact)
@@ -95,7 +99,7 @@ class Parts(unittest.TestCase):
 
 class Stored(unittest.TestCase):
     def test_section4(self):
-        """The numbers of reference.csv, whose prisms have two points along zeta."""
+        """Compare with the numbers of reference.csv, in which prisms have two points along zeta."""
         rows = read_table(TOP / "verification/benchmark/section4/reference.csv").columns
         for test, name, dofs, force in zip(
             rows["test"], rows["elements"], rows["dofs"], rows["force_quarter"]

@@ -1,4 +1,5 @@
-"""Check the runner itself: reads the output of its tests, each named for what it must do.
+"""Check the runner itself: read the output of its tests, each of which is named after what it must
+do.
 
 usage: RUN test_funit -v | check.py
 """

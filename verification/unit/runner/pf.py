@@ -1,7 +1,7 @@
 """Translate unit tests from pFUnit's language (.pf) to Fortran.
 
 usage: pf.py test IN.pf OUT.f90         one module of tests
-       pf.py join IN.pf OUT.pf          each assertion on one line, as pFUnit's own translator wants it
+       pf.py join IN.pf OUT.pf          each assertion on one line, as pFUnit's own translator requires
        pf.py driver OUT.f90 IN.pf ...   the program that runs them all
 
 The subset: @test, @before, @after on a line of their own before a subroutine without arguments,
@@ -30,7 +30,7 @@ MARKS = ("test", "before", "after")
 
 
 class BadTest(Exception):
-    """The file is not in the subset; the text says where and why."""
+    """The file is not within the subset; the text says where and why."""
 
 
 def without_comment(line):
