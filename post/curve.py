@@ -30,9 +30,9 @@ def draw(
 ):
     """Draw columns `y` over column `x` of each file into the file `output`.
 
-    x: beginning of the name of a column, by default time, else the first column; y: a list of such
-    names, by default the first quantity; log: 'x', 'y' or 'xy'; markers: whether points are marked,
-    by default if there are fewer than 60.
+    x: beginning of the name of a column, by default time, or else the first column; y: a list of
+    such names, by default the first quantity; log: 'x', 'y' or 'xy'; markers: whether points are
+    marked, by default if there are fewer than 60.
     """
     tables = [read_table(f) for f in files]
     with _style.styled() as plt:

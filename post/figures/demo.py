@@ -1,5 +1,5 @@
-"""`make demo` runs two problems and draws them: a stretched cube with enriched faces beside
-trilinear elements, and a hemisphere that is twisted on a block with friction.
+"""`make demo` runs two problems and draws them: a stretched cube with enriched faces next to one
+with trilinear elements only, and a hemisphere that is twisted on a block with friction.
 
 python -m post.figures.demo --bezel build/release/bezel --out build/demo
 """

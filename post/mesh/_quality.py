@@ -47,7 +47,7 @@ def scaled(jac):
 
 
 def hex_jacobians(points, cells, at):
-    """(m, k, 3, 3) of trilinear hexahedra at parameters (k, 3)."""
+    """(m, k, 3, 3) Jacobians of trilinear hexahedra at parameters (k, 3)."""
     one = 1 + at[:, None, :] * SIGN[None]
     shape = [SIGN[:, d] * one[..., (d + 1) % 3] * one[..., (d + 2) % 3] / 8 for d in range(3)]
     return np.stack([np.einsum("kn,mnc->mkc", s, points[cells]) for s in shape], axis=-1)

@@ -31,7 +31,7 @@ module mumps_instance
   real(wp), parameter :: NULL_PIVOT = 1e-18_wp, NULL_PIVOT_SINGLE = 1e-12_wp
 
   character(*), parameter :: COARSER = 'use a coarser mesh or a machine with more memory'
-  character(*), parameter :: HALF = 'FACTor,SINGle needs about half; else '//COARSER
+  character(*), parameter :: HALF = 'FACTor,SINGle needs about half as much; otherwise '//COARSER
 
   !> An instance. Between start and finish, either d or s is associated.
   type :: mumps_t
@@ -359,7 +359,7 @@ contains
 
     if (need_mb <= available_mb) return
     call fail(error, SYSTEM_ERROR, 'the factorisation of '//to_text(neq) &
-              //' equations needs about '//to_text(nint(need_mb, i8))//' MB of memory, ' &
+              //' equations needs about '//to_text(nint(need_mb, i8))//' MB of memory, but only ' &
               //to_text(nint(available_mb, i8))//' MB are available')
     error%hint = HALF
     if (single) error%hint = COARSER

@@ -142,13 +142,13 @@ contains
         exit
       end if
       call check_count(record, 2, 2*max(n, 1), &
-                       'pairs t p: at most '//to_text(max(n, 1))//' in a record here', error)
+                       'at most '//to_text(max(n, 1))//' pairs t p in each record here', error)
       if (.not. allocated(error)) call take_pairs(run%deck, record, table, done, error)
       if (allocated(error)) return
       done = done .or. record%n < 2*n
     end do
     if (size(table%t) == 0) then
-      call fail(error, DECK_ERROR, 'a table without pairs', opening%place(1), &
+      call fail(error, DECK_ERROR, 'the load table has no pairs', opening%place(1), &
                 'after `2 n` put pairs t p, one in a record, and a blank record')
     end if
   end subroutine read_pairs
@@ -165,7 +165,7 @@ contains
 
     done = .false.
     if (mod(record%n, 2) /= 0) then
-      call fail(error, DECK_ERROR, 'a time without a factor', record%place(record%n), &
+      call fail(error, DECK_ERROR, 'the last time has no factor', record%place(record%n), &
                 'write pairs t p')
       return
     end if

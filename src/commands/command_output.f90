@@ -82,7 +82,7 @@ contains
         associate (other => run%program%command(i)%record)
           if (other%key(1) /= 'outp') cycle
           if (all(wanted_fields(other) .eqv. wanted_fields(record))) cycle
-          call fail(error, DECK_ERROR, 'OUTPut names other fields than the OUTPut in line ' &
+          call fail(error, DECK_ERROR, 'OUTPut names different fields from the OUTPut in line ' &
                     //to_text(other%line), record%place(1), &
                     'a result file has the same fields in all steps: name the same fields in both')
         end associate

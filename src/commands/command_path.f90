@@ -50,7 +50,7 @@ contains
         if (given .and. .not. x >= 1.0_wp) then
           call fail(error, DECK_ERROR, 'expected a multiple of at least 1, found '//to_text(x), &
                     record%place(3), 'the multiple is the length of the ' &
-                    //'longest step over that of the first; the default is 4')
+                    //'longest step divided by that of the first; the default is 4')
         end if
       else if (command%option /= 'loca') then
         if (x < 0.0_wp .or. given .and. .not. x > 0.0_wp) then
@@ -167,9 +167,9 @@ contains
       run%program%noted(command%row) = .true.
       do m = 1, size(material)
         if (.not. used(m) .or. material(m)%density > 0.0_wp) cycle
-        call warn('TRANsient, but material '//to_text(material(m)%number)//' has no mass', &
-                  material(m)%place, 'write DENSity,,rho; without it bodies of this material ' &
-                  //'follow the others without inertia')
+        call warn('TRANsient needs masses, but material '//to_text(material(m)%number) &
+                  //' has no mass', material(m)%place, 'write DENSity,,rho; without it bodies ' &
+                  //'of this material follow the others without inertia')
       end do
     end associate
   end subroutine check_masses

@@ -24,8 +24,8 @@ contains
 
     table = [time_rows(), loop_rows(), solve_rows(), augment_rows(), load_rows(), print_rows(), &
              tplot_rows(), output_rows(), restart_rows(), path_rows(), &
-             new_row('OPTImize', 'OPTImize: accepted, does nothing here', 16, run_note), &
-             new_row('OPTS', 'OPTS: accepted, does nothing here', 16, run_note)]
+             new_row('OPTImize', 'OPTImize: accepted, but has no effect here', 16, run_note), &
+             new_row('OPTS', 'OPTS: accepted, but has no effect here', 16, run_note)]
   end subroutine load_commands
 
   !> State in the log that a command of FEAP has no effect here.

@@ -101,7 +101,7 @@ contains
       character(*), intent(in) :: hint
 
       call warn(what//' follows the sum of '//to_text(ntable)//' load tables, while other loads ' &
-                //'follow one', place, hint)
+                //'follow a single one', place, hint)
     end subroutine say
 
   end subroutine warn_sum

@@ -109,7 +109,7 @@ contains
             call note('no load follows load table '//to_text(k)//', which PROP in line ' &
                       //to_text(record%line)//' defines')
           else if (program%prop_at(k) > solve) then
-            call warn('PROP defines load table '//to_text(k)//' behind the first solve, so that ' &
+            call warn('PROP defines load table '//to_text(k)//' after the first solve, so ' &
                       //'earlier steps do not follow it', record%place(1), 'put PROP before the ' &
                       //'first TIME')
           end if

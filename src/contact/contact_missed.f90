@@ -74,7 +74,7 @@ contains
             text = text//', in step '//to_text(now%nearest_step)
           end if
         else
-          text = text//'no point of one side came opposite the other side'
+          text = text//'no point of one side was ever opposite the other side'
         end if
         call note(text)
       end associate

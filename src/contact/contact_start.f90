@@ -156,8 +156,8 @@ contains
     do k = 1, 2
       associate (side => contact%side(k))
         if (mesh%block(side%block(1))%row%name /= 'SURFACE') cycle ! not a rigid spline
-        hint = 'REVErse in SPLIne,'//side%name(:index(side%name, ' ') - 1)//' turns its normal ' &
-               //'round; otherwise '//hint
+        hint = 'REVErse in SPLIne,'//side%name(:index(side%name, ' ') - 1)//' reverses its normal' &
+               //'; otherwise '//hint
         return
       end associate
     end do

@@ -65,7 +65,7 @@ contains
     text = joined(reader%files)
   end function source_text
 
-  !> Read the next record as it stands.
+  !> Read the next record as it is in the file.
   subroutine next_record(reader, record, error)
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(out) :: record

@@ -20,7 +20,7 @@ module deck_record
     integer :: n = 0                       !! number of fields
     character(:), allocatable :: file      !! path as messages show it
     integer :: line = 0                    !! number of its first line
-    character(:), allocatable :: raw       !! its lines as they stand in the file
+    character(:), allocatable :: raw       !! its lines as they are in the file
     integer, allocatable :: start(:)       !! first character of each line in `raw`
     integer, allocatable :: first(:), last(:) !! (at least n) characters of each field in `raw`
   contains
@@ -159,7 +159,7 @@ contains
   end subroutine check_count
 
   !> Check that no field from `first` on is a number; explanatory words, which FEAP allows, may
-  !! stand there.
+  !! follow.
   subroutine check_numbers(record, first, usage, error, last)
     type(record_t), intent(in) :: record
     integer, intent(in) :: first
@@ -269,7 +269,7 @@ contains
                                       //to_text(i), record%place(i))
   end subroutine get_word
 
-  !> The path that field i names, relative to the file in which the record stands.
+  !> The path that field i names, relative to the file that contains the record.
   pure function resolve_path(record, i) result(path)
     type(record_t), intent(in) :: record
     integer, intent(in) :: i

@@ -70,8 +70,8 @@ contains
     whole = deck%comma%text(i)
     part = deck%comma%text(i + 1)
     call warn(quoted(whole//','//part)//' is read as two numbers', deck%comma%place(i), 'a comma ' &
-              //'separates: write '//whole//'.'//part//', or a blank between two numbers; ' &
-              //'further such numbers are not reported')
+              //'separates numbers: write '//whole//'.'//part//', or a blank between two ' &
+              //'numbers; further such numbers are not reported')
   end subroutine warn_of_comma
 
   !> Text of the deck with all its files and the settings of the command line.

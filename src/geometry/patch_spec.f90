@@ -71,7 +71,7 @@ module patch_spec
 
 contains
 
-  !> Combine all placements, in their order, into x -> turn x + shift.
+  !> Combine all placements, in the order of their records, into x -> turn x + shift.
   subroutine compose(placement, turn, shift)
     type(placement_t), intent(in) :: placement(:)
     real(wp), intent(out) :: turn(3, 3), shift(3) !! [-], [L]

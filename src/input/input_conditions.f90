@@ -225,7 +225,7 @@ contains
   end subroutine get_condition
 
   !> Does record j set the same kind of condition as record i, and act before record i although it
-  !! stands after it?
+  !! comes later in the deck?
   pure logical function is_overtaken(draft, i, j) result(yes)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: i, j
@@ -235,7 +235,7 @@ contains
     end associate
   end function is_overtaken
 
-  !> May record i replace a condition that stands after it in the deck?
+  !> May record i replace a condition that comes after it in the deck?
   pure logical function replaces_later(draft, i) result(yes)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: i
@@ -248,7 +248,7 @@ contains
     end associate
   end function replaces_later
 
-  !> Warn if record i has replaced a condition that stands after it in the deck.
+  !> Warn if record i has replaced a condition that comes after it in the deck.
   subroutine warn_replaced(draft, i, mesh, active, new, bc, before, found)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: i
@@ -302,7 +302,7 @@ contains
       if (kind /= C_TABLE) hint = 'write '//trim(WORDS(r%word))//',ADD to keep both'
       call warn(trim(WORDS(r%word))//' replaces the '//trim(VALUES(kind))//' that '//other &
                 //' gives to node '//to_text(n)//': '//trim(WORDS(r%word))//' acts after ' &
-                //word//', wherever it stands', r%place, hint)
+                //word//', regardless of their order in the deck', r%place, hint)
     end associate
   end subroutine warn_replaced
 

@@ -75,8 +75,8 @@ contains
         depth = depth + 1
         if (depth > list%n .or. any(master == list%slave(i))) then
           call fail(error, DECK_ERROR, named(mesh, list%slave(i)) &
-                    //' depends on itself', list%place(i), 'remove a constraint: the masters of ' &
-                    //'this node follow it in turn')
+                    //' depends on itself', list%place(i), 'remove a constraint: masters of this ' &
+                    //'node are in turn slaves of it')
           return
         end if
         j = findloc(mark(master) > 0, .true., 1)

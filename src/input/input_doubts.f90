@@ -180,7 +180,7 @@ contains
   !!
   !! - Linear displacement elements lock. As an example, a cube of 3 x 3 x 3 elements with a
   !!   Poisson's ratio of 0.499 is squeezed between rough plates. The force on it, divided by that
-  !!   of a fine mesh, is 16 with Q1, 1.1 with Q1E9 (also with a layer ENRIch ... EAS), and 1.2
+  !!   of a fine mesh, is 16 with Q1, 1.1 with Q1E9 (even with a layer ENRIch ... EAS), and 1.2
   !!   with Q2. The hint names neither IGA 2 (1.6) nor layers ENRIch ... EAS on Q1 (7.5), where
   !!   the elements below the layer lock.
   !! - Quadratic displacement elements have displacements that are a few percent too small, but

@@ -49,7 +49,7 @@ contains
 
     if (announced == 0 .or. found <= announced) return
     call fail(error, DECK_ERROR, 'the deck has '//to_text(found)//' '//what//', but '//name &
-              //' of its control record is '//to_text(announced), draft%control%place, &
+              //' in its control record is '//to_text(announced), draft%control%place, &
               'correct '//name//', or write '//name//' = 0 and let the program count')
     call draft%errors%add(error)
   end subroutine compare

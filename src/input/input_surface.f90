@@ -165,8 +165,8 @@ contains
       end if
     else if (ninner > 0) then
       call fail(error, DECK_ERROR, 'the surface lies inside a body: the '//to_text(ninner) &
-                //' element faces on it belong to two elements', r%place, 'a pressure acts on ' &
-                //'the outer faces of a body; FORCe and EFORce load nodes inside')
+                //' element faces on it each belong to two elements', r%place, 'a pressure acts ' &
+                //'on the outer faces of a body; FORCe and EFORce load nodes inside')
     else
       call fail(error, DECK_ERROR, 'no element face lies on the surface', r%place, 'number its ' &
                 //'points 1 2 3 4 counter-clockwise as seen from outside; or widen the search ' &

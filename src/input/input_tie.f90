@@ -87,7 +87,7 @@ contains
     if (.not. distance(worst) > VISIBLE*min(edge(worst), edge(new(worst)))) return
     call warn('TIE joins nodes that are '//to_text(distance(worst), 3) &
               //' apart in elements of size '//to_text(min(edge(worst), edge(new(worst))), 3), &
-              draft%tie(1)%place, 'the default tolerance is a fraction of the whole mesh; ' &
+              draft%tie(1)%place, 'the default tolerance is a fraction of the mesh extent; ' &
               //'give a smaller one: TIE,,,,tolerance')
   end subroutine warn_distant
 

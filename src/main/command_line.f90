@@ -188,7 +188,7 @@ contains
                         'choose the folder with -o')
       end if
       if (verify(value, '.') == 0) then
-        call fail_usage(error, 'expected a name of files, found '//quoted(value), &
+        call fail_usage(error, 'expected a file name, found '//quoted(value), &
                         'choose the folder with -o')
       end if
       options%stem = value

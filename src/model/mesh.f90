@@ -30,7 +30,7 @@ module mesh
     integer, allocatable :: isurface(:)     !! (nelem)
   end type extraction_t
 
-  !> Elements of one type, one material and one number of nodes.
+  !> Elements with the same type, material and number of nodes.
   type :: block_t
     character(16) :: name = ''     !! as reported: Q1, Q1E9, Q1N2.1, IGA2, ...
     type(element_t) :: row

@@ -151,7 +151,7 @@ contains
       end if
       if (path%trial) then
         call end_trial(path)
-        call log_line('path: load control again from time '//to_text(state%time))
+        call log_line('path: load control takes over again at time '//to_text(state%time))
         return
       end if
       if (path%active == BY_INERTIA) then
@@ -167,7 +167,7 @@ contains
         off = off .and. state%dt > 0.0_wp ! at a decreasing load the bonds would close again
         if (off .and. path%method == PATH_RELEASE) then
           call end_trial(path)
-          call log_line('path: load control again from time '//to_text(state%time) &
+          call log_line('path: load control takes over again at time '//to_text(state%time) &
                         //': all bonds are released')
           return
         end if
@@ -285,7 +285,7 @@ contains
         if (.not. adds_inertia(step, model, state, 'arc length control ends', &
                                'bonds close again')) call end_continuation(path)
       else if (opens_again(path, released)) then
-        call log_line('path: control of the release again from time '//to_text(state%time))
+        call log_line('path: control of the release takes over again at time '//to_text(state%time))
       end if
     end associate
   end subroutine adapt_arc_control

@@ -254,7 +254,7 @@ contains
     if (allocated(error)) return
     if (pass%ok .and. step%control%automatic) then
       if (flies_off(model, state)) then
-        pass%trouble = 'a body that nothing holds has moved far away'
+        pass%trouble = 'a body that is not held has moved far away'
         pass%ok = .false.
       else if (.not. step%newton%converged) then
         pass%trouble = 'no convergence'

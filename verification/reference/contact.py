@@ -25,7 +25,7 @@ def norm(a):
 class HalfPass:
     """The points of side k (own) against the surface of side l (other), with their history.
 
-    exact: a slipping point's sliding point is moved exactly, else to first order; see _behind.
+    exact: a slipping point's sliding point is moved exactly, otherwise to first order; see _behind.
     """
 
     def __init__(self, own, other, penalty, mu=0.0, depth=np.inf, exact=True):

@@ -74,7 +74,7 @@ def build(name, mesh, mu, exact=True):
 
 
 def run(name, mu, mesh=1, degrees=180, exact=True, down=20):
-    """Yield (degrees, P1, M1, P2, M2, t1, t2) at 0 and after each 3 degrees.
+    """Yield (degrees, P1, M1, P2, M2, t1, t2) at 0 and after every 3 degrees.
 
     P, M: force along z and torque about z on the hemisphere (1) and the block (2); t: the largest
     |t_x| of Table 5. exact: see HalfPass.

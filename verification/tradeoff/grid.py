@@ -130,7 +130,9 @@ def penalties():
 
 
 def schemes():
-    """Two half passes, the default, BALAnced (also with larger penalties), subcells at the boundary."""
+    """Two half passes, the default scheme, BALAnced (with larger penalties too), and subcells at
+    the boundary.
+    """
     for mesh, types in ((1, (*BEST, "Q2")), (2, BEST)):
         for name in types:
             plain = new_run("scheme", "half passes", mesh, name)

@@ -96,7 +96,8 @@ class Contact(Folder):
         self.assertIn("the smallest gap was 0.05 at", said)
         self.assertIn(", at the start\n", said)
         said, _ = self.run_deck("back_to_back")
-        self.assertIn("'c' has not closed in any step: no point of one side came opposite", said)
+        self.assertIn("'c' has not closed in any step: no point of one side was ever opposite",
+        said)
 
     def test_a_contact_that_closes_is_not_noted(self):
         for name in ("narrow", "closed_gap", "slide"):
@@ -135,7 +136,7 @@ class Contact(Folder):
         (self.at / "tool.inp").write_text(TOOL)
         said = self.run_bezel("--check", "tool.inp").stderr
         self.assertIn(away, said)
-        self.assertIn("hint: REVErse in SPLIne,tool turns its normal round", said)
+        self.assertIn("hint: REVErse in SPLIne,tool reverses its normal", said)
         (self.at / "tool.inp").write_text(TOOL.replace("RIGId\n", "RIGId\n  REVErse\n"))
         self.assertNotIn("warning:", self.run_bezel("--check", "tool.inp").stderr)
 
