@@ -96,8 +96,9 @@ class Contact(Folder):
         self.assertIn("the smallest gap was 0.05 at", said)
         self.assertIn(", at the start\n", said)
         said, _ = self.run_deck("back_to_back")
-        self.assertIn("'c' has not closed in any step: no point of one side was ever opposite",
-        said)
+        self.assertIn(
+            "'c' has not closed in any step: no point of one side was ever opposite", said
+        )
 
     def test_a_contact_that_closes_is_not_noted(self):
         for name in ("narrow", "closed_gap", "slide"):
