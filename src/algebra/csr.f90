@@ -235,8 +235,8 @@ contains
     a%val = 0.0_wp
   end subroutine set_zero
 
-  !> Add up the diagonal blocks that the ranks have of a matrix that they share; diagonal_block uses
-  !! the sums.
+  !> For a matrix that ranks share, add up the diagonal blocks of all ranks; diagonal_block uses the
+  !! sums.
   subroutine sum_diagonal(a)
     type(block_matrix_t), intent(inout) :: a
     real(wp), allocatable :: list(:, :)
@@ -390,8 +390,8 @@ contains
     total = list(1, :)
   end subroutine row_sums
 
-  !> Add one element matrix. To a symmetric matrix only the blocks on and above its diagonal are
-  !! added; k must then be symmetric.
+  !> Add one element matrix. If the matrix is symmetric, only the blocks on and above its diagonal
+  !! are added, and k must be symmetric.
   pure subroutine add_element(a, map, k)
     type(block_matrix_t), intent(inout) :: a
     integer, intent(in) :: map(:, :)  !! (nen, nen) block positions, 0: not stored (element_map)

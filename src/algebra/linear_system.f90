@@ -175,8 +175,8 @@ contains
     estimate_mb = self%factors%estimate_mb
   end function estimate_mb
 
-  !> The ways of AUTO to store factors, from the largest to the smallest memory, with the memory of
-  !! a factorisation in each.
+  !> AUTO's ways of storing factors, from the one that needs most memory to the one that needs
+  !! least, with the memory of a factorisation in each.
   subroutine list_memory(self, a, way, mb, error)
     class(linear_system_t), intent(in) :: self
     type(block_matrix_t), intent(in) :: a

@@ -96,8 +96,8 @@ contains
     end do
   end subroutine iterate
 
-  !> Orthonormalise by the Gram-Schmidt method, taking the longest column next. This is done twice
-  !! because the columns are almost parallel.
+  !> Orthonormalise by the Gram-Schmidt method, always continuing with the longest remaining column.
+  !! This is done twice because the columns are almost parallel.
   pure subroutine orthonormalise(q)
     real(wp), intent(inout) :: q(:, :)
     real(wp) :: length(size(q, 2)), column(size(q, 1))

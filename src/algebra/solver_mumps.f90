@@ -1,6 +1,6 @@
 !> The sparse direct solver MUMPS in double or single precision, with or without low-rank
-!! compression, with factors in memory or on disk. MUMPS writes them into the folder that the
-!! environment variable MUMPS_OOC_TMPDIR names.
+!! compression, with factors in memory or on disk. Factors on disk are written into the folder that
+!! the environment variable MUMPS_OOC_TMPDIR names.
 !! Source: Amestoy, Duff, L'Excellent and Koster 2001 [bib: amestoy2001]; users' guide of MUMPS 5.5
 module solver_mumps
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite

@@ -8,7 +8,7 @@ module base_agreement
 
 contains
 
-  !> Give the first error that any rank has to all ranks that have none.
+  !> Copy the first error of any rank to all ranks without an error.
   !!
   !! This must be called after anything that only the first rank does, such as writing a file. It is
   !! also needed if all ranks do the same, as when they read the deck, because one of them may fail

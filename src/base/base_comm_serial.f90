@@ -54,7 +54,7 @@ contains
     this_rank = 1
   end function this_rank
 
-  !> Does this rank form the derivatives of item i of a list that the ranks divide?
+  !> Does this rank form the derivatives of item i of a list that is divided among the ranks?
   pure logical function owns(i)
     integer, intent(in) :: i !! from 1
 
@@ -62,7 +62,7 @@ contains
     owns = .true.
   end function owns
 
-  !> Is this the first rank, which writes all files and the screen?
+  !> Is this the first rank, which writes all files and writes on the screen?
   pure logical function is_root()
 
     is_root = .true.

@@ -24,7 +24,7 @@ contains
     end if
   end subroutine warn_commands
 
-  !> Warn at the first command of a name, if there is one.
+  !> Warn at the first command with a given name, if there is one.
   subroutine warn_idle(run, key, message, hint)
     type(run_t), intent(in) :: run
     character(4), intent(in) :: key
@@ -35,7 +35,7 @@ contains
     if (i > 0) call warn(message, run%program%command(i)%record%place(1), hint)
   end subroutine warn_idle
 
-  !> Position of the first command of a name; 0: there is none.
+  !> Position of the first command with a given name; 0: there is none.
   pure integer function first(run, key) result(i)
     type(run_t), intent(in) :: run
     character(4), intent(in) :: key

@@ -90,7 +90,7 @@ contains
       quantity%id = Q_NODAL
     case default
       call fail(error, DECK_ERROR, "unknown history '"//record%text(1)//"'", record%place(1), &
-                USAGE//'; stresses: CURVe with STREss')
+                USAGE//'; for stresses use CURVe with STREss')
       return
     end select
     call get_integer(run%deck, record, 2, node, error, 0)

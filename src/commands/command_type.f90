@@ -110,8 +110,8 @@ module command_type
   end type files_t
 
   !> The last point from which a restart repeats this run to the last bit. With FULL factorisation,
-  !! the end of any step is such a point. If factors are kept, such a point requires that they have
-  !! been discarded.
+  !! the end of any step is such a point. With kept factors, it is such a point only if the factors
+  !! were discarded there.
   type :: restart_point_t
     logical :: set = .false.
     type(state_t) :: state

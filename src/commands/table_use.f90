@@ -1,5 +1,5 @@
-!> Which loads and motions follow which load table, and warnings where a table does not act as it is
-!! probably meant.
+!> Which loads and motions follow which load table, and warnings if a table probably does not act as
+!! intended.
 module table_use
   use base_error, only: place_t
   use base_kinds, only: wp

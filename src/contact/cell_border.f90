@@ -36,7 +36,8 @@ module cell_border
 
 contains
 
-  !> The point on [-1,1] at which the function f_k of a bent edge is one; symmetric about zero.
+  !> The point on [-1,1] at which the function f_k of a bent edge is one; these points are symmetric
+  !! about zero.
   pure real(wp) function bend_at(k) result(t)
     integer, intent(in) :: k
 

@@ -28,7 +28,7 @@ module contact_bond
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
   real(wp), parameter :: NEARLY = 1.0e-6_wp   !! rounding of positions computed in two ways
 
-  !> Traction of a bonded point on its reference area, and its derivatives.
+  !> Traction of a bonded point per reference area, and its derivatives.
   type :: bond_traction_t
     real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
     real(wp) :: dtdg(3, 3) = 0.0_wp    !! with respect to g [F/L^3]

@@ -43,7 +43,8 @@ module contact_cells
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
 
-  !> Gauss points of every order, and the functions that bend the edges of cells there.
+  !> Gauss points of every order, and the values at these points of the functions that bend the
+  !! edges of cells.
   type :: rule_t
     real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) of order n
     real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)

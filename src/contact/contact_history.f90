@@ -22,7 +22,7 @@ module contact_history
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
             side_positions, enter_slide, accept_slides, trail_behind
 
-  !> A point lies at a surface if its distance from it is less than this fraction of DEPTh.
+  !> A point lies at a surface if its distance from the surface is less than this fraction of DEPTh.
   real(wp), parameter, public :: BESIDE = 0.1_wp
 
   integer, parameter :: MOST_STEPS = 20

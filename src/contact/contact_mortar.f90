@@ -301,8 +301,8 @@ contains
 
   !> Friction of the previous step at xi in element e: a mean over the points of the element, with
   !! weights that fall with the fourth power of the distance (Shepard 1968). A point that has not
-  !! moved keeps its values, and values change continuously with the cells, so that rounding cannot
-  !! select them. All values are zero if the element had no points.
+  !! moved keeps its values, and values change continuously with the cells, so that they do not
+  !! depend on rounding errors. All values are zero if the element had no points.
   pure subroutine last_friction(rubbed, e, xi, elastic, slip_rate, limit)
     type(friction_points_t), intent(in) :: rubbed
     integer, intent(in) :: e

@@ -173,9 +173,9 @@ module contact_pair
     real(wp), allocatable :: limit_step(:)   !! (np) at the start of the step
     real(wp), allocatable :: pressed(:)      !! (np) energy of the pressure, times the area [F L]
     real(wp), allocatable :: area(:)         !! (np) current area of the point [L^2]
-    !> MORTAR: (NSPREAD, n) sums over the points of the cells of their values times the functions of
-    !! the n nodes of the side, for smooth fields (contact_smooth). If it is not allocated, the
-    !! fields are found from the integration points.
+    !> MORTAR: (NSPREAD, n) sums over the points of the cells, of the values at a point times the
+    !! functions of the n nodes of the side there, for smooth fields (contact_smooth). If it is not
+    !! allocated, the fields are found from the integration points.
     real(wp), allocatable :: spread(:, :)
   end type contact_points_t
 

@@ -48,7 +48,8 @@ module contact_start
     real(wp) :: width(2) = 0.0_wp        !! mean width of the elements that are nearest [L]
     real(wp) :: gap = huge(1.0_wp)       !! smallest gap of a point outside the other body [L]
     real(wp) :: x_gap(3) = 0.0_wp        !! the point that has it [L]
-    !> Self-contact: points no farther than DEPTh from the far side of the body, and one of them.
+    !> Self-contact: number of points no farther than DEPTh from the far side of the body, and one
+    !! of these points.
     integer :: nthrough = 0
     real(wp) :: x_through(3) = 0.0_wp
   end type start_t

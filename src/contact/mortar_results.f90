@@ -24,8 +24,9 @@ module mortar_results
 
 contains
 
-  !> Accept a step: keep what friction needs in the next one, find the energies, and set the results
-  !! at the integration points for fields, curves and reports. Tractions refer to the current area.
+  !> Accept a step: keep what friction needs in the next step, find the energies, and set the
+  !! results at the integration points for fields, curves and reports. Tractions refer to the
+  !! current area.
   subroutine accept_mortar(mortar, contact, k, shape, grid, state)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact

@@ -333,7 +333,7 @@ contains
 
   !> Change to an element around the nearest vertex if the distance decreases there. An element
   !! whose collapsed edge is the vertex is entered along those two of its edges that end there; both
-  !! are in the ring.
+  !! edges are in the ring.
   pure subroutine try_ring(surface, shape, x, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

@@ -6,7 +6,7 @@
 !! deformation, is continued linearly and turns with the body. If rotations were continued linearly,
 !! bodies would grow. Prescribed displacements take their values at the end of the step.
 !!
-!! There is a predictor only if all contacts of the model have the mortar scheme. The iterations of
+!! There is a predictor only if all contacts of the model use the mortar scheme. The iterations of
 !! HALFpass thus remain those of the published scheme.
 module predictor
   use base_kinds, only: wp

@@ -131,7 +131,8 @@ class HalfPass:
     def largest(self, direction):
         """The largest component of the smoothed tangential traction (Sauer 2013), Table 5.
 
-        T_A = int R_A t da / int R_A da at the control points, sought at 10 x 10 points per element.
+        T_A = int R_A t da / int R_A da at the control points; the maximum is sought at 10 x 10
+        points per element.
         """
         own = self.own
         tangents = np.einsum("pva,pai->vpi", own.functions[:, 1:3], self.x[own.nodes])
