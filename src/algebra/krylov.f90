@@ -5,6 +5,7 @@ module krylov
   use base_error, only: error_t
   use base_kinds, only: wp
   use csr, only: block_matrix_t, multiply_free, row_sums
+  use factor_correction, only: correction_t, add_correction
   use solver_type, only: solver_t
   implicit none
   private
@@ -80,10 +81,11 @@ contains
   !> Solve by restarted GMRES with the preconditioner on the right; x starts at zero. The
   !! preconditioned vectors are kept (the flexible form), which saves one solve in each cycle.
   !! Source: Saad 1993 [bib: saad1993]
-  subroutine gmres(a, eq, solver, b, x, limit, tolerance, report, error, hurries)
+  subroutine gmres(a, eq, solver, correction, b, x, limit, tolerance, report, error, hurries)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
     class(solver_t), intent(inout) :: solver
+    type(correction_t), intent(inout) :: correction !! of the solver, if it acts
     real(wp), intent(in) :: b(:)
     real(wp), intent(out) :: x(:)
     integer, intent(in) :: limit
@@ -113,6 +115,10 @@ contains
         call solver%solve(z(:, j:j), error)
         if (allocated(error)) return
         report%iterations = report%iterations + 1
+        if (correction%acts) then
+          call add_correction(correction, a, eq, v(:, j), z(:, j), v(:, j + 1), xn, yn, error)
+          if (allocated(error)) return
+        end if
         call multiply_free(a, eq, z(:, j), v(:, j + 1), xn, yn)
         h(:, j) = 0.0_wp
         do i = 1, j ! modified Gram-Schmidt

@@ -18,6 +18,9 @@
 !! precision turn out not to suffice, they are made in double precision from then on. If the caller
 !! needs the signs of the pivots or of the determinant, AUTO finds them as FULL does.
 !!
+!! If kept factors no longer suffice, they are corrected where the matrix has changed most, as it
+!! does in a contact (factor_correction), before they are given up.
+!!
 !! A kept factorisation becomes less useful as the matrix changes. The cost of a digit, averaged
 !! over the life of a factorisation, is least if the factorisation is replaced as soon as a digit
 !! costs more than the average so far. Costs are counted in iterations; the operation count of a
@@ -31,6 +34,7 @@ module linear_system
   use base_text, only: to_text
   use csr, only: block_matrix_t
   use definiteness, only: is_still_definite
+  use factor_correction, only: correction_t, note_matrix, correct, forget_correction
   use krylov, only: krylov_report_t, conjugate_gradients, gmres
   use tangent_factors, only: solve_report_t, factors_t, storage_t, new_factors, take_equations, &
                              analyse, use_precision, memory_of, describe_storage, renew, &
@@ -43,7 +47,10 @@ module linear_system
   integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4, AUTO = 5
 
   real(wp), parameter :: SMALLEST = 1.0e-100_wp, LARGEST = 1.0e100_wp !! of unscaled loads
-  integer, parameter :: MOST_ATTEMPTS = 3 !! one each with old, new and exact factors
+  !> With old factors, with their correction, with new factors, with exact ones.
+  integer, parameter :: MOST_ATTEMPTS = 4
+  !> Largest cost of a correction, relative to that of new factors.
+  real(wp), parameter :: WORTHWHILE = 0.3_wp
   integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
   real(wp), parameter :: FEWEST_DIGITS = 2.0_wp !! of a solve; iterations are whole numbers
   integer, parameter :: LEAST_LIMIT = 10 !! smallest limit on the iterations with other factors
@@ -79,6 +86,8 @@ module linear_system
     type(factors_t), private :: factors
     logical, private :: current = .false.  !! the factors are those of the last matrix
     type(reuse_policy_t), private :: policy
+    type(correction_t), private :: correction
+    logical, private :: corrects = .false. !! solves correct the factors: once it was needed
     real(wp), allocatable, private :: probe(:) !! (neq) load that shows indefiniteness
   contains
     procedure :: solve
@@ -228,6 +237,12 @@ contains
     if (allocated(error)) return
     inexact = .not. ls%factors%exact
     do attempt = 1, MOST_ATTEMPTS
+      if (ls%corrects .and. .not. (ls%current .or. ls%policy%due)) then
+        call correct(ls%correction, a, ls%factors%eq, error)
+        if (allocated(error)) return
+        if (cost_of_correction(ls, 0) > WORTHWHILE*ls%policy%worth) ls%correction%acts = .false.
+        ls%policy%due = attempt > 1 .and. .not. ls%correction%acts
+      end if
       if (ls%policy%due .or. .not. ls%factors%valid) then
         call factorise(ls, a, report, error)
         if (allocated(error) .or. report%singular) return
@@ -239,6 +254,10 @@ contains
       end if
       call iterate(ls, a, rhs, x, tolerance, run, report, error)
       if (allocated(error) .or. run%converged) exit
+      if (.not. (ls%current .or. ls%corrects)) then
+        ls%corrects = .true.
+        cycle
+      end if
       if (ls%current .and. ls%factors%exact) then ! there are no better factors
         call look_for_motions(ls%factors, a, report%null, error)
         report%singular = size(report%null) > 0
@@ -253,8 +272,26 @@ contains
     report%gave_up_single = ls%automatic .and. inexact .and. ls%factors%exact
     report%converged = run%converged
     report%residual = run%residual
-    call note_solve(ls%policy, run%iterations, max(FEWEST_DIGITS, -log10(tolerance)))
+    call note_solve(ls%policy, run%iterations, max(FEWEST_DIGITS, -log10(tolerance)), &
+                    cost_of_correction(ls, run%iterations))
+    if (ls%policy%due .and. .not. ls%corrects .and. ls%mode /= FULL) then
+      ls%corrects = .true. ! the next solve is given a chance with a correction
+      ls%policy%due = .false.
+    end if
   end subroutine solve
+
+  !> Cost of a correction and of its use, in iterations.
+  pure real(wp) function cost_of_correction(ls, iterations) result(cost)
+    class(linear_system_t), intent(in) :: ls
+    integer, intent(in) :: iterations
+
+    cost = 0.0_wp
+    if (.not. ls%correction%acts) return
+    associate (part => ls%correction%solver%info, whole => ls%factors%solver%info)
+      cost = (iterations + cost_of(part%flops, part%entries))*part%entries &
+             /max(1.0_wp, whole%entries)
+    end associate
+  end function cost_of_correction
 
   !> AUTO: after a solve that did not need the signs of the pivots, find those of the last matrix.
   subroutine find_signs(ls, a, report, error)
@@ -298,6 +335,7 @@ contains
     call note_factorisation(ls%policy, ls%factors%solver%info%flops, &
                             ls%factors%solver%info%entries)
     if (allocated(ls%probe)) deallocate (ls%probe) ! it depends on the factors
+    if (ls%mode /= FULL) call note_matrix(ls%correction, a)
     ls%current = ls%factors%valid
     report%singular = .not. ls%factors%valid
     report%converged = ls%factors%valid
@@ -367,7 +405,7 @@ contains
     if (power /= 0) b = scale(rhs, -power)
     start = seconds_of_both()
     limit = iteration_limit(ls%policy, ls%current, ls%factors%exact)
-    definite = is_definite(ls, a)
+    definite = is_definite(ls, a) .and. .not. ls%correction%acts
     if (definite) then
       call conjugate_gradients(a, ls%factors%eq, ls%factors%solver, b, x, limit, tolerance, &
                                run, error, hurries=.not. ls%current)
@@ -377,8 +415,8 @@ contains
     ! If old factors led to a direction of negative curvature, new factors are made first, because
     ! their pivots show whether the matrix is indefinite.
     if (.not. definite .or. (run%indefinite .and. ls%current .and. .not. run%converged)) then
-      call gmres(a, ls%factors%eq, ls%factors%solver, b, x, limit, tolerance, run, error, &
-                 hurries=.not. ls%current)
+      call gmres(a, ls%factors%eq, ls%factors%solver, ls%correction, b, x, limit, tolerance, &
+                 run, error, hurries=.not. ls%current)
       if (allocated(error)) return
       report%iterations = report%iterations + run%iterations
       report%used_gmres = .true.
@@ -408,6 +446,8 @@ contains
     class(linear_system_t), intent(inout) :: self
 
     self%policy = reuse_policy_t()
+    self%corrects = .false.
+    call forget_correction(self%correction)
     call start_anew(self%factors)
   end subroutine force_refactor
 
@@ -458,13 +498,17 @@ contains
   end subroutine note_factorisation
 
   !> Record the iterations of a solve.
-  pure subroutine note_solve(policy, iterations, digits)
+  pure subroutine note_solve(policy, iterations, digits, more)
     type(reuse_policy_t), intent(inout) :: policy
     integer, intent(in) :: iterations
     real(wp), intent(in) :: digits  !! decimal digits by which the residual had to fall
+    real(wp), intent(in), optional :: more !! further cost of the solve, in iterations
+    real(wp) :: cost
 
-    if (policy%digits > 0.0_wp) policy%due = iterations*policy%digits > policy%spent*digits
-    policy%spent = policy%spent + iterations
+    cost = iterations
+    if (present(more)) cost = cost + more
+    if (policy%digits > 0.0_wp) policy%due = cost*policy%digits > policy%spent*digits
+    policy%spent = policy%spent + cost
     policy%digits = policy%digits + digits
   end subroutine note_solve
 

@@ -20,7 +20,7 @@ module tangent_factors
   private
   public :: solve_report_t, factors_t, storage_t, new_factors, take_equations, analyse, &
             use_precision, renew, look_for_motions, be_exact, start_anew, drop, describe_storage, &
-            memory_of
+            memory_of, find_order
 
   !> A way to store factors.
   type :: storage_t
