@@ -11,7 +11,7 @@ module input_where
   implicit none
   private
   public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, unknown_face
-  public :: warn_far, warn_layers
+  public :: equally_near, warn_between, warn_far, warn_layers
 
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
                                 W_GROUP = 6
@@ -253,6 +253,7 @@ contains
       i = findloc(on, .true., 1)
       call check_near(mesh, place, i, error)
       if (allocated(error)) return
+      call warn_between(mesh, on, all_near, place%place)
       if (.not. all_near) on(i + 1:) = .false.
     case default ! W_PLANE
       associate (x => mesh%xr(place%direction, :))
@@ -328,6 +329,22 @@ contains
       call warn_far(mesh, place%x, node, place%place)
     end if
   end subroutine check_near
+
+  !> Warn about a point between nodes that are equally near. Nodes at one place, of several bodies,
+  !! are what a point may well mean.
+  subroutine warn_between(mesh, on, all_near, place)
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: on(:)       !! (nnode) the nodes that are equally near
+    logical, intent(in) :: all_near    !! all of them are taken, otherwise the first
+    type(place_t), intent(in) :: place !! of the point in the deck
+    character(:), allocatable :: taken
+
+    if (extent_of(mesh, on) <= sqrt(POINT_GAP)*extent_of(mesh, mesh%used)) return
+    taken = 'all are taken, which may clamp a rotation'
+    if (.not. all_near) taken = 'the first is taken'
+    call warn(to_text(count(on))//' nodes at different places are equally near to the point: ' &
+              //taken, place, 'move the point nearer to the node that is meant')
+  end subroutine warn_between
 
   !> Warn about a point that is farther from its nearest node than this node is from the other nodes
   !! of its elements.
