@@ -80,8 +80,8 @@ def difference(one, other, stem):
 
 
 def recover(bezel, out, run_, parts=3):
-    """Stop a run in the middle and once more, continue it, and compare: a row of the table, or None
-    if the deck is rejected or the run stops by itself.
+    """Stop a run several times, continue it each time, and compare: a row of the table, or None if
+    the deck is rejected or the run stops by itself.
     """
     folder = out / run_.name
     whole, broken = folder / "whole", folder / "stopped"

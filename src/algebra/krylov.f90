@@ -15,7 +15,7 @@ module krylov
   type :: krylov_report_t
     logical :: converged = .false.
     logical :: indefinite = .false.    !! conjugate gradients met a direction of negative curvature
-    logical :: slow = .false.          !! it was given up early
+    logical :: slow = .false.          !! the solve was abandoned early
     integer :: iterations = 0          !! number of applications of the preconditioner
     real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed rather than estimated
   end type krylov_report_t

@@ -223,8 +223,9 @@ contains
     call agree(error)
   end subroutine find_order
 
-  !> After the analysis, choose the precision of the first way; the analysis is repeated if it was
-  !! made for the other precision. If memory is too short for the first way, nothing changes.
+  !> After the analysis, choose the precision of the first way of storing factors; the analysis
+  !! is repeated if it was made for the other precision. If memory is too short for the first way,
+  !! nothing changes.
   subroutine use_precision(factors, single, a, error)
     type(factors_t), intent(inout) :: factors
     logical, intent(in) :: single

@@ -88,7 +88,7 @@ contains
                       '1 k tmin tmax a1 a2 a3 a4 a5')
           end if
         case (2)
-          call check_count(record, 1, 2, '2 n, then pairs t p, one in a record, and a blank ' &
+          call check_count(record, 1, 2, '2 n, then pairs t p, one per record, and a blank ' &
                            //'record', error)
           if (.not. allocated(error)) call read_pairs(run, record, table, error)
         case default
@@ -149,7 +149,7 @@ contains
     end do
     if (size(table%t) == 0) then
       call fail(error, DECK_ERROR, 'the load table has no pairs', opening%place(1), &
-                'after `2 n` put pairs t p, one in a record, and a blank record')
+                'after `2 n` put pairs t p, one per record, and a blank record')
     end if
   end subroutine read_pairs
 

@@ -280,7 +280,8 @@ contains
     if (abs(xi((side + 1)/2) - merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1)) >= ARRIVED) side = 0
   end function vertex_at
 
-  !> The collapsed side that the step d would pass from nearby, before any other edge; 0: none.
+  !> The collapsed side that is close to the iterate and that the step d would pass before any other
+  !! edge; 0: there is none.
   pure integer function vertex_ahead(surface, iterate, d) result(side)
     type(surface_t), intent(in) :: surface
     type(iterate_t), intent(in) :: iterate

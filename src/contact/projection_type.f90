@@ -27,8 +27,8 @@ module projection_type
     real(wp) :: n(3) = 0.0_wp  !! unit outward normal; on ridges, at vertices a mean
     !> [L] negative inside; on a ridge or at a vertex the distance with that sign
     real(wp) :: gap = huge(1.0_wp)
-    !> If there is no projection: the closest point of the outer boundary. Element 0 means that no
-    !! boundary is near.
+    !> The closest point of the outer boundary, found if there is no projection. Element 0 means
+    !! that no boundary is near.
     integer :: outer = 0
     real(wp) :: outer_xi(2) = 0.0_wp
     real(wp) :: outer_gap = 0.0_wp          !! [L] height above the tangent plane there

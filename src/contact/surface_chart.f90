@@ -2,9 +2,9 @@
 !! element is collapsed to a point, as on the triangles of tetrahedra, wedges and pyramids.
 !!
 !! The parameters of a triangle are singular at its vertex, the collapsed edge: a straight line in
-!! the plane is a hyperbola in the parameters, steep near the vertex. Let h be the distance from the
-!! vertex, 0 there and 1 at the opposite edge, f the parameter along that edge and g the other one.
-!! The chart is
+!! the plane is a hyperbola in the parameters, which is steep near the vertex. Let h be the distance
+!! from the vertex, 0 there and 1 at the opposite edge, f the parameter along that edge and g the
+!! other one. The chart is
 !!
 !!   u_f = h xi_f,   u_g = xi_g.
 !!

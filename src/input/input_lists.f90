@@ -23,8 +23,8 @@ module input_lists
     real(wp), allocatable :: value(:, :)     !! (3, n) DISP [L]
     integer, allocatable :: table(:, :)      !! (3, n) FPRO
     type(place_t) :: disp                    !! place of the first record of DISP
-    !> Number of records by position (condition_entry_t) that precede the first BOUN, DISP, FORC and
-    !! FPRO in the deck; -1: there is none.
+    !> How many records by position (condition_entry_t) precede the first BOUN, the first DISP, the
+    !! first FORC and the first FPRO in the deck; -1: there is no such record.
     integer :: after(4) = -1
   end type node_list_t
 

@@ -1,4 +1,4 @@
-!> TYPE RIGId: patches that are moved, so that their displacements are not unknowns.
+!> TYPE RIGId: patches whose motion is prescribed, so that their displacements are not unknowns.
 !!
 !! The displacements of their control points are prescribed by the MOVEs that name the patch, and
 !! zero otherwise. A rigid patch moves as a whole: any of its faces stands for the whole patch.

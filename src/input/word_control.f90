@@ -77,8 +77,8 @@ contains
         if (.not. allocated(error)) call get_integer(deck, record, 2, n(i), error)
         if (allocated(error)) return
         if (n(i) < 0) call fail(error, DECK_ERROR, record%text(1)//' is '//to_text(n(i)), &
-                                record%place(2), 'give a positive number, or 0 for the program ' &
-                                //'to count')
+                                record%place(2), 'give a positive number, or 0 to let the ' &
+                                //'program count')
         if (i == NDM) draft%control%place = record%place(2)
         if (.not. allocated(error)) call deck%next_of_set(record, error)
         if (allocated(error)) return
@@ -93,8 +93,8 @@ contains
       if (allocated(error)) return
       i = findloc(n < 0, .true., 1)
       if (i > 0) call fail(error, DECK_ERROR, 'number '//to_text(i)//' of the control record is ' &
-                           //to_text(n(i)), record%place(i), 'give a positive number, or 0 for ' &
-                           //'the program to count')
+                           //to_text(n(i)), record%place(i), 'give a positive number, or 0 to ' &
+                           //'let the program count')
     end if
     if (allocated(error)) return
     associate (c => draft%control)

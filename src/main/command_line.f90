@@ -121,8 +121,8 @@ contains
     end if
   end subroutine parse_arguments
 
-  !> Find name and value of the option at argument i. If the value is the next argument, i moves on
-  !! to it.
+  !> Find name and value of the option at argument i. If the value is the next argument, i is
+  !! advanced to that argument.
   subroutine take_option(arguments, i, name, row, value, error)
     character(*), intent(in) :: arguments(:)
     integer, intent(inout) :: i

@@ -1,4 +1,4 @@
-!> --list: prints what the program knows, from the tables with which the deck is read.
+!> --list: prints the words of the deck, from the tables that are used to read it.
 module program_list
   use command_table, only: load_commands
   use command_type, only: command_row_t

@@ -58,9 +58,9 @@ contains
   !> Bound on the error of the rule in a step, from the changes of displacement and force in this
   !! step and in the previous one.
   !!
-  !! If the force varies monotonically, the work lies between the works of its first value and of
-  !! its last value, each held constant, so the error is at most half of |rise.du|. If the force is
-  !! a convex or a concave function of the displacement over both steps, the work also lies between
+  !! If the force varies monotonically, the work lies between those of two constant forces, equal to
+  !! its first and to its last value, so the error is at most half of |rise.du|. If the force is a
+  !! convex or a concave function of the displacement over both steps, the work also lies between
   !! those of two linear forces: the chord of this step, and the continued chord of the previous
   !! step. The latter changes by r rise_before, where r du_before is as long as du. A change of
   !! direction adds to the bound. The smaller bound is used.

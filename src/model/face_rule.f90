@@ -13,7 +13,7 @@ contains
   !! a constant pressure on a polynomial face of degree p exactly, that is, up to degree 3p - 1 in
   !! each direction; with `order`, they integrate a pressure that is a polynomial of that degree in
   !! the position, up to degree 3p - 1 + order*p. If the rule of the element has more points in a
-  !! direction, the face gets as many (rational faces, QUADrature).
+  !! direction (rational faces, QUADrature), the face gets the same number.
   subroutine face_points(degree, inner, side, xi, w, order)
     integer, intent(in) :: degree(3)               !! of the cell
     real(wp), intent(in) :: inner(:, :)            !! (3, n) points of the element's rule

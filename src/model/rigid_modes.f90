@@ -259,7 +259,7 @@ contains
     end do
   end function rigid_motion
 
-  !> Name a body after the patches or meshes that it consists of.
+  !> Name a body after the patches or meshes of which it consists.
   subroutine name_body(mesh, piece, index, name)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: piece(:), index

@@ -32,10 +32,11 @@ module convergence
   !! below minus this.
   real(wp), parameter :: OPPOSITE = 0.7_wp
   real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a shortened increment
-  !> Relative residuals of linear solves. The largest one; with kept factors, those of an increment
-  !! with prescribed motion, of an increment with contact, of a solve that only confirms
-  !! convergence, and of a solve that is not repeated or whose bodies are not held by supports; the
-  !! smallest one in all other cases.
+  !> Relative residuals of linear solves. FORCING is used if factors are not kept. With kept
+  !! factors, it is the largest and FORCING_LEAST the smallest one of an ordinary solve;
+  !! FORCING_MOVED is that of an increment with prescribed motion, FORCING_CONTACT that of an
+  !! increment with contact, FORCING_LAST that of a solve that only confirms convergence, and
+  !! FORCING_ALONE that of a solve that is not repeated or whose bodies are not held by supports.
   real(wp), parameter :: FORCING = 1.0e-3_wp, FORCING_MOVED = 1.0e-4_wp, FORCING_LAST = 0.1_wp
   real(wp), parameter :: FORCING_CONTACT = 1.0e-4_wp
   real(wp), parameter :: FORCING_LEAST = 1.0e-8_wp, FORCING_ALONE = 1.0e-12_wp

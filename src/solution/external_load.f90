@@ -13,7 +13,8 @@ module external_load
   private
   public :: map_t, external_force, load_rates, scatter_force, follower_face
 
-  !> Positions in the matrix for the blocks of the element matrices of one block of elements.
+  !> Positions in the global matrix of the (3, 3) blocks of the element matrices, for one block of
+  !! elements.
   type :: map_t
     integer, allocatable :: at(:, :, :) !! (nen, nen, nelem)
   end type map_t

@@ -2,9 +2,9 @@
 !! forces that contact can bear.
 !!
 !! Contact pushes a body along directions d, which are the normals of its own faces or of the
-!! opposite faces. If all of them lie within the angle a from their mean m, every force that contact
-!! with friction mu can bear lies within a + atan(mu) from m. If the loads require a force beyond
-!! that, there is no equilibrium, however small the step is. Directions in which the body is
+!! opposite faces. If all of them lie within an angle a of their mean m, every force that contact
+!! with friction mu can bear lies within a + atan(mu) of m. If the loads require a force outside
+!! this cone, there is no equilibrium, however small the step is. Directions in which the body is
 !! supported do not count.
 module friction_limit
   use base_kinds, only: wp

@@ -12,7 +12,8 @@
 !!    friction. An anchor (module anchors) resists the motion since the start of the step. If the
 !!    anchor bears more than the fraction NO_LOAD of all loads when the iteration converges, the
 !!    motion is released, and the iteration continues.
-!! 3. Springs of the stiffness SPRING D are added to the tangent, but not to the residual. They make
+!! 3. Springs with the stiffness SPRING D are added to the tangent, but not to the residual. They
+!! make
 !!    every system regular. An increment whose energy is mainly that of the springs is shortened to
 !!    the distances of item 1.
 !!

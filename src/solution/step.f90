@@ -211,7 +211,7 @@ contains
         hint = 'TANG leaves out the unsymmetric part of the tangent: use UTAN,,1; '//hint
       end if
       if (turns_back(step%newton)) then
-        hint = 'Newton alternates between two states of contact whose tangents have ' &
+        hint = 'Newton''s iteration alternates between two states of contact whose tangents have ' &
                //'determinants of opposite sign: the load path turns back here, and smaller ' &
                //'steps do not help; a softer penalty may help'
       end if

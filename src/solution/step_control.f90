@@ -24,7 +24,8 @@ module step_control
     real(wp) :: failed = 0.0_wp      !! length of the last step that was cut back; 0: there is none
   end type step_control_t
 
-  !> A corner that is nearer to a target than this, relative to dt, counts as on it.
+  !> A corner of a load table that is nearer to a target than this, relative to dt, counts as equal
+  !! to it.
   real(wp), parameter :: NEARLY = 1.0e-9_wp
   integer, parameter :: FEW = 6      !! iterations up to which a step may grow
   integer, parameter :: FAIR = 10    !! iterations up to which a step smaller than dt may grow

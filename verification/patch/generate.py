@@ -135,7 +135,7 @@ def main(argv=None):
 
 
 def find_row(name):
-    """The call of element_t of a row, from the sources."""
+    """The text of a row's call of element_t, taken from the sources."""
     for path in sorted((HERE.parent.parent / "src/elements").glob("elmt_*.f90")):
         found = re.search(rf"element_t\(name='{name}'.*?form=form", path.read_text(), re.S)
         if found:

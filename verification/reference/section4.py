@@ -17,7 +17,9 @@ ELEMENTS = (
 
 
 def body(name, counts, prism_points=3):
-    """A patch of n1 x n2 x n3 elements called Q1, Q1E9, Q2, IGA2, or a base and a layer on faces."""
+    """A patch of n1 x n2 x n3 elements; name: Q1, Q1E9, Q2, IGA2, or like "Q1+Q1N2 on 1+ and
+    2+".
+    """
     kind, _, faces = name.partition(" on ")
     if faces:
         enriched = [

@@ -12,8 +12,8 @@ of a curved bar, solves its bending with tetrahedra and with those hexahedra, an
 verification/section3/bend.csv. `slide` runs the deck of `make demo-rocker` with the spline on the
 arm and with plain faces of the same net, and writes verification/section3/slide.csv and a figure;
 it reuses runs in the work folder. `hertz` presses spheres of input/sphere_net.py between planes and
-writes verification/section3/hertz.csv. `check`, a part of `make verify-all`, repeats the quick ones
-of these runs and tries broken files.
+writes verification/section3/hertz.csv. `check`, a part of `make verify-all`, repeats those of these
+runs that are quick, and tries broken files.
 """
 
 import argparse

@@ -88,8 +88,8 @@ def call(bezel, home, out, *arguments, seconds=20, limits=(), send=None, stop=No
 
 
 def heeds(process, number):
-    """Does a process catch or block a signal now? While the system is still loading the process, it
-    does not.
+    """Does a process catch or block a signal now? It does neither while the system is still loading
+    it.
     """
     try:
         text = pathlib.Path(f"/proc/{process}/status").read_text()
