@@ -14,6 +14,7 @@ module input_model
   use input_idle, only: note_idle_materials, warn_idle_loads
   use input_loads, only: integrate_loads
   use input_mesh, only: make_mesh, count_mesh, make_bodies
+  use input_mismatch, only: warn_mismatch
   use input_motion, only: count_motions_once
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use input_rigid, only: hold_rigid
@@ -88,6 +89,7 @@ contains
         call warn_untied(draft, mesh, told)
         call warn_hanging(mesh, draft%model%contact, tied)
         call warn_touching(draft, mesh, draft%model%contact, told)
+        call warn_mismatch(draft, mesh, told)
         call integrate_loads(draft%model)
       end associate
     end block stages
