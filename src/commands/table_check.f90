@@ -39,6 +39,7 @@ contains
         return
       end do
     end do
+    if (.not. allocated(error)) call check_rivals(bc, defined, error)
 
   contains
 
@@ -52,6 +53,51 @@ contains
     end subroutine check
 
   end subroutine check_tables
+
+  !> Check that the loads of nodes which TIE joins follow one load number. With one table, number 0
+  !! is that of the table.
+  subroutine check_rivals(bc, defined, error)
+    type(boundary_t), intent(in) :: bc
+    integer, intent(in) :: defined(:)
+    type(error_t), allocatable, intent(out) :: error
+    character(*), parameter :: HINT = 'give them one load number with FPROportional'
+    character(:), allocatable :: text
+    logical :: warned
+    integer :: d, n
+
+    if (.not. allocated(bc%rival)) return
+    warned = .false.
+    do n = 1, size(bc%rival, 2)
+      do d = 1, 3
+        associate (k => bc%table(d, n), rival => bc%rival(d, n))
+          if (rival < 0 .or. (min(k, rival) == 0 .and. all(defined == max(k, rival)))) cycle
+          if (.not. (abs(bc%force(d, n)) > 0.0_wp .or. &
+                     (abs(bc%value(d, n)) > 0.0_wp .and. bc%fixed(d, n) /= 0))) cycle
+          text = ' nodes that TIE joins at node '//to_text(n)//' follow '//named(k)//' and ' &
+                 //named(rival)//' in direction '//to_text(d)
+          if (bc%split(d, n)) then
+            call fail(error, DECK_ERROR, 'the loads of'//text, bc%tied, HINT)
+            return
+          else if (.not. warned) then
+            call warn('by FPROportional,'//text//': loads there follow '//named(k), &
+                      bc%tied, HINT)
+          end if
+          warned = .true.
+        end associate
+      end do
+    end do
+
+  contains
+
+    function named(table)
+      integer, intent(in) :: table
+      character(:), allocatable :: named
+
+      named = 'load table '//to_text(table)
+      if (table == 0) named = 'the sum of all load tables'
+    end function named
+
+  end subroutine check_rivals
 
   !> Warn about loads of number 0, which follow the sum of several tables, if other loads have
   !! numbers. If all loads follow the sum, as is usual in FEAP, the tables are meant to be added.

@@ -4,7 +4,8 @@
 !! EBOU, EDIS, EFOR, EPRO, CBOU, CFOR, CDIS and CSUR act, each word in deck order.
 !!
 !! Nodes that TIE joins share the conditions that BOUN, FORC, DISP and FPRO give to any of them, and
-!! count as one node for the words that find nodes by their position.
+!! count as one node for the words that find nodes by their position. Different displacements, or
+!! loads of different load numbers, cannot be shared.
 module input_conditions
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -25,6 +26,8 @@ module input_conditions
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, for
   !! squared distances
 
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! difference of equal displacements over their size
+
   !> Names of R_EBOU to R_CSUR; then, for C_FIXED to C_TABLE, the words by node number and the names
   !! of the values.
   character(13), parameter :: &
@@ -43,7 +46,7 @@ contains
     type(boundary_t), intent(inout) :: bc
     logical, allocatable :: active(:)
     type(error_t), allocatable :: error
-    real(wp), allocatable :: before(:, :)
+    real(wp), allocatable :: before(:, :), force(:, :), value(:, :)
     logical :: may_lose, said(R_CSUR) ! one warning a word
     integer :: word, i, n
 
@@ -66,7 +69,9 @@ contains
                 draft%named_nodes%place%at(i), 'the mesh has nodes 1 to '//to_text(mesh%nnode))
       call draft%errors%add(error)
     end do
-    call share_conditions(new, bc)
+    call share_conditions(draft, new, bc)
+    force = bc%force
+    value = bc%value
     call mark_active(draft, mesh, active)
     said = .false.
     do word = R_EBOU, R_CSUR
@@ -83,22 +88,44 @@ contains
         end if
       end do
     end do
+    if (.not. allocated(bc%rival)) return
+    where (.not. (bc%split .or. abs(bc%force - force) > 0.0_wp .or. &
+                  abs(bc%value - value) > 0.0_wp)) bc%rival = -1 ! no load asks for a number
   end subroutine apply_conditions
 
   !> Give each node the conditions of the nodes that it replaces after TIE: restraints are combined,
-  !! and forces are added.
-  subroutine share_conditions(new, bc)
+  !! and forces are added. The load number is that of a node with a force or displacement.
+  subroutine share_conditions(draft, new, bc)
+    type(draft_t), intent(inout) :: draft
     integer, intent(in) :: new(:) !! (nnode)
     type(boundary_t), intent(inout) :: bc
+    logical, allocatable :: acts(:, :) ! (3, nnode) there is a force or displacement
+    type(error_t), allocatable :: error
+    logical :: differ(3), takes(3)
     integer :: n
 
+    if (all(new == [(n, n=1, size(new))])) return
+    acts = abs(bc%value) > 0.0_wp .or. abs(bc%force) > 0.0_wp
     do n = 1, size(new)
       associate (m => new(n))
         if (m == n) cycle
-        where (bc%table(:, m) == 0 .and. .not. (abs(bc%value(:, m)) > 0.0_wp .or. &
-                                                abs(bc%force(:, m)) > 0.0_wp))
-          bc%table(:, m) = bc%table(:, n)
-        end where
+        if (.not. allocated(error)) call check_displacements(draft, bc, m, n, error)
+        takes = .not. acts(:, m) .and. (acts(:, n) .or. bc%table(:, m) == 0)
+        differ = bc%table(:, m) /= bc%table(:, n) .and. (acts(:, m) .or. bc%table(:, m) > 0) &
+                 .and. (acts(:, n) .or. bc%table(:, n) > 0)
+        if (any(differ)) then
+          if (.not. allocated(bc%rival)) then
+            allocate (bc%rival(3, size(new)), source=-1)
+            allocate (bc%split(3, size(new)), source=.false.)
+            bc%tied = draft%tie(1)%place
+          end if
+          where (differ .and. .not. bc%split(:, m))
+            bc%rival(:, m) = merge(bc%table(:, m), bc%table(:, n), takes)
+            bc%split(:, m) = acts(:, m) .and. acts(:, n)
+          end where
+        end if
+        where (takes) bc%table(:, m) = bc%table(:, n)
+        acts(:, m) = acts(:, m) .or. acts(:, n)
         where ((bc%fixed(:, m) == 0 .and. bc%fixed(:, n) /= 0) .or. &
                .not. abs(bc%value(:, m)) > 0.0_wp) bc%value(:, m) = bc%value(:, n)
         bc%fixed(:, m) = max(bc%fixed(:, m), bc%fixed(:, n))
@@ -106,7 +133,29 @@ contains
         bc%force(:, n) = 0.0_wp
       end associate
     end do
+    if (allocated(error)) call draft%errors%add(error)
   end subroutine share_conditions
+
+  !> Fail if the displacements of two nodes that TIE joins contradict each other.
+  subroutine check_displacements(draft, bc, m, n, error)
+    type(draft_t), intent(in) :: draft
+    type(boundary_t), intent(in) :: bc
+    integer, intent(in) :: m, n
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d
+
+    associate (u => bc%value(:, m), v => bc%value(:, n))
+      do d = 1, 3
+        if (.not. (abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp)) cycle ! one may give it for both
+        if (abs(u(d) - v(d)) <= ROUNDING*max(norm2(u), norm2(v))) cycle
+        call fail(error, DECK_ERROR, 'TIE joins nodes '//to_text(m)//' and '//to_text(n) &
+                  //', to which DISPlacement gives '//to_text(u(d))//' and '//to_text(v(d)) &
+                  //' in direction '//to_text(d), draft%tie(1)%place, 'give the displacement of ' &
+                  //'one of them, or leave them out of TIE')
+        return
+      end do
+    end associate
+  end subroutine check_displacements
 
   !> Mark the nodes that FEAP would find. These are all nodes with a position, except control points
   !! that only define geometry, and except the nodes of rigid patches, which MOVE moves.
@@ -190,6 +239,7 @@ contains
         bc%force(:, n) = r%value + merge(bc%force(:, n), 0.0_wp, r%adds)
       case default
         bc%table(:, n) = abs(nint(r%value))
+        if (allocated(bc%rival)) bc%rival(:, n) = -1
       end select
     end do
   end subroutine apply

@@ -58,6 +58,10 @@ module boundary
     type(dead_load_t), allocatable :: dead(:) !! body forces, CSURf and dead pressures, after their
     !! integration
     type(load_number_t), allocatable :: number(:) !! load numbers of FPRO and EPRO, each once
+    integer, allocatable :: rival(:, :) !! (3, nnode) a second load number, which FPRO gives to a
+    !! node that TIE joins; negative: none. Not allocated if no node has one.
+    logical, allocatable :: split(:, :) !! (3, nnode) nodes have loads of both numbers
+    type(place_t) :: tied                     !! place of the first TIE, if there are rivals
     type(place_t), allocatable :: loose(:) !! records of displacements that have no restraint
     logical, allocatable :: loose_moved(:) !! (size(loose)) MOVE holds dofs of this record
   end type boundary_t
