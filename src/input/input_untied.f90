@@ -14,13 +14,17 @@ module input_untied
   use projection, only: project
   use projection_search, only: grid_t, update_grid
   use projection_type, only: foot_t, shape_t
-  use surface_geometry, only: update_shape
+  use surface_geometry, only: surface_point, update_shape
+  use tensor, only: cross
   implicit none
   private
   public :: warn_untied, warn_hanging
 
   !> A node lies on a face if its distance, relative to the extent of the mesh, is less than this.
   real(wp), parameter :: ON_FACE = 1.0e-6_wp
+  !> Faces lie on each other if they are nearer than this fraction of their width, as flat elements
+  !! of one curved surface are, and if the cosine of their outward normals is smaller.
+  real(wp), parameter :: CURVED = 0.05_wp, OPPOSITE = -0.7_wp
   integer, parameter :: ALL_FACES = 63 !! bits of the six faces
 
   !> The faces of a body.
@@ -75,13 +79,14 @@ contains
     type(mesh_t), intent(in) :: mesh
     logical, allocatable, intent(out) :: told(:, :) !! (nbody, nbody) the pairs, first body first
     type(skin_t), allocatable :: skin(:)
+    logical, allocatable :: on(:, :) ! (nnode, 2) loose nodes of one body and of the other
     real(wp) :: near
     integer :: a, b, n, tied
 
     allocate (told(size(mesh%body), size(mesh%body)), source=.false.)
     if (size(mesh%body) < 2 .or. size(draft%tie) == 0 .or. mesh%nnode == 0) return
     near = ON_FACE*maxval(maxval(mesh%xr, 2) - minval(mesh%xr, 2))
-    allocate (skin(size(mesh%body)))
+    allocate (skin(size(mesh%body)), on(mesh%nnode, 2))
     do a = 1, size(skin)
       call make_skin(mesh, a, skin(a))
     end do
@@ -89,8 +94,12 @@ contains
       do b = a + 1, size(skin)
         if (.not. (skin(a)%exists .and. skin(b)%exists)) cycle
         if (in_contact(draft, mesh%body(a)%name, mesh%body(b)%name)) cycle
-        n = loose(mesh, a, b, skin, near) + loose(mesh, b, a, skin, near)
+        call find_loose(mesh, a, b, skin, near, on(:, 1))
+        call find_loose(mesh, b, a, skin, near, on(:, 2))
+        n = count(on)
         if (n == 0) cycle
+        if (.not. (shares_face(skin(a), skin(b), on(:, 1)) .or. &
+                   shares_face(skin(b), skin(a), on(:, 2)))) cycle ! an edge or a corner
         told(a, b) = .true.
         tied = shared(mesh%body(a)%node, mesh%body(b)%node)
         call warn('TIE joins '//to_text(tied)//' nodes of '//quoted(mesh%body(a)%name)//' and ' &
@@ -142,17 +151,18 @@ contains
     end do
   end function in_contact
 
-  !> Number of nodes of body a that lie on a face of body b and do not belong to b.
-  integer function loose(mesh, a, b, skin, near) result(n)
+  !> Mark the nodes of body a that lie on a face of body b and do not belong to b.
+  subroutine find_loose(mesh, a, b, skin, near, on)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: a, b
     type(skin_t), intent(in) :: skin(:)
     real(wp), intent(in) :: near       !! [L]
+    logical, intent(out) :: on(:)      !! (nnode)
     type(foot_t) :: foot
     logical :: theirs(mesh%nnode), seen(mesh%nnode)
     integer :: i
 
-    n = 0
+    on = .false.
     theirs = .false.
     theirs(mesh%body(b)%node) = .true.
     seen = .false.
@@ -162,10 +172,40 @@ contains
         seen(node) = .true.
         foot%elem = 0
         call project(skin(b)%surface, skin(b)%shape, skin(b)%grid, mesh%xr(:, node), foot, near)
-        if (foot%elem > 0) n = n + 1
+        on(node) = foot%elem > 0
       end associate
     end do
-  end function loose
+  end subroutine find_loose
+
+  !> Does a face with one of the given nodes lie on a face of the other body somewhere? Bodies that
+  !! share only an edge or a corner also have nodes on faces of each other.
+  pure logical function shares_face(own, other, on) result(shares)
+    type(skin_t), intent(in) :: own, other
+    logical, intent(in) :: on(:)       !! (nnode)
+    real(wp), parameter :: AT(5) = [-0.999_wp, -0.5_wp, 0.0_wp, 0.5_wp, 0.999_wp] !! points of faces
+    type(foot_t) :: foot
+    real(wp) :: x(3), a(3, 2), b(3, 3), n(3), reach
+    integer :: e, i, j
+
+    shares = .true.
+    associate (s => own%surface)
+      do e = 1, s%nelem
+        if (.not. any(on(s%node(s%first(e):s%first(e + 1) - 1)))) cycle
+        reach = CURVED*maxval(own%shape%high(:, e) - own%shape%low(:, e))
+        do i = 1, size(AT)
+          do j = 1, size(AT)
+            call surface_point(s, own%shape, e, AT([i, j]), x, a, b)
+            n = cross(a(:, 1), a(:, 2))
+            foot%elem = 0
+            call project(other%surface, other%shape, other%grid, x, foot, reach)
+            if (foot%elem == 0) cycle
+            if (all(foot%free) .and. dot_product(foot%n, n) < OPPOSITE*norm2(n)) return
+          end do
+        end do
+      end do
+    end associate
+    shares = .false.
+  end function shares_face
 
   !> Number of nodes that two lists share.
   pure integer function shared(a, b) result(n)
