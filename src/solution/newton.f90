@@ -392,6 +392,7 @@ contains
     type(state_t), intent(inout) :: state
     type(pass_t), intent(out) :: pass
     type(error_t), allocatable, intent(out) :: error
+    logical :: loaded
 
     call form_system(newton, model, state, newton%symmetric, pass, error)
     if (allocated(error) .or. .not. pass%ok) return
@@ -403,6 +404,10 @@ contains
     if (newton%converged .or. newton%moves) return
     newton%converged = pass%residual <= force_tolerance(pass) &
                        .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
+    if (.not. newton%converged) return
+    call release_loaded(newton%hold, model, state, newton%asm%anchors, &
+                        sum_of_loads(newton, model, state), loaded)
+    newton%converged = .not. loaded
   end subroutine close_newton
 
   !> Find the pattern and analyse it. This is done once, and repeated only when TANG and UTAN
