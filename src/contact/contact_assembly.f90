@@ -27,7 +27,7 @@ module contact_assembly
   implicit none
   private
   public :: contact_work_t, new_contact_work, begin_contact, find_contact, contact_cliques, &
-            map_contact, add_contact, accept_contact
+            map_contact, add_contact, accept_contact, friction_acts
 
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of a contact
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the step

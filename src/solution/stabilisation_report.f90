@@ -5,6 +5,7 @@ module stabilisation_report
   use base_kinds, only: wp
   use base_log, only: note, warn
   use base_text, only: to_text
+  use contact_assembly, only: friction_acts
   use model, only: model_t, state_t
   use rigid_modes, only: motion_text
   use stabilisation, only: stabilisation_t
@@ -27,8 +28,9 @@ contains
     type(anchors_t), intent(in) :: anchors
     real(wp), intent(in) :: scale        !! sum of all loads [F]
     real(wp), allocatable :: q(:, :), force(:, :), du(:, :)
-    character(:), allocatable :: start, names
+    character(:), allocatable :: start, names, shares
     real(wp) :: motion(6, size(hold%body)), load, share
+    logical :: rubs
     integer :: b
 
     if (.not. hold%used) return
@@ -52,19 +54,47 @@ contains
     hold%warned = .true.
     hold%warned_energy = share > MUCH
     names = ''
+    rubs = .false.
     do b = 1, size(hold%body)
       call span_of(anchors%motion, b, q)
       if (size(q, 2) == 0) cycle
       if (len(names) > 0) names = names//'; '
       names = names//hold%body(b)%name//' can '//motion_text(q, ROUGH)
+      rubs = rubs .or. has_friction(model, state, hold%body(b)%node)
     end do
     call find_load(anchors, hold%body, model%eq, model%mesh%xr + state%u, du, motion, load)
     if (scale > 0.0_wp) load = load/scale
-    call warn(start//'contact does not prevent motions along which no load acts: '//names//'; ' &
-              //'springs prevent them and take '//percent(load)//' of the loads and ' &
-              //percent(share)//' of the work', &
-              hint='support the bodies against these motions, or add friction')
+    shares = '; springs prevent them and take '//percent(load)//' of the loads and ' &
+             //percent(share)//' of the work'
+    if (rubs) then
+      call warn(start//'contact and friction do not become larger in some motions: '//names &
+                //shares, hint='friction bears its limit where all points slide, and no more: ' &
+                //'support the bodies against these motions, or use smaller steps, in which ' &
+                //'points stick')
+    else
+      call warn(start//'contact does not prevent motions along which no load acts: '//names &
+                //shares, hint='support the bodies against these motions, or add friction')
+    end if
   end subroutine report_stabilisation
+
+  !> Does friction act on a body?
+  pure logical function has_friction(model, state, node)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer, intent(in) :: node(:) !! of the body
+    logical :: inside(model%mesh%nnode)
+    integer :: c, k
+
+    inside = .false.
+    inside(node) = .true.
+    has_friction = .false.
+    do c = 1, size(model%contact)
+      if (.not. friction_acts(model%contact(c), state)) cycle
+      do k = 1, 2
+        has_friction = has_friction .or. any(inside(model%contact(c)%side(k)%node))
+      end do
+    end do
+  end function has_friction
 
   !> A share in per cent; a share that is due to rounding is shown as less than 1e-6 %.
   function percent(share) result(text)
