@@ -11,7 +11,8 @@ module input_conditions
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: to_text
-  use boundary, only: boundary_t, moved_dofs, note_load_number
+  use boundary, only: boundary_t, moved_dofs, note_load_number, LOOSE_FREE, LOOSE_MOVED, &
+                      LOOSE_ADDED
   use input_draft, only: draft_t, condition_entry_t, C_FIXED, C_VALUE, C_FORCE, C_TABLE
   use input_surface, only: mark_surface, load_surface
   use input_where, only: equally_near, warn_between, warn_far, warn_layers
@@ -414,46 +415,48 @@ contains
   end function plane_gap
 
   !> Find the records that prescribe displacements at dofs without a restraint, for a warning,
-  !! because a prescribed displacement acts only at a restrained dof (FEAP). All restraints and
-  !! motions must have been set before.
+  !! because a prescribed displacement acts only at a restrained dof (FEAP); and those at dofs that
+  !! MOVE prescribes too. All restraints and motions must have been set before.
   subroutine note_loose(draft, mesh, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(inout) :: bc
-    logical, allocatable :: loose(:, :), held(:, :), active(:), on(:), moved(:)
+    integer, allocatable :: state(:, :) ! (3, nnode) LOOSE_FREE, ...; 0: the displacement counts
+    logical, allocatable :: active(:), on(:), moved(:, :)
     type(place_t), allocatable :: found(:)
-    integer :: i, d, n
+    integer :: kind(draft%ncondition + 1), i, d, n
 
-    loose = abs(bc%value) > 0.0_wp .and. bc%fixed == 0 .and. spread(mesh%used, 1, 3)
-    if (.not. any(loose)) return
-    held = moved_dofs(bc, mesh%nnode)
-    allocate (found(draft%ncondition + 1), moved(draft%ncondition + 1))
+    allocate (moved, source=moved_dofs(bc, mesh%nnode))
+    allocate (state(3, mesh%nnode), source=0)
+    where (bc%fixed == 0) state = merge(LOOSE_MOVED, LOOSE_FREE, moved)
+    where (bc%fixed /= 0 .and. moved) state = LOOSE_ADDED
+    where (.not. (abs(bc%value) > 0.0_wp .and. spread(mesh%used, 1, 3))) state = 0
+    if (all(state == 0)) return
+    allocate (found(draft%ncondition + 1))
     n = 0
     call mark_active(draft, mesh, active)
     do i = 1, draft%ncondition
       associate (r => draft%condition(i))
         if (all(r%word /= [R_EDIS, R_CDIS])) cycle
         call mark(mesh, r, active, on)
-        if (.not. any([(abs(r%value(d)) > 0.0_wp .and. any(on .and. loose(d, :)), d=1, 3)])) cycle
+        kind(n + 1) = 0
+        do d = 1, 3
+          if (.not. abs(r%value(d)) > 0.0_wp) cycle
+          kind(n + 1) = max(kind(n + 1), maxval(state(d, :), on))
+          where (on) state(d, :) = 0
+        end do
+        if (kind(n + 1) <= 0) cycle
         n = n + 1
         found(n) = r%place
-        moved(n) = .false.
-        do d = 1, 3
-          if (abs(r%value(d)) > 0.0_wp) moved(n) = moved(n) .or. &
-                                                   any(on .and. loose(d, :) .and. held(d, :))
-        end do
-        do d = 1, 3
-          if (abs(r%value(d)) > 0.0_wp) loose(d, :) = loose(d, :) .and. .not. on
-        end do
       end associate
     end do
-    if (any(loose)) then
+    if (any(state > 0)) then
       n = n + 1
       found(n) = draft%nodes%disp
-      moved(n) = any(loose .and. held)
+      kind(n) = maxval(state)
     end if
     bc%loose = found(:n)
-    bc%loose_moved = moved(:n)
+    bc%loose_kind = kind(:n)
   end subroutine note_loose
 
 end module input_conditions

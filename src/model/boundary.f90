@@ -62,9 +62,14 @@ module boundary
     !! node that TIE joins; negative: none. Not allocated if no node has one.
     logical, allocatable :: split(:, :) !! (3, nnode) nodes have loads of both numbers
     type(place_t) :: tied                     !! place of the first TIE, if there are rivals
-    type(place_t), allocatable :: loose(:) !! records of displacements that have no restraint
-    logical, allocatable :: loose_moved(:) !! (size(loose)) MOVE holds dofs of this record
+    type(place_t), allocatable :: loose(:) !! records of displacements that have no restraint, or
+    !! that MOVE prescribes too
+    integer, allocatable :: loose_kind(:) !! (size(loose)) LOOSE_FREE, ...
   end type boundary_t
+
+  !> Displacements by DISP, EDIS or CDIS at a dof that is free, at one that MOVE prescribes, and at
+  !! one that MOVE prescribes and that has a restraint.
+  integer, parameter, public :: LOOSE_FREE = 1, LOOSE_MOVED = 2, LOOSE_ADDED = 3
 
 contains
 

@@ -2,6 +2,7 @@
 module listing
   use base_log, only: log_line, warn
   use base_text, only: to_text
+  use boundary, only: LOOSE_ADDED, LOOSE_MOVED
   use contact_start, only: warn_contacts
   use listing_contact, only: list_contact
   use mesh, only: is_rigid
@@ -93,20 +94,27 @@ contains
     end do
   end subroutine list_free_bodies
 
-  !> Warn about displacements prescribed at dofs without a restraint, where they have no effect.
+  !> Warn about displacements prescribed at dofs without a restraint, where they have no effect, or at
+  !! dofs that MOVE moves.
   subroutine warn_loose(model)
     type(model_t), intent(in) :: model
     integer :: i
 
     if (.not. allocated(model%bc%loose)) return
     do i = 1, size(model%bc%loose)
-      if (model%bc%loose_moved(i)) then
+      select case (model%bc%loose_kind(i))
+      case (LOOSE_ADDED)
+        call warn('a displacement is prescribed at a dof that MOVE moves too: the two are added', &
+                  model%bc%loose(i), hint='remove this record or the MOVE, so that one of them ' &
+                  //'prescribes the whole motion')
+      case (LOOSE_MOVED)
         call warn('a displacement is prescribed at a dof that MOVE holds, where it has no effect', &
-                  model%bc%loose(i), hint='add it to the motion of MOVE, or write FIX instead')
-      else
+                  model%bc%loose(i), hint='remove this record, because MOVE prescribes the whole ' &
+                  //'motion; or replace the MOVE by FIX')
+      case default
         call warn('a displacement is prescribed at a free dof, where it has no effect', &
                   model%bc%loose(i), hint='restrain it: BOUN, EBOU, CBOU or FIX')
-      end if
+      end select
     end do
   end subroutine warn_loose
 

@@ -173,3 +173,38 @@ class Sliding(Folder):
         """
         said = self.slide(("FIX,low", "FIX,up,1+ 1 0 0\nFIX,low"), ("newton,25", "newton,1"))
         self.assertNotIn("slides along", said)
+
+
+class Moved(Folder):
+    def displacement(self, *changes):
+        """The displacement of a face that MOVE and EDISplacement prescribe, and the screen."""
+        deck = (SILENT / "moved_twice.inp").read_text()
+        for old, new in (("END\n\nBATCh", "CURVe,u\n  DISP bar 1+ 1\n\nEND\n\nBATCh"), *changes):
+            self.assertIn(old, deck)
+            deck = deck.replace(old, new)
+        (self.at / "moved.inp").write_text(deck)
+        done = self.run_bezel("moved.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        report = json.loads((self.at / "moved.report.json").read_text())
+        return report["final"]["u"]["disp_1"], done.stderr
+
+    def test_the_hint_does_not_double_the_motion(self):
+        """Each of its two ways gives the motion that the deck prescribes twice."""
+        move = "MOVE,bar,1+ TRANslate 0.01 0 0\n"
+        _, said = self.displacement()
+        self.assertIn("hint: remove this record, because MOVE prescribes the whole motion", said)
+        self.assertIn("or replace the MOVE by FIX", said)
+        for change in (
+            ("EDISplacement\n  1 4.0  0.01 0 0\n", ""),
+            (move, "FIX,bar,1+ 1 1 1\n"),
+        ):
+            with self.subTest(change[1]):
+                found, said = self.displacement(change)
+                self.assertAlmostEqual(found, 0.01, 12)
+                self.assertNotIn("warning:", said)
+
+    def test_motions_that_are_added_are_warned_of(self):
+        move = "MOVE,bar,1+ TRANslate 0.01 0 0\n"
+        found, said = self.displacement((move, f"FIX,bar,1+ 1 1 1\n{move}"))
+        self.assertAlmostEqual(found, 0.02, 12)
+        self.assertIn("at a dof that MOVE moves too: the two are added", said)
