@@ -60,6 +60,7 @@ module input_draft
   type :: support_entry_t
     type(where_t) :: at
     integer :: code(3) = 0
+    integer, allocatable :: node(:)    !! after TIE
   end type support_entry_t
 
   !> A MOVE record.

@@ -15,7 +15,7 @@ module input_model
   use input_loads, only: integrate_loads
   use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_mismatch, only: warn_mismatch
-  use input_motion, only: count_motions_once
+  use input_motion, only: count_motions_once, report_moved_supports
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use input_rigid, only: hold_rigid
   use input_tie, only: find_tied, tie_nodes
@@ -71,6 +71,7 @@ contains
         call resolve_supports(draft, draft%model)
         call hold_rigid(draft, draft%model)
         call count_motions_once(draft, mesh%nnode, bc)
+        call report_moved_supports(draft, mesh%xr, bc)
         call release_slaves(draft, mesh, bc)
         call resolve_loads(draft, draft%model)
         call note_loose(draft, mesh, bc)

@@ -4,16 +4,20 @@
 !! motion that several places give to a node that they share, such as a node of a tied edge, counts
 !! only once there. If places give such a node different motions in one direction, these add up,
 !! with a warning.
+!!
+!! Where MOVE moves a node that FIX restrains in that direction, the MOVE counts. This is noted if
+!! both name the same nodes, and there is a warning if they share some.
 module input_motion
   use base_kinds, only: wp
-  use base_log, only: warn
+  use base_log, only: note, warn
   use base_text, only: lower, to_text
   use boundary, only: boundary_t, motion_t
   use input_draft, only: draft_t
   use input_where, only: where_t, W_GROUP
+  use tensor, only: cross
   implicit none
   private
-  public :: count_motions_once
+  public :: count_motions_once, report_moved_supports
 
   !> If a component of a unit axis is this near to 1, the other components are rounding errors.
   real(wp), parameter :: ALONG = 1.0e-12_wp
@@ -117,6 +121,64 @@ contains
       lacks = .true.
     end do
   end function lacks
+
+  !> Warn about each FIX whose restraints have no effect at some nodes, because MOVE moves them. A
+  !! note names each MOVE of the same nodes as a FIX.
+  subroutine report_moved_supports(draft, xr, bc)
+    type(draft_t), intent(in) :: draft
+    real(wp), intent(in) :: xr(:, :) !! (3, nnode) [L]
+    type(boundary_t), intent(in) :: bc
+    logical, allocatable :: on(:)
+    character(:), allocatable :: hint, text
+    integer :: d, i, j, m, n
+
+    if (size(bc%motion) == 0) return
+    allocate (on(size(xr, 2)), source=.false.)
+    do i = 1, draft%nsupport
+      associate (support => draft%support(i))
+        on(support%node) = .true.
+        search: do m = 1, size(bc%motion)
+          associate (motion => bc%motion(m))
+            do d = 1, 3
+              if (support%code(d) == 0) cycle
+              n = count([(on(motion%node(j)) .and. moves(motion, xr(:, motion%node(j)), d), &
+                          j=1, size(motion%node))])
+              if (n == 0) cycle
+              text = ' in line '//to_text(motion%place%line)//' moves in direction '//to_text(d)
+              if (size(motion%node) == size(support%node) .and. all(on(motion%node))) then
+                call note('MOVE'//text//' what FIX in line '//to_text(support%at%place%line) &
+                          //' restrains: the MOVE counts')
+                cycle
+              end if
+              hint = 'leave the direction free, in FIX with 0 or in MOVE with *'
+              if (motion%rotates) hint = 'leave the direction free in FIX with 0'
+              call warn('FIX restrains '//to_text(n)//' nodes that MOVE'//text &
+                        //': the MOVE counts there', support%at%place, hint)
+              exit search
+            end do
+          end associate
+        end do search
+        on(support%node) = .false.
+      end associate
+    end do
+  end subroutine report_moved_supports
+
+  !> Does a motion move a node in direction d?
+  pure logical function moves(motion, x, d)
+    type(motion_t), intent(in) :: motion
+    real(wp), intent(in) :: x(3)     !! position of the node [L]
+    integer, intent(in) :: d
+    real(wp) :: across(3), back(3)
+
+    if (motion%rotates) then
+      across = cross(motion%axis, x - motion%vector)
+      back = cross(motion%axis, across)
+      moves = max(abs(across(d)), abs(back(d))) > ALONG*norm2(x - motion%vector) &
+              .and. abs(motion%angle) > 0.0_wp
+    else
+      moves = motion%acts(d) .and. abs(motion%vector(d)) > 0.0_wp
+    end if
+  end function moves
 
   !> Directions in which a motion moves points: a rotation moves no point along its axis.
   pure function directions(motion) result(acts)

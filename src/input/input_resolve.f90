@@ -45,6 +45,7 @@ contains
           fixed = max(fixed, abs(draft%support(i)%code))
         end associate
       end do
+      call move_alloc(node, draft%support(i)%node)
     end do
     allocate (model%bc%motion(draft%nmotion))
     do i = 1, draft%nmotion

@@ -94,8 +94,8 @@ contains
     end do
   end subroutine list_free_bodies
 
-  !> Warn about displacements prescribed at dofs without a restraint, where they have no effect, or at
-  !! dofs that MOVE moves.
+  !> Warn about displacements prescribed at dofs without a restraint, where they have no effect, or
+  !! at dofs that MOVE moves.
   subroutine warn_loose(model)
     type(model_t), intent(in) :: model
     integer :: i

@@ -208,3 +208,16 @@ class Moved(Folder):
         found, said = self.displacement((move, f"FIX,bar,1+ 1 1 1\n{move}"))
         self.assertAlmostEqual(found, 0.02, 12)
         self.assertIn("at a dof that MOVE moves too: the two are added", said)
+
+    def test_a_restraint_of_what_move_moves_is_noted(self):
+        """FIX of the same face as MOVE is a habit; of another face, the common edge is a conflict."""
+        remove = ("EDISplacement\n  1 4.0  0.01 0 0\n", "")
+        move = "MOVE,bar,1+ TRANslate 0.01 0 0\n"
+        found, said = self.displacement(remove, (move, f"FIX,bar,1+ 1 0 0\n{move}"))
+        self.assertAlmostEqual(found, 0.01, 12)
+        self.assertIn("note: MOVE in line 16 moves in direction 1 what FIX in line 15", said)
+        self.assertNotIn("warning:", said)
+        _, said = self.displacement(remove, (move, f"FIX,bar,1+ 0 1 1\n{move}"))
+        self.assertNotIn("FIX", said)
+        _, said = self.displacement(remove, (move, f"FIX,bar,3- 1 0 0\n{move}"))
+        self.assertIn("warning: FIX restrains 2 nodes that MOVE in line 16 moves", said)
