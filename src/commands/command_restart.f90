@@ -2,9 +2,11 @@
 module command_restart
   use base_agreement, only: agree
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_log, only: log_line
+  use base_kinds, only: wp
+  use base_log, only: log_line, warn
   use base_text, only: to_text, quoted
   use command_type, only: run_t, command_t, command_row_t, new_row
+  use dynamics_type, only: dynamics_t
   use load_curve, only: load_table_t
   use model, only: state_t
   use named_values, only: named_values_t
@@ -25,14 +27,16 @@ contains
     row(1)%reads = .true.
   end function restart_rows
 
-  !> Read displacements, history, time and step number from the checkpoint. The load tables remain
-  !! those of this deck, and targets of DT are counted from the time of the checkpoint. The model
-  !! must be the same, except for its loads and, with CONStants, its constants.
+  !> Read displacements, rates, history, time and step number from the checkpoint. The load tables
+  !! and the time integration remain those of this deck, and targets of DT are counted from the time
+  !! of the checkpoint. The model must be the same, except for its loads and, with CONStants, its
+  !! constants.
   subroutine run_restart(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
     type(load_table_t), allocatable :: table(:)
+    type(dynamics_t) :: dynamics
     type(state_t) :: state
     character(:), allocatable :: changed
     integer :: i
@@ -60,9 +64,11 @@ contains
       return
     end if
     table = run%state%table
+    dynamics = run%state%dynamics
     call read_state(run, command, run%state, changed, error)
     if (allocated(error)) return
     call move_alloc(table, run%state%table)
+    call keep_integration(run, command, dynamics)
     call set_factors(run%state)
     associate (control => run%step%control)
       if (control%dt > 0) call set_dt(control, run%state%time, control%dt)
@@ -72,6 +78,34 @@ contains
     if (changed == '') changed = 'nothing'
     call log_line('changed since that analysis: '//changed)
   end subroutine run_restart
+
+  !> Take the rates from the checkpoint, but all else from the TRANsient and MASS of this deck. Warn
+  !! if the checkpoint is from dynamics and this deck has no TRANsient.
+  subroutine keep_integration(run, command, deck)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(dynamics_t), intent(in) :: deck !! before the checkpoint was read
+    logical :: stops
+    integer :: i
+
+    associate (dynamics => run%state%dynamics)
+      stops = dynamics%on .and. dynamics%density < 0.0_wp ! else the continuation added inertia
+      dynamics%on = deck%on
+      dynamics%method = deck%method
+      dynamics%lumped = deck%lumped
+      dynamics%beta = deck%beta
+      dynamics%gamma = deck%gamma
+      dynamics%alpha = deck%alpha
+      dynamics%density = deck%density
+    end associate
+    associate (list => run%program%command)
+      stops = stops .and. .not. any([(list(i)%record%key(1) == 'tran', i=1, size(list))])
+    end associate
+    if (stops) call warn('the checkpoint holds a motion with inertia, but this deck has no ' &
+                         //'TRANsient: the run continues without inertia', &
+                         command%record%place(1), 'put TRANsient among the commands to continue ' &
+                         //'the motion, or TRANsient,OFF if it is to end')
+  end subroutine keep_integration
 
   !> Read the state in the file that the command names.
   subroutine read_state(run, command, state, changed, error)

@@ -62,6 +62,36 @@ class Restart(Folder):
         self.refused(self.continued("lz=2", word=",CONStants"), "the coordinates of nodes")
         self.refused(self.continued(word=",all"), "expected CONStants, found 'all'")
 
+    def test_dynamics_follow_the_deck_and_not_the_checkpoint(self):
+        still = self.deck.replace("VOLUme 3", "VOLUme 3\n    DENSity 1")
+        still = still.replace("MOVE,a,3+ TRANslate 0 0 -way PROP 1", "PRESsure,a,3+ 10 PROP 1")
+        still = still.replace("a 3- 3", "a 3- 3\n  DISP a 3+ 3")
+        moving = still.replace("PROP,,1", "TRANsient,NEWMark\n  PROP,,1")
+        more = moving.replace("time,10", "time,20")
+        for name, deck in (("box", moving), ("whole", more), ("rest", still)):
+            (self.at / f"{name}.inp").write_text(deck)
+            self.assertEqual(self.run_bezel(f"{name}.inp").returncode, 0)
+        end = {}
+        for name in ("whole", "rest"):
+            row = (self.at / f"{name}_force.dat").read_text().splitlines()[-1].split()
+            end[name] = [float(word) for word in row[-2:]]
+        self.assertNotAlmostEqual(end["whole"][0], end["rest"][0], 2)
+        restart = "  RESTart,box.restart.h5\n"
+        for before, after, of, warns in (
+            ("  TRANsient,NEWMark\n", "", "whole", False),
+            ("", "  TRANsient,NEWMark\n", "whole", False),
+            ("", "  TRANsient,OFF\n", "rest", False),
+            ("", "", "rest", True),
+        ):
+            text = still.replace("BATCh\n", "BATCh\n" + before + restart + after)
+            (self.at / "next.inp").write_text(text)
+            done = self.run_bezel("next.inp")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("continues without inertia" in done.stderr, warns)
+            row = (self.at / "next_force.dat").read_text().splitlines()[-1].split()
+            for found, wanted in zip(row[-2:], end[of], strict=True):
+                self.assertAlmostEqual(float(found), wanted, 7)
+
     def test_another_mesh_file_is_refused(self):
         mesh = self.at / "mesh.inc"
         mesh.write_text("  BOX 0 0 0  1 1 lz\n")
