@@ -14,6 +14,8 @@ module command_path
   private
   public :: path_rows
 
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! of parameters of the time integration
+
 contains
 
   function path_rows() result(row)
@@ -124,8 +126,13 @@ contains
                .and. alpha > -1.0_wp)) then
       call fail(error, DECK_ERROR, 'the time integration needs beta > 0, gamma >= 1/2, ' &
                 //'-1 < alpha <= 0', command%record%place(3), USAGE)
+    else if (gamma < 0.5_wp - alpha - ROUNDING) then
+      call fail(error, DECK_ERROR, 'gamma is '//to_text(gamma)//', less than 1/2 - alpha, which ' &
+                //'is '//to_text(0.5_wp - alpha)//': motions would grow without bound', &
+                command%record%place(4), 'leave beta and gamma empty: TRANsient,HHT,,,alpha')
     else if (.not. off .and. run%program%dry) then
       call check_masses(run, command, error)
+      call warn_unstable(command, beta, gamma, alpha)
     end if
     if (allocated(error) .or. run%program%dry) return
     associate (dynamics => run%state%dynamics)
@@ -142,6 +149,32 @@ contains
       dynamics%alpha = alpha
     end associate
   end subroutine run_tran
+
+  !> Warn about parameters for which long steps are unstable.
+  !!
+  !! For an oscillator of frequency w and W = (w dt)^2, the amplification factors z of a step, as
+  !! z = (1 + s)/(1 - s), are the zeros of 4 s^2 (1 + s) + W (1 + A s)(1 + B s + C s^2), where
+  !! A = 1 + 2 alpha, B = 2 gamma - 1 and C = 4 beta - 2 gamma. No factor exceeds 1, however large
+  !! W is, if A >= 0, A + B >= 1 and C >= 0 (Routh and Hurwitz); A + B < 1 is unstable for every
+  !! small W.
+  subroutine warn_unstable(command, beta, gamma, alpha)
+    type(command_t), intent(in) :: command
+    real(wp), intent(in) :: beta, gamma, alpha
+    real(wp), parameter :: MOST_DISSIPATIVE = -1.0_wp/3.0_wp
+
+    if (2.0_wp*beta < gamma - ROUNDING) then
+      call warn('2 beta = '//to_text(2.0_wp*beta)//' is less than gamma = '//to_text(gamma) &
+                //': motions grow without bound in long steps', command%record%place(3), &
+                'a scheme with 2 beta >= gamma is stable for every step, such as beta = ' &
+                //to_text(0.25_wp*(gamma + 0.5_wp)**2)//' with this gamma')
+    else if (alpha < -0.5_wp - ROUNDING) then
+      call warn('alpha = '//to_text(alpha)//' is less than -1/2: motions grow without bound in ' &
+                //'long steps', command%record%place(5), 'use -1/3 <= alpha <= 0')
+    else if (alpha < MOST_DISSIPATIVE - 1.0e-3_wp) then
+      call warn('alpha = '//to_text(alpha)//' dissipates high frequencies less than -1/3 does', &
+                command%record%place(5), 'use -1/3 <= alpha <= 0')
+    end if
+  end subroutine warn_unstable
 
   !> Fail if no body has a mass; warn about the materials of bodies that have none, once each.
   subroutine check_masses(run, command, error)
