@@ -88,6 +88,7 @@ module command_type
     logical :: prints = .true.                  !! PRINt and NOPRint
     logical :: turn_warned = .false., strain_warned = .false. !! see command_watch
     logical :: corner_warned = .false.          !! see table_use for this and the next two
+    logical, allocatable :: rubbed(:)           !! (ncontact) friction acted in some step
     logical, allocatable :: acted(:)            !! (0:ntable) the factor was not 0 in some step
     logical, allocatable :: ended(:)            !! (ntable) the warning about its end was issued
   end type plan_t

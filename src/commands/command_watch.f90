@@ -4,6 +4,7 @@ module command_watch
   use base_log, only: warn
   use base_text, only: quoted, to_text
   use command_type, only: run_t
+  use contact_assembly, only: friction_acts
   use load_curve, only: load_factor, table_factor
   use mesh, only: is_rigid
   use table_use, only: watch_tables, watch_tables_end
@@ -19,7 +20,16 @@ contains
   !> Examine the step that was closed; each warning is given once.
   subroutine watch_step(run)
     type(run_t), intent(inout) :: run
+    integer :: c
 
+    associate (contact => run%model%contact)
+      if (.not. allocated(run%plan%rubbed)) then
+        allocate (run%plan%rubbed(size(contact)), source=.false.)
+      end if
+      do c = 1, size(contact)
+        if (friction_acts(contact(c), run%state)) run%plan%rubbed(c) = .true.
+      end do
+    end associate
     if (.not. run%plan%turn_warned) call watch_rotations(run)
     if (.not. run%plan%strain_warned) call watch_strains(run)
     call watch_tables(run)
@@ -92,13 +102,13 @@ contains
     integer :: c
 
     call watch_tables_end(run)
+    if (.not. allocated(run%plan%rubbed)) return ! no step was closed
     do c = 1, size(run%model%contact)
       associate (contact => run%model%contact(c))
-        if (.not. contact%friction%given .or. run%state%step == 0) cycle
-        if (contact%after < run%state%time) cycle
-        call warn('contact '//quoted(contact%name)//': friction never acts, as AFTEr ' &
-                  //to_text(contact%after)//' is not before the end of the run, ' &
-                  //to_text(run%state%time), contact%place, 'friction acts in steps that start ' &
+        if (.not. contact%friction%given .or. run%plan%rubbed(c)) cycle
+        call warn('contact '//quoted(contact%name)//': friction never acts, as the last step ' &
+                  //'starts at time '//to_text(run%state%time - run%state%dt)//', before AFTEr ' &
+                  //to_text(contact%after), contact%place, 'friction acts in steps that start ' &
                   //'at or after that time')
       end associate
     end do
