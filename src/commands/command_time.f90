@@ -1,6 +1,8 @@
 !> DT, TIME, AUTO: time steps.
 module command_time
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: to_text
   use command_step, only: finish_step, open_step_here
   use command_type, only: run_t, command_t, command_row_t, new_row, check_fields
@@ -48,10 +50,33 @@ contains
                 'put DT,,dt before it')
       return
     end if
-    if (run%program%dry) return
+    if (run%program%dry) then
+      call warn_large_dt(run)
+      return
+    end if
     call finish_step(run, rewound, error)
     if (.not. (allocated(error) .or. rewound)) call open_step_here(run, targets_left(run%program))
   end subroutine run_time
+
+  !> Warn if targets are farther apart than dtmax of AUTO, which does not shorten steps.
+  subroutine warn_large_dt(run)
+    type(run_t), intent(inout) :: run
+    real(wp), parameter :: ROUNDING = 1.0e-9_wp
+    integer :: i
+
+    associate (control => run%step%control, program => run%program)
+      if (.not. control%automatic .or. control%dt <= (1 + ROUNDING)*control%dtmax) return
+      do i = program%counter, 1, -1
+        if (program%command(i)%record%key(1) == 'auto') exit
+      end do
+      if (program%noted(program%command(i)%row)) return
+      program%noted(program%command(i)%row) = .true.
+      call warn('AUTO has dtmax = '//to_text(control%dtmax)//', but steps are as long as DT, ' &
+                //to_text(control%dt), program%command(i)%record%place(4), 'steps grow beyond DT ' &
+                //'up to a larger dtmax, but a smaller one does not shorten them: give a smaller ' &
+                //'DT and more passes of the loop')
+    end associate
+  end subroutine warn_large_dt
 
   subroutine run_auto(run, command, error)
     type(run_t), intent(inout) :: run
