@@ -16,6 +16,7 @@ module input_model
   use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_mismatch, only: warn_mismatch
   use input_motion, only: count_motions_once, report_moved_supports
+  use input_overlap, only: warn_overlaps
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use input_rigid, only: hold_rigid
   use input_tie, only: find_tied, tie_nodes
@@ -91,6 +92,7 @@ contains
         call warn_hanging(mesh, draft%model%contact, tied)
         call warn_touching(draft, mesh, draft%model%contact, told)
         call warn_mismatch(draft, mesh, told)
+        call warn_overlaps(mesh, draft%model%contact, told)
         call integrate_loads(draft%model)
       end associate
     end block stages

@@ -5,11 +5,12 @@ module input_touching
   use base_error, only: place_t
   use base_kinds, only: wp
   use base_log, only: warn
-  use base_text, only: to_text, quoted
+  use base_text, only: to_text
   use constraint, only: slave_marks
   use contact_pair, only: contact_t, surface_t
   use contact_surface, only: gather_faces
   use input_draft, only: draft_t
+  use input_skin, only: body_name
   use mesh, only: mesh_t, is_rigid
   use mesh_boundary, only: find_outer_faces
   use projection_type, only: shape_t
@@ -135,15 +136,6 @@ contains
     end if
     call warn(text, place_of(draft, mesh, skin, pair), hint)
   end subroutine warn_seam
-
-  function body_name(mesh, body) result(text)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: body
-    character(:), allocatable :: text
-
-    text = 'the mesh'
-    if (body > 0) text = quoted(mesh%body(body)%name)
-  end function body_name
 
   !> The place in the deck of the second body of a pair, or of one of its elements.
   function place_of(draft, mesh, skin, pair) result(place)

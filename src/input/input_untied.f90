@@ -2,19 +2,16 @@
 !! meshes of two bodies do not match, TIE joins none or only some of their nodes, and the bodies
 !! come apart there.
 module input_untied
-  use base_error, only: error_t
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: to_text, quoted, lower
-  use contact_pair, only: contact_t, surface_t
-  use contact_surface, only: build_surface
+  use contact_pair, only: contact_t
   use input_draft, only: draft_t
-  use input_where, only: where_t, find_faces, W_FACES
+  use input_skin, only: skin_t, make_skin, face_width
   use mesh, only: mesh_t
   use projection, only: project
-  use projection_search, only: grid_t, update_grid
-  use projection_type, only: foot_t, shape_t
-  use surface_geometry, only: surface_point, update_shape
+  use projection_type, only: foot_t
+  use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
   private
@@ -25,15 +22,6 @@ module input_untied
   !> Faces lie on each other if they are nearer than this fraction of their width, as flat elements
   !! of one curved surface are, and if the cosine of their outward normals is smaller.
   real(wp), parameter :: CURVED = 0.05_wp, OPPOSITE = -0.7_wp
-  integer, parameter :: ALL_FACES = 63 !! bits of the six faces
-
-  !> The faces of a body.
-  type :: skin_t
-    type(surface_t) :: surface
-    type(shape_t) :: shape
-    type(grid_t) :: grid
-    logical :: exists = .false.
-  end type skin_t
 
 contains
 
@@ -110,30 +98,6 @@ contains
     end do
   end subroutine warn_untied
 
-  subroutine make_skin(mesh, body, skin)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: body
-    type(skin_t), intent(out) :: skin
-    type(where_t) :: at
-    type(error_t), allocatable :: error
-    integer, allocatable :: block(:), elem(:), side(:)
-
-    at%type = W_FACES
-    at%body = mesh%body(body)%name
-    at%face = 'ALL'
-    at%mask = ALL_FACES
-    at%place = mesh%body(body)%place
-    at%face_place = at%place
-    call find_faces(mesh, at, block, elem, side, error)
-    if (allocated(error)) return
-    if (size(elem) == 0) return
-    call build_surface(mesh, block, elem, side, at%body, skin%surface, error)
-    if (allocated(error)) return
-    call update_shape(skin%surface, mesh%xr, skin%shape)
-    call update_grid(skin%surface, skin%shape, skin%grid)
-    skin%exists = .true.
-  end subroutine make_skin
-
   !> Does a contact of the deck act between two bodies?
   pure logical function in_contact(draft, a, b)
     type(draft_t), intent(in) :: draft
@@ -191,7 +155,7 @@ contains
     associate (s => own%surface)
       do e = 1, s%nelem
         if (.not. any(on(s%node(s%first(e):s%first(e + 1) - 1)))) cycle
-        reach = CURVED*maxval(own%shape%high(:, e) - own%shape%low(:, e))
+        reach = CURVED*face_width(own, e)
         do i = 1, size(AT)
           do j = 1, size(AT)
             call surface_point(s, own%shape, e, AT([i, j]), x, a, b)

@@ -221,3 +221,49 @@ class Moved(Folder):
         self.assertNotIn("FIX", said)
         _, said = self.displacement(remove, (move, f"FIX,bar,3- 1 0 0\n{move}"))
         self.assertIn("warning: FIX restrains 2 nodes that MOVE in line 16 moves", said)
+
+
+class Overlap(Folder):
+    def check(self, name, *changes):
+        """What the screen says of a deck of the folder `silent` with changes, without a run."""
+        deck = (SILENT / f"{name}.inp").read_text()
+        for old, new in changes:
+            self.assertIn(old, deck)
+            deck = deck.replace(old, new)
+        (self.at / f"{name}.inp").write_text(deck)
+        done = self.run_bezel("--check", f"{name}.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stderr
+
+    def test_bodies_that_overlap_are_named(self):
+        """Deep or inside, and also if all outer faces of one lie on those of the other."""
+        alarm = "'low' and 'up' overlap at the start"
+        up = "0.5 0.5 0.6  1 1 1"
+        for place in (up, "0.5 0.5 0  1 1 1", "1.6 1.6 -0.1  2 2 2", "0 0 0  2 2 1"):
+            with self.subTest(place):
+                other_mesh = ("ELEMents 2 2 2", "ELEMents 3 3 2")
+                self.assertIn(alarm, self.check("same_room", (up, place), other_mesh))
+
+    def test_bodies_that_touch_or_act_on_each_other_do_not_overlap(self):
+        for place in ("0.5 0.5 1  1 1 1", "2 0 0  1 1 1", "2 2 1  1 1 1", "3 3 3  1 1 1"):
+            with self.subTest(place):
+                said = self.check("same_room", ("0.5 0.5 0.6  1 1 1", place))
+                self.assertNotIn("overlap", said)
+        self.assertNotIn("overlap", self.check("nested"))
+        tied = ("0.6  1 1 1\n  ELEMents 2 2 2", "0.5  1 1 1\n  ELEMents 1 1 1")
+        self.assertIn("overlap at the start", self.check("same_room", tied))
+        self.assertNotIn("overlap", self.check("same_room", tied, ("FIX,low", "TIE\n\nFIX,low")))
+
+    def test_independent_models_in_one_deck_may_overlap(self):
+        """Two pairs of bodies in contact, one of them moved by a part of its width."""
+        patch = "PATCh,{}\n  BOX 0 {} {}  1 1 1\n  ELEMents 2 2 2\n  TYPE Q1\n  MATErial 1\n\n"
+        more = "".join(
+            patch.format(name, y, z)
+            for name, y, z in (("a", 0, 3), ("b", 0, 4), ("c", 0.4, 3), ("d", 0.4, 4))
+        )
+        contact = "CONTact,{}\n  SURFaces {} 3+  {} 3-\n\n"
+        joined = contact.format("ab", "a", "b") + contact.format("cd", "c", "d")
+        said = self.check("same_room", ("FIX,low", f"{more}{joined}FIX,low"))
+        self.assertEqual(said.count("overlap at the start"), 1)
+        said = self.check("same_room", ("FIX,low", f"{more}FIX,low"))
+        self.assertIn("'a' and 'c' overlap at the start", said)

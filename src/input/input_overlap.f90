@@ -1,0 +1,206 @@
+!> Finds bodies that overlap at the start although neither nodes nor a contact join them. They go
+!! through each other, and nothing else in the results says so.
+!!
+!! Points of the outer elements of one body are projected on the outer faces of the other one. Flat
+!! elements of curved surfaces that just touch overlap a little, so small overlaps do not count.
+!! Two groups of joined bodies may overlap too: a deck may hold several independent models.
+module input_overlap
+  use base_kinds, only: wp
+  use base_log, only: warn
+  use base_text, only: to_text
+  use contact_pair, only: contact_t
+  use element_type, only: cell_t
+  use input_resolve, only: locate_point
+  use input_skin, only: skin_t, make_skin, face_width, body_name
+  use mesh, only: mesh_t, block_cell, is_rigid
+  use projection, only: project
+  use projection_type, only: foot_t
+  use surface_geometry, only: surface_point
+  implicit none
+  private
+  public :: warn_overlaps
+
+  !> A point is inside another body if its depth, relative to the larger of two faces, exceeds this.
+  real(wp), parameter :: DEEP = 0.3_wp
+  integer, parameter :: MOST_PAIRS = 5  !! that are named
+
+contains
+
+  !> Warn about each pair of bodies that overlap, unless a contact or common nodes join them.
+  subroutine warn_overlaps(mesh, contact, told)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    logical, intent(in) :: told(:, :)  !! (nbody, nbody) pairs that a warning has named already
+    type(skin_t), allocatable :: skin(:)
+    logical, allocatable :: may(:, :) ! (0:nbody, 0:nbody) first body first
+    real(wp) :: x(3)
+    logical :: overlap
+    integer :: a, b, n, nbody
+
+    nbody = size(mesh%body)
+    call find_candidates(mesh, contact, told, may)
+    if (.not. any(may)) return
+    allocate (skin(0:nbody))
+    do a = 0, nbody
+      if (any(may(a, :) .or. may(:, a))) call make_skin(mesh, a, skin(a))
+    end do
+    n = 0
+    do a = 0, nbody
+      do b = a + 1, nbody
+        if (.not. may(a, b)) cycle
+        if (.not. (skin(a)%exists .and. skin(b)%exists)) cycle
+        call find_deep_point(mesh, skin(a), skin(b), b, x, overlap)
+        if (.not. overlap) call find_deep_point(mesh, skin(b), skin(a), a, x, overlap)
+        if (.not. overlap) cycle
+        n = n + 1
+        if (n > MOST_PAIRS) cycle
+        call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' overlap at the start, for ' &
+                  //'example at ('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', ' &
+                  //to_text(x(3), 4)//'), and nothing joins them: they do not act on each other', &
+                  mesh%body(b)%place, 'check their positions and sizes; bodies that touch act on ' &
+                  //'each other with CONTact or TIE')
+      end do
+    end do
+    if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies overlap at the ' &
+                                  //'start')
+  end subroutine warn_overlaps
+
+  !> Mark the pairs of bodies that deform, whose boxes overlap, and that nothing joins.
+  subroutine find_candidates(mesh, contact, told, may)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    logical, intent(in) :: told(:, :)
+    logical, allocatable, intent(out) :: may(:, :) !! (0:nbody, 0:nbody)
+    integer, allocatable :: owner(:) ! (nnode) first body of a node; -1: none
+    logical, allocatable :: on(:, :) ! (0:nbody, 2) bodies on the sides of a contact
+    real(wp) :: low(3, 0:size(mesh%body)), high(3, 0:size(mesh%body))
+    integer :: group(0:size(mesh%body)) ! number of the group of joined bodies
+    logical :: deforms(0:size(mesh%body))
+    integer :: a, b, c, e, i, k, s
+
+    group = [(a, a=0, size(mesh%body))]
+    allocate (may(0:size(mesh%body), 0:size(mesh%body)), source=.false.)
+    low = huge(low)
+    high = -huge(high)
+    do b = 1, size(mesh%block)
+      if (is_rigid(mesh%block(b))) cycle
+      associate (set => mesh%block(b), a => mesh%block(b)%body)
+        do e = 1, set%nelem
+          low(:, a) = min(low(:, a), minval(mesh%xr(:, set%conn(:, e)), 2))
+          high(:, a) = max(high(:, a), maxval(mesh%xr(:, set%conn(:, e)), 2))
+        end do
+      end associate
+    end do
+    deforms = low(1, :) <= high(1, :)
+    do a = 0, size(mesh%body)
+      do b = a + 1, size(mesh%body)
+        may(a, b) = all(min(high(:, a), high(:, b)) > max(low(:, a), low(:, b)))
+      end do
+    end do
+    may(1:, 1:) = may(1:, 1:) .and. .not. told
+    if (.not. any(may)) return
+    allocate (owner(mesh%nnode), source=-1)
+    do b = 1, size(mesh%block)
+      associate (set => mesh%block(b), a => mesh%block(b)%body)
+        do e = 1, set%nelem
+          do i = 1, size(set%conn, 1)
+            if (owner(set%conn(i, e)) < 0) owner(set%conn(i, e)) = a
+            call join(owner(set%conn(i, e)), a)
+          end do
+        end do
+      end associate
+    end do
+    associate (list => mesh%constraint)
+      do s = 1, list%n
+        do i = list%first(s), list%first(s + 1) - 1
+          if (owner(list%slave(s)) >= 0 .and. owner(list%master(i)) >= 0) then
+            call join(owner(list%slave(s)), owner(list%master(i)))
+          end if
+        end do
+      end do
+    end associate
+    do c = 1, size(contact)
+      allocate (on(0:size(mesh%body), 2), source=.false.)
+      do k = 1, 2
+        on(mesh%block(contact(c)%side(k)%block)%body, k) = .true.
+      end do
+      do a = 0, size(mesh%body)
+        do b = 0, size(mesh%body)
+          if (on(a, 1) .and. on(b, 2)) call join(a, b)
+        end do
+      end do
+      deallocate (on)
+    end do
+    do a = 0, size(mesh%body)
+      do b = a + 1, size(mesh%body)
+        if (group(a) == group(b)) cycle
+        if (count(group == group(a) .and. deforms) > 1 .and. &
+            count(group == group(b) .and. deforms) > 1) may(a, b) = .false.
+      end do
+    end do
+
+  contains
+
+    subroutine join(a, b)
+      integer, intent(in) :: a, b
+
+      may(min(a, b), max(a, b)) = .false.
+      where (group == group(b)) group = group(a)
+    end subroutine join
+
+  end subroutine find_candidates
+
+  !> Find a point of one body that lies deep inside another one.
+  subroutine find_deep_point(mesh, own, other, body, x, found)
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), intent(in) :: own, other
+    integer, intent(in) :: body            !! the other body
+    real(wp), intent(out) :: x(3)          !! [L]
+    logical, intent(out) :: found
+    type(foot_t) :: foot
+    real(wp) :: a(3, 2), b(3, 3), width, xi(3)
+    integer :: e, i, block, elem
+
+    found = .true.
+    associate (s => own%surface)
+      do e = 1, s%nelem
+        width = DEEP*face_width(own, e)
+        do i = 0, 5
+          if (i < 4) then
+            call surface_point(s, own%shape, e, 2*[real(wp) :: mod(i, 2), i/2] - 1.0_wp, x, a, b)
+          else if (i == 4) then
+            call surface_point(s, own%shape, e, [0.0_wp, 0.0_wp], x, a, b)
+          else
+            call find_centre(mesh, s%block(e), s%elem(e), x)
+          end if
+          if (any(x < other%grid%low + width) .or. any(x > other%grid%high - width)) cycle
+          foot%elem = 0
+          call project(other%surface, other%shape, other%grid, x, foot)
+          if (foot%elem == 0) cycle
+          if (foot%gap > -width) cycle
+          if (foot%gap > -DEEP*face_width(other, foot%elem)) cycle
+          call locate_point(mesh, body, x, block, elem, xi)
+          if (block > 0) return
+        end do
+      end do
+    end associate
+    found = .false.
+  end subroutine find_deep_point
+
+  !> The point of an element with the parent coordinates 0.
+  subroutine find_centre(mesh, b, e, x)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: b, e        !! block and element
+    real(wp), intent(out) :: x(3)      !! [L]
+    type(cell_t) :: cell
+    real(wp), allocatable :: shp(:), dshp(:, :)
+
+    associate (block => mesh%block(b))
+      allocate (shp(block%nen), dshp(3, block%nen))
+      call block_cell(block, e, cell)
+      call block%row%functions(cell, [0.0_wp, 0.0_wp, 0.0_wp], shp, dshp)
+      x = matmul(mesh%xr(:, block%conn(:, e)), shp)
+    end associate
+  end subroutine find_centre
+
+end module input_overlap
