@@ -23,6 +23,7 @@ contains
     type(run_t), intent(inout) :: run
     integer, intent(in), optional :: left !! targets that remain in the loop; absent without TIME
 
+    if (.not. allocated(run%plan%closed_at)) run%plan%closed_at = run%state%time
     call save_position(run%program, run%deck%params)
     call begin_step(run%step, run%model, run%state, left)
   end subroutine open_step_here
@@ -55,6 +56,7 @@ contains
     call take_outcome(run, outcome)
     if (outcome /= STEP_ACCEPTED) return
     call watch_step(run)
+    run%plan%closed_at = run%state%time
     call run%timers%start('output')
     call write_step(run, error)
     call run%timers%stop('output')

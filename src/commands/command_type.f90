@@ -87,6 +87,7 @@ module command_type
     integer :: tplot_every = 1                  !! steps between rows of TPLOt's table
     logical :: prints = .true.                  !! PRINt and NOPRint
     logical :: turn_warned = .false., strain_warned = .false. !! see command_watch
+    real(wp), allocatable :: closed_at          !! end of the last step, or start of the first
     logical :: corner_warned = .false.          !! see table_use for this and the next two
     logical, allocatable :: rubbed(:)           !! (ncontact) friction acted in some step
     logical, allocatable :: acted(:)            !! (0:ntable) the factor was not 0 in some step

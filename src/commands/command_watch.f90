@@ -45,7 +45,7 @@ contains
     associate (state => run%state)
       do i = 1, size(before)
         before(i) = 0.0_wp
-        if (state%dt > 0.0_wp) before(i) = table_factor(state%table(i), state%time - state%dt)
+        if (state%dt > 0.0_wp) before(i) = table_factor(state%table(i), run%plan%closed_at)
       end do
       do i = 1, size(run%model%bc%motion)
         associate (motion => run%model%bc%motion(i))

@@ -164,7 +164,7 @@ contains
           plan%acted(uses(u)%table) = plan%acted(uses(u)%table) .or. abs(factor) > 0.0_wp
           do k = 1, size(state%table)
             if (uses(u)%table /= 0 .and. uses(u)%table /= k) cycle
-            if (.not. run%step%control%automatic) call watch_corners(run, k)
+            call watch_corners(run, k)
             if (plan%ended(k) .or. abs(factor) > 0.0_wp .or. state%dynamics%on) cycle
             plan%ended(k) = has_ended(state%table(k), state%time)
             if (plan%ended(k)) call warn('load table '//to_text(k)//' ends at time ' &
@@ -199,28 +199,40 @@ contains
                                         + 0.1_wp*i*(table%tmax - table%tmin))), i=0, 10)])
   end function largest_factor
 
-  !> Warn about a peak or a trough of a table of pairs that lies inside the step.
+  !> Warn about a peak or a trough of a table of pairs that lies inside the step, or in the time
+  !! since the previous step if a TIME was not followed by a solve. Automatic steps end at corners,
+  !! but such a TIME may have ended there.
   subroutine watch_corners(run, k)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k
-    real(wp) :: start, gap, ends(2), range
+    character(:), allocatable :: text, hint
+    real(wp) :: start, until, gap, ends(2), range
     integer :: i
 
     associate (state => run%state, table => run%state%table(k))
       if (run%plan%corner_warned .or. table%kind /= 2 .or. .not. state%dt > 0.0_wp) return
       start = state%time - state%dt
       gap = 1.0e-6_wp*state%dt
+      until = state%time - gap
+      if (run%step%control%automatic) until = start + gap
+      start = min(start, run%plan%closed_at)
       ends = [table_factor(table, start), table_factor(table, state%time)]
       do i = 1, size(table%t)
-        if (table%t(i) <= start + gap .or. table%t(i) >= state%time - gap) cycle
+        if (table%t(i) <= start + gap .or. table%t(i) >= until) cycle
         range = 1.0e-6_wp*max(maxval(abs(ends)), abs(table%p(i)))
         if (table%p(i) <= maxval(ends) + range .and. table%p(i) >= minval(ends) - range) cycle
         run%plan%corner_warned = .true.
-        call warn('load table '//to_text(k)//' reaches '//to_text(table%p(i))//' at time ' &
-                  //to_text(table%t(i))//', inside step '//to_text(state%step)//', which ends at ' &
-                  //to_text(state%time)//': this load is never applied', run%program%command( &
-                  run%program%prop_at(k))%record%place(1), 'choose DT such ' &
-                  //'that a step ends there, or use AUTO, whose steps end at corners')
+        text = 'load table '//to_text(k)//' reaches '//to_text(table%p(i))//' at time ' &
+               //to_text(table%t(i))//', '
+        if (table%t(i) < state%time - state%dt + gap) then
+          text = text//'which a TIME without a solve passes'
+          hint = 'solve after each TIME'
+        else
+          text = text//'inside step '//to_text(state%step)//', which ends at '//to_text(state%time)
+          hint = 'choose DT such that a step ends there, or use AUTO, whose steps end at corners'
+        end if
+        call warn(text//': this load is never applied', run%program%command( &
+                  run%program%prop_at(k))%record%place(1), hint)
         return
       end do
     end associate
