@@ -175,9 +175,15 @@ contains
       if (allocated(error)) return
       if (size(table%t) > 0) then
         done = .not. (abs(t) + abs(p) > 0.0_wp)
+        if (done .and. size(table%t) == 1 .and. table%t(1) > 0.0_wp) then
+          call fail(error, DECK_ERROR, 'the pair 0 0 comes after time '//to_text(table%t(1)), &
+                    record%place(i), 'the times of a table must increase; a pair 0 0 after ' &
+                    //'others ends the table (FEAP), and the factor of this one would be constant')
+        end if
         if (done) return
         if (t <= table%t(size(table%t))) then
-          call fail(error, DECK_ERROR, 'the times of a table must increase', record%place(i))
+          call fail(error, DECK_ERROR, 'the times of a table must increase, found '//to_text(t) &
+                    //' after '//to_text(table%t(size(table%t))), record%place(i))
           return
         end if
       end if
