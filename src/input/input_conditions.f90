@@ -20,7 +20,7 @@ module input_conditions
   use word_position, only: R_EBOU, R_EDIS, R_EFOR, R_EPRO, R_CBOU, R_CFOR, R_CDIS, R_CSUR
   implicit none
   private
-  public :: apply_conditions, note_loose
+  public :: apply_conditions, warn_supports_kept, note_loose
 
   real(wp), parameter :: PLANE = 1.0e-3_wp  !! FEAP's search gap of planes, relative to the
   !! mesh's extent
@@ -180,6 +180,7 @@ contains
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable, intent(out) :: error
     logical, allocatable :: on(:), near(:)
+    logical :: kept ! a surface has restraints that the record does not give
     integer :: n
 
     call mark(mesh, r, active, on)
@@ -223,11 +224,13 @@ contains
         call note_load_number(bc, abs(nint(r%value(n))), r%place)
       end do
     end if
+    kept = .false.
     do n = 1, mesh%nnode
       if (.not. on(n) .or. new(n) /= n) cycle
       select case (r%word)
       case (R_EBOU, R_CBOU)
         if (allocated(r%surface)) then
+          kept = kept .or. any(bc%fixed(:, n) /= 0 .and. nint(r%value) == 0)
           bc%fixed(:, n) = bc%fixed(:, n) + abs(nint(r%value))
         else if (r%adds) then
           bc%fixed(:, n) = max(bc%fixed(:, n), abs(nint(r%value)))
@@ -243,6 +246,9 @@ contains
         if (allocated(bc%rival)) bc%rival(:, n) = -1
       end select
     end do
+    if (kept .and. r%sets) call warn('SURFace adds to the restraints of its nodes; SET has no ' &
+                                     //'effect on it', r%place, 'remove the restraints of other ' &
+                                     //'records that are not meant')
   end subroutine apply
 
   !> The condition that the records of a word set: C_FIXED ...
@@ -413,6 +419,35 @@ contains
     end associate
     if (r%word == R_EBOU .or. r%word == R_EPRO) gap = gap/sqrt(real(max(1, mesh%nnode), wp))
   end function plane_gap
+
+  !> Warn about records with SET that free a direction in which FIX restrains some of their nodes,
+  !! because FIX adds to the restraints of all other records.
+  subroutine warn_supports_kept(draft, mesh)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    logical, allocatable :: active(:), on(:)
+    integer :: d, i, j, n
+
+    call mark_active(draft, mesh, active)
+    do i = 1, draft%ncondition
+      associate (r => draft%condition(i))
+        if (.not. r%sets .or. kind_of(r%word) /= C_FIXED .or. allocated(r%surface)) cycle
+        call mark(mesh, r, active, on)
+        search: do j = 1, draft%nsupport
+          do d = 1, 3
+            if (nint(r%value(d)) /= 0 .or. draft%support(j)%code(d) == 0) cycle
+            n = count(on(draft%support(j)%node))
+            if (n == 0) cycle
+            call warn(trim(WORDS(r%word))//' SET leaves direction '//to_text(d)//' of ' &
+                      //to_text(n)//' nodes free, but FIX in line ' &
+                      //to_text(draft%support(j)%at%place%line)//' restrains it: FIX counts', &
+                      r%place, 'FIX adds to all other restraints: leave the direction free there')
+            exit search
+          end do
+        end do search
+      end associate
+    end do
+  end subroutine warn_supports_kept
 
   !> Find the records that prescribe displacements at dofs without a restraint, for a warning,
   !! because a prescribed displacement acts only at a restrained dof (FEAP); and those at dofs that

@@ -109,6 +109,7 @@ module input_draft
   type :: condition_entry_t
     integer :: word = 0                !! its word: R_EBOU to R_CSUR
     logical :: adds = .false.          !! add the values to those of other records
+    logical :: sets = .false.          !! the deck says SET
     integer :: direction = 0           !! normal of a plane; 0: a point or a surface
     real(wp) :: at(3) = 0.0_wp         !! point, or coordinate of a plane in at(1) [L]
     real(wp) :: gap = -1.0_wp          !! GAP [L]; negative: FEAP's default

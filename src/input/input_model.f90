@@ -6,7 +6,7 @@ module input_model
   use deck_record, only: record_t, check_numbers, RECORD_WORDS
   use deck_stream, only: deck_t
   use input_check, only: check_references, check_size, check_jacobians
-  use input_conditions, only: apply_conditions, note_loose
+  use input_conditions, only: apply_conditions, warn_supports_kept, note_loose
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
   use input_doubts, only: check_twice, warn_locking
@@ -70,6 +70,7 @@ contains
         call close_constraints(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call resolve_supports(draft, draft%model)
+        call warn_supports_kept(draft, mesh)
         call hold_rigid(draft, draft%model)
         call count_motions_once(draft, mesh%nnode, bc)
         call report_moved_supports(draft, mesh%xr, bc)

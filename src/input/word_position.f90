@@ -49,6 +49,7 @@ contains
       r%adds = .true.
     case ('set')
       r%adds = .false.
+      r%sets = .true.
     case default
       call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of ' &
                 //record%text(1), record%place(2), 'options are ADD and SET')
