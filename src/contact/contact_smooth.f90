@@ -186,7 +186,7 @@ contains
     if (norm2(friction) > most) friction = friction*(most/norm2(friction))
   end function friction_of
 
-  !> Largest smooth pressure, or largest value of one component of the traction without friction.
+  !> Largest magnitude of the smooth pressure, or of one component of the traction without friction.
   function largest_pressure(contact, k, field, component) result(largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -201,7 +201,7 @@ contains
     largest = largest_of(contact%side(k), field%at, value)
   end function largest_pressure
 
-  !> Largest smooth friction: its magnitude, or one component of it.
+  !> Largest magnitude of the smooth friction, or of one component of it.
   function largest_tangential(contact, k, field, component) result(largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
