@@ -15,6 +15,7 @@ contains
     type(run_t), intent(in) :: run
 
     call warn_tables(run)
+    call warn_late(run)
     if (first(run, 'tran') == 0) then
       call warn_idle(run, 'mass', 'MASS has no effect without TRANsient', &
                      'TRANsient computes with inertia')
@@ -23,6 +24,57 @@ contains
                      'put DT,,dt and a loop with TIME among the commands')
     end if
   end subroutine warn_commands
+
+  !> Warn about commands that prepare steps or solves and have none after them.
+  subroutine warn_late(run)
+    type(run_t), intent(in) :: run
+    character(4), parameter :: SOLVES(4) = ['tang', 'utan', 'solv', 'form']
+    integer :: i
+
+    do i = 1, size(run%program%command)
+      select case (run%program%command(i)%record%key(1))
+      case ('tol ', 'fact')
+        if (is_late(run, i, SOLVES)) call warn_here(run, i, 'TANG or UTAN')
+      case ('arcl', 'auto')
+        if (is_late(run, i, [SOLVES, 'time'])) call warn_here(run, i, 'TIME, TANG or UTAN')
+      case ('dt  ', 'tran', 'mass')
+        if (is_late(run, i, ['time'])) call warn_here(run, i, 'TIME')
+      case default
+        cycle
+      end select
+    end do
+  end subroutine warn_late
+
+  subroutine warn_here(run, i, needed)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+    character(*), intent(in) :: needed
+
+    associate (command => run%program%command(i))
+      call warn(trim(run%program%row(command%row)%word)//' comes too late: no '//needed &
+                //' follows it', command%record%place(1), 'put it before the commands for ' &
+                //'which it is meant')
+    end associate
+  end subroutine warn_here
+
+  !> Do commands of some names come only before command i? Those in a loop around it come after it
+  !! too.
+  pure logical function is_late(run, i, key) result(late)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+    character(4), intent(in) :: key(:)
+    integer :: j, start
+
+    associate (list => run%program%command)
+      start = i
+      do j = 1, i - 1
+        if (list(j)%record%key(1) == 'loop' .and. list(j)%matching > i) exit
+      end do
+      if (j < i) start = j
+      late = .not. any([(any(key == list(j)%record%key(1)), j=start, size(list))]) .and. &
+             any([(any(key == list(j)%record%key(1)), j=1, start)])
+    end associate
+  end function is_late
 
   !> Warn at the first command with a given name, if there is one.
   subroutine warn_idle(run, key, message, hint)

@@ -89,6 +89,7 @@ contains
         end if
       end do
     end do
+    call warn_idle_numbers(draft, mesh, active, new, bc)
     if (.not. allocated(bc%rival)) return
     where (.not. (bc%split .or. abs(bc%force - force) > 0.0_wp .or. &
                   abs(bc%value - value) > 0.0_wp)) bc%rival = -1 ! no load asks for a number
@@ -366,6 +367,37 @@ contains
                 //word//', regardless of their order in the deck', r%place, hint)
     end associate
   end subroutine warn_replaced
+
+  !> Warn about records of EPRO that give load numbers to no force and no displacement.
+  subroutine warn_idle_numbers(draft, mesh, active, new, bc)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: active(:)
+    integer, intent(in) :: new(:)          !! (nnode)
+    type(boundary_t), intent(in) :: bc
+    logical, allocatable :: on(:)
+    logical :: acts
+    integer :: d, i
+
+    do i = 1, draft%ncondition
+      associate (r => draft%condition(i))
+        if (r%word /= R_EPRO .or. all(nint(r%value) == 0)) cycle
+        call mark(mesh, r, active, on)
+        on(pack(new, on)) = .true.
+        acts = .false.
+        do d = 1, 3
+          if (nint(r%value(d)) == 0) cycle
+          acts = acts .or. any(on .and. (abs(bc%force(d, :)) > 0.0_wp .or. &
+                                         abs(bc%value(d, :)) > 0.0_wp))
+        end do
+        if (acts .or. .not. any(on)) cycle
+        call warn('the load numbers of this record have no effect: no node on the plane has a ' &
+                  //'nodal force or displacement in these directions', r%place, &
+                  'EFORce, CSURface, FORCe, EDISplacement and others give them; PRESsure and ' &
+                  //'MOVE have their own PROP k')
+      end associate
+    end do
+  end subroutine warn_idle_numbers
 
   !> Mark the nodes that a record finds. In the search for nodes on a plane, FEAP's gap shrinks with
   !! the number of nodes for EBOU and EPRO, but not for the other words. At a point, CBOU and CDIS
