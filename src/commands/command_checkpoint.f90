@@ -9,7 +9,7 @@ module command_checkpoint
   use base_system, only: stop_requested, wall_seconds
   use base_text, only: quoted, to_text
   use command_files, only: close_files
-  use command_type, only: run_t, program_t
+  use command_type, only: plan_t, program_t, run_t
   use deck_expression, only: params_t
   use deck_params, only: parameter_names, find_parameter, set_parameter
   use linear_system, only: FULL
@@ -148,6 +148,10 @@ contains
     call exchange_parameters(x, run%deck%params)
     call exchange(x, 'step_retry', run%step%retry)
     call exchange(x, 'step_cutbacks', run%step%cutbacks)
+    call exchange(x, 'step_needs_damping', run%step%needs_damping)
+    call exchange(x, 'step_damps', run%step%damps)
+    call exchange(x, 'step_damped', run%step%damped)
+    call exchange(x, 'step_exhausted', run%step%exhausted)
     associate (total => run%step%total)
       call exchange(x, 'total_iterations', total%iterations)
       call exchange(x, 'total_cutbacks', total%cutbacks)
@@ -207,8 +211,34 @@ contains
     call exchange(x, 'turn_warned', run%plan%turn_warned)
     call exchange(x, 'strain_warned', run%plan%strain_warned)
     call exchange_warnings(x)
+    call exchange_tables(x, run%plan)
     call exchange(x, 'output_every', run%plan%every)
   end subroutine exchange_run
+
+  !> Exchange what has been seen of the load tables (see table_use).
+  subroutine exchange_tables(x, plan)
+    type(exchange_t), intent(inout) :: x
+    type(plan_t), intent(inout) :: plan
+    integer, allocatable :: acted(:), ended(:)
+    integer :: n
+
+    call exchange(x, 'corner_warned', plan%corner_warned)
+    if (x%writes) then
+      acted = [integer ::]
+      ended = [integer ::]
+      if (allocated(plan%acted)) acted = merge(1, 0, plan%acted)
+      if (allocated(plan%ended)) ended = merge(1, 0, plan%ended)
+    end if
+    call exchange(x, 'table_acted', acted)
+    call exchange(x, 'table_ended', ended)
+    if (x%writes .or. .not. x%whole) return
+    n = size(ended)
+    if (size(acted) /= n + 1) return ! no step has been closed
+    if (allocated(plan%acted)) deallocate (plan%acted, plan%ended)
+    allocate (plan%acted(0:n), plan%ended(n))
+    plan%acted = acted > 0
+    plan%ended = ended > 0
+  end subroutine exchange_tables
 
   subroutine exchange_program(x, program)
     type(exchange_t), intent(inout) :: x

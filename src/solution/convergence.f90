@@ -177,7 +177,8 @@ contains
     type(newton_t), intent(in) :: newton
     type(model_t), intent(in) :: model
 
-    needs_line_search = size(model%contact) > 0 .and. newton%iterations - newton%before > PATIENCE
+    needs_line_search = size(model%contact) > 0 &
+                        .and. newton%iterations - newton%before - newton%damped%count > PATIENCE
   end function needs_line_search
 
   !> Relative residual to which a linear system is solved (inexact Newton).

@@ -13,6 +13,7 @@ module newton
                          find_largest_residual, node_spacing, find_floor, needs_line_search, &
                          needs_signs, find_forcing, damping, count_flips
   use csr, only: multiply
+  use damped_increments, only: begin_damping, adapt_damping, add_damping, remove_damping
   use failure_text, only: name_element, name_singularity
   use line_search, only: search_line, step_by, retreat
   use linear_system, only: new_linear_system, change_pattern
@@ -40,11 +41,12 @@ contains
 
   !> Begin a step: state%factor and state%time are those at the end of the step, state%u is that at
   !! its start.
-  subroutine begin_newton(newton, model, state, predicts)
+  subroutine begin_newton(newton, model, state, predicts, damps)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     logical, intent(in) :: predicts          !! the step may start from predicted displacements
+    logical, intent(in) :: damps             !! with damped increments
 
     newton%iterations = 0
     newton%before = 0
@@ -62,10 +64,11 @@ contains
     call to_prescribed(model, state%factor, state%u, newton%move)
     newton%moves = any(abs(newton%move) > 0.0_wp)
     call begin_stabilisation(newton%hold, model)
+    call begin_damping(newton%damped, damps)
     newton%asm%anchors = anchors_t()
     newton%predicted = .false.
     ! moves of bodies towards a contact are not continued
-    if (.not. predicts .or. newton%constraint%on .or. newton%hold%active) return
+    if (.not. predicts .or. damps .or. newton%constraint%on .or. newton%hold%active) return
     call predict(model, state, newton%move, newton%piece, newton%predicted)
     newton%moves = newton%moves .and. .not. newton%predicted
   end subroutine begin_newton
@@ -189,6 +192,7 @@ contains
     newton%moves = .false.
     call check_convergence(newton, pass, moved)
     if (.not. pass%ok) return
+    if (newton%damped%on) newton%converged = .false.
     if (newton%converged) then
       call newton%system%find_signs(newton%asm%k, pass%solve, error)
       if (.not. allocated(error)) call name_trouble(model, state, pass)
@@ -197,7 +201,9 @@ contains
                           sum_of_loads(newton, model, state), loaded)
       newton%converged = .not. loaded
     end if
-    if ((searches .or. needs_line_search(newton, model)) .and. .not. moved) then
+    if (newton%damped%on) then
+      call step_by(state, du, 1.0_wp)
+    else if ((searches .or. needs_line_search(newton, model)) .and. .not. moved) then
       call search_line(newton%asm, model, state, newton%dx, du, &
                        dot_product(newton%dx, newton%rhs), pass%line, error)
     else
@@ -205,7 +211,7 @@ contains
       call step_by(state, du, pass%line)
     end if
     newton%last = pass%line*newton%dx
-    newton%may_retreat = .not. moved .and. .not. newton%converged
+    newton%may_retreat = .not. (moved .or. newton%converged .or. newton%damped%on)
   end subroutine solve_system
 
   !> If the tangent has a new pattern, pass it to the linear system.
@@ -353,14 +359,17 @@ contains
       call multiply(newton%asm%k, newton%move, force)
       call free_part(model%eq, -state%reaction - force, newton%rhs)
     end if
+    if (newton%damped%on) call adapt_damping(newton%damped, pass%residual)
     do
       if (newton%hold%springs) call add_springs(newton%hold, newton%asm%k)
+      if (newton%damped%on) call add_damping(newton%damped, newton%asm%k)
       newton%forcing = find_forcing(newton, pass)
       call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, newton%forcing, pass%solve, &
                                error, signs=needs_signs(newton, pass))
       if (.not. (allocated(error) .or. pass%solve%singular)) then
         call solve_anchored(newton, model, pass%solve, error)
       end if
+      if (newton%damped%on) call remove_damping(newton%damped, newton%asm%k)
       if (newton%hold%springs) call remove_springs(newton%hold, newton%asm%k)
       if (allocated(error)) return
       if (.not. pass%solve%singular) exit

@@ -3,6 +3,7 @@ module newton_type
   use assembly, only: assembler_t, sweep_t
   use base_kinds, only: wp
   use continuation_type, only: path_constraint_t
+  use damped_increments, only: damped_t
   use linear_system, only: linear_system_t, solve_report_t, AUTO
   use stabilisation, only: stabilisation_t
   implicit none
@@ -14,6 +15,7 @@ module newton_type
     type(linear_system_t) :: system
     type(path_constraint_t) :: constraint !! for a step whose time is unknown
     type(stabilisation_t) :: hold      !! of bodies that contact does not hold yet
+    type(damped_t) :: damped           !! increments of this step
     logical :: ready = .false.         !! matrix pattern and symbolic factorisation exist
     logical :: symmetric = .true.      !! they are for a symmetric matrix
     integer :: mode = AUTO             !! FACTor

@@ -24,7 +24,7 @@ module step
   use newton_type, only: pass_t
   use solution_state, only: open_step, restore_step
   use stabilisation_report, only: report_stabilisation
-  use step_control, only: set_dt, set_end, accept_time, pass_target, cut_time
+  use step_control, only: set_dt, set_end, accept_time, pass_target, cut_time, whole_step
   use step_type, only: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   implicit none
   private
@@ -37,6 +37,7 @@ module step
   !> Number of iterations in which the cells of the mortar scheme settle; these iterations do not
   !! influence the size of the next step.
   integer, parameter :: SETTLING = 2
+  integer, parameter :: MOST_DAMPED = 3 !! attempts of a step with damped increments
 
 contains
 
@@ -65,14 +66,19 @@ contains
     step%open = .true.
     step%solved = .false.
     step%timed = present(left)
-    if (.not. (step%retry .and. step%timed)) step%cutbacks = 0
+    if (.not. (step%retry .and. step%timed)) then
+      step%cutbacks = 0
+      step%damped = 0
+      step%damps = .false.
+      step%exhausted = .false.
+    end if
     step%retry = .false.
     if (present(left)) then
       call begin_increment(step, model, state, left)
     else
       call open_step(state, state%time)
     end if
-    call begin_newton(step%newton, model, state, step%timed .and. step%cutbacks == 0)
+    call begin_newton(step%newton, model, state, step%timed .and. step%cutbacks == 0, step%damps)
   end subroutine begin_step
 
   !> Form forces and tangent at the current displacements.
@@ -105,6 +111,12 @@ contains
 
     outcome = STEP_REWOUND
     call solve_system(step%newton, model, state, searches, step%pass, error)
+    do while (.not. allocated(error) .and. step%pass%ok .and. step%newton%damped%on)
+      call form_system(step%newton, model, state, step%newton%symmetric, step%pass, error)
+      if (allocated(error) .or. .not. step%pass%ok) exit
+      step%pass%short = step%pass%short + 1
+      call solve_system(step%newton, model, state, searches, step%pass, error)
+    end do
     if (allocated(error)) return
     if (.not. step%pass%ok) then
       call cut_step(step, model, state, step%pass%trouble, place, error)
@@ -136,20 +148,66 @@ contains
       return
     end if
     if (step%timed .and. step%control%automatic) possible = change_method(step, model, state, why)
+    if (.not. possible) call choose_attempt(step, model, state, why, possible)
     if (.not. possible) then
-      if (step%timed) possible = cut_time(step%control)
-      if (.not. possible) then
-        call fail_step(step, model, state, why, place, error)
-        return
-      end if
-      step%cutbacks = step%cutbacks + 1
-      step%total%cutbacks = step%total%cutbacks + 1
-      call log_line('  step '//to_text(state%step)//' is cut back: '//why//'; the next attempt ' &
-                    //'has dt = '//to_text(step%control%size))
+      call fail_step(step, model, state, why, place, error)
+      return
     end if
     call rewind_step(step, state)
     step%retry = .true.
   end subroutine cut_step
+
+  !> Choose the next attempt of a step under load control: a smaller step or damped increments.
+  !!
+  !! The first step that needs damped increments has been cut to dtmin before. From then on, each
+  !! size is tried without and with them, but with them at most MOST_DAMPED times.
+  subroutine choose_attempt(step, model, state, why, possible)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    character(*), intent(in) :: why
+    logical, intent(out) :: possible
+    character(:), allocatable :: how
+    logical :: may_damp
+
+    how = ''
+    may_damp = can_damp(step, model, state) .and. step%damped < MOST_DAMPED
+    possible = may_damp .and. step%needs_damping .and. .not. step%damps
+    if (possible) then
+      step%damps = .true.
+    else
+      if (step%timed .and. .not. (step%exhausted .and. .not. may_damp)) then
+        possible = cut_time(step%control)
+      end if
+      step%damps = step%exhausted .and. may_damp
+      if (.not. possible .and. may_damp .and. .not. step%exhausted) then
+        step%needs_damping = .true.
+        step%exhausted = .true.
+        step%damps = .true.
+        possible = .true.
+        call whole_step(step%control)
+      end if
+    end if
+    if (.not. possible) return
+    if (step%damps) then
+      step%damped = step%damped + 1
+      how = ' and damped increments'
+    end if
+    step%cutbacks = step%cutbacks + 1
+    step%total%cutbacks = step%total%cutbacks + 1
+    call log_line('  step '//to_text(state%step)//' is cut back: '//why//'; the next attempt ' &
+                  //'has dt = '//to_text(step%control%size)//how)
+  end subroutine choose_attempt
+
+  !> Can damped increments help? They need contact, which they let settle, and a time that is given.
+  pure logical function can_damp(step, model, state)
+    type(step_t), intent(in) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+
+    can_damp = step%timed .and. step%control%automatic .and. size(model%contact) > 0 &
+               .and. .not. (state%dynamics%on .or. step%newton%constraint%on)
+  end function can_damp
 
   !> Restore the state at the start of the current step, and forget the step.
   subroutine rewind_step(step, state)
@@ -290,7 +348,7 @@ contains
     if (step%timed .and. step%newton%constraint%on) then
       call pass_target(step%control)
     else if (step%timed) then
-      iterations = step%newton%iterations - step%newton%before
+      iterations = step%newton%iterations - step%newton%before - step%newton%damped%count
       call accept_time(step%control, iterations - merge(SETTLING, 0, &
                                                         any(model%contact%scheme == MORTAR)))
       if (step%control%reduced) then

@@ -8,7 +8,7 @@ module step_control
   implicit none
   private
   public :: step_control_t, set_dt, set_auto, next_time, next_target, set_end, accept_time, &
-            pass_target, cut_time, on_target
+            pass_target, cut_time, whole_step, on_target
 
   type :: step_control_t
     real(wp) :: dt = 0.0_wp          !! time between targets
@@ -164,6 +164,14 @@ contains
     control%accepted = 0
     possible = control%size >= control%dtmin .and. control%from + control%size > control%from
   end function cut_time
+
+  !> Try the whole step to the next target again, by other means.
+  subroutine whole_step(control)
+    type(step_control_t), intent(inout) :: control
+
+    control%size = control%dt
+    control%failed = 0.0_wp
+  end subroutine whole_step
 
   !> Did the previous step end on a target?
   pure function on_target(control) result(yes)
