@@ -16,8 +16,8 @@ module command_type
   use step, only: step_t
   implicit none
   private
-  public :: run_t, program_t, loop_t, command_t, command_row_t, data_t, new_row, has_number, &
-            whole_field, check_fields
+  public :: run_t, plan_t, program_t, loop_t, command_t, command_row_t, data_t, new_row, &
+            has_number, whole_field, check_fields
 
   !> Data records of a command, read before the run starts.
   type :: data_t

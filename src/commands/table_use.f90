@@ -147,6 +147,7 @@ contains
   subroutine watch_tables(run)
     type(run_t), intent(inout) :: run
     type(use_t), allocatable :: uses(:)
+    logical, allocatable :: acted(:), more(:)
     integer :: u, k
 
     associate (state => run%state, plan => run%plan)
@@ -154,8 +155,10 @@ contains
       if (.not. allocated(plan%acted)) then
         allocate (plan%acted(0:size(state%table)), plan%ended(size(state%table)), source=.false.)
       else if (size(plan%ended) < size(state%table)) then
-        plan%acted = [plan%acted, spread(.false., 1, size(state%table) - size(plan%ended))]
-        plan%ended = [plan%ended, spread(.false., 1, size(state%table) - size(plan%ended))]
+        more = spread(.false., 1, size(state%table) - size(plan%ended))
+        call move_alloc(plan%acted, acted)
+        allocate (plan%acted(0:size(state%table)), source=[acted, more])
+        plan%ended = [plan%ended, more]
       end if
       call find_uses(run%model%bc, uses)
       do u = 1, size(uses)
@@ -245,7 +248,7 @@ contains
     character(:), allocatable :: name
     integer :: u
 
-    if (.not. allocated(run%plan%acted) .or. allocated(run%files%kept)) return
+    if (.not. allocated(run%plan%acted)) return
     call find_uses(run%model%bc, uses)
     do u = 1, size(uses)
       if (.not. uses(u)%acts .or. uses(u)%table > size(run%plan%ended)) cycle
