@@ -91,7 +91,9 @@ $(B)/depend.mk: FORCE $(COPIES)
 	@mkdir -p $(B); awk -v b=$(B) -v u='$$(U)' -f src/depend.awk $(SOURCES) $(COPIES) $(wildcard verification/unit/*/*.pf) > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 FORCE:
-COMPILES := all unit install deb $(B)/%
+# Goals that compile: without the dependencies, only the files that changed would be compiled, and not
+# the users of their modules.
+COMPILES := all unit install deb deck_errors reference patch trouble manual bench_parts $(B)/%
 ifneq ($(filter $(COMPILES),$(or $(MAKECMDGOALS),all)),)
 $(shell rm -f $(B)/compiled)
 include $(B)/depend.mk

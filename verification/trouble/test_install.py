@@ -2,6 +2,7 @@
 
 import gzip
 import os
+import re
 import subprocess
 import sys
 import unittest
@@ -44,6 +45,19 @@ class Install(Folder):
         decks = {f.relative_to(TOP / "input") for f in (TOP / "input").rglob("*.inp")}
         installed = share / "doc/bezel/examples"
         self.assertEqual(decks, {f.relative_to(installed) for f in installed.rglob("*.inp")})
+
+
+class Goals(unittest.TestCase):
+    def test_every_goal_that_needs_the_program_knows_the_uses_of_modules(self):
+        """A goal without depend.mk compiled what had changed, and linked old users of its modules."""
+        rules = "".join(
+            (TOP / name).read_text()
+            for name in ("Makefile", "tools/packages/packages.mk", "verification/unit/unit.mk")
+        )
+        needs = re.findall(r"^(\w+):(?!=).*\$\((?:B|U|BENCH)\)", rules, re.MULTILINE)
+        compiles = re.search(r"^COMPILES := (.*)$", rules, re.MULTILINE)[1].split()
+        self.assertIn("deck_errors", needs)
+        self.assertEqual(set(needs) - set(compiles), set())
 
 
 if __name__ == "__main__":
