@@ -20,6 +20,7 @@ module input_lists
     real(wp), allocatable :: weight(:)       !! (n) of control points; 0: a plain node
     integer, allocatable :: code(:, :)       !! (3, n) BOUN
     real(wp), allocatable :: force(:, :)     !! (3, n) FORC [F]
+    logical, allocatable :: forced(:)        !! (n) named in a record of FORC, not generated
     real(wp), allocatable :: value(:, :)     !! (3, n) DISP [L]
     integer, allocatable :: table(:, :)      !! (3, n) FPRO
     type(place_t) :: disp                    !! place of the first record of DISP
@@ -61,6 +62,7 @@ contains
     call grow(list%weight, n)
     call grow(list%code, 3, n)
     call grow(list%force, 3, n)
+    call grow(list%forced, n)
     call grow(list%value, 3, n)
     call grow(list%table, 3, n)
   end subroutine grow_nodes

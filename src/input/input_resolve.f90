@@ -3,7 +3,9 @@
 module input_resolve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_text, only: quoted
+  use base_log, only: warn
+  use base_text, only: quoted, to_text
+  use boundary, only: pressure_t
   use curve_type, only: Q_FORCE, Q_TORQUE, Q_STRESS, Q_MAX_DISP
   use element_type, only: cell_t
   use input_draft, only: draft_t
@@ -71,7 +73,32 @@ contains
       end associate
       if (allocated(error)) call draft%errors%add(error)
     end do
+    if (draft%errors%count() > 0) return
+    do i = 2, draft%npressure
+      call warn_repeated(model%bc%pressure(:i))
+    end do
   end subroutine resolve_loads
+
+  !> Warn if the last one of some pressures is equal to another one.
+  subroutine warn_repeated(pressure)
+    type(pressure_t), intent(in) :: pressure(:)
+    integer :: i
+
+    associate (p => pressure(size(pressure)))
+      do i = 1, size(pressure) - 1
+        associate (q => pressure(i))
+          if (size(p%elem) /= size(q%elem) .or. p%table /= q%table) cycle
+          if ((p%follower .neqv. q%follower) .or. abs(p%value - q%value) > 0.0_wp) cycle
+          if (.not. abs(p%value) > 0.0_wp) cycle
+          if (any(p%block /= q%block .or. p%elem /= q%elem .or. p%side /= q%side)) cycle
+          call warn('this PRESsure is given already in line '//to_text(q%place%line) &
+                    //': the face bears the sum of both', p%place, 'remove one of them, or give ' &
+                    //'the sum')
+          return
+        end associate
+      end do
+    end associate
+  end subroutine warn_repeated
 
   !> Find the nodes, bodies, contacts and elements of the curves.
   subroutine resolve_curves(draft, model)

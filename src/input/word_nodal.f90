@@ -8,6 +8,8 @@
 module word_nodal
   use base_error, only: error_t
   use base_kinds, only: wp
+  use base_log, only: warn
+  use base_text, only: to_text
   use boundary, only: note_load_number
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
@@ -120,6 +122,8 @@ contains
       x = matmul(draft%turn, x)
       if (last == n) last_step = 0
       if (is_force) then
+        if (.not. (n == last .and. step /= 0)) call warn_replaced(draft, line, n)
+        draft%nodes%forced(n) = .true.
         draft%nodes%force(:, n) = x
         call interpolate_between(draft%nodes%force, last, n, last_step)
       else
@@ -129,6 +133,20 @@ contains
       end if
     end do
   end subroutine read_vectors
+
+  !> Warn, once, if a record of FORCe replaces the force that an earlier one gives to its node.
+  subroutine warn_replaced(draft, line, n)
+    type(draft_t), intent(inout) :: draft
+    type(record_t), intent(in) :: line
+    integer, intent(in) :: n
+
+    if (draft%force_twice .or. .not. draft%nodes%forced(n)) return
+    if (.not. any(abs(draft%nodes%force(:, n)) > 0.0_wp)) return
+    draft%force_twice = .true.
+    call warn('FORCe is given twice at node '//to_text(n)//'; further such nodes are not ' &
+              //'reported', line%place(1), 'the later record replaces the earlier one (FEAP): ' &
+              //'give the sum, or use CFORce,ADD')
+  end subroutine warn_replaced
 
   !> Record how many conditions by position precede the first record of this kind.
   pure subroutine note_order(draft, kind)
