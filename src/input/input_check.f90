@@ -5,6 +5,7 @@ module input_check
   use base_kinds, only: wp
   use base_sort, only: unique
   use base_text, only: to_text, quoted, nearest, lower
+  use element_type, only: cell_t, topology_t
   use input_contact, only: check_contacts
   use input_draft, only: draft_t
   use input_lists, only: MAX_NUMBER
@@ -12,7 +13,7 @@ module input_check
   use input_rigid, only: check_rigid
   use input_tie, only: tie_tolerance
   use input_where, only: where_t, unknown_face, W_FACES, W_EDGE, W_GROUP
-  use mesh, only: mesh_t, is_rigid
+  use mesh, only: mesh_t, block_t, block_cell, is_rigid
   use mesh_body, only: group_named, group_hint
   use patch_spec, only: GEO_MESH, GEO_SPLINE
   use spline_set, only: check_set
@@ -22,6 +23,8 @@ module input_check
   implicit none
   private
   public :: check_references, check_size, check_jacobians
+
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! a Jacobian below this fraction of another is zero
 
 contains
 
@@ -259,17 +262,19 @@ contains
     if (allocated(error)) call draft%errors%add(error)
   end subroutine check_size
 
-  !> Check that the Jacobian of every element is positive at all integration points; report the
-  !! inverted elements of a block in one message.
+  !> Check that the Jacobian of every element is positive at all integration points, and in
+  !! hexahedra also at the centre, where that of an element vanishes whose upper face is turned by
+  !! half a turn against the lower one. Report the inverted elements of a block in one message.
   subroutine check_jacobians(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
     type(error_t), allocatable :: error
     type(place_t) :: place
     character(:), allocatable :: text, hint
-    real(wp), allocatable :: x(:, :)
-    real(wp) :: least, worst
+    real(wp), allocatable :: x(:, :), centre(:, :)
+    real(wp) :: det, least, largest, worst
     integer :: b, e, q, first, bad
+    logical :: turned
 
     do b = 1, size(mesh%block)
       if (is_rigid(mesh%block(b))) cycle
@@ -277,16 +282,27 @@ contains
         bad = 0
         first = 0
         worst = 0.0_wp
+        turned = .false.
+        call derivatives_at_centre(block, centre)
         do e = 1, block%nelem
           x = mesh%xr(:, block%conn(:, e))
           least = huge(least)
+          largest = 0.0_wp
           associate (basis => block%basis(block%ibasis(e)))
             do q = 1, basis%nq
-              least = min(least, det3(matmul(x, transpose(basis%dshp(:, :, q)))))
+              det = det3(matmul(x, transpose(basis%dshp(:, :, q))))
+              least = min(least, det)
+              largest = max(largest, det)
             end do
           end associate
           if (.not. least < huge(least)) least = 0.0_wp ! it is not a number
-          if (least > 0.0_wp) cycle
+          if (least > 0.0_wp) then
+            if (.not. allocated(centre)) cycle
+            least = det3(matmul(x, transpose(centre)))
+            if (least > ROUNDING*largest) cycle
+            if (first == 0) turned = .true.
+            if (abs(least) <= ROUNDING*largest) least = 0.0_wp
+          end if
           bad = bad + 1
           if (first > 0) cycle
           first = e
@@ -295,6 +311,7 @@ contains
         if (bad == 0) cycle
         text = 'element '//to_text(block%number(first))//' is inverted: its Jacobian is ' &
                //to_text(worst)
+        if (turned) text = text//' at its centre'
         if (bad > 1) text = text//' (the first of '//to_text(bad)//' inverted elements)'
         if (block%body > 0) then
           place = mesh%body(block%body)%place
@@ -305,6 +322,9 @@ contains
           hint = 'TIE joined nodes of this element, which are closer than ' &
                  //to_text(tolerance(draft, mesh), 3)//' of the extent of the mesh: give TIE a ' &
                  //'smaller tolerance'
+        else if (turned) then
+          hint = 'start the nodes of both faces at the same edge: the fifth node belongs to the ' &
+                 //'first, the sixth to the second'
         else if (block%body > 0) then
           hint = 'use more elements to follow the shape more closely, or enrich other faces'
         else
@@ -315,6 +335,23 @@ contains
       call draft%errors%add(error)
     end do
   end subroutine check_jacobians
+
+  !> Get the parent derivatives of the functions at the centre of hexahedra; not allocated for
+  !! other elements.
+  subroutine derivatives_at_centre(block, dshp)
+    type(block_t), intent(in) :: block
+    real(wp), allocatable, intent(out) :: dshp(:, :) !! (3, nen)
+    type(cell_t) :: cell
+    type(topology_t) :: topology
+    real(wp) :: shp(block%nen)
+
+    if (block%row%spline .or. block%nelem == 0) return
+    call block_cell(block, 1, cell)
+    call block%row%topology(cell, topology)
+    if (topology%shape /= 'hexahedron') return
+    allocate (dshp(3, block%nen))
+    call block%row%functions(cell, [0.0_wp, 0.0_wp, 0.0_wp], shp, dshp)
+  end subroutine derivatives_at_centre
 
   !> The largest tolerance of the TIE records, as a fraction of the extent of the mesh.
   pure real(wp) function tolerance(draft, mesh)

@@ -1,5 +1,5 @@
 !> Warnings about models that can be solved but are probably not intended: elements that are given
-!! twice, and elements that lock.
+!! twice or twisted, and elements that lock.
 module input_doubts
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -7,17 +7,23 @@ module input_doubts
   use base_sort, only: sort, sort_index
   use base_text, only: quoted, to_text
   use elastic_constants, only: NU
+  use element_type, only: cell_t, topology_t
   use input_draft, only: draft_t
   use model, only: material_set_t
-  use mesh, only: mesh_t, is_rigid
+  use mesh, only: mesh_t, block_cell, is_rigid
   implicit none
   private
-  public :: check_twice, warn_locking
+  public :: check_twice, warn_twisted, warn_locking
 
   real(wp), parameter :: NEAR = 1.0e-6_wp     !! positions closer than this, times size, are equal
   !> Poisson's ratios from which on linear elements lock, and other elements have errors of 10 % or
   !! more.
   real(wp), parameter :: LOCKING_FROM = 0.49_wp, SOFT_FROM = 0.498_wp
+
+  real(wp), parameter :: DEGREE = acos(-1.0_wp)/180.0_wp
+  real(wp), parameter :: TURNED = 70.0_wp     !! twist of an element that is not intended [degrees]
+  !> A line of a face that is shorter, relative to the other one, has no direction.
+  real(wp), parameter :: FLAT = 0.05_wp
 
   !> An element of any block.
   type :: member_t
@@ -175,6 +181,84 @@ contains
       end if
     end associate
   end function place_of
+
+  !> Warn about hexahedra with opposite faces that are turned against each other, usually because
+  !! the nodes of one face do not begin at the same edge. A quarter of a turn leaves the element two
+  !! thirds of its volume; its Jacobian is positive everywhere.
+  subroutine warn_twisted(draft, mesh)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    type(cell_t) :: cell
+    type(topology_t) :: topology
+    type(member_t) :: first
+    character(:), allocatable :: text
+    real(wp) :: angle, largest
+    integer :: b, e, n
+
+    n = 0
+    largest = 0.0_wp
+    do b = 1, size(mesh%block)
+      associate (block => mesh%block(b))
+        if (is_rigid(block) .or. block%row%spline .or. block%nelem == 0) cycle
+        call block_cell(block, 1, cell)
+        call block%row%topology(cell, topology)
+        if (topology%shape /= 'hexahedron') cycle
+        do e = 1, block%nelem
+          angle = twist(mesh%xr(:, block%conn(topology%corner, e)))
+          if (angle < TURNED) cycle
+          n = n + 1
+          if (n > 1) cycle
+          largest = angle
+          first%block = b
+          first%elem = e
+        end do
+      end associate
+    end do
+    if (n == 0) return
+    text = element_text(mesh, first)//' is twisted: opposite faces are turned by ' &
+           //to_text(largest, 3)//' degrees against each other'
+    if (n > 1) text = text//' (the first of '//to_text(n)//' such elements)'
+    call warn(text, place_of(draft, mesh, first), 'start the nodes of both faces at the same ' &
+              //'edge: the fifth node belongs to the first, the sixth to the second')
+  end subroutine warn_twisted
+
+  !> Largest angle by which opposite faces of a hexahedron are turned against each other, about the
+  !! line through their centres [degrees].
+  pure real(wp) function twist(x)
+    real(wp), intent(in) :: x(:, :) !! (3, 8) corners [L]
+    integer, parameter :: LOW(4, 3) = reshape([1, 4, 8, 5, 1, 5, 6, 2, 1, 2, 3, 4], [4, 3])
+    integer, parameter :: HIGH(4, 3) = reshape([2, 3, 7, 6, 4, 8, 7, 3, 5, 6, 7, 8], [4, 3])
+    real(wp) :: axis(3), p(3, 2, 2), cosine(2)
+    integer :: d, i, k
+
+    twist = 0.0_wp
+    do d = 1, 3
+      axis = sum(x(:, HIGH(:, d)) - x(:, LOW(:, d)), 2)
+      if (.not. norm2(axis) > 0.0_wp) cycle
+      axis = axis/norm2(axis)
+      p(:, :, 1) = middle_lines(x(:, LOW(:, d)))
+      p(:, :, 2) = middle_lines(x(:, HIGH(:, d)))
+      do k = 1, 2
+        do i = 1, 2
+          p(:, i, k) = p(:, i, k) - dot_product(p(:, i, k), axis)*axis
+        end do
+      end do
+      if (.not. minval(norm2(p, 1)) > FLAT*maxval(norm2(p, 1))) cycle
+      do i = 1, 2
+        cosine(i) = dot_product(p(:, i, 1), p(:, i, 2))/(norm2(p(:, i, 1))*norm2(p(:, i, 2)))
+      end do
+      twist = max(twist, acos(max(-1.0_wp, min(1.0_wp, maxval(cosine))))/DEGREE)
+    end do
+  end function twist
+
+  !> Lines between the middles of opposite edges of a quadrilateral.
+  pure function middle_lines(x) result(line)
+    real(wp), intent(in) :: x(:, :) !! (3, 4) corners, one after another [L]
+    real(wp) :: line(3, 2)
+
+    line(:, 1) = x(:, 2) - x(:, 1) + x(:, 3) - x(:, 4)
+    line(:, 2) = x(:, 4) - x(:, 1) + x(:, 3) - x(:, 2)
+  end function middle_lines
 
   !> Warn about nearly incompressible materials in elements that are not made for them.
   !!

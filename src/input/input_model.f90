@@ -9,7 +9,7 @@ module input_model
   use input_conditions, only: apply_conditions, warn_supports_kept, note_loose
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
-  use input_doubts, only: check_twice, warn_locking
+  use input_doubts, only: check_twice, warn_twisted, warn_locking
   use input_draft, only: draft_t, mesh_read_i, skip_set, row_of, known_word
   use input_idle, only: note_idle_materials, warn_idle_loads
   use input_loads, only: integrate_loads
@@ -83,6 +83,7 @@ contains
         call check_jacobians(draft, mesh)
         if (draft%errors%count() == 0) call check_twice(draft, mesh)
         if (draft%errors%count() > 0) exit stages
+        call warn_twisted(draft, mesh)
         call warn_locking(draft, mesh)
         call note_idle_materials(draft, mesh)
         call warn_idle_loads(draft, mesh, bc)
