@@ -14,7 +14,7 @@ module contact_bond
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, surface_t
   use contact_point, only: energy_at_rest, outer
-  use contact_type, only: cohesion_t
+  use contact_type, only: cohesion_t, MAX_PAST
   use contact_work, only: work_t, new_work, measure, position_on, tangents_on
   use projection, only: project
   use projection_search, only: grid_t, update_grid
@@ -23,7 +23,7 @@ module contact_bond
   use surface_geometry, only: update_shape
   implicit none
   private
-  public :: find_bonds, bond_traction_t, find_bond_traction, needs_projection
+  public :: find_bonds, find_opened_bonds, bond_traction_t, find_bond_traction, needs_projection
 
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
   real(wp), parameter :: NEARLY = 1.0e-6_wp   !! rounding of positions computed in two ways
@@ -84,6 +84,64 @@ contains
       end associate
     end do
   end subroutine find_bonds
+
+  !> Find the bonded points whose gap at the start is an opening at which the traction no longer
+  !! increases: these bonds soften, or are broken, before anything has moved.
+  subroutine find_opened_bonds(contact, xr, state, n, widest, strongest)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: xr(:, :)          !! (3, nnode) [L]
+    type(contact_state_t), intent(in) :: state !! after find_bonds
+    integer, intent(out) :: n                 !! number of these points
+    real(wp), intent(out) :: widest           !! largest gap of these points [L]
+    real(wp), intent(out) :: strongest        !! opening with the largest traction [L]
+    type(work_t) :: work
+    real(wp) :: x(3), up(3, 2), area, partner(3), normal(3), low
+    integer :: e, i, k, q
+
+    n = 0
+    widest = 0.0_wp
+    do k = 1, 2
+      if (contact%side(k)%rigid) cycle
+      call new_work(contact, k, work)
+      associate (points => state%side(k), other => contact%side(3 - k))
+        do e = 1, contact%side(k)%nelem
+          do q = 1, contact%nq
+            i = (e - 1)*contact%nq + q
+            if (points%bond(i) == 0) cycle
+            call measure(contact%side(k), e, q, xr, work, x, up, area)
+            call position_on(other, points%bond(i), points%bond_xi(:, i), xr, work, partner)
+            call tangents_on(other, points%bond(i), xr, work, normal, up)
+            if (.not. dot_product(x - partner, normal) > 0.0_wp) cycle
+            if (stiffens(contact, norm2(x - partner))) cycle
+            n = n + 1
+            widest = max(widest, norm2(x - partner))
+          end do
+        end do
+      end associate
+    end do
+    low = 0.0_wp
+    strongest = widest
+    do while (strongest - low > NEARLY*strongest)
+      if (stiffens(contact, 0.5_wp*(low + strongest))) then
+        low = 0.5_wp*(low + strongest)
+      else
+        strongest = 0.5_wp*(low + strongest)
+      end if
+    end do
+  end subroutine find_opened_bonds
+
+  !> Does the traction of a bond still increase at a normal opening?
+  logical function stiffens(contact, opening)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: opening           !! [L]
+    real(wp), parameter :: N(3) = [0.0_wp, 0.0_wp, 1.0_wp]
+    real(wp) :: past(MAX_PAST), now(MAX_PAST)
+    type(cohesion_t) :: c
+
+    past = 0.0_wp
+    call contact%cohesive%law%cohesive(contact%cohesive%prop, 0.0_wp, opening*N, N, past, now, c)
+    stiffens = c%dtdg(3, 3) < 0.0_wp
+  end function stiffens
 
   !> Does a reference point lie in all regions, and in none of the excepted ones?
   pure logical function is_inside(bond, x)

@@ -8,7 +8,7 @@ module contact_start
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
-  use contact_bond, only: find_bonds
+  use contact_bond, only: find_bonds, find_opened_bonds
   use contact_history, only: new_contact_state
   use contact_pair, only: contact_t, contact_state_t, MORTAR
   use mesh, only: mesh_t
@@ -79,6 +79,7 @@ contains
                                      //'are apart, or BONDed excludes all points; GAP d bonds ' &
                                      //'points up to a distance d')
           call warn_unequal_bonds(contact, state)
+          call warn_opened(contact, model%mesh, state)
         end if
         if (.not. contact%self) call warn_tied(contact)
         call look_at_start(contact, model%mesh%xr, start)
@@ -145,6 +146,24 @@ contains
               'use more points, QUADrature 10 10, or elements whose borders follow the edge of ' &
               //'the bonded area')
   end subroutine warn_unequal_bonds
+
+  !> Warn about bonds that soften at the start, because the gap between two surfaces is an opening
+  !! of their bonds.
+  subroutine warn_opened(contact, mesh, state)
+    type(contact_t), intent(in) :: contact
+    type(mesh_t), intent(in) :: mesh
+    type(contact_state_t), intent(in) :: state
+    real(wp) :: widest, strongest
+    integer :: n
+
+    call find_opened_bonds(contact, mesh%xr, state, n, widest, strongest)
+    if (n == 0) return
+    call warn("contact '"//contact%name//"': at "//to_text(n)//' bonded points the gap at the ' &
+              //'start, up to '//to_text(widest, 3)//', exceeds the opening at which bonds begin ' &
+              //'to soften, '//to_text(strongest, 3), contact%place, 'a gap is an opening: bring ' &
+              //'the surfaces together, bond fewer points with a smaller GAP, or give a larger ' &
+              //'opening in COHEsive')
+  end subroutine warn_opened
 
   !> Hint: what to do if the faces of a contact point the wrong way.
   function facing_hint(mesh, contact) result(hint)
