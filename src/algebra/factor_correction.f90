@@ -52,10 +52,11 @@ contains
   end subroutine note_matrix
 
   !> Make the correction for a matrix. It does not act if nothing or too much has changed.
-  subroutine correct(correction, a, eq, error)
+  subroutine correct(correction, a, eq, most, error)
     type(correction_t), intent(inout) :: correction
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)        !! (3, nnode) equation numbers, 0: prescribed
+    real(wp), intent(in) :: most           !! largest number of operations of a factorisation
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: values(:)
     logical :: analysed
@@ -70,6 +71,7 @@ contains
       call leave_out(error)
       return
     end if
+    if (correction%solver%info%flops > most) return
     allocate (values(size(correction%list%row)))
     call gather(correction%list, a, values)
     call correction%solver%factorise(values, 0.0_wp, error)
@@ -133,7 +135,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: order(:)
 
-    correction%col = a%col
+    if (allocated(correction%col)) deallocate (correction%col)
     call new_entries(correction%list, a, correction%eq, error)
     call agree(error)
     if (allocated(error)) return
@@ -144,6 +146,7 @@ contains
     associate (list => correction%list)
       call correction%solver%analyse(list%neq, a%symmetric, list%row, list%col, order, error)
     end associate
+    if (.not. allocated(error)) correction%col = a%col
   end subroutine analyse_part
 
   !> Release all memory; nothing is known of the factors.

@@ -49,7 +49,7 @@ module linear_system
   real(wp), parameter :: SMALLEST = 1.0e-100_wp, LARGEST = 1.0e100_wp !! of unscaled loads
   !> With old factors, with their correction, with new factors, with exact ones.
   integer, parameter :: MOST_ATTEMPTS = 4
-  !> Largest cost of a correction, relative to that of new factors.
+  !> Largest number of operations of a correction, relative to those of new factors.
   real(wp), parameter :: WORTHWHILE = 0.3_wp
   integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
   real(wp), parameter :: FEWEST_DIGITS = 2.0_wp !! of a solve; iterations are whole numbers
@@ -215,7 +215,7 @@ contains
     logical, intent(in), optional :: signs !! .true.: AUTO finds the signs of the pivots
     type(krylov_report_t) :: run
     integer :: attempt
-    logical :: inexact, wanted
+    logical :: inexact, wanted, same
 
     x = 0.0_wp
     report%null = [integer ::]
@@ -225,11 +225,9 @@ contains
       call fail(error, NO_SOLUTION, 'the residual contains a number that is not finite')
       return
     end if
-    if (.not. present(same_matrix)) then
-      ls%current = .false.
-    else if (.not. same_matrix) then
-      ls%current = .false.
-    end if
+    same = .false.
+    if (present(same_matrix)) same = same_matrix
+    if (.not. same) ls%current = .false.
     if (ls%mode == FULL .and. .not. ls%current) ls%policy%due = .true.
     wanted = .false.
     if (present(signs)) wanted = signs .and. ls%automatic .and. .not. ls%current
@@ -238,9 +236,11 @@ contains
     inexact = .not. ls%factors%exact
     do attempt = 1, MOST_ATTEMPTS
       if (ls%corrects .and. .not. (ls%current .or. ls%policy%due)) then
-        call correct(ls%correction, a, ls%factors%eq, error)
-        if (allocated(error)) return
-        if (cost_of_correction(ls, 0) > WORTHWHILE*ls%policy%worth) ls%correction%acts = .false.
+        if (.not. (same .and. ls%correction%acts)) then
+          call correct(ls%correction, a, ls%factors%eq, &
+                       WORTHWHILE*ls%factors%solver%info%flops, error)
+          if (allocated(error)) return
+        end if
         ls%policy%due = attempt > 1 .and. .not. ls%correction%acts
       end if
       if (ls%policy%due .or. .not. ls%factors%valid) then

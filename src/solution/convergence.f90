@@ -221,7 +221,9 @@ contains
     type(newton_t), intent(in) :: newton
     type(pass_t), intent(in) :: pass
 
-    yes = is_held(newton) .or. newton%iterations - newton%before > PATIENCE &
+    yes = .false.
+    if (newton%damped%on) return ! the tangent is not that of the model
+    yes = is_held(newton) .or. newton%iterations - newton%before - newton%damped%count > PATIENCE &
           .or. (pass%residual <= force_tolerance(pass) .and. .not. newton%moves)
   end function needs_signs
 

@@ -31,7 +31,7 @@ module damped_increments
   integer, parameter :: MOST = 100         !! damped increments of a step
 
   type :: damped_t
-    logical :: on = .false.                !! increments are damped
+    logical :: on = .false.                !! the next increment is damped
     integer :: count = 0                   !! damped increments of this step
     real(wp), private :: lambda = 0.0_wp
     real(wp), private :: last = 0.0_wp, largest = 0.0_wp !! residuals [F]

@@ -64,7 +64,7 @@ contains
     call to_prescribed(model, state%factor, state%u, newton%move)
     newton%moves = any(abs(newton%move) > 0.0_wp)
     call begin_stabilisation(newton%hold, model)
-    call begin_damping(newton%damped, damps)
+    call begin_damping(newton%damped, damps .and. .not. newton%constraint%on)
     newton%asm%anchors = anchors_t()
     newton%predicted = .false.
     ! moves of bodies towards a contact are not continued
@@ -183,7 +183,8 @@ contains
     moved = newton%moves
     newton%iterations = newton%iterations + 1
     call count_flips(newton, merge(0, pass%solve%determinant, &
-                                   newton%symmetric .or. .not. pass%solve%signed))
+                                   newton%symmetric .or. newton%damped%on .or. &
+                                   .not. pass%solve%signed))
     newton%before_solve = merge(0.0_wp, pass%residual, moved)
     newton%expected = newton%forcing*maxval(abs(newton%rhs))
     call find_increment(newton, model, moved, du, pass)
@@ -361,16 +362,16 @@ contains
     end if
     if (newton%damped%on) call adapt_damping(newton%damped, pass%residual)
     do
-      if (newton%hold%springs) call add_springs(newton%hold, newton%asm%k)
       if (newton%damped%on) call add_damping(newton%damped, newton%asm%k)
+      if (newton%hold%springs) call add_springs(newton%hold, newton%asm%k)
       newton%forcing = find_forcing(newton, pass)
       call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, newton%forcing, pass%solve, &
                                error, signs=needs_signs(newton, pass))
       if (.not. (allocated(error) .or. pass%solve%singular)) then
         call solve_anchored(newton, model, pass%solve, error)
       end if
-      if (newton%damped%on) call remove_damping(newton%damped, newton%asm%k)
       if (newton%hold%springs) call remove_springs(newton%hold, newton%asm%k)
+      if (newton%damped%on) call remove_damping(newton%damped, newton%asm%k)
       if (allocated(error)) return
       if (.not. pass%solve%singular) exit
       if (.not. use_springs(newton%hold, state)) exit

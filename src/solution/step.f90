@@ -7,9 +7,11 @@
 !! caller to go back to where the step began. If there is nothing left to try, cut_step fails.
 module step
   use anchored_newton, only: sum_of_loads
+  use base_comm, only: largest
   use base_error, only: error_t, place_t, fail, NO_SOLUTION
   use base_kinds, only: wp
   use base_log, only: log_line, warn
+  use base_system, only: stop_requested
   use base_text, only: to_text
   use contact_missed, only: follow_gaps
   use contact_pair, only: HALFPASS, MORTAR
@@ -112,6 +114,7 @@ contains
     outcome = STEP_REWOUND
     call solve_system(step%newton, model, state, searches, step%pass, error)
     do while (.not. allocated(error) .and. step%pass%ok .and. step%newton%damped%on)
+      if (largest(merge(1, 0, stop_requested())) > 0) exit
       call form_system(step%newton, model, state, step%newton%symmetric, step%pass, error)
       if (allocated(error) .or. .not. step%pass%ok) exit
       step%pass%short = step%pass%short + 1
@@ -148,7 +151,11 @@ contains
       return
     end if
     if (step%timed .and. step%control%automatic) possible = change_method(step, model, state, why)
-    if (.not. possible) call choose_attempt(step, model, state, why, possible)
+    if (possible) then
+      step%damps = .false.
+    else
+      call choose_attempt(step, model, state, why, possible)
+    end if
     if (.not. possible) then
       call fail_step(step, model, state, why, place, error)
       return
