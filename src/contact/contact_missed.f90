@@ -1,10 +1,11 @@
 !> Contacts that have not closed in any step of a run: their smallest gap, and a note at the end.
 !!
-!! Such a contact may be a stop that nothing should reach, so this is a note and not a warning. A
-!! contact with bonds is left out: its faces are meant to part.
+!! Such a contact may be a stop that nothing should reach, so this is a note and not a warning,
+!! unless corners of elements penetrate while no integration point does. A contact with bonds is
+!! left out: its faces are meant to part.
 module contact_missed
   use base_kinds, only: wp
-  use base_log, only: note
+  use base_log, only: note, warn
   use base_text, only: to_text
   use contact_pair, only: contact_t, contact_state_t
   use contact_resultant, only: resultant_t, side_resultant
@@ -13,6 +14,10 @@ module contact_missed
   implicit none
   private
   public :: follow_gaps, note_missed
+
+  !> Penetration of a corner that is only rounding, and one that causes a warning, relative to the
+  !! size of an element.
+  real(wp), parameter :: NOTHING = 1.0e-9_wp, VISIBLE = 1.0e-3_wp
 
 contains
 
@@ -53,11 +58,12 @@ contains
     now%nearest_step = step
   end subroutine keep_gap
 
-  !> At the end of a run: name the contacts that have not closed in any step.
+  !> At the end of a run: name the contacts that have not closed in any step. PENEtration, unlike
+  !! the gap, includes corners of elements.
   subroutine note_missed(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    character(:), allocatable :: text
+    character(:), allocatable :: text, whose
     integer :: c
 
     if (state%step == 0) return
@@ -65,8 +71,10 @@ contains
       associate (contact => model%contact(c), now => state%contact(c))
         if (now%touched .or. contact%cohesive%given) cycle
         text = "contact '"//contact%name//"' has not closed in any step: "
+        whose = ''
+        if (now%deepest > NOTHING) whose = ' of an integration point'
         if (now%nearest < huge(1.0_wp)) then
-          text = text//'the smallest gap was '//to_text(now%nearest, 3)//' at ' &
+          text = text//'the smallest gap'//whose//' was '//to_text(now%nearest, 3)//' at ' &
                  //position_text(now%x_nearest)
           if (now%nearest_step == 0) then
             text = text//', at the start'
@@ -76,7 +84,16 @@ contains
         else
           text = text//'no point of one side was ever opposite the other side'
         end if
-        call note(text)
+        if (now%deepest > NOTHING) then
+          text = text//'; corners of elements penetrate by up to '//to_text(100*now%deepest, 3) &
+                 //' % of an element'
+        end if
+        if (now%deepest > VISIBLE) then
+          call warn(text, contact%place, 'contact acts at integration points only: use smaller ' &
+                    //'elements or more points')
+        else
+          call note(text)
+        end if
       end associate
     end do
   end subroutine note_missed
