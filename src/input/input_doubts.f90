@@ -310,6 +310,7 @@ contains
       associate (block => mesh%block(b), m => draft%model%material(mesh%block(b)%material))
         if (block%row%nmode == 0 .or. block%row%spline .or. any(warned == m%number)) cycle
         if (m%prop(NU) < STIFF_FROM) cycle
+        if (is_plane(block%conn, draft%model%bc%fixed)) cycle
         call doubt(m, block%name, 'lock in part', 'forces are too large on coarse meshes, in ' &
                    //'bending and contact by 10 to 50 %: refine to see the error, or use TYPE Q2 ' &
                    //'for displacements and forces')
@@ -317,6 +318,22 @@ contains
       end associate
     end do
   end subroutine warn_locking
+
+  !> Is a direction fixed at all nodes of the elements? In plane strain nine modes suffice.
+  pure logical function is_plane(conn, fixed)
+    integer, intent(in) :: conn(:, :)  !! (nen, nelem)
+    integer, intent(in) :: fixed(:, :) !! (3, nnode) restraint codes
+    logical :: always(3)
+    integer :: e, i
+
+    always = .true.
+    do e = 1, size(conn, 2)
+      do i = 1, size(conn, 1)
+        always = always .and. fixed(:, conn(i, e)) /= 0
+      end do
+    end do
+    is_plane = any(always)
+  end function is_plane
 
   !> Warn about one kind of element with a nearly incompressible material.
   subroutine doubt(m, name, what, hint)
