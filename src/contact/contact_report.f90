@@ -21,6 +21,9 @@ module contact_report
   public :: report_contact_changes, measure_contacts, find_jump, warn_soft_penalty
 
   real(wp), parameter :: UNBALANCED = 0.02_wp !! relative difference of forces for a warning
+  !> Energy of penetration, relative to the work of supports and loads, that this work cannot have
+  !! put in, even if the sum over the steps is not accurate.
+  real(wp), parameter :: WITHOUT_WORK = 2.0_wp
   real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration for a warning, relative to an element
   real(wp), parameter :: HALF = 0.5_wp        !! elastic slip for a warning, relative to the motion
   real(wp), parameter :: SOFT = 0.2_wp        !! share of the work that penetration may take
@@ -142,6 +145,12 @@ contains
 
     if (size(model%contact) == 0) return
     if (.not. state%energy%penetration_share > SOFT) return
+    if (state%energy%penetration_share > WITHOUT_WORK) then
+      call warn('penetration holds more energy than supports and loads have put in', &
+                model%contact(1)%place, 'surfaces overlapped before a force acted on them: take ' &
+                //'smaller steps until they meet, or move the bodies apart at the start')
+      return
+    end if
     stiffer = 'NORMal PENAlty AUTO'
     if (all(model%contact%normal%auto)) stiffer = stiffer//' 10'
     call warn('penetration takes '//to_text(100*state%energy%penetration_share, 3) &
