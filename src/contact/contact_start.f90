@@ -17,7 +17,7 @@ module contact_start
   use projection_search, only: grid_t, place_surfaces, update_grid
   use projection_type, only: foot_t, shape_t, touches
   use self_search, only: nearness_t, search_itself
-  use surface_geometry, only: surface_point
+  use surface_geometry, only: surface_point, update_shape
   use tensor, only: cross
   implicit none
   private
@@ -63,6 +63,7 @@ contains
     type(contact_state_t) :: state
     type(start_t) :: start
     integer :: c, k, n(2)
+    logical :: apart                     ! no point of one side is opposite the other side
     character(:), allocatable :: name
 
     do c = 1, size(model%contact)
@@ -83,6 +84,11 @@ contains
         end if
         if (.not. contact%self) call warn_tied(contact)
         call look_at_start(contact, model%mesh%xr, start)
+        apart = .false.
+        if (start%nnear == 0 .and. .not. contact%self) then
+          call look_farther(contact, model%mesh%xr, start)
+          apart = .not. start%gap < huge(start%gap)
+        end if
         if (start%nthrough > 0) then
           call warn(name//to_text(start%nthrough)//' of '//to_text(start%npoint)//' points, such ' &
                     //'as '//position_text(start%x_through)//', lie less than DEPTh '//to_text( &
@@ -99,7 +105,7 @@ contains
           call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
                     //' face away from each other: a whole body lies between them', &
                     contact%place, facing_hint(model%mesh, contact))
-        else if (start%nnear == 0 .and. .not. contact%self) then
+        else if (apart) then
           call warn(name//'the faces '//contact%side(1)%name//' and '//contact%side(2)%name &
                     //' are not opposite each other at the start', contact%place, &
                     'they touch only if a motion brings them together')
@@ -308,6 +314,39 @@ contains
     end subroutine look_from
 
   end subroutine look_at_start
+
+  !> Find the smallest gap of two surfaces that face each other at a distance at which look_at_start
+  !! does not search.
+  subroutine look_farther(contact, x, start)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
+    type(start_t), intent(inout) :: start
+    type(shape_t) :: shape(2)
+    type(grid_t) :: grid(2)
+    type(foot_t) :: foot
+    real(wp) :: xp(3), a(3, 2), b(3, 3)
+    integer :: e, k, q
+
+    do k = 1, 2
+      call update_shape(contact%side(k), x, shape(k))
+      call update_grid(contact%side(k), shape(k), grid(k))
+    end do
+    do k = 1, 2
+      do e = 1, contact%side(k)%nelem
+        do q = 1, contact%nplain
+          call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), xp, a, b)
+          foot%elem = 0
+          call project(contact%side(3 - k), shape(3 - k), grid(3 - k), xp, foot)
+          if (foot%elem == 0) cycle
+          if (.not. (foot%gap >= 0.0_wp .and. foot%gap < start%gap)) cycle
+          if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp) cycle
+          start%gap = foot%gap
+          start%x_gap = xp
+        end do
+      end do
+    end do
+    where (abs(start%x_gap) < INSIDE*start%gap) start%x_gap = 0.0_wp ! rounding
+  end subroutine look_farther
 
   !> Do the same as look_at_start for self-contact.
   subroutine look_at_itself(contact, x, start)

@@ -100,6 +100,13 @@ class Contact(Folder):
             "'c' has not closed in any step: no point of one side was ever opposite", said
         )
 
+    def test_a_face_far_above_another_one_is_opposite_it(self):
+        said, log = self.run_deck(
+            "narrow", ("0.26 0.26 1.05", "0.26 0.26 5"), ("0 0 -0.06", "0 0 -4.01")
+        )
+        self.assertNotIn("warning:", said)
+        self.assertIn("contact c: smallest gap at the start 4 at", log)
+
     def test_a_contact_that_closes_is_not_noted(self):
         for name in ("narrow", "closed_gap", "slide"):
             with self.subTest(name):
