@@ -328,13 +328,80 @@ contains
         else if (block%body > 0) then
           hint = 'use more elements to follow the shape more closely, or enrich other faces'
         else
-          hint = 'number its first four nodes counter-clockwise as seen from the other four'
+          hint = order_hint(block, first, mesh%xr)
         end if
       end associate
       call fail(error, DECK_ERROR, text, place, hint)
       call draft%errors%add(error)
     end do
   end subroutine check_jacobians
+
+  !> Hint: how the nodes of an inverted element of ELEMents must be numbered. If a node after the
+  !! corners is nearer to the place of another one than to its own, these nodes have another order.
+  function order_hint(block, e, xr) result(hint)
+    type(block_t), intent(in) :: block
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xr(:, :)          !! (3, nnode) [L]
+    character(:), allocatable :: hint
+    type(cell_t) :: cell
+    type(topology_t) :: topology
+    integer :: deck(block%nen)                ! local node of each node of the deck
+    real(wp), allocatable :: middle(:, :)     ! (3, nen) where the nodes should be, about [L]
+    integer :: a, at(2), i
+
+    call block_cell(block, e, cell)
+    call block%row%topology(cell, topology)
+    select case (topology%shape)
+    case ('tetrahedron')
+      hint = 'number its first three nodes counter-clockwise as seen from the fourth'
+    case ('wedge')
+      hint = 'number its first three nodes counter-clockwise as seen from the other three'
+    case ('pyramid')
+      hint = 'number its first four nodes counter-clockwise as seen from the fifth'
+    case default
+      hint = 'number its first four nodes counter-clockwise as seen from the other four'
+    end select
+    deck = [(i, i=1, block%nen)]
+    if (block%row%deck_order(1) > 0) deck = block%row%deck_order(:block%nen)
+    if (block%nen == size(topology%corner)) return
+    allocate (middle(3, block%nen), source=0.0_wp)
+    do a = 1, block%nen
+      call find_ends(topology, a, at)
+      middle(:, a) = 0.5_wp*(xr(:, block%conn(at(1), e)) + xr(:, block%conn(at(2), e)))
+    end do
+    do i = size(topology%corner) + 1, block%nen
+      a = deck(i)
+      associate (distance => norm2(middle - spread(xr(:, block%conn(a, e)), 2, block%nen), 1))
+        if (distance(a) <= minval(distance)) cycle
+      end associate
+      call find_ends(topology, a, at)
+      hint = 'its '//to_text(i)//'th node, '//to_text(block%conn(a, e))//', is not near the ' &
+             //'middle between its nodes '//to_text(block%conn(at(1), e))//' and ' &
+             //to_text(block%conn(at(2), e))//': see the order of the nodes in the manual, ' &
+             //'ELEMents'
+      if (i == 9 .and. topology%shape == 'tetrahedron') then
+        hint = hint//' (Gmsh exchanges the last two)'
+      end if
+      return
+    end do
+  end function order_hint
+
+  !> Find two corners with a node in the middle between them in the reference element; a corner is
+  !! found twice.
+  pure subroutine find_ends(topology, node, at)
+    type(topology_t), intent(in) :: topology
+    integer, intent(in) :: node
+    integer, intent(out) :: at(2)
+    integer :: i, j
+
+    do j = 1, size(topology%corner)
+      do i = 1, j
+        at = topology%corner([i, j])
+        if (all(abs(topology%xr(:, at(1)) + topology%xr(:, at(2)) - 2*topology%xr(:, node)) &
+                < ROUNDING)) return
+      end do
+    end do
+  end subroutine find_ends
 
   !> Get the parent derivatives of the functions at the centre of hexahedra; not allocated for
   !! other elements.
