@@ -9,7 +9,7 @@ module command_augment
   use base_kinds, only: wp
   use base_log, only: log_line
   use base_text, only: to_text
-  use command_type, only: run_t, command_t, command_row_t, new_row
+  use command_type, only: run_t, program_t, command_t, command_row_t, new_row
   use contact_augment, only: rise_t, find_rise, take_rise
   use program_position, only: leave_loop, is_last_pass
   implicit none
@@ -51,7 +51,15 @@ contains
                 'use one of them: QUADrature n1 n2 with more points, or no AUGMent')
       return
     end if
-    if (run%program%dry .or. .not. run%step%open) return
+    if (run%program%dry) then
+      if (.not. is_followed(run%program)) then
+        call fail(error, DECK_ERROR, 'no TANG or UTAN follows this AUGMent in its step', &
+                  command%record%place(1), 'put LOOP,augment,n around the Newton loop and ' &
+                  //'AUGMent, inside the loop with TIME')
+      end if
+      return
+    end if
+    if (.not. run%step%open) return
 
     associate (contact => run%state%contact)
       allocate (rise(2, size(contact)))
@@ -87,5 +95,27 @@ contains
       end if
     end associate
   end subroutine run_augment
+
+  !> Is there a solve between the command at the counter and the next step, in the commands that
+  !! follow or in another pass of a loop that does not contain TIME?
+  pure logical function is_followed(program) result(yes)
+    type(program_t), intent(in) :: program
+    character(4), parameter :: SOLVES(3) = ['tang', 'utan', 'solv']
+    integer :: i, j
+
+    yes = .false.
+    do i = program%counter + 1, size(program%command)
+      associate (command => program%command(i))
+        yes = any(command%record%key(1) == SOLVES)
+        if (command%record%key(1) == 'next') then
+          associate (loop => program%command(command%matching))
+            if (loop%holds_time) return
+          end associate
+          yes = any([(any(program%command(j)%record%key(1) == SOLVES), j=command%matching, i)])
+        end if
+        if (yes .or. command%record%key(1) == 'time') return
+      end associate
+    end do
+  end function is_followed
 
 end module command_augment
