@@ -1,4 +1,4 @@
-"""`python -m post COMMAND ...` calls the module of that name."""
+"""`python -m post COMMAND ...` runs the module that is named after the command."""
 
 import difflib
 import importlib

@@ -13,7 +13,7 @@ from post._tolerance import Tolerance, matches
 
 @dataclass
 class ColumnResult:
-    """One column: the number of rows compared and failed, and the worst row."""
+    """The result for one column: how many rows were compared and failed, and the worst row."""
 
     name: str
     rows: int
@@ -22,8 +22,8 @@ class ColumnResult:
     where: str = ""  # the worst row
     got: object = None
     want: object = None
-    difference: float = 0.0  # |got - want| there
-    note: str = ""  # what a difference cannot express: NaN, words
+    difference: float = 0.0  # |got - want| in the worst row
+    note: str = ""  # a remark where `difference` is no measure: NaN or infinity
     changes: dict = field(default_factory=dict)  # {row of b: new value} of all rows that failed
 
     @property
@@ -33,7 +33,7 @@ class ColumnResult:
 
 @dataclass
 class TableResult:
-    """One pair of tables: the results of its columns, and the columns that one side lacks."""
+    """The result for one pair of tables: one entry per column, and what only one table has."""
 
     name: str
     columns: list = field(default_factory=list)
@@ -50,10 +50,10 @@ class TableResult:
 def compare_tables(a, b, tolerances, interpolate=None, key=None, only=None, ignore=None):
     """Compare table `a` (got) with table `b` (wanted); return a TableResult.
 
-    Columns match by name. Rows match by position or by the columns in `key`, or `a` is interpolated
-    linearly to the rows of `b` over the column `interpolate`. A column that only `b` has is a
-    difference. So is a column that only `a` has, unless `b` is a .csv file, which may contain a
-    selection of the columns.
+    Columns match by name. Rows match by position or by the columns in `key`; with `interpolate`,
+    the columns of `a` are interpolated linearly, as functions of that column, at the rows of `b`. A
+    column that only `b` has is a difference. So is a column that only `a` has, unless `b` is a .csv
+    file, which may contain a selection of the columns.
     """
     result = TableResult(b.name, a=a, b=b)
     special = set(key or ()) | ({interpolate} if interpolate else set())
@@ -74,7 +74,9 @@ def compare_tables(a, b, tolerances, interpolate=None, key=None, only=None, igno
 
 
 def _common(result, special, only, ignore, interpolate):
-    """Names to compare in the order of b; missing columns are recorded in the result."""
+    """Names of the columns to compare, in the order of `b`; missing ones are noted in the
+    result.
+    """
     a, b = result.a, result.b
     chosen = lambda n: not only or any(matches(p, b.name, n) for p in only)
     dropped = lambda n: any(matches(p, b.name, n) for p in ignore or ())
@@ -126,7 +128,7 @@ def _numbers(name, got, want, tolerance, b, of_b):
         )
         failed = ~(finite & (difference <= allowed))
         excess = np.where(allowed > 0, difference / np.where(allowed > 0, allowed, 1.0), difference)
-    # worst row: the first one without a number, else the one with the largest share of its tolerance
+    # worst row: the first with NaN or infinity, else that with the largest difference / tolerance
     i = int(np.flatnonzero(~finite)[0]) if not finite.all() else int(np.argmax(excess))
     result = ColumnResult(name, len(want), int(failed.sum()), tolerance, b.row_name(of_b[i]))
     result.got, result.want, result.difference = float(got[i]), float(want[i]), float(difference[i])

@@ -6,17 +6,17 @@ import numpy as np
 
 from post._error import Unreadable
 
-#: This field is zero away from contact surfaces and not zero on them.
+#: This field is zero away from the contact surfaces, and nowhere zero on them.
 MARK = "contact_gap"
 
 
 @dataclass
 class Surface:
-    """Faces of one body, each as a grid of n x n points. The grid of a triangle has its last corner
-    in the middle of an edge.
+    """Faces of one body, each sampled at a grid of n x n points. For a triangle, the last corner of
+    the grid lies in the middle of an edge.
 
-    x: (nface, n, n, 3) current positions; value: (nface, n, n); outward: (nface, n, n, 3) normals
-    whose length is an area.
+    x: (nface, n, n, 3) current positions; value: (nface, n, n) the field; outward: (nface, n, n, 3)
+    normals, whose length is the area of a cell of the grid.
     """
 
     body: int
@@ -29,8 +29,8 @@ def surfaces(grid, path, values, n=None):
     """Contact surfaces of a grid at its current positions: a list with one Surface per body.
 
     n: points per direction, by default as many as a picture needs; values: (npoint) coefficients of
-    the field to be shown. Both are evaluated with the (rational) functions of the faces, so that
-    surfaces and fields are those of the analysis.
+    the field to show. Surfaces and field are evaluated with the (rational) functions of the faces,
+    and are therefore those of the analysis.
     """
     if MARK not in grid.point_data:
         raise Unreadable(
@@ -42,25 +42,27 @@ def surfaces(grid, path, values, n=None):
     )
     found, x = {}, np.asarray(grid.points, dtype=float)
     faces = list(_faces(grid, marked))
-    n = n or int(np.clip(200 / max(len(faces), 1) ** 0.5, 9, 33)) | 1  # odd: nodes in the middle
+    n = n or int(np.clip(200 / max(len(faces), 1) ** 0.5, 9, 33)) | 1  # odd: a point in the middle
     for c, f in faces:
         cell = grid.GetCell(c)
         face = cell.GetFace(f)
         points, value = _evaluate(face, x, values, n)
         middle = x[[cell.GetPointId(i) for i in range(cell.GetNumberOfPoints())]].mean(axis=0)
         outward = _outward(points, middle)
-        if _is_triangle(face):  # at the last corner of the grid both directions are the same
+        if _is_triangle(
+            face
+        ):  # at the last corner of the grid the two grid directions are parallel
             outward[-1, -1] = outward[-2, -2]
         found.setdefault(int(body[c]), []).append((points, value, outward))
     if not found:
         raise Unreadable(
-            f"'{path}' has no contact surface: no point has come near the opposite surface yet"
+            f"'{path}' has no contact surface: at this step no face lies near the opposite surface with all of its points"
         )
     return [Surface(b, *(np.array(a) for a in zip(*found[b]))) for b in sorted(found)]
 
 
 def _faces(grid, marked):
-    """(cell, face) of the faces all of whose points are marked."""
+    """Yield (cell, face) for each face whose points are all marked."""
     for c in range(grid.n_cells):
         cell = grid.GetCell(c)
         ids = [cell.GetPointId(i) for i in range(cell.GetNumberOfPoints())]
@@ -90,7 +92,7 @@ def _evaluate(face, x, values, n):
 
 
 def _is_triangle(face):
-    """Is the face a triangle, which ends where its two parameters add up to 1? The parameters of a
+    """Whether the face is a triangle: its parameters s and t satisfy s + t <= 1, while those of a
     quadrilateral fill a square.
     """
     return face.GetNumberOfEdges() == 3

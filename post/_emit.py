@@ -68,7 +68,7 @@ def _count(things, noun):
 
 
 def write_files(options, comparison, reason=None):
-    """Write the files of --json and --junit; `reason` says why a comparison could not be made."""
+    """Write the files of --json and --junit; `reason` says why the runs could not be compared."""
     for path, make in ((options.json, as_json), (options.junit, as_junit)):
         if path:
             try:
@@ -78,7 +78,9 @@ def write_files(options, comparison, reason=None):
 
 
 def as_json(comparison, reason=None):
-    """The result as JSON: result (same, differs, unreadable), reason, tables with worst rows."""
+    """The result as JSON: verdict (same, differs, unreadable), reason, and each column's worst
+    row.
+    """
     if comparison is None:
         return json.dumps({"result": "unreadable", "reason": reason, "tables": []}, indent=1) + "\n"
     tables = [

@@ -3,47 +3,47 @@
 title  = "Cook's membrane, neo-Hooke"        # one line
 source = "Simo & Armero 1992, table 1"       # of every check without a source of its own
 
-[[check]]                                    # one number of one run
+source = "Simo & Armero 1992, table 1"       # of every check that names no source of its own
 name   = "tip deflection, n = 8"             # default: the quantity
 deck   = "cook.inp"
-set    = { n = 8 }                           # parameters given with --set
+set    = { n = 8 }                           # parameters, passed with --set
 curve  = "tip"                               # the file <deck>_tip.dat ...
-column = "disp"                              # ... its column (beginning of the name; default: first quantity)
-row    = "last"                              # last, first, a step's number, or { time = 0.5 }
+column = "disp"                              # ... its column (the beginning of its name suffices; default: first quantity)
+row    = "last"                              # last, first, a step number, or { time = 0.5 }
 factor = 1.0                                 # got = factor * value
-formula = "last(force_3)/last(force_3_2)"    # instead of column, row and factor: a number computed from columns, verification/formula.py
+formula = "last(force_3)/last(force_3_2)"    # instead of column, row and factor: a number computed from the columns, see verification/formula.py
 want   = 6.937
-rel    = 1e-3                                # or abs; at least one
-slow   = true                                # only with --all
+rel    = 1e-3                                # allowed difference: rel or abs, at least one of them
+slow   = true                                # run this check only with --all
 
-warning = "lies in the same place"           # instead of curve: a warning of the report and of the log has these words; "": there is none
-error  = "left-handed"                         # the same of the first message on the screen, with exit = 1 to 3
+warning = "lies in the same place"           # instead of curve: words that a warning must contain, in the report and in the log; "": there must be no warning
+error  = "left-handed"                         # instead of curve: words of the first error message on the screen; needs exit = 1 to 3
 
 report = "dofs"                              # instead of curve: an entry of the report (final.tip.disp, elements.Q1)
 
-field  = "stress"                            # instead of curve: all points of a field at a step
+field  = "stress"                            # instead of curve: a field, compared at all points of a step
 want   = [0.1, 0, 0, 0, 0, 0]                # the same at all points, or
-affine = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]   # a linear function of the reference position, 3 or 4 columns
+affine = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]   # a linear function of the reference position (3 columns, or 4 with a constant)
 
-reference = "force.csv"                      # instead of want: a whole curve; the keys of [diff] below apply
+reference = "force.csv"                      # instead of want: a whole curve, compared as the keys of [diff] below say
 
-each = "reference.csv"                       # one check for each row; "{column}" is replaced by the row's value
-vary = { n = [1, 2] }                        # or for each combination of these values
-where = { test = "extension" }               # only these rows
-[check.map.elements]                         # further keys, chosen by the value of a column
+each = "reference.csv"                       # repeats the check for each row; "{column}" is replaced by the value in the row
+vary = { n = [1, 2] }                        # or repeats it for each combination of these values
+where = { test = "extension" }               # only for rows with these values
+[check.map.elements]                         # further keys, chosen by the row's value in this column
 "Q1" = { deck = "q1.inp", rel = 1e-6 }
 
 [[study]]                                    # a refinement study; `verify --study` writes results.csv
 vary  = { elements = ["Q1", "Q2"], n = [1, 2, 4] }   # and `each`, `where`, `map` as above
-slow  = [8]                                  # further values of the last name, with --all
-value = "force"                              # its name in results.csv; deck, set, curve, column and factor as above
+slow  = [8]                                  # further values of the last key of vary, run only with --all
+value = "force"                              # the name of the result in results.csv; deck, set, curve, column and factor as above
 want  = -0.314892                            # the converged value
 limit = 1e-2                                 # the largest relative error allowed on the finest mesh
-shrink = 0.8                                 # optional: the largest ratio of the error on a mesh to that on the mesh before
+shrink = 0.8                                 # optional: largest ratio of the error on a mesh to that on the next coarser one
 
 [diff]                                       # for `post diff --expect`
 rel = 1e-6                                   # general tolerance: rel, abs, scaled
-column.torque = { abs = 1e-3 }               # tolerance of a column
+column.torque = { abs = 1e-3 }               # tolerance of one column
 interpolate = "time";  key = ["n"];  only = [];  ignore = ["iterations"]
 """
 
@@ -88,7 +88,7 @@ def read_expect(path):
 
 
 def _study(path, study):
-    """A study as a list of (row, entries, slow); the last varied name is the mesh."""
+    """A study as a list of (row, entries, slow); the last key of `vary` sets the mesh."""
     if "vary" not in study or not {"value", "want", "limit"} <= set(study):
         raise Unreadable(f"'{path}': a study needs the keys vary, value, want and limit")
     mesh = list(study["vary"])[-1]
@@ -132,7 +132,7 @@ def diff_arguments(content):
 
 
 def tolerance_of(content):
-    """The Tolerance given by the keys rel, abs and scaled, or None without any of them."""
+    """The Tolerance given by the keys rel, abs and scaled, or None if all three are missing."""
     given = {kind: float(content[kind]) for kind in KINDS if kind in content}
     return Tolerance(**given) if given else None
 
@@ -159,7 +159,7 @@ def _multiplied(path, check):
 
 
 def _rows(path, content):
-    """Rows (dictionaries) that `each`, `vary` and `where` choose."""
+    """The rows (dictionaries) that `each`, `vary` and `where` select."""
     rows = [{}]
     if "each" in content:
         table = read_table(path.parent / content["each"])
@@ -169,12 +169,12 @@ def _rows(path, content):
         rows = [{**row, name: value} for row in rows for value in values]
     rows = [r for r in rows if all(r.get(n) == v for n, v in content.get("where", {}).items())]
     if not rows:
-        raise Unreadable(f"'{path}': `each`, `vary` and `where` choose no row")
+        raise Unreadable(f"'{path}': `each`, `vary` and `where` select no row")
     return rows
 
 
 def fill(content, row, maps, path):
-    """`content` with each {name} replaced by the row's value, and with the keys that `maps` adds.
+    """`content` with each {name} replaced by the row's value, and with the keys added by `maps`.
 
     >>> fill({"name": "{t} n={n}", "want": "{f}"}, {"t": "Q1", "n": 2.0, "f": 0.5}, {"t": {"Q1": {"rel": 0.1}}}, "")
     {'name': 'Q1 n=2', 'want': 0.5, 'rel': 0.1}

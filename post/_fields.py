@@ -17,8 +17,8 @@ GROUPS = {"PointData": "point", "CellData": "cell"}
 class Fields:
     """The contents of a result file.
 
-    times: (nstep); numbers: (nstep) number of each step in the analysis, counted from 1 if the file
-    does not give it; points: (npoint, 3) reference positions, or control points of spline cells;
+    times: (nstep); numbers: (nstep) step numbers of the analysis, or 1, 2, ... if the file does not
+    contain them; points: (npoint, 3) reference positions, or control points of spline cells;
     arrays: {name: (location, [nstep arrays of (n, ncomponent)])}, location 'point' or 'cell'.
     """
 
@@ -31,7 +31,7 @@ class Fields:
 
 
 def read_fields(path):
-    """Read the Fields of a .vtkhdf file (UnstructuredGrid, one partition, a fixed mesh).
+    """Read the Fields of a .vtkhdf file (an unstructured grid in one partition, on a fixed mesh).
 
     >>> import post._fields
     >>> post._fields.read_fields("cube.vtkhdf").arrays["displacement"][1][-1].shape  # doctest: +SKIP
@@ -66,7 +66,7 @@ def _read(path, file):
     if steps is not None and "StepNumber" in steps:
         numbers = steps["StepNumber"][:nstep]
     if nstep == 0:
-        raise Unreadable(f"'{path}' holds no steps")
+        raise Unreadable(f"'{path}' contains no steps")
     count = {"point": int(group["NumberOfPoints"][0]), "cell": int(group["NumberOfCells"][0])}
     arrays = {}
     for kind, location in GROUPS.items():
@@ -80,7 +80,7 @@ def _read(path, file):
 
 
 def _slices(data, starts, n, name):
-    """One (n, ncomponent) array per step; steps with the same offset share an array."""
+    """One (n, ncomponent) array per step; steps with the same offset share one array."""
     if len(data) < max(starts) + n:
         raise ValueError(f"array '{name}' has fewer values than the steps need")
     read = {int(s): data[int(s) : int(s) + n].reshape(n, -1) for s in set(starts.tolist())}

@@ -5,20 +5,20 @@ from xml.etree import ElementTree
 
 from post._error import Unreadable
 
-#: Attributes that tell VTK the weights of a rational cell and its degree in each direction.
+#: Attributes from which VTK takes the weights of a rational cell and its degree in each direction.
 BEZIER = ("RationalWeights", "HigherOrderDegrees")
 
 
 def steps_of(path):
-    """Steps of a result file: a list of (number in the analysis, time)."""
+    """Steps of a result file: a list of (step number in the analysis, time)."""
     return [(number, time) for number, time, _ in _steps(pathlib.Path(path))]
 
 
 def load(path, step="last"):
     """The grid at a step as (pyvista.UnstructuredGrid, time, number of the step).
 
-    step: 'last', 'first', the number in the analysis (counted from 1 if the file does not give it),
-    or ('time', t) for the step nearest to t.
+    step: 'last', 'first', a step number of the analysis (or 1, 2, ... if the file does not contain
+    step numbers), or ('time', t) for the step nearest to time t.
     """
     path = pathlib.Path(path)
     number, time, read = _choose(path, step, _steps(path))
@@ -30,7 +30,7 @@ def load(path, step="last"):
 
 
 def step_of(text):
-    """The step, in the form that `load` takes, from a word of the command line.
+    """Convert a step given on the command line to the form that `load` takes.
 
     >>> step_of("last"), step_of("7")
     ('last', 7)
@@ -40,9 +40,7 @@ def step_of(text):
     try:
         return int(text)
     except ValueError:
-        raise Unreadable(
-            f"'{text}' is not a step; give the number of a step, 'first' or 'last'"
-        ) from None
+        raise Unreadable(f"'{text}' is not a step; give a step number, 'first' or 'last'") from None
 
 
 def _choose(path, step, steps):
@@ -68,7 +66,7 @@ def _steps(path):
         raise Unreadable(f"'{path}' has an unknown ending; known endings: {' '.join(readers)}")
     steps = readers[path.suffix](path)
     if not steps:
-        raise Unreadable(f"'{path}' holds no steps")
+        raise Unreadable(f"'{path}' contains no steps")
     return steps
 
 
@@ -101,7 +99,7 @@ def _vtkhdf(path):
 
     fields = read_fields(
         path
-    )  # names in one sentence what is wrong with a broken file; VTK does not
+    )  # says in one sentence what is wrong with a broken file, which VTK does not
     reader = vtkHDFReader()
     reader.SetFileName(str(path))
 
@@ -114,7 +112,7 @@ def _vtkhdf(path):
             if data is not None and data.IsA("vtkPartitionedDataSet"):
                 data = data.GetPartition(0)
             if data is None or not data.IsA("vtkUnstructuredGrid"):
-                raise Unreadable(f"'{path}' does not hold an unstructured grid")
+                raise Unreadable(f"'{path}' does not contain an unstructured grid")
             return pyvista.UnstructuredGrid(data, deep=True)
 
         return read
@@ -123,8 +121,8 @@ def _vtkhdf(path):
 
 
 def _activate(grid):
-    """Set VTK's attributes to the arrays of these names, because readers before version 9.7 do not
-    do so.
+    """Activate the arrays with these names as VTK's attributes, because readers before version 9.7
+    do not.
     """
     from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes as attributes
 

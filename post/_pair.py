@@ -6,18 +6,18 @@ import numpy as np
 
 from post._error import Unreadable
 
-SLACK = 1e-9  # relative to the range of the key: an end reached up to round-off counts as reached
+SLACK = 1e-9  # round-off allowed at the ends of the interpolation, relative to the range of `over`
 
 
 @dataclass
 class Rows:
-    """Paired rows: `got(name)` and `want(name)` have the same length, `of_b[i]` is the row in b."""
+    """Paired rows: `got(name)` and `want(name)` have equal length; `of_b[i]` is the row in `b`."""
 
     a: object
     b: object
     of_a: np.ndarray | None  # (count) rows of a, or None if a is interpolated
     of_b: np.ndarray  # (count)
-    over: str | None = None  # key column of the interpolation
+    over: str | None = None  # the column over which `a` is interpolated
 
     @property
     def count(self):
@@ -31,7 +31,7 @@ class Rows:
             return self.a.columns[name][self.of_a]
         column = self.a.columns[name]
         if column.dtype.kind == "U":
-            raise Unreadable(f"column '{name}' holds words, which cannot be interpolated")
+            raise Unreadable(f"column '{name}' contains words, which cannot be interpolated")
         return np.interp(self.b.columns[self.over][self.of_b], self.a.columns[self.over], column)
 
 
@@ -54,17 +54,17 @@ def _interpolated(result, over):
     for table, values in ((a, x), (b, y)):
         if values.dtype.kind == "U" or not np.isfinite(values).all():
             raise Unreadable(
-                f"column '{over}' of '{table.path or table.name}' holds entries that are not finite numbers"
+                f"column '{over}' of '{table.path or table.name}' has entries that are not finite numbers"
             )
     back = np.flatnonzero(np.diff(x) <= 0)
     if len(back):
         raise Unreadable(
-            f"column '{over}' of '{a.path or a.name}' does not increase at row {back[0] + 2}, so that nothing can be interpolated over it"
+            f"column '{over}' of '{a.path or a.name}' does not increase at row {back[0] + 2}, so it cannot be interpolated over"
         )
     slack = SLACK * (x[-1] - x[0])
     early, late = y < x[0] - slack, y > x[-1] + slack
     if early.any():
-        line = f"{early.sum()} rows lie before the first {over} of the other table, {x[0]:.6g}"
+        line = f"{early.sum()} rows lie before {over} = {x[0]:.6g}, where the other table begins"
         within_first_step = len(x) > 1 and x[0] - y.min() <= (x[1] - x[0]) * (1 + SLACK)
         (result.notes if within_first_step else result.problems).append(line)
     if late.any():

@@ -49,8 +49,8 @@ def render(scenes, limits, cmap, camera, size):
             (scene.outline, "#777777", 1.6),
         ):
             if lines is not None and lines.n_points:
-                # Lines move towards the camera so that the surface does not cover them. The
-                # projection is parallel, so they keep their place in the picture.
+                # Lines are moved towards the camera so that the surface does not cover them. Their
+                # position in the picture does not change, because the projection is parallel.
                 moved = lines.translate(shift, inplace=False)
                 plot.add_mesh(moved, color=colour, line_width=width, lighting=False)
         plot.enable_parallel_projection()
@@ -62,7 +62,7 @@ def render(scenes, limits, cmap, camera, size):
 
 
 def unit(direction):
-    """(3) of length one.
+    """The vector (3), scaled to length one.
 
     >>> unit((0, 0, 2)).tolist()
     [0.0, 0.0, 1.0]
@@ -71,7 +71,9 @@ def unit(direction):
 
 
 def cropped(images):
-    """The images cropped to the smallest frame that holds all of them, with a margin."""
+    """The images, all cropped to the smallest frame that contains the subject of each, with a
+    margin.
+    """
     ink = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
     if not ink.any():
         return images
@@ -81,7 +83,7 @@ def cropped(images):
 
 
 def compose(images, scenes, limits, cmap, label, output):
-    """Draw panels, captions and one colour bar on a page."""
+    """Draw the panels, their captions and one colour bar on a page."""
     with _style.styled() as plt:
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize

@@ -8,10 +8,10 @@ import numpy as np
 from post._error import Unreadable
 from post._table import Table, read_text
 
-#: Entries about where and when a run was made, which are not results.
+#: Entries about the circumstances of a run, which are not results.
 NOT_RESULTS = ("format", "version", "deck", "seconds", "cpu_seconds", "peak_memory_mb")
 
-#: Format of the reports that can be read; those without a format have this one.
+#: The report format that can be read; a report without an entry `format` has this one.
 FORMAT = 1
 
 

@@ -17,7 +17,8 @@ SUFFIXES = (".dat", ".csv", ".json", FIELDS)
 def parts(path):
     """{part: file} of a run: 'report', 'fields', and each curve by its name.
 
-    In a folder with several runs the parts are called 'stem/part'. A single file has one part, itself.
+    In a folder with several runs the parts are called 'stem/part'. A single file has one part:
+    itself.
     """
     path = pathlib.Path(path)
     if path.is_file():
@@ -32,7 +33,7 @@ def parts(path):
     else:
         found = _of_stem(folder, path.name)
     if not found:
-        what = "holds no" if path.is_dir() else "is not the stem of any"
+        what = "contains no" if path.is_dir() else "is not the stem of any"
         raise Unreadable(
             f"'{path}' {what} curve (.dat), report (.report.json) or field file (.vtkhdf)"
         )
@@ -76,7 +77,7 @@ def _kind(name):
 
 
 def matched(a, b):
-    """Parts of two runs side by side: [(part, file of a or None, file of b or None)].
+    """The parts of two runs side by side: [(part, file of a or None, file of b or None)].
 
     If `b` is a single file, the part of `a` is chosen by the type and the name of that file.
     """
@@ -101,13 +102,13 @@ def _partner(a, in_a, reference):
     found = named if named else list(pool.values())
     if len(found) != 1:
         what = {"report": "report", "fields": "field file"}.get(kind, "curve")
-        have = f"which of {' '.join(pool)}" if pool else f"it has no {what}"
-        raise Unreadable(f"no {what} of '{a}' matches '{reference}': {have}")
+        have = f"several could: {' '.join(pool)}" if pool else f"there is no {what}"
+        raise Unreadable(f"cannot tell which {what} of '{a}' matches '{reference}': {have}")
     return found[0]
 
 
 def tables(file):
-    """The tables of a file of either type."""
+    """The tables of a file of any type."""
     kind = _kind(file.name)
     if kind == "report":
         return [read_report(file)]

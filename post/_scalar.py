@@ -1,4 +1,4 @@
-"""The scalar of a field that is to be shown, and its colours."""
+"""The scalar that is to be drawn of a field, and its colours."""
 
 import numpy as np
 
@@ -9,10 +9,10 @@ from post._surface import GEOMETRY
 
 
 def values(grid, path, name, component=None):
-    """((n) values, whether they belong to points) of an array of the grid.
+    """The scalar values (n) of an array of the grid, and whether they belong to points.
 
-    component: a name in COMPONENTS, x y z, 'magnitude', or 'trace' of a tensor; None: the magnitude of a vector, a
-    scalar itself.
+    component: a name in COMPONENTS, x y z, 'magnitude', or 'trace' of a tensor; None stands for the
+    magnitude of a vector, or for the scalar itself.
     """
     for data, on_points in ((grid.point_data, True), (grid.cell_data, False)):
         if name in data and name not in GEOMETRY:
@@ -39,7 +39,8 @@ def _component(array, path, name, component):
 
 
 def colours(shown, limits=None, cmap=None):
-    """Limits over all arrays, and a colour map: diverging and symmetric if the sign changes.
+    """Limits over all arrays, and a colour map: diverging, with symmetric limits, if the sign
+    changes.
 
     >>> colours([np.array([0.0, 2.0]), np.array([1.0, 3.0])])
     ((0.0, 3.0), 'viridis')
@@ -49,7 +50,7 @@ def colours(shown, limits=None, cmap=None):
     low = min(float(np.min(v)) for v in shown)
     high = max(float(np.max(v)) for v in shown)
     if not np.isfinite([low, high]).all():
-        raise Unreadable("the field holds NaN or infinity")
+        raise Unreadable("the field contains NaN or infinity")
     size = max(abs(low), abs(high))
     both_signs = low < -0.02 * size and high > 0.02 * size
     if limits is None:

@@ -24,7 +24,7 @@ window.Render()
 def reason_not_ready():
     """The reason why nothing can be rendered, as one sentence, or None if rendering works.
 
-    The libraries are searched first because VTK ends the process if it cannot open a window.
+    The libraries are looked for first, because VTK ends the process if it cannot open a window.
     """
     try:
         import vtkmodules  # noqa: F401
@@ -45,12 +45,12 @@ def reason_not_ready():
 
 @functools.cache
 def _renders():
-    """Whether a picture can be drawn, which is tried in a separate process."""
+    """Whether a picture can be drawn; a separate process tries it."""
     return subprocess.run([sys.executable, "-c", PROBE], capture_output=True).returncode == 0
 
 
 def prepare():
-    """Make VTK render without a display and without messages; raise Unreadable if it cannot."""
+    """Make VTK render without a display or messages; raise Unreadable if it cannot."""
     reason = reason_not_ready()
     if reason:
         raise Unreadable(reason)

@@ -6,15 +6,16 @@ has its own marker and line style, so that a figure printed in grey remains read
 
 import contextlib
 
-#: Okabe and Ito 2008, dark enough for lines on white paper (their yellow is left out).
+#: The palette of Okabe and Ito 2008 without its yellow, which is too light for lines on white
+#: paper.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 LINES = ("-", "--", "-.", ":")
 #: Widths of a figure in one and in two columns of a journal page [inch].
 COLUMN, PAGE = 3.5, 7.2
 
-#: Element types: the colour shows the bulk element, the marker the number of enriched faces, and
-#: the line style the enhancement.
+#: Element types: the colour stands for the bulk element, the marker for the number of enriched
+#: faces, and the line style for the enhancement.
 _BULK = {"Q1": COLOURS[0], "Q1E9": COLOURS[1], "Q2": COLOURS[2], "IGA2": COLOURS[6]}
 
 RC = {
@@ -49,7 +50,7 @@ def styled():
 
 
 def series(i):
-    """Line properties of the i-th series: colour and marker change together, then the line.
+    """Line properties of the i-th series; colour and marker change first, then the line style.
 
     >>> series(0)["marker"], series(7)["linestyle"]
     ('o', '--')
@@ -63,7 +64,8 @@ def series(i):
 
 
 def element(name):
-    """Line properties of an element type by its name in verification: 'Q1E9+Q1N2 on 1+ and 2+'.
+    """Line properties of an element type, given by its name in verification: 'Q1E9+Q1N2 on 1+ and
+    2+'.
 
     >>> element("Q1")["marker"], element("Q1N2 on 1+")["marker"], element("Q1N2 on 1+ and 2+")["marker"]
     ('o', 's', '^')

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-#: Arrays that describe a cell and are not results.
+#: Arrays that define a cell and are not results.
 GEOMETRY = ("RationalWeights", "HigherOrderDegrees")
 
 
@@ -11,7 +11,8 @@ def surface(grid, level=None):
     parts per direction.
 
     Positions and point data are evaluated with the (rational) functions of the cell, so that a
-    sphere remains a sphere. The default level gives about 200,000 triangles and is at most 4.
+    sphere remains a sphere. By default the level, at most 4, is chosen to give about 200,000
+    triangles.
     """
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
@@ -50,7 +51,7 @@ def edges(grid, level=None):
 
 
 def outline(grid, angle=25.0):
-    """Sharp edges of the outer surface (pyvista.PolyData of lines), which show the undeformed body."""
+    """Sharp edges of the undeformed outer surface (pyvista.PolyData of lines)."""
     return (
         surface(grid)
         .clean()
@@ -61,8 +62,8 @@ def outline(grid, angle=25.0):
 
 
 def mirrored(part, axis):
-    """A surface or lines with their mirror image across the plane where a coordinate (0 1 2) is
-    zero; parts that lie in the plane are omitted.
+    """A surface or lines together with their mirror image across the plane where a coordinate
+    (0 1 2) is zero; parts that lie in the plane are omitted.
     """
     import pyvista
 
@@ -84,7 +85,7 @@ def mirrored(part, axis):
 
 
 def _outer_edges(grid):
-    """(cell, edge of the cell) of each edge of the faces that belong to one cell only."""
+    """(cell, edge of the cell) for each edge of the faces that belong to one cell only."""
     faces = {}
     for c in range(grid.n_cells):
         cell = grid.GetCell(c)
@@ -108,7 +109,7 @@ def _outer_edges(grid):
 
 
 def _corners(part):
-    """Numbers of the corner points of a face or an edge, which VTK lists first."""
+    """Indices of the corner points of a face or an edge, which VTK lists first."""
     n = 2 if part.GetCellDimension() == 1 else part.GetNumberOfEdges()
     ids = part.GetPointIds()
     return [ids.GetId(i) for i in range(n)]

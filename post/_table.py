@@ -21,15 +21,15 @@ class Table:
     """Named columns of equal length.
 
     name: the name used in messages; path: the file it came from, or None;
-    columns: {name: (nrow) array of float, or of str if the column holds words};
-    comments: the `#` lines of a csv file, kept when it is rewritten.
+    columns: {name: (nrow) array of float, or of str if the column contains words};
+    comments: the `#` lines of a csv file, preserved when the file is rewritten.
     """
 
     name: str
     columns: dict
     path: pathlib.Path | None = None
     comments: list = field(default_factory=list)
-    label: object = None  # function: row -> its name in messages, by default its number
+    label: object = None  # function from a row to its name in messages; by default, its number
 
     def __len__(self):
         return len(next(iter(self.columns.values()), ()))
@@ -46,7 +46,7 @@ class Table:
         return f"row {row + 1}" + (f" (time {time[row]:.6g})" if time is not None else "")
 
     def find(self, word):
-        """The column that `word` names in full or by the beginning of its name, in any case.
+        """The column whose name is `word` or begins with it, ignoring case.
 
         >>> Table("t", {"time": np.zeros(1), "force_top_3": np.zeros(1)}).find("force")
         'force_top_3'
@@ -109,8 +109,8 @@ def read_text(path):
 def read_table(path):
     """A table from a curve file (.dat) or from a .csv file with a line of names.
 
-    A column of a .csv file holds words if any of its cells is not a number; a curve file holds
-    numbers only.
+    A column of a .csv file is read as words if any of its cells is not a number; a curve file must
+    contain numbers only.
     """
     path = pathlib.Path(path)
     text = read_text(path)

@@ -1,4 +1,4 @@
-"""Tolerances: the differences that are allowed in all columns and in particular ones."""
+"""Tolerances of a comparison: a general one, and others for particular columns."""
 
 import fnmatch
 import math
@@ -43,7 +43,7 @@ class Tolerance:
         return " or ".join(given) or "exact"
 
 
-#: Allows for the round-off of another compiler or number of threads only.
+#: Allows only for round-off, which depends on the compiler and the number of threads.
 DEFAULT = Tolerance(rel=1e-9, scaled=1e-12)
 
 
@@ -52,7 +52,7 @@ class Tolerances:
     """The general tolerance, and those of the columns that match a pattern.
 
     A pattern is the beginning of a name or contains `*`; it is compared with `column` and with
-    `table/column`, in any case. The longest pattern that matches replaces the general tolerance.
+    `table/column`, ignoring case. The longest pattern that matches replaces the general tolerance.
 
     >>> t = Tolerances(Tolerance(rel=1e-6), {"torque": Tolerance(abs=1e-3)})
     >>> str(t.of("force", "top")), str(t.of("force", "torque_3"))
@@ -64,14 +64,14 @@ class Tolerances:
     used: set = field(default_factory=set)
 
     def of(self, table, column):
-        """The tolerance of a column; the patterns that were used are recorded."""
+        """The tolerance of a column; the patterns that match it are recorded in `used`."""
         found = [p for p in self.named if matches(p, table, column)]
         self.used.update(found)
         return self.named[max(found, key=len)] if found else self.general
 
 
 def matches(pattern, table, column):
-    """Whether a pattern matches this column: exactly, as a beginning, or with wildcards.
+    """Whether a pattern matches this column: its whole name, its beginning, or by wildcards.
 
     >>> matches("fo*_3", "top", "force_3"), matches("top/", "top", "force"), matches("x", "top", "u")
     (True, True, False)
@@ -84,7 +84,8 @@ def matches(pattern, table, column):
 
 
 def parse(words):
-    """Tolerances from command-line words: {'rel': ['1e-6', 'force=1e-4'], 'abs': None, ...}.
+    """Tolerances from options of the command line: {'rel': ['1e-6', 'force=1e-4'], 'abs': None,
+    ...}.
 
     >>> parse({"rel": ["1e-6", "force=1e-4"]}).of("t", "force")
     Tolerance(rel=0.0001, abs=0.0, scaled=0.0)

@@ -13,13 +13,13 @@ from post._error import Unreadable
 from post._report import load
 from post._table import read_text
 
-SHOWN = 40  # number of changes printed per table
+SHOWN = 40  # largest number of changes printed per table
 
 
 def update(comparison, b, settings):
     """Print the changes and rewrite the files of the reference `b`; return the exit code.
 
-    Values within tolerance keep their old digits. Nothing is written if the new side contains a
+    Values within tolerance keep their old digits. Nothing is written if the new result contains
     NaN, or lacks a column or a whole file of the reference.
     """
     for table in comparison.tables:
@@ -49,7 +49,7 @@ def _refuse(table):
     for column in table.columns:
         if any(isinstance(v, float) and not math.isfinite(v) for v in column.changes.values()):
             raise Unreadable(
-                f"'{column.name}' of {table.a.path} holds NaN or infinity, which a reference must not; nothing was written"
+                f"column '{column.name}' of {table.a.path} contains NaN or infinity, which a reference must not contain; nothing was written"
             )
     if table.a is None or table.b is None:
         raise Unreadable(f"{table.problems[0]}; nothing was written")
@@ -92,14 +92,16 @@ def _text(value):
 
 
 def _report(table):
-    """The whole new report: the program has written all of it, so nothing of the old report is
-    kept.
+    """The whole new report; nothing of the old one is retained, because the program always writes
+    every entry.
     """
     return json.dumps(load(table.a.path), indent=2) + "\n"
 
 
 def _rewritten(table, settings):
-    """The reference with changed cells replaced, or with the rows of `a` if rows were added or lost."""
+    """The reference with changed cells replaced, or with the rows of `a` if the rows do not
+    match.
+    """
     a, b = table.a, table.b
     same_rows = settings.get("key") or len(a) == len(b)
     if not same_rows or any("is missing in" in p for p in table.problems):
@@ -114,7 +116,7 @@ def _cells(b, changes):
     for line in read_text(b.path).splitlines():
         is_data = line.strip() and not line.lstrip().startswith("#")
         row += bool(is_data)
-        at = row - comma  # a csv file's first data line holds the names
+        at = row - comma  # the first data line of a csv file contains the names
         if is_data and at >= 0:
             cells = next(csv.reader([line])) if comma else re.findall(r"\s*\S+", line)
             for j, name in enumerate(names):
@@ -135,7 +137,9 @@ def _csv_line(cells):
 
 
 def _whole(a, b):
-    """A table with the columns of the reference and the rows of the run."""
+    """The text of a table with the rows of the run; a .csv file keeps the columns of the
+    reference.
+    """
     names = list(b.columns) if b.path.suffix.lower() == ".csv" else list(a.columns)
     rows = [[_text(a.columns[n][i]) for n in names] for i in range(len(a))]
     if b.path.suffix.lower() == ".csv":

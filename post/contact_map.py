@@ -1,9 +1,9 @@
 """Draw contact surfaces from above, side by side: `python -m post contact-map RUN.vtkhdf`.
 
-Both surfaces are drawn in their deformed shape, moved apart and coloured by a contact field, with
-the edges of their elements, as in Figure 21 of Corbett and Sauer 2015. The lower surface is seen
-from above and the upper one through its body, so that points in contact have the same coordinates
-in both. As a library:
+Both surfaces are drawn side by side in their deformed shape, coloured by a contact field, with the
+edges of their elements, as in Figure 21 of Corbett and Sauer 2015. The lower surface is seen from
+above and the upper one through its body, so that points in contact have the same position within
+both drawings. As a library:
 
 >>> import post
 >>> post.contact_map.draw(["a.vtkhdf", "b.vtkhdf"], "fig.png", labels=["a", "b"])  # doctest: +SKIP
@@ -17,10 +17,10 @@ from post import _grid, _scalar, _style
 from post._contact_faces import surfaces
 from post._error import Unreadable
 
-#: Coordinates to the right and up for each viewing direction.
+#: Indices of the coordinates that point right and up in the picture, for each viewing direction.
 PLANE = {"z": (0, 1), "x": (1, 2), "y": (2, 0)}
-APART = 0.12  # between the two surfaces, relative to their width
-RIM = 0.2  # no edges below this cosine of the angle to the eye: they would be dashed
+APART = 0.12  # gap between the drawings of the two surfaces, relative to their width
+RIM = 0.2  # edges are drawn where normal . view exceeds this; nearer to the rim they look dashed
 
 
 def draw(paths, output, scalar="contact_friction", component=None, step="last", limits=None,
@@ -28,10 +28,10 @@ def draw(paths, output, scalar="contact_friction", component=None, step="last", 
          turn=False):  # fmt: skip
     """Draw the contact surfaces of result files, with one panel per file and one colour scale.
 
-    component: of a vector, by default 1 of friction and traction (their x component); step: as in
-    post._grid.load, or a list with one for each file; axis: the viewing direction, seen from its
-    positive end; turn: by a quarter to the right, for surfaces that are taller than wide. Returns the
-    limits of the colours.
+    component: component of a vector, by default 1 (x) for friction and traction; step: as in
+    post._grid.load, or a list with one step for each file; axis: the viewing direction, seen from
+    its positive end; turn: whether to turn the drawings by 90 degrees clockwise, for surfaces that
+    are taller than wide. Returns the limits of the colours.
     """
     if axis not in PLANE:
         raise Unreadable(f"unknown axis '{axis}'; known axes: x y z")

@@ -1,8 +1,8 @@
-"""Draw relative errors over degrees of freedom: `python -m post convergence TABLE.csv`.
+"""Plot relative errors against degrees of freedom: `python -m post convergence TABLE.csv`.
 
-The table has a row for each mesh: a column of words that names the series (the element type),
-`dofs`, and either `error` or a value to compare with `--reference`. `--where test=compression`
-selects rows. As a library:
+The table has one row for each mesh. Its columns are one of words that names the series (the element
+type), `dofs`, and either `error` or a value to compare with `--reference`.
+`--where test=compression` selects rows. As a library:
 
 >>> import post, numpy as np
 >>> s = post.convergence.Series("Q1", np.array([10.0, 80.0]), np.array([0.1, 0.025]))
@@ -22,14 +22,16 @@ from post._table import read_table
 
 @dataclass
 class Series:
-    """One element type: x (n) increasing degrees of freedom, error (n) non-negative relative errors."""
+    """One element type: x (n) increasing degrees of freedom, error (n) non-negative relative
+    errors.
+    """
 
     name: str
     x: np.ndarray
     error: np.ndarray
 
     def slopes(self):
-        """(n-1) slopes d log(error) / d log(x) between neighbouring meshes; NaN where an error is
+        """(n-1) slopes d log(error) / d log(x) between successive meshes; NaN where an error is
         zero.
         """
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -40,9 +42,9 @@ class Series:
 def read_series(path, x="dofs", y=None, reference=None, by=None, where=None):
     """Series of a .csv table.
 
-    y: column of values (default `error`, or with a reference the last column of numbers);
-    reference: the converged value, error = |y / reference - 1|; by: column of words that names the
-    series (default the only one left after `where`); where: {column: value} that rows must have.
+    y: column of values (by default `error`, or with a reference the last column of numbers);
+    reference: the converged value, with error = |y / reference - 1|; by: column of words that names
+    the series (by default the only one not used by `where`); where: {column: value} to select rows.
     """
     table = read_table(path)
     keep = _rows(table, where or {})
@@ -61,7 +63,7 @@ def read_series(path, x="dofs", y=None, reference=None, by=None, where=None):
         or not np.isfinite(error).all()
     ):
         raise Unreadable(
-            f"columns '{over}' and '{column}' of '{path}' must hold finite numbers, and the first column positive ones"
+            f"columns '{over}' and '{column}' of '{path}' must contain finite numbers, and '{over}' positive ones"
         )
     series = []
     for name in dict.fromkeys(names):
@@ -107,7 +109,7 @@ def _names(table, by, where, keep):
 
 
 def plot(ax, series, guides=(), style=_style.element, label=_style.element_label):
-    """Draw series on log-log axes; guides: slopes of grey lines from the start of the top series."""
+    """Plot series on log-log axes; guides: slopes of grey lines that start above the top series."""
     for s in series:
         seen = s.error > 0  # zero has no logarithm
         ax.loglog(s.x[seen], s.error[seen], label=label(s.name), **style(s.name))
@@ -125,7 +127,7 @@ def plot(ax, series, guides=(), style=_style.element, label=_style.element_label
 
 
 def table_text(series):
-    """Lines with the errors and the slopes from the previous mesh."""
+    """Lines with the errors and the slopes, each slope relative to the previous mesh."""
     lines = [f"{'series':<28}{'dofs':>9}{'error':>12}{'slope':>8}"]
     for s in series:
         slopes = [np.nan, *s.slopes()]
@@ -138,8 +140,8 @@ def table_text(series):
 
 
 def draw(series, output, title=None, guides=(-2 / 3,)):
-    """Draw series into the file `output`; element types have fixed colours, and other names get
-    other colours.
+    """Plot series into the file `output`; element types have fixed colours, other names get
+    others.
     """
     order = {s.name: _style.series(i) for i, s in enumerate(series)}
     known = all(_style.is_element(s.name) for s in series)
@@ -147,7 +149,7 @@ def draw(series, output, title=None, guides=(-2 / 3,)):
         many = len(series) > 6
         figure, ax = plt.subplots(figsize=(6.4 if many else 4.6, 3.6))
         plot(ax, series, guides, _style.element if known else order.get, _style.element_label)
-        if many:  # beside the lines instead of over them
+        if many:  # put the legend beside the lines instead of over them
             ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         ax.set_title(title or "")
         _style.save(figure, output)
@@ -156,16 +158,16 @@ def draw(series, output, title=None, guides=(-2 / 3,)):
 def main(argv):
     """Run the command; return its exit code."""
     p = argparse.ArgumentParser(
-        prog="post convergence", description="Draw relative errors over degrees of freedom."
+        prog="post convergence", description="Plot relative errors against degrees of freedom."
     )
-    p.add_argument("table", help="a .csv file with a row for each mesh")
+    p.add_argument("table", help="a .csv file with one row for each mesh")
     p.add_argument(
         "-x", default="dofs", metavar="COLUMN", help="column of the horizontal axis (default dofs)"
     )
     p.add_argument(
         "-y",
         metavar="COLUMN",
-        help="column of values (default error, or with --reference the last of numbers)",
+        help="column of values (default error, or with --reference the last column of numbers)",
     )
     p.add_argument(
         "--reference",
@@ -179,7 +181,7 @@ def main(argv):
         action="append",
         default=[],
         metavar="COLUMN=VALUE",
-        help="use only the rows with this value",
+        help="use only the rows with this value in the column",
     )
     p.add_argument(
         "--guide",

@@ -1,4 +1,4 @@
-"""Draw columns of curve files: `python -m post curve FILE.dat ... -x disp -y force`.
+"""Plot columns of curve files: `python -m post curve FILE.dat ... -x disp -y force`.
 
 As a library:
 
@@ -28,11 +28,11 @@ def draw(
     log="",
     markers=None,
 ):
-    """Draw columns `y` over column `x` of each file into the file `output`.
+    """Plot columns `y` against column `x` of each file into the file `output`.
 
     x: beginning of the name of a column, by default time, or else the first column; y: a list of
-    such names, by default the first quantity; log: 'x', 'y' or 'xy'; markers: whether points are
-    marked, by default if there are fewer than 60.
+    such beginnings, by default the first quantity; log: 'x', 'y' or 'xy'; markers: whether to mark
+    the points, by default if there are fewer than 60.
     """
     tables = [read_table(f) for f in files]
     with _style.styled() as plt:
@@ -47,8 +47,8 @@ def draw(
 
 
 def plot(ax, tables, x=None, y=None, labels=None, markers=None):
-    """Draw tables (post._table.Table) on matplotlib axes; return the names of the x column and of
-    the y column of each line.
+    """Plot tables (post._table.Table) on matplotlib axes; return the names of the x column and of
+    each line's y column.
     """
     names, i = [], 0
     labels = labels or [t.name for t in tables]
@@ -94,7 +94,7 @@ def _y_column(table, y, over):
 def _numbers(table, name):
     values = table.columns[name]
     if values.dtype.kind == "U":
-        raise Unreadable(f"column '{name}' of {table.name} holds words")
+        raise Unreadable(f"column '{name}' of {table.name} contains words, which cannot be plotted")
     return values
 
 
@@ -126,7 +126,7 @@ def print_list(files):
 
 def main(argv):
     """Run the command; return its exit code."""
-    p = argparse.ArgumentParser(prog="post curve", description="Draw columns of curve files.")
+    p = argparse.ArgumentParser(prog="post curve", description="Plot columns of curve files.")
     p.add_argument(
         "files",
         nargs="+",
@@ -134,13 +134,13 @@ def main(argv):
         help="<deck>_<curve>.dat, or a .csv file with a line of names",
     )
     p.add_argument(
-        "-x", metavar="COLUMN", help="beginning of the name of the horizontal column (default time)"
+        "-x", metavar="COLUMN", help="beginning of the name of the x column (default time)"
     )
     p.add_argument(
         "-y",
         metavar="COLUMN",
         action="append",
-        help="the vertical column; may be repeated (default the first quantity)",
+        help="beginning of the name of a y column; may be repeated (default the first quantity)",
     )
     p.add_argument(
         "-o",
@@ -149,7 +149,7 @@ def main(argv):
         metavar="FIG",
         help=".png, .pdf or .svg (default curve.png)",
     )
-    p.add_argument("--label", action="append", help="name in the legend, one for each file")
+    p.add_argument("--label", action="append", help="name in the legend, given once for each file")
     p.add_argument("--title")
     p.add_argument("--xlabel")
     p.add_argument("--ylabel")

@@ -39,8 +39,8 @@ class Comparison:
 def compare(a, b, tolerances=None, interpolate=None, key=None, only=None, ignore=None):
     """Compare the result at path `a` with the reference at path `b`.
 
-    tolerances: Tolerances, by default relative 1e-9 or 1e-12 of the largest magnitude in a column;
-    interpolate: name of the column over which `a` is interpolated to the rows of `b`;
+    tolerances: Tolerances, by default 1e-9 relative or 1e-12 of the largest magnitude in a column;
+    interpolate: name of the column over which `a` is interpolated at the rows of `b`;
     key: names of the columns by which rows are matched; only, ignore: column patterns.
     Raises Unreadable if a side is missing, truncated, empty or not made of numbers, or if a pattern
     matches no column.
@@ -74,7 +74,7 @@ def _compare_files(part, file_a, file_b, tolerances, interpolate, key, only, ign
     for name in list(right) + [n for n in left if n not in right]:
         if name in left and name in right:
             if only and not _any_chosen(right[name], only):
-                continue  # a table of which no column was requested
+                continue  # no column of this table was requested
             results.append(
                 compare_tables(left[name], right[name], tolerances, interpolate, key, only, ignore)
             )
@@ -100,7 +100,7 @@ def _any_chosen(table, only):
 
 
 def _all_used(comparison, tolerances, only, ignore):
-    """Reject a pattern that matches no column, because this is a mistake and could hide a
+    """Reject a pattern that matches no column: it is probably mistyped and could hide a
     difference.
     """
     from post._tolerance import matches
@@ -147,7 +147,8 @@ def _settings(options):
         settings[name] = (settings.get(name) or []) + (getattr(options, name) or [])
     if settings.get("interpolate") and (settings.get("key") or options.update):
         raise Unreadable(
-            "--interpolate cannot go with " + ("--key" if settings.get("key") else "--update")
+            "--interpolate cannot be combined with "
+            + ("--key" if settings.get("key") else "--update")
         )
     return settings
 
@@ -177,18 +178,16 @@ def _parser():
     p.add_argument(
         "--interpolate",
         metavar="COLUMN",
-        help="interpolate A to the rows of B over this column, such as time",
+        help="interpolate A over this column, such as time, at the rows of B",
     )
     p.add_argument("--key", metavar="COL,COL", help="match rows by the values of these columns")
     p.add_argument(
         "--only",
         action="append",
         metavar="COLUMN",
-        help="compare only these columns (beginning of a name, or a pattern with *)",
+        help="compare only these columns (the beginning of a name, or a pattern with *)",
     )
-    p.add_argument(
-        "--ignore", action="append", metavar="COLUMN", help="do not compare these columns"
-    )
+    p.add_argument("--ignore", action="append", metavar="COLUMN", help="leave out these columns")
     p.add_argument("--json", metavar="FILE", help="write the result as JSON")
     p.add_argument("--junit", metavar="FILE", help="write the result as JUnit XML")
     p.add_argument(

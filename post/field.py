@@ -1,4 +1,5 @@
-"""Render a field of a result file without a screen: `python -m post field RUN.vtkhdf --scalar mises`.
+"""Render a field of a result file without a screen: `python -m post field RUN.vtkhdf --scalar
+mises`.
 
 Bezier cells are drawn as smooth surfaces, deformed by the displacement, with the edges of the
 elements and the outline of the undeformed body. As a library:
@@ -28,11 +29,12 @@ def draw(paths, output, scalar="displacement", component=None, step="last", warp
          mirror="", say_step=True):  # fmt: skip
     """Draw one result file, or several side by side with one colour scale, into the file `output`.
 
-    step: as in post._grid.load, or one for each path; component: 1 2 3, 11 22 33 12 23 31,
-    magnitude or trace; view: a key of VIEWS or 'azimuth,elevation' in degrees; limits: (low, high)
-    of the colours; size: pixels of one panel; mirror: letters of 'xyz' if the model is part of a
-    body that is symmetric about the planes where these coordinates are zero (scalars only);
-    say_step: give the step also below a panel with a label. Returns the limits that were used.
+    step: as in post._grid.load, or a list with one step for each path; component: 1 2 3, 11 22 33
+    12 23 31, magnitude or trace; view: a key of VIEWS or 'azimuth,elevation' in degrees; limits:
+    (low, high) of the colours; size: pixels of one panel; mirror: letters of 'xyz' if the model is
+    part of a body that is symmetric about the planes where these coordinates are zero (scalars
+    only); say_step: whether the caption of a labelled panel also gives the step. Returns the limits
+    of the colours.
     """
     prepare()
     steps = step if isinstance(step, list) else [step] * len(paths)
@@ -59,7 +61,7 @@ def _scene(path, scalar, component, step, warp, edges, outline, level):
     if warp:
         if "displacement" not in grid.point_data:
             raise Unreadable(
-                f"'{path}' has no displacement that could deform the body; use --warp 0"
+                f"'{path}' has no displacement with which to deform the body; use --warp 0"
             )
         grid.points = np.asarray(grid.points, dtype=float) + warp * grid.point_data["displacement"]
     caption = f"step {number}, time {time:.4g}" + (
@@ -106,7 +108,7 @@ def main(argv):
 
 
 def _joined(argv):
-    """The arguments, with `--view -y` joined into one, because -y and -52,16 are views here and not
+    """The arguments, with `--view -y` joined into one, because here -y and -52,16 are views, not
     options.
 
     >>> _joined(["a.vtkhdf", "--view", "-y"])
@@ -125,14 +127,14 @@ def _parser():
     p = argparse.ArgumentParser(
         prog="post field", description="Render a field of a result file without a screen."
     )
-    p.add_argument("run", help="RUN.vtkhdf, RUN.pvd or a .vtu file")
+    p.add_argument("run", help="a RUN.vtkhdf, RUN.pvd or .vtu file")
     p.add_argument(
         "--beside",
         action="append",
         metavar="RUN2",
-        help="draw another result file beside it, on the same colour scale",
+        help="another result file to draw beside it, on the same colour scale; may be repeated",
     )
-    p.add_argument("--step", default="last", help="last (default), first, or a step's number")
+    p.add_argument("--step", default="last", help="last (default), first, or a step number")
     p.add_argument("--time", type=float, help="draw the step nearest to this time")
     p.add_argument(
         "--scalar",
@@ -159,10 +161,13 @@ def _parser():
         "--range", type=float, nargs=2, metavar=("LOW", "HIGH"), help="limits of the colours"
     )
     p.add_argument(
-        "--cmap", help="a colour map of matplotlib (default viridis, or RdBu_r if the sign changes)"
+        "--cmap", help="a matplotlib colour map (default viridis, or RdBu_r if the sign changes)"
     )
     p.add_argument(
-        "--label", action="append", dest="labels", help="caption below a panel, one for each file"
+        "--label",
+        action="append",
+        dest="labels",
+        help="caption below a panel, given once for each file",
     )
     p.add_argument(
         "--mirror",
@@ -179,7 +184,7 @@ def _parser():
         "--level",
         type=int,
         choices=range(7),
-        help="divide curved faces into 2^LEVEL parts per direction (default by size, at most 4)",
+        help="divide curved faces into 2^LEVEL parts per direction (default by their number, at most 4)",
     )
     p.add_argument(
         "--size",
@@ -189,7 +194,7 @@ def _parser():
         metavar=("W", "H"),
         help="size of a panel in pixels",
     )
-    p.add_argument("--list", action="store_true", help="print steps and arrays, draw nothing")
+    p.add_argument("--list", action="store_true", help="print the steps and arrays, draw nothing")
     p.add_argument(
         "-o",
         "--output",

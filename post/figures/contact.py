@@ -1,7 +1,7 @@
 """Figures of doc/verification/contact.md: convergence to Hertz's solution, ironing, partial slip.
 
-They are drawn from curves.csv in the folders of verification/contact, which
-`python -m verification.contact --write` writes:
+They are drawn from curves.csv in the folders of verification/contact, which is written by
+`python -m verification.contact --write`:
 
     python -m post.figures.contact [--cases verification/contact] [--to doc/verification/figures]
 """
@@ -19,7 +19,7 @@ from post._error import Unreadable
 TOP = pathlib.Path(__file__).resolve().parents[2]
 CASES = TOP / "verification/contact"
 FIGURES = TOP / "doc/verification/figures"
-#: Published forces per mm of shallow ironing: vertical and horizontal at 1.0 and at 1.5.
+#: Published forces per mm in shallow ironing: vertical and horizontal at time 1.0, then at 1.5.
 PUBLISHED = {
     "Fischer, Wriggers 2006": (297.9, 62.1, 365.1, 188.8),
     "Hartmann et al. 2009": (319.5, 67.2, 408.4, 160.2),
@@ -43,8 +43,8 @@ def column(rows, name):
 
 
 def lines_of_types(ax, rows, name):
-    """The magnitude of an error over the number of elements in 1.3 contact radii, with one line per
-    element type.
+    """Plot the magnitude of an error against the number of elements in 1.3 contact radii, with one
+    line per element type.
     """
     for i, kind in enumerate(dict.fromkeys(r["elements"] for r in rows)):
         chosen = [r for r in rows if r["elements"] == kind]
@@ -54,14 +54,16 @@ def lines_of_types(ax, rows, name):
 
 
 def slope(ax, x, y, order):
-    """A short line whose slope is the given order."""
+    """Draw a short line whose slope is the given order."""
     ends = np.array([x, 2 * x])
     ax.loglog(ends, y * (ends / x) ** -order, color="#666666", linewidth=0.9)
     ax.annotate(f"{order}", (1.45 * x, y * 1.45**-order), textcoords="offset points", xytext=(6, 3))
 
 
 def hertz(folder, plt):
-    """Errors of the force on the sphere, and of the pressures on the sphere and the cylinder."""
+    """Plot the errors of the force on the sphere, and of the pressures on the sphere and the
+    cylinder.
+    """
     drawing, axes = plt.subplots(1, 3, figsize=(_style.PAGE, 2.7))
     ball, roller = read(folder / "sphere/curves.csv"), read(folder / "cylinder/curves.csv")
     lines_of_types(axes[0], ball, "force")
@@ -85,7 +87,7 @@ def hertz(folder, plt):
 
 
 def ironing(folder, plt):
-    """Forces in shallow ironing, with the published ones as marks."""
+    """Plot the forces in shallow ironing, with the published ones as marks."""
     drawing, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 2.9))
     rows = read(folder / "ironing/curves.csv")
     meshes = list(dict.fromkeys(r["n"] for r in rows))
@@ -112,7 +114,7 @@ def ironing(folder, plt):
 
 
 def mindlin(folder, plt):
-    """Shear traction of a partly slipping cylinder."""
+    """Plot the shear traction of a partly slipping cylinder."""
     rows = read(folder / "mindlin/curves.csv")
     kinds = list(dict.fromkeys(r["elements"] for r in rows))
     drawing, axes = plt.subplots(1, len(kinds), figsize=(_style.PAGE, 2.7), sharey=True)
@@ -140,7 +142,7 @@ def draw(cases=CASES, to=FIGURES):
 
 def main(argv=None):
     p = argparse.ArgumentParser(prog="contact", description=(__doc__ or "").splitlines()[0])
-    p.add_argument("--cases", default=CASES, metavar="DIR", help="folder that holds the cases")
+    p.add_argument("--cases", default=CASES, metavar="DIR", help="folder that contains the cases")
     p.add_argument(
         "--to", default=FIGURES, metavar="DIR", help="(default doc/verification/figures)"
     )

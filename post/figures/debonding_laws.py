@@ -1,5 +1,5 @@
-"""Figures of doc/verification/debonding_laws.md: laws at a point, beams, pulled strips and peeled
-strips.
+"""Figures of doc/verification/debonding_laws.md: laws at a point, beams, and strips that are pulled
+along a plate or peeled off it.
 
 They are drawn from curves.csv and results.csv, which curves.py and study.py of cz_beams write:
 
@@ -37,8 +37,8 @@ def curve(rows, name):
 
 
 def point(ax, rows, folder, law, title):
-    """Normal and shear loading: the published formula is a line, and every second step is a
-    mark.
+    """Plot normal and shear loading at a point: the published formula as a line, and every second
+    step of the run as a mark.
     """
     for phi, column, color in ((0, "force_3", BLUE), (90, "force_1", RED)):
         way, force = curve(rows, f"{law} {phi}")
@@ -55,7 +55,7 @@ def point(ax, rows, folder, law, title):
 
 
 def dcb(ax, rows):
-    """The double cantilever beam and beam theory."""
+    """Plot the force on the double cantilever beam and that of beam theory."""
     way, force = curve(rows, "dcb")
     opening = np.linspace(0.45, 1.0, 50)
     theory = np.sqrt(0.3**1.5 * 33750**0.5 / 3 / opening)
@@ -71,7 +71,9 @@ def dcb(ax, rows):
 
 
 def pulled(ax, rows):
-    """A strip that is pulled along a plate, and the closed form for the exponential law."""
+    """Plot the force on a strip pulled along a plate, and the closed form for the exponential
+    law.
+    """
     stiffness, a, gc, g0 = 180000.0, 10.0, 0.6, 0.01 / np.e
     slip = np.linspace(0, 12 * g0, 200)
     force = np.sqrt(2 * stiffness * gc * (1 - (1 + slip / g0) * np.exp(-slip / g0)))
@@ -86,7 +88,7 @@ def pulled(ax, rows):
 
 
 def peeled(ax, rows):
-    """The peeled strip: the force divided by the energy and the width."""
+    """Plot the force on the peeled strip, divided by the fracture energy and the width."""
     way, force = curve(rows, "peel")
     ax.plot(way, force / 0.02, color=BLUE, label="strip")
     ax.axhline(1.0, color="black", linewidth=0.9, label="Rivlin")
@@ -98,7 +100,7 @@ def peeled(ax, rows):
 
 
 def figure(folder, plt):
-    """Draw six panels."""
+    """Draw the six panels of the first figure."""
     rows = read(folder / "cz_beams/curves.csv")
     drawing, axes = plt.subplots(2, 3, figsize=(_style.PAGE, 4.6))
     point(axes[0, 0], rows, folder, "irreversible", "a) exponential, irreversible")
@@ -111,7 +113,7 @@ def figure(folder, plt):
 
 
 def meshes(folder, plt):
-    """Draw the error and the scatter of the force over the number of elements in the cohesive zone."""
+    """Plot error and scatter of the force against the number of elements in the cohesive zone."""
     results = read(folder / "cz_beams/results.csv")
     drawing, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 2.9), sharex=True)
     for case, mark, color in (("dcb", "o", BLUE), ("peel", "s", RED)):
@@ -141,7 +143,7 @@ def draw(cases=CASES, to=FIGURES):
 
 def main(argv=None):
     p = argparse.ArgumentParser(prog="debonding_laws", description=(__doc__ or "").splitlines()[0])
-    p.add_argument("--cases", default=CASES, metavar="DIR", help="folder that holds the cases")
+    p.add_argument("--cases", default=CASES, metavar="DIR", help="folder that contains the cases")
     p.add_argument(
         "--to", default=FIGURES, metavar="DIR", help="(default doc/verification/figures)"
     )

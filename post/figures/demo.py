@@ -1,5 +1,5 @@
-"""`make demo` runs two problems and draws them: a stretched cube with enriched faces next to one
-with trilinear elements only, and a hemisphere that is twisted on a block with friction.
+"""`make demo` runs two problems and draws them: the stretching of a cube with enriched faces,
+beside one with trilinear elements only, and the twisting of a hemisphere on a block with friction.
 
 python -m post.figures.demo --bezel build/release/bezel --out build/demo
 """
@@ -20,7 +20,8 @@ STEPS = {
     25: "turned by 15 degrees: most of it sticks",
     80: "turned by 180 degrees: all of it slides",
 }
-CONVERGED = 0.172838925  # force on a quarter, from the head of verification/benchmark/section4/reference.csv
+#: Force on a quarter, from the header of verification/benchmark/section4/reference.csv.
+CONVERGED = 0.172838925
 
 
 def run(bezel, out, deck):
@@ -32,7 +33,7 @@ def run(bezel, out, deck):
 
 
 def draw_cubes(bezel, out):
-    """Draw the stress in both cubes, with their forces."""
+    """Draw the stress in both cubes, and give their forces."""
     for stem in RUNS:
         run(bezel, out, TOP / "input" / f"{stem}.inp")
     forces = [out / f"{s}_force.dat" for s in RUNS]
@@ -45,7 +46,9 @@ def draw_cubes(bezel, out):
 
 
 def draw_twist(bezel, out):
-    """Draw the torque, and the tractions on both surfaces while they stick and while they slide."""
+    """Plot the torque, and draw the tractions on both surfaces while they stick and while they
+    slide.
+    """
     run(bezel, out, TOP / "input" / f"{TWIST}.inp")
     files = [out / f"{TWIST}.vtkhdf"] * len(STEPS)
     contact_map.draw(files, out / "twist.png", step=list(STEPS), labels=list(STEPS.values()),
@@ -64,7 +67,7 @@ def draw_twist(bezel, out):
 
 
 def main(argv=None):
-    p = argparse.ArgumentParser(prog="demo", description="Run decks and draw their results.")
+    p = argparse.ArgumentParser(prog="demo", description="Run two decks and draw their results.")
     p.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     p.add_argument("--out", type=pathlib.Path, default=TOP / "build/demo", metavar="DIR")
     o = p.parse_args(argv)
@@ -74,7 +77,7 @@ def main(argv=None):
     except (Unreadable, OSError) as error:
         print(f"demo: error: {error}", file=sys.stderr)
         return 1
-    print(f"decks in {TOP / 'input'}, results in {o.out}; look at cube.png and twist.png there")
+    print(f"decks are in {TOP / 'input'}, results in {o.out}; see cube.png and twist.png there")
     return 0
 
 

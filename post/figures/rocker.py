@@ -1,5 +1,5 @@
 """`make demo-rocker` makes a body from a net of quads, solves a contact problem with it, and draws
-Figures 5 to 7 of the paper for this body.
+Figures 5 to 7 of the paper for this body instead of the paper's.
 
 python -m post.figures.rocker --bezel build/release/bezel --out build/rocker
 
@@ -26,8 +26,12 @@ from post.mesh._surface import Surface
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 RADIUS, HALF = 0.8, 0.6  # radius and half length of the pin
-ARM = "box:-9,-9,-9,-1.2,9,9"  # the part that the pin may touch stays a spline
-NEAR = (2.1, 0.0, 0.3)  # the T-junction of the picture
+ARM = "box:-9,-9,-9,-1.2,9,9"  # the part that the pin may touch, which remains a spline
+NEAR = (
+    2.1,
+    0.0,
+    0.3,
+)  # the T-junction that the third picture shows is the one nearest to this point
 
 
 def pin():
@@ -68,7 +72,7 @@ def draw_mesh(out, mesher):
 
 
 def solve(bezel, out):
-    """Run the deck in its folder; return the seconds that it took."""
+    """Run the deck in its folder; return the wall-clock time [s]."""
     start = time.perf_counter()
     run(bezel, out, out / "rocker.inp")
     return time.perf_counter() - start
@@ -91,7 +95,11 @@ def draw_run(out):
         for i, (column, label) in enumerate(columns.items()):
             line = _style.series(i) | {"marker": None}
             ax.plot(table["time"], abs(table[column]), label=label, **line)
-        ax.set(xlabel="time (down to 1, then along)", ylabel="force on the arm", ylim=(0, None))
+        ax.set(
+            xlabel="time (pressed until 1, then slid along)",
+            ylabel="force on the arm",
+            ylim=(0, None),
+        )
         ax.legend()
         _style.save(figure, out / "rocker_force.png")
 
@@ -100,7 +108,9 @@ def main(argv=None):
     p = argparse.ArgumentParser(prog="demo-rocker", description="From a net to a solved contact.")
     p.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     p.add_argument("--out", type=pathlib.Path, default=TOP / "build/rocker", metavar="DIR")
-    p.add_argument("--refine", type=int, default=0, metavar="N", help="Catmull-Clark steps")
+    p.add_argument(
+        "--refine", type=int, default=0, metavar="N", help="number of Catmull-Clark steps"
+    )
     o = p.parse_args(argv)
     try:
         prepare()
@@ -114,7 +124,7 @@ def main(argv=None):
     except (Unreadable, OSError) as error:
         print(f"demo-rocker: error: {error}", file=sys.stderr)
         return 1
-    print(f"deck, files and pictures are in {o.out}")
+    print(f"the deck, the files and the pictures are in {o.out}")
     return 0
 
 

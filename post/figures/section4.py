@@ -22,7 +22,7 @@ from post.convergence import Series, plot
 TOP = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = TOP / "verification/benchmark/section4/results.csv"
 FIGURES = TOP / "doc/verification/figures"
-QUARTERS = 4  # the runs model a quarter of the cube, the paper gives the force on the whole
+QUARTERS = 4  # the runs model a quarter of the cube; the paper gives the force on the whole cube
 
 ONE, TWO = " on 1+", " on 1+ and 2+"
 Q1 = ("Q1", "Q1N2" + ONE, "Q1N2" + TWO, "IGA2")
@@ -38,10 +38,10 @@ class Results:
         self.path = path
 
     def column(self, elements, name):
-        """(nmesh) values of a column for an element type, from coarse to fine; empty if there are
-        no runs.
+        """(nmesh) values of a column for an element type, from the coarsest to the finest mesh;
+        empty if there are no runs.
 
-        name: force (of the whole cube), error (not negative), or another column of the table.
+        name: force (on the whole cube), error (its magnitude), or another column of the table.
         """
         c = self.table.columns
         rows = np.flatnonzero((c["test"] == self.test) & (c["elements"] == elements))
@@ -51,7 +51,9 @@ class Results:
         return np.abs(c["error"][rows]) if name == "error" else c[name][rows]
 
     def series(self, types, name="error"):
-        """Errors over degrees of freedom (post.convergence.Series) of the types that were run."""
+        """Errors against degrees of freedom (post.convergence.Series) of those types that were
+        run.
+        """
         found = [Series(t, self.column(t, "dofs"), self.column(t, name)) for t in types]
         found = [s for s in found if len(s.x)]
         if not found:
@@ -59,7 +61,7 @@ class Results:
         return found
 
     def converged(self):
-        """The force to which the errors refer."""
+        """The force relative to which the errors are given."""
         c = self.table.columns
         row = np.flatnonzero(c["test"] == self.test)[0]
         return QUARTERS * c["force_quarter"][row] / (1 + c["error"][row])
@@ -73,8 +75,8 @@ def improvement(results, enriched, plain="Q1"):
 
 
 def errors(ax, results, types, title, share=None):
-    """Draw errors over degrees of freedom, with the axes of `share` if given."""
-    if share is not None:  # set before drawing, so that the limits include the lines of both
+    """Plot errors against degrees of freedom; `share`: axes whose limits to share, or None."""
+    if share is not None:  # set before plotting, so that the limits include the lines of both
         ax.sharex(share)
         ax.sharey(share)
     plot(ax, results.series(types), guides=())
@@ -82,7 +84,7 @@ def errors(ax, results, types, title, share=None):
 
 
 def forces(ax, results, types, title):
-    """Draw the force over degrees of freedom, and the converged value as a line."""
+    """Plot the force against degrees of freedom, and the converged value as a line."""
     for s in results.series(types):
         ax.semilogx(
             s.x,
@@ -132,7 +134,8 @@ def figure_12(results, plt):
 
 
 def figure_enhanced(compression, extension, fields, plt):
-    """Draw enhanced strains in the enriched layer, which the paper leaves for future research.
+    """Plot the errors with enhanced strains in the enriched layer, which the paper leaves for
+    future research.
 
     fields: (Results, Results) with the errors of fields, or None.
     """

@@ -1,13 +1,13 @@
 """Figures 18, 19 and 20 of Corbett and Sauer 2015, sections 5.2 and 5.3: sliding contact.
 
-They are drawn from curve tables, one for each mesh, element type and coefficient of friction:
+They are drawn from tables of curves, one for each mesh, element type and coefficient of friction:
 
-    <folder>/<mesh>_<elements>_<mu>.dat          such as 2_Q1E9+Q1N2_0.dat, 2_IGA2_0.5.dat
+    <folder>/<mesh>_<elements>_<mu>.dat          for example 2_Q1E9+Q1N2_0.dat or 2_IGA2_0.5.dat
     <folder>/<mesh>_<elements>_<mu>/*_sole.dat   a folder written by the program
 
 with the columns of `CURVe,sole`: factor_2 (fraction of the half turn), FORCe 3 and TORQue of both
-sides. The reference for the force, IGA2 on a fine mesh, is `reference_IGA2_0.dat`; if it does not
-exist, the finest IGA2 mesh is used, and the figure says so.
+sides. The reference for the force, IGA2 on a fine mesh, is read from `reference_IGA2_0.dat`;
+without this file the finest IGA2 mesh is used instead, and the figure says so.
 
     python -m post.figures.section5_contact [--results FOLDER] [--to doc/verification/figures]
 """
@@ -36,7 +36,7 @@ DOFS = {
     "Q1E9+Q1N2.1": (402, 1752, 5940),
     "IGA2": (417, 1620, 5535),
 }
-SLIDING = 120.0  # from this angle in degrees on all points slide, in the paper
+SLIDING = 120.0  # angle [degrees] from which all points slide, according to the paper
 
 
 class Run:
@@ -46,7 +46,7 @@ class Run:
         table = read_table(path)
         turn = table.columns[table.find("factor_2")]
         turning = turn >= 0.0
-        if "factor_1" in table.columns:  # the half turn begins when the downward motion has ended
+        if "factor_1" in table.columns:  # the rotation begins when the downward motion has ended
             down = table.columns["factor_1"]
             turning = down >= down.max() * (1 - 1e-9)
         self.mesh, self.elements, self.mu = mesh, elements, mu
@@ -61,15 +61,15 @@ class Run:
         return DOFS[self.elements][int(self.mesh) - 1]
 
     def amplitude(self):
-        """Largest torque of both sides, which should be zero without friction."""
+        """Largest magnitude of the torque on either side, which should be zero without friction."""
         return max(np.abs(t).max() for t in self.torque)
 
     def forces(self):
-        """The mean force over the rotation on each side."""
+        """The mean of the force over the rotation, for each side."""
         return [_mean(self.degrees, np.abs(f)) for f in self.force]
 
     def mean_force(self):
-        """The mean force over the rotation of both sides."""
+        """The mean of the force over the rotation and over both sides."""
         return np.mean(self.forces())
 
     def roughness(self):
@@ -93,7 +93,8 @@ def _column(table, side, end):
 
 
 def _mean(x, y):
-    """The mean over x by the trapezoidal rule, since steps may have been cut back.
+    """Mean of y over x by the trapezoidal rule, since the steps in x differ where they were cut
+    back.
 
     >>> float(_mean(np.array([0.0, 1.0, 3.0]), np.array([0.0, 1.0, 3.0])))
     1.5
@@ -130,12 +131,12 @@ class Runs:
         self.reference = next((r for r in runs if r.mesh == "reference" and r.mu == 0), None)
 
     def on(self, mesh, smooth=False):
-        """Runs on a mesh; smooth: leave out those with a faceted surface."""
+        """Runs on a mesh; smooth: leave out the element types with a faceted surface."""
         types = [e for e in DOFS if not (smooth and e == "Q1E9")]
         return [r for e in types for r in self.all if r.elements == e and r.mesh == str(mesh)]
 
     def by_elements(self):
-        """(elements, runs from coarse to fine) of the meshes of Table 4."""
+        """(elements, runs from the coarsest to the finest mesh) on the meshes of Table 4."""
         for elements in DOFS:
             runs = [r for m in (1, 2, 3) for r in self.on(m) if r.elements == elements]
             if runs:
@@ -143,13 +144,13 @@ class Runs:
 
 
 def _line(elements):
-    """The label of an element type, which names its surface."""
+    """The line's label for an element type, which names its surface."""
     return _style.series(list(DOFS).index(elements))
 
 
 def torques(ax, runs):
-    """Torque about the axis over the angle, as solid lines for the hemisphere and dashed lines for
-    the block, both positive in the sense in which the block is turned.
+    """Plot the torque about the axis against the angle, solid for the hemisphere and dashed for the
+    block; both are positive in the sense in which the block is turned.
     """
     for run in runs:
         style = _line(run.elements) | {"marker": ""}
@@ -159,7 +160,7 @@ def torques(ax, runs):
 
 
 def legend(figure, ax, more=()):
-    """One legend for all panels, below them; sides are given as (line, label)."""
+    """Draw one legend for all panels, below them; `more`: further entries as (line, label)."""
     from matplotlib.lines import Line2D
 
     handles, words = ax.get_legend_handles_labels()
@@ -172,7 +173,7 @@ SIDES = (("-", "hemisphere"), ("--", "block"))
 
 
 def convergence(ax, runs, value, words):
-    """A measure of each run over its degrees of freedom."""
+    """Plot a measure of each run against its degrees of freedom."""
     for elements, found in runs.by_elements():
         ax.loglog(
             [r.dofs for r in found], [value(r) for r in found], label=elements, **_line(elements)
@@ -182,7 +183,7 @@ def convergence(ax, runs, value, words):
 
 
 def _degrees_of_freedom(ax):
-    """Put only a few labels at the ticks, because the axis spans less than two decades."""
+    """Label only a few ticks, because the axis spans less than two decades."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     ax.set_xlabel("degrees of freedom")
@@ -192,7 +193,9 @@ def _degrees_of_freedom(ax):
 
 
 def figure_18(runs, plt):
-    """Draw a panel for each of the four smooth surfaces: in one panel their curves would overlap."""
+    """Draw one panel for each of the four smooth surfaces, because in one panel their curves would
+    overlap.
+    """
     figure = plt.figure(figsize=(_style.PAGE, 3.7))
     grid = figure.add_gridspec(2, 3, width_ratios=(1, 1, 1.75))
     first = None
@@ -207,7 +210,7 @@ def figure_18(runs, plt):
             ax.set_xlabel("rotation [degrees]")
     ax = figure.add_subplot(grid[:, 2])
     convergence(ax, runs, Run.amplitude, "largest torque $M_z / E_0 L_0^3$")
-    ax.set_title("b) largest torque of both sides", loc="left")
+    ax.set_title("b) largest torque on either side", loc="left")
     legend(figure, ax, SIDES)
     return figure
 
@@ -241,7 +244,7 @@ def figure_19(runs, plt):
 
     def error(run):
         value = abs(run.mean_force() / reference - 1)
-        return value if value > 0 else np.nan  # the reference itself
+        return value if value > 0 else np.nan  # the run is the reference itself
 
     convergence(axes[1], runs, error, "relative error")
     axes[1].set_title("b) error of the mean of both sides", loc="left")
@@ -262,7 +265,7 @@ def figure_20(runs, plt):
 
 
 def draw(results=RESULTS, to=FIGURES):
-    """Draw the figures for which there are runs; return their names."""
+    """Draw those figures for which there are runs; return their names."""
     runs, names = read_runs(results), []
     plain, rough = Runs(runs, False), Runs(runs, True)
     with _style.styled() as plt:

@@ -1,9 +1,9 @@
 """Figures 13 to 16 of Corbett and Sauer 2015, section 5.1: the strip, the peeling force, the
 debonding front and the energies.
 
-The curves, one for each mesh and element type, are written by
-`python -m verification.section5_debonding --write`. Figures 13 and 14 are drawn only if the option
-`--pictures` of that program has written result files.
+The curves, one for each mesh and element type, are written by `python -m
+verification.section5_debonding --write`. Figures 13 and 14 are drawn only if that program has also
+written result files, with its option `--pictures`.
 
     python -m post.figures.section5_debonding [--results FOLDER] [--fields build/section5_debonding]
         [--to doc/verification/figures]
@@ -30,11 +30,11 @@ GROUPS = (
     ("q2", "q2_q2n2", "q2_q2n2.1", "iga2"),
 )
 FINER = "iga2"
-OFF = 0.999  # released fraction of the bond from which the strip moves freely, which is not drawn
+OFF = 0.999  # released fraction of the bond at which the curves end: the strip has come off
 
 
 def bonded(path):
-    """Columns of a curve up to the step in which the bond is released."""
+    """Columns of a curve up to and including the step in which the bond is released."""
     columns = read_table(path).columns
     off = columns["contact_glue_1_debonded"] >= OFF
     n = int(off.argmax()) + 1 if off.any() else len(off)
@@ -48,7 +48,7 @@ def in_equilibrium(columns):
 
 
 def forces(results, mesh, group, plt):
-    """Draw the peeling forces of those element types of a group that were run."""
+    """Plot the peeling forces of those element types of a group that were run."""
     figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
     for name in group:
         if (results / f"{mesh}_{name}.dat").exists():
@@ -76,7 +76,7 @@ def line(name):
 
 
 def front(results, mesh, plt):
-    """Draw the released fraction of the bond over the lift."""
+    """Plot the released fraction of the bond against the lift."""
     figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
     for name in LABELS:
         if (results / f"{mesh}_{name}.dat").exists():
@@ -104,7 +104,7 @@ def strips(fields, to):
 
 
 def energies(results, mesh, name, plt):
-    """Draw the energies over the released fraction, because the lift decreases in a snap-back."""
+    """Plot the energies against the released fraction, since the lift decreases in a snap-back."""
     c = bonded(results / f"{mesh}_{name}.dat")
     figure, ax = plt.subplots(figsize=(0.6 * _style.PAGE, 3.2))
     parts = ("cohesive", "bonds"), ("stored", "strain energy"), ("kinetic", "kinetic energy")

@@ -1,4 +1,4 @@
-"""Accuracy and cost of contact: errors over CPU seconds, from results.csv of
+"""Accuracy and cost of contact: errors against CPU seconds, drawn from the file results.csv of
 verification/benchmark/tradeoff, which `make tradeoff` writes.
 
     python -m post.figures.tradeoff [--results FILE] [--to doc/verification/figures]
@@ -33,7 +33,7 @@ TYPES = {
     "Q2": (2, "o", True), "Q2+Q2N2.1": (2, "s", False),
     "IGA2": (6, "D", True), "IGA3": (6, "P", True),
 }  # fmt: skip
-#: Settings: group, title, the column name's number, the usual setting.
+#: Settings: title of the panel, prefix of the values in the column of names, the usual value.
 SETTINGS = {
     "points": ("points per direction", "q ", 5),
     "penalty": ("penalty, times the paper's", "x ", 1),
@@ -48,13 +48,13 @@ class Results:
         self.path, self.column = path, read_table(path).columns
 
     def rows(self, group, elements, mesh=None):
-        """Rows of runs that succeeded."""
+        """The rows of the runs that succeeded."""
         c = self.column
         pick = (c["group"] == group) & (c["elements"] == elements) & (c["code"] == 0)
         return np.flatnonzero(pick & (c["mesh"] == mesh) if mesh else pick)
 
     def number(self, name, rows):
-        """(n) numbers of a column, NaN for an empty cell."""
+        """(n) numbers in a column; NaN for an empty cell."""
         value = self.column[name][rows]
         return np.array([float(v) if str(v).strip() else np.nan for v in value])
 
@@ -67,7 +67,7 @@ def look(elements):
 
 
 def figure_elements(results, plt):
-    """Draw the element types; a line joins the two meshes of each type."""
+    """Plot the element types; a line joins the two meshes of each type."""
     figure, axes = plt.subplots(1, 3, figsize=(_style.PAGE, 3.9), sharex=True)
     for ax, (name, title) in zip(axes, QUANTITIES.items()):
         for elements in TYPES:
@@ -92,8 +92,9 @@ def figure_elements(results, plt):
 
 
 def figure_settings(results, plt):
-    """Draw quadrature, penalty and steps: differences from the finest setting on the same mesh, and
-    CPU seconds relative to the usual setting."""
+    """Plot the effects of quadrature, penalty and steps: differences from the finest setting on the
+    same mesh, and CPU seconds relative to the usual setting.
+    """
     shape = {"figsize": (_style.PAGE, 7.2), "sharex": "col", "sharey": "row"}
     figure, axes = plt.subplots(4, 3, **shape)
     series = [(e, m) for e in ("Q1E9+Q1N2.1", "IGA2") for m in (1, 2)]

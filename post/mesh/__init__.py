@@ -1,9 +1,10 @@
-"""Mesh an enriched body below a net of quads or a spline surface: `python -m post mesh NET -o body`.
+"""Mesh an enriched body below a net of quads or a spline surface: `python -m post mesh NET -o
+body`.
 
-NET is a closed net of quads (VTK, OFF, OBJ, Gmsh; a file of hexahedra gives its boundary) or an
-extracted spline surface (BEXT 2.0, .iga). Below the surface lie a layer of enriched elements, then
-pyramids and tetrahedra, or the hexahedra of the file. The command writes the mesh files, a deck
-that reads them and a report. As a library:
+NET is a closed net of quads (VTK, OFF, OBJ, Gmsh; of a file of hexahedra, the boundary is taken) or
+an extracted spline surface (BEXT 2.0, .iga). The body consists of a layer of enriched elements
+below the surface and, inside it, of pyramids and tetrahedra or of the hexahedra of the file. The
+command writes the mesh files, a deck that reads them and a report. As a library:
 
 >>> from post.mesh import body_of
 >>> body_of("net.off").cells["tets"].shape  # doctest: +SKIP
@@ -18,7 +19,7 @@ from post.mesh import _body, _choose, _net, _patches, _read, _read_spline, _repo
 
 
 def surface_of(path, closed=True, orient=False, refine=0, smooth=False, split=None):
-    """(Surface, Net or None) of a file; the arguments are those of the command."""
+    """(Surface, Net or None) of a file; for the arguments see the options of the command."""
     net = None
     if refine < 0:
         raise Unreadable(f"--refine {refine}: expected a number of steps that is not negative")
@@ -47,7 +48,7 @@ def surface_of(path, closed=True, orient=False, refine=0, smooth=False, split=No
 
 def body_of(path, closed=True, orient=False, refine=0, smooth=False, split=None, groups=(),
             enrich=None, **options):  # fmt: skip
-    """The Body of a file; the further options are those of _body.build."""
+    """The Body of a file; all further options are passed to _body.build."""
     surface, net = surface_of(path, closed, orient, refine, smooth, split)
     _choose.named(surface, groups)
     if not closed:
@@ -57,7 +58,7 @@ def body_of(path, closed=True, orient=False, refine=0, smooth=False, split=None,
 
 
 def main(argv):
-    """Run the command; return its exit code, which is 1 if the body is not fit for a run."""
+    """Run the command; return its exit code, which is 1 if the body is unfit for a run."""
     o = _parser().parse_args(argv)
     output = pathlib.Path(o.output)
     if not output.name.isidentifier():
@@ -91,48 +92,60 @@ def _parser():
         prog="post mesh", description="Mesh an enriched body below a net of quads or a spline surface.",
         epilog="A choice of elements is box:x1,y1,z1,x2,y2,z2, cylinder:px,py,pz,ax,ay,az,r, "
         "sphere:x,y,z,r, normal:nx,ny,nz,degrees, distance:x,y,z,d, set:name or all; "
-        "a&b selects the elements of both, a+b those of either.",
+        "a&b selects the elements that both choices select, a+b those that either selects.",
     )  # fmt: skip
     p.add_argument("file", help=".vtk .off .obj .msh nets, .bext.json .bext .iga splines")
     p.add_argument(
-        "-o", "--output", required=True, metavar="DIR/NAME", help="the stem of the files"
+        "-o",
+        "--output",
+        required=True,
+        metavar="DIR/NAME",
+        help="folder and stem of the files to write",
     )
     p.add_argument("--interior", choices=("tets", "hexes", "none"), default="tets",
-                   help="fill the inside with tetrahedra (default) or the hexahedra of the file, or make the layer alone")  # fmt: skip
+                   help="fill the inside with tetrahedra (default) or with the hexahedra of the file, or make the layer only")  # fmt: skip
     p.add_argument("--mesher", choices=("gmsh", "tetgen"), default="gmsh")
     p.add_argument("--size", type=float, help="largest edge of the tetrahedra inside [L]")
     p.add_argument("--fine", action="append", default=[], metavar="D=PLACE",
-                   help="edge length of tetrahedra in a sphere or a box (Gmsh only); may be repeated")  # fmt: skip
+                   help="edge length D of the tetrahedra in a sphere or a box (Gmsh only); may be repeated")  # fmt: skip
     p.add_argument(
-        "--open", action="store_true", help="accept an open surface and make the layer alone"
+        "--open",
+        action="store_true",
+        help="accept an open surface, below which only a layer is made",
     )
     p.add_argument(
-        "--orient", action="store_true", help="turn quads so that their orientations agree"
+        "--orient",
+        action="store_true",
+        help="reverse quads where needed so that all normals point outward",
     )
     p.add_argument(
         "--refine",
         type=int,
         default=0,
         metavar="N",
-        help="refine the net first by this number of Catmull-Clark steps",
+        help="first refine the net by this number of Catmull-Clark steps",
     )
     p.add_argument("--smooth", nargs="?", const="local", choices=("local", "everywhere"),
                    help="use D-patches, whose normals are continuous at extraordinary points")  # fmt: skip
     p.add_argument(
-        "--split", metavar="CHOICE", help="split each of these elements into four (T-junctions)"
+        "--split",
+        metavar="CHOICE",
+        help="split the chosen elements into four each (makes T-junctions)",
     )
     p.add_argument("--t-junction", choices=("constraint", "peak"), default="constraint",
                    help="pyramids below T-junctions: one per quad, or with a common peak")  # fmt: skip
     p.add_argument("--layer", type=float, metavar="F",
-                   help="largest height of the layer relative to the edge length (default 0.8; 0.3 "
+                   help="largest height of the layer relative to the edge length (default 0.8, or 0.3 "
                    "above hexahedra)")  # fmt: skip
     p.add_argument(
-        "--thickness", type=float, metavar="H", help="use the same height everywhere [L]"
+        "--thickness", type=float, metavar="H", help="height of the layer, the same everywhere [L]"
     )
     p.add_argument(
-        "--enrich", metavar="CHOICE", help="keep the spline here and use plain faces elsewhere"
+        "--enrich",
+        metavar="CHOICE",
+        help="keep the spline on these elements and use plain faces elsewhere",
     )
     p.add_argument("--group", action="append", default=[], metavar="NAME=CHOICE",
-                   help="name a group of elements for FIX and MOVE; may be repeated")  # fmt: skip
-    p.add_argument("--pictures", action="store_true", help="NAME_surface.png, NAME_cut.png")
+                   help="name a group of elements, to be used by FIX and MOVE; may be repeated")  # fmt: skip
+    p.add_argument("--pictures", action="store_true", help="draw NAME_surface.png and NAME_cut.png")
     return p

@@ -1,4 +1,4 @@
-"""The body: an enriched layer below a surface, cells inside, constraints and groups."""
+"""The body: an enriched layer below a surface, the cells inside, constraints and groups."""
 
 from dataclasses import dataclass, field
 
@@ -23,19 +23,19 @@ EMPTY = {"tets": 4, "pyramids": 5, "hexes": 8}
 
 @dataclass
 class Body:
-    """The contents of the files. Points are numbered from 0 here."""
+    """The contents of the files that are written. Points are numbered from 0 here."""
 
-    surface: object  # the enriched part, a Surface; point k of the bulk lies below its corner k
-    points: np.ndarray  # (n, 3) of the bulk: inner corners of the layer first
+    surface: object  # the enriched part, a Surface; point k of the bulk lies below corner k
+    points: np.ndarray  # (n, 3) of the bulk: first the inner corners of the layer
     cells: dict  # tets (k,4), pyramids (k,5), hexes (k,8)
-    #: (slave, masters, coefficients) of the bulk; a master -1 - k is control point k.
+    #: (slave, masters, coefficients) for points of the bulk; a master -1 - k is control point k.
     hanging: list = field(default_factory=list)
-    ties: list = field(default_factory=list)  # (bulk point, control point) that coincide
-    whole: object = None  # the Surface before parts of it were made plain
+    ties: list = field(default_factory=list)  # pairs (bulk point, control point) that coincide
+    whole: object = None  # the Surface before a part of it was made plain
     form: object = None  # the Layer of the whole surface
-    plain: np.ndarray | None = None  # (k, 4) outer points of the plain part's faces
-    plain_sets: dict = field(default_factory=dict)  # name to (k) numbers of plain faces
-    #: Worst shapes of the tetrahedra as the mesher made them, and the number of points moved later.
+    plain: np.ndarray | None = None  # (k, 4) outer points of the faces in the plain part
+    plain_sets: dict = field(default_factory=dict)  # name to (k) numbers of faces in the plain part
+    #: Worst shapes of the tetrahedra before any points were moved, and the number of points moved.
     mesher: dict = field(default_factory=dict)
 
 
@@ -43,9 +43,9 @@ def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=N
           junction="constraint", fine=()):  # fmt: skip
     """The Body below a surface.
 
-    interior: tets, hexes (those of the net) or none; enrich: (m) whether an element keeps its
+    interior: tets, hexes (those of the net) or none; enrich: (m) whether an element remains a
     spline, None for all of them; heights: options of _layer.build; junction: constraint or peak;
-    fine: regions with smaller tetrahedra, in the form of _tets.places.
+    fine: regions with smaller tetrahedra, in the form that _tets.places takes.
     """
     given = {
         "--size": size,
@@ -66,7 +66,7 @@ def build(surface, net=None, interior="tets", mesher="gmsh", size=None, enrich=N
 
 
 def fill(surface, form, net, interior, mesher, size, junction, fine=()):
-    """(points, cells, Body.mesher) of the interior.
+    """(points, cells, Body.mesher) of the inside.
 
     The layer's inner corners come first and do not move.
     """
@@ -96,7 +96,7 @@ def fill(surface, form, net, interior, mesher, size, junction, fine=()):
 
 
 def _compact(made, mesher, size, fine):
-    """Mesh the space between the pyramids; points that belong to no triangle are omitted."""
+    """Mesh the space that the pyramids enclose; points that belong to no triangle are left out."""
     used = np.unique(made.triangles)
     place = np.full(len(made.points), -1)
     place[used] = np.arange(len(used))
@@ -107,7 +107,7 @@ def _compact(made, mesher, size, fine):
 
 
 def volumes(body):
-    """{part: volume} of layer, pyramids, tets and hexes [L^3]."""
+    """{part: volume [L^3]} of layer, pyramids, tets and hexes."""
     part = {
         "layer": _layer.volumes(body.surface, body.points) if len(body.surface.nodes) else [],
         "pyramids": _quality.pyramids(body.points, body.cells["pyramids"])[0],
@@ -118,7 +118,7 @@ def volumes(body):
 
 
 def enclosed(body):
-    """Volume enclosed by the surface, from its surface integral over spline and plain faces [L^3]."""
+    """Volume inside the surface [L^3], from a surface integral over its spline and plain faces."""
     centre = body.whole.points.mean(axis=0)
     total = 0.0
     if len(body.surface.nodes):

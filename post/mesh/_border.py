@@ -1,9 +1,10 @@
-"""T-junctions where the enriched part meets the plain part: which edges become straight.
+"""T-junctions where the enriched part meets the plain part, and which edges become straight there.
 
-A line is the edge of a large element together with the corners that hang on it. If a part of it, or
-a corner that hangs on it, belongs to a plain face, the whole line is straight and its corners are
-plain: each has a function of its own or, if it hangs, follows its masters. If only an end of a line
-is plain, the edges of the small elements are computed again from the edge of the large element.
+A line is the edge of a large element together with the corners that hang on it. If a plain face
+contains a segment of a line, or a corner that hangs on it, the whole line becomes straight and its
+corners become plain: a corner that does not hang gets a function of its own, and one that hangs
+follows its masters. If only an end of a line is plain, the edges of the small elements along the
+line are computed again from the edge of the large element.
 """
 
 from dataclasses import dataclass, field
@@ -15,7 +16,7 @@ from post._error import Unreadable
 
 @dataclass(eq=False)
 class Line:
-    """An edge of a large element and the corners on it; lines compare by identity."""
+    """An edge of a large element and the corners on it; two lines are equal only if identical."""
 
     ends: tuple  # (corner, corner)
     at: dict = field(default_factory=dict)  # hanging corner: its parameter from 0 to 1
@@ -30,7 +31,7 @@ class Line:
 
 
 def lines(hanging):
-    """[Line] of {corner: (a, b, tau)}, where corners may also hang on parts of an edge.
+    """[Line] of {corner: (a, b, tau)}; a and b may themselves be hanging corners.
 
     >>> lines({5: (1, 2, 0.5), 6: (5, 2, 0.5)})
     [Line(ends=(1, 2), at={5: 0.5, 6: 0.75})]
@@ -49,7 +50,7 @@ def lines(hanging):
 
 
 def in_order(hanging):
-    """[(corner, (a, b, tau))] in an order in which masters come before the corners that hang on them.
+    """[(corner, (a, b, tau))], ordered so that masters precede the corners that hang on them.
 
     >>> in_order({6: (5, 2, 0.5), 5: (1, 2, 0.5)})
     [(5, (1, 2, 0.5)), (6, (5, 2, 0.5))]
@@ -79,7 +80,7 @@ def edges(corners):
 
 
 def users(corners, elements):
-    """{corner: those of the elements that contain it}"""
+    """{corner: [those of the given elements that contain it]}"""
     found = {}
     for e in elements:
         for v in corners[e].tolist():
@@ -88,7 +89,9 @@ def users(corners, elements):
 
 
 def protected(corners, keep, all_lines):
-    """(k) corners whose elements must all be splines so that those in `keep` do not change."""
+    """(k) corners all of whose elements must be splines so that the elements in `keep` do not
+    change.
+    """
     near = set(corners[keep].ravel().tolist())
     near = near.union(*(x.ends for x in all_lines if len(near & x.corners()) > 1))
     of = by_corner(all_lines)
@@ -102,7 +105,7 @@ def protected(corners, keep, all_lines):
 
 
 def flattened(corners, plain, border, all_lines):
-    """(plain corners, straight lines), as the plain faces require."""
+    """The corners that the plain faces make plain, and the lines that they make straight."""
     touched = set(corners[plain].ravel().tolist())
     plain_edges = edges(corners[plain])
     flat, straight = set(border), set()
@@ -118,7 +121,8 @@ def flattened(corners, plain, border, all_lines):
 
 
 def combination(v, own, hanging):
-    """{value of `own`: factor} of a corner: its own value, or a combination of its masters' values.
+    """{function: factor} that gives the value at a corner: its own function, or those of its
+    masters.
 
     >>> combination(5, {1: "a", 2: "b"}, {5: (1, 2, 0.25)})
     {'a': 0.75, 'b': 0.25}
@@ -127,13 +131,15 @@ def combination(v, own, hanging):
 
 
 def from_masters(v, own, hanging):
-    """The same for a hanging corner, whether or not it has a value of its own."""
+    """`combination` for a hanging corner, through its masters even if it has a function of its
+    own.
+    """
     a, b, tau = hanging[v]
     return combined([(1 - tau, combination(a, own, hanging)), (tau, combination(b, own, hanging))])
 
 
 def combined(pairs):
-    """Sum of factor times row; (factor, row) pairs.
+    """The sum of factor times row over (factor, row) pairs.
 
     >>> combined([(0.5, {1: 1.0}), (0.5, {1: 1.0, 2: 1.0})])
     {1: 1.0, 2: 0.5}
@@ -146,7 +152,7 @@ def combined(pairs):
 
 
 def restricted(rows, start, end):
-    """Bezier rows of a curve between two parameters, `start` first.
+    """Bezier rows of the part of a curve between two parameters, from `start` to `end`.
 
     >>> restricted([{0: 1.0}, {1: 1.0}], 0.5, 1.0)
     [{0: 0.5, 1: 0.5}, {1: 1.0}]
@@ -162,7 +168,9 @@ def restricted(rows, start, end):
 
 
 def bent(flat, straight, all_lines):
-    """Lines that are not straight and have a changed end, in the order in which to recompute them."""
+    """Lines that are not straight but have a changed end, in the order in which to recompute
+    them.
+    """
     changed, left = set(flat), set()
     while True:
         more = {x for x in all_lines if changed & set(x.ends)} - straight - left

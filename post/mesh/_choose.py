@@ -1,4 +1,6 @@
-"""Choose parts of a surface: boxes, cylinders, spheres, directions, distances, sets of the file."""
+"""Choose parts of a surface by boxes, cylinders, spheres, directions, distances or sets of the
+file.
+"""
 
 import numpy as np
 
@@ -15,10 +17,10 @@ KINDS = {
 
 
 def elements(surface, text):
-    """(m, bool) the elements of a choice: + joins alternatives, & joins conditions.
+    """(m, bool) whether an element is chosen by `text`: & joins conditions, + joins alternatives.
 
-    An element belongs to a box, cylinder (inside its radius), sphere or distance if its centre does,
-    and to a normal if the outward normal at its centre is within the angle.
+    An element belongs to a box, cylinder (inside its radius), sphere or distance if its centre
+    does, and to a normal if the outward normal at its centre is within the angle.
     """
     result = np.zeros(len(surface.nodes), dtype=bool)
     for part in text.split("+"):
@@ -49,7 +51,7 @@ def _one(surface, text):
     except ValueError:
         v = np.empty(0)
     if len(v) != count or not np.isfinite(v).all():
-        raise Unreadable(f"'{text}': expected {count} numbers: {form}")
+        raise Unreadable(f"'{text}': expected {count} numbers, in the form {form}")
     zero = np.zeros(1)
     x, a, b = (y[:, 0] for y in _surface.evaluate(surface.bezier(), surface.degree, zero, zero))
     if kind == "box":

@@ -1,4 +1,4 @@
-"""Pictures of a body: its surface, its layer, the mesh inside and the whole body, cut open."""
+"""Pictures of a body: its surface and, cut open, its layer, the cells inside and the whole body."""
 
 import numpy as np
 
@@ -18,10 +18,11 @@ FACES = {
 
 def draw(body, stem, direction=None, cut=None):
     """Write STEM_surface.png and STEM_cut.png (four panels, as in Figure 6 of the paper); return
-    both.
+    the names of both.
 
-    direction: from the body to the camera; cut: normal of the cutting plane through the centre, None
-    for the shortest side of the bounding box. The part on the side of the normal is omitted.
+    direction: from the body to the camera; cut: normal of the cutting plane through the centre, by
+    default along the shortest side of the bounding box. The part to which the normal points is cut
+    away.
     """
     from post._screen import prepare
 
@@ -61,7 +62,9 @@ def surface_part(surface, chosen=None):
 
 
 def layer_parts(body, chosen):
-    """Outer, inner and side faces of the elements of the layer."""
+    """(polygons, edges, colour) for the outer, inner and side faces of the elements of the
+    layer.
+    """
     s = body.surface
     t = np.linspace(-1, 1, FINE)
     a, b = (v.ravel() for v in np.meshgrid(t, t))
@@ -81,7 +84,9 @@ def layer_parts(body, chosen):
 
 
 def cell_part(body, kind, keep):
-    """(polygons, edges, colour) of the cells of one type on the remaining side; None without cells."""
+    """(polygons, edges, colour) of those cells of a type that are not cut away; None if there are
+    none.
+    """
     import pyvista
 
     cells = body.cells[kind]
@@ -95,7 +100,7 @@ def cell_part(body, kind, keep):
 
 
 def patches(x):
-    """(polygons, outlines) of (m, FINE^2, 3) points of faces."""
+    """(polygons, outlines) of faces given by (m, FINE^2, 3) points."""
     import pyvista
 
     n = FINE
@@ -114,9 +119,9 @@ def patches(x):
 
 
 def compose(scenes, direction, path, columns=1, up=(0, 1, 0), size=(1500, 1100), box=None):
-    """Render scenes [(parts, caption)] with one camera and put them on a page.
+    """Render scenes [(parts, caption)] with one camera and arrange them on a page.
 
-    A part is (polygons, edges, colour) and, if it is not black, the colour of the edges.
+    A part is (polygons, edges, colour), followed by the colour of its edges if that is not black.
     """
     import pyvista
 

@@ -7,8 +7,10 @@ from post.mesh import _draw, _surface
 
 
 def draw(body, path, near=None):
-    """Draw three panels around the T-junction nearest to a point (None: the first with a common peak):
-    surface and bases, the pyramids with their common peak, and the adjacent tetrahedra."""
+    """Draw three panels around the T-junction nearest to the point `near` (None: around the first
+    one): the surface with the bases, the pyramids with their common peak, and the adjacent
+    tetrahedra. Only T-junctions with a common peak are considered.
+    """
     s, cells = body.whole, body.cells["pyramids"]
     quads = _quads(body, near)
     ring = np.flatnonzero(np.isin(s.corners, np.unique(s.corners[quads])).any(axis=1))
@@ -25,7 +27,7 @@ def draw(body, path, near=None):
             "(a) surface (red), bases of three quads",
         ),
         (pyramids, "(b) three pyramids, one peak"),
-        (pyramids + _cells(body, tets, "tets"), "(c) and the tetrahedra on them"),
+        (pyramids + _cells(body, tets, "tets"), "(c) with the tetrahedra on them"),
     ]
     normal, _ = _surface.corner_normals(s)
     x = body.points[np.unique(s.corners[quads])]
@@ -39,7 +41,7 @@ def draw(body, path, near=None):
 
 
 def _quads(body, near):
-    """Three pyramids with a common peak."""
+    """The quads of three pyramids with a common peak."""
     peak = body.cells["pyramids"][:, 4]
     shared, count = np.unique(peak, return_counts=True)
     shared = shared[count == 3]
@@ -54,7 +56,7 @@ def _quads(body, near):
 
 
 def _flat(body, corners, colour):
-    """Faces of the inner side of the layer."""
+    """Faces on the inner side of the layer."""
     import pyvista
 
     mesh = pyvista.PolyData(

@@ -1,9 +1,9 @@
 """Enrich only a part of the surface: one ring of elements forms the transition to plain faces.
 
-In that ring a corner that also belongs to a plain face gets a function of its own, whose control
-point lies at the corner; the edge between two such corners is made straight. The spline and the
-bilinear faces then have the same points and displacements along their common edges, even where
-there are hanging corners (_border).
+Each corner of that ring that also belongs to a plain face gets a function of its own, with its
+control point at the corner, and the edge between two such corners is made straight. The spline and
+the bilinear faces then have the same points and displacements along their common edges, even where
+corners hang (see _border).
 """
 
 import numpy as np
@@ -14,7 +14,9 @@ from post.mesh._surface import Surface
 
 
 def make_partial(body, keep):
-    """Change the body in place: elements neither in `keep` (m) nor next to it become plain."""
+    """Change the body in place: elements become plain unless they are in `keep` (m) or next to
+    it.
+    """
     s = body.whole
     lines = _border.lines(s.hanging)
     ring = keep
@@ -38,7 +40,9 @@ def make_partial(body, keep):
 
 
 def _part(s, ring, rows, own, x):
-    """(Surface of the ring and the part it surrounds, {corner: its own control point, if used})."""
+    """(Surface of the ring and of the part inside it, {corner: its own control point, if in
+    use}).
+    """
     nodes, coefficients = tables(list(rows.values()))
     points = np.concatenate([s.points, x[list(own)]])
     weights = np.concatenate([s.weights, np.ones(len(own))])
@@ -58,7 +62,9 @@ def _rows(s, e):
 
 
 def _straighten(s, rows, value, plain, straight):
-    """Make the corners in `value` ({corner: row}) plain, and the edges between two of them straight."""
+    """Make the corners in `value` ({corner: row}) plain, and straighten the plain edges between
+    them.
+    """
     edges = _border.edges(s.corners[plain])
     of = _border.by_corner(straight)
     for e, part in rows.items():
@@ -73,8 +79,9 @@ def _straighten(s, rows, value, plain, straight):
 
 
 def _follow(s, rows, line, around):
-    """Make the edges of small elements parts of the large element's edge; around: {corner:
-    elements}.
+    """Make the edges of small elements coincide with parts of the large element's edge `line`.
+
+    around: {corner: elements}.
     """
     beside = {e for v in line.corners() for e in around.get(v, ())}
     sides = [(e, *side) for e in sorted(beside) for side in _sides(s, e)]
@@ -90,7 +97,7 @@ def _follow(s, rows, line, around):
 
 
 def _sides(s, e):
-    """(corner, next corner, Bezier points of the edge between them) for the four edges of element e."""
+    """(corner, next corner, Bezier points of the edge between them) for each edge of element e."""
     corners = s.corners[e].tolist()
     return zip(corners, corners[1:] + corners[:1], _lines(*s.degree))
 

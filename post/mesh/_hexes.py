@@ -1,4 +1,6 @@
-"""Reuse the hexahedra of the net's file: their boundary moves to the inner corners of the layer."""
+"""Reuse the hexahedra of the net's file: their boundary is moved to the inner corners of the
+layer.
+"""
 
 import numpy as np
 
@@ -20,10 +22,12 @@ DIRECTIONS = np.array(
 
 
 def reuse(net, surface, form):
-    """(points, hexes): the inner corners of the layer first, then the inner points, moved along.
+    """(points, hexes) with the inner corners of the layer first, then the inner points, which
+    follow.
 
-    The displacement of the boundary is extended harmonically over the edges, the shorter of which
-    are stiffer. Then points of bad cells are moved if that improves the worst cell.
+    The displacement of the boundary is extended to the inner points harmonically, on a network of
+    the edges in which shorter edges are stiffer. Then points of bad cells are moved wherever that
+    improves the worst cell.
     """
     border = np.unique(net.quads)
     inside = np.setdiff1d(np.unique(net.hexes), border)
@@ -52,13 +56,13 @@ def reuse(net, surface, form):
 
 
 def _positive(points, cells):
-    """The cells; those whose corners are numbered in the opposite sense are turned."""
+    """The cells, with those renumbered whose corners are in the opposite order."""
     volume = _quality.hex_volumes(points, cells)
     return np.where((volume < 0)[:, None], cells[:, [4, 5, 6, 7, 0, 1, 2, 3]], cells)
 
 
 def cell_edges(cells):
-    """(k, 2) the edges of hexahedra, each of them once.
+    """(k, 2) the edges of hexahedra, each edge once.
 
     >>> len(cell_edges(np.arange(8)[None]))
     12
@@ -81,7 +85,7 @@ def cell_edges(cells):
 
 
 def harmonic(edges, values, fixed, length, steps=2000):
-    """(n, 3) values in equilibrium after the first `fixed` ones, by conjugate gradients.
+    """(n, 3) values in equilibrium with the first `fixed` ones prescribed, by conjugate gradients.
 
     The stiffness of an edge is the reciprocal of its `length`.
     """
@@ -112,12 +116,12 @@ def harmonic(edges, values, fixed, length, steps=2000):
 
 
 def corner_quality(points, cells):
-    """(m) the least scaled Jacobian of each hexahedron at its corners."""
+    """(m) the smallest scaled Jacobian of each hexahedron at its corners."""
     return _quality.scaled(_quality.hex_jacobians(points, cells, _quality.SIGN)).min(axis=1)
 
 
 def _improve(points, cells, fixed, target=0.15):
-    """Move the inner points of bad cells one after another if that improves the worst cell around
+    """Move inner points of bad cells, one after another, where that improves the worst cell around
     the point.
     """
     users = {}
@@ -133,7 +137,7 @@ def _improve(points, cells, fixed, target=0.15):
 
 
 def _move(points, around, v):
-    """Move point v to the best of some positions near it; return whether it moved."""
+    """Move point v to the best of several positions near it; return whether it was moved."""
     x = points[around]
     others = x[around != v].reshape(-1, 3)
     reach = np.linalg.norm(others - points[v], axis=1).min()

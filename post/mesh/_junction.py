@@ -1,14 +1,17 @@
-"""T-junctions below the layer: the pyramids around each of them share their peak (paper, Figure 7).
+"""T-junctions below the layer, around each of which the pyramids share their peak (paper, Figure
+7).
 
-The mesher then sees only triangles between common points. The hanging point remains constrained.
+All triangles that the mesher sees then share their points with their neighbours. The hanging point
+remains constrained.
 """
 
 import numpy as np
 
 from post.mesh import _pyramids, _quality, _surface, _triangles
 
-MOST = 6  # quads with one peak; quads of larger groups get a pyramid each, with the long side split
-GOOD = 0.2  # least scaled Jacobian of pyramids that may share a peak
+#: Most quads that may share a peak; in larger groups each quad has a pyramid, its long side split.
+MOST = 6
+GOOD = 0.2  # smallest scaled Jacobian of pyramids that may share a peak
 
 
 def common_peaks(surface, form, room):
@@ -31,7 +34,7 @@ def common_peaks(surface, form, room):
         if not bad:
             break
         factors[bad] *= _pyramids.SHRINK
-    else:  # quads of unsuitable groups keep a peak each
+    else:  # the quads of unsuitable groups have a peak each
         joined = [m for k, m in enumerate(joined) if k not in bad]
         made, _ = _joined(single, faces, len(points), joined, np.ones(len(joined)), height, splits)
     return made
@@ -47,7 +50,7 @@ def _upright(made, members):
 
 
 def _groups(surface):
-    """(m) numbers of the groups of quads that are joined by T-junctions."""
+    """(m) for each quad the number of its group; T-junctions join quads to a group."""
     users = {}
     for e, row in enumerate(surface.corners.tolist()):
         for a, b in zip(row, row[1:] + row[:1]):
@@ -62,7 +65,7 @@ def _groups(surface):
 
 
 def _joined(single, faces, n, joined, factors, height, splits):
-    """(Pyramids, owners of their triangles) with one peak per group of `joined`."""
+    """(Pyramids, owner of each triangle) with one common peak for each group in `joined`."""
     points, cells = single.points.copy(), single.cells.copy()
     of_group = np.full(len(faces), -1)
     for k, members in enumerate(joined):
@@ -74,7 +77,7 @@ def _joined(single, faces, n, joined, factors, height, splits):
         cells[members, 4] = n + members[0]
         of_group[members] = k
     triangles, owner = _pyramids.sides(cells, splits)
-    # Sides of one group that face each other are inside.
+    # Two triangles of one group that coincide lie between its pyramids and are dropped.
     key = np.sort(triangles, axis=1)
     _, inverse, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
     keep = count[inverse.ravel()] == 1

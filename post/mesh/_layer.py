@@ -1,8 +1,8 @@
-"""The layer of enriched elements: inner corners on normals, at a suitable local distance.
+"""The layer of enriched elements: inner corners on the normals, at a suitable local distance.
 
 Upper bounds of this distance follow from the edge lengths, from the thickness of the body, and from
-the points at which normals intersect; a lower bound follows from the inner face, which is flat and
-must stay below the sag of a concave surface.
+the points at which normals intersect. A lower bound follows from concave parts of the surface,
+which sag into the body: the inner face has straight edges and must lie deeper than the surface.
 """
 
 from dataclasses import dataclass
@@ -22,15 +22,16 @@ class Layer:
 
     inner: np.ndarray  # (corners, 3)
     height: np.ndarray  # (corners) [L]
-    thickness: np.ndarray  # (corners) of the body along the normal [L]
-    jump: np.ndarray  # (corners) angle between normals of elements [rad]
+    thickness: np.ndarray  # (corners) thickness of the body along the normal [L]
+    jump: np.ndarray  # (corners) largest angle between the normals of the elements there [rad]
 
 
 def build(surface, factor=0.8, thickness_share=0.2, curvature_share=0.6, constant=None):
     """The Layer of a surface.
 
-    factor: bound relative to the local edge length; thickness_share: to the thickness of the body;
-    curvature_share: to the smallest radius; constant: use this height [L] everywhere instead.
+    Upper bounds of the height are factor times the local edge length, thickness_share times the
+    thickness of the body, and curvature_share times the smallest radius of curvature. With
+    `constant` the height is the same everywhere [L].
     """
     x = surface.corner_points()
     normal, jump = _surface.corner_normals(surface)
@@ -54,13 +55,13 @@ def build(surface, factor=0.8, thickness_share=0.2, curvature_share=0.6, constan
     k = np.flatnonzero(bad)
     place = "(" + ", ".join(f"{v:.4g}" for v in x[surface.corners[k[0]]].mean(axis=0)) + ")"
     raise Unreadable(
-        f"{len(k)} elements of the layer are inverted, the first, {k[0] + 1}, at {place}; refine the "
-        "net there (--refine) or choose another --layer"
+        f"{len(k)} elements of the layer are inverted, the first of them element {k[0] + 1} at {place}; "
+        "refine the net there (--refine) or choose another --layer"
     )
 
 
 def _chord(surface, inner):
-    """Move the inner points of hanging corners onto the chords between their masters."""
+    """Move the inner points of hanging corners onto the chords between those of their masters."""
     for s, (a, b, tau) in _border.in_order(surface.hanging):
         inner[s] = (1 - tau) * inner[a] + tau * inner[b]
     return inner
@@ -78,7 +79,7 @@ def _edge_length(surface, x):
 
 
 def thickness(surface, x, normal):
-    """(corners) distance to the other side of the body along the inward normal, or inf [L]."""
+    """(corners) distance [L] to the other side of the body along the inward normal, or inf."""
     c = surface.corners
     triangles = np.concatenate([c[:, [2, 1, 0]], c[:, [3, 2, 0]]])
     start = 0.05 * _edge_length(surface, x)
@@ -95,8 +96,8 @@ def _bulge(surface, n):
 
 
 def _sag(surface, x, normal):
-    """(corners) largest depth of the elements around the corner below the bilinear face of their
-    corners [L].
+    """(corners) largest depth [L] by which elements around the corner lie below the bilinear face
+    through their corners.
     """
     t = np.linspace(-1, 1, 7)
     xi, eta = (v.ravel() for v in np.meshgrid(t, t))
@@ -110,7 +111,9 @@ def _sag(surface, x, normal):
 
 
 def bilinear(corners, xi, eta, derivatives=False):
-    """(m, k, 3) points of faces (m, 4, 3), with `derivatives` also the derivatives along xi and eta."""
+    """(m, k, 3) points of faces (m, 4, 3); with `derivatives`, also the derivatives by xi and
+    eta.
+    """
     sx, sy = np.array([-1, 1, 1, -1]), np.array([-1, -1, 1, 1])
     shape = lambda a, b: np.einsum("kn,mnc->mkc", a * b / 4, corners)  # noqa: E731
     one = 1 + np.outer(xi, sx), 1 + np.outer(eta, sy)
@@ -155,7 +158,7 @@ def determinants(surface, inner):
 
 
 def worst(surface, inner):
-    """(m) the least det J, without the corners where the surface is degenerate and det J is zero."""
+    """(m) the smallest det J, without corners where the surface is degenerate and det J is zero."""
     det = determinants(surface, inner)
     _, a, b = _surface.evaluate(
         surface.bezier(), surface.degree, np.array([-1.0, 1, 1, -1]), np.array([-1.0, -1, 1, 1])

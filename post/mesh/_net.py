@@ -1,4 +1,4 @@
-"""A net of quads: its edges, fans and orientation, which are checked before it is used."""
+"""A net of quads with its edges, fans and orientation, which are checked before it is used."""
 
 from dataclasses import dataclass, field
 
@@ -9,17 +9,18 @@ from post._error import Unreadable
 
 @dataclass
 class Net:
-    """A control net, and the hexahedra inside if the file has them."""
+    """A control net, with the hexahedra inside it if the file contains them."""
 
     points: np.ndarray  # (n, 3)
-    quads: np.ndarray  # (m, 4) seen from outside counter-clockwise once `checked`
+    quads: np.ndarray  # (m, 4) counter-clockwise seen from outside, once `checked`
     hexes: np.ndarray = field(default_factory=lambda: np.empty((0, 8), dtype=np.int64))
     sets: dict = field(default_factory=dict)  # name to (k) numbers of quads
     border: np.ndarray | None = None  # (n) whether a point is on the boundary of an open net
 
 
 def checked(net, path, closed=True, orient=False):
-    """The net after all checks; with `orient`, its quads are turned so that normals point outward.
+    """The net after all checks; with `orient`, quads are reversed so that all normals point
+    outward.
 
     Raises Unreadable with one sentence about the first error.
     """
@@ -47,7 +48,7 @@ def checked(net, path, closed=True, orient=False):
             twin = twins(net.quads, fail)
         elif volume < 0:
             fail(
-                "the normals of the quads point inward (the volume is negative); --orient turns the quads"
+                "the normals of the quads point inward (the volume is negative); --orient reverses the quads"
             )
     _check_fans(net, twin, fail)
     net.border = np.zeros(len(net.points), dtype=bool)
@@ -57,7 +58,7 @@ def checked(net, path, closed=True, orient=False):
 
 
 def _apart(net, twin):
-    """The remark for points of open edges that coincide."""
+    """A hint to append to the message if points of open edges coincide."""
     q, c = np.argwhere(twin < 0).T
     ends = np.unique(np.r_[net.quads[q, c], net.quads[q, (c + 1) % 4]])
     _, first, count = np.unique(net.points[ends], axis=0, return_inverse=True, return_counts=True)
@@ -90,7 +91,8 @@ def _check_quads(net, fail):
 
 
 def twins(quads, fail=None):
-    """(m, 4) number 4 q + c of the same edge in the neighbour, -1 at a boundary.
+    """(m, 4) for edge c of quad q: the number 4 r + d of the same edge, d, in the neighbour r, or
+    -1.
 
     Edge c of quad q runs from corner c to corner c + 1.
 
@@ -110,14 +112,16 @@ def twins(quads, fail=None):
             fail(f"{users} quads meet at the edge of points {start[edge] + 1} and {end[edge] + 1}")
         fail(
             f"quads {edge // 4 + 1} and {other // 4 + 1} are neighbours of opposite orientation; "
-            "--orient turns them"
+            "--orient reverses one of them"
         )
     at = np.minimum(np.searchsorted(ordered, backward), len(ordered) - 1)
     return np.where(ordered[at] == backward, order[at], -1).reshape(quads.shape)
 
 
 def oriented(quads, fail):
-    """The quads, turned so that neighbours have the orientation of the first quad of their part."""
+    """The quads, reversed where they do not have the orientation of the first quad of their
+    part.
+    """
     users = {}
     for q, row in enumerate(quads.tolist()):
         for c in range(4):
@@ -126,7 +130,7 @@ def oriented(quads, fail):
         if len(both) > 2:
             a, b = sorted(edge)
             fail(f"{len(both)} quads meet at the edge of points {a + 1} and {b + 1}")
-    turned = np.zeros(len(quads), dtype=int)  # 0 unknown, 1 as it is, -1 turned
+    turned = np.zeros(len(quads), dtype=int)  # 0 unknown, 1 as in the file, -1 reversed
     for seed in range(len(quads)):
         stack = [] if turned[seed] else [seed]
         turned[seed] = turned[seed] or 1
@@ -151,7 +155,7 @@ def quad_volume(points, quads):
 
 
 def fans(quads, twin):
-    """The corners around each point, [(q, c), ...] in order, starting at a boundary edge if any.
+    """The corners (q, c) around each point in order, starting at a boundary edge if there is one.
 
     The corner after (q, c) belongs to the quad across the edge that ends at (q, c).
     Returns (fans by point, points with more than one fan).
@@ -193,7 +197,7 @@ def _check_fans(net, twin, fail):
 
 
 def components(quads):
-    """Number of parts that are not connected with each other.
+    """Number of parts of a net that are not connected with each other.
 
     >>> components(np.array([[0, 1, 2, 3], [4, 5, 6, 7]]))
     2
@@ -210,8 +214,8 @@ def components(quads):
 
 
 def refined(net):
-    """One Catmull-Clark step, which makes four quads from each quad; open boundaries become cubic
-    B-splines.
+    """The net after one Catmull-Clark step, which makes four quads of each; open boundaries become
+    cubic B-splines.
     """
     quads, x = net.quads, net.points
     twin = twins(quads)
@@ -219,7 +223,7 @@ def refined(net):
     middle = x[quads].mean(axis=1)
     first = np.where(
         twin < 0, np.arange(4 * m).reshape(m, 4), np.minimum(np.arange(4 * m).reshape(m, 4), twin)
-    )  # the same number for both sides of an edge
+    )  # the number of an edge is the same on both sides
     edges, number = np.unique(first, return_inverse=True)
     number = number.reshape(m, 4)
     q, c = edges // 4, edges % 4

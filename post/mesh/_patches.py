@@ -1,9 +1,11 @@
 """Bicubic elements from a net of quads: approximate Catmull-Clark patches.
 
-Face points are (n P + 2 (its two neighbours) + 1 opposite) / (n + 5) of their quad, edge points the
-mean of two face points, corners the mean of the face points around (Loop and Schaefer 2008). At a
-boundary edge points are (2 P + 1 neighbour) / 3. The rows sum to one and are not negative; where all
-four corners of a quad have valence 4 they are the uniform cubic B-spline.
+With P the vertices of a quad and n the valence of its vertex, a face point is the mean of P with
+weight n, its two neighbours with weight 2 and the opposite vertex with weight 1, divided by n + 5.
+An edge point is the mean of two face points, and a corner that of the face points around it (Loop
+and Schaefer 2008). At a boundary an edge point is (2 P + 1 neighbour) / 3. The rows sum to one and
+have no negative entries. Where all four corners of a quad have valence 4, they are those of the
+uniform cubic B-spline.
 """
 
 import numpy as np
@@ -11,7 +13,7 @@ import numpy as np
 from post.mesh._net import fans, twins
 from post.mesh._surface import Surface
 
-#: Position i + 4 j among the 16 Bezier points of corners, and of the points beside them.
+#: Positions i + 4 j among the 16 Bezier points: of the corners, and of the points next to them.
 CORNER = (0, 3, 15, 12)
 FACE = (5, 6, 10, 9)
 AHEAD = (1, 7, 14, 8)  # on the edge that starts at the corner, near it
@@ -19,7 +21,7 @@ BEHIND = (4, 2, 11, 13)  # on the edge that ends at the corner, near it
 
 
 def extract(net):
-    """The Surface of a net after `checked`; x_xi x x_eta points into the body."""
+    """The Surface of a net that was `checked`; x_xi x x_eta points into the body."""
     quads = net.quads[:, ::-1].copy()  # the enriched face is zeta = -1 of a hexahedron
     used, inverse = np.unique(quads, return_inverse=True)
     quads = inverse.reshape(quads.shape)
@@ -47,7 +49,7 @@ def extract(net):
 
 
 def tables(rows):
-    """([node numbers], [(n, 16) coefficients]) of elements given as 16 rows {node: value}."""
+    """([node numbers], [(n, 16) coefficients]) of elements given as 16 rows {node: coefficient}."""
     nodes, coefficients = [], []
     for element in rows:
         ids = sorted(set().union(*element))
@@ -62,7 +64,7 @@ def tables(rows):
 
 
 def _face_points(quads, around, border):
-    """[q][c] the face point of quad q near its corner c, {vertex: weight}."""
+    """[q][c] the face point of quad q near its corner c, as {vertex: weight}."""
     face = [[None] * 4 for _ in quads]
     for v, fan in around.items():
         n = len(fan)

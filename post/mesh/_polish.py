@@ -1,7 +1,8 @@
 """Move peaks of pyramids and points of the mesher to improve the worst cells.
 
-A mesher does not change the triangles of the pyramids, which are poor below long quads. The peaks
-may move like the mesher's own points; the surface and the inner corners of the layer do not move.
+A mesher does not change the triangles of the pyramids, which are badly shaped below long quads.
+Here the peaks may move like the mesher's own points; the surface and the inner corners of the layer
+do not move.
 """
 
 import numpy as np
@@ -10,19 +11,19 @@ from post.mesh import _quality
 
 TARGET = 0.12  # points of cells with a scaled Jacobian below this are moved
 ROUNDS = 20
-STEPS = (0.5, 0.2, 0.07, 0.02)  # largest move relative to the distance to the second nearest point
-LEAST = 1e-4  # least improvement for which a point is moved
-#: Directions to corners, edges and faces of a cube.
+STEPS = (0.5, 0.2, 0.07, 0.02)  # distances of a move, relative to that of the second nearest point
+LEAST = 1e-4  # smallest improvement for which a point is moved
+#: Directions to the corners, the edges and the faces of a cube.
 DIRECTIONS = np.array([d for d in np.ndindex(3, 3, 3) if d != (1, 1, 1)], dtype=float) - 1
 DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1)[:, None]
 
 
 def improve(points, tets, pyramids, fixed):
-    """Move the points after the first `fixed` ones, one after another and in place; return how many
-    were moved.
+    """Move the points after the first `fixed` ones in place, one after another; return the number
+    of points moved.
 
-    A point moves to the best of some positions near it, as judged by the least scaled Jacobian of
-    its tetrahedra and pyramids; the worst value of the body never decreases.
+    A point moves to the best of several positions near it, as judged by the smallest scaled
+    Jacobian of its tetrahedra and pyramids; the worst value of the body never decreases.
     """
     kinds = (tets, _quality.tet_shapes), (pyramids, _quality.pyramid_shapes)
     around = [_users(cells) for cells, _ in kinds]
@@ -59,7 +60,9 @@ def _users(cells):
 
 
 def _moved(x, at, places):
-    """(positions, cells, corners, 3): x (cells, corners, 3) with the corners `at` moved to them."""
+    """x (cells, corners, 3) with the corners marked in `at` moved to each position in turn, as an
+    array (positions, cells, corners, 3).
+    """
     trial = np.repeat(x[None], len(places), axis=0)
     trial[:, at] = places[:, None]
     return trial

@@ -1,4 +1,4 @@
-"""A pyramid on every inner face of the layer, so that tetrahedra can start from triangles."""
+"""A pyramid on every inner face of the layer, so that tetrahedra have triangles to start from."""
 
 from dataclasses import dataclass
 
@@ -15,16 +15,16 @@ SHRINK = 0.75
 class Pyramids:
     """The cells, and the closed surface of triangles from which the mesher starts."""
 
-    points: np.ndarray  # (inner corners, then peaks, 3)
-    cells: np.ndarray  # (m, 5) base, seen from the peak counter-clockwise, and peak
-    triangles: np.ndarray  # (k, 3) seen from the tetrahedra's side clockwise: normals point outward
+    points: np.ndarray  # (inner corners of the layer, then peaks; 3)
+    cells: np.ndarray  # (m, 5) the base, counter-clockwise seen from the peak, then the peak
+    triangles: np.ndarray  # (k, 3) normals point out of the space that the tetrahedra will fill
 
 
 def build(faces, points, thickness, splits=None, height_share=0.35, thickness_share=0.25):
     """Pyramids on faces (m, 4) of `points`, whose normals point into the body.
 
-    thickness: (m) free depth behind the faces [L]; splits: {(a, b): s} the hanging point between
-    two corners, at which the triangle there is split into two.
+    thickness: (m) free depth behind the faces [L]; splits: {(a, b): s} with the hanging point s
+    between two corners, at which the side triangle of that edge is split in two.
     """
     x = points[faces]
     normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
@@ -55,7 +55,7 @@ def build(faces, points, thickness, splits=None, height_share=0.35, thickness_sh
 
 
 def _raised(x, middle, normal, height, limit, least=0.12):
-    """The heights, which are larger where the corners of a long or skew face would be too flat."""
+    """The heights, increased where a long or skew face makes the pyramid too flat at a corner."""
     for _ in range(6):
         peak = middle + height[:, None] * normal
         cells = np.arange(5 * len(x)).reshape(-1, 5)
@@ -66,7 +66,7 @@ def _raised(x, middle, normal, height, limit, least=0.12):
 
 
 def sides(cells, splits):
-    """Side triangles, with normals out of the remaining space, and the pyramid of each."""
+    """Side triangles, with normals out of the space that remains, and the pyramid of each."""
     triangles, owner = [], []
     for k, (a, b, c, d, peak) in enumerate(cells.tolist()):
         for u, v in ((a, b), (b, c), (c, d), (d, a)):
@@ -78,7 +78,7 @@ def sides(cells, splits):
 
 
 def edge_chain(u, v, splits):
-    """Points along an edge from u to v.
+    """Points along an edge from u to v, including the hanging ones.
 
     >>> edge_chain(1, 2, {(1, 2): 5, (1, 5): 7})
     [1, 7, 5, 2]
@@ -91,7 +91,7 @@ def edge_chain(u, v, splits):
 
 
 def folded(points, triangles, least=8.0):
-    """Triangles with a neighbour so close that no good tetrahedron fits between them."""
+    """Triangles so close to a neighbour that no good tetrahedron fits in between."""
     a, b = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     n = len(points)
     key, twin = a * n + b, b * n + a
@@ -105,5 +105,7 @@ def folded(points, triangles, least=8.0):
     opposite = x.sum(axis=1)[u] - points[a[found]] - points[b[found]] - points[a[found]]
     inside = np.einsum("ij,ij->i", normal[t], opposite) < 0
     cosine = -np.einsum("ij,ij->i", normal[t], normal[u])
-    angle = np.arccos(np.clip(cosine, -1, 1))  # between the faces, on the side of the tetrahedra
+    angle = np.arccos(
+        np.clip(cosine, -1, 1)
+    )  # between the triangles, on the side of the tetrahedra
     return np.unique(t[inside & (angle < np.radians(least))])

@@ -1,4 +1,6 @@
-"""Shapes of cells: volumes, angles, and scaled Jacobians (det J over the product of its columns)."""
+"""Shapes of cells: volumes, angles, and scaled Jacobians (det J over the lengths of its
+columns).
+"""
 
 import numpy as np
 
@@ -12,11 +14,11 @@ TET_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 
 
 def layer(surface, inner):
-    """{det_gauss, det_corner, scaled_gauss, scaled_corner}: the least value of each; empty if there
-    is no layer.
+    """{det_gauss, det_corner, scaled_gauss, scaled_corner}: the smallest value of each; empty if
+    there is no layer.
 
-    If a surface is degenerate at a corner, as at a smooth extraordinary point, det J is zero there
-    and is omitted from the values at corners.
+    Where the surface is degenerate at a corner of an element, as at a smooth extraordinary point,
+    det J is zero; such corners are left out.
     """
     if not len(surface.nodes):
         return {}
@@ -37,7 +39,7 @@ def layer(surface, inner):
 
 
 def scaled(jac):
-    """(...) det J over the product of the lengths of its columns; (..., 3, 3).
+    """(...) det J divided by the product of the lengths of its columns, for Jacobians (..., 3, 3).
 
     >>> float(scaled(np.diag([1.0, 2.0, 3.0])))
     1.0
@@ -59,7 +61,9 @@ def hex_volumes(points, cells):
 
 
 def tet_shapes(x):
-    """(...) scaled Jacobians of tetrahedra (..., 4, 3): the least of the corners, 1 if regular."""
+    """(...) scaled Jacobians of tetrahedra (..., 4, 3): the smallest of the corners; 1 if
+    regular.
+    """
     length = np.linalg.norm(x[..., :, None, :] - x[..., None, :, :], axis=-1)
     length[..., np.arange(4), np.arange(4)] = 1
     det = np.linalg.det(x[..., 1:, :] - x[..., :1, :])
@@ -67,7 +71,7 @@ def tet_shapes(x):
 
 
 def pyramid_shapes(x):
-    """(...) the least scaled Jacobians of pyramids (..., 5, 3) at the corners of their bases."""
+    """(...) the smallest scaled Jacobians of pyramids (..., 5, 3) at the corners of their bases."""
     return _pyramid_corners(x).min(axis=-1)
 
 
@@ -80,7 +84,7 @@ def _pyramid_corners(x):
 def pyramids(points, cells):
     """(volumes (m), scaled Jacobians at the corners of the base (m, 4)).
 
-    The volume is that of the rational element: its base is bilinear.
+    The volume is that of the rational element, whose base is bilinear.
     """
     x = points[cells]
     base, peak = x[:, :4], x[:, 4]

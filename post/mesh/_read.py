@@ -1,4 +1,4 @@
-"""Read nets of quads from legacy VTK, OFF and OBJ files; a file of hexahedra gives its boundary."""
+"""Read nets of quads from legacy VTK, OFF and OBJ files; of a file of hexahedra, the boundary."""
 
 import pathlib
 
@@ -10,12 +10,12 @@ from post.mesh._net import Net
 from post.mesh._tokens import Tokens
 
 QUAD, HEX = 9, 12  # VTK's cell types
-#: Corners of the faces of VTK's and Gmsh's hexahedron, seen from outside counter-clockwise.
+#: Corners of the faces of VTK's and Gmsh's hexahedron, counter-clockwise seen from outside.
 FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 
 
 def read_net(path):
-    """The net in a file; the extension of its name gives the format."""
+    """The net in a file, whose extension gives the format."""
     readers = {".vtk": read_vtk, ".off": read_off, ".obj": read_obj, ".msh": _read_gmsh.read_gmsh}
     ending = pathlib.Path(path).suffix.lower()
     if ending not in readers:
@@ -26,7 +26,7 @@ def read_net(path):
         if len(cells) and not (0 <= cells.min() and cells.max() < len(points)):
             k = int(np.flatnonzero(((cells < 0) | (cells >= len(points))).any(axis=1))[0])
             raise Unreadable(
-                f"'{path}': cell {k + 1} names a point outside the {len(points)} points of the file"
+                f"'{path}': cell {k + 1} refers to a point outside the {len(points)} points of the file"
             )
     if len(hexes) and not len(quads):
         quads = boundary(hexes)
@@ -37,7 +37,7 @@ def read_net(path):
 
 
 def boundary(hexes):
-    """(m, 4) the faces that belong to one hexahedron only, counter-clockwise seen from outside.
+    """(m, 4) the faces that belong to only one hexahedron, counter-clockwise seen from outside.
 
     >>> boundary(np.arange(8)[None]).shape
     (6, 4)
@@ -52,7 +52,7 @@ def read_vtk(path):
     """(points, quads, hexes, sets) of a legacy VTK file."""
     t = Tokens(path)
     if not t.lines or "vtk" not in t.lines[0].lower():
-        t.fail("the first line is not that of a VTK file")
+        t.fail("expected the first line of a VTK file, beginning with '# vtk DataFile'")
     if "ASCII" not in t.words:
         t.fail("the file is not ASCII; save it as legacy ASCII")
     t.seek("DATASET")
@@ -81,7 +81,7 @@ def read_vtk(path):
 
 
 def _vtk_cells(t, n, size, word):
-    if t.more() and t.words[t.at].upper() == "OFFSETS":  # files of version 5
+    if t.more() and t.words[t.at].upper() == "OFFSETS":  # the layout of version 5
         t.at += 2
         offsets = t.numbers(n, "OFFSETS", int)
         t.seek("CONNECTIVITY")

@@ -19,7 +19,7 @@ def read_gmsh(path):
         rows = [nodes for k, _, nodes in cells if k == kind]
         lost = next((int(n) for row in rows for n in row if int(n) not in place), None)
         if lost is not None:
-            t.fail(f"an element names node {lost}, which is not in the file")
+            t.fail(f"an element refers to node {lost}, which is not in the file")
         return np.array([[place[int(n)] for n in row] for row in rows], dtype=np.int64).reshape(
             -1, NODES[kind]
         )
@@ -40,7 +40,7 @@ def read_all(path):
     if t.word("the type of file") != "0":
         t.fail("the file is a binary Gmsh file; save it as ASCII")
     if version not in ("2.2", "4.1"):
-        t.fail(f"unknown version {version} of Gmsh's format; known versions: 2.2 4.1")
+        t.fail(f"unknown version {version} of the Gmsh format; known versions: 2.2 4.1")
     names, groups, points, tags, cells = {}, {}, None, None, None
     seen = set()
     while True:
@@ -50,7 +50,7 @@ def read_all(path):
         if section is None:
             break
         if section == "$PARTITIONEDENTITIES":
-            t.fail("the mesh is partitioned; save it in one part")
+            t.fail("the mesh is partitioned; save it as one part")
         if section in seen:
             t.fail(f"duplicate section ${section[1:].capitalize()}")
         seen.add(section)
@@ -128,7 +128,7 @@ def _nodes4(t):
         width = 3 + (min(max(dim, 0), 3) if parametric else 0)  # parameters follow x y z
         points.append(t.numbers(width * count, "$Nodes").reshape(-1, width)[:, :3])
     if sum(map(len, tags)) != n:
-        t.fail(f"$Nodes announces {n} nodes and has {sum(map(len, tags))}")
+        t.fail(f"$Nodes announces {n} nodes and contains {sum(map(len, tags))}")
     return np.concatenate([np.empty((0, 3)), *points]), np.concatenate([np.empty(0, int), *tags])
 
 
@@ -143,5 +143,5 @@ def _elements4(t, groups):
             nodes = t.numbers(1 + NODES[kind], "$Elements", int)[1:]
             cells.append((kind, groups.get((dim, tag), 0), nodes))
     if len(cells) != n:
-        t.fail(f"$Elements announces {n} elements and has {len(cells)}")
+        t.fail(f"$Elements announces {n} elements and contains {len(cells)}")
     return cells

@@ -15,7 +15,7 @@ KINDS = {1: "curves", 3: "a solid"}
 
 
 def is_spline(path):
-    """Whether the extension of a file is that of a spline surface, and not of a net.
+    """Whether the extension of a file is that of a spline surface rather than of a net.
 
     >>> is_spline("a.bext.json"), is_spline("a.vtk")
     (True, False)
@@ -24,14 +24,14 @@ def is_spline(path):
 
 
 def read_spline(path, closed=True):
-    """The Surface in a file, turned so that x_xi x x_eta points into the body."""
+    """The Surface in a file, turned such that x_xi x x_eta points into the body."""
     ending = pathlib.Path(path).suffix.lower()
     reader = {".json": _json, ".iga": _iga}.get(ending, _text)
     degree, points, weights, nodes, coefficients, sets = reader(path)
     _check(path, degree, points, weights, nodes, coefficients)
     for name, ids in sets.items():
         if len(ids) and not (0 <= ids.min() and ids.max() < len(nodes)):
-            raise Unreadable(f"'{path}': set '{name}' names an element that does not exist")
+            raise Unreadable(f"'{path}': set '{name}' refers to an element that does not exist")
     s = Surface(degree, points, weights, nodes, coefficients, None, sets)
     s.corners = _split.find_corners(nodes, coefficients, s.corner_index)
     s.hanging = _split.find_hanging(s)
@@ -60,7 +60,7 @@ def _check(path, degree, points, weights, nodes, coefficients):
         )
     for e, (ids, c) in enumerate(zip(nodes, coefficients), 1):
         if len(ids) and not (0 <= ids.min() and ids.max() < len(points)):
-            raise Unreadable(f"'{path}': element {e} names a control point that does not exist")
+            raise Unreadable(f"'{path}': element {e} refers to a control point that does not exist")
         if c.shape != (len(ids), width):
             raise Unreadable(f"'{path}': element {e}: expected {width} coefficients per function")
         if not abs(c.sum(axis=0) - 1).max() <= 1e-6:
@@ -99,7 +99,7 @@ def _no_surface(path, dim):
     """The message for splines whose number of parameters is not two."""
     kind = KINDS.get(dim, f"splines of {dim} parameters") if isinstance(dim, int) else "no surface"
     return (
-        f"'{path}' holds {kind}; a surface is expected, of which the command fills the inside: "
+        f"'{path}' contains {kind}; expected a surface, whose inside the command fills: "
         "give the boundary of the body as splines of two parameters"
     )
 
@@ -124,7 +124,7 @@ def _json_counts(path, data):
         ("elements", data.get("num_elems", len(cells)), cells),
     ):
         if announced != len(held):
-            raise Unreadable(f"'{path}' announces {announced} {what} and holds {len(held)}")
+            raise Unreadable(f"'{path}' announces {announced} {what} and contains {len(held)}")
 
 
 def _json_vectors(data, degrees):
@@ -147,7 +147,7 @@ def _text(path):
     t.integer("the flag of weights")
     full = t.numbers(4 * n, "the control points").reshape(-1, 4)
     blocks, degrees = [], set()
-    # The count of numbers of a block tells a curve (5) from a surface (6) and a solid (7).
+    # The length of a block's header tells a curve (5) from a surface (6) and a solid (7).
     for _ in range(t.count("the blocks of elements")):
         dim = t.left_in_line() - 4
         if dim in KINDS:
@@ -156,17 +156,17 @@ def _text(path):
         degrees.add((int(p), int(q)))
         blocks.append((ne, nn, nc))
     if len(degrees) != 1:
-        t.fail("the elements are not of one degree")
+        t.fail("expected elements of one degree")
     ids = []
     for ne, nn, nc in blocks:
         if nn != nc:
-            t.fail(f"{nn} functions and {nc} vectors of an element")
+            t.fail(f"an element has {nn} functions but {nc} coefficient vectors")
         table = t.numbers(int(ne * (nn + nc)), "the elements", int).reshape(ne, 2, nn) - 1
         ids.extend(table)
     degree = degrees.pop()
     vectors = _text_vectors(t, nv, (degree[0] + 1) * (degree[1] + 1))
     if len(ids) != m or any(v[1].min() < 0 or v[1].max() >= nv for v in ids):
-        t.fail("counts of elements or numbers of vectors do not match")
+        t.fail("the numbers of elements, or the indices of vectors, do not match")
     nodes, rows = [v[0] for v in ids], [vectors[v[1]] for v in ids]
     return degree, full[:, :3], full[:, 3], nodes, rows, {}
 
@@ -179,7 +179,7 @@ def _text_vectors(t, count, width):
     for k, (n, length) in enumerate(heads):
         for _ in range(n):
             if at >= count or length > width:
-                t.fail("the file has more or longer vectors than it announces")
+                t.fail("the vectors of the file are more, or longer, than it announces")
             if k < dense:
                 vectors[at, :length] = t.numbers(int(length), "a vector")
             else:
@@ -187,7 +187,7 @@ def _text_vectors(t, count, width):
                 vectors[at, place] = t.numbers(int(length), "a sparse vector")
             at += 1
     if at != count:
-        t.fail(f"the file has {at} vectors and announces {count}")
+        t.fail(f"the file contains {at} vectors and announces {count}")
     return vectors
 
 
@@ -203,18 +203,18 @@ def _iga(path):
     full = np.empty((counts["nodeN"], 4))
     for k in range(len(full)):
         if t.word("node") != "node":
-            t.fail(f"the file announces {len(full)} nodes and has {k}")
+            t.fail(f"the file announces {len(full)} nodes and contains {k}")
         full[k] = t.numbers(4, "a node")
     nodes, rows, degrees = [], [], set()
     for k in range(counts["elemN"]):
         if t.word("belem") != "belem":
-            t.fail(f"the file announces {counts['elemN']} elements and has {k}")
+            t.fail(f"the file announces {counts['elemN']} elements and contains {k}")
         n, p, q = (t.count("the sizes of an element") for _ in range(3))
         degrees.add((p, q))
         nodes.append(t.numbers(n, "an element", int))
         rows.append(t.numbers(n * (p + 1) * (q + 1), "an element").reshape(n, -1))
     if len(degrees) != 1:
-        t.fail("the elements are not of one degree")
+        t.fail("expected elements of one degree")
     return degrees.pop(), full[:, :3], full[:, 3], nodes, rows, _iga_sets(t)
 
 

@@ -1,4 +1,4 @@
-"""Report on a body: counts, volumes, shapes, self-intersections, jumps of normals."""
+"""Report on a body: counts, volumes, shapes, self-intersections and jumps of normals."""
 
 import json
 
@@ -61,12 +61,14 @@ def _cells(body):
 
 
 def inner_cuts(body):
-    """Number of pairs of triangles of the inner side of the layer that intersect."""
+    """Number of intersecting pairs of triangles on the inner side of the layer."""
     splits = {(a, b): s for s, (a, b, _) in body.whole.hanging.items()}
     middle = body.points[body.whole.corners].mean(axis=1)
     n = len(body.points)
     cells = np.column_stack([body.whole.corners, n + np.arange(len(middle))])
-    triangles, _ = _pyramids.sides(cells, splits)  # fans about the centres of the faces
+    triangles, _ = _pyramids.sides(
+        cells, splits
+    )  # each face as a fan of triangles about its centre
     return len(_triangles.intersections(np.concatenate([body.points, middle]), triangles))
 
 
@@ -120,7 +122,7 @@ def bad(report):
             f"the inner side of the layer intersects itself {report['self_intersections']} times"
         )
     if report["volume"].get("relative_difference", 0) > 1e-10:
-        found.append("the volumes do not add up to the volume inside the surface")
+        found.append("the volumes of the parts do not add up to the volume inside the surface")
     return found
 
 

@@ -1,10 +1,12 @@
-"""D-patches: a surface whose normals are continuous at its extraordinary points too.
+"""D-patches: a surface whose normals are continuous at its extraordinary points as well.
 
-The elements around such a point are split into four. In the parts that touch it, the four Bezier
-points at the corner coincide, the next ones lie in one plane (the regular part of the discrete
-Fourier transform of their ring), and those on common edges are means, so that neighbours have a
-common derivative there (Reif 1997; splitting before smoothing as in Toshniwal, Speleers and Hughes
-2017). The parametrisation is degenerate at the point itself: det J is zero there and nowhere else.
+The elements around an extraordinary point are split into four. In the sub-elements that touch the
+point, the four Bezier points nearest to it coincide. The Bezier points of the ring around these are
+projected into one plane, by retaining only the first harmonic of the ring's discrete Fourier
+transform, and those on common edges are the means of their neighbours, so that adjacent
+sub-elements have a common derivative there (Reif 1997; splitting before smoothing as in Toshniwal,
+Speleers and Hughes 2017). The parametrisation is degenerate at the extraordinary point, where det J
+is zero, and nowhere else.
 """
 
 import numpy as np
@@ -17,8 +19,8 @@ from post.mesh._patches import tables
 def smooth(surface, everywhere=False):
     """The Surface with D-patches at its extraordinary points.
 
-    everywhere: split all elements instead of only those around such points, so that no corner
-    hangs.
+    everywhere: split all elements, instead of only those around extraordinary points, so that no
+    corner hangs.
     """
     if surface.degree != (3, 3):
         raise Unreadable("--smooth needs bicubic elements")
@@ -51,7 +53,7 @@ def smooth(surface, everywhere=False):
 def extraordinary(surface):
     """The set of corners inside the surface where the number of elements is not four.
 
-    This is not the set of corners where normals jump: with three elements the normals agree at the
+    Such corners need not be those where normals jump: with three elements the normals agree at the
     corner, but not along the edges.
     """
     count = np.bincount(surface.corners.ravel())
@@ -69,7 +71,9 @@ def _rows(surface, e):
 
 
 def _fans(surface, special, chosen, first):
-    """{corner: [(part that touches it, its corner c, first part of the parent)]} in order."""
+    """{corner: [(sub-element that touches it, its corner c, first sub-element of the parent)]} in
+    order.
+    """
     place = {int(e): first + 4 * k for k, e in enumerate(chosen)}
     start = {}
     for e in chosen:
@@ -94,7 +98,8 @@ def _fans(surface, special, chosen, first):
 
 
 def index(i, j, c):
-    """Bezier point i along the edge that starts at corner c and j along the one that ends there.
+    """Number of the Bezier point i along the edge that starts at corner c and j along the one that
+    ends there.
 
     >>> [index(0, 0, c) for c in range(4)]
     [0, 3, 15, 12]
@@ -104,7 +109,7 @@ def index(i, j, c):
 
 
 def combined(pairs):
-    """Sum of factor times row; (factor, row) pairs."""
+    """The sum of factor times row over (factor, row) pairs."""
     total = {}
     for factor, row in pairs:
         for v, w in row.items():
@@ -118,7 +123,7 @@ def _flatten(rows, fan):
     sector = 2 * np.pi / n
     beside = (
         sector * np.arctan(0.5) / (0.5 * np.pi)
-    )  # positions of the points of the ring for n = 4
+    )  # for n = 4, the points of the ring keep their directions
     angle = np.array(
         [a for k in range(n) for a in (k * sector + beside, (k + 1) * sector - beside)]
     )
@@ -139,7 +144,7 @@ def _flatten(rows, fan):
 
 
 def _join(rows, fan):
-    """Set the points between a part at the corner and its neighbours in the same parent to means."""
+    """Set the Bezier points between a sub-element at the corner and its siblings to means."""
     for e, c, parent in fan:
         ahead, behind = parent + (c + 1) % 4, parent + (c - 1) % 4
         for j in (0, 1):

@@ -1,4 +1,6 @@
-"""Split elements into four, and find hanging corners, even in files that do not list corners."""
+"""Split elements into four, and find hanging corners, even in files that do not list the
+corners.
+"""
 
 import numpy as np
 
@@ -6,11 +8,11 @@ from post._error import Unreadable
 from post.mesh import _border, _surface
 from post.mesh._surface import Surface
 
-TOLERANCE = 1e-9  # tolerance for values of functions, which are between 0 and 1
+TOLERANCE = 1e-9  # for values of functions, which are between 0 and 1
 
 
 def halves(p):
-    """Two (p+1, p+1) matrices that give the Bezier points of the lower and the upper half.
+    """Two (p+1, p+1) matrices, which give the Bezier points of the lower and of the upper half.
 
     >>> halves(1)[0].tolist()
     [[1.0, 0.0], [0.5, 0.5]]
@@ -60,7 +62,8 @@ def _places(chosen):
 
 
 def _still(hanging, edges):
-    """Those corners that do hang on an edge of an element or on a part of such an edge.
+    """Those hanging corners that actually hang on an edge of an element or on a part of such an
+    edge.
 
     >>> _still({5: (1, 2, 0.5), 6: (1, 5, 0.5), 7: (3, 4, 0.5)}, {frozenset((1, 2))})
     {5: (1, 2, 0.5), 6: (1, 5, 0.5)}
@@ -77,7 +80,7 @@ def _still(hanging, edges):
 
 
 def _new_corners(surface, chosen):
-    """((4 k, 4) corners of the parts, {sorted (a, b): midpoint of that edge})."""
+    """((4 k, 4) corners of the sub-elements, {sorted (a, b): midpoint of that edge})."""
     n = int(surface.corners.max()) + 1
     middles, result = {}, []
     known = {tuple(sorted(m[:2])): s for s, m in surface.hanging.items() if m[2] == 0.5}
@@ -90,7 +93,7 @@ def _new_corners(surface, chosen):
                 n += key not in known
             mids.append(middles[key])
         for c in range(4):
-            # At corner c in the order of the element, so that its directions do not change.
+            # Rotated to the order of the parent, so that the parametric directions do not change.
             around = [row[c], mids[c], n, mids[c - 1]]
             result.append([around[(k - c) % 4] for k in range(4)])
         n += 1
@@ -98,7 +101,10 @@ def _new_corners(surface, chosen):
 
 
 def find_corners(nodes, coefficients, index):
-    """(m, 4) corners of elements from a file; two corners are the same if {function: value} agree."""
+    """(m, 4) numbers of the corners of elements from a file.
+
+    Two corners are the same if their {function: value} agree.
+    """
     known, corners = {}, np.empty((len(nodes), 4), dtype=np.int64)
     for e, (ids, c) in enumerate(zip(nodes, coefficients)):
         for k, b in enumerate(index):
@@ -108,10 +114,11 @@ def find_corners(nodes, coefficients, index):
 
 
 def find_hanging(surface):
-    """{corner: (a, b, tau)} corners inside an edge of a larger element: T-junctions.
+    """{corner: (a, b, tau)} of the corners inside an edge of a larger element, at T-junctions.
 
-    Such a corner s connects an edge a-b without a neighbour to edges a-s and s-b without one; tau is
-    the parameter of a-b with the function values of s. The next corner on the same edge hangs on s-b.
+    Such a corner s lies on an edge a-b that has no neighbour, while the edges a-s and s-b of
+    smaller elements have none either; tau is the parameter on a-b where the functions have their
+    values at s. The next corner on the same edge hangs on s-b.
     """
     count = {}
     for e, row in enumerate(surface.corners.tolist()):
@@ -145,7 +152,9 @@ def _chain(surface, e, c, ends, beside, single):
 
 
 def _parameter(surface, e, c, s, single):
-    """The parameter of edge c of element e where the functions have their values at corner s."""
+    """The parameter of edge c of element e where the functions have the values that they have at
+    corner s.
+    """
     other, d = next(
         (f, surface.corners[f].tolist().index(s)) for key, (f, _) in single.items() if s in key
     )
@@ -153,7 +162,7 @@ def _parameter(surface, e, c, s, single):
     want = dict(zip(surface.nodes[other].tolist(), surface.coefficients[other][:, index[d]]))
     target = np.array([want.get(i, 0.0) for i in surface.nodes[e].tolist()])
     if abs(target.sum() - 1) > 1e-6:
-        return None  # the corner has functions that the element does not have
+        return None  # a function that is not one of the element's is non-zero at the corner
     start, end = (np.array([(-1.0, -1), (1, -1), (1, 1), (-1, 1)])[k] for k in (c, (c + 1) % 4))
 
     def miss(tau):
@@ -175,7 +184,9 @@ def _parameter(surface, e, c, s, single):
 
 
 def check_corners(surface, path, closed):
-    """Report edges without a neighbour: the surface is open, or its elements do not match."""
+    """Report edges without a neighbour: either the surface is open, or its elements do not
+    match.
+    """
     count = {}
     for row in surface.corners.tolist():
         for a, b in zip(row, row[1:] + row[:1]):

@@ -1,4 +1,4 @@
-"""A spline surface as Bezier elements: points, derivatives, curvature, area and volume."""
+"""A spline surface as Bezier elements: its points, derivatives, curvature, area and volume."""
 
 from dataclasses import dataclass, field
 from math import comb
@@ -8,32 +8,34 @@ import numpy as np
 
 @dataclass
 class Surface:
-    """The functions of the whole surface and, for each element, its functions and their
+    """The control points of the surface and, for each element, its functions and their Bezier
     coefficients.
     """
 
     degree: tuple  # (p, q)
     points: np.ndarray  # (n, 3) control points, not weighted
     weights: np.ndarray  # (n)
-    nodes: list  # (m) arrays: numbers of the functions of an element
+    nodes: list  # (m) arrays: the numbers of an element's functions
     coefficients: list  # (m) arrays (functions, (p+1)(q+1)), first direction fastest
-    corners: np.ndarray  # (m, 4) numbers of the corners at (-,-) (+,-) (+,+) (-,+)
+    corners: np.ndarray  # (m, 4) numbers of the corners in the order (-,-) (+,-) (+,+) (-,+)
     sets: dict = field(default_factory=dict)  # name to numbers of elements
-    hanging: dict = field(default_factory=dict)  # corner to (corner, corner, tau) of its chord
+    hanging: dict = field(
+        default_factory=dict
+    )  # hanging corner to (a, b, tau): where it lies on a-b
 
     def bezier(self):
-        """(m, (p+1)(q+1), 4) Bezier points of all elements, w x and w."""
+        """(m, (p+1)(q+1), 4) Bezier points of all elements, as w x and w."""
         full = np.column_stack([self.points * self.weights[:, None], self.weights])
         return np.array([c.T @ full[ids] for ids, c in zip(self.nodes, self.coefficients)])
 
     @property
     def corner_index(self):
-        """Positions of the four corners among the Bezier points."""
+        """Indices of the four corners among the Bezier points."""
         p, q = self.degree
         return [0, p, (p + 1) * (q + 1) - 1, (p + 1) * q]
 
     def corner_points(self):
-        """(number of corners, 3) their positions."""
+        """(number of corners, 3) positions of the corners."""
         b = self.bezier()[:, self.corner_index]
         result = np.full((self.corners.max() + 1, 3), np.nan)
         result[self.corners.ravel()] = (b[..., :3] / b[..., 3:]).reshape(-1, 3)
@@ -60,8 +62,8 @@ def bernstein(p, x, derivative=0):
 def evaluate(bezier, degree, xi, eta, order=1):
     """Points and derivatives of all elements at the same parameters.
 
-    bezier: (m, nb, 4); xi, eta: (k) in [-1, 1]. Returns a list of (m, k, 3): x, x_xi, x_eta, and for
-    order 2 x_xixi, x_xieta, x_etaeta.
+    bezier: (m, nb, 4); xi, eta: (k) in [-1, 1]. Returns a list of (m, k, 3): x, x_xi, x_eta, and
+    for order 2 x_xixi, x_xieta, x_etaeta.
     """
     p, q = degree
     u = [bernstein(p, xi, d) for d in range(order + 1)]
@@ -87,14 +89,14 @@ def evaluate(bezier, degree, xi, eta, order=1):
 
 
 def gauss(n, m=None):
-    """Points and weights of the product rule on the square: xi, eta, w, each (n m)."""
+    """Points and weights of the product rule on the square [-1, 1]^2: xi, eta, w, each (n m)."""
     x, wx = np.polynomial.legendre.leggauss(n)
     y, wy = np.polynomial.legendre.leggauss(m or n)
     return np.tile(x, len(y)), np.repeat(y, len(x)), np.outer(wy, wx).ravel()
 
 
 def measures(surface, rule=None, centre=None):
-    """(area, volume by the surface integral of x . n / 3) with n = -x_xi x x_eta [L^2, L^3]."""
+    """(area [L^2], volume [L^3] as the surface integral of x . n / 3) with n = -x_xi x x_eta."""
     rule = rule or exact_rule(surface)
     xi, eta, w = gauss(rule)
     x, a, b = evaluate(surface.bezier(), surface.degree, xi, eta)
@@ -106,13 +108,13 @@ def measures(surface, rule=None, centre=None):
 
 
 def exact_rule(surface):
-    """Gauss points per direction for volumes: exact, or to round-off if rational."""
+    """Gauss points per direction for volumes: exact or, for rational surfaces, to round-off."""
     rational = np.ptp(surface.weights) > 0
     return 14 if rational else (3 * max(surface.degree) + 1) // 2
 
 
 def unit(v):
-    """Vectors along the last axis, normalised to length one; zero stays zero."""
+    """Vectors along the last axis, normalised to length one; zero vectors remain zero."""
     length = np.linalg.norm(v, axis=-1, keepdims=True)
     return np.divide(v, length, out=np.zeros_like(v), where=length > 0)
 
@@ -160,9 +162,10 @@ def curvature(surface, xi, eta):
     e, f, g = dot(a, a), dot(a, b), dot(b, b)
     l2, m2, n2 = dot(aa, n), dot(ab, n), dot(bb, n)
     det = e * g - f * f
-    flat = det <= 1e-12 * (e * g)  # parallel tangents: no curvature is known
+    flat = det <= 1e-12 * (e * g)  # the tangents are parallel, so the curvature is undefined
     det, e = np.where(flat, np.inf, det), np.where(flat, 1, e)
-    # The second form in the orthonormal frame along a: no difference of nearly equal numbers.
+    # The second form in the orthonormal frame along a, to avoid differences of nearly equal
+    # numbers.
     ratio = f / e
     along = np.where(flat, 0, l2 / e)
     mixed = (m2 - ratio * l2) / np.sqrt(det)

@@ -1,6 +1,6 @@
 """Tetrahedra inside a closed surface of triangles, made by Gmsh or TetGen as separate programs.
 
-Both are optional and have licences of their own (GPL, AGPL). They are started as processes that
+Both programs are optional and have licences of their own (GPL, AGPL). They run as processes that
 read and write files, and no part of them is imported here. The points of the surface do not change.
 """
 
@@ -26,7 +26,7 @@ Mesh.MeshSizeMax = %s;
 Mesh.OptimizeThreshold = 0.35;
 General.NumThreads = 1;
 """
-#: Outside a ball or a box the size grows by half of the distance.
+#: Outside a sphere or a box the size increases by half of the distance from it.
 FIELD = """Field[{k}] = {kind};
 Field[{k}].VIn = {size!r};
 Field[{k}].VOut = {far!r};
@@ -36,7 +36,7 @@ PLACES = {
     "sphere": ("Ball", ("XCenter", "YCenter", "ZCenter", "Radius")),
     "box": ("Box", ("XMin", "YMin", "ZMin", "XMax", "YMax", "ZMax")),
 }
-#: The Python package's TetGen, in a process of its own.
+#: TetGen of the Python package, run in a process of its own.
 TETGEN = """import sys, numpy, tetgen
 x, t = numpy.load('points.npy'), numpy.load('triangles.npy')
 made = tetgen.TetGen(x, t.astype(numpy.int32)).tetrahedralize(switches=sys.argv[1])
@@ -46,18 +46,18 @@ numpy.save('out_tets.npy', made[1])
 
 
 def mesh(points, triangles, mesher="gmsh", size=None, fine=()):
-    """(points, tets) inside: the first len(points) points are exactly the given ones.
+    """(points, tets) inside a surface; the first len(points) points are exactly the given ones.
 
-    points: (n, 3), all of them in the triangles (k, 3), whose normals point outward; mesher: gmsh,
-    tetgen; size: largest edge of a tetrahedron inside [L], None for that of the surface; fine:
-    regions with smaller tetrahedra, see `places`.
+    points: (n, 3), each of which belongs to a triangle; triangles: (k, 3), with outward normals;
+    mesher: gmsh or tetgen; size: largest edge of a tetrahedron inside [L], None for that of the
+    surface; fine: regions with smaller tetrahedra, see `places`.
     """
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         if mesher == "gmsh":
             x, tets = _gmsh(folder, points, triangles, size, places(fine, points))
         elif fine:
-            raise Unreadable("--fine needs Gmsh; TetGen has one --size for the whole inside")
+            raise Unreadable("--fine needs Gmsh; TetGen uses one --size for the whole inside")
         else:
             x, tets = _tetgen(folder, points, triangles, size)
     return _numbered(points, x, tets, mesher)
@@ -100,14 +100,14 @@ def available(mesher):
 
 
 def _numbered(points, x, tets, mesher):
-    """The points of the surface, followed by those of the mesher; tetrahedra with a negative volume
-    are turned.
+    """The given points followed by the mesher's own, and the tetrahedra, reordered where their
+    volume was negative.
     """
     n = len(points)
     scale = np.ptp(points, axis=0).max()
     used = np.zeros(len(x), dtype=bool)
     used[tets.ravel()] = True
-    # The mesher writes 16 digits, so that its copy of a point may differ by round-off.
+    # The mesher writes 16 digits, so its copies of the points may differ by round-off.
     if len(x) < n or not used[:n].all() or abs(x[:n] - points).max() > 1e-14 * scale:
         raise Unreadable(f"{mesher} changed points of the given surface")
     number = np.full(len(x), -1)
@@ -132,7 +132,9 @@ def _run(command, folder, name):
 
 
 def _program(name):
-    """The command that starts a program in the folder of this Python or on the path, or None."""
+    """The command that starts a program, from the folder of this Python or the search path, or
+    None.
+    """
     beside = pathlib.Path(sys.executable).parent / name
     if beside.exists():
         python = beside.read_bytes()[:2] == b"#!"
@@ -154,7 +156,7 @@ def _gmsh(folder, points, triangles, size, sizes=""):
         )
         f.write("$EndElements\n")
     limit = "1e22" if size is None else repr(float(size))
-    # First HXT; if it fails, the older and slower Delaunay mesher.
+    # HXT first; if it fails, the older and slower Delaunay mesher.
     for algorithm in (10, 1):
         (folder / "volume.geo").write_text(GEO % (algorithm, limit) + sizes)
         out = folder / "out.msh"
@@ -167,7 +169,7 @@ def _gmsh(folder, points, triangles, size, sizes=""):
             continue
         tets = np.array([nodes for kind, _, nodes in cells if kind == 4], dtype=np.int64)
         if len(tets):
-            order = np.argsort(tags)  # points of the mesher come after the given ones
+            order = np.argsort(tags)  # the mesher's own points come after the given ones
             return x[order], np.searchsorted(tags[order], tets)
         failed = Unreadable(
             "Gmsh made no tetrahedra; check whether the surface below the layer intersects itself"

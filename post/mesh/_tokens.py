@@ -8,7 +8,9 @@ from post._error import Unreadable
 
 
 class Tokens:
-    """The words of a file in order; `what` in the calls names the expected item in messages."""
+    """The words of a file in order; `what` in the calls is the name of the expected item for
+    messages.
+    """
 
     def __init__(self, path, comment=None):
         self.path = str(path)
@@ -56,8 +58,8 @@ class Tokens:
         return int(self.numbers(1, what, int)[0])
 
     def count(self, what):
-        """The next word as a count, which must not be negative or larger than the number of
-        words.
+        """The next word as a count, which must be neither negative nor larger than the number of
+        words in the file.
         """
         n = self.integer(what)
         if not 0 <= n <= len(self.words):
@@ -65,7 +67,7 @@ class Tokens:
         return n
 
     def numbers(self, n, what, kind=float):
-        """(n) the next words as numbers, all of them finite."""
+        """(n) the next words as numbers, which must be finite."""
         words = self.words[self.at : self.at + n]
         one = what if n == 1 else f"a number of {what}"
         if len(words) < n:
@@ -93,7 +95,7 @@ def text_of(path):
     except OSError as error:
         raise Unreadable(f"'{path}' cannot be read: {error.strerror}") from None
     try:
-        return data.decode("utf-8-sig")  # some editors put a byte-order mark in front
+        return data.decode("utf-8-sig")  # some editors write a byte-order mark
     except UnicodeDecodeError:
         raise Unreadable(f"'{path}' is binary; save it as ASCII") from None
 

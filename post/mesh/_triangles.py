@@ -1,15 +1,15 @@
-"""Triangles: rays through them, and pairs that intersect."""
+"""Triangles: where rays meet them, and which pairs intersect."""
 
 import numpy as np
 
-CHUNK = 2_000_000  # pairs per batch, which limits the memory
+CHUNK = 2_000_000  # pairs treated at a time, to limit the memory
 
 
 def first_hit(origins, directions, points, triangles, start):
-    """(k) distance along each unit direction to the point where it leaves a body, or inf.
+    """(k) distance along each unit direction to the point where it leaves the body, or inf.
 
-    Normals of the triangles point outward. Triangles nearer than `start` (k) and triangles through
-    which the ray enters the body are ignored.
+    Normals of the triangles point outward. Triangles nearer than `start` (k), and triangles through
+    which the ray enters the body, are ignored.
     """
     x = points[triangles] - points.mean(axis=0)
     origins = origins - points.mean(axis=0)
@@ -47,7 +47,7 @@ def _meet(o, d, x):
 
 
 def intersections(points, triangles):
-    """(k, 2) pairs of triangles that intersect; triangles with common points may touch there."""
+    """(k, 2) pairs of triangles that intersect; triangles may touch at common points."""
     pairs = _near(points[triangles])
     cut = []
     for at in range(0, len(pairs), CHUNK // 8):
@@ -56,14 +56,14 @@ def intersections(points, triangles):
         shared = (a[:, :, None] == b[:, None, :]).any(axis=2).sum(axis=1)
         part, a, b = (
             v[shared < 2] for v in (part, a, b)
-        )  # other pairs show in the dihedral angles
+        )  # pairs with a common edge are found by their dihedral angles
         bad = _edges_cut(points, a, b) | _edges_cut(points, b, a)
         cut.append(part[bad])
     return np.concatenate(cut) if cut else np.empty((0, 2), dtype=np.int64)
 
 
 def _edges_cut(points, a, b):
-    """Whether an edge of a triangle of a that has no point of b passes through the triangle of b."""
+    """Whether an edge of triangle a that shares no point with triangle b passes through b."""
     p0, e1, e2 = (
         points[b[:, 0]],
         points[b[:, 1]] - points[b[:, 0]],
@@ -85,7 +85,7 @@ def _edges_cut(points, a, b):
 
 
 def _near(x):
-    """(k, 2) pairs of triangles (n, 3, 3) whose boxes overlap, first < second."""
+    """(k, 2) pairs of triangles (n, 3, 3), first < second, whose bounding boxes overlap."""
     low, high = x.min(axis=1), x.max(axis=1)
     size = np.maximum(
         np.median(high - low, axis=0).max(), np.ptp(x.reshape(-1, 3), axis=0).max() / 256
@@ -106,12 +106,12 @@ def _near(x):
 
 
 def _in_one_cell(key, owner, low, high):
-    """(k, 2) pairs of owners with a common key whose boxes overlap."""
+    """(k, 2) pairs of owners with a common key whose bounding boxes overlap."""
     order = np.argsort(key, kind="stable")
     owner, key = owner[order], key[order]
     found = []
     shift = 1
-    while True:  # neighbours in the sorted list, at a distance that grows by one
+    while True:  # neighbours in the sorted list, at a distance that increases by one
         same = np.flatnonzero(key[shift:] == key[:-shift])
         if not len(same):
             break

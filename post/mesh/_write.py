@@ -8,7 +8,7 @@ import numpy as np
 from post.mesh._surface import Surface
 
 GMSH = {"tets": 4, "pyramids": 7, "hexes": 5}
-VECTOR_DIGITS = 13  # coefficient vectors that agree to these digits are the same
+VECTOR_DIGITS = 13  # coefficient vectors that agree to these digits are shared
 
 DECK = """FEAP ** {name}
 ! made by: python -m post mesh {arguments}
@@ -67,7 +67,7 @@ def write(body, stem, arguments=""):
 
 
 def grouped(s):
-    """The surface with elements sorted by their number of functions, as BEXT requires."""
+    """The surface with its elements sorted by number of functions, as BEXT requires."""
     order = np.argsort([len(ids) for ids in s.nodes], kind="stable")
     place = np.empty(len(order), dtype=int)
     place[order] = np.arange(len(order))
@@ -95,7 +95,9 @@ def gmsh_text(body):
 
 
 def plain_sets(body):
-    """{name: numbers of plain faces}, with all of them as `plain`; empty without a plain part."""
+    """{name: numbers of plain faces}, in which `plain` is all of them; empty without a plain
+    part.
+    """
     if body.plain is None:
         return {}
     named = {name: ids for name, ids in sorted(body.plain_sets.items()) if len(ids)}
@@ -103,7 +105,7 @@ def plain_sets(body):
 
 
 def bext_text(s):
-    """BEXT 2.0 in JSON, coefficient vectors shared between elements; numbers count from 0."""
+    """BEXT 2.0 in JSON; elements share coefficient vectors, and numbering starts from 0."""
     vectors, known, ids = [], {}, []
     for c in s.coefficients:
         keys = map(tuple, (np.round(c, VECTOR_DIGITS) + 0.0).tolist())
@@ -123,7 +125,7 @@ def bext_text(s):
     ]  # fmt: skip
     elements = [{"node_ids": n.tolist(), "coeff_vector_ids": v} for n, v in zip(s.nodes, ids)]
     dense = {"num_coeff_vectors": len(vectors), "num_components": s.coefficients[0].shape[1]}
-    # One list entry per line, so that the file is easy to read.
+    # One list entry per line, for readers.
     parts = [
         f'{{"patch_id": 0, "dim": 2, "num_nodes": {len(full)}, "num_elems": {len(s.nodes)}, '
         f'"num_coeff_vecs": {len(vectors)}, "is_rational": {json.dumps(rational)},',
@@ -144,14 +146,14 @@ def _rows(items):
 
 
 def layer_text(s):
-    """A line for each element of the surface: its number and the bulk points below its corners."""
+    """One line per element of the surface: its number and the bulk points below its corners."""
     lines = ["# element of the surface, its inner nodes at (-,-) (+,-) (+,+) (-,+)"]
     lines += [f"{e} {a} {b} {c} {d}" for e, (a, b, c, d) in enumerate((s.corners + 1).tolist(), 1)]
     return "\n".join(lines) + "\n"
 
 
 def constraint_text(body):
-    """A line for each constraint; a master -k is control point k of the surface."""
+    """One line per constraint; a master -k stands for control point k of the surface."""
     lines = ["# slave, number of masters, then each with its coefficient; -k: control point k"]
     for s, masters, factors in body.hanging:
         numbers = [m + 1 if m >= 0 else m for m in masters]

@@ -140,7 +140,7 @@ class Errors(Folder):
         points, quads = self.quads()
         quads[1, 2] = 99
         self.assertIn(
-            "cell 2 names a point outside the 27 points", self.message(vtk(points, quads, 9))
+            "cell 2 refers to a point outside the 27 points", self.message(vtk(points, quads, 9))
         )
 
     def test_counts_that_are_wrong_and_files_that_end_early(self):
@@ -243,7 +243,7 @@ class Errors(Folder):
     def test_spline_files_with_something_else_in_them(self):
         data = json.loads(_write.bext_text(_write.grouped(self.body().surface)))
         for change, said in (
-            ({"sets": {"a": [99]}}, "set 'a' names an element that does not exist"),
+            ({"sets": {"a": [99]}}, "set 'a' refers to an element that does not exist"),
             ({"sets": {"a": [1.5]}}, "is not an integer"),
             ({"sets": [1]}, "is not BEXT 2.0"),
             ({"dim": 3}, "holds a solid; a surface is expected"),
