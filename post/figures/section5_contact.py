@@ -119,7 +119,7 @@ def read_runs(folder):
             path = tables[0]
         runs.append(Run(path, match["mesh"], match["elements"], float(match["mu"])))
     if not runs:
-        raise Unreadable(f"'{folder}' holds no run <mesh>_<elements>_<mu>")
+        raise Unreadable(f"'{folder}' contains no run <mesh>_<elements>_<mu>")
     return runs
 
 

@@ -246,16 +246,16 @@ class Errors(Folder):
             ({"sets": {"a": [99]}}, "set 'a' refers to an element that does not exist"),
             ({"sets": {"a": [1.5]}}, "is not an integer"),
             ({"sets": [1]}, "is not BEXT 2.0"),
-            ({"dim": 3}, "holds a solid; a surface is expected"),
-            ({"dim": 1}, "holds curves; a surface is expected"),
-            ({"dim": "2"}, "holds no surface"),
+            ({"dim": 3}, "contains a solid; expected a surface"),
+            ({"dim": 1}, "contains curves; expected a surface"),
+            ({"dim": "2"}, "contains no surface"),
             ({"num_elems": 3}, "announces 3 elements"),
         ):
             self.assertIn(said, self.message(json.dumps(data | change), "a.bext.json"))
         self.assertIn("nested too deeply", self.message("[" * 100_000, "a.bext.json"))
         head = "B E X T 2.0\n1 8 1 8 0\n" + "0 0 0 1\n" * 8 + "1\n"
-        self.assertIn("holds a solid", self.message(head + "1 1 8 8 1 1 1\n", "a.bext"))
-        self.assertIn("holds curves", self.message(head + "1 1 2 2 1\n", "a.bext"))
+        self.assertIn("contains a solid", self.message(head + "1 1 8 8 1 1 1\n", "a.bext"))
+        self.assertIn("contains curves", self.message(head + "1 1 2 2 1\n", "a.bext"))
         data["coefficients"]["dense_coefficient_vectors"][0]["components"][0] = float("nan")
         self.assertIn("do not sum to one", self.message(json.dumps(data), "a.bext.json"))
         self.assertIn("found volume", self.message("type volume\nnodeN 0\n", "a.iga"))

@@ -64,7 +64,7 @@ class Section5(Scratch):
         self.assertEqual(words, "IGA2, mesh 3")
 
     def test_what_is_missing_is_said(self):
-        with self.assertRaisesRegex(Unreadable, "holds no run"):
+        with self.assertRaisesRegex(Unreadable, "contains no run"):
             section5_contact.read_runs(self.folder)
         write_run(self.folder / "1_Q1E9_0.dat")
         runs = section5_contact.Runs(section5_contact.read_runs(self.folder), False)
