@@ -1,10 +1,12 @@
-"""The grammar of decks for VS Code (TextMate), made from the words that the program and its manual know.
+"""Grammar of decks for VS Code (TextMate), made from the words that the program and its manual
+know.
 
 usage: grammar.py [--bezel build/release/bezel] [--write]
 
-Without --write, the committed grammar is checked: it must be the one that the words give, and its patterns must
-mark every word, in full, as its first four letters, and in lower case. The exit code is 1 if they do not. The words
-are those of tools/manual.py, and those of records in doc/manual/*.md.
+Without --write, the committed grammar is checked: it must be the one that follows from the words,
+and its patterns must mark every word when written in full, as its first four letters, and in lower
+case. The exit code is 1 otherwise. The words are those that tools/manual.py checks and those of
+records in doc/manual/*.md.
 """
 
 import argparse
@@ -38,14 +40,16 @@ def main(argv=None):
     text = FILE.read_text() if FILE.exists() else "{}"
     complaints = unmarked(json.loads(text), words)
     if text != wanted:
-        complaints.append(f"{FILE.relative_to(TOP)} is out of date: tools/grammar.py --write")
+        complaints.append(f"{FILE.relative_to(TOP)} is out of date; run tools/grammar.py --write")
     number = sum(map(len, words.values()))
     print("\n".join([*complaints, f"{number} words in the grammar, {len(complaints)} complaints"]))
     return 1 if complaints else 0
 
 
 def record_words():
-    """The words of records: written with capitals in the syntax of a page, or as code in its text."""
+    """The words of records, which pages write with capitals in the syntax, or as code in the
+    text.
+    """
     words = set()
     for page in PAGES.glob("[A-Z]*.md"):
         text = page.read_text()
@@ -56,7 +60,9 @@ def record_words():
 
 
 def pattern(words):
-    """A word counts by its first four letters; shorter ones are written in full."""
+    """A pattern for words: the first four letters of a word suffice; shorter words are given in
+    full.
+    """
     keys = sorted({word[:4].upper() for word in words})
     long = "|".join(key for key in keys if len(key) == 4)
     short = "|".join(key for key in keys if len(key) < 4)

@@ -2,11 +2,12 @@
 
     python tools/manual.py [--bezel build/release/bezel] [--out build/manual]
 
-The words are those of `bezel --list commands` and of src/input/word_table.f90. A page is doc/manual/<KEY>.md, where
-KEY is the first four letters of the word; its lines `Example: [...](../../input/manual/<name>.inp)` name examples,
-which must use the word and end with code 0. A word whose page says that it is not available yet needs no example.
-The words of FEAP in src/deck/deck_feap.f90 are those of doc/manual/feap.md, and no word of the deck is among them.
-The exit code is 1 if anything is wrong.
+The words are those of `bezel --list commands` and of src/input/word_table.f90. The page of a word
+is doc/manual/<KEY>.md, where KEY is its first four letters. Lines `Example:
+[...](../../input/manual/<name>.inp)` of the page name examples, which must use the word and end
+with code 0. A word whose page says that it is not available yet needs no example. The FEAP words in
+src/deck/deck_feap.f90 must be those in doc/manual/feap.md, and none of them may be a word of the
+deck. The exit code is 1 if anything is wrong.
 """
 
 import argparse
@@ -18,9 +19,9 @@ import sys
 
 TOP = pathlib.Path(__file__).resolve().parent.parent
 PAGES = TOP / "doc" / "manual"
-OF_THE_STREAM = ["LOOP", "NEXT", "INCLude", "END"]  # not in the table of mesh words
+OF_THE_STREAM = ["LOOP", "NEXT", "INCLude", "END"]  # words that are not in the table of mesh words
 NOT_YET = "Not available yet"
-LONGEST = 5.0  # CPU seconds of an example, by default
+LONGEST = 5.0  # CPU seconds that an example may take by default
 
 
 def main(argv=None):
@@ -28,7 +29,9 @@ def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     parser.add_argument("--out", type=pathlib.Path, default=TOP / "build/manual")
-    parser.add_argument("--longest", type=float, default=LONGEST, help="CPU seconds of an example")
+    parser.add_argument(
+        "--longest", type=float, default=LONGEST, help="CPU seconds an example may take"
+    )
     o = parser.parse_args(argv)
     keys = sorted(
         {word[:4].upper() for word in mesh_words() + command_words(o.bezel) + OF_THE_STREAM}
@@ -40,14 +43,14 @@ def main(argv=None):
     for key in keys:
         complaints += check_page(key, examples)
     complaints += [
-        f"{p.name}: the deck has no word for this page"
+        f"{p.name}: the deck has no word to which this page belongs"
         for p in PAGES.glob("[A-Z]*.md")
         if p.stem not in keys
     ]
     o.out.mkdir(parents=True, exist_ok=True)
     for deck in sorted(
         set(examples.values()), key=lambda d: (d.stem == "rest", d)
-    ):  # after save, which it needs
+    ):  # after save, whose checkpoint it needs
         complaints += run_example(o.bezel.resolve(), deck, o.out, o.longest)
     unused = set((TOP / "input/manual").glob("*.inp")) - set(examples.values())
     complaints += [
@@ -78,13 +81,13 @@ def command_words(bezel):
 
 
 def check_index(keys):
-    """Complaints about the list of words."""
+    """Complaints about words that the index of the manual does not link to."""
     linked = re.findall(r"\((\w+)\.md\)", (PAGES / "index.md").read_text())
     return [f"index.md: missing link to {key}.md" for key in keys if key not in linked]
 
 
 def check_feap(mesh, commands):
-    """Complaints about words of FEAP: the hints of the program and their page must agree."""
+    """Complaints about words of FEAP: the hints of the program and the manual's page must agree."""
     source = (TOP / "src/deck/deck_feap.f90").read_text()
     tables = source.split("type(advice_t), parameter ::")[1:]
     hinted = [
@@ -101,12 +104,14 @@ def check_feap(mesh, commands):
     ]
     for known, keys in zip((mesh, commands), hinted):
         ours = {word[:4].lower() for word in known}
-        complaints += [f"deck_feap.f90: the deck knows '{key}'" for key in keys if key in ours]
+        complaints += [
+            f"deck_feap.f90: '{key}' is also a word of the deck" for key in keys if key in ours
+        ]
     return complaints
 
 
 def check_page(key, examples):
-    """Complaints about a page; its example goes into `examples`."""
+    """Complaints about a page; its examples are added to `examples`."""
     page = PAGES / f"{key}.md"
     if not page.exists():
         return [f"{key}: missing page doc/manual/{key}.md"]
@@ -130,7 +135,7 @@ def check_page(key, examples):
 
 
 def run_example(bezel, deck, out, longest):
-    """Complaints about a run."""
+    """Complaints about the run of an example."""
     start = cpu_of_children()
     run = subprocess.run([bezel, "--quiet", deck], cwd=out, capture_output=True, text=True)
     seconds = cpu_of_children() - start
@@ -145,7 +150,7 @@ def run_example(bezel, deck, out, longest):
 
 
 def cpu_of_children():
-    """CPU seconds of all programs run so far, which do not depend on other work of the machine."""
+    """CPU seconds of all programs run so far, which do not depend on the load of the machine."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

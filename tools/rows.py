@@ -1,10 +1,10 @@
-"""Check that every element and every law has a page of theory, an entry in the manual, and a test.
+"""Check that every element and every law has a theory page, an entry in the manual, and a test.
 
 usage: rows.py [--bezel build/release/bezel]
 
-The rows are those of `bezel --list elements`, `materials` and `contacts`. A page of doc/theory and a test of
-verification/unit or verification/patch name the row or its source file; a page of doc/manual names the row.
-The exit code is 1 if anything is missing.
+The rows are those of `bezel --list elements`, `materials` and `contacts`. A page of doc/theory and
+a test in verification/unit or verification/patch must name the row or its source file; a page of
+doc/manual must name the row. The exit code is 1 if anything is missing.
 """
 
 import argparse
@@ -53,14 +53,16 @@ def rows(bezel, table):
 
 
 def word_of(row, is_law):
-    """Pattern that finds a row by name: four letters suffice for a law, and a degree may follow a spline."""
+    """Pattern that finds a row by name; for a law four letters suffice, and a spline may have a
+    degree.
+    """
     if is_law:
         return rf"\b{row[:4]}\w*"
     return rf"\b{row}(?![A-Za-z])" if row[-1] != "N" else rf"\b{row}(?:[p0-9]|\b)"
 
 
 def read(paths):
-    """Text of many files; bytes that are not text are skipped."""
+    """Text of many files, without any bytes that are not text."""
     return "\n".join(p.read_text(errors="ignore") for p in paths if p.is_file())
 
 

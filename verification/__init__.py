@@ -2,24 +2,21 @@
 
     .venv/bin/python -m verification.verify --case section4
 
-verify              the checks of all `expect.toml` (`make verify`)
-reference           a second implementation of three scenes, beside the program
-section3            meshes below surfaces, and runs on them
-section5_contact    sections 5.2 and 5.3: the hemisphere on the block
-section5_debonding  section 5.1: the strip peeled off the plate
-tradeoff            accuracy and cost of the options of contact (`make tradeoff`)
-contact_extremes    contact with extreme parameters
-debonding_extremes  debonding with extreme parameters
-debonding_points    accuracy and cost of the integration points of bonds
-mutate              mutated decks
-deck_errors.run     bad decks and their messages
-restart.run         stopped and restarted runs
-recover             the same for the runs of all quick checks (`verify --recover`)
-soak                hostile inputs, kills, signals, limits, units for an hour (`make soak`)
-trouble             files, signals, limits, damaged checkpoints; decks that must not go wrong silently
-performance.bench   comparison of speed with other programs (`make bench`)
+verify              the checks of all `expect.toml` (`make verify`) reference           a second
+implementation of three problems, to compare with the program section3            meshes below
+surfaces, and their use in runs section5_contact    sections 5.2 and 5.3: the hemisphere on the
+block section5_debonding  section 5.1: the strip peeled off the plate tradeoff            accuracy
+and cost of the options of contact (`make tradeoff`) contact_extremes    contact with extreme
+parameters debonding_extremes  debonding with extreme parameters debonding_points    accuracy and
+cost of the integration points of bonds mutate              mutated decks deck_errors.run     bad
+decks and their messages restart.run         stopped and restarted runs recover             the same
+for the runs of the quick checks (`verify --recover`) soak                an hour of hostile inputs,
+kills, signals, limits and other units (`make soak`) trouble             files, signals, limits and
+damaged checkpoints; decks that must not go wrong silently performance.bench   comparison of speed
+with other programs (`make bench`)
 
-Programs in `benchmark` and `patch` write the references, decks and tables of their folder.
+Programs in `benchmark` and `patch` write the references, decks and tables of the folders they are
+in.
 """
 
 import importlib.util
@@ -31,7 +28,7 @@ TOP = pathlib.Path(__file__).resolve().parent.parent  # top of the tree
 
 
 def need_numpy():
-    """Continue with the Python of .venv if this Python has no numpy; stop if neither has it."""
+    """Restart with the Python of .venv if this Python has no numpy; stop if neither has it."""
     if importlib.util.find_spec("numpy"):
         return
     python = TOP / ".venv/bin/python"

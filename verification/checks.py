@@ -1,4 +1,4 @@
-"""One check of `verify`: the run that it needs, and the comparison of its results."""
+"""One check of `verify`: the runs that it needs, and the comparison of their results."""
 
 import json
 import math
@@ -17,12 +17,12 @@ from post._table import read_table
 from post._tolerance import Tolerance
 from verification.formula import evaluate
 
-TIME_LIMIT = 1200  # seconds of a run if the check gives no limit
+TIME_LIMIT = 1200  # seconds that a run may take if the check gives no limit
 
 
 @dataclass(frozen=True)
 class Run:
-    """One call of the program; equal runs are made only once."""
+    """One call of the program; runs that are equal are made only once."""
 
     name: str  # <case>/<deck>-<parameters>, its folder below build/verify
     deck: pathlib.Path
@@ -33,9 +33,9 @@ class Run:
 
 @dataclass
 class Outcome:
-    code: int | None  # None: it could not be started or took too long
+    code: int | None  # exit code; None: the run could not be started or took too long
     seconds: float = 0.0
-    reason: str = ""  # first line on stderr
+    reason: str = ""  # first line on standard error
 
 
 @dataclass
@@ -77,7 +77,7 @@ def failed(case, quantity, reason):
 
 
 def new_run(folder, entry):
-    """The run that a check or a mesh of a study needs."""
+    """The run for a check or for one mesh of a study."""
     deck = folder / entry["deck"]
     settings = tuple(
         f"{n}={v:.16g}" if isinstance(v, (int, float)) else f"{n}={v}"
@@ -92,7 +92,7 @@ def new_run(folder, entry):
 
 
 def execute(bezel, out, run):
-    """Run the program in a folder of its own, and store its output there in stdout.txt and
+    """Run the program in a folder of its own; its output is stored there in stdout.txt and
     stderr.txt.
     """
     place = out / run.name
@@ -115,12 +115,12 @@ def execute(bezel, out, run):
 
 
 def plan_check(folder, check):
-    """A [[check]] of expect.toml."""
+    """The Plan of a [[check]] in expect.toml."""
     quantity = check.get("name") or _quantity(check)
     try:
         run = new_run(folder, check)
     except KeyError as error:
-        rows = [failed(folder.name, quantity, f"the check has no entry {error}")]
+        rows = [failed(folder.name, quantity, f"the check lacks the key {error}")]
         return Plan(folder, [], lambda out, outcomes: rows)
 
     def judge(out, outcomes):
@@ -157,16 +157,16 @@ def exit_code(run, outcome, wanted):
 
 
 def warned(place, stem, wanted):
-    """Check that the report and the log have a warning with these words; if there are no words,
-    that there is no warning.
+    """Require that the report and the log have a warning with the words `wanted` or, if `wanted` is
+    empty, that there is no warning.
     """
     warnings = json.loads((place / f"{stem}.report.json").read_text())["warnings"]
     if not wanted and warnings:
         raise Unreadable(f"unexpected warning: {warnings[0]}")
     if wanted and not any(wanted in text for text in warnings):
-        raise Unreadable(f"no warning has the words '{wanted}': {warnings}")
+        raise Unreadable(f"no warning contains the words '{wanted}': {warnings}")
     if wanted and wanted not in (place / f"{stem}.log").read_text():
-        raise Unreadable(f"the log does not have the warning '{wanted}'")
+        raise Unreadable(f"the log does not contain the warning '{wanted}'")
 
 
 def _rows_of(folder, check, quantity, place, stem):
@@ -198,7 +198,7 @@ def _rows_of(folder, check, quantity, place, stem):
 
 
 def value_of(place, stem, entry):
-    """The number (or word) that an entry names in the results of a run."""
+    """The number (or word) that an entry selects from the results of a run."""
     if "report" in entry:
         table = read_report(place / f"{stem}.report.json", everything=True)
         value = table.columns[table.find(entry["report"])][0]
@@ -230,7 +230,7 @@ def compared(case, quantity, got, want, tolerance):
     want = float(want)
     difference = abs(got - want)
     if tolerance is None:
-        tolerance = Tolerance()  # counts must agree exactly
+        tolerance = Tolerance()  # integers must agree exactly
     ok = (
         math.isfinite(got)
         and math.isfinite(want)

@@ -2,8 +2,8 @@
 
     python -m verification.contact_extremes [--bezel PROGRAM] [--only WORD] [--out DIR]
 
-The table has a row for each run with outcome and reason, as in doc/verification/contact_points.md. Penalties
-are multiples of the automatic one.
+The table has a row for each run, with outcome and reason, as in doc/verification/contact_points.md.
+Penalties are multiples of the automatic one.
 """
 
 import argparse
@@ -20,7 +20,7 @@ DECKS = TOP / "verification/benchmark/contact_extremes"
 AUTO = 125  # NORMal PENAlty AUTO: 125 E/h of the block, E = 1, h = 1
 TIME_LIMIT = 100
 
-#: what is changed: the settings, and the deck if it is another one
+#: what is changed: the settings, with the name of the deck if it is not the usual one
 RUNS = {
     "nothing (penalty 125, the automatic one; mu 0.5)": {},
     **{f"penalty {f:g} times the automatic one": {"eps": f * AUTO} for f in
@@ -54,7 +54,9 @@ def main():
 
 
 def row(bezel, name, settings, place):
-    """Run one case; return its line of the table, with side 1 in the units of the deck."""
+    """Run one case; return its line of the table, with the results of side 1 in the units of the
+    deck.
+    """
     deck = settings.pop("deck", "hemisphere")
     command = [bezel, "--quiet", "-o", str(place), "--time-limit", str(TIME_LIMIT)]
     for key, value in settings.items():
@@ -93,9 +95,9 @@ def parser():
     )
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
     p.add_argument(
-        "--only", default="", metavar="WORD", help="run only the rows whose name contains this"
+        "--only", default="", metavar="WORD", help="run only the rows whose name contains this word"
     )
-    p.add_argument("--out", metavar="DIR", help="folder of the runs (default: temporary)")
+    p.add_argument("--out", metavar="DIR", help="folder for the runs (default: a temporary one)")
     return p
 
 

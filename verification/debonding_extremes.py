@@ -2,8 +2,9 @@
 
     python -m verification.debonding_extremes [--only WORD ...] [--jobs N] [--out DIR] [--write]
 
-The table has a row for each run, as in doc/verification/section5_debonding.md; `--write` puts the rows
-into benchmark/debonding_extremes/results.csv. Forces are in units of s l^2 of the decks.
+The table has a row for each run, as in doc/verification/section5_debonding.md; `--write` puts the
+rows into benchmark/debonding_extremes/results.csv. Forces are in units of s l^2, with s and l as in
+the decks.
 """
 
 import argparse
@@ -23,7 +24,7 @@ from verification import TOP
 DECKS = TOP / "verification/benchmark/debonding_extremes"
 TIME_LIMIT = 150
 
-#: what is changed: the deck and its settings
+#: what is changed: the deck, and its settings
 RUNS = {
     "nothing": ("peel", {}),
     **{f"g0 = {g:g} L0": ("peel", {"g0": g}) for g in (0.01, 0.03, 0.3, 1)},
@@ -70,7 +71,7 @@ def main(argv=None):
 
 
 def write(rows):
-    """Write results.csv, with these rows replaced."""
+    """Write results.csv, in which these rows replace those of the same name."""
     file, known = DECKS / "results.csv", {}
     if file.exists():
         with file.open(newline="") as text:
@@ -88,7 +89,7 @@ def row(bezel, out, name, deck, settings):
 
 
 def run(bezel, name, deck, settings, place):
-    """Run a deck; return its numbers."""
+    """Run a deck; return the numbers of its row."""
     command = [bezel, "--quiet", "-o", place, "--time-limit", str(TIME_LIMIT)]
     command += [f for key, x in settings.items() for f in ("--set", f"{key}={x:.16g}")]
     done = subprocess.run([*command, DECKS / f"{deck}.inp"], capture_output=True, text=True)
@@ -127,7 +128,7 @@ def parser():
         default=[""],
         help="run only the rows whose first cell contains one of these words",
     )
-    p.add_argument("--out", default=None, help="folder for the temporary files of the runs")
+    p.add_argument("--out", default=None, help="folder for the runs (default: a temporary one)")
     p.add_argument("--jobs", type=int, default=1, metavar="N", help="number of simultaneous runs")
     p.add_argument("--write", action="store_true", help="write results.csv")
     return p

@@ -1,10 +1,10 @@
-"""Accuracy and cost of the integration points of bonds: section 5.1, mesh 1, to a lift of 15.5.
+"""Accuracy and cost of the integration points of bonds: section 5.1, mesh 1, up to a lift of 15.5.
 
     .venv/bin/python -m verification.debonding_points [--bezel PROGRAM] [--write]
 
 It runs q1e9_q1n2.inp and iga2.inp of benchmark/section5_debonding with various numbers of points
-per direction, one run at a time. Errors are those of the force on the lifted edge relative to the
-run with the most points: the root mean square over lifts from 0.5 to 15, and the error of the
+per direction, one run at a time. Errors are those of the force on the lifted edge, relative to the
+run with the most points: their root mean square over lifts from 0.5 to 15, and the error of the
 largest force. `--write` puts the rows into runs/points.csv and into doc/verification/tradeoff.md.
 """
 
@@ -75,7 +75,9 @@ def sweep(bezel, name):
 
 
 def run(bezel, name, q):
-    """((steps, iterations, CPU seconds), forces at LIFT, the largest, imbalance over work)."""
+    """((steps, iterations, CPU seconds), forces at LIFT, largest force, imbalance relative to
+    work).
+    """
     with tempfile.TemporaryDirectory() as place:
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         subprocess.run([bezel, "--quiet", "-o", place, "--set", f"q={q}", "--set", "end=100",

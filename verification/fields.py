@@ -11,10 +11,10 @@ from verification.checks import Row
 
 
 def field_row(case, quantity, path, check):
-    """Row for the worst point of a field, compared with `want` (one value per component) or with
-    `affine` (rows of A or [A b], field = A x + b).
+    """The row for the worst point of a field, compared with `want` (one value per component) or
+    with `affine` (the rows of A, or of [A b], where the field is A x + b).
 
-    A linear function of the position holds at control points just as it does at nodes, whatever the
+    A linear function of the position has the same form at control points as at nodes, whatever the
     weights are. A scaled tolerance refers to the largest magnitude of the exact field.
     """
     fields = read_fields(path)
@@ -31,7 +31,7 @@ def field_row(case, quantity, path, check):
         )
     tolerance = tolerance_of(check)
     if tolerance is None:
-        raise Unreadable("a check of a field needs the key abs, scaled or rel")
+        raise Unreadable("a check of a field needs one of the keys abs, scaled and rel")
     difference = np.where(np.isfinite(got), np.abs(got - want), np.inf)
     allowed = tolerance.allowed(want, np.abs(want).max())
     i, j = np.unravel_index(np.argmax(difference), got.shape)

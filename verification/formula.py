@@ -1,4 +1,6 @@
-"""A number computed from columns of a curve file: `formula` in a check of expect.toml."""
+"""A number computed from columns of a curve file, as given by `formula` in a check of
+expect.toml.
+"""
 
 import ast
 import re
@@ -32,7 +34,7 @@ FUNCTIONS = {
 
 
 def evaluate(text, table, values):
-    """The value of the formula `text`; names are columns (or their beginnings) and FUNCTIONS.
+    """The value of the formula `text`, whose names are columns (or their beginnings) and FUNCTIONS.
 
     `values` are the parameters that the check sets. A column is an array over the rows, so the
     formula must choose a row or reduce all rows to one number.

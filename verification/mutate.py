@@ -3,10 +3,10 @@ NaN.
 
     python -m verification.mutate [--bezel BEZEL] [-n 1000] [--seed 1] [--keep FOLDER] [DECK ...]
 
-Decks of input/ and verification/ are truncated, shuffled and filled with junk, from fixed seeds:
-mutation k of a seed is reproducible if the same decks are quick enough. Each run must end within 20 s
-with code 0, 1, 2 or 3, print a message unless the code is 0, write nothing with code 1, and leave no
-NaN in any file. Decks that fail are kept.
+Decks of input/ and verification/ are truncated, shuffled and filled with junk, starting from fixed
+seeds; mutation k of a seed can be reproduced if the same decks are quick enough to be chosen. Each
+run must end within 20 s with code 0, 1, 2 or 3, print a message unless the code is 0, write nothing
+with code 1, and leave no NaN in any file. Decks that fail are saved in FOLDER.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from pathlib import Path
 try:
     import h5py
     import numpy
-except ImportError:  # the fields are then not checked
+except ImportError:  # fields are then not checked
     h5py = None
 
 HERE = Path(__file__).resolve().parent
-SECONDS = 20.0  # CPU seconds for a mutated deck
-QUICK = 3.0  # CPU seconds of a deck that is mutated
-BUSY = 4  # largest ratio of wall to CPU seconds
+SECONDS = 20.0  # CPU seconds that a mutated deck may take
+QUICK = 3.0  # CPU seconds that a deck may take to be mutated at all
+BUSY = 4  # largest ratio of wall-clock to CPU seconds
 NUMBER = re.compile(r"(?<![\w.+-])-?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?(?![\w.])")
 CONTACT = re.compile(r"^\s*CONTact,", re.MULTILINE | re.IGNORECASE)
 CONTACTS = 3  # every third mutant comes from a deck with contact
@@ -82,7 +82,7 @@ def swap_lines(lines, chance):
 
 
 def shuffle_part(lines, chance):
-    """Shuffle a part."""
+    """Shuffle the lines of one part."""
     a = chance.randrange(len(lines) + 1)
     b = min(len(lines), a + chance.randint(2, 12))
     part = lines[a:b]
@@ -91,7 +91,7 @@ def shuffle_part(lines, chance):
 
 
 def change_fields(lines, chance):
-    """Replace fields by junk, delete them or insert junk."""
+    """Replace fields by junk, delete some, or insert junk."""
     for _ in range(chance.randint(1, 4)):
         at = chance.randrange(len(lines)) if lines else 0
         fields = lines[at].split() if lines else []
@@ -110,9 +110,7 @@ def change_fields(lines, chance):
 
 
 def change_numbers(lines, chance):
-    """Replace numbers by others that a user might have meant, except the numbers of passes of
-    loops.
-    """
+    """Replace numbers by others that a user might have meant, except the pass counts of loops."""
     for _ in range(chance.randint(1, 3)):
         at = chance.randrange(len(lines)) if lines else 0
         found = (
@@ -196,7 +194,7 @@ def run(bezel: Path, deck: Path, out: Path, seconds: float) -> tuple[int | None,
 
 
 def has_nan(path: Path) -> bool:
-    """Does a file contain a NaN or infinity?"""
+    """Whether a file contains a NaN or infinity."""
     if path.suffix in (".vtkhdf", ".h5"):
         found = []
         if h5py:
@@ -205,7 +203,7 @@ def has_nan(path: Path) -> bool:
         return bool(found)
     content = path.read_bytes()
     text, mark, raw = content.partition(b'<AppendedData encoding="raw">')
-    if mark:  # reals are bytes after the text, whose characters have no meaning
+    if mark:  # the reals follow the text as bytes, which must not be read as characters
         raw = raw[raw.index(b"_") + 1 :]
         for start in re.findall(rb'type="Float64"[^>]*offset="(\d+)"', text):
             length = int.from_bytes(raw[int(start) : int(start) + 8], "little")
@@ -216,7 +214,7 @@ def has_nan(path: Path) -> bool:
 
 
 def bad_data(item) -> bool:
-    """Does a dataset of reals hold values that are not finite?"""
+    """Whether a dataset of reals contains values that are not finite."""
     return (
         isinstance(item, h5py.Dataset)
         and item.dtype.kind == "f"
@@ -225,7 +223,7 @@ def bad_data(item) -> bool:
 
 
 def judge(code: int | None, stderr: bytes, out: Path) -> str:
-    """Description of what is wrong with a run; empty if nothing is."""
+    """What is wrong with a run, in words; empty if nothing is."""
     if code is None:
         return f"did not end within {SECONDS:.0f} s"
     if code not in (0, 1, 2, 3):
@@ -245,7 +243,7 @@ def judge(code: int | None, stderr: bytes, out: Path) -> str:
 
 
 def processor_seconds() -> float:
-    """CPU seconds of all runs so far, which do not depend on what else the machine is doing."""
+    """CPU seconds of all runs so far, which do not depend on the load of the machine."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -263,12 +261,14 @@ def find_decks(bezel: Path, folder: Path) -> list[Path]:
         if code is not None and seconds < QUICK:
             decks.append(deck)
         else:
-            print(f"not mutated, too slow: {deck.relative_to(HERE.parent)}")
+            print(f"not mutated, because it is too slow: {deck.relative_to(HERE.parent)}")
     return decks
 
 
 def copy_parts(root: Path) -> None:
-    """Copy the files that decks include into folders of the same names, where mutants find them."""
+    """Copy the files that decks include into folders of the same names, where mutants will find
+    them.
+    """
     for part in ("input", "verification"):
         for file in (HERE.parent / part).rglob("*"):
             if (
@@ -292,7 +292,10 @@ def main() -> int:
     parser.add_argument("-n", type=int, default=1000, help="number of mutations")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument(
-        "--keep", type=Path, default=HERE.parent / "build/mutate", help="folder for decks that fail"
+        "--keep",
+        type=Path,
+        default=HERE.parent / "build/mutate",
+        help="folder for the decks that fail",
     )
     options = parser.parse_args()
     bezel = options.bezel.resolve()

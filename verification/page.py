@@ -4,7 +4,7 @@ import re
 
 
 def put_table(text, name, table):
-    """The text with a new table between the marks of that name.
+    """The text with a new table between the marks of this name.
 
     >>> put_table("<!-- table: a -->old<!-- end -->", "a", "new")
     '<!-- table: a -->\\nnew\\n<!-- end -->'

@@ -2,13 +2,13 @@
 
     .venv/bin/python -m verification.ranks --bezel build/mpi/bezel --serial build/release/bezel
 
-1. On one rank, curves and fields equal those of the serial program bit for bit.
-2. On more ranks the steps, iterations and cut-backs are those of the serial program, and curves differ
-   by at most 1e-9 of the largest value of their column (but see GAPS).
-3. After kill -9 of one rank or of all, after a signal and after --time-limit, the run continues on
-   another number of ranks and ends like an uninterrupted one.
+1. On one rank, curves and fields must equal those of the serial program bit for bit.
+2. On several ranks, steps, iterations and cut-backs must be those of the serial program, and curves
+   may differ by at most 1e-9 of the largest value of their column (for exceptions see GAPS).
+3. After kill -9 of one rank or of all ranks, after a signal, and after --time-limit, the run must
+   continue on another number of ranks and end like an uninterrupted one.
 
-It prints a line per check and `N passed, N failed`. There may be more ranks than processors.
+It prints one line per check, then `N passed, N failed`. There may be more ranks than processors.
 """
 
 import argparse
@@ -28,7 +28,7 @@ from verification import TOP
 from verification.restart.run import fields, whole
 
 RESTART = TOP / "verification" / "restart"
-#: name: (deck, further arguments); the first ones are the quick ones
+#: name: (deck, further arguments); the quick decks come first
 DECKS = {
     "cube": (TOP / "input" / "cube_q1.inp", []),
     "contact_patch": (TOP / "verification/patch/contact_mortar/turned_q1e9.inp", []),
@@ -47,23 +47,25 @@ DECKS = {
     "cells": (RESTART / "cells.inp", []),
 }
 QUICK = 4
-FAULTS = "contact"  #: the deck of the kills, signals and limits
-#: The area that sticks jumps by the area of a point, which rounding decides where friction is at its limit.
+FAULTS = "contact"  #: the deck used for kills, signals and limits
+#: Where friction is at its limit, round-off decides whether a point sticks, and the sticking area
+#: changes by the
+#: area of that point.
 GAPS = {"self": 1e-8}
-CLOSE = 1e-9  #: of curves on several ranks, relative to the largest value of a column
+CLOSE = 1e-9  #: allowed difference of a curve, relative to the largest value in the column
 COUNTS = ("step", "iterations", "cutbacks", "converged")
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--quiet"]
 MPIRUN += ["--mca", "mpi_yield_when_idle", "1"]
 
 
 class Program:
-    """The serial program and the program for ranks."""
+    """The serial program, and the program for several ranks."""
 
     def __init__(self, bezel, serial):
         self.bezel, self.serial = str(bezel), str(serial)
 
     def start(self, nrank, deck, out, *options):
-        """Start a run on the given number of ranks; 0 means the serial program. Return the
+        """Start a run on the given number of ranks, where 0 means the serial program; return the
         process.
         """
         command = [*MPIRUN, "-n", str(nrank), self.bezel] if nrank else [self.serial]
@@ -79,7 +81,7 @@ class Program:
         return self.start(*args).wait()
 
     def restart(self, nrank, deck, out):
-        """Continue a run from its checkpoint, or begin it again if it has none."""
+        """Continue a run from its checkpoint, or start it anew if it has none."""
         checkpoint = out / f"{deck.stem}.restart.h5"
         return self.run(
             nrank, deck, out, *(["--restart", str(checkpoint)] if checkpoint.exists() else [])
@@ -87,7 +89,7 @@ class Program:
 
 
 def ranks_of(process):
-    """The processes of the ranks that an mpirun has started."""
+    """The processes (one per rank) that an mpirun has started."""
     path = pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children")
     return [int(child) for child in path.read_text().split()]
 
@@ -97,7 +99,7 @@ def curves(folder):
 
 
 def same(a, b):
-    """The reason why the curves or fields of two folders do not have the same bits, or None."""
+    """The reason why the curves or fields in two folders are not equal bit for bit, or None."""
     if curves(a) != curves(b):
         return f"curves {curves(a)} and {curves(b)}"
     for name in curves(a):
@@ -112,7 +114,9 @@ def same(a, b):
 
 
 def close(a, b, tolerance=CLOSE):
-    """The reason why the curves of two folders are not close to each other, and their difference."""
+    """(the reason why the curves in two folders are not close to each other or None, their
+    difference)
+    """
     if curves(a) != curves(b):
         return f"curves {curves(a)} and {curves(b)}", 0.0
     worst = 0.0
@@ -125,7 +129,7 @@ def close(a, b, tolerance=CLOSE):
             if column in COUNTS and (values != others).any():
                 return f"{column} differ in row {np.argmax(values != others) + 1} of {name}", worst
             scale = np.abs(values).max()
-            if column.startswith("book_"):  # errors of the energy balance are differences
+            if column.startswith("book_"):  # small differences of large numbers
                 scale = max(np.abs(v).max() for n, v in zip(head, left.T) if n.startswith("book_"))
             if scale > 0 and column not in COUNTS:
                 worst = max(worst, np.abs(values - others).max() / scale)
@@ -148,7 +152,7 @@ class Driver:
         sys.stdout.flush()
 
     def compare(self, name, ranks):
-        """Compare runs on some numbers of ranks with the serial program."""
+        """Compare runs on several numbers of ranks with the serial program."""
         deck, options = DECKS[name]
         serial = self.top / f"{name}_serial"
         code = self.program.run(0, deck, serial, *options)
@@ -171,7 +175,9 @@ class Driver:
         return None
 
     def check_faults(self):
-        """Kill, stop and limit runs on three ranks, and continue them on other numbers of ranks."""
+        """Interrupt runs on three ranks by kills, signals and limits; continue them on other
+        numbers of ranks.
+        """
         deck, _ = DECKS[FAULTS]
         serial = self.top / f"{FAULTS}_faults"
         self.program.run(0, deck, serial)
@@ -216,7 +222,7 @@ class Driver:
         return None if code == expected else f"exit code {code}"
 
     def finish(self, text, nrank, deck, out, serial):
-        """Continue a run and compare its end with an uninterrupted one."""
+        """Continue a run, and compare its end with that of an uninterrupted one."""
         code = self.program.restart(nrank, deck, out)
         trouble, _ = close(serial, out) if code == 0 else (f"exit code {code}", 0)
         self.report(f"faults: {text}", trouble)
@@ -229,9 +235,11 @@ def main():
     parser.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/mpi/bezel")
     parser.add_argument("--serial", type=pathlib.Path, default=TOP / "build/release/bezel")
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2, 3])
-    parser.add_argument("--deck", action="append", choices=DECKS, help="only this one")
-    parser.add_argument("--quick", action="store_true", help=f"the first {QUICK} decks, no faults")
-    parser.add_argument("--faults", action="store_true", help="only the faults")
+    parser.add_argument("--deck", action="append", choices=DECKS, help="run only this deck")
+    parser.add_argument(
+        "--quick", action="store_true", help=f"run the first {QUICK} decks, no faults"
+    )
+    parser.add_argument("--faults", action="store_true", help="run only the faults")
     args = parser.parse_args()
     random.seed(1)
     with tempfile.TemporaryDirectory() as top:

@@ -1,7 +1,7 @@
-"""Stop runs at an exact command, restart them, and compare them with the uninterrupted runs.
+"""Stop runs before a given command, restart them, and compare them with the uninterrupted runs.
 
-`verify --recover` does this with the runs of the quick checks. The environment variable BEZEL_STOP=n
-stops a run before its n-th command as a signal would, so that a stop can be repeated exactly.
+`verify --recover` does this for the runs of the quick checks. The environment variable BEZEL_STOP=n
+stops a run before its n-th command, in the way a signal would; such a stop can be repeated exactly.
 """
 
 import json
@@ -19,7 +19,7 @@ COUNTS = ("exit_code", "iterations", "cutbacks", "steps", "final", "contacts", "
 
 
 def run(bezel, run, place, *options, stop=None):
-    """Exit code of one call of the program, which is stopped before command number `stop`."""
+    """The exit code of one call of the program, stopped before command number `stop` if given."""
     place.mkdir(parents=True, exist_ok=True)
     command = [str(bezel), "--quiet", "-o", str(place), *run.options, *options]
     for setting in run.settings:
@@ -52,7 +52,7 @@ def datasets(path):
 
 
 def difference(one, other, stem):
-    """The reason why the results of two folders are not equal bit for bit, or None."""
+    """The reason why the results in two folders are not equal bit for bit, or None."""
     for path in sorted([*one.glob(f"{stem}_*.dat"), *one.glob(f"{stem}*.pvd"), *one.glob("*.vtu")]):
         if not (other / path.name).exists():
             return f"{path.name} is missing"
@@ -63,10 +63,10 @@ def difference(one, other, stem):
             return f"{path.name} is missing"
         left, right = datasets(path), datasets(other / path.name)
         if left.keys() != right.keys():
-            return f"{path.name} holds other datasets"
+            return f"{path.name} contains other datasets"
         for name in left:
             if left[name].shape != right[name].shape:
-                return f"{path.name}: {name} has another size"
+                return f"{path.name}: {name} has a different size"
             if left[name].tobytes() != right[name].tobytes():
                 rows = np.unique(np.nonzero(left[name] != right[name])[0])
                 return f"{path.name}: {name} differs in {len(rows)} rows, the first is {rows[:1]}"
@@ -80,8 +80,9 @@ def difference(one, other, stem):
 
 
 def recover(bezel, out, run_, parts=3):
-    """Stop a run several times, continue it each time, and compare: a row of the table, or None if
-    the deck is rejected or the run stops by itself.
+    """Stop a run several times, continue it each time, and compare its results with the
+    uninterrupted run. Return a row of the table, or None if the deck is rejected or the run stops
+    by itself.
     """
     folder = out / run_.name
     whole, broken = folder / "whole", folder / "stopped"
@@ -96,7 +97,7 @@ def recover(bezel, out, run_, parts=3):
         stop = max(1, report["iterations"] + 2 * report["steps"])  # about half of the commands
         stops = []
         code = run(bezel, run_, broken, stop=stop)
-        while code == wanted and stop > 1:  # the run has fewer commands
+        while code == wanted and stop > 1:  # the run ended earlier, since it has fewer commands
             shutil.rmtree(broken)
             stop = stop // 2
             code = run(bezel, run_, broken, stop=stop)

@@ -2,11 +2,12 @@
 
     .venv/bin/python -m verification.section5_contact --mesh 1 2 3 [--only NAME] [--jobs N] [--write]
 
-A case that the same program has finished with the same decks is not run again, so that an
-interrupted study continues. It prints the result of each case, then compares Tables 4 and 5 with
-the paper. The exit code is 1 if a case ends early or a number exceeds its bound. `--write` puts the
-curve tables and summary.csv into benchmark/section5_contact/runs, from which the figures are drawn.
-Mesh `reference` is IGA2 without friction on a finer mesh, to 45 degrees (half a period).
+A case that the same program has already finished with the same decks is not run again, so an
+interrupted study can be continued. The command prints the result of each case, then compares the
+results with Tables 4 and 5 of the paper. The exit code is 1 if a case ends early or a number
+exceeds its bound. `--write` puts the curve tables and summary.csv into
+benchmark/section5_contact/runs, from which the figures are drawn. The mesh `reference` is a finer
+one, with IGA2 and without friction, turned by 45 degrees (half a period).
 """
 
 import argparse
@@ -27,7 +28,7 @@ from verification import TOP, checks
 DECKS = TOP / "verification/benchmark/section5_contact"
 RUNS = DECKS / "runs"
 ELEMENTS = ("Q1E9", "Q1E9+Q1N2", "Q1E9+Q1N3", "Q1E9+Q1N2.1", "IGA2")
-#: In the order in which they are run: those that matter most for the figures come first.
+#: The order in which cases are run: those that matter most for the figures come first.
 CASES = (
     ("Q1E9+Q1N2.1", 0.5), ("IGA2", 0.5), ("IGA2", 0), ("Q1E9+Q1N2", 0), ("Q1E9+Q1N2", 0.5),
     ("Q1E9+Q1N3", 0), ("Q1E9+Q1N3", 0.5), ("Q1E9+Q1N2.1", 0), ("Q1E9", 0), ("Q1E9", 0.5),
@@ -69,7 +70,9 @@ class Case:
         return checks.Run(self.name, run.deck, run.settings, run.options, run.time_limit)
 
     def summary(self, place):
-        """The row of summary.csv, from report and curve of the run, or None without them."""
+        """The row of summary.csv, from report and curve of the run, or None if these are
+        missing.
+        """
         try:
             report = json.loads((place / f"{self.name}.report.json").read_text())
             curve = read_table(place / f"{self.name}_sole.dat").columns
@@ -100,7 +103,7 @@ def main(argv=None):
         )
     cases = [c for c in all_cases(o.mesh) if any(fnmatchcase(c.name, w) for w in o.only)]
     if not cases:
-        sys.exit("section5_contact: error: no case is chosen")
+        sys.exit("section5_contact: error: no case matches --mesh and --only")
     stamp = fingerprint(bezel)
     rows = {}
     with ThreadPoolExecutor(max_workers=max(1, o.jobs)) as pool:
@@ -121,7 +124,7 @@ def all_cases(meshes):
 
 
 def fingerprint(bezel):
-    """Hash of the program and the decks: a run is kept while both are the same."""
+    """Hash of the program and the decks: a run is reused as long as neither has changed."""
     text = hashlib.sha256(bezel.read_bytes())
     for deck in sorted(DECKS.glob("*.in[cp]")):
         text.update(deck.read_bytes())
@@ -150,7 +153,7 @@ def finish(bezel, out, case, stamp, o):
 
 
 def write(case, row, place):
-    """Write the curve with few digits, and the line of the case in summary.csv."""
+    """Write the curve with few digits, and the case's line in summary.csv."""
     RUNS.mkdir(exist_ok=True)
     curve = read_table(place / f"{case.name}_sole.dat").columns
     names = [*MORE, *KEPT]
@@ -170,8 +173,8 @@ def write(case, row, place):
 
 
 def report(cases, rows):
-    """Compare Tables 4 and 5 with the paper; return 1 if a case ended early or a number exceeds its
-    bound.
+    """Compare the results with Tables 4 and 5; return 1 if a case ended early or a number exceeds
+    its bound.
     """
     lines, bad = [], 0
     for case in cases:
@@ -192,8 +195,8 @@ def report(cases, rows):
 
 
 def compared(case, row):
-    """(quantity, value of the paper, our value, bound) for the entries of Tables 4 and 5 of this
-    case.
+    """(quantity, value of the paper, our value, bound) for those entries of Tables 4 and 5 that
+    belong to this case.
     """
     same = lambda r: (r["mesh"], r["elements"]) == (case.mesh, case.elements)
     for r in filter(same, paper_table("table4.csv")):
@@ -219,13 +222,17 @@ def parser():
     p.add_argument("--bezel", default=TOP / "build/release/bezel", metavar="PROGRAM")
     p.add_argument("--mesh", nargs="+", choices=list(MESHES), default=["1"])
     p.add_argument(
-        "--only", nargs="+", default=["*"], metavar="NAME", help="such as 3_IGA2_0, 3_*_0.5"
+        "--only",
+        nargs="+",
+        default=["*"],
+        metavar="NAME",
+        help="cases, such as 3_IGA2_0 or 3_*_0.5",
     )
     p.add_argument(
         "--jobs", type=int, default=1, metavar="N", help="number of simultaneous runs (default 1)"
     )
     p.add_argument(
-        "--time-limit", type=int, default=7200, metavar="S", help="time limit of a run in seconds"
+        "--time-limit", type=int, default=7200, metavar="S", help="seconds that a run may take"
     )
     p.add_argument("--out", default=TOP / "build/section5_contact", metavar="DIR")
     p.add_argument("--write", action="store_true", help="update the committed tables")

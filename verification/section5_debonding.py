@@ -3,15 +3,15 @@
     .venv/bin/python -m verification.section5_debonding --mesh 1 [--only NAME] [--write] [--force]
     .venv/bin/python -m verification.section5_debonding --suite all|long [--write] [--force]
 
-The suite `all` is mesh 1, and mesh 2 of the bodies of Q1 and of IGA2; `long` is mesh 2 of the
-bodies of Q2, and mesh 3 of IGA2 and Q1E9+Q1N2 to a lift of 15.5. A case that is complete is not run
-again unless --force is given. It prints the dofs of Table 2, the end of each case, and a comparison
-with the independent numbers of section5_peeling/peeling.csv. The exit code is 1 if a case ends
-early or a number of dofs differs. `--write` puts summary.csv and the curves (with few digits) into
-benchmark/section5_debonding/runs, from which the figures are drawn. `--pictures` also runs the
-decks of Figures 13 and 14, and `--readings` runs those with other interpretations of the problem
-(readings.csv). `--steps` ends runs earlier, in separate folders. `--apart` runs nothing and
-compares committed curves with each other (apart.csv).
+The suite `all` is mesh 1, and mesh 2 for the bodies of Q1 and of IGA2. The suite `long` is mesh 2
+for the bodies of Q2, and mesh 3 for IGA2 and Q1E9+Q1N2 up to a lift of 15.5. A case that is
+complete is not run again unless --force is given. The command prints the dofs of Table 2, how each
+case ended, and a comparison with the independent results of section5_peeling/peeling.csv. The exit
+code is 1 if a case ends early or a number of dofs differs. `--write` puts summary.csv and the
+curves (with few digits) into benchmark/section5_debonding/runs, from which the figures are drawn.
+`--pictures` also runs the decks of Figures 13 and 14, and `--readings` runs those with other
+interpretations of the problem (readings.csv). `--steps` ends runs earlier, in folders of their own.
+`--apart` runs nothing; it compares committed curves with each other (apart.csv).
 """
 
 import argparse
@@ -38,11 +38,11 @@ TABLE_2 = {
     "3": (55350, 55752, 56166, 73800, 404838, 387576, 405624, 65520),
 }
 REFINEMENT = {"1": 1, "2": 2, "3": 4}
-LIFT = 15.5  # at time 1
+LIFT = 15.5  # the lift at time 1
 READ_AT = (2, 5, 10, 15.5)
-COMPARED = {"IGA2": "iga2", "Q1E9+Q1N2": "q1e9_q1n2"}  # with the independent numbers
-HALF_STEPS = 120  # of the two-half-pass runs: up to the last of the independent numbers
-STEPS = {"1": 180, "2": 180, "3": 100}  # of a lift of 0.155
+COMPARED = {"IGA2": "iga2", "Q1E9+Q1N2": "q1e9_q1n2"}  # compared with the independent results
+HALF_STEPS = 120  # steps of the runs with two half passes, up to the last independent result
+STEPS = {"1": 180, "2": 180, "3": 100}  # steps by mesh; each is a lift of 0.155
 SUITES = {
     "all": [*(("1", t) for t in TYPES), *(("2", t) for t in (*TYPES[:4], "iga2"))],
     "long": [*(("2", t) for t in TYPES[4:7]), ("3", "q1e9_q1n2"), ("3", "iga2")],
@@ -50,8 +50,8 @@ SUITES = {
 LOST, RELEASED = (
     0.98,
     0.999,
-)  # fractions of the bond: where energies are compared, and when it counts as released
-PAIRS = (  # curves that the paper compares: (mesh, elements) twice
+)  # debonded fractions at which energies are compared, and at which the strip counts as released
+PAIRS = (  # pairs of curves that the paper compares, each given by (mesh, elements)
     (("1", "q2_q2n2"), ("1", "iga2")),
     (("2", "q2_q2n2"), ("2", "iga2")),
     (("2", "q2"), ("2", "q2_q2n2.1")),
@@ -70,7 +70,7 @@ def main(argv=None):
         return apart(o.write)
     rows, bad = [], 0
     with ThreadPoolExecutor(o.jobs) as pool:
-        late = reversed(cases(o))  # the long ones first
+        late = reversed(cases(o))  # the long cases first
         list(pool.map(lambda case: finish(o, *case, place_of(o, *case)), late))
     for mesh, name in cases(o):
         dofs, place = TABLE_2[mesh][TYPES.index(name)], place_of(o, mesh, name)
@@ -104,12 +104,12 @@ def cases(o):
 
 
 def place_of(o, mesh, name):
-    """The folder of a case; a run with fewer steps has a folder of its own."""
+    """The folder of a case; a run with a given number of steps has a folder of its own."""
     return o.out / (f"{mesh}_{name}" + (f"_{o.steps}_steps" if o.steps else ""))
 
 
 def finish(o, mesh, name, place, steps=None):
-    """Run a case that is not complete yet."""
+    """Run a case unless it is complete."""
     report = place / f"{name}.report.json"
     if not o.force and report.exists() and json.loads(report.read_text())["status"] == "done":
         return
@@ -120,7 +120,7 @@ def finish(o, mesh, name, place, steps=None):
 
 
 def summary(mesh, name, place):
-    """The results of a case, or None without any."""
+    """The results of a case, or None if there are none."""
     try:
         report = json.loads((place / f"{name}.report.json").read_text())
         c = read_table(place / f"{name}_peel.dat").columns
@@ -128,7 +128,7 @@ def summary(mesh, name, place):
         return None
     lift, force, lost = c["disp_3"], c["force_3"], c["contact_glue_1_debonded"]
     bonded = np.maximum.accumulate(lost) < RELEASED  # until the strip is released
-    taken = "-"  # fraction of the work when LOST is released, if the run reaches it
+    taken = "-"  # inertia as a fraction of the work when LOST is debonded, if the run reaches that
     if lost.max() >= LOST:
         share = reached(LOST, lost, c["book_inertia"]) / reached(LOST, lost, c["book_work"])
         taken = f"{share:.4f}"
@@ -157,12 +157,14 @@ def summary(mesh, name, place):
         "least_created": f"{created.min():.4f}",
         "most_created": f"{created.max():.4f}",
         "imbalance": f"{np.abs(imbalance).max():.1e}",
-        "bodies": f"{np.abs(imbalance + created).max():.1e}",  # the error of the bodies alone
+        "bodies": f"{np.abs(imbalance + created).max():.1e}",  # the imbalance of the bodies alone
     }
 
 
 def readings(o):
-    """Other interpretations of the problem (mesh 1, Q1E9+Q1N2): forces, and the lift at release."""
+    """Run other interpretations of the problem (mesh 1, Q1E9+Q1N2); print forces and the lift at
+    release.
+    """
     rows = [("reading", "largest_force", *(f"force_at_{u:g}" for u in READ_AT), "off_at")]
     for name in ("q1e9_q1n2", *sorted(p.stem for p in DECKS.glob("reading_*.inp"))):
         place = o.out / ("1_" + name)
@@ -177,13 +179,15 @@ def readings(o):
 
 
 def reached(at, x, y):
-    """y where x reaches `at` for the first time; x may decrease, as it does in a snap-back."""
+    """y where x first reaches `at`; x may also decrease, as the lift does in a snap-back."""
     ahead = np.append(True, x[1:] > np.maximum.accumulate(x)[:-1])
     return np.interp(at, x[ahead], y[ahead])
 
 
 def roughness(lift, force):
-    """Root mean square of the force about its mean over a lift of 4, from a lift of 4 to 20."""
+    """Root mean square of the force about its moving average over a lift of 4, for lifts of 4 to
+    20.
+    """
     x = np.linspace(4, min(20, lift.max()), 400)
     f = reached(x, lift, force)
     width = max(1, int(4 / (x[1] - x[0])))
@@ -220,8 +224,8 @@ def write_rows(name, rows):
 
 
 def beside(o):
-    """Compare the forces of mesh 1, computed with points that load both surfaces and with two half
-    passes, with the independent forces, which are those of two half passes.
+    """Compare the forces of mesh 1 with the independent ones, which are computed with two half
+    passes; ours are computed both with points that load both surfaces and with two half passes.
     """
     with PEELING.open(newline="") as text:
         theirs = list(csv.DictReader(line for line in text if not line.startswith("#")))
@@ -243,7 +247,7 @@ def beside(o):
 
 
 def write(mesh, name, place):
-    """Write the curve with few digits."""
+    """Write the curve of a case with few digits."""
     runs = DECKS / "runs"
     runs.mkdir(exist_ok=True)
     c = read_table(place / f"{name}_peel.dat").columns
@@ -253,7 +257,7 @@ def write(mesh, name, place):
 
 
 def write_summary(rows):
-    """Write summary.csv, with these rows replaced."""
+    """Write summary.csv, in which these rows replace those of the same cases."""
     file, known = DECKS / "runs/summary.csv", {}
     if file.exists():
         with file.open(newline="") as text:
@@ -276,16 +280,19 @@ def parser():
         "--pictures", action="store_true", help="also run the decks of Figures 13 and 14"
     )
     p.add_argument(
-        "--readings", action="store_true", help="also run other interpretations of the scene"
+        "--readings", action="store_true", help="also run other interpretations of the problem"
     )
     p.add_argument("--apart", action="store_true", help="only compare committed curves")
     p.add_argument("--only", nargs="+", default=[], choices=TYPES, metavar="NAME")
     p.add_argument("--jobs", type=int, default=1, metavar="N", help="number of simultaneous runs")
     p.add_argument(
-        "--steps", type=int, metavar="N", help="stop after N steps, each a lift of 0.155"
+        "--steps",
+        type=int,
+        metavar="N",
+        help="stop after N steps, each of which is a lift of 0.155",
     )
     p.add_argument(
-        "--time-limit", type=int, default=7200, metavar="S", help="time limit of a run in seconds"
+        "--time-limit", type=int, default=7200, metavar="S", help="seconds that a run may take"
     )
     p.add_argument(
         "--out", type=pathlib.Path, default=TOP / "build/section5_debonding", metavar="DIR"

@@ -8,8 +8,8 @@ from verification import checks
 
 
 def plan_studies(folder, studies, everything):
-    """Plans of the studies: one plan and one row of the table for each series of a [[study]], and a
-    row of results.csv for each mesh.
+    """Plans of the refinement studies: each series of a [[study]] has one plan and one row of the
+    table, and each of its meshes has one row of results.csv.
     """
     plans = []
     for study in studies:
@@ -85,7 +85,7 @@ def _study_row(case, quantity, errors, entry, value):
 
 
 def write_tables(plans):
-    """Write the tables of the refinement studies that are complete, for post/figures."""
+    """Write the tables of those refinement studies that are complete, for post/figures."""
     for folder in {p.folder for p in plans if p.table}:
         table = [row for p in plans if p.folder == folder for row in p.table]
         if any(p.folder == folder and p.lost for p in plans):

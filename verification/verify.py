@@ -2,10 +2,11 @@
 
     python3 -m verification.verify [--bezel build/release/bezel] [--case NAME] [--all] [--study] [--recover]
 
-A case is a folder of verification/patch, benchmark, contact or trouble with decks and an expect.toml, whose
-keys are described in post/_expect.py. Runs go into build/verify/<case>/. All checks are made even if
-some fail; the result is one table with a count in its last line. The exit code is 0 only if at least
-one check ran and none failed. It needs numpy, and h5py for checks of fields.
+A case is a folder of verification/patch, benchmark, contact or trouble with decks and an
+expect.toml, whose keys are described in post/_expect.py. Results go into build/verify/<case>/. All
+checks are made even if some fail. The result is one table, whose last line gives the numbers of
+passed and failed checks. The exit code is 0 only if at least one check was made and none failed.
+The program needs numpy, and h5py for checks of fields.
 """
 
 import argparse
@@ -29,7 +30,7 @@ ROOTS = tuple(TOP / "verification" / name for name in ("patch", "benchmark", "co
 
 
 def main(argv=None):
-    """Read the cases, make their runs in parallel, print the table; return the exit code."""
+    """Read the cases, run them in parallel, print the table; return the exit code."""
     o = parser().parse_args(argv)
     bezel = pathlib.Path(o.bezel).resolve()
     cases, rows = read_cases(o.case)
@@ -63,7 +64,7 @@ def main(argv=None):
 
 
 def read_cases(names):
-    """([(folder, expectation)], rows of the cases that cannot be read)"""
+    """([(folder, expectation)], rows of those cases that cannot be read)"""
     known = [
         f
         for root in ROOTS
@@ -86,8 +87,8 @@ def read_cases(names):
 
 
 def run_all(bezel, out, runs, jobs):
-    """{name of the run: Outcome}; a terminal shows the progress, and any other output gets a line
-    every ten seconds.
+    """{name of the run: Outcome}. The progress is shown in one line on a terminal; otherwise a line
+    is written every ten seconds.
     """
     outcomes = {}
     said = time.monotonic()
@@ -106,7 +107,7 @@ def run_all(bezel, out, runs, jobs):
 
 
 def recover_all(bezel, out, runs, jobs):
-    """Rows of all runs that were stopped and restarted; a terminal shows the progress."""
+    """Rows of all runs, each stopped and restarted; on a terminal the progress is shown."""
     rows = []
     with concurrent.futures.ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
         work = [pool.submit(recover.recover, bezel, out, run) for run in runs]
@@ -120,7 +121,7 @@ def recover_all(bezel, out, runs, jobs):
 
 
 def report(rows):
-    """Print the table and the count; return 0 if a check passed and none failed."""
+    """Print the table and its last line; return 0 if at least one check passed and none failed."""
     heading = ("case", "quantity", "got", "wanted", "difference", "tolerance", "ok")
     lines = [heading] + [
         (r.case, r.quantity, *r.numbers(), "ok" if r.ok else "FAILED") for r in rows
@@ -131,7 +132,7 @@ def report(rows):
             print(f"{row.case}, {row.quantity}: {row.reason}")
     bad = sum(not r.ok for r in rows)
     if not rows:
-        print("no check was chosen")
+        print("no check matches the options")
     print(f"{len(rows) - bad} passed, {bad} failed")
     return 0 if rows and not bad else 1
 
@@ -139,7 +140,7 @@ def report(rows):
 def parser():
     p = argparse.ArgumentParser(
         prog="python -m verification.verify",
-        description="Run the verification cases and compare with their references.",
+        description="Run the verification cases and compare the results with their references.",
     )
     p.add_argument(
         "--bezel",
@@ -147,7 +148,7 @@ def parser():
         metavar="PROGRAM",
         help="(default build/release/bezel)",
     )
-    p.add_argument("--all", action="store_true", help="also run slow checks")
+    p.add_argument("--all", action="store_true", help="also make the slow checks")
     p.add_argument(
         "--case", action="append", metavar="NAME", help="run only this case; may be repeated"
     )
@@ -167,13 +168,13 @@ def parser():
         "--out",
         default=str(TOP / "build/verify"),
         metavar="DIR",
-        help="folder of the runs (default build/verify)",
+        help="folder for the runs (default build/verify)",
     )
     p.add_argument(
         "--recover",
         action="store_true",
-        help="instead of the checks, stop each of their runs in the middle and restart it: the results "
-        "must be those of the uninterrupted run, bit for bit",
+        help="instead of making the checks, stop each of their runs in the middle and restart it: its "
+        "results must equal those of the uninterrupted run bit for bit",
     )
     p.add_argument("--json", metavar="FILE", help="write the table as JSON")
     return p

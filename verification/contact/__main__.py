@@ -2,11 +2,11 @@
 
     python -m verification.contact [--bezel PROGRAM] [--out DIR] [--write] [NAME ...]
 
-Each NAME is a table of the page (by default all): patch sphere cylinder ironing rings mindlin
+Each NAME is a table of the page (default: all of them): patch sphere cylinder ironing rings mindlin
 mindlin_sphere turn seal cord drag beams cycle own extremes. `--write` puts the tables into the
-page, and puts the curves that the figures show into verification/contact/*/curves.csv. Every
-reference is a closed form, a published value or an invariant; `decks.py` writes the decks that
-differ only in their elements.
+page, and the curves that the figures show into verification/contact/*/curves.csv. Every reference
+is a closed form, a published value or an invariant. The decks that differ only in their elements
+are written by `decks.py`.
 """
 
 import argparse
@@ -51,7 +51,7 @@ def main(argv=None):
 
 
 def write_curves(path, curves):
-    """Rows of dictionaries with the same keys, for post/figures/contact.py."""
+    """Write rows, given as dictionaries with the same keys, for post/figures/contact.py."""
     pathlib.Path(path).parent.mkdir(exist_ok=True)
     with open(path, "w", encoding="utf-8", newline="") as file:
         file.write(f"# written by python -m verification.contact --write {path.parent.name}\n")

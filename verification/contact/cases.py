@@ -1,6 +1,8 @@
-"""The cases of verification.contact: each runs its decks and returns (heading, rows, curves).
+"""The cases of verification.contact: each of them runs its decks and returns (heading, rows,
+curves).
 
-A row of a table has a value, its reference and the difference; `curves` are rows for a figure, or None.
+A row of a table has a value, its reference and the difference; `curves` are the rows for a figure,
+or None.
 """
 
 import pathlib
@@ -29,7 +31,7 @@ def iterations(curve):
 
 
 def failed(run):
-    """What a table says about a run without a result, or '' if there is a result."""
+    """What the table says about a run without a result; '' if there is a result."""
     if run.code == 0:
         return ""
     return f"ends with code {run.code}" if run.code is not None else run.message
@@ -133,7 +135,7 @@ def cylinder(runner):
 
 
 def ironing(runner):
-    """Shallow ironing against published forces, and the oscillation of the existing deck."""
+    """Shallow ironing against published forces, and the oscillation of the forces."""
     rows, curves = [], []
     for name, (v1, h1, v2, h2) in PUBLISHED.items():
         rows.append([name, *(f"{v:.0f}" for v in (v1, h1, v2, h2)), f"{h2 / v2:.2f}", "-", "-"])
@@ -170,7 +172,7 @@ def ironing(runner):
 
 
 def rings(runner):
-    """Two rings pressed together and shrunk onto each other, against Lame."""
+    """Two rings, pressed together or shrunk onto each other, against Lame's solution."""
     n, plane = 0.3 / 0.7, 1 / 0.91
     exact = {
         "pressed": 8 / 3 * 1e-5 / (5 - n),
@@ -268,7 +270,7 @@ def mindlin(runner):
 
 
 def mindlin_sphere(runner):
-    """Partial slip of a sphere: tangential approach and the area that sticks."""
+    """Partial slip of a sphere: the tangential approach, and the area that sticks."""
     run = runner("mindlin/sphere")
     if failed(run):
         return ["Q/(mu P)"], [[failed(run)]], None
@@ -291,7 +293,7 @@ def mindlin_sphere(runner):
 
 
 def turn(runner):
-    """A sheared pair that is turned by 90 degrees, and one that is only held."""
+    """Two blocks that are sheared and then turned together by 90 degrees, or merely held."""
     rows = []
     for name, settings in (
         ("turned by 90 degrees", {}),
@@ -321,7 +323,7 @@ def seal(runner):
     nu = 0.49
     mu, lam = 0.5 / (1 + nu), nu / ((1 + nu) * (1 - 2 * nu))
 
-    def wide_of(s):  # the stretch across, where no stress acts
+    def wide_of(s):  # the stretch in the other direction, in which there is no stress
         return make.root(lambda t: mu * (t * t - 1) + lam * np.log(t * t * s), 0.5, 2.0)
 
     def nominal(s):
@@ -336,7 +338,7 @@ def seal(runner):
             continue
         c = run.curve("seal")
         got, wide = abs(c["contact_high_1_force_3"][-1]), 1 + c["disp_1"][-1]
-        reached = 1 + c["disp_3"][-1]  # the penetration of the penalty lessens the squeeze
+        reached = 1 + c["disp_3"][-1]  # with the penetration
         rows.append([
             label, f"{got:.6f}", f"{want:.6f}", percent(got / want - 1, 2),
             f"{abs(got / nominal(reached) - 1):.0e}", f"{abs(wide / wide_of(reached) - 1):.0e}",
@@ -347,10 +349,10 @@ def seal(runner):
 
 
 def cord(runner):
-    """A rubber cord between plates: at a small squeeze against Hertz, then up to 30 %."""
+    """A rubber cord between plates: a small squeeze, compared with Hertz, and one up to 30 %."""
     plane, rows = 1 - 0.49**2, []
 
-    def approach(p):  # of both plates over the diameter, Johnson 1985, eq. (5.57)
+    def approach(p):  # of the two plates relative to the diameter, Johnson 1985, eq. (5.57)
         b = np.sqrt(4 * p * 0.5 * plane / np.pi)
         return 2 * p * plane / np.pi * (2 * np.log(4 * 0.5 / b) - 1)
 
@@ -406,7 +408,7 @@ def beams(runner):
 
 
 def cycle(runner):
-    """A frictionless cycle: the work that is not recovered."""
+    """A closed cycle without friction: the work that is not recovered."""
     rows = []
     for steps in (6, 12, 24):
         run = runner("cycle/cycle", steps=steps)
@@ -423,13 +425,13 @@ def cycle(runner):
 
 
 def own(runner):
-    """Surfaces in contact with themselves, and a face in two contacts: values that must be
+    """Surfaces in contact with themselves, and a face in two contacts: pairs of values that must be
     equal.
     """
 
     def differ(c, a, b, angle=0.0, rows=slice(None)):
-        """The forces on copy b, turned back, minus those on copy a, divided by the largest
-        force.
+        """The largest difference of the forces on copy b, turned back, from those on copy a,
+        divided by the largest force.
         """
         x, z = np.cos(np.radians(angle)), np.sin(np.radians(angle))
         one, two = c["force_1" + b][rows], c["force_3" + b][rows]
@@ -509,7 +511,7 @@ def verdict(error, bound):
 
 
 def extremes(runner):
-    """Extreme parameters, each against a closed form."""
+    """Contact with extreme parameters, each case against a closed form."""
     rows = []
 
     def show(what, test, run, error, bound):

@@ -1,13 +1,14 @@
-"""Write the decks that differ only in elements and meshes, and the reference of the dragged block.
+"""Write the decks that differ only in elements and meshes, and the reference for the dragged block.
 
     python -m verification.contact.decks
 
 sphere, cylinder: each folder gets one deck for each element type and mesh. On the curved body, mesh
-n has n elements of equal width over 1.3 contact radii, and 2 n elements that grow towards its edge,
-500 radii away. The elements of the block are wider by a tenth, so the meshes match nowhere.
-mindlin: the same for the cylinder between its two edges.
+n has n elements of equal width over 1.3 contact radii, then 2 n elements whose width increases
+towards its edge, which is 500 radii away. The elements of the block are wider by a tenth, so the
+two meshes match nowhere.
+mindlin: the same, for the whole width of the cylinder.
 rings: two rings under an outer pressure, and two rings of which the inner one is too wide by 1e-5.
-drag: reference.csv, the forces and the work of a spring and a slider.
+drag: reference.csv, the forces and the work of a spring in series with a slider.
 """
 
 import numpy as np
@@ -21,18 +22,18 @@ TYPES = {
     "q2": ("Q2", ["TYPE Q2"]),
     "iga2": ("IGA2", ["TYPE IGA 2"]),
 }
-#: elements over 1.3 contact radii
+#: number of elements over 1.3 contact radii
 MESHES = {
     "sphere": {"q1": (2, 4, 6), "q1n2": (2, 4, 6), "q2": (2, 3, 4), "iga2": (2, 4, 6)},
     "cylinder": {kind: (3, 6, 12) for kind in TYPES},
 }
 MINDLIN = {"q1n2": (4, 8, 16), "q2": (4, 8)}
-FAR = 500.0  # half width of the bodies over the contact radius
+FAR = 500.0  # half width of the bodies, relative to the contact radius
 
 
 def knots(fine, count, outer):
-    """Interior knots: `count` equal elements up to `fine`, then `outer` elements of growing width
-    up to 1.
+    """Interior knots: `count` equal elements up to `fine`, then `outer` elements of increasing
+    width up to 1.
     """
     inside = [fine * (i + 1) / count for i in range(count)]
     return inside + [fine ** (1 - (i + 1) / outer) for i in range(outer - 1)]
@@ -43,7 +44,7 @@ def record(direction, values):
 
 
 def patch(name, geometry, face, kind, along, depth, flat, material):
-    """The block of a body; its third direction is refined towards the face in contact."""
+    """The block of a body, refined in its third direction towards the face in contact."""
     across = depth if face == "3-" else [1 - v for v in reversed(depth)]
     lines = [f"PATCh,{name}", f"  {geometry}", record(1, along)]
     lines += [f"  ELEMents {len(along) + 1} 1 {len(depth) + 1}"] if flat else [record(2, along)]
@@ -71,8 +72,8 @@ def deck(shape, kind, mesh):
 
 
 def rings(kind, fit):
-    """Two rings; with `fit` the inner one is too wide, otherwise the outer one is under an outer
-    pressure.
+    """Two rings; with `fit` the inner one is too wide, otherwise a pressure acts on the outer one
+    from outside.
     """
     label, lines = TYPES[kind]
     what = "a press fit" if fit else "an outer pressure"
@@ -103,8 +104,8 @@ def full_knots(fine, count, outer):
 
 
 def mindlin(kind, mesh):
-    """A cylinder that is pressed onto a block and pulled sideways; the mesh resolves both edges of
-    the contact.
+    """A cylinder that is pressed onto a block and pulled sideways; the mesh is fine at both edges
+    of the contact area.
     """
     depth = knots(0.5 / FAR, mesh // 2, 3 * mesh // 2)
     text = [
@@ -126,7 +127,7 @@ def spring_and_slider(mu=0.3, steps=112):
     """Rows (time, force on the block's top, energy of friction) of the dragged block, n = 3.
 
     The contact is a spring eps A with a slider of mu N in series with the block's shear stiffness.
-    The energy consists of the work of the slider and of the energy stored in the spring.
+    The energy is the sum of the work of the slider and the energy stored in the spring.
     """
     limit, eps, block = mu * 0.1, 300.0, 0.4 / 0.5
     k = 1 / (1 / eps + 1 / block)

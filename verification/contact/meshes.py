@@ -2,11 +2,10 @@
 
     python -m verification.contact.meshes
 
-slit/slit.msh: a block 4 x 1 x 2 with a slit at half its height, from x = 1 to x = 3, with an
-opening of 0.04. The meshes of its faces do not match. Groups: slit, and its faces upper and lower;
-bottom; top.
-slit/cut.msh: two blocks 1 x 1 x 1 at a distance of 0.01, of 3 x 3 x 3 and 4 x 4 x 4 elements, in
-one mesh. Groups: slit (both faces between the blocks), upper, lower; bottom; top.
+slit/slit.msh: a block 4 x 1 x 2 with a slit of width 0.04 at half its height, from x = 1 to x = 3.
+The meshes of the two faces of the slit do not match. Groups: slit, and its faces upper and lower;
+bottom; top. slit/cut.msh: two blocks 1 x 1 x 1 at a distance of 0.01, of 3 x 3 x 3 and 4 x 4 x 4
+elements, in one mesh. Groups: slit (both faces between the blocks), upper, lower; bottom; top.
 shared/posts.msh: two blocks 1 x 1 x 1 at a distance of 1. Groups: first and second (the tops of the
 two blocks); both; bottom.
 """
@@ -25,7 +24,9 @@ class Mesh:
         self.nodes, self.hexas, self.faces = [], [], []
 
     def box(self, counts, place, known=None):
-        """Hexahedra of a box; place(i, j, k): position. Return the numbers of its nodes [i, j, k]."""
+        """Add the hexahedra of a box, with nodes at place(i, j, k); return the node numbers [i,
+        j, k].
+        """
         n1, n2, n3 = counts
         number = np.zeros((n1 + 1, n2 + 1, n3 + 1), dtype=int)
         for i, j, k in np.ndindex(number.shape):
@@ -51,7 +52,7 @@ class Mesh:
         return number
 
     def layer(self, plane, *names, where=lambda i: True):
-        """Name the faces of a layer of nodes plane[i, j]."""
+        """Add the faces of a layer of nodes plane[i, j] to the groups `names`."""
         n1, n2 = plane.shape
         for i, j in np.ndindex(n1 - 1, n2 - 1):
             if where(i):

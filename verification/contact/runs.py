@@ -1,4 +1,4 @@
-"""Runs of decks, their curves and their contact surfaces, for the tables of contact."""
+"""Runs of decks with their curves and contact surfaces, for the tables of contact."""
 
 import dataclasses
 import json
@@ -17,8 +17,8 @@ TIME_LIMIT = 600
 
 @dataclasses.dataclass
 class Result:
-    """The results of a run. code: exit code, None if the run took too long; seconds: processor
-    time.
+    """The results of a run. code: exit code, or None if the run took too long; seconds: CPU
+    seconds.
     """
 
     place: pathlib.Path
@@ -28,17 +28,18 @@ class Result:
     seconds: float
 
     def curve(self, name):
-        """{column: values over the steps}"""
+        """{column: its values at the steps}"""
         return read_table(self.place / f"{self.stem}_{name}.dat").columns
 
     def report(self):
         return json.loads((self.place / f"{self.stem}.report.json").read_text())
 
     def surface(self, body, field="contact_pressure", n=9, step="last"):
-        """Reference positions, values and areas at the middles of n x n cells of each face of a body.
+        """Reference positions, values and areas for n x n cells of each face of a body, at their
+        middles.
 
-        Shapes (m, 3), (m,), (m,). Values of vectors are magnitudes; the number of a body is its place
-        in the deck, counted from 0.
+        The shapes are (m, 3), (m,) and (m,). Of vectors, the magnitudes are returned. Bodies are
+        numbered from 0 in the order of the deck.
         """
         from post import _grid
         from post._contact_faces import surfaces
@@ -85,7 +86,8 @@ class Runner:
 
 
 def order(errors, sizes):
-    """Observed orders of convergence between successive meshes; sizes grow with the number of elements.
+    """Observed orders of convergence between successive meshes; sizes: increasing with the number
+    of elements.
 
     >>> order([0.4, 0.1], [1, 2])
     [2.0]
@@ -97,6 +99,6 @@ def order(errors, sizes):
 
 
 def table(heading, rows):
-    """Lines of a table of Markdown."""
+    """The lines of a Markdown table."""
     lines = [heading, ["---"] * len(heading), *rows]
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)

@@ -1,11 +1,11 @@
-"""Run bad decks and compare the message of each with the expected one.
+"""Run bad decks, and compare the message of each with the expected one.
 
     python -m verification.deck_errors.run --bezel BEZEL [--update NAME ...]
 
 Every <name>.inp beside this file is run as `bezel -o FOLDER <name>.inp`. It must end with code 1,
-print <name>.expected on stderr and write no file. A file <name>.args contains further arguments.
-Decks that cannot be files of a repository (a folder, a pipe, a file without permission to read) are
-made here.
+print the text of <name>.expected on standard error and write no file. A file <name>.args contains
+further arguments. Inputs that cannot be committed as files (a folder, a pipe, a file without read
+permission) are made here.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-SECONDS = 20  # one bad deck
+SECONDS = 20  # time limit for one bad deck
 
-# Decks made here: the function that makes them, and the message; {deck} is the path given to bezel.
+# Inputs made here: the function that makes each, and its message; {deck} is the path given to
+# bezel.
 MADE = {
     "missing": (lambda path: None, "error: '{deck}' cannot be read: no such file or directory\n"),
     "folder": (lambda path: path.mkdir(), "error: '{deck}' is a folder\n"),
@@ -30,8 +31,8 @@ MADE = {
 
 
 def run(bezel: Path, deck: str, arguments: list[str], folder: Path) -> str:
-    """What the deck printed, or a complaint if it did not fail as expected; `folder` must not be
-    created.
+    """What the program printed, or a complaint if it did not fail as expected, or wrote into
+    `folder`.
     """
     result = subprocess.run(
         [str(bezel), "-o", str(folder), *arguments, deck],

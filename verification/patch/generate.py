@@ -1,12 +1,12 @@
-"""Write the patch test of an element: a distorted body, and the exact solution.
+"""Write the patch test of an element: a distorted body, with the exact solution.
 
 usage: generate.py ELEMENT
 
-ELEMENT is the name of a row in a file src/elements/elmt_*.f90. An element of ELEMents (its row has
-`deck_nodes`) gets a box of 2 x 2 x 2 cells, filled with elements, whose inner nodes are moved at
-random; all nodes of the boundary are given a linear displacement. Any other element gets a PATCh
-with `TYPE ELEMENT` on the brick of ../distorted. The decks and expect.toml go to
-verification/patch/<element>/; verify.py runs them by `verify.py --case <element>`.
+ELEMENT is the name of a row in a file src/elements/elmt_*.f90. For an element of ELEMents (its row
+has `deck_nodes`), the body is a box of 2 x 2 x 2 cells filled with elements, whose inner nodes are
+moved at random; all nodes of the boundary are given a linear displacement. For any other element,
+the body is a PATCh with `TYPE ELEMENT` on the brick of ../distorted. The decks and expect.toml are
+written to verification/patch/<element>/; run them by `verify.py --case <element>`.
 """
 
 import argparse
@@ -21,10 +21,11 @@ HERE = pathlib.Path(__file__).resolve().parent
 YOUNG, POISSON = 1.0, 0.3
 LINEAR = np.array(
     [[0.1, 0.15, -0.05], [0.05, -0.05, 0.1], [-0.1, 0.05, 0.2]]
-)  # displacement gradient
-STRETCH = np.diag([0.2, -0.1, 0.15])  # that of ../distorted/test.inc
+)  # gradient of the displacement
+STRETCH = np.diag([0.2, -0.1, 0.15])  # the gradient of ../distorted/test.inc
 
-# The corners of an element in a cell with the corners 0 to 7, counter-clockwise, lower plane first; 8 is its middle.
+# The corners of an element in a cell whose corners are 0 to 7, counter-clockwise, lower plane
+# first; 8 is its centre.
 SIDES = [[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]]
 FILL = {
     4: [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]],
@@ -38,7 +39,9 @@ EDGES = {
     8: ["01", "12", "23", "30", "45", "56", "67", "74", "04", "15", "26", "37"],
 }
 FACES = {8: ["0123", "4567", "0374", "1265", "0154", "3267", "01234567"]}
-# Number of nodes: number of corners, then the corners whose mean each further node is, in the order of the deck.
+# By number of nodes: the number of corners, then for each further node, in the order of the deck,
+# the corners of
+# which it is the mean.
 NODES = {
     4: (4, []),
     5: (5, []),
@@ -107,7 +110,7 @@ abs    = 1e-12
 
 
 def main(argv=None):
-    """Write the folder of one element; returns the exit code."""
+    """Write the folder of one element; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("element", help="name of a row of the table of elements")
     name = parser.parse_args(argv).element.upper()
@@ -116,7 +119,9 @@ def main(argv=None):
         sys.exit(f"generate.py: no file src/elements/elmt_*.f90 has a row with name='{name}'")
     count = int((re.search(r"deck_nodes=(\d+)", row) or [0, 0])[1])
     if count and count not in NODES:
-        sys.exit(f"generate.py: describe the {count} nodes of {name} by a line of NODES")
+        sys.exit(
+            f"generate.py: the {count} nodes of {name} need a line in NODES that describes them"
+        )
     if count:
         mesh, gradient = box(count, enhanced="nmode=" in row), LINEAR
         problem = "a box of 2 x 2 x 2 cells; nodes inside are moved off their places."
@@ -144,19 +149,19 @@ def find_row(name):
 
 
 def box(count, enhanced, n=2):
-    """Records of materials, nodes, elements and the displacement of the boundary."""
+    """Records of the materials, nodes, elements and the displacement of the boundary."""
     rng = np.random.default_rng(count)
     ncorner, means = NODES[count]
     size = np.array([1.0, 1.2, 0.8])
     corners = []
     for k, j, i in itertools.product(range(n + 1), repeat=3):
         at = np.array([i, j, k])
-        move = rng.uniform(-0.2, 0.2, 3) * (at > 0) * (at < n)  # on the boundary along it
+        move = rng.uniform(-0.2, 0.2, 3) * (at > 0) * (at < n)  # nodes of the boundary stay on it
         corners.append(size * (at + move) / n)
     x, number, elements = [], {}, []
 
     def node(ids):
-        """Number of the node in the mean of some corners."""
+        """Number of the node at the mean of some corners."""
         if ids not in number:
             number[ids] = len(x) + 1
             x.append(np.mean([corners[a] for a in ids], axis=0))
@@ -180,7 +185,7 @@ def box(count, enhanced, n=2):
     lines += [f"  {a} 0  {numbers(p)}" for a, p in enumerate(x, 1)]
     lines += ["", "ELEMents"]
     for e, nodes in enumerate(elements, 1):
-        fields = [str(e), "0", "m", *map(str, nodes)]  # FEAP reads 16 numbers a record
+        fields = [str(e), "0", "m", *map(str, nodes)]  # FEAP reads 16 numbers per record
         lines += ["  " + " ".join(fields[a : a + 16]) for a in range(0, len(fields), 16)]
     lines += ["", "BOUNdary", *(f"  {a} 0  1 1 1" for a in held)]
     lines += ["", "DISPlacements", *(f"  {a} 0  {numbers(LINEAR @ x[a - 1])}" for a in held), ""]
@@ -216,7 +221,7 @@ def stress(gradient, finite):
 
 
 def numbers(values, between=" "):
-    """Reals with all their digits."""
+    """Real numbers with all their digits."""
     return between.join(repr(float(v)) for v in values)
 
 

@@ -1,6 +1,6 @@
 """Recipe for Spack. UNTESTED: nobody has built it yet.
 
-Copy it to packages/bezel/ of a repository of Spack, and give `url` or `git` the place of the sources.
+Copy it to packages/bezel/ of a Spack repository, and set `url` or `git` to where the sources are.
 """
 
 from spack.package import MakefilePackage, depends_on, license, version

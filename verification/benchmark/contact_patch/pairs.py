@@ -1,4 +1,4 @@
-"""Write pairs.inp: one pair of blocks for each pair of surface types.
+"""Write pairs.inp, with one pair of blocks for each pair of surface types.
 
 python -m verification.benchmark.contact_patch.pairs
 """
@@ -20,9 +20,9 @@ HEAD = """FEAP ** Patch test of contact: two blocks with meshes that do not matc
   ndm = 3
 ! Written by pairs.py.
 ! Problem: pairs of unit blocks, one on the other, guided at their sides and pressed together; all pairs
-!          stand in the same place and know nothing of each other.
+!          occupy the same place but do not interact with each other.
 ! Units:   any consistent ones (length 1, modulus 1).
-! Answer:  uniaxial strain, one stress everywhere: both blocks shorten by (0.2 - p/eps)/2, p the pressure.
+! Answer:  uniaxial strain and a uniform stress; each block shortens by (0.2 - p/eps)/2, p: pressure.
 
 PARAmeters
   q = 3                            ! integration points of a surface element, in each direction
@@ -61,7 +61,7 @@ STOP
 
 
 def block(name, z, knots, lines, face):
-    """A unit block whose knots differ from those of the block that it touches."""
+    """A unit block whose knots differ from those of the block in contact with it."""
     rows = [
         f"PATCh,{name}",
         f"  BOX 0 0 {z}  1 1 1",

@@ -1,13 +1,12 @@
-"""Error and cost of using more integration points everywhere, and of subcells at the contact
+"""Error and cost of using more integration points everywhere, and of using subcells at the contact
 boundary.
-
     python -m verification.benchmark.contact_refine.study [PROGRAM]
 
-It twists the hemisphere of section 5.3 on mesh 1, with and without friction: q1e9_q1n2.inp of
-section5_contact with q x q points, and refined.inp with q x q points and subcells. It prints and
-writes study.csv: the root mean square over all steps of the difference from a run with 20 x 20 points
-in every element, relative to the largest value of that run; the iterations; and the seconds in total
-and in contact, which depend on the machine.
+It twists the hemisphere of section 5.3 on mesh 1, with and without friction: with q1e9_q1n2.inp of
+section5_contact and q x q points, and with refined.inp, q x q points and subcells. It prints and
+writes study.csv: the root mean square over all steps of the difference from a run with 20 x 20
+points in every element, relative to the largest value of that run; the iterations; and the seconds
+in total and for contact, which depend on the machine.
 """
 
 import csv
@@ -61,8 +60,8 @@ def run(bezel, q, cells, mu):
 
 
 def difference(curve, fine, name, mu):
-    """Root mean square of the difference over the steps of the fine run; without friction, only
-    that of the force.
+    """Root mean square of the difference at the steps of the fine run; without friction, only the
+    force is compared.
     """
     if mu == 0 and name != "force":
         return "-"

@@ -1,4 +1,4 @@
-"""Write curves.csv: forces over openings of the quick decks of cz_point, cz_beams and cz_peel.
+"""Write curves.csv: forces against openings for the quick decks of cz_point, cz_beams and cz_peel.
 
 python -m verification.benchmark.cz_beams.curves [--bezel build/release/bezel]
 """
@@ -29,7 +29,7 @@ RUNS = [
 
 
 def main():
-    """One row for each step of each run."""
+    """Write one row for each step of each run."""
     parser = argparse.ArgumentParser(
         prog="python -m verification.benchmark.cz_beams.curves", description=__doc__.splitlines()[0]
     )

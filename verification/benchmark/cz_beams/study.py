@@ -2,9 +2,9 @@
 
     python -m verification.benchmark.cz_beams.study [--bezel build/release/bezel]
 
-For a bond strength and an element size, a row gives the mean and the scatter of the force relative
-to theory while the crack grows, the iterations, the cut-backs, the fraction of the bond released at
-the end, and whether the run stopped early.
+For each bond strength and element size, a row gives the mean and the scatter of the force, relative
+to theory, while the crack grows; the iterations; the cut-backs; the fraction of the bond released
+at the end; and whether the run stopped early.
 """
 
 import argparse

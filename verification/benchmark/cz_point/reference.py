@@ -1,11 +1,12 @@
-"""Write reference/<law>_<phi>.csv: forces of cz_point from the published formulas, step by step.
+"""Write reference/<law>_<phi>.csv: the forces of cz_point from the published formulas, at each
+step.
 
     python -m verification.benchmark.cz_point.reference
 
-The path of the opening is that of batch.inc. The laws are those of Corbett and Sauer 2015, eq. (31); of
-van den Bosch et al. 2006 with the largest openings in place of the current ones; and of Park, Paulino
-and Roesler 2009, whose tractions are derivatives of a potential (computed here by complex steps, so
-that nothing is derived by hand).
+The path of the opening is that of batch.inc. The laws are those of Corbett and Sauer 2015, eq.
+(31); of van den Bosch et al. 2006, with the largest openings in place of the current ones; and of
+Park, Paulino and Roesler 2009, whose tractions are the derivatives of a potential, computed here by
+complex steps so that the reference does not rely on derivatives by hand.
 """
 
 import csv
@@ -21,7 +22,7 @@ PHI = [0, 45, 90]
 
 
 def exponential(gn, gt, worst):
-    """Eq. (31): the traction at the current opening."""
+    """Eq. (31) at the current opening."""
     r = math.hypot(gn, gt)
     return T0 / G0 * math.exp(1 - r / G0) * np.array([gn, gt])
 
@@ -33,7 +34,9 @@ def irreversible(gn, gt, worst):
 
 
 def mixed(gn, gt, worst):
-    """Van den Bosch et al.: phi_n, phi_t, delta_n, delta_t; damage by the largest openings."""
+    """Van den Bosch et al., with phi_n, phi_t, delta_n, delta_t; the largest openings cause the
+    damage.
+    """
     dn, dt = G0, math.sqrt(2) * 0.8 * G0
     phi_n, phi_t = math.e * T0 * G0, math.sqrt(math.e) * 1.5 * T0 * 0.8 * G0
     worst[:] = np.maximum(worst, [gn, gt])
@@ -75,7 +78,7 @@ def potential(gn, gt, normal):
         last = phi[i] / strength[i] * a * ratio * (1 - ratio) ** (a - 1)
         last *= (a / m + 1) * (ratio * a / m + 1) ** (m - 1)
         rest = max(phi[i] - phi[1 - i], 0)
-        # phi_t is the larger energy: Gamma_n = (alpha/m)^m, Gamma_t = -phi_t (beta/n)^n
+        # phi_t is the larger energy, so Gamma_n = (alpha/m)^m and Gamma_t = -phi_t (beta/n)^n
         gamma = (a / m) ** m * (1 if i == 0 else -phi[1])
         x = g / last
         inside = gamma * (1 - x) ** a * (m / a + x) ** m if x.real < 1 else 0

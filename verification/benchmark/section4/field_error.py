@@ -1,4 +1,4 @@
-"""Errors of one solution of the cube relative to another one, over its volume and over the face x =
+"""Errors of one solution of the cube relative to another, over the volume and over the face x =
 0.5.
 
 Displacements come from the result file and are evaluated with the functions of the cells. Stresses
@@ -11,7 +11,7 @@ from post import _grid
 from post._table import read_table
 
 FACE = 0.5  # x of the face that is enriched first
-ORDER = 4  # Gauss points a direction in each cell
+ORDER = 4  # Gauss points per direction in each cell
 
 
 def gauss(n, low, high):
@@ -21,7 +21,7 @@ def gauss(n, low, high):
 
 
 def _product(x, y, z):
-    """(npoint, 4): x, y, z, weight; each direction is a list of (points, weights)."""
+    """(npoint, 4) with x, y, z and weight; each argument is a list of (points, weights)."""
     lines = [np.concatenate([np.stack(part, 1) for part in d]) for d in (x, y, z)]
     return np.array(
         [
@@ -33,8 +33,10 @@ def _product(x, y, z):
     )
 
 
-#: Points where stresses are compared, none of which lies on an element boundary of any mesh. The face
-#: excludes the quarters of its height near the clamped ends, where stresses are singular.
+#: Points where stresses are compared; none of them lies on an element boundary of any mesh. On the
+#: face,
+#: the quarters of its height next to the clamped ends are excluded, since stresses are singular
+#: there.
 POINTS = {
     "volume": _product([gauss(4, 0, 0.5)], [gauss(6, 0, 0.5)], [gauss(4, 0, 0.5), gauss(4, 0.5, 1)]),
     "face": _product([(np.array([FACE]), np.ones(1))], [gauss(6, 0, 0.5)], [gauss(8, 0.25, 0.75)]),
@@ -45,7 +47,9 @@ class Solution:
     """The final state of a run of the cube."""
 
     def __init__(self, stem, exact=False):
-        """stem: that of its files; exact: prepare for `at`, which needs boxes of equal size."""
+        """stem: the stem of the run's files; exact: prepare for `at`, which needs cells of equal
+        size.
+        """
         self.stem = stem
         self.grid = _grid.load(f"{stem}.vtkhdf")[0]
         self.u = np.asarray(self.grid.point_data["displacement"], float)
@@ -68,7 +72,9 @@ class Solution:
         return {"volume": mises[:n], "face": mises[n:]}
 
     def errors(self, best):
-        """{column: relative error in L2}; for the face, the displacement along its normal is used."""
+        """{column: relative L2 error}; on the face, only the displacement along its normal is
+        compared.
+        """
         x, u, w = self.samples(on_face=False)
         found = {"displacement_volume": _norm(u - best.at(x), w) / _norm(best.at(x), w)}
         x, u, w = self.samples(on_face=True)
@@ -81,8 +87,8 @@ class Solution:
         return found
 
     def samples(self, on_face):
-        """Positions (n,3), displacements (n,3) and weights (n) at the Gauss points of all cells, or of
-        their sides on the face.
+        """Positions (n,3), displacements (n,3) and weights (n) at the Gauss points of all cells or,
+        with `on_face`, of their sides on the face.
         """
         x, u, w = [], [], []
         known = {}
@@ -110,7 +116,9 @@ class Solution:
         return self.grid.celltypes[i], () if degree is None else tuple(degree[i])
 
     def _prepare(self):
-        """Bezier coefficients by lattice: coefficient[cell] (p+1, p+1, p+1, 3)."""
+        """Bezier coefficients in the order of the lattice of cells: coefficient[cell] (p+1, p+1,
+        p+1, 3).
+        """
         low = np.array([self.x[ids].min(0) for ids in self.cells])
         self.h = self.x[self.cells[0]].max(0) - low[0]
         p = round(len(self.cells[0]) ** (1 / 3)) - 1
@@ -146,7 +154,9 @@ def _sides(on_face):
 
 
 def _rule(cell, side):
-    """(values (nq, npoint), their parametric derivatives, weights (nq)) of a cell or of its side."""
+    """(values (nq, npoint), their parametric derivatives, weights (nq)) of a cell or of its
+    side.
+    """
     t, w = gauss(ORDER, 0.0, 1.0)
     free = [d for d in range(3) if side is None or d != side[0]]
     points, weights = [], []
@@ -157,7 +167,7 @@ def _rule(cell, side):
         point[free] = t[list(index)]
         points.append(point)
         weights.append(np.prod(w[list(index)]))
-    step = 1e-4  # the functions are at most cubic: central differences are accurate to 1e-8
+    step = 1e-4  # the functions are at most cubic, so central differences are accurate to 1e-8
     slopes = [
         (_values(cell, points + step * np.eye(3)[d]) - _values(cell, points - step * np.eye(3)[d])) / (2 * step)
         for d in free

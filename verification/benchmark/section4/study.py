@@ -1,8 +1,9 @@
-"""Studies of doc/verification/section4.md other than the forces of results.csv:
+"""Those studies of doc/verification/section4.md that are not about the forces of results.csv:
 
     python3 -m verification.benchmark.section4.study symmetry field locking hourglass
 
-Each study runs decks of this folder and writes <study>.csv beside them. `field` needs pyvista (.venv).
+Each study runs decks of this folder and writes <study>.csv beside them. `field` needs pyvista
+(.venv).
 """
 
 import argparse
@@ -37,7 +38,9 @@ class Runner:
         self.bezel, self.out = bezel, out
 
     def run(self, deck, *wanted, **settings):
-        """The stem of the results; an unexpected exit code is an error."""
+        """Run a deck and return the stem of its results; stop if the exit code is none of
+        `wanted`.
+        """
         run = checks.new_run(HERE, {"deck": str(deck), "set": settings, "time_limit": 3600})
         print(run.name, flush=True)
         outcome = checks.execute(self.bezel, self.out, run)
@@ -56,8 +59,8 @@ def report(stem):
 
 
 def symmetry(runner):
-    """Section 4.1: a quarter of the cube, without C1 continuity across symmetry planes, and the
-    whole cube, with it.
+    """Section 4.1: a quarter of the cube, without C1 continuity across the symmetry planes, and the
+    whole cube, which has it.
     """
     for (test, u), n in itertools.product(TESTS.items(), (1, 2, 4, 8)):
         quarter = 4 * force(runner.run("iga2.inp", n=n, u=u))
@@ -70,8 +73,8 @@ def symmetry(runner):
 
 def locking(runner):
     """Compression of a nearly incompressible cube by two per cent, with cubic splines as the
-    reference. (Few element types reach a compression of a quarter: the clamped edges are too
-    singular.)
+    reference. (Few element types can be compressed by a quarter, because the edges of the clamped
+    faces are too singular.)
     """
     meshes = [(e, n, 2) for e in ELEMENTS for n in (1, 2, 4, 8)] + [
         ("IGA3", n, 3) for n in (2, 4, 8)
@@ -89,7 +92,7 @@ def locking(runner):
 
 
 def _automatic(runner, name):
-    """A deck of this folder with automatic steps, down to a hundredth of its step size."""
+    """A deck of this folder with automatic steps, as small as a hundredth of its step size."""
     text = (HERE / f"{name}.inp").read_text()
     text = re.sub(r"  FACTor.*\n", "", text)  # the pivots of every iteration are needed
     text = text.replace("  LOOP,time", "  AUTO,,0.01/steps,1/steps\n  LOOP,time")
@@ -97,8 +100,8 @@ def _automatic(runner, name):
 
 
 def hourglass(runner):
-    """Compression in steps of one per cent, until even a hundredth of such a step does not
-    converge; also the first unstable state.
+    """Compression in steps of one per cent, until the run does not converge even with a hundredth
+    of such a step; and the first unstable state.
     """
     types = ["Q1", "Q1N2 on 1+", "Q1E9", "Q1E9+Q1E9N2 on 1+", "Q1E9+Q1E9N2 on 1+ and 2+",
              "Q1E9+Q1E9N2 tapered on 1+ and 2+", "IGA2"]  # fmt: skip
@@ -136,7 +139,7 @@ def field(runner):
 
 
 def _field_deck(runner, name):
-    """A deck of this folder that also writes its last state and the stresses at points."""
+    """A deck of this folder that also writes its last state, and the stresses at points."""
     from verification.benchmark.section4.field_error import POINTS
 
     text = (HERE / f"{name}.inp").read_text()

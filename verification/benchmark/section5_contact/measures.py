@@ -1,4 +1,5 @@
-"""The tables of doc/verification/section5_contact.md, from runs/*.dat and runs/summary.csv.
+"""The tables of doc/verification/section5_contact.md, computed from runs/*.dat and
+runs/summary.csv.
 
     .venv/bin/python -m verification.benchmark.section5_contact.measures [--write]
 
@@ -19,9 +20,8 @@ from verification.page import put_table
 HERE = TOP / "verification/benchmark/section5_contact"
 PAGE = TOP / "doc/verification/section5_contact.md"
 MESHES = ("1", "2", "3")
-STICK = (
-    0.03  # fraction of sticking points below which a side counts as sliding: the pole never slides
-)
+#: A side slides if a smaller fraction of its points sticks; not zero, since the pole never slides.
+STICK = 0.03
 
 
 def main():
@@ -51,13 +51,13 @@ def table(heading, rows):
 
 
 def over_meshes(value, have, key):
-    """`value` for each mesh, or a dash for a mesh without a run."""
+    """`value` for each mesh, with a dash for a mesh without a run."""
     return [value(have[key(m)]) if key(m) in have else "-" for m in MESHES]
 
 
 def cost(rows):
-    """Steps, iterations per step, seconds, and the share of the time that contact takes, for meshes
-    1 to 3.
+    """Steps, iterations per step, seconds, and the percentage of the seconds spent on contact, for
+    meshes 1 to 3.
     """
     shown = []
     for mu in (0.0, 0.5):
@@ -84,7 +84,7 @@ def reached(row):
 
 
 def tractions(rows):
-    """Table 5: the values of the paper, our values, and the difference."""
+    """Table 5: the values of the paper, our values, and their difference."""
     lines = (HERE / "table5.csv").read_text().splitlines()
     shown = []
     for r in csv.DictReader(line for line in lines if not line.startswith("#")):
@@ -101,7 +101,7 @@ def tractions(rows):
 
 
 def slopes(have, key, value):
-    """Slopes between successive meshes over the number of dofs, on logarithmic scales."""
+    """Slopes over the number of dofs between successive meshes, on logarithmic scales."""
     got = [have.get(key(m)) for m in MESHES]
     return [
         f"{-np.log(value(b) / value(a)) / np.log(b.dofs / a.dofs):.2f}" if a and b else "-"
@@ -110,7 +110,9 @@ def slopes(have, key, value):
 
 
 def torque(runs):
-    """Without friction: largest torque, order, and deviation from periodicity and antisymmetry."""
+    """Without friction: the largest torque, its order, and the errors of periodicity and
+    antisymmetry.
+    """
     shown = []
     for e in DOFS:
         key = lambda m, e=e: (m, e, 0.0)
@@ -129,8 +131,8 @@ def torque(runs):
 
 
 def defects(run):
-    """max |M(t+90) - M(t)| and max |M(90-t) + M(t)| over max |M|, on both sides, every 3
-    degrees.
+    """Errors of 90-degree periodicity and of antisymmetry of the torque M at angle t: the largest
+    |M(t+90) - M(t)| and |M(90-t) + M(t)| over the largest |M|, for both sides, every 3 degrees.
     """
     if run.degrees[-1] < 180 - 1e-6:
         return "-", "-"
@@ -143,8 +145,8 @@ def defects(run):
 
 
 def force(runs):
-    """Without friction: mean force on the hemisphere and on the block, and the error of their
-    mean.
+    """Without friction: the mean force on the hemisphere and on the block, and the error of the
+    mean of both.
     """
     plain = Runs(list(runs.values()), False)
     reference, words = reference_force(plain)
@@ -161,7 +163,9 @@ def force(runs):
 
 
 def friction(runs):
-    """With friction: torque from 120 degrees on, its deviation, and the angle of full sliding."""
+    """With friction: the torque from 120 degrees on, its deviation, and the angle of full
+    sliding.
+    """
     shown = []
     for e in DOFS:
         key = lambda m, e=e: (m, e, 0.5)
@@ -183,8 +187,8 @@ def late(run):
 
 
 def plateau(run):
-    """Mean torque from 120 degrees on, for the hemisphere and the block, both positive in the sense
-    in which the block is turned.
+    """Mean torque from 120 degrees on, for the hemisphere and for the block; both are positive in
+    the sense in which the block is turned.
     """
     x = run.degrees[late(run)]
     return [abs(np.trapezoid(t[late(run)], x)) / (x[-1] - x[0]) for t in run.torque]
@@ -199,13 +203,13 @@ def at_plateau(run):
 
 
 def sliding_from(run):
-    """The angle from which on almost no point of the side sticks."""
+    """The angle from which on almost no point of a side sticks."""
     return [from_angle(run, side, STICK) for side in (1, 2)]
 
 
 def all_sliding_from(run):
-    """The angle from which on no point of the side sticks except the one under the pole, whose
-    share is the smallest nonzero one of the hemisphere.
+    """The angles from which on no point sticks: on the hemisphere except at its pole, and on the
+    block. The share of the point at the pole is taken to be the smallest nonzero share that sticks.
     """
     shares, turned = sticking(run, 1)
     pole = shares[(shares > 0) & (turned > 0)].min()
@@ -213,8 +217,8 @@ def all_sliding_from(run):
 
 
 def from_angle(run, side, share):
-    """The angle from which on at most this share of the points of a side sticks; 180 if there is no
-    such angle.
+    """The angle from which on at most this share of the points of a side sticks, or 180 if there is
+    none.
     """
     shares, turned = sticking(run, side)
     above = np.flatnonzero((shares > share) & (turned > 0))
@@ -222,7 +226,7 @@ def from_angle(run, side, share):
 
 
 def sticking(run, side):
-    """The share of points in contact that stick, and the angle, for each step."""
+    """(share of the points in contact that stick, angle) for each step."""
     columns = read_table(HERE / f"runs/{run.mesh}_{run.elements}_{run.mu:g}.dat").columns
     return columns[f"contact_sole_{side}_stick"], columns["factor_2"] * 180
 

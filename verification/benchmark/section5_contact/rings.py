@@ -1,10 +1,11 @@
-"""How far the points of the hemisphere are from sliding: |t_t|/(mu p) in rings, for doc/verification/section5_contact.md.
+"""How close the points of the hemisphere are to sliding: |t_t|/(mu p) in rings, for
+doc/verification/section5_contact.md.
 
     .venv/bin/python -m verification.benchmark.section5_contact.rings
 
-It turns Q1E9+Q1N2, mesh 2, to 30, 57 and 93 degrees (three runs of a few seconds) and prints the
-mean over the smoothed values of the hemisphere's surface that lie within 0.06 of a radius about the
-axis, in the deformed state.
+It runs Q1E9+Q1N2 on mesh 2 up to rotations of 30, 57 and 93 degrees (three runs of a few seconds).
+For several radii about the axis it prints the mean of the smoothed values at those points of the
+hemisphere whose radius in the deformed state differs by less than 0.06.
 """
 
 import sys

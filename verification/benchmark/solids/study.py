@@ -1,10 +1,10 @@
-"""Tables of doc/verification/solids.md: elements of mesh files in bending.
+"""Tables of doc/verification/solids.md: elements of mesh files, tested in bending.
 
     python3 -m verification.benchmark.solids.study [--bezel build/release/bezel] [--out build/solids] [--write]
 
-Cook's panel and a slender cantilever have n cells over the height; each cell is filled with hexahedra,
-wedges, tetrahedra or pyramids. `--write` puts the tables into the page; `--small` writes the meshes and
-decks of expect.toml into this folder.
+Cook's panel and a slender cantilever have n cells over the height; each cell is filled with
+hexahedra, wedges, tetrahedra or pyramids. `--write` puts the tables into the page. `--small` writes
+the meshes and decks of expect.toml into this folder.
 """
 
 import argparse
@@ -20,14 +20,14 @@ from verification.patch.mesh_files import make
 
 HERE = TOP / "verification/benchmark/solids"
 PAGE = TOP / "doc/verification/solids.md"
-#: element: what fills a cell, as make.py names it
+#: element: the type of cell filling, as make.py names it
 FILL = {
     "TET4": "tetrahedra", "WEDGE6": "wedges", "PYRAMID5 and TET4": "pyramids", "Q1": "hexahedra",
     "Q1E9": "hexahedra", "TET10": "tetrahedra",
 }  # fmt: skip
-EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3)]  # of TET10, Gmsh's order
+EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3)]  # edges of TET10, in Gmsh's order
 TET10 = 11
-LENGTH = 10  # length of the beam relative to its height
+LENGTH = 10  # ratio of the length to the height of the beam
 SMALL = [
     ("cook", 4, ("TET4", "WEDGE6", "PYRAMID5 and TET4", "TET10")),
     ("beam", 2, ("TET4", "Q1E9", "TET10")),
@@ -115,7 +115,7 @@ STOP
 
 
 def nodes_and_cells(problem, n):
-    """Nodes of the grid, the number of node (i, j, k), and the cells of each direction."""
+    """Nodes of the grid, the number of node (i, j, k), and the numbers of cells per direction."""
     count = np.array([n, n, 1] if problem == "cook" else [5 * n, n, n])
     x, number = make.grid(count, np.zeros(3), np.ones(3), 0.0, np.random.default_rng(0))
     x = np.array(x)
@@ -146,7 +146,7 @@ def build(problem, element, n):
         elements = [(TET10, c + [middle(c[a], c[b]) for a, b in EDGES]) for _, c in elements]
     for (
         f
-    ) in faces:  # equal fractions for its nodes, or for the midside nodes of a quadratic triangle
+    ) in faces:  # the nodes share the force equally; of a quadratic triangle, the midside nodes do
         own = [middle(f[i], f[i - 1]) for i in range(3)] if element == "TET10" else f
         for a in own:
             share[a] = share.get(a, 0.0) + area(x, f) / total / len(own)
@@ -160,7 +160,7 @@ def area(x, face):
 
 
 def write(folder, problem, element, n):
-    """Write mesh and deck; return the deck and the number of nodes."""
+    """Write the mesh and the deck; return the deck and the number of nodes."""
     x, elements, share = build(problem, element, n)
     stem = f"{problem}_{element.split()[0].lower()}" + ("" if folder == HERE else f"_{n}")
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(x))]
@@ -201,7 +201,7 @@ def timoshenko(nu, e=1000, force=1, length=LENGTH):
 
 
 def tables(o):
-    """{name: lines} of the page."""
+    """{name of a table of the page: its lines}"""
     found = {"cook": table((4, 8, 16), lambda *at: cook_small(o, *at))}
     found["locked"] = table((4, 8, 16), lambda *at: cook_finite(o, *at))
     for name, nu in (("beam", 0.3), ("beam_locked", 0.4999)):
@@ -224,7 +224,7 @@ def beam(o, nu, element, n):
 
 
 def table(meshes, value):
-    """A row per element, a column per mesh."""
+    """One row per element, one column per mesh."""
     lines = [
         "| element | " + " | ".join(f"n = {n}" for n in meshes) + " |",
         "|---" * (len(meshes) + 1) + "|",

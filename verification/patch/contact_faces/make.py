@@ -3,21 +3,21 @@
     python -m verification.patch.contact_faces.make [--bezel PROGRAM] [--keep DIR] [NAME ...]
     python -m verification.patch.contact_faces.make --write
 
-A block of one element type stands on a block of another element type. The inner nodes of both
-blocks are moved at random; on the common face z = 0, triangles are arbitrary, but quadrilaterals
-are rectangles of different sizes, unless the case is `distorted`: then they are arbitrary too, and
-more points are used, because their maps are not polynomials. Two states are exact:
+A block of one element type stands on a block of another. The inner nodes of both blocks are moved
+at random. On the common face z = 0 triangles are arbitrary, but quadrilaterals are rectangles of
+different sizes, except in cases named `distorted`, where they are arbitrary too; since their maps
+are then not polynomials, more integration points are used. Two states are exact:
 
   pressed  a pressure on top, a support that slides below, free sides (uniaxial stress)
-  sheared  all nodes of both blocks but those inside the common face follow a homogeneous
-           deformation with shear in two steps, at small strains; the upper block is shifted by the
-           penetration p/eps and by the elastic slip t/eps of friction that sticks. Both blocks have
-           a margin, so that the inner part of their faces stays covered
+  sheared  all nodes of both blocks, except those inside the common face, follow a homogeneous
+           deformation with shear in two steps, at small strains; the upper block is also shifted
+           by the penetration p/eps and by the elastic slip t/eps of sticking friction. Both blocks
+           have a margin, so that the inner part of their faces always remains covered
 
-It prints the largest relative errors of the normal forces of both sides, of the stress (with shear
-those of friction too) and of the pressure (fields, worst point). Cases whose name contains a NAME
-are run, or all cases if no NAME is given. --write writes the decks, meshes and the expect.toml of
-this folder, a choice of the cases.
+It prints the largest relative errors of the normal forces on both sides (with shear, also of the
+friction forces), of the stress, and of the pressure (both fields, at the worst point). The cases
+run are those whose name contains a NAME, or all if no NAME is given. --write writes the decks, the
+meshes and the expect.toml of this folder, for a selection of the cases.
 """
 
 import itertools
@@ -34,16 +34,17 @@ from verification.patch.mesh_files.make import FACES, SIDES, save
 
 EPS = 100.0
 A = np.array([[0.02, 0.03, 0.06], [-0.01, -0.01, 0.04], [0.0, 0.0, -0.05]])  # displacement gradient
-# Types of Gmsh: corners and the middles of edges, as pairs of corners, in its order.
+# Gmsh's types: corners, and the midpoints of edges as pairs of corners, in Gmsh's order.
 EDGES = {2: [(0, 1), (1, 2), (2, 0)], 4: [(0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3)]}
 QUADRATIC = {2: 9, 4: 11}
-# Elements of a cell whose lower plane has the corners 0 to 3, counter-clockwise.
+# Elements that fill a cell whose lower plane has the corners 0 to 3, counter-clockwise.
 FILL = {
     "hexahedra": [(5, [0, 1, 2, 3, 4, 5, 6, 7])],
-    "wedges": [(6, [0, 1, 2, 4, 5, 6]), (6, [0, 2, 3, 4, 6, 7])],  # triangles below and above
-    "wedges-flat": [(6, [0, 1, 5, 3, 2, 6]), (6, [0, 5, 4, 3, 6, 7])],  # quadrilaterals there
+    "wedges": [(6, [0, 1, 2, 4, 5, 6]), (6, [0, 2, 3, 4, 6, 7])],  # with triangles below and above
+    "wedges-flat": [(6, [0, 1, 5, 3, 2, 6]), (6, [0, 5, 4, 3, 6, 7])],  # with quadrilaterals there
     "pyramids": [(7, [*side, 8]) for side in SIDES],
-    # Three around corner 6: triangles at 1+, 2+ and above; every other cell is a mirror image.
+    # Three pyramids around corner 6: triangles at 1+, 2+ and above; every other cell is a mirror
+    # image.
     "pyramids-apex": [(7, [0, 1, 2, 3, 6]), (7, [0, 4, 5, 1, 6]), (7, [0, 3, 7, 4, 6])],
     "tet4": [(4, [0, *pair, 6]) for pair in ([1, 2], [2, 3], [3, 7], [7, 4], [4, 5], [5, 1])],
 }
@@ -51,15 +52,15 @@ FILL["tet10"] = FILL["tet4"]
 FILL["hanging"] = FILL["hexahedra"]
 QUADS = {"hexahedra", "wedges-flat", "pyramids", "hanging"}  # quadrilaterals on the common face
 FINE = "  QUADrature 12 12"
-AMOUNT = 0.22  # largest move of a node, relative to the smaller cell beside it
+AMOUNT = 0.22  # largest displacement of a node, relative to the smaller cell beside it
 
 
 class Block:
-    """A block below or above z = 0, over the unit square and a margin, and its mesh."""
+    """A block below or above z = 0, over the unit square and a margin around it, with its mesh."""
 
     def __init__(self, name, kind, n, upper, seed, margin=0.0, distorted=False):
         self.name, self.kind, self.upper, self.margin = name, kind, upper, margin
-        self.straight = kind in QUADS and not distorted  # grid lines remain lines
+        self.straight = kind in QUADS and not distorted  # then grid lines remain straight
         rng = np.random.default_rng(seed)
         self.x, self.elements, self.hanging = [], [], []
         lines = [np.linspace(0, 1, m + 1) for m in n]
@@ -81,7 +82,7 @@ class Block:
         self.x = np.array(self.x)
 
     def _grid(self, lines, rng):
-        """Fill the cells between the coordinates of `lines`; returns the number of each node."""
+        """Fill the cells between the coordinates in `lines`; return the number of each node."""
         corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]  # fmt: skip
         n = [len(x) - 1 for x in lines]
         number = {}
@@ -99,7 +100,7 @@ class Block:
             if self.kind == "pyramids":
                 self.x.append(list(np.mean([self.x[a] for a in corner], axis=0)))
                 corner.append(len(self.x) - 1)
-            if self.kind == "pyramids-apex":  # the apex above or below, at the common face
+            if self.kind == "pyramids-apex":  # with the apex, above or below, on the common face
                 mirror = [i % 2, j % 2, k % 2 if not self.upper else 1 - k % 2]
                 if not self.upper:
                     mirror[2] = (n[2] - 1 - k) % 2
@@ -109,7 +110,7 @@ class Block:
         return number
 
     def _two_grids(self, lines, rng):
-        """A coarse grid beside one that is twice as fine and whose nodes on the common face
+        """A coarse grid beside one that is twice as fine, whose nodes on their common plane
         hang.
         """
         middle = len(lines[0]) // 2
@@ -135,7 +136,7 @@ class Block:
         self.hanging = [(number[s], [(number[m], w) for m, w in ms]) for s, ms in self.hanging]
 
     def _orient(self):
-        """Elements that are mirror images are reversed."""
+        """Reverse the elements that are mirror images."""
         for e, (g, c) in enumerate(self.elements):
             x = np.array([self.x[a] for a in c])
             ends = {4: (1, 2, 3), 5: (1, 3, 4), 6: (1, 2, 3), 7: (1, 3, 4)}[g]
@@ -339,7 +340,7 @@ CHOICE = ["pressed-tet4-1x1-hexahedra-10x10", "pressed-tet10-3x2-tet10-4x5", "pr
 
 
 def write_choice():
-    """The decks of this folder and their expect.toml."""
+    """Write the decks of this folder and their expect.toml."""
     here = pathlib.Path(__file__).resolve().parent
     lines = ["# Written by make.py.", 'title  = "Patch tests of contact on every type of face"']
     lines += ['source = "uniform states of neo-Hooke and of Hooke in closed form"', ""]
@@ -351,7 +352,7 @@ def write_choice():
         lines += ['field = "stress"', f"want  = {[float(c) for c in stress]}"]
         lines += [f"abs   = {1e-8 * abs(stress[2]):.1e}", ""]
         wants = [(f"force, side {k}", f"contact_joint_{k}_force_3", sign * force) for k, sign in ((1, 1), (2, -1))]  # fmt: skip
-        if case.state == "pressed":  # the largest pressure, on the current area
+        if case.state == "pressed":  # the largest pressure, per current area
             wants += [(f"pressure, side {k}", f"contact_joint_{k}_pressure", case.p) for k in (1, 2)]  # fmt: skip
         for what, column, want in wants:
             lines += ["[[check]]", f'name   = "{case.name}: {what}"', f'deck   = "{stem}.inp"']

@@ -8,13 +8,14 @@ which is uniform:
 
   flat     a flat common surface; pressure on top, a support that slides below. The blocks are free at
            their sides (uniaxial stress) or, where a layer consists of several bodies, guided there
-           (uniaxial strain). Layers of several bodies cover each other's elements in part.
+           (uniaxial strain). Bodies of such layers cover some elements of the other in part.
   curved   a curved common surface that both bodies represent exactly; the same following pressure on
            all other faces (hydrostatic stress). The penetration g = p/eps changes areas by g/R.
 
-It prints the largest relative errors of the forces of both sides, of the stress and of the pressure
-(fields, worst point). Cases whose name contains a NAME are run, or all cases if no NAME is given.
---write writes the decks and the expect.toml of this folder, a choice of the cases.
+It prints the largest relative errors of the forces on both sides, of the stress and of the pressure
+(both fields, at the worst point). The cases run are those whose name contains a NAME, or all if no
+NAME is given. --write writes the decks and the expect.toml of this folder, for a selection of the
+cases.
 """
 
 import argparse
@@ -31,7 +32,7 @@ from post._table import read_table
 from verification import TOP
 
 MU, LAME = 0.5 / 1.3, 0.3 / (1.3 * 0.4)  # E = 1, nu = 0.3
-# Strongly distorted elements have no polynomial maps: an exact result needs more points.
+# The maps of strongly distorted elements are not polynomials: exact results need more points.
 FINE = "  QUADrature 12 12"
 TYPES = {
     "q1": ["TYPE Q1"],
@@ -47,7 +48,7 @@ TYPES = {
 
 
 def root(function, low, high):
-    """A zero between two arguments, by bisection."""
+    """A zero of the function between two arguments, by bisection."""
     for _ in range(200):
         middle = 0.5 * (low + high)
         if (function(low) > 0) == (function(middle) > 0):
@@ -58,14 +59,14 @@ def root(function, low, high):
 
 
 def hydrostatic(p):
-    """The stretch of neo-Hooke under the pressure p."""
+    """The stretch of a neo-Hookean body under the pressure p."""
     return root(lambda s: (MU * (s * s - 1) + 3 * LAME * math.log(s)) / s**3 + p, 0.5, 1.0)
 
 
 def uniaxial(p):
-    """Stretches across and along a bar under the axial pressure p."""
+    """The stretches across and along a bar under the axial pressure p."""
 
-    def across(s):  # s along the bar: no stress across
+    def across(s):  # for the stretch s along the bar, from zero stress across it
         return root(lambda t: MU * (t * t - 1) + LAME * math.log(t * t * s), 0.5, 2.0)
 
     s = root(lambda s: MU * (s * s - 1) + LAME * math.log(across(s) ** 2 * s) + p * across(s) ** 2 * s, 0.5, 1.0)  # fmt: skip
@@ -73,13 +74,13 @@ def uniaxial(p):
 
 
 def guided(p):
-    """Stresses across and along a guided bar under the axial pressure p."""
+    """The stresses across and along a laterally guided bar under the axial pressure p."""
     s = root(lambda s: (MU * (s * s - 1) + LAME * math.log(s)) / s + p, 0.5, 1.0)
     return LAME * math.log(s) / s, -p
 
 
 class Body:
-    """A body between two surfaces over a quadrilateral in the plane."""
+    """A body between two surfaces, over a quadrilateral in the plane."""
 
     def __init__(self, name, kind, n, corners, low, high, warp=0.0, face="3+"):
         self.name, self.kind, self.n, self.face = name, kind, n, face
@@ -90,7 +91,9 @@ class Body:
         return 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
     def xml(self):
-        """Biquadratic in the plane, inner control points moved by `warp`; linear across it."""
+        """Biquadratic in the plane, with inner control points moved by `warp`, and linear across
+        it.
+        """
         rows = []
         for k in (0, 1):
             plane = []
@@ -140,7 +143,7 @@ class Body:
 
 
 def control_heights(plane, z):
-    """Bezier heights that interpolate z at the points of the parameters 0, 1/2, 1."""
+    """Bezier heights that interpolate z at the parameters 0, 1/2 and 1 of each direction."""
     b = np.array([[1, 0, 0], [0.25, 0.5, 0.25], [0, 0, 1]])
     inner = np.einsum(
         "ij,kl,jlc->ikc", b, b, plane.reshape(3, 3, 2)
@@ -225,7 +228,7 @@ class Case:
         (folder / f"{stem}.inp").write_text(self.deck(stem))
 
     def exact(self):
-        """The stress, and the force on a unit of reference area."""
+        """The stress, and the force per unit of reference area."""
         if self.state == "hydrostatic":
             return [-self.p, -self.p, -self.p, 0, 0, 0], self.p * hydrostatic(self.p) ** 2
         if self.state == "free":
@@ -349,7 +352,7 @@ CHOICE = ["flat-q1e9-iga2-3x2-4x5", "flat-q2-q1n3-10x10-1x1", "distorted0.3-q1",
 
 
 def write_choice():
-    """The decks of this folder and their expect.toml."""
+    """Write the decks of this folder and their expect.toml."""
     here = pathlib.Path(__file__).resolve().parent
     lines = [
         "# Written by make.py.",
@@ -390,7 +393,7 @@ def command(description, cases, write, argv):
     """Run the cases that the arguments name and print their errors, or write a selection of them.
 
     A case has a `name`, a `rule` (a further record of CONTact) and `run(bezel, folder)`, which
-    returns its relative errors, or None and the reason.
+    returns its relative errors, or None and the reason for the failure.
     """
     o = argparse.ArgumentParser(description=description.splitlines()[0])
     o.add_argument("--bezel", default=str(TOP / "build/release/bezel"))

@@ -20,8 +20,8 @@ SIDES = [[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [
 
 
 def grid(n, low, size, amount, rng):
-    """The nodes of a box of n cells, with inner nodes moved at random, and the number of node (i,
-    j, k).
+    """The nodes of a box of n cells, with inner nodes moved at random, and the numbers of the nodes
+    by (i, j, k).
     """
     x = []
     for k, j, i in itertools.product(*(range(m + 1) for m in n[::-1])):
@@ -32,15 +32,15 @@ def grid(n, low, size, amount, rng):
 
 
 def fill(kind, x, c, rng=None):
-    """Elements (Gmsh type, nodes) of the cell with the corners c; the apex of pyramids is random."""
+    """Elements (Gmsh type, nodes) of the cell with the corners c; pyramids have a random apex."""
     if kind == "hexahedra":
         return [(5, c)]
     if kind == "wedges":
         return [(6, [c[a] for a in ids]) for ids in ([0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7])]
-    if kind == "tetrahedra":  # six around the diagonal
+    if kind == "tetrahedra":  # six of them around the diagonal
         paths = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
         return [(4, [c[a] for a in ids]) for ids in paths]
-    middle = len(x)  # pyramids; the lowest one is two tetrahedra
+    middle = len(x)  # pyramids; two tetrahedra take the place of the lowest one
     x.append(np.mean([x[a] for a in c], axis=0) + (rng.uniform(-0.02, 0.02, 3) if rng else 0))
     low, *others = ([c[a] for a in side] for side in SIDES)
     halves = [(4, [low[0], low[1], low[2], middle]), (4, [low[0], low[2], low[3], middle])]
@@ -66,7 +66,9 @@ def boundary(elements):
 
 
 def write(name, x, elements, label, hanging=(), inner=()):
-    """Write Gmsh 2.2 with the groups body and skin, and the affine displacement of the skin."""
+    """Write a Gmsh 2.2 file with the groups body and skin, and the affine displacement of the
+    skin.
+    """
     skin = [face for face in boundary(elements) if not set(face) & set(inner)]
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2", '3 1 "body"']
     lines += ['2 2 "skin"', "$EndPhysicalNames", "$Nodes", str(len(x))]
@@ -78,7 +80,7 @@ def write(name, x, elements, label, hanging=(), inner=()):
     save(HERE / f"{name}.msh", [*lines, "$EndElements"])
     place = {
         a: i for i, a in enumerate(np.argsort(label), 1)
-    }  # nodes of the deck follow the labels
+    }  # deck nodes are numbered in the order of the labels
     held = sorted({a for f in skin for a in f}, key=place.get)
     lines = ["BOUNdary", *(f"  {place[a]} 0  1 1 1" for a in held), "", "DISPlacements"]
     lines += [
@@ -107,8 +109,8 @@ def mixed():
 
 
 def hanging():
-    """On the common face, the nodes of the fine block hang on nodes of the coarse block, some of
-    them in a chain.
+    """On the common face, nodes of the fine block hang on nodes of the coarse block; some of them
+    form a chain.
     """
     rng = np.random.default_rng(5)
     coarse, fine = np.array([1, 2, 2]), np.array([2, 4, 4])
@@ -141,7 +143,7 @@ def hanging():
 
 
 def tetrahedra(name, quadratic):
-    """A cube of tetrahedra of 4 or 10 nodes with the groups bottom and top."""
+    """A cube of tetrahedra with 4 or 10 nodes, and the groups bottom and top."""
     rng = np.random.default_rng(1)
     n = np.array([3, 3, 2])
     x, number = grid(n, np.zeros(3), np.ones(3), 0.2, rng)

@@ -1,20 +1,21 @@
-"""Write the files of this case: an L-shaped body of three blocks with a layer under a smooth
+"""Write the files of this case: an L-shaped body of three blocks, with a layer below a smooth
 surface.
 
     python -m verification.patch.spline.make
 
-The surface is that of the boundary of 24 hexahedra: a closed net of 56 quadrilaterals whose corners
-have 3, 4 or 5 edges. Its Bezier points are combinations of the points of the net: face points with
-weights (n, 2, 2, 1)/(n + 5), edge points as the mean of two face points, corners as the mean of n
-face points. Where n = 4, this is the uniform bicubic B-spline.
+The surface follows from the boundary of 24 hexahedra, a closed net of 56 quadrilaterals at whose
+corners 3, 4 or 5 edges meet. With n the number of edges at a corner, the Bezier points are
+combinations of the points of the net: face points with weights (n, 2, 2, 1)/(n + 5), edge points as
+the mean of two face points, corners as the mean of n face points. Where n = 4, this is the uniform
+bicubic B-spline.
 
     surface.bxt  the surface, BEXT 2.0
-    layer.txt    inner nodes of its elements
+    layer.txt    the inner nodes of the elements of the surface
     core.inc     the 24 hexahedra
     affine.inc   an affine displacement of all control points
     split.bxt, split.txt, split.inc, hanging.txt
-                 the same with two elements of the surface split into four, whose inner nodes hang
-                 on the hexahedra below
+        the same for a surface with two elements split into four, whose inner nodes hang on the
+        hexahedra below
 """
 
 import itertools
@@ -25,7 +26,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 CELLS = [(i, j, k) for i, j in ((0, 0), (1, 0), (0, 1)) for k in (0,)]
 PARTS = 2  # cells of a block in each direction
 SPLIT = (2, 2, 2)  # two of the five elements at this corner are split in one of the two surfaces
-PUSH = 0.6  # of a cell: how far the net lies outside the hexahedra
+PUSH = 0.6  # distance of the net from the hexahedra, relative to a cell
 GRADIENT = ((0.20, 0.05, -0.03), (0.04, -0.10, 0.06), (-0.02, 0.03, 0.15))
 FACES = {
     (-1, 0, 0): (0, 4, 7, 3),
@@ -53,7 +54,7 @@ def add(x, y):
 
 
 def hexahedra():
-    """Lattice points of each hexahedron, and of each face on the boundary with its normal."""
+    """Lattice points of each hexahedron, and of each boundary face together with its normal."""
     small = sorted(
         tuple(PARTS * c + d for c, d in zip(cell, part, strict=True))
         for cell in CELLS
@@ -70,11 +71,11 @@ def hexahedra():
 
 
 class Net:
-    """Quadrilaterals, their corners counter-clockwise seen from outside."""
+    """A net of quadrilaterals, whose corners are counter-clockwise seen from outside."""
 
     def __init__(self, quads):
         self.quads = quads
-        self.round = {}  # corner of the net: quadrilaterals there
+        self.round = {}  # corner of the net: the quadrilaterals around it
         for q, quad in enumerate(quads):
             for v in quad:
                 self.round.setdefault(v, []).append(q)
@@ -86,7 +87,7 @@ class Net:
         return {u: w / (n + 5) for u, w in weights}
 
     def edge_point(self, v, u):
-        """The point on the edge from v to u that is near v."""
+        """The point near v on the edge from v to u."""
         return mean([self.face_point(q, v) for q in self.round[v] if u in self.quads[q]])
 
     def corner(self, v):
@@ -114,7 +115,7 @@ def mean(points):
 
 
 def bext(nodes, elements):
-    """BEXT 2.0 of elements (node numbers from 1, a row of coefficients each)."""
+    """BEXT 2.0 text of elements given as (node numbers from 1, one row of coefficients each)."""
     vectors, groups = {}, {}
     for ids, rows in elements:
         groups.setdefault(len(ids), []).append((ids, rows))
@@ -141,7 +142,7 @@ def layer(inner):
 
 
 class Hanging:
-    """Nodes at the centres of edges and faces, found by their masters."""
+    """Nodes at the centres of edges and faces, identified by their masters."""
 
     def __init__(self, last, chosen):
         self.last = last
@@ -157,7 +158,7 @@ def middle(points):
 
 
 def split(element, inner, hanging):
-    """Four elements with the same functions, or the element itself if it is not split."""
+    """Four elements with the same functions, or just the element if it is not split."""
     ids, rows = element
     if inner not in hanging.chosen:
         return [(element, inner)]
@@ -171,14 +172,14 @@ def split(element, inner, hanging):
 
 
 def half(row, i, j):
-    """Bernstein coefficients on a quarter of the element."""
+    """The Bernstein coefficients on a quarter of the element."""
     lines = [line(row[4 * k : 4 * k + 4], i) for k in range(4)]
     columns = [line([p[k] for p in lines], j) for k in range(4)]
     return tuple(columns[k][n] for n in range(4) for k in range(4))
 
 
 def line(p, side):
-    """Coefficients of one half by de Casteljau's algorithm."""
+    """The coefficients on one half, by de Casteljau's algorithm."""
     left, right = [], []
     while p:
         left.append(p[0])
