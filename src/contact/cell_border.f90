@@ -1,11 +1,11 @@
-!> Borders of a cell: corrects the corners of a polygon with straight edges, and bends its edges
-!! where the elements are curved.
+!> Borders of cells: moves the corners of a cell, a polygon with straight edges, to their exact
+!! positions, and bends its edges where the elements are curved.
 !!
 !! An edge of a cell lies on an edge of its own facet, which is straight in the chart of the element
-!! (surface_chart), or comes from an edge of a facet of the other side. In the second case, points
-!! are found that face the other edge exactly: the line from such a point to the edge is normal to
-!! the other surface, so that projections change there from one element to the next. Two cells that
-!! share an edge find the same points on it.
+!! (surface_chart), or comes from an edge of a facet of the other side. In the second case, this
+!! module finds the points of this side that face that edge exactly: the line from such a point to
+!! the edge is normal to the other surface. At these points, projections change from one element to
+!! the next. Two cells that share an edge find the same points on it.
 module cell_border
   use base_kinds, only: wp
   use contact_pair, only: surface_t
@@ -17,21 +17,22 @@ module cell_border
   private
   public :: part_t, find_border, bend_functions, NBEND
 
-  integer, parameter :: NBEND = 8            !! points of an edge between its ends
+  integer, parameter :: NBEND = 8 !! points between the ends of an edge at which its shape is found
   !> Largest correction of a point of an edge or of a corner, relative to the size of the facet.
   real(wp), parameter :: MOST_BEND = 0.25_wp
-  real(wp), parameter :: STRAIGHT = 1.0e-13_wp !! rounding of parameters
+  real(wp), parameter :: STRAIGHT = 1.0e-13_wp !! a smaller deviation is due to rounding
   real(wp), parameter :: CONVERGED = 1.0e-13_wp, STALLED = 1.0e-9_wp
   !> Edges count as parallel if the sine of the angle between them is smaller than this.
   real(wp), parameter :: PARALLEL = 1.0e-3_wp
   integer, parameter :: MOST_STEPS = 12      !! of Newton's method
-  !> Parameters that are constant on edges 1 to 4 of a facet, counter-clockwise.
+  !> Index of the parameter that is constant on each of the edges 1 to 4 of a facet, which are
+  !! numbered counter-clockwise.
   integer, parameter :: FIXED(4) = [2, 1, 2, 1]
 
-  !> A part of an element.
+  !> A part of an element, given by ranges of its parameters.
   type :: part_t
     integer :: elem = 0
-    real(wp) :: from(2) = 0.0_wp, to(2) = 0.0_wp !! ranges of the parameters
+    real(wp) :: from(2) = 0.0_wp, to(2) = 0.0_wp
   end type part_t
 
 contains
@@ -78,8 +79,8 @@ contains
     type(part_t), intent(in) :: mine, theirs
     integer, intent(in) :: m                    !! number of corners
     integer, intent(in) :: tag(:)               !! (m)
-    real(wp), intent(inout) :: xi(:, :)         !! (2, m) parameters of this side's part
-    real(wp), intent(inout) :: zeta(:, :)       !! (2, m) of the other side's part, on its edges
+    real(wp), intent(inout) :: xi(:, :) !! (2, m) corners, as parameters of this side's part
+    real(wp), intent(inout) :: zeta(:, :) !! (2, m) corners on edges of the other side's part
     !> Deviations of the edges in the chart of the element, in the form that integrate_polygon
     !! expects.
     real(wp), intent(out) :: bend(2, NBEND, MOST_CORNERS)
@@ -193,7 +194,7 @@ contains
     bend = 0.0_wp
     side = collapsed_side(own, mine%elem)
     opposite_side = collapsed_side(other, elem)
-    off = xi                                 ! corners may lie beside the edge
+    off = xi                                 ! corners may lie slightly off the edge
     call find_facing(own, shape, mine, other, opposite, elem, zeta, off)
     off_to = xi_to
     call find_facing(own, shape, mine, other, opposite, elem, zeta_to, off_to)
@@ -212,7 +213,7 @@ contains
         return
       end if
       bend(:, k) = to_chart(side, at) - line
-      if (k == 2 .and. maxval(abs(bend(:, :2))) < STRAIGHT) exit ! an affine map
+      if (k == 2 .and. maxval(abs(bend(:, :2))) < STRAIGHT) exit ! the map is affine
     end do
   end subroutine find_bend
 

@@ -17,7 +17,7 @@ module contact_active
   public :: pairs_t, new_pairs, need_pair, find_pair, forget_need, has_idle, prune_pairs, &
             pair_clique, map_pairs, project_side, follow_silent
 
-  !> Positions in the tangent matrix of the blocks of one pair.
+  !> Positions of the blocks of one pair in the tangent matrix.
   type :: map_t
     integer, allocatable :: at(:, :)     !! (nk, nl)
     integer, allocatable :: back(:, :)   !! (nl, nk) with BALAnced: rows of the partner
@@ -34,7 +34,7 @@ module contact_active
     integer, allocatable :: partner(:)   !! (>= n) element of the other side
     integer, allocatable :: used(:)      !! (>= n) last step in which the pair was needed
     type(map_t), allocatable :: map(:)   !! (n) positions in the current pattern
-    type(map_t), allocatable :: self(:)  !! (nelem) of each element that has pairs, with itself
+    type(map_t), allocatable :: self(:)  !! (nelem) for elements with pairs: their diagonal blocks
   end type pairs_t
 
 contains
@@ -95,7 +95,7 @@ contains
     has_idle = any(pairs%used(:pairs%n) < step)
   end function has_idle
 
-  !> Begin a step, or repeat it: no pair counts as needed in it so far.
+  !> Begin a step, or repeat it: no pair has been needed in it so far.
   pure subroutine forget_need(pairs)
     type(pairs_t), intent(inout) :: pairs
 
@@ -123,15 +123,15 @@ contains
     pairs%n = m
   end subroutine prune_pairs
 
-  !> List the nodes that are coupled, for the pattern: one column for each pair, or one for each
-  !! element that has pairs if its partners are coupled too. Unused entries of a column repeat its
-  !! first node.
+  !> List the coupled nodes for the sparsity pattern. There is one column for each pair or, if the
+  !! partners of an element are coupled to each other, one for each element that has pairs. Unused
+  !! entries of a column repeat its first node.
   subroutine pair_clique(pairs, own, other, whole, clique)
     type(pairs_t), intent(in) :: pairs
     type(surface_t), intent(in) :: own, other
-    logical, intent(in) :: whole         !! are the partners of an element coupled too?
+    logical, intent(in) :: whole         !! are the partners of an element coupled to each other?
     type(clique_t), intent(out) :: clique
-    integer, allocatable :: mark(:)      ! the column that a node was put into last
+    integer, allocatable :: mark(:)      ! the last column to which a node was appended
     integer, allocatable :: conn(:, :), length(:)
     integer :: e, i, n, npair(size(pairs%head))
 

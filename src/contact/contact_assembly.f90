@@ -29,8 +29,8 @@ module contact_assembly
   public :: contact_work_t, new_contact_work, begin_contact, find_contact, contact_cliques, &
             map_contact, add_contact, accept_contact, friction_acts
 
-  integer, parameter, public :: CLIQUES = 4  !! groups of couplings of a contact
-  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the step
+  integer, parameter, public :: CLIQUES = 4  !! groups of couplings of each contact
+  real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the time step
 
   !> Projections of the points of one side onto the other side.
   type :: feet_t
@@ -39,18 +39,18 @@ module contact_assembly
 
   !> Work space of one contact.
   type :: contact_work_t
-    integer :: step = -1                 !! of the last projection
+    integer :: step = -1                 !! step of the last projection
     type(shape_t) :: shape(2)
     type(grid_t) :: grid(2)
     type(feet_t) :: feet(2)
     type(pairs_t) :: pairs(2)
     type(work_t) :: element(2)
-    !> Surfaces at the start of the step, on which points that enter in this step get their sliding
-    !! points.
-    logical :: started = .false.         !! they have been found in this step
+    !> Surfaces at the start of the step. Points that come into contact in this step get their
+    !! sliding points on them.
+    logical :: started = .false.         !! the surfaces have been found in this step
     type(shape_t) :: start(2)
     type(grid_t) :: start_grid(2)
-    type(mortar_t) :: mortar             !! of MORTar
+    type(mortar_t) :: mortar             !! work space of the mortar scheme
   end type contact_work_t
 
 contains
@@ -95,7 +95,7 @@ contains
     end do
   end subroutine begin_contact
 
-  !> Does friction act in this step? It acts in all steps that start at AFTEr or later.
+  !> Does friction act in this step? It acts in all steps that start at the time AFTEr or later.
   pure logical function friction_acts(contact, state) result(acts)
     type(contact_t), intent(in) :: contact
     type(state_t), intent(in) :: state
@@ -112,7 +112,7 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     logical, intent(out) :: grown
-    logical, intent(in), optional :: only_forces   !! of a line search
+    logical, intent(in), optional :: only_forces   !! for a line search, which needs no tangent
     real(wp), allocatable :: x(:, :)
     logical :: slides, trial
     integer :: c, k
@@ -155,7 +155,7 @@ contains
     type(contact_work_t), intent(inout) :: work
     type(model_t), intent(in) :: model
     integer, intent(in) :: c, k                !! side k of contact c
-    real(wp), intent(in) :: u_step(:, :)       !! (3, nnode) displacements at its start [L]
+    real(wp), intent(in) :: u_step(:, :)       !! (3, nnode) at the start of the step [L]
     type(contact_points_t), intent(inout) :: points
     real(wp), allocatable :: x(:, :)
     integer :: i
@@ -172,7 +172,7 @@ contains
     end associate
   end subroutine enter_slides
 
-  !> Pairs of elements that are coupled by the points in contact.
+  !> Mark the pairs of elements that the points in contact couple.
   subroutine need_pairs(work, contact, k, x, points, slides, step, grown)
     type(contact_work_t), intent(inout) :: work
     type(contact_t), intent(in) :: contact
@@ -210,8 +210,8 @@ contains
     end do
   end subroutine need_pairs
 
-  !> Couplings for the sparsity pattern, in CLIQUES groups for each contact. Pairs that this step
-  !! does not need are removed.
+  !> List the couplings for the sparsity pattern, in CLIQUES groups for each contact, and remove the
+  !! pairs that this step does not need.
   subroutine contact_cliques(work, model, step, clique)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -236,7 +236,7 @@ contains
     end do
   end subroutine contact_cliques
 
-  !> Find the positions of the couplings in a new pattern.
+  !> Find the positions of all couplings in a new matrix.
   subroutine map_contact(work, model, a)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model
@@ -261,7 +261,7 @@ contains
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
     real(wp), intent(inout) :: rounding, largest   !! see sweep_t
-    logical, intent(in), optional :: only_forces   !! MORTar: the tangent is not wanted
+    logical, intent(in), optional :: only_forces   !! with MORTar, do not add the tangent
     real(wp), allocatable :: x(:, :)
     logical :: tangent
     integer :: c, k
@@ -294,7 +294,8 @@ contains
   end subroutine add_contact
 
   !> Positions relative to the origin of the model. Differences of reference positions are used, so
-  !! that small displacements are not lost to rounding in a model far from zero.
+  !! that small displacements are not lost to rounding in a model far from the origin of its
+  !! coordinates.
   pure function positions(model, u) result(x)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: u(:, :)      !! (3, nnode) [L]

@@ -2,16 +2,16 @@
 !!
 !! If each multiplier took over the pressure of its own point, the multipliers would rise until no
 !! point of either side penetrates. There are more points than nodes, and both sides are integrated.
-!! If the two meshes do not match, one of the surfaces would then get all multipliers and the other
-!! one none, and different forces would act on the two bodies. Therefore pressures and penetrations
-!! are first smoothed with the functions of the surfaces. Augmentation then makes two quantities
-!! vanish, the mean of the penetrations of both sides and the difference of their pressures. The
-!! increments of the multipliers are
+!! Therefore, if the two meshes do not match, the multipliers of one surface would grow at the
+!! expense of those of the other surface until these are zero, and different forces would act on the
+!! two bodies. To avoid this, pressures and penetrations are first smoothed with the functions of
+!! the surfaces. Augmentation then makes two quantities vanish: the mean of the penetrations of both
+!! sides and the difference of their pressures. The increments of the multipliers are
 !!
 !!   rise_1 = (d_1 + d_2)/2 - (p_1 - p_2)/2,   rise_2 = (d_1 + d_2)/2 + (p_1 - p_2)/2,
 !!
-!! where p is the pressure and d = p - multiplier is the part of it due to the penetration. For a
-!! body on a rigid surface, rise = d.
+!! where p is the pressure and d = p - multiplier is the part of p that is due to the penetration.
+!! For a body on a rigid surface, rise = d.
 module contact_augment
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, MORTAR, contact_points_t
@@ -22,13 +22,13 @@ module contact_augment
   private
   public :: rise_t, find_rise, take_rise, share_penalty
 
-  !> MORTar with AUGMent: smallest fraction of the penalty that acts at the control points, whose
-  !! multipliers take over the pressure.
+  !> Smallest fraction of the penalty that acts at the control points with MORTar and AUGMent. The
+  !! multipliers of the control points take over the pressure.
   real(wp), parameter :: AT_CONTROL_POINTS = 0.9_wp
 
   !> Increments of the multipliers of one side.
   type :: rise_t
-    real(wp), allocatable :: at(:)     !! (np) [F/L^2]; (0) if the side is rigid
+    real(wp), allocatable :: at(:)     !! (np) [F/L^2]; size 0 if the side is rigid
   end type rise_t
 
 contains
@@ -42,7 +42,7 @@ contains
     real(wp) :: d, p
     integer :: e, i, k, q
 
-    if (contact%scheme == MORTAR) then ! its multipliers are pressures of control points
+    if (contact%scheme == MORTAR) then ! the multipliers are pressures of control points
       do k = 1, 2
         rise(k)%at = state%control(k)%pressure - state%control(k)%multiplier
       end do
@@ -116,9 +116,9 @@ contains
     end associate
   end function value_at
 
-  !> In a deck with AUGMent, let a penalty act at control points too. The penalty at points stays as
-  !! it is, because a control point whose support is larger than the contact area bears nothing: its
-  !! mean gap is positive.
+  !> With AUGMent, let a penalty act at the control points too. The penalty at the points is not
+  !! reduced: a control point whose support is larger than the contact area has a positive mean gap
+  !! and therefore bears no load.
   pure subroutine share_penalty(contact)
     type(contact_t), intent(inout) :: contact
 

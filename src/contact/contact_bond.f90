@@ -26,14 +26,14 @@ module contact_bond
   public :: find_bonds, find_opened_bonds, bond_traction_t, find_bond_traction, needs_projection
 
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
-  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! rounding of positions computed in two ways
+  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! relative rounding error of the positions
 
   !> Traction of a bonded point per reference area, and its derivatives.
   type :: bond_traction_t
     real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
     real(wp) :: dtdg(3, 3) = 0.0_wp    !! with respect to g [F/L^3]
     real(wp) :: dtda(3, 3, 2) = 0.0_wp !! with respect to the tangents of l at the partner
-    real(wp) :: p = 0.0_wp             !! part of t that is the pressure of the penalty [F/L^2]
+    real(wp) :: p = 0.0_wp             !! the part of t that is the pressure of the penalty [F/L^2]
     real(wp) :: energy = 0.0_wp        !! energy of this pressure [F/L]
     real(wp) :: gap = 0.0_wp           !! n . g [L]
     !> Weight of the normal law and of the friction law at the current projection.
@@ -85,14 +85,14 @@ contains
     end do
   end subroutine find_bonds
 
-  !> Find the bonded points whose gap at the start is an opening at which the traction no longer
-  !! increases: these bonds soften, or are broken, before anything has moved.
+  !> Find the bonded points whose initial gap is so large that the traction of the bond no longer
+  !! increases with the opening. Such bonds soften, or are broken, before anything has moved.
   subroutine find_opened_bonds(contact, xr, state, n, widest, strongest)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :)          !! (3, nnode) [L]
     type(contact_state_t), intent(in) :: state !! after find_bonds
     integer, intent(out) :: n                 !! number of these points
-    real(wp), intent(out) :: widest           !! largest gap of these points [L]
+    real(wp), intent(out) :: widest           !! largest initial gap of these points [L]
     real(wp), intent(out) :: strongest        !! opening with the largest traction [L]
     type(work_t) :: work
     real(wp) :: x(3), up(3, 2), area, partner(3), normal(3), low
@@ -130,7 +130,7 @@ contains
     end do
   end subroutine find_opened_bonds
 
-  !> Does the traction of a bond still increase at a normal opening?
+  !> Does the traction of a bond still increase at the given normal opening?
   logical function stiffens(contact, opening)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: opening           !! [L]
@@ -143,7 +143,7 @@ contains
     stiffens = c%dtdg(3, 3) < 0.0_wp
   end function stiffens
 
-  !> Does a reference point lie in all regions, and in none of the excepted ones?
+  !> Does a reference point lie in all regions of BONDed, and in none of the excepted ones?
   pure logical function is_inside(bond, x)
     type(bond_t), intent(in) :: bond(:)
     real(wp), intent(in) :: x(3)
@@ -200,10 +200,10 @@ contains
     points%bond_traction(:, i) = bond%t
     if (.not. contact%on_pair) return
 
-    ! The penalty acts along the partner's normal until half of the opening of release is reached.
-    ! From there to the opening of release, the penalty at the current projection gradually replaces
-    ! it. If points load both surfaces, the opening at the start of the step is used, because the
-    ! elements of the partner and of the projection are not coupled.
+    ! The penalty acts along the partner's normal until the bond has opened by half of the opening
+    ! at which it is released. Between this half and the full opening, the penalty at the current
+    ! projection gradually replaces it. If points load both surfaces, the opening at the start of
+    ! the step is used, because the elements of the partner and of the projection are not coupled.
     bond%gap = dot_product(n, g)
     r = norm2(g)
     if (contact%balanced) r = points%opening_step(i)
@@ -227,7 +227,8 @@ contains
     points%bond_traction(:, i) = bond%t
   end subroutine find_bond_traction
 
-  !> Does the contact law act at the projection of bonded point i when it is at the position `at`?
+  !> Does the contact law act at the projection of bonded point i if the point is at the position
+  !! `at`?
   pure subroutine needs_projection(contact, other, x, i, at, points, work, needed)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: other

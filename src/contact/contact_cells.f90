@@ -1,13 +1,13 @@
-!> Cells of a surface: its elements, cut along the borders of the elements that they touch.
+!> Cells of a surface: its elements, cut along the borders of the elements of the other surface.
 !!
 !! An integrand that depends on both surfaces has kinks at the borders of the elements of the other
 !! surface. Gauss points of whole elements integrate it badly: blocks with different meshes then
-!! miss the patch test (Puso and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are
-!! divided into facets that are nearly flat (contact_facets); each facet of the integrated side is
+!! fail the patch test (Puso and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are
+!! divided into facets that are nearly flat (contact_facets). Each facet of the integrated side is
 !! clipped, in its own plane, by the facets of the other side that face it, and the pieces are
-!! mapped back to the chart of the element (surface_chart): its parameters or, on a triangle,
-!! coordinates of the triangle. Parts of a facet beyond the border of the other surface belong to no
-!! cell.
+!! mapped back to the chart of the element (surface_chart), whose coordinates are the parameters or,
+!! on a triangle, coordinates of the triangle. Parts of a facet beyond the border of the other
+!! surface belong to no cell.
 !!
 !! The points of the cells have reference areas as weights, so that only the positions vary as long
 !! as the cells are kept.
@@ -26,19 +26,19 @@ module contact_cells
   private
   public :: cells_t, cut_cells
 
-  real(wp), parameter :: NO_AREA = 1.0e-12_wp  !! of a piece, relative to its facet
+  real(wp), parameter :: NO_AREA = 1.0e-12_wp  !! negligible area of a piece, relative to its facet
   real(wp), parameter :: ON_EDGE = 1.0e-10_wp  !! distance to an edge, relative to its length
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp  !! of the number of points that a piece needs
-  !> Relative error that the integration over a cell may have where the functions of a side are not
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp  !! when a number of points is rounded up
+  !> Permitted relative error of the integration over a cell where the functions of a side are not
   !! polynomials.
   real(wp), parameter :: ACCURACY = 1.0e-10_wp
-  real(wp), parameter :: EVEN = 1.0e-8_wp      !! a smaller change is due to rounding
+  real(wp), parameter :: EVEN = 1.0e-8_wp !! a smaller change of the tangents is due to rounding
   real(wp), parameter :: MOST_UNEVEN = 0.9_wp
   integer, parameter :: MOST_STEPS = 20        !! of Newton's method
-  integer, parameter :: USUAL_POINTS = 5       !! of QUADrature
+  integer, parameter :: USUAL_POINTS = 5       !! default of QUADrature
   !> A piece whose map is not a polynomial has one more point in each direction by default. If an
   !! exact result would need more than MANY further points, as on strongly deformed surfaces, the
-  !! piece has no further point, because these points would cost more than the accuracy is worth.
+  !! piece gets none, because they would cost more than the accuracy is worth.
   integer, parameter :: MANY = 5
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
@@ -49,7 +49,7 @@ module contact_cells
     real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) of order n
     real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
     integer :: least = 1                    !! points needed for polynomials of both surfaces
-    integer :: further = 0                  !! points that QUADrature asks for beyond the usual ones
+    integer :: further = 0                  !! points of QUADrature beyond the default
     integer :: whole = 1                    !! points of a whole element
   end type rule_t
 
@@ -77,7 +77,7 @@ contains
     type(shape_t), intent(in) :: shape(2)   !! of both sides
     type(shape_t), intent(in) :: reference  !! of side k, before it deformed
     type(facets_t), intent(in) :: facets(2) !! of both sides
-    real(wp), intent(in) :: reach           !! [L] facets farther apart do not touch
+    real(wp), intent(in) :: reach           !! facets farther apart than this do not touch [L]
     type(cells_t), intent(inout) :: cells   !! replaces the earlier cells
     real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
     real(wp) :: point(2, MOST_POINTS), weight(MOST_POINTS)
@@ -170,15 +170,15 @@ contains
   end subroutine find_rule
 
   !> Number of Gauss points, in each direction, of a piece of facet i that faces facet j of the
-  !! other side. A whole element has the points of QUADrature; a small piece has only those that it
-  !! needs.
+  !! other side. A whole element has as many points as QUADrature gives; a small piece has only as
+  !! many as it needs.
   pure integer function order_of_piece(rule, corner, part, mine, i, theirs, j) result(n)
     type(rule_t), intent(in) :: rule
     real(wp), intent(in) :: corner(:, :)    !! (2, m) in the chart of the element
     type(part_t), intent(in) :: part        !! facet i
     type(facets_t), intent(in) :: mine, theirs
     integer, intent(in) :: i, j
-    real(wp) :: fraction, other_fraction    ! width of the piece over those of the facets
+    real(wp) :: fraction, other_fraction    ! width of the piece, relative to the facets
     integer :: order
 
     n = ceiling(rule%whole*sqrt(0.25_wp*max(0.0_wp, signed_area(corner))) - ROUNDING)
@@ -191,9 +191,9 @@ contains
     n = min(max(n, rule%least + order), MOST_ORDER)
   end function order_of_piece
 
-  !> Number of Gauss points that are needed in addition to those for polynomials, if tangents change
-  !! by the fraction r over a cell. If n points integrate 1/(1 + r t), their error decreases with
-  !! rho^(-2n), where rho = (1 + sqrt(1 - r^2))/r.
+  !> Number of Gauss points that are needed in addition to those for polynomials, where the tangents
+  !! change by the fraction r over a cell. If n points integrate 1/(1 + r t), their error decreases
+  !! with rho^(-2n), where rho = (1 + sqrt(1 - r^2))/r.
   pure integer function further_order(r) result(n)
     real(wp), intent(in) :: r
     real(wp) :: q
@@ -256,12 +256,13 @@ contains
     frame(:, 3) = normal
   end subroutine make_frame
 
-  !> Overlap of a facet with a facet of the other side, seen along the normal of the former.
+  !> Find the overlap of a facet of this side with a facet of the other side, seen along the normal
+  !! of the facet of this side.
   pure subroutine overlap(origin, frame, quad, x, deep, high, m, corner, tag, zeta)
     real(wp), intent(in) :: origin(3), frame(3, 3)
-    real(wp), intent(in) :: quad(2, 4)    !! the facet in its plane
+    real(wp), intent(in) :: quad(2, 4)    !! the facet of this side in its plane
     real(wp), intent(in) :: x(3, 4)       !! the other facet
-    real(wp), intent(in) :: deep, high    !! [L] depth, height beyond which facets do not touch
+    real(wp), intent(in) :: deep, high    !! depth and height beyond which facets do not touch [L]
     integer, intent(out) :: m             !! number of corners; 0: no overlap
     real(wp), intent(out) :: corner(2, MOST_CORNERS)
     !> The edge after each corner is edge -tag of the facet, or edge `tag` of the other facet.
@@ -281,7 +282,7 @@ contains
     end do
     m = 0
     if (all(height > high) .or. all(height < -deep)) return
-    corner(:, :4) = seen(:, 4:1:-1)       ! reversed, as the other facet is clockwise from here
+    corner(:, :4) = seen(:, 4:1:-1)       ! reversed: seen from here, the other facet is clockwise
     tag(:4) = [3, 2, 1, 4]
     if (.not. signed_area(corner(:, :4)) > 0.0_wp) return
     m = 4
@@ -308,8 +309,8 @@ contains
     end do
   end subroutine overlap
 
-  !> Join corners that are nearer to each other than `same`: facets may have collapsed edges, and
-  !! corners may lie on edges of the other side.
+  !> Join corners that are nearer to each other than `same`. Such corners occur where a facet has a
+  !! collapsed edge, and where a corner lies on an edge of the other side.
   pure subroutine join_corners(same, m, corner, tag)
     real(wp), intent(in) :: same            !! [L]
     integer, intent(inout) :: m             !! corners; 0: nothing is left
@@ -323,7 +324,7 @@ contains
         c = c + 1
         cycle
       end if
-      call remove_corner(c, m, corner, tag) ! the one that remains takes over the edge before it
+      call remove_corner(c, m, corner, tag) ! only the edge after both corners remains
     end do
     if (m < 3) m = 0
   end subroutine join_corners

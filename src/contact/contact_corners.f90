@@ -20,9 +20,9 @@ module contact_corners
 
 contains
 
-  !> Largest penetration of the corners of side k into the other side [L]. A corner counts if one of
-  !! its elements faces the surface onto which it is projected. Corners of bonded elements are left
-  !! out, as bonded points are.
+  !> Largest penetration of the corners of side k into the other side [L]. A corner is included if
+  !! one of its elements faces the surface onto which the corner is projected. Corners of bonded
+  !! elements are left out, as bonded points are.
   pure real(wp) function deepest_corner(contact, k, shape, grid, points) result(deepest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

@@ -5,7 +5,7 @@
 !! prop(2)  opening g0 at which the traction is T0 [L]
 !! Source:  Corbett and Sauer 2015, eq. (31), after Xu and Needleman 1993. The traction is per
 !!          reference area, and the energy per area is e T0 g0 in every mixture of modes. Unloading
-!!          after Camacho and Ortiz 1996: the largest opening is found from g without its
+!!          follows Camacho and Ortiz 1996: the largest opening is found from the gap g without its
 !!          compressive part, so that compression causes no damage. When the bond has torn, only the
 !!          penalty resists compression
 module contact_cz
@@ -73,7 +73,7 @@ contains
     ds(:, 2) = 0.0_wp
   end subroutine secants
 
-  !> Potential e T0 g0 (1 - (1 + x) exp(-x)) with x = k/g0. A series is used for small x, for which
+  !> Potential e T0 g0 (1 - (1 + x) exp(-x)) with x = k/g0. For small x a series is used, because
   !! the difference would lose its digits.
   pure function potential(prop, k) result(energy)
     real(wp), intent(in) :: prop(:), k

@@ -22,8 +22,9 @@ module contact_element
 
 contains
 
-  !> Find forces and derivatives of element e of side k; the results at its points enter their
-  !! history. If no point is in contact, work%npartner is 0 and the rest of `work` is undefined.
+  !> Find forces and derivatives of element e of side k, and store the results of its points in
+  !! their history. If no point is in contact, work%npartner is 0 and the rest of `work` is
+  !! undefined.
   pure subroutine form_element(contact, k, e, x, feet, slides, points, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e

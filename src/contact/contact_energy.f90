@@ -1,11 +1,11 @@
 !> Energies that a contact stores and has dissipated, computed from its laws at the points where
 !! they act.
 !!
-!! The pressure and the elastic part of friction have potentials. In a step, slip dissipates the
-!! length of the slip times the mean of mu p at the start and at the end of the step. The cohesive
-!! laws sum up the energies of bonds (contact_secant). The work of the nodal forces differs from the
-!! sum of all these by the energy that a scheme without a potential creates, and by the error of the
-!! trapezoidal rule.
+!! The pressure and the elastic part of friction have potentials. The energy that slip dissipates in
+!! a step is the length of the slip times the mean of mu p at the start and at the end of the step.
+!! The cohesive laws sum up the energies of bonds (contact_secant). The work of the nodal forces
+!! differs from the sum of these energies by the energy that a scheme without a potential creates,
+!! and by the error of the trapezoidal rule.
 module contact_energy
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, contact_state_t

@@ -13,29 +13,29 @@ module contact_facets
 
   !> Surfaces face each other if the cosine of the angle between their normals is below this.
   real(wp), parameter, public :: FACING = -0.1_wp
-  !> A facet is divided while its normals differ by more than the angle with this cosine,
+  !> A facet is divided while its normals differ by more than the angle with this cosine.
   real(wp), parameter :: NEARLY_FLAT = 0.7_wp
-  !> A facet is divided while its edges deviate from straight ones by more than this fraction of
+  !> A facet is divided while its edges deviate from straight lines by more than this fraction of
   !! their length.
   real(wp), parameter :: NEARLY_STRAIGHT = 0.1_wp
   !> A facet is divided while its tangents change by more than this fraction from the middle to the
   !! corners.
   real(wp), parameter :: NEARLY_EVEN = 0.4_wp
-  integer, parameter :: MOST_DIVISIONS = 4     !! of an element, in one direction
+  integer, parameter :: MOST_DIVISIONS = 4 !! largest number of parts of an element in one direction
 
   !> Nearly flat quadrilaterals that cover a surface.
   type :: facets_t
     integer :: n = 0
     integer, allocatable :: elem(:)         !! (n)
-    real(wp), allocatable :: from(:, :), to(:, :) !! (2, n) ranges of the parameters
+    real(wp), allocatable :: from(:, :), to(:, :) !! (2, n) first and last parameters
     !> (3, 4, n) corners, counter-clockwise about the outward normal [L]
     real(wp), allocatable :: x(:, :, :)
     real(wp), allocatable :: normal(:, :)   !! (3, n) unit normals
-    real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) boxes [L]
+    real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) bounding boxes [L]
     !> (n) Relative change of the tangents of the chart from the middle to the corners; 0: affine.
     real(wp), allocatable :: uneven(:)
-    real(wp) :: size = 0.0_wp               !! of the largest box [L]
-    real(wp) :: least = huge(1.0_wp)        !! of the smallest one [L]
+    real(wp) :: size = 0.0_wp               !! size of the largest box [L]
+    real(wp) :: least = huge(1.0_wp)        !! size of the smallest box [L]
     !> Buckets along the longest axis of the surface, for the search.
     integer :: axis = 1
     real(wp) :: span(2) = 0.0_wp            !! range of `low` along the axis [L]
@@ -119,8 +119,8 @@ contains
             sum(abs(m(1, 1)*d(2, :) - m(1, 2)*d(1, :))))/det
   end function change
 
-  !> Number of divisions of an element in each direction that makes its parts nearly flat and their
-  !! edges nearly straight.
+  !> Smallest number of divisions in each direction that makes the parts of an element nearly flat
+  !! and their edges nearly straight.
   pure integer function divisions(surface, shape, e) result(m)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -144,7 +144,7 @@ contains
         n(:, q) = n(:, q)/max(norm2(n(:, q)), tiny(1.0_wp))
       end do
     end do
-    if (collapsed_side(surface, e) > 0) uneven = 0.0_wp ! only its parameters are uneven
+    if (collapsed_side(surface, e) > 0) uneven = 0.0_wp ! only the parameters are uneven
     turn = 1.0_wp
     bend = 0.0_wp
     do q = 1, 9
@@ -159,7 +159,7 @@ contains
       x = x - dot_product(x, n(:, 5))*n(:, 5) ! within the tangent plane
       bend = max(bend, norm2(x)/length)
     end do
-    ! the deviation decreases with the square of the number of divisions, the angle with this number
+    ! the deviation is inversely proportional to the square of m, the angle to m itself
     m = ceiling(max(sqrt(bend/NEARLY_STRAIGHT), acos(max(-1.0_wp, turn))/acos(NEARLY_FLAT), &
                     uneven/NEARLY_EVEN) - 1.0e-9_wp)
     m = max(1, min(m, MOST_DIVISIONS))
@@ -183,7 +183,7 @@ contains
     do b = 2, n + 1
       facets%bucket(b) = facets%bucket(b) + facets%bucket(b - 1)
     end do
-    do i = n, 1, -1 ! bucket(b + 1), the end of bucket b, counts down to its beginning
+    do i = n, 1, -1 ! bucket(b + 1), first the end of bucket b, is counted down to its beginning
       facets%bucket(at(i) + 1) = facets%bucket(at(i) + 1) - 1
       facets%order(facets%bucket(at(i) + 1)) = i
     end do
@@ -203,7 +203,7 @@ contains
     b = min(b, facets%n)
   end function bucket_of
 
-  !> Facets of the other side whose boxes are no farther than `reach` from that of facet i.
+  !> Facets of the other side whose boxes are no farther than `reach` from the box of facet i.
   pure subroutine find_near(mine, i, theirs, reach, near, nnear)
     type(facets_t), intent(in) :: mine, theirs
     integer, intent(in) :: i

@@ -4,8 +4,8 @@
 !! Its arrays are those of contact_points_t (contact_pair); those that end in `_step` hold the state
 !! at the start of the step. Friction keeps a sliding point on the other surface, which moves only
 !! when a step is accepted (accept_slides). See also contact_assembly (fills the arrays in an
-!! iteration), contact_smooth and contact_resultant (fields and sums from them), contact_augment
-!! (multipliers).
+!! iteration), contact_smooth and contact_resultant (compute fields and sums from them) and
+!! contact_augment (changes the multipliers).
 module contact_history
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, surface_t, &
@@ -147,8 +147,8 @@ contains
                   .or. any(state%side(2)%state_step /= OPEN)
   end function had_touched
 
-  !> Find positions of integration points of element e. The first `from` points are left out, and as
-  !! many of the next ones are taken as xp has room for.
+  !> Find positions of integration points of element e: skip the first `from` points, and take as
+  !! many of the next ones as xp has room for.
   pure subroutine side_positions(surface, e, x, xp, from)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e
@@ -232,16 +232,16 @@ contains
     end do
   end subroutine accept_slides
 
-  !> Move from the projection to the place from which the tangential vector to the point is
-  !! `elastic`, so that the traction stays the same if the load stays the same. On a curved surface,
-  !! a single step along the tangents would miss that place.
+  !> Move the sliding point from the projection to the position from which the tangential vector to
+  !! the point is `elastic`, so that the traction stays the same if the load stays the same. On a
+  !! curved surface, a single step along the tangents would miss that position.
   pure subroutine trail_behind(other, shape, x, foot, elastic, elem, xi)
     type(surface_t), intent(in) :: other
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)                 !! the point [L]
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: elastic(3)           !! [L]
-    integer, intent(inout) :: elem               !! on entry, that of the projection
+    integer, intent(inout) :: elem               !! on entry, the element of the projection
     real(wp), intent(inout) :: xi(2)
     real(wp) :: rest(3), xs(3), a(3, 2), b(3, 3), n(3), last
     real(wp) :: next_xi(2)

@@ -2,7 +2,7 @@
 !!
 !! Such a contact may be a stop that nothing should reach, so this is a note and not a warning,
 !! unless corners of elements penetrate while no integration point does. A contact with bonds is
-!! left out: its faces are meant to part.
+!! left out: its faces are meant to separate.
 module contact_missed
   use base_kinds, only: wp
   use base_log, only: note, warn
@@ -15,14 +15,14 @@ module contact_missed
   private
   public :: follow_gaps, note_missed
 
-  !> Penetration of a corner that is only rounding, and one that causes a warning, relative to the
-  !! size of an element.
+  !> Penetrations of a corner, relative to the size of an element. A penetration below NOTHING is
+  !! only rounding error; one above VISIBLE causes a warning.
   real(wp), parameter :: NOTHING = 1.0e-9_wp, VISIBLE = 1.0e-3_wp
 
 contains
 
   !> After a step is accepted, find out whether a contact has closed. If not, keep the smallest gap
-  !! so far; the gap in the reference configuration counts too, as that of step 0.
+  !! so far. The gap in the reference configuration is included as that of step 0.
   subroutine follow_gaps(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -58,7 +58,7 @@ contains
     now%nearest_step = step
   end subroutine keep_gap
 
-  !> At the end of a run: name the contacts that have not closed in any step. PENEtration, unlike
+  !> At the end of a run, name the contacts that have not closed in any step. PENEtration, unlike
   !! the gap, includes corners of elements.
   subroutine note_missed(model, state)
     type(model_t), intent(in) :: model

@@ -1,22 +1,23 @@
 !> The mortar scheme (SCHEme MORTar): one energy for the normal contact of both sides, integrated
 !! over cells.
 !!
-!! Each side k that is not rigid is integrated over its cells (contact_cells). The share c is 1/2,
-!! or 1 if the other side is rigid. N_A are the functions of its control points, g the gap to the
-!! closest point of the other side, and w the reference areas of the points:
+!! Each side k that is not rigid is integrated over its cells (contact_cells). Its share c of the
+!! energy is 1/2, or 1 if the other side is rigid. W and p are the energy and the pressure of the
+!! normal law, N_A the functions of the control points, g the gap to the closest point of the other
+!! side, and w the reference areas of the points:
 !!
 !!   E   = c sum_i w_i W(g_i; eps_1) + c sum_A a_A W(g_A; eps_2),    a_A = sum_i w_i N_A,
 !!   g_A = sum_i w_i N_A g_i/a_A,     p_i = p(g_i; eps_1) + sum_A N_A q_A,    q_A = p(g_A; eps_2).
 !!
-!! Its gradient, the force c w_i p_i n_i, acts on the point and, reversed, on its projection: the
-!! forces of the two sides are equal and opposite. The part eps_1 of the penalty acts at points and
-!! resolves the edge of the contact area. If the penalty is stiff, the rest of it, eps_2, acts at
-!! control points, where it does not lock.
+!! The gradient of E consists of forces c w_i p_i n_i. Each of them acts on its point and, reversed,
+!! on the projection of the point, so the forces of the two sides are equal and opposite. The part
+!! eps_1 of the penalty acts at points and resolves the edge of the contact area. If the penalty is
+!! stiff, the rest of it, eps_2, acts at control points, where it does not cause locking.
 !!
 !! Friction acts at the points of the cells too, so that its limit is mu times their pressure. When
-!! cells are cut, a point takes over the elastic slip that the points of the previous step have at
-!! its place in the element: the sliding point of the new point is its projection at the start of
-!! the step, moved back by this elastic slip.
+!! cells are cut, each new point is given an elastic slip that is interpolated from the points of
+!! the previous step in the same element. The sliding point of a new point is its projection at the
+!! start of the step, moved back by this elastic slip.
 module contact_mortar
   use base_comm, only: is_root, owns
   use base_kinds, only: wp
@@ -41,15 +42,18 @@ module contact_mortar
   private
   public :: find_mortar, add_mortar
 
-  !> Cells are cut again if a node has since moved farther than this many times the smallest facet.
+  !> Cells are cut again if a node has since moved farther than this many times the size of the
+  !! smallest facet.
   real(wp), parameter :: MOVED_FAR = 1.0_wp
-  !> The iteration has settled when its last increment is below this fraction of the smallest facet.
+  !> The iteration has settled when its last increment is below this fraction of the size of the
+  !! smallest facet.
   real(wp), parameter :: SETTLES = 0.3_wp
   !> Once the iteration has settled, cells are cut again if a node has moved farther than this
-  !! fraction of the smallest facet. The converged state then does not depend on where the iteration
-  !! began. Without friction it has a potential, and it rotates with the bodies.
+  !! fraction of the size of the smallest facet. The converged state then does not depend on where
+  !! the iteration began. Without friction, its forces have a potential, and the state rotates with
+  !! the bodies.
   real(wp), parameter :: MOVED = 1.0e-8_wp
-  !> Largest number of such cuts in a step once the iteration has settled.
+  !> Largest number of times that the cells of a step are cut again after the iteration has settled.
   integer, parameter :: MOST_CUTS = 8
   !> A point of a surface moves at most this many times as far as the nodes, because functions may
   !! be negative.
@@ -67,13 +71,13 @@ contains
     real(wp), intent(in) :: x_start(:, :)     !! (3, nnode) at the start of the step [L]
     integer, intent(in) :: step
     logical, intent(in) :: slides             !! friction acts
-    logical, intent(in) :: trial              !! of a line search: only forces are needed
+    logical, intent(in) :: trial              !! trial of a line search, which needs only forces
     type(shape_t), intent(in) :: shape(2)
     type(grid_t), intent(in) :: grid(2)
     type(contact_state_t), intent(inout) :: state
     type(pairs_t), intent(inout) :: pairs(2)
     logical, intent(inout) :: grown
-    integer :: faced(2), slid(2)              ! the last pairs of elements
+    integer :: faced(2), slid(2)              ! the pairs that were needed last
     integer :: i, k
 
     mortar%slides = slides
@@ -120,7 +124,8 @@ contains
     mortar%step = step
   end subroutine find_mortar
 
-  !> Add the motion of both sides since the last projection to the bound on all motions.
+  !> Add the motion of both sides since the last projection to `travel`, a bound on all motions so
+  !! far.
   subroutine add_travel(mortar, contact, x)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
@@ -149,8 +154,8 @@ contains
   end function largest_motion
 
   !> Project the points of side k. Points that cannot have closed since their last projection stay
-  !! open, unless control points need their gaps. So do points that face the same element as the
-  !! last projected point and are nearer to it than its gap.
+  !! open, unless control points need their gaps. Points that face the same element as the last
+  !! projected point and are nearer to this point than its gap stay open too.
   subroutine project_points(contact, k, x, travel, reference, shape, grid, side)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -235,8 +240,8 @@ contains
     end associate
   end subroutine project_again
 
-  !> Find the sliding point of a point in contact. It is the place on the other side that the point
-  !! faced at the start of the step, moved back by the elastic slip that the point takes over.
+  !> Find the sliding point of a point in contact. This is the position on the other side that the
+  !! point faced at the start of the step, moved back by the elastic slip of the previous step.
   subroutine find_slide(mortar, contact, k, i, rubbed)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
@@ -252,7 +257,7 @@ contains
       if (contact%self) then
         call project_on_itself(contact, mortar%start(3 - k), mortar%reference(k), cells%elem(i), &
                                cells%xi(:, i), foot)
-        if (foot%elem == 0 .and. foot%outer == 0) then ! it came over an edge of the body
+        if (foot%elem == 0 .and. foot%outer == 0) then ! the point came in over an edge of the body
           foot%elem = cells%foot(i)%elem
           foot%xi = cells%foot(i)%xi
           call project_on_edge(contact, mortar%start(3 - k), cells%elem(i), cells%xi(:, i), foot)
@@ -300,9 +305,9 @@ contains
   end subroutine find_slide_functions
 
   !> Friction of the previous step at xi in element e: a mean over the points of the element, with
-  !! weights that fall with the fourth power of the distance (Shepard 1968). A point that has not
-  !! moved keeps its values, and values change continuously with the cells, so that they do not
-  !! depend on rounding errors. All values are zero if the element had no points.
+  !! weights inversely proportional to the fourth power of the distance (Shepard 1968). A point that
+  !! has not moved keeps its values. The values change continuously with the cells, so that they do
+  !! not depend on rounding errors. All values are zero if the element had no points.
   pure subroutine last_friction(rubbed, e, xi, elastic, slip_rate, limit)
     type(friction_points_t), intent(in) :: rubbed
     integer, intent(in) :: e
@@ -310,7 +315,7 @@ contains
     real(wp), intent(out) :: elastic(3)       !! [L]
     real(wp), intent(out) :: slip_rate        !! [L/T]
     real(wp), intent(out) :: limit            !! [F/L^2]
-    real(wp), parameter :: SAME = 1.0e-24_wp  ! squared distance of points in one place
+    real(wp), parameter :: SAME = 1.0e-24_wp  ! squared distance of coincident points
     integer :: first, low, high, middle, j
     real(wp) :: least, w, total
 
@@ -353,7 +358,7 @@ contains
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)
     integer, intent(in) :: step
-    logical, intent(in) :: trial              !! forces are compared on the same cells
+    logical, intent(in) :: trial !! do not cut: a line search compares forces on the same cells
     type(shape_t), intent(in) :: shape(2)
     type(grid_t), intent(in) :: grid(2)
     type(facets_t) :: facets(2)
@@ -383,7 +388,7 @@ contains
     end if
     mortar%x_cut = x
     mortar%travel = 0.0_wp                   ! no point has been projected
-    if (any(grid(1)%n == 0) .and. any(grid(2)%n == 0)) return ! a surface is not finite
+    if (any(grid(1)%n == 0) .and. any(grid(2)%n == 0)) return ! a position is not finite
     do k = 1, merge(1, 2, contact%self)
       call divide_surface(contact%side(k), shape(k), facets(k))
     end do

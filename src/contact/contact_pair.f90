@@ -33,14 +33,14 @@ module contact_pair
   !> A part of an edge at a T-junction, and the element edge that adjoins it.
   type :: edge_part_t
     real(wp) :: own(2) = 0.0_wp              !! parameters of the edge, ascending
-    integer :: elem = 0, edge = 0            !! the neighbour
-    real(wp) :: other(2) = 0.0_wp            !! its parameters at own(1) and own(2)
+    integer :: elem = 0, edge = 0            !! the adjoining element and its edge
+    real(wp) :: other(2) = 0.0_wp            !! parameters of that edge at own(1) and own(2)
   end type edge_part_t
 
   !> One side: elements with outward normal a_1 x a_2, and their connectivity.
   !! Edges 1 to 4 of an element: xi-, xi+, eta-, eta+. Corners 1 to 4: (-,-) (+,-) (-,+) (+,+).
   type :: surface_t
-    character(:), allocatable :: name        !! as in the deck: hemi 3-
+    character(:), allocatable :: name        !! as in the deck, such as: hemi 3-
     logical :: rigid = .false.               !! rigid: its nodes are prescribed, no integration
     real(wp) :: thickness = 0.0_wp           !! of the body behind it [L]; 0: unknown or rigid
     integer :: nelem = 0
@@ -49,14 +49,14 @@ module contact_pair
     integer, allocatable :: first(:)         !! (nelem+1) where an element's nodes begin in `node`
     integer, allocatable :: node(:)          !! nodes and control points of all elements
     real(wp), allocatable :: w(:)            !! (size(node)) weights; not allocated: all one
-    integer, allocatable :: block(:), elem(:), face(:) !! (nelem) element face
+    integer, allocatable :: block(:), elem(:), face(:) !! (nelem) block, element, local face
     real(wp), allocatable :: width(:)        !! (nelem) root of the reference area [L]
     !> (4, nelem) element across an edge; 0: the edge belongs to the outer boundary.
     integer, allocatable :: neighbour(:, :)
     integer, allocatable :: edge(:, :)       !! (4, nelem) its edge; negative: opposite direction
-    !> Where an edge meets several edges, or only a part of one edge: the parts of edge k of element
-    !! e begin at part_first(4(e-1)+k), and `neighbour` is one of the elements there. Not allocated:
-    !! there are no such edges.
+    !> If an edge meets several edges, or only a part of one edge, its parts are listed. Those of
+    !! edge k of element e begin at part_first(4(e-1)+k), and `neighbour` is one of the adjoining
+    !! elements. The arrays are not allocated if there is no such edge.
     integer, allocatable :: part_first(:)    !! (4*nelem+1)
     type(edge_part_t), allocatable :: part(:)
     !> (4, nelem) the edge is collapsed to a point (prisms); not allocated: no edge is collapsed.
@@ -64,7 +64,7 @@ module contact_pair
     integer, allocatable :: vertex(:, :)     !! (4, nelem) vertex at each corner
     integer, allocatable :: ring_first(:)    !! (nvertex+1) where the elements around a vertex begin
     integer, allocatable :: ring_elem(:)     !! elements around the vertices
-    integer, allocatable :: ring_corner(:)   !! and their corners there
+    integer, allocatable :: ring_corner(:)   !! corners of these elements that lie at the vertex
     logical, allocatable :: outer(:)         !! (nvertex) the vertex lies on the outer boundary
     !> Control points of pressure and friction (MORTar): the nodes, or the vertices with bilinear
     !! functions (`hats`) where the functions of the surface are negative somewhere.
@@ -88,7 +88,7 @@ module contact_pair
     type(contact_law_t) :: law
     real(wp) :: prop(MAX_LAW_PROP) = 0.0_wp  !! columns: contact_type, or the law's file
     logical :: auto = .false.                !! the penalty follows from stiffness and element size
-    real(wp) :: factor = 1.0_wp              !! of AUTO [-]
+    real(wp) :: factor = 1.0_wp              !! factor given with AUTO [-]
     character(:), allocatable :: account     !! how AUTO found the penalty
     real(wp) :: tau = 0.0_wp                 !! time of VISCous [T]; 0: none
   end type assigned_law_t
@@ -111,12 +111,12 @@ module contact_pair
     !! the deck, or more with AUGMent.
     real(wp) :: point_penalty = 0.0_wp, control_penalty = 0.0_wp
     real(wp) :: after = -huge(1.0_wp)        !! AFTEr: earliest start of a step with friction [T]
-    type(bond_t), allocatable :: bond(:)     !! regions of BONDed; bonds are in their intersection
-    real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element
+    type(bond_t), allocatable :: bond(:) !! bonded points are in all these regions
+    real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element size
     real(wp) :: released = 0.0_wp            !! opening at which a bond counts as released [L]
     real(wp) :: depth = 0.0_wp               !! DEPTh: a deeper penetration is not contact [L]
     logical :: default_depth = .false.       !! the deck gives no DEPTh
-    integer :: ngauss(2) = 5                 !! QUADrature: points of an element in its directions
+    integer :: ngauss(2) = 5                 !! QUADrature: points of an element in each direction
     integer :: ncell = 1                     !! REFIne: cells in a direction of a refined element
     !> Rule of an element: first the points of the plain rule, then those of the cells.
     integer :: nq = 0, nplain = 0            !! all points; points of the plain rule
@@ -142,13 +142,13 @@ module contact_pair
     !! the tangent of slip.
     integer, allocatable :: state_step(:)
     real(wp), allocatable :: slip_rate(:)    !! (np) rate of slip in the previous step [L/T]
-    real(wp) :: dt = 0.0_wp                  !! of the current step [T]; 0: no time
+    real(wp) :: dt = 0.0_wp                  !! time step [T]; 0: no time passes
     !> (np) At the end of the previous step, the point was beside the other surface and not far
     !! above it. Such a point enters the body over the boundary and is not pushed out through the
     !! face.
     logical, allocatable :: beside(:)
     logical :: new_step = .false.            !! the step has not been assembled yet
-    logical, allocatable :: refined(:)       !! (nelem) the points of the cells act
+    logical, allocatable :: refined(:)       !! (nelem) the points of the cells are active
     !> Element of the partner on the other surface, found in the reference configuration; 0: the
     !! point is not bonded.
     integer, allocatable :: bond(:)          !! (np)
@@ -158,7 +158,7 @@ module contact_pair
     real(wp), allocatable :: past_step(:, :) !! (MAX_PAST, np) at the start of the step
     real(wp), allocatable :: opening(:)      !! (np) current distance to the partner [L]
     real(wp), allocatable :: opening_step(:) !! (np) at the start of the step
-    real(wp), allocatable :: energy(:, :)    !! (3, np) stored, spent, viscous per area0 [F/L]
+    real(wp), allocatable :: energy(:, :) !! (3, np) elastic, damage, viscosity; per area [F/L]
     real(wp), allocatable :: bond_traction(:, :) !! (3, np) on area0 [F/L^2]
     !> Results of the last assembly.
     integer, allocatable :: state(:)         !! (np) OPEN, STICK, SLIP, TOUCH
@@ -173,9 +173,9 @@ module contact_pair
     real(wp), allocatable :: limit_step(:)   !! (np) at the start of the step
     real(wp), allocatable :: pressed(:)      !! (np) energy of the pressure, times the area [F L]
     real(wp), allocatable :: area(:)         !! (np) current area of the point [L^2]
-    !> MORTAR: (NSPREAD, n) sums over the points of the cells, of the values at a point times the
-    !! functions of the n nodes of the side there, for smooth fields (contact_smooth). If it is not
-    !! allocated, the fields are found from the integration points.
+    !> MORTAR: (NSPREAD, n) sums for smooth fields (contact_smooth), taken over the points of the
+    !! cells: the values at each point times the functions of the n nodes of the side there. If the
+    !! array is not allocated, the fields are found from the integration points.
     real(wp), allocatable :: spread(:, :)
   end type contact_points_t
 
@@ -187,8 +187,8 @@ module contact_pair
     real(wp), allocatable :: gap(:)          !! (n) weighted gap [L]; huge where there is no overlap
   end type control_points_t
 
-  !> MORTAR: the points at which friction acted in the previous step. Each point of the new cells
-  !! takes over the values of the nearest old point in the same element.
+  !> MORTAR: the points at which friction acted in the previous step. The points of new cells get
+  !! values that are interpolated from these points in the same element.
   type :: friction_points_t
     integer, allocatable :: elem(:)          !! (n) ascending
     real(wp), allocatable :: xi(:, :)        !! (2, n)
@@ -227,7 +227,7 @@ module contact_pair
 
 contains
 
-  !> Is a side integrated? Each point then loads its own side and the other side.
+  !> Is a side integrated? If so, it has integration points of its own.
   pure logical function is_integrated(contact, k)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

@@ -34,7 +34,7 @@ module contact_point
     real(wp) :: n(3) = 0.0_wp          !! normal of the other side, if in contact
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
     real(wp) :: energy = 0.0_wp        !! energy of the pressure up to this gap [F/L]
-    real(wp) :: rest = 0.0_wp          !! part of it due to the multiplier at a gap of zero
+    real(wp) :: rest = 0.0_wp          !! part of `energy` due to the multiplier at a gap of zero
     real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
     real(wp) :: friction(3) = 0.0_wp   !! part of t that is friction [F/L^2]
     real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i
@@ -145,8 +145,8 @@ contains
     end if
   end subroutine press
 
-  !> Energy of the pressure at a gap of zero, due to the multiplier. The energy of a contact is
-  !! counted without this part, so it is zero where augmentation has closed the gap.
+  !> Energy of the pressure at a gap of zero, due to the multiplier. The energy of a contact
+  !! excludes this part, so that it is zero where augmentation has closed the gap.
   pure real(wp) function energy_at_rest(normal, multiplier) result(energy)
     type(assigned_law_t), intent(in) :: normal
     real(wp), intent(in) :: multiplier     !! [F/L^2]

@@ -4,7 +4,7 @@
 !! prop(3:4)   strengths sigma_max, tau_max [F/L^2]
 !! prop(5:6)   shapes alpha, beta [-]: 2 makes the softening nearly linear, a smaller number gives a
 !!             plateau, and a larger number gives a tail
-!! prop(7:8)   lambda_n, lambda_t [-]: opening at the strength over the final opening
+!! prop(7:8)   lambda_n, lambda_t [-]: opening at the strength, divided by the final opening
 !! prop(9:16)  derived from these: m, n [-]; final openings delta_n, delta_t [L]; constants Gamma_n,
 !!             Gamma_t; differences <phi_n - phi_t>, <phi_t - phi_n>
 !! Source:  Park, Paulino and Roesler 2009, J. Mech. Phys. Solids 57, 891-908; the tractions as in
@@ -72,7 +72,7 @@ contains
       prop(12 + i) = (a/m)**m
       prop(14 + i) = max(0.0_wp, prop(i) - prop(3 - i))
     end do
-    i = merge(2, 1, prop(2) > prop(1)) ! index of the constant that holds the larger energy
+    i = merge(2, 1, prop(2) > prop(1)) ! index of the constant that contains the larger energy
     prop(12 + i) = -prop(i)*prop(12 + i)
   end subroutine prepare
 

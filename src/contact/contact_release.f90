@@ -1,4 +1,4 @@
-!> The release of bonds, which is the quantity that control of the release prescribes.
+!> The release of bonds: the quantity that ARCLength LOCAl controls.
 module contact_release
   use base_kinds, only: wp
   use constraint, only: fold_force
@@ -9,13 +9,14 @@ module contact_release
   private
   public :: add_release, bonded_area, find_release
 
-  !> A bond counts as released at this multiple of the opening d of its law (`contact%released`).
+  !> Opening at which a bond counts as released (`contact%released`), divided by the opening d of
+  !! its law.
   real(wp), parameter :: OPENINGS = 8.0_wp
 
 contains
 
-  !> Add the release of side k, which is the sum over bonded points of their area times 1 - (1 +
-  !! r/d) exp(-r/d), and its derivative.
+  !> Add the release of side k and its derivative. The release is the sum, over bonded points, of
+  !! their area times 1 - (1 + r/d) exp(-r/d), where r is the current opening.
   !!
   !! The factor 1 - (1 + r/d) exp(-r/d) is the released fraction of the energy of an exponential
   !! bond (eq. 31 of Corbett and Sauer 2015). For bonds of every law, the measure increases as a

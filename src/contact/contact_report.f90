@@ -20,14 +20,14 @@ module contact_report
   private
   public :: report_contact_changes, measure_contacts, find_jump, warn_soft_penalty
 
-  real(wp), parameter :: UNBALANCED = 0.02_wp !! relative difference of forces for a warning
-  !> Energy of penetration, relative to the work of supports and loads, that this work cannot have
-  !! put in, even if the sum over the steps is not accurate.
+  real(wp), parameter :: UNBALANCED = 0.02_wp !! relative difference of forces that causes a warning
+  !> Energy of penetration, divided by the work of supports and loads, above which this work cannot
+  !! have supplied the energy, even if its sum over the steps is inaccurate.
   real(wp), parameter :: WITHOUT_WORK = 2.0_wp
-  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration for a warning, relative to an element
-  real(wp), parameter :: HALF = 0.5_wp        !! elastic slip for a warning, relative to the motion
-  real(wp), parameter :: SOFT = 0.2_wp        !! share of the work that penetration may take
-  real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! relative to the largest force so far
+  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration over element size that causes a warning
+  real(wp), parameter :: HALF = 0.5_wp        !! elastic slip over motion that causes a warning
+  real(wp), parameter :: SOFT = 0.2_wp !! share of the work in penetration that causes a warning
+  real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! negligible, relative to the largest force so far
 
 contains
 
@@ -136,8 +136,8 @@ contains
     end associate
   end subroutine follow_penetration
 
-  !> At the end of a run, warn if penetration has taken so much of the work that the bodies deform
-  !! much less than they should. The fraction does not depend on the units.
+  !> At the end of a run, warn if penetration has taken so large a share of the work that the bodies
+  !! deform much less than they should. The fraction does not depend on the units.
   subroutine warn_soft_penalty(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -174,7 +174,7 @@ contains
   end function smallest
 
   !> Is the elastic slip of a point that sticks about as large as the motion of its surface, and not
-  !! small?
+  !! negligible?
   pure logical function is_soft(contact, state, u) result(yes)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(in) :: state
@@ -223,8 +223,8 @@ contains
   end function deepest_point
 
   !> Find a point that was outside the other body at the start of the step, and is now behind its
-  !! surface and deeper than DEPTh, or has passed through the body within the step: contact would
-  !! never act on this point. `trouble` is allocated if there is such a point.
+  !! surface and deeper than DEPTh, or has passed through the body within the step. Contact would
+  !! never act on such a point. `trouble` is allocated if there is one.
   subroutine find_jump(model, state, trouble)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -274,7 +274,7 @@ contains
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now
     real(wp), intent(out) :: gap                   !! gap of the point [L]; positive: there is none
-    integer, intent(out) :: side                   !! whose point it is
+    integer, intent(out) :: side                   !! the side to which the point belongs
     type(shape_t) :: shape(2), start(2)
     type(grid_t) :: grid(2), start_grid(2)
     type(foot_t) :: foot

@@ -33,8 +33,8 @@ module contact_resultant
     real(wp) :: penetration = 0.0_wp     !! largest penetration of its points and corners [L]
     integer :: npoint = 0, nclosed = 0   !! points, and how many of them are in contact
     integer :: nstick = 0, nslip = 0
-    !> The whole of which `stick` and `slip` are parts: the points in contact, or the area in
-    !! contact (MORTar).
+    !> The total of which `stick` and `slip` are parts: the number of points in contact or, with
+    !! MORTar, the area in contact.
     real(wp) :: closed = 0.0_wp, stick = 0.0_wp, slip = 0.0_wp
   end type resultant_t
 
@@ -78,7 +78,7 @@ contains
 
     own = merge(k, 3 - k, is_integrated(contact, k))
     call sum_points(contact, own, points(own), x, about, total)
-    if (contact%scheme == MORTAR) return ! side_resultant has its forces
+    if (contact%scheme == MORTAR) return ! side_resultant sets the forces
     if (.not. (own /= k .or. contact%balanced)) return
     force = 0.0_wp ! forces of the points of the other side, at projections and partners
     moment = 0.0_wp

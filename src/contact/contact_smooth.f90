@@ -1,12 +1,14 @@
-!> Smooth fields of one side of a contact, from its integration points to nodes and control points:
+!> Smooth fields of one side of a contact. The value T_A at a node or control point is found from
+!! the values t at the integration points:
 !!
 !!   T_A = int N_A t da / int N_A da
 !!
-!! on the current surface, interpolated with the same functions (Sauer 2013). N_A^2 replaces N_A in
-!! elements with functions whose integral vanishes. Values at the integration points oscillate; only
-!! these smooth fields should be compared and plotted. With the mortar scheme the upper integral is
-!! taken over the cells, which carry the forces. Otherwise a contact that lies between the
-!! integration points of whole elements would have no pressure.
+!! where the integrals are taken over the current surface, and N_A are the functions with which T_A
+!! is then interpolated (Sauer 2013). N_A^2 replaces N_A in elements with functions whose integral
+!! vanishes. Values at the integration points oscillate; only these smooth fields should be compared
+!! and plotted. With the mortar scheme, the integral in the numerator is taken over the cells, at
+!! whose points the forces act. Otherwise, a contact that lies between the integration points of
+!! whole elements would have no pressure.
 !!
 !! The traction of friction is smoothed separately: the tangential part of the smooth traction would
 !! contain some of the pressure wherever the surface is curved (5 % of the values of Table 5,
@@ -38,7 +40,7 @@ module contact_smooth
 
   !> Rows of the sums in points%spread: traction, pressure, elastic slip, state, friction.
   integer, parameter, public :: NSPREAD = 11
-  !> Further rows.
+  !> Further rows of the sums: areas, gaps, and the areas to which the gaps belong.
   integer, parameter :: AREA = 12, GAP = 13, GAP_AREA = 14, NSUM = 14
 
   !> Largest values are taken over NGRID x NGRID points per element, evenly spaced from edge to
@@ -171,8 +173,8 @@ contains
   end subroutine add_point
 
   !> Friction at a point. Friction acts along the elastic part of the slip, and the pressure acts
-  !! perpendicular to it. If the elastic part is nothing but rounding, its direction is arbitrary;
-  !! therefore friction is limited to the part of t that is not pressure.
+  !! perpendicular to it. If the elastic part is only rounding error, its direction is arbitrary.
+  !! Friction is therefore limited to the part of t that is not pressure.
   pure function friction_of(t, p, elastic) result(friction)
     real(wp), intent(in) :: t(3), p, elastic(3)
     real(wp) :: friction(3)

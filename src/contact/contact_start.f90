@@ -37,17 +37,17 @@ module contact_start
     integer :: npoint = 0
     integer :: ninside = 0               !! number of these that penetrate
     real(wp) :: deepest = 0.0_wp         !! largest penetration [L]
-    real(wp) :: x(3) = 0.0_wp            !! and the point that has it [L]
-    integer :: nnear = 0                 !! points about as near as the nearest one
-    integer :: naway(2) = 0              !! such points where side 1, or side 2, faces away
-    real(wp) :: overlap = 0.0_wp         !! largest penetration between DEPTh and a whole body [L]
-    real(wp) :: x_overlap(3) = 0.0_wp    !! the point that has it [L]
-    integer :: nbehind = 0               !! nearest points that are behind the whole other body
-    !> No integration point is opposite the other side; the points of the rigid side are.
+    real(wp) :: x(3) = 0.0_wp            !! point with the largest penetration [L]
+    integer :: nnear = 0                 !! number of points about as near as the nearest
+    integer :: naway(2) = 0              !! number of these where side 1, or side 2, faces away
+    real(wp) :: overlap = 0.0_wp         !! largest one between DEPTh and the body's thickness [L]
+    real(wp) :: x_overlap(3) = 0.0_wp    !! point with this penetration [L]
+    integer :: nbehind = 0               !! points of nnear that are behind the whole other body
+    !> No integration point is opposite the other side, but points of the rigid side are.
     logical :: unseen = .false.
     real(wp) :: width(2) = 0.0_wp        !! mean width of the elements that are nearest [L]
     real(wp) :: gap = huge(1.0_wp)       !! smallest gap of a point outside the other body [L]
-    real(wp) :: x_gap(3) = 0.0_wp        !! the point that has it [L]
+    real(wp) :: x_gap(3) = 0.0_wp        !! point with the smallest gap [L]
     !> Self-contact: number of points no farther than DEPTh from the far side of the body, and one
     !! of these points.
     integer :: nthrough = 0
@@ -136,8 +136,8 @@ contains
     text = '('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', '//to_text(x(3), 4)//')'
   end function position_text
 
-  !> Warn if the bonded areas of the two sides differ. Each point counts with its whole area or not
-  !! at all, so a few points cannot represent the edge of a bond well.
+  !> Warn if the bonded areas of the two sides differ. The area of a point is bonded either as a
+  !! whole or not at all, so a few points cannot represent the edge of a bond well.
   subroutine warn_unequal_bonds(contact, state)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(in) :: state
@@ -153,8 +153,8 @@ contains
               //'the bonded area')
   end subroutine warn_unequal_bonds
 
-  !> Warn about bonds that soften at the start, because the gap between two surfaces is an opening
-  !! of their bonds.
+  !> Warn about bonds that soften from the start, because the initial gap between two surfaces
+  !! already opens their bonds.
   subroutine warn_opened(contact, mesh, state)
     type(contact_t), intent(in) :: contact
     type(mesh_t), intent(in) :: mesh
@@ -221,7 +221,7 @@ contains
     real(wp), allocatable :: gap(:)      ! of the points that have a projection [L]
     integer, allocatable :: away(:)      ! the side that faces away there; 0: none
     real(wp), allocatable :: reach_of(:, :) ! distance of an element to the other surface [L]
-    logical, allocatable :: behind(:)    ! it is behind the other body
+    logical, allocatable :: behind(:)    ! the point is behind the other body
     real(wp) :: thin                     ! thickness of the thinner body [L]; huge: unknown
     real(wp) :: h, reach, near
     integer :: k, n
@@ -255,8 +255,8 @@ contains
       start%unseen = n > 0
       if (start%unseen) start%npoint = contact%side(k)%nelem*contact%nplain
     end do
-    where (abs(start%x) < INSIDE*h) start%x = 0.0_wp ! rounding, whose digits mean nothing
-    ! surfaces must face each other only where they are nearest: the far side of a ball need not
+    where (abs(start%x) < INSIDE*h) start%x = 0.0_wp ! only rounding error
+    ! surfaces must face each other only where they are nearest; the far side of a ball faces away
     near = minval(abs(gap(:n))) + h
     do k = 1, 2
       if (allocated(contact%side(k)%width)) then
@@ -315,8 +315,8 @@ contains
 
   end subroutine look_at_start
 
-  !> Find the smallest gap of two surfaces that face each other at a distance at which look_at_start
-  !! does not search.
+  !> Find the smallest gap between two surfaces that face each other but are farther apart than the
+  !! distance within which look_at_start searches.
   subroutine look_farther(contact, x, start)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]

@@ -20,7 +20,7 @@ module contact_surface
   !> A class of element faces with the same functions.
   type :: class_t
     integer :: basis = 0
-    integer, allocatable :: local(:) !! (nsf) nodes of the element to which they belong
+    integer, allocatable :: local(:) !! (nsf) element nodes of the functions
   end type class_t
 
 contains
@@ -39,8 +39,8 @@ contains
     call number_controls(surface)
   end subroutine build_surface
 
-  !> Gather element faces with their nodes and functions. They may belong to several bodies, so no
-  !! element is given a neighbour.
+  !> Gather element faces with their nodes and functions. The faces may belong to several bodies, so
+  !! no element is given a neighbour.
   subroutine gather_faces(mesh, block, elem, side, name, surface)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6
@@ -154,14 +154,15 @@ contains
     surface%ibasis = class(iclass)%basis
   end subroutine find_classes
 
-  !> Key of the functions of a face. Faces with equal keys have the same functions: the same block,
-  !! face and extraction operators. If the key is negative, no other face has these functions. All
-  !! blocks number their operators with the same radix; otherwise keys of two blocks could be equal.
+  !> Key of the functions of a face. Faces with equal keys have the same functions, because their
+  !! block, local face and extraction operators are the same. If the key is negative, no other face
+  !! has these functions. All blocks number their operators with the same radix; otherwise keys of
+  !! two blocks could be equal.
   integer(i8) function face_key(mesh, surface, f, radix) result(key)
     type(mesh_t), intent(in) :: mesh
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: f
-    integer(i8), intent(in) :: radix !! of operator_radix
+    integer(i8), intent(in) :: radix !! result of operator_radix
     type(cell_t) :: cell
     integer :: op(3)
 

@@ -2,11 +2,11 @@
 !! the far side of the body, or beside it. At the end of the step such points are outside the body
 !! or opposite nothing, and no projection shows that they have been inside.
 !!
-!! The motion of each surface is the rigid motion that fits it best, plus a remainder that grows
-!! linearly in the step; straight paths would cut through a shaft that turns in its hole. The faces
-!! of the other surface are divided into triangles, which are described in a frame that moves with
-!! that surface. A point enters the body where its distance from a triangle changes from positive to
-!! negative, and leaves it where it changes back.
+!! The motion of each surface is described by the rigid motion that fits it best, plus a remainder
+!! that grows linearly in the step. Straight paths would not do, because they would cut through a
+!! shaft that turns in its hole. The faces of the other surface are divided into triangles, which
+!! are described in a frame that moves with that surface. A point enters the body where its distance
+!! from a triangle changes from positive to negative, and leaves it where it changes back.
 module contact_sweep
   use base_kinds, only: wp
   use contact_pair, only: contact_t, surface_t
@@ -22,11 +22,11 @@ module contact_sweep
 
   integer, parameter :: NPOINT = 3        !! points of an element in each of its two directions
   integer, parameter :: NPART = 4         !! parts of a stage in which crossings are sought
-  real(wp), parameter :: STAGE = 0.1_wp   !! rotation in a stage, in which points move straight
+  real(wp), parameter :: STAGE = 0.1_wp !! largest rotation in a straight stage of the step [rad]
   integer, parameter :: MOST_STAGES = 40
   integer, parameter :: MOST_CROSSINGS = 16
   !> A point that was inside at the start of the step has passed through if it is now deeper than
-  !! TWICE DEPTh, about the thickness of the thinner body.
+  !! TWICE*DEPTh, which is about the thickness of the thinner body.
   real(wp), parameter :: TWICE = 2.0_wp
   real(wp), parameter :: ON_EDGE = 1.0e-9_wp
 
@@ -37,7 +37,7 @@ module contact_sweep
     real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) [L]
   end type triangles_t
 
-  !> A point passes a triangle.
+  !> A passage of a point through a triangle.
   type :: crossing_t
     real(wp) :: t = 0.0_wp                 !! 0: at the start of the step, 1: at its end
     integer :: triangle = 0
@@ -51,8 +51,8 @@ contains
   subroutine find_sweep(contact, x_start, x, depth, side)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now
-    real(wp), intent(out) :: depth                 !! of the point along its path [L]
-    integer, intent(out) :: side                   !! whose point it is
+    real(wp), intent(out) :: depth                 !! depth of the point along its path [L]
+    integer, intent(out) :: side                   !! side to which the point belongs
     type(screw_t) :: screw(2)
     integer :: k
 
@@ -72,8 +72,8 @@ contains
     end do
   end subroutine find_sweep
 
-  !> Positions of the nodes of a surface at the fraction s of the step, in a frame that is at rest
-  !! at the start of the step and then moves with `frame`.
+  !> Positions of the nodes of a surface at the fraction s of the step, relative to a frame that
+  !! follows the screw motion `frame` from the start of the step.
   subroutine place(surface, screw, frame, s, x_start, x, y)
     type(surface_t), intent(in) :: surface
     type(screw_t), intent(in) :: screw, frame  !! motions of the surface and of the frame
@@ -119,9 +119,9 @@ contains
     type(grid_t) :: grid(2)
     type(crossing_t) :: crossing(MOST_CROSSINGS)
     real(wp), allocatable :: y(:, :)          ! positions in the frame [L]
-    real(wp), allocatable :: p(:, :), n(:, :) ! the way of a point, and its normal
+    real(wp), allocatable :: p(:, :), n(:, :) ! path of a point, and its normal along the path
     real(wp) :: a(3, 2), b(3, 3), low(3), high(3)
-    integer, allocatable :: near(:)           ! triangles that an element may pass
+    integer, allocatable :: near(:)           ! triangles that the points of an element may cross
     integer :: e, i, m, q, ncrossing
 
     depth = 0.0_wp
@@ -211,7 +211,7 @@ contains
     end if
   end subroutine measure_depth
 
-  !> Mark the triangles whose boxes meet a box.
+  !> Mark the triangles whose boxes overlap a given box.
   pure function is_near(other, low, high) result(near)
     type(triangles_t), intent(in) :: other
     real(wp), intent(in) :: low(3), high(3)
@@ -328,8 +328,8 @@ contains
     end do
   end subroutine find_crossings
 
-  !> The first crossing at which a point enters through a face with an opposite normal; 0: there is
-  !! none.
+  !> The first crossing at which a point enters through a face whose normal is opposed to that of
+  !! the point; 0: there is none.
   pure integer function first_entry(other, n, crossing) result(first)
     type(triangles_t), intent(in) :: other
     real(wp), intent(in) :: n(:, 0:)          !! (3, 0:m) normal of the point along its path
@@ -360,9 +360,9 @@ contains
     n = n + 1
   end subroutine insert
 
-  !> The depth that a point reaches between the place where it enters and the place where it leaves,
-  !! or the end of its path [L]. The depth is measured from the plane through which it enters; if it
-  !! leaves on the same side of the body, the depth below the plane there is a further bound.
+  !> Depth that a point reaches between its entry and its exit, or the end of its path [L]. The
+  !! depth is measured from the plane of the triangle through which the point enters. If the point
+  !! leaves on the same side of the body, the depth below the plane of the exit is a further bound.
   pure real(wp) function depth_of_way(other, p, crossing) result(depth)
     type(triangles_t), intent(in) :: other
     real(wp), intent(in) :: p(:, 0:)
@@ -389,7 +389,7 @@ contains
     end do
   end function depth_of_way
 
-  !> Position at time t on a path of straight stages.
+  !> Position at time t on a path that consists of straight stages.
   pure function on_way(p, t) result(x)
     real(wp), intent(in) :: p(:, 0:), t
     real(wp) :: x(3), s

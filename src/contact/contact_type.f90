@@ -10,8 +10,8 @@ module contact_type
 
   integer, parameter, public :: MAX_LAW_PROP = 16 !! length of a row of properties
   integer, parameter, public :: MAX_PAST = 7      !! history variables of a bonded point
-  !> Number of these variables that hold the openings on which the traction depends: those of both
-  !! modes, or that of the whole vector and zero.
+  !> Number of history variables that hold the openings on which the traction depends: the openings
+  !! of both modes, or the opening of the whole vector and a zero.
   integer, parameter, public :: LARGEST_OPENINGS(2) = [1, 2]
 
   !> Role of a law, named after the record of the deck to which it belongs.
@@ -37,7 +37,7 @@ module contact_type
     procedure(friction_law_i), pointer, nopass :: friction => null()
     procedure(cohesive_law_i), pointer, nopass :: cohesive => null()
     !> For cohesive laws.
-    logical :: oriented = .false. !! it depends on the normal at the partner
+    logical :: oriented = .false. !! the law depends on the normal at the partner
     procedure(released_i), pointer, nopass :: released => null()
     procedure(prepare_i), pointer, nopass :: prepare => null() !! unset: nothing to derive or check
   end type contact_law_t
@@ -88,12 +88,12 @@ module contact_type
       import :: wp, cohesion_t
       implicit none
       real(wp), intent(in) :: prop(:)
-      real(wp), intent(in) :: lag         !! [-] time of VISCous over the length of the step; 0 if
+      real(wp), intent(in) :: lag         !! [-] time of VISCous divided by the time step; 0 if
       !! there is none
       real(wp), intent(in) :: g(3)        !! [L] vector from the partner to the point
       real(wp), intent(in) :: n(3)        !! [-] normal at the partner; unused unless `oriented`
       real(wp), intent(in) :: past(:)     !! (MAX_PAST) history variables at the start of the step
-      real(wp), intent(out) :: now(:)     !! (MAX_PAST) history variables at its end
+      real(wp), intent(out) :: now(:)     !! (MAX_PAST) history variables at the end of the step
       type(cohesion_t), intent(out) :: c
     end subroutine cohesive_law_i
 

@@ -39,12 +39,12 @@ module contact_work
     integer :: ncross = 0
     integer, allocatable :: pair(:, :)         !! (2, ncross)
     real(wp), allocatable :: cross(:, :, :)    !! (3*nl, 3*nl, ncross)
-    integer :: slot = 0                        !! of the last add_partner
-    integer :: back_slot = 0                   !! of the last add_back
-    real(wp), allocatable :: back_shp(:)       !! and the functions there
+    integer :: slot = 0                        !! slot of the last add_partner
+    integer :: back_slot = 0                   !! slot of the last add_back
+    real(wp), allocatable :: back_shp(:)       !! functions of the partner of the last add_back
     real(wp), allocatable :: own(:), down(:, :) !! functions of the element at a point and
     !! their derivatives
-    real(wp), allocatable :: shp(:), dshp(:, :) !! those of the partner
+    real(wp), allocatable :: shp(:), dshp(:, :) !! functions of the partner
     !> (3, 3, n) derivatives of a point's traction with respect to the nodes of its element, and to
     !! those of the partner.
     real(wp), allocatable :: own_q(:, :, :), q(:, :, :)
@@ -118,8 +118,9 @@ contains
     own_share = merge(0.5_wp, 1.0_wp, loads_both(contact) .and. .not. any(contact%side%rigid))
   end function own_share
 
-  !> Fraction of the energy of a side that counts. If both sides are integrated, each of them finds
-  !! the energy of the whole contact, whichever sides its points load.
+  !> Fraction of the energy of a side that belongs to the energy of the contact. If both sides are
+  !! integrated, each of them finds the energy of the whole contact, whichever sides its points
+  !! load.
   pure real(wp) function energy_share(contact)
     type(contact_t), intent(in) :: contact
 
@@ -291,7 +292,7 @@ contains
     call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
   end subroutine add_partner
 
-  !> The slot of a partner, which is assigned a new one if it has none.
+  !> Find the slot of a partner. A partner that has none is assigned a new one.
   pure subroutine find_slot(e, work)
     integer, intent(in) :: e
     type(work_t), intent(inout) :: work
@@ -313,9 +314,8 @@ contains
     work%slot = slot
   end subroutine find_slot
 
-  !> With BALAnced, add the same force in the opposite direction on the partner of the last
-  !! add_partner. add_own and add_partner must have been called for this traction, because their
-  !! columns are used.
+  !> With BALAnced, add the opposite force on the partner of the last add_partner. add_own and
+  !! add_partner must have been called for this traction, because their columns are used.
   pure subroutine add_back(other, e, t, da, work, foot, x)
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e

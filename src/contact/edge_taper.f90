@@ -8,9 +8,10 @@
 !!   t = s p n - W grad s,    grad s = sum_a s_,a a^a = v.
 !!
 !! The second part points outwards along the surface. Without it, a point could enter across the
-!! boundary without work, and gain energy when it leaves through the face.
-!! Limits: the a^a are those at the projection; off a curved surface, the error of grad s is about
-!!         gap times curvature.
+!! boundary without doing work, and gain energy when it leaves through the face.
+!!
+!! Limits: the tangents a^a are taken at the projection; above a curved surface, the relative error
+!!         of grad s is about the gap times the curvature.
 module edge_taper
   use base_kinds, only: wp
   use contact_point, only: point_t, traction_derivatives_t, vary_projection, inverse, outer

@@ -1,4 +1,5 @@
-!> Closest-point projection onto a surface, by Newton's method that passes from element to element.
+!> Closest-point projection onto a surface, by a Newton iteration that passes from element to
+!! element.
 !!
 !! Within an element the distance is minimised under the bounds -1 <= xi <= 1. If the distance would
 !! decrease further beyond an edge, the search examines the neighbour. If the distance decreases in
@@ -103,9 +104,9 @@ contains
     end if
   end subroutine project
 
-  !> Project the point x onto the part of a surface where foot%elem and foot%xi are: the search
-  !! starts nowhere else, so the projection is a local minimum of the distance. There is no
-  !! projection (element 0) if the search ends at the outer boundary or fails.
+  !> Project the point x onto the part of a surface where foot%elem and foot%xi are. The search
+  !! starts only there, so the projection is a local minimum of the distance. There is no projection
+  !! (element 0) if the search ends at the outer boundary or fails.
   pure subroutine project_from(surface, shape, x, foot)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -205,7 +206,7 @@ contains
       call take_step(surface, shape, x, d, iterate, moved)
       if (.not. moved) return
       last = size
-      if (any(edge == 0 .and. abs(iterate%xi) >= 1.0_wp)) last = huge(1.0_wp) ! cut short
+      if (any(edge == 0 .and. abs(iterate%xi) >= 1.0_wp)) last = huge(1.0_wp) ! cut at an edge
       idle = 0
     end do
   end subroutine minimise

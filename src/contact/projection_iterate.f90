@@ -35,9 +35,9 @@ module projection_iterate
     real(wp) :: b(3, 3)           !! second derivatives 11, 22, 12
     real(wp) :: r(3)              !! vector from the iterate to the point [L]
     real(wp) :: f                 !! r.r, to be minimised
-    real(wp) :: g(2)              !! r.a, descent of f/2
+    real(wp) :: g(2)              !! r.a, the negative gradient of f/2
     real(wp) :: m(2), m12         !! metric
-    real(wp) :: noise             !! square of the rounding of positions [L^2]
+    real(wp) :: noise             !! square of the rounding error of positions [L^2]
     logical :: regular            !! the tangents span a plane
   end type iterate_t
 

@@ -24,19 +24,20 @@ module projection_type
     real(wp) :: x(3) = 0.0_wp               !! position [L]
     real(wp) :: a(3, 2) = 0.0_wp            !! tangents
     real(wp) :: b(3, 3) = 0.0_wp            !! second derivatives 11, 22, 12
-    real(wp) :: n(3) = 0.0_wp  !! unit outward normal; on ridges, at vertices a mean
-    !> [L] negative inside; on a ridge or at a vertex the distance with that sign
+    real(wp) :: n(3) = 0.0_wp  !! unit outward normal; on ridges and at vertices a mean
+    !> Gap: height of the point above the surface, negative inside; on a ridge or at a vertex, the
+    !! distance with this sign [L].
     real(wp) :: gap = huge(1.0_wp)
     !> The closest point of the outer boundary, found if there is no projection. Element 0 means
     !! that no boundary is near.
     integer :: outer = 0
     real(wp) :: outer_xi(2) = 0.0_wp
-    real(wp) :: outer_gap = 0.0_wp          !! [L] height above the tangent plane there
+    real(wp) :: outer_gap = 0.0_wp          !! [L] height above the tangent plane at this point
   end type foot_t
 
 contains
 
-  !> Is there a projection, and is the point no deeper below it than `depth`?
+  !> Is there a projection, and is the point no deeper below the surface than `depth`?
   pure logical function touches(foot, depth)
     type(foot_t), intent(in) :: foot
     real(wp), intent(in) :: depth           !! [L]

@@ -1,12 +1,12 @@
 !> Contact of a surface with itself: decides which parts of it may touch, and projects points onto
 !! these parts.
 !!
-!! The nearest point of the surface is the point itself. A projection therefore begins on a part
-!! that faces the point (contact_cells), goes downhill from there, and counts only if the normal
-!! where it ends faces that of the point. The near side and the far side of a thin body face each
-!! other in the same way as two parts that have passed through each other. Only the reference
-!! configuration distinguishes these cases: there, the body lies between the near side and the far
-!! side.
+!! The nearest point of the surface is the point itself. A projection therefore starts on a part
+!! that faces the point (contact_cells) and follows the surface from there as long as the distance
+!! decreases. It is accepted only if the surface where it ends faces the surface at the point. The
+!! near side and the far side of a thin body face each other in the same way as two parts that have
+!! passed through each other. Only the reference configuration distinguishes these cases, because
+!! there the body lies between the near side and the far side.
 module self_contact
   use base_kinds, only: wp
   use contact_facets, only: FACING
@@ -41,8 +41,8 @@ module self_contact
 
 contains
 
-  !> May two elements of a surface touch? An element does not touch itself. Two elements on either
-  !! side of a convex edge of the body do not touch each other, however sharp the edge becomes in
+  !> May two elements of a surface touch? An element does not touch itself. Two elements on opposite
+  !! sides of a convex edge of the body do not touch each other, however sharp the edge becomes in
   !! the motion.
   pure logical function may_touch(surface, reference, shape, e, f) result(may)
     type(surface_t), intent(in) :: surface
@@ -123,9 +123,9 @@ contains
     foot%gap = huge(1.0_wp)
   end subroutine project_on_itself
 
-  !> Among the places that face the point xi of element e and can be reached from `foot` along the
-  !! tangent plane there, find the one nearest to this point. If the point lies beyond the edge of
-  !! the part that `foot` belongs to, this place is on that edge.
+  !> Find the position on the surface that is nearest to the point xi of element e, among those that
+  !! face this point and can be reached from `foot` along the tangent plane there. If the point xi
+  !! lies beyond the edge of the part to which `foot` belongs, the position found is on that edge.
   pure subroutine project_on_edge(contact, shape, e, xi, foot)
     type(contact_t), intent(in) :: contact
     type(shape_t), intent(in) :: shape

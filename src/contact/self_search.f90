@@ -19,9 +19,9 @@ module self_search
     integer :: npoint = 0                 !! integration points
     integer :: ninside = 0                !! number of points that penetrate
     real(wp) :: deepest = 0.0_wp          !! largest penetration [L]
-    real(wp) :: x(3) = 0.0_wp             !! and the point that has it [L]
+    real(wp) :: x(3) = 0.0_wp             !! point with this penetration [L]
     real(wp) :: gap = huge(1.0_wp)        !! smallest gap of a point [L]; huge: none
-    real(wp) :: x_gap(3) = 0.0_wp         !! and the point that has it [L]
+    real(wp) :: x_gap(3) = 0.0_wp         !! point with this gap [L]
     integer :: nthrough = 0               !! points within DEPTh of the body's far side
     real(wp) :: x_through(3) = 0.0_wp     !! one of them [L]
     real(wp), allocatable :: reach_of(:)  !! (nelem) distance of an element to what it faces [L]

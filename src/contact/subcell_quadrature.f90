@@ -5,8 +5,8 @@
 !! the plain rule in each cell. One of the two sets is active. The cells are active if some plain
 !! points are in contact and others are not, at the start of the step or at a later iteration. An
 !! element is refined at most once in a step, and coarsened only between steps, so that Newton's
-!! iteration cannot switch back and forth. Both sets have histories: when a step is accepted, those
-!! of the inactive points are updated.
+!! iteration cannot switch back and forth. Both sets have histories; when a step is accepted, those
+!! of the inactive points are updated too.
 module subcell_quadrature
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t

@@ -1,10 +1,11 @@
 !> Shape functions of an element on one of its faces, in Bernstein form: N = C B.
 !!
-!! The extraction operator C is found by collocation from the functions in the element's row of the
-!! table, so that every element type is covered. Weights are usually kept separately (surface%w), so
-!! that C gives the functions without weights. The exceptions are lateral faces of rational enriched
-!! elements, on which the nodes of both bases share the denominator W of the surface: there C
-!! contains the weights, W N_b for the Lagrange nodes, and surface%w is one.
+!! The extraction operator C is found by collocation from the shape functions of the element's row
+!! in the table, so that every element type is covered. Weights are usually kept separately
+!! (surface%w), so that C gives the functions without weights. The exceptions are lateral faces of
+!! rational enriched elements, on which the nodes of both bases share the denominator W of the
+!! surface. There, C contains the weights (the functions of the Lagrange nodes are W N_b), and
+!! surface%w is one.
 module surface_basis
   use base_kinds, only: wp
   use bspline, only: bernstein
@@ -66,7 +67,7 @@ contains
     do j = 1, n2
       v(:, n1*(j - 1) + 1:n1*j) = matmul(c(:, n1*(j - 1) + 1:n1*j), transpose(m1))
     end do
-    c = anint(v*FRACTION)/FRACTION ! coefficients of uniform knots are fractions
+    c = anint(v*FRACTION)/FRACTION ! for uniform knots, the coefficients are fractions
     where (abs(v - c) < ROUNDING) v = c
     local = pack([(a, a=1, nen)], [(any(abs(v(a, :)) > 0.0_wp), a=1, nen)])
     basis%nsf = size(local)
