@@ -1,5 +1,5 @@
-!> Checks of the model: the names and numbers that records refer to, before the bodies are meshed;
-!! then the size of the mesh and the shape of its elements.
+!> Checks the model: before the bodies are meshed, the names and numbers to which records refer;
+!! after that, the size of the mesh and the shape of its elements.
 module input_check
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -35,7 +35,7 @@ contains
     real(wp) :: n
     integer :: i, j
 
-    if (draft%incomplete) return ! the word that was skipped may have defined it
+    if (draft%incomplete) return ! a skipped word may have defined what is missing
     do i = 1, size(draft%patch)
       associate (p => draft%patch(i))
         if (p%spec%type /= 'RIGID') then
@@ -102,7 +102,7 @@ contains
   subroutine check_element_materials(draft)
     type(draft_t), intent(inout) :: draft
     integer, allocatable :: missing(:)
-    integer, allocatable :: last ! material of the element before
+    integer, allocatable :: last ! material of the previous element
     integer :: e
 
     allocate (missing(0))
@@ -142,7 +142,7 @@ contains
   subroutine check_words(draft, number, is_npatch)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: number
-    logical, intent(in) :: is_npatch !! is it an NPATch, or else a PATCh, MESH or SPLIne?
+    logical, intent(in) :: is_npatch !! .true.: an NPATch; .false.: a PATCh, MESH or SPLIne
     type(error_t), allocatable :: error
     integer :: m
 
@@ -170,7 +170,7 @@ contains
     draft%model%material(m)%nurbs_points = 0
   end subroutine check_words
 
-  !> Check that the body of a place exists, and that it has the named face or group.
+  !> Check that the body that a WHERE names exists, and that it has the named face or group.
   subroutine check_where(draft, at)
     type(draft_t), intent(inout) :: draft
     type(where_t), intent(in) :: at
@@ -263,8 +263,8 @@ contains
   end subroutine check_size
 
   !> Check that the Jacobian of every element is positive at all integration points, and in
-  !! hexahedra also at the centre, where that of an element vanishes whose upper face is turned by
-  !! half a turn against the lower one. Report the inverted elements of a block in one message.
+  !! hexahedra also at the centre, because it vanishes there if the upper face is turned by half a
+  !! turn against the lower one. Report the inverted elements of a block in one message.
   subroutine check_jacobians(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -295,7 +295,7 @@ contains
               largest = max(largest, det)
             end do
           end associate
-          if (.not. least < huge(least)) least = 0.0_wp ! it is not a number
+          if (.not. least < huge(least)) least = 0.0_wp ! the Jacobian is not a number
           if (least > 0.0_wp) then
             if (.not. allocated(centre)) cycle
             least = det3(matmul(x, transpose(centre)))
@@ -336,8 +336,9 @@ contains
     end do
   end subroutine check_jacobians
 
-  !> Hint: how the nodes of an inverted element of ELEMents must be numbered. If a node after the
-  !! corners is nearer to the place of another one than to its own, these nodes have another order.
+  !> Hint: how the nodes of an inverted element of ELEMents must be numbered. If one of the nodes
+  !! after the corners is nearer to the position of another of these nodes than to its own, the deck
+  !! gives these nodes in a different order.
   function order_hint(block, e, xr) result(hint)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e
@@ -346,7 +347,7 @@ contains
     type(cell_t) :: cell
     type(topology_t) :: topology
     integer :: deck(block%nen)                ! local node of each node of the deck
-    real(wp), allocatable :: middle(:, :)     ! (3, nen) where the nodes should be, about [L]
+    real(wp), allocatable :: middle(:, :)     ! (3, nen) positions where the nodes should be [L]
     integer :: a, at(2), i
 
     call block_cell(block, e, cell)
@@ -386,8 +387,8 @@ contains
     end do
   end function order_hint
 
-  !> Find two corners with a node in the middle between them in the reference element; a corner is
-  !! found twice.
+  !> Find the two corners that have a node in the middle between them in the reference element. For
+  !! a corner, both are this corner.
   pure subroutine find_ends(topology, node, at)
     type(topology_t), intent(in) :: topology
     integer, intent(in) :: node

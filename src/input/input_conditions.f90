@@ -1,7 +1,8 @@
 !> Conditions at nodes and control points, which are given by number or by position.
 !!
-!! The order is that of FEAP: BOUN, FORC, DISP and FPRO act as they are read; then all records of
-!! EBOU, EDIS, EFOR, EPRO, CBOU, CFOR, CDIS and CSUR act, each word in deck order.
+!! The order is that of FEAP: BOUN, FORC, DISP and FPRO act as they are read; then the records of
+!! EBOU, EDIS, EFOR, EPRO, CBOU, CFOR, CDIS and CSUR act, one word after another, those of each word
+!! in deck order.
 !!
 !! Nodes that TIE joins share the conditions that BOUN, FORC, DISP and FPRO give to any of them, and
 !! count as one node for the words that find nodes by their position. Different displacements, or
@@ -24,10 +25,10 @@ module input_conditions
 
   real(wp), parameter :: PLANE = 1.0e-3_wp  !! FEAP's search gap of planes, relative to the
   !! mesh's extent
-  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, for
+  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, but for
   !! squared distances
 
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! difference of equal displacements over their size
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! relative difference of displacements that are equal
 
   !> Names of R_EBOU to R_CSUR; then, for C_FIXED to C_TABLE, the words by node number and the names
   !! of the values.
@@ -48,7 +49,7 @@ contains
     logical, allocatable :: active(:)
     type(error_t), allocatable :: error
     real(wp), allocatable :: before(:, :), force(:, :), value(:, :)
-    logical :: may_lose, said(R_CSUR) ! one warning a word
+    logical :: may_lose, said(R_CSUR) ! one warning per word
     integer :: word, i, n
 
     allocate (bc%fixed(3, mesh%nnode), bc%table(3, mesh%nnode), source=0)
@@ -92,7 +93,7 @@ contains
     call warn_idle_numbers(draft, mesh, active, new, bc)
     if (.not. allocated(bc%rival)) return
     where (.not. (bc%split .or. abs(bc%force - force) > 0.0_wp .or. &
-                  abs(bc%value - value) > 0.0_wp)) bc%rival = -1 ! no load asks for a number
+                  abs(bc%value - value) > 0.0_wp)) bc%rival = -1 ! no load there has a load number
   end subroutine apply_conditions
 
   !> Give each node the conditions of the nodes that it replaces after TIE: restraints are combined,
@@ -148,7 +149,7 @@ contains
 
     associate (u => bc%value(:, m), v => bc%value(:, n))
       do d = 1, 3
-        if (.not. (abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp)) cycle ! one may give it for both
+        if (.not. (abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp)) cycle ! only one gives it
         if (abs(u(d) - v(d)) <= ROUNDING*max(norm2(u), norm2(v))) cycle
         call fail(error, DECK_ERROR, 'TIE joins nodes '//to_text(m)//' and '//to_text(n) &
                   //', to which DISPlacement gives '//to_text(u(d))//' and '//to_text(v(d)) &
@@ -181,7 +182,7 @@ contains
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable, intent(out) :: error
     logical, allocatable :: on(:), near(:)
-    logical :: kept ! a surface has restraints that the record does not give
+    logical :: kept ! the surface keeps restraints that the record does not give
     integer :: n
 
     call mark(mesh, r, active, on)
@@ -218,7 +219,7 @@ contains
       return
     end if
     do n = 1, mesh%nnode
-      if (on(n)) on(new(n)) = .true. ! new(n) <= n, so its turn has passed
+      if (on(n)) on(new(n)) = .true. ! new(n) <= n, so the loop has passed it
     end do
     if (r%word == R_EPRO) then
       do n = 1, size(r%value)
@@ -252,7 +253,7 @@ contains
                                      //'records that are not meant')
   end subroutine apply
 
-  !> The condition that the records of a word set: C_FIXED ...
+  !> Kind of condition that the records of a word set, C_FIXED to C_TABLE.
   pure integer function kind_of(word) result(kind)
     integer, intent(in) :: word
 
@@ -332,7 +333,7 @@ contains
       on(pack(new, on)) = .true.
       allocate (lost, source=abs(before) > 0.0_wp .and. spread(on, 1, 3))
       select case (kind)
-      case (C_FIXED) ! codes have no size
+      case (C_FIXED) ! a code has no magnitude that could be compared
         lost = lost .and. .not. abs(now) > 0.0_wp
       case (C_VALUE, C_TABLE)
         lost = lost .and. abs(before - now) > 0.0_wp
@@ -481,14 +482,14 @@ contains
     end do
   end subroutine warn_supports_kept
 
-  !> Find the records that prescribe displacements at dofs without a restraint, for a warning,
-  !! because a prescribed displacement acts only at a restrained dof (FEAP); and those at dofs that
-  !! MOVE prescribes too. All restraints and motions must have been set before.
+  !> Find, for warnings, the records that prescribe displacements at dofs without a restraint, where
+  !! they have no effect (as in FEAP), and those that prescribe displacements at dofs that MOVE
+  !! prescribes too. All restraints and motions must have been set before.
   subroutine note_loose(draft, mesh, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(inout) :: bc
-    integer, allocatable :: state(:, :) ! (3, nnode) LOOSE_FREE, ...; 0: the displacement counts
+    integer, allocatable :: state(:, :) ! (3, nnode) LOOSE_FREE, ...; 0: it takes effect
     logical, allocatable :: active(:), on(:), moved(:, :)
     type(place_t), allocatable :: found(:)
     integer :: kind(draft%ncondition + 1), i, d, n

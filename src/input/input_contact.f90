@@ -3,14 +3,15 @@
 !!
 !! The penalty of AUTO follows from the stiffness and the element size,
 !!
-!!   eps = 125 min over the bodies of E/h, h^2 the mean area of the surface's elements
+!!   eps = 125 min(E/h),
 !!
-!! (with MORTar the factor is 100, and h is that of the elements that are nearest to the other
-!! surface at the start).
+!! where the minimum is taken over the bodies that are not rigid, E is Young's modulus of a body,
+!! and h^2 is the mean area of its surface's elements. With MORTar the factor is 100, and h is that
+!! of the elements that are nearest to the other surface at the start.
 !!
-!! E is Young's modulus of a body; rigid bodies are left out. Under a pressure p the penetration is
-!! (p/E) h/125. The constant is that of Corbett and Sauer 2015, section 5.3: eps = 125 E/L, 250 E/L
-!! and 500 E/L on blocks with modulus E and elements of length L, L/2 and L/4.
+!! Under a pressure p the penetration is (p/E) h/125. The constant is that of Corbett and Sauer
+!! 2015, section 5.3: eps = 125 E/L, 250 E/L and 500 E/L on blocks with modulus E and elements of
+!! length L, L/2 and L/4.
 module input_contact
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
@@ -63,7 +64,7 @@ contains
   end subroutine build_contacts
 
   !> Check that no two element faces that may touch in the last contact may also touch in an earlier
-  !! one.
+  !! contact.
   subroutine check_counted_once(contact, error)
     type(contact_t), intent(in) :: contact(:)
     type(error_t), allocatable, intent(out) :: error
@@ -71,7 +72,7 @@ contains
 
     associate (new => contact(size(contact)))
       do j = 1, size(contact) - 1
-        if (.not. allocated(contact(j)%side(2)%elem)) cycle ! it has an error
+        if (.not. allocated(contact(j)%side(2)%elem)) cycle ! the contact has an error
         do k = 1, 2
           if (common_faces(contact(j)%side(1), new%side(k)) == 0) cycle
           if (common_faces(contact(j)%side(2), new%side(3 - k)) == 0) cycle
@@ -85,7 +86,7 @@ contains
     end associate
   end subroutine check_counted_once
 
-  !> Find the data that are not in the records: surfaces, integration points, the default depth and
+  !> Find the data that the records do not give: surfaces, integration points, the default depth and
   !! penalties.
   subroutine resolve_contact(draft, at, model, contact, error)
     type(draft_t), intent(in) :: draft
@@ -180,7 +181,8 @@ contains
   end subroutine make_sides
 
   !> Set the penalties that the deck leaves to AUTO, and the part of the penalty that MORTar applies
-  !! at control points: more than LOCKS times AUTO would lock at integration points.
+  !! at control points, because more than LOCKS times the penalty of AUTO would cause locking at
+  !! integration points.
   subroutine set_penalties(model, start, contact)
     type(model_t), intent(in) :: model
     type(start_t), intent(in) :: start
@@ -268,7 +270,7 @@ contains
     if (.not. s%thickness > 0.0_wp) s%thickness = body_thickness(draft, at%body, at%mask)
   end subroutine make_side
 
-  !> Reference areas of the elements of a side, and the diagonals of their nodes' boxes.
+  !> Reference areas of the elements of a side, and the diagonals of the boxes around their nodes.
   subroutine element_areas(mesh, contact, k, area, width)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact

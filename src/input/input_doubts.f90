@@ -15,14 +15,16 @@ module input_doubts
   private
   public :: check_twice, warn_twisted, warn_locking
 
-  real(wp), parameter :: NEAR = 1.0e-6_wp     !! positions closer than this, times size, are equal
-  !> Poisson's ratios from which on linear elements lock, quadratic ones and enhanced layers have
-  !! errors of 10 % or more, and so has Q1E9.
+  real(wp), parameter :: NEAR = 1.0e-6_wp     !! positions closer than this times `size` are equal
+  !> Poisson's ratios from which on elements cause a warning: linear elements, because they lock;
+  !! quadratic elements and enhanced layers, because of errors of 10 % or more; and Q1E9, for the
+  !! same reason.
   real(wp), parameter :: LOCKING_FROM = 0.49_wp, SOFT_FROM = 0.498_wp, STIFF_FROM = 0.4995_wp
 
   real(wp), parameter :: DEGREE = acos(-1.0_wp)/180.0_wp
-  real(wp), parameter :: TURNED = 70.0_wp     !! twist of an element that is not intended [degrees]
-  !> A line of a face that is shorter, relative to the other one, has no direction.
+  real(wp), parameter :: TURNED = 70.0_wp !! smallest twist that is not intended [degrees]
+  !> A line of a face has no meaningful direction if its length, relative to that of the other line,
+  !! is less than this.
   real(wp), parameter :: FLAT = 0.05_wp
 
   !> An element of any block.
@@ -49,7 +51,7 @@ contains
     call list_members(mesh, list)
     if (size(list) < 2) return
     allocate (key(size(list)), order(size(list)))
-    do i = 1, size(list) ! a direction in which centres seldom coincide
+    do i = 1, size(list) ! along a direction in which centres seldom coincide
       key(i) = dot_product(list(i)%centre, [1.0_wp, 0.7320508075688772_wp, 0.4142135623730951_wp])
     end do
     call sort_index(key, order)
@@ -183,8 +185,8 @@ contains
   end function place_of
 
   !> Warn about hexahedra with opposite faces that are turned against each other, usually because
-  !! the nodes of one face do not begin at the same edge. A quarter of a turn leaves the element two
-  !! thirds of its volume; its Jacobian is positive everywhere.
+  !! the nodes of one face begin at another edge than those of the other face. After a quarter of a
+  !! turn, an element still has two thirds of its volume, and its Jacobian is positive everywhere.
   subroutine warn_twisted(draft, mesh)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -271,12 +273,13 @@ contains
   !!   their pressure oscillates: in a quarter ring of 6 x 6 elements under pressure, the hoop
   !!   stress at a point is 1.1, 1.6, 2.2 and 12 times the exact one for 0.49, 0.498, 0.499 and
   !!   0.4999.
-  !! - Curved layers ENRIch ... EAS are too soft: 2, 11 and 25 % at the surface of this ring for
-  !!   0.49, 0.499 and 0.4999, and 13 % with 12 x 12 elements for the last. Q1E9 alone has 0.6 %.
-  !! - Q1E9 locks in part, because nine modes do not remove all volumetric locking in three
-  !!   dimensions. A clamped beam of 20 x 2 x 2 elements bends by 10 and 18 % too little for 0.499
-  !!   and 0.4999, and by 7 % with 40 x 4 x 4 elements for the last; Hertz contact is 17 and 51 %
-  !!   too stiff.
+  !! - Curved layers ENRIch ... EAS are too soft: by 2, 11 and 25 % at the surface of this ring for
+  !!   ratios of 0.49, 0.499 and 0.4999, and by 13 % for 0.4999 with 12 x 12 elements. Q1E9 alone
+  !!   has an error of 0.6 %.
+  !! - Q1E9 partly locks, because nine modes do not remove all volumetric locking in three
+  !!   dimensions. A clamped beam of 20 x 2 x 2 elements bends by 10 and 18 % too little for ratios
+  !!   of 0.499 and 0.4999, and by 7 % for 0.4999 with 40 x 4 x 4 elements; Hertz contact is 17 and
+  !!   51 % too stiff.
   subroutine warn_locking(draft, mesh)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -339,7 +342,7 @@ contains
   subroutine doubt(m, name, what, hint)
     type(material_set_t), intent(in) :: m
     character(*), intent(in) :: name !! of the elements
-    character(*), intent(in) :: what !! they do
+    character(*), intent(in) :: what !! what these elements do
     character(*), intent(in) :: hint
 
     call warn(trim(name)//' elements '//what//': material '//to_text(m%number) &

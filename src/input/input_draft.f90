@@ -77,7 +77,7 @@ module input_draft
 
   !> One record of a CURVe.
   type :: column_entry_t
-    type(where_t) :: at                !! type 0: the quantity has no place
+    type(where_t) :: at                !! type 0: the quantity needs no WHERE
     type(quantity_t) :: quantity
     character(:), allocatable :: body  !! name of a patch; not allocated: the whole model
     type(place_t) :: body_place

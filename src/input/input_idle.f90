@@ -11,7 +11,7 @@ module input_idle
   private
   public :: warn_idle_loads, note_idle_materials
 
-  real(wp), parameter :: NEGLIGIBLE = 1.0e-9_wp !! of the largest nodal force of a pressure
+  real(wp), parameter :: NEGLIGIBLE = 1.0e-9_wp !! relative to the largest nodal force of a pressure
 
 contains
 
@@ -75,7 +75,7 @@ contains
     end do
   end subroutine warn_idle_loads
 
-  !> Does a record of FORCe give a force in a direction that is held?
+  !> Does a record of FORCe give a force in a direction that is restrained or prescribed?
   pure logical function any_given(draft, held)
     type(draft_t), intent(in) :: draft
     logical, intent(in) :: held(:, :) !! (3, nnode)

@@ -23,7 +23,7 @@ module input_mesh
 
 contains
 
-  !> Compare the mesh with the counts of the control record. It is an error if the mesh exceeds
+  !> Compare the mesh with the numbers in the control record. It is an error if the mesh exceeds
   !! them, as FEAP's manual requires.
   subroutine count_mesh(draft)
     type(draft_t), intent(inout) :: draft
@@ -43,7 +43,7 @@ contains
   subroutine compare(draft, announced, found, name, what)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: announced, found
-    character(*), intent(in) :: name !! in the control record
+    character(*), intent(in) :: name !! its name in the control record
     character(*), intent(in) :: what !! in the plural
     type(error_t), allocatable :: error
 

@@ -1,6 +1,7 @@
 !> Finds element faces that share nodes but not functions, such as a quadratic face and linear ones.
 !! Their displacements agree at the common nodes only, and stresses near such faces are wrong. If
-!! they share no more than corners, the other nodes hang, and the body is far too soft.
+!! two such faces share only their corners, the other nodes are not held by anything, and the body
+!! is far too soft.
 module input_mismatch
   use base_error, only: place_t
   use base_kinds, only: i8
@@ -33,8 +34,8 @@ module input_mismatch
 
 contains
 
-  !> Warn about faces that have all nodes of another face and more. Pairs of bodies that another
-  !! warning has named are skipped, and so are faces with nodes that constraints hold.
+  !> Warn about faces that have all nodes of another face and further nodes. Pairs of bodies that
+  !! another warning has named are skipped, and so are faces with nodes that a constraint holds.
   subroutine warn_mismatch(draft, mesh, told)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -136,8 +137,8 @@ contains
     end do
   end function has_different_faces
 
-  !> Get the faces of a block. The result is .false. if they are not examined: those of rigid
-  !! bodies, and those of splines, whose functions do not belong to nodes.
+  !> Get the faces of a block. The result is .false. for rigid bodies and for splines, whose
+  !! functions do not belong to nodes; their faces are not examined.
   logical function set_topology(mesh, b, topology) result(examined)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: b
@@ -178,7 +179,7 @@ contains
           do f = 1, topology%nface
             node = unique(conn(topology%node(topology%first(f):topology%first(f + 1) - 1), e))
             corner = [(any(conn(topology%corner, e) == node(i)), i=1, size(node))]
-            if (count(corner) < 3 .or. any(held(node))) cycle ! a collapsed face has fewer
+            if (count(corner) < 3 .or. any(held(node))) cycle ! fewer if the face is collapsed
             n = n + 1
             all_faces%block(n) = b
             all_faces%elem(n) = e

@@ -63,7 +63,7 @@ contains
         if (draft%errors%count() == 0) call make_bodies(draft, mesh)
         if (draft%errors%count() == 0) call check_size(draft, mesh)
         if (draft%errors%count() > 0) exit stages
-        call tabulate_basis(mesh) ! surface loads need its rules
+        call tabulate_basis(mesh) ! surface loads need the quadrature rules
         call find_tied(draft, mesh, tied)
         call apply_conditions(draft, mesh, tied, bc)
         call tie_nodes(tied, mesh)
@@ -161,7 +161,7 @@ contains
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
-    integer, intent(in) :: r !! its row
+    integer, intent(in) :: r !! row of the word
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: found
     type(record_t) :: plain

@@ -1,12 +1,12 @@
 !> Nodes that several MOVEs name, such as those on the common edge of two faces.
 !!
-!! The MOVEs of one place add up: a face may be pressed by one record and dragged by another. A
-!! motion that several places give to a node that they share, such as a node of a tied edge, counts
-!! only once there. If places give such a node different motions in one direction, these add up,
-!! with a warning.
+!! The MOVEs of one place add up: a face may be pressed by one record and dragged by another. If
+!! several places share a node, such as a node of a tied edge, and give it the same motion, this
+!! motion is applied there only once. If they give the node different motions in one direction,
+!! these add up, and a warning is issued.
 !!
-!! Where MOVE moves a node that FIX restrains in that direction, the MOVE counts. This is noted if
-!! both name the same nodes, and there is a warning if they share some.
+!! MOVE takes precedence over FIX where both act on a node in the same direction. This is noted if
+!! both records name the same nodes, and there is a warning if they share only some nodes.
 module input_motion
   use base_kinds, only: wp
   use base_log, only: note, warn
@@ -86,7 +86,7 @@ contains
 
     allocate (on(nnode), source=.false.)
     do i = 2, size(id)
-      if (id(i)%place /= i) cycle ! the place has been compared already
+      if (id(i)%place /= i) cycle ! this place has been compared already
       on(bc%motion(i)%node) = .true.
       do j = 1, i - 1
         if (id(j)%place /= j) cycle
@@ -122,8 +122,8 @@ contains
     end do
   end function lacks
 
-  !> Warn about each FIX whose restraints have no effect at some nodes, because MOVE moves them. A
-  !! note names each MOVE of the same nodes as a FIX.
+  !> Warn about each FIX whose restraints have no effect at some nodes, because MOVE moves them. If
+  !! a MOVE and a FIX name exactly the same nodes, a note replaces the warning.
   subroutine report_moved_supports(draft, xr, bc)
     type(draft_t), intent(in) :: draft
     real(wp), intent(in) :: xr(:, :) !! (3, nnode) [L]

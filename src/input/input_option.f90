@@ -22,7 +22,7 @@ contains
     character(*), intent(in) :: option(:) !! words that the record accepts, with their values
     character(*), intent(in) :: usage     !! form of the record with all of them
     logical, intent(inout) :: seen(:)     !! (size(option))
-    character(4), intent(out) :: key      !! of the option; blank: there are no more
+    character(4), intent(out) :: key      !! key of the option; blank: there are no more options
     type(error_t), allocatable, intent(out) :: error
     integer :: o
 

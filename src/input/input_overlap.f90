@@ -1,9 +1,10 @@
-!> Finds bodies that overlap at the start although neither nodes nor a contact join them. They go
-!! through each other, and nothing else in the results says so.
+!> Finds bodies that overlap at the start although neither nodes nor a contact join them. Such
+!! bodies pass through each other, and nothing else in the results shows this.
 !!
-!! Points of the outer elements of one body are projected on the outer faces of the other one. Flat
-!! elements of curved surfaces that just touch overlap a little, so small overlaps do not count.
-!! Two groups of joined bodies may overlap too: a deck may hold several independent models.
+!! Points of the outer elements of one body are projected onto the outer faces of the other one.
+!! Flat elements of curved surfaces that just touch overlap a little, so small overlaps are ignored.
+!! Overlaps between two groups of several joined bodies are ignored too, because a deck may contain
+!! several independent models.
 module input_overlap
   use base_kinds, only: wp
   use base_log, only: warn
@@ -22,7 +23,7 @@ module input_overlap
 
   !> A point is inside another body if its depth, relative to the larger of two faces, exceeds this.
   real(wp), parameter :: DEEP = 0.3_wp
-  integer, parameter :: MOST_PAIRS = 5  !! that are named
+  integer, parameter :: MOST_PAIRS = 5  !! largest number of pairs that are named
 
 contains
 
@@ -32,7 +33,7 @@ contains
     type(contact_t), intent(in) :: contact(:)
     logical, intent(in) :: told(:, :)  !! (nbody, nbody) pairs that a warning has named already
     type(skin_t), allocatable :: skin(:)
-    logical, allocatable :: may(:, :) ! (0:nbody, 0:nbody) first body first
+    logical, allocatable :: may(:, :) ! (0:nbody, 0:nbody) (lower, higher)
     real(wp) :: x(3)
     logical :: overlap
     integer :: a, b, n, nbody
@@ -70,7 +71,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
     logical, intent(in) :: told(:, :)
-    logical, allocatable, intent(out) :: may(:, :) !! (0:nbody, 0:nbody)
+    logical, allocatable, intent(out) :: may(:, :) !! (0:nbody, 0:nbody) (lower, higher)
     integer, allocatable :: owner(:) ! (nnode) first body of a node; -1: none
     logical, allocatable :: on(:, :) ! (0:nbody, 2) bodies on the sides of a contact
     real(wp) :: low(3, 0:size(mesh%body)), high(3, 0:size(mesh%body))

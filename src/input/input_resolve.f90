@@ -22,8 +22,8 @@ module input_resolve
   integer, parameter :: MAX_ITER = 50
   real(wp), parameter :: OUTSIDE = 1.0e-6_wp    !! a point this far outside an element still counts
   !! as inside [-]
-  real(wp), parameter :: WIDER = 0.5_wp         !! margin of the box around an element's nodes,
-  !! which a curved element may leave, relative to its size
+  real(wp), parameter :: WIDER = 0.5_wp !! margin of the box around an element's nodes relative to
+  !! its size, because a curved element may extend beyond its nodes
   real(wp), parameter :: SINGULAR = 1.0e-10_wp  !! a map is singular below this determinant,
   !! relative to the product of the lengths of its columns
 
@@ -79,7 +79,7 @@ contains
     end do
   end subroutine resolve_loads
 
-  !> Warn if the last one of some pressures is equal to another one.
+  !> Warn if the last of some pressures is equal to an earlier one.
   subroutine warn_repeated(pressure)
     type(pressure_t), intent(in) :: pressure(:)
     integer :: i

@@ -23,7 +23,7 @@ module input_skin
 
 contains
 
-  !> Make the skin of a body. It does not exist if the body has no faces, or if they do not form a
+  !> Make the skin of a body. There is none if the body has no faces, or if its faces do not form a
   !! surface.
   subroutine make_skin(mesh, body, skin)
     type(mesh_t), intent(in) :: mesh

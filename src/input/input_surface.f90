@@ -22,12 +22,14 @@ module input_surface
   private
   public :: mark_surface, load_surface
 
-  real(wp), parameter :: BOX_GAP = 1.0e-4_wp   !! FEAP's gap, relative to the sum of the extents,
-  real(wp), parameter :: SIZE_GAP = 1.0e-3_wp !! and relative to the largest extent over nodes^(1/3)
+  !> FEAP's gap is the larger of two lengths: BOX_GAP times the sum of the extents of the surface,
+  !! and SIZE_GAP times its largest extent over nodes^(1/3).
+  real(wp), parameter :: BOX_GAP = 1.0e-4_wp
+  real(wp), parameter :: SIZE_GAP = 1.0e-3_wp
   real(wp), parameter :: OUTSIDE = 1.0e-4_wp   !! distance outside the boundary that still counts as
   !! inside
   real(wp), parameter :: ALIGNED = 0.8_wp      !! smallest cosine of the angle between the normals
-  real(wp), parameter :: LEAST_SHARE = 0.9_wp  !! of the area that is loaded without a warning
+  real(wp), parameter :: LEAST_SHARE = 0.9_wp !! smallest loaded share of the area without a warning
   integer, parameter :: MAX_ITER = 100
   !> Signs of the coordinates of FEAP's nine points in the parameter plane of the surface.
   integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], &

@@ -61,7 +61,7 @@ contains
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: new(:)          !! (nnode)
-    real(wp), parameter :: VISIBLE = 0.05_wp !! distance of the nodes over that in an element
+    real(wp), parameter :: VISIBLE = 0.05_wp !! distance of nodes, relative to that in an element
     real(wp) :: distance(mesh%nnode), edge(mesh%nnode), length
     integer :: a, b, e, i, n, worst
 

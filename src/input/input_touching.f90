@@ -40,7 +40,7 @@ module input_touching
     logical, allocatable :: rigid(:)   !! (nelem)
     real(wp), allocatable :: width(:)  !! (nelem) largest extent of a face [L]
     real(wp), allocatable :: depth(:)  !! (nelem) of the element behind a face [L]
-    integer, allocatable :: side(:, :) !! (nelem, ncontact) bits 0 and 1: it is on that side
+    integer, allocatable :: side(:, :) !! (nelem, ncontact) bits 0 and 1: sides of the face
     real(wp) :: low(3) = 0.0_wp, cell = 1.0_wp !! corner and width of the buckets [L]
     integer :: n(3) = 1                !! number of buckets
     integer, allocatable :: first(:)   !! where the faces of a bucket begin
@@ -50,16 +50,16 @@ module input_touching
   !> Two bodies that touch, or a body that touches itself.
   type :: pair_t
     integer :: body(2) = 0
-    integer :: face = 0                !! a face of the second one that touches
-    real(wp) :: area(2) = 0.0_wp       !! of each that touches the other [L^2]
+    integer :: face = 0                !! a face of the second body that touches the first
+    real(wp) :: area(2) = 0.0_wp       !! of each body that touches the other [L^2]
     real(wp) :: near(2) = 0.0_wp       !! the same with distances up to CURVED [L^2]
-    logical :: overlaps = .false.      !! at some of these points
+    logical :: overlaps = .false.      !! elements overlap at some of these points
   end type pair_t
 
 contains
 
-  !> Warn about each pair of bodies whose faces touch and are not joined, and about each body that
-  !! has such faces by itself.
+  !> Warn about each pair of bodies whose faces touch and are not joined, and about each body with
+  !! faces that touch each other and are not joined.
   subroutine warn_touching(draft, mesh, contact, told)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -67,7 +67,7 @@ contains
     logical, intent(in) :: told(:, :) !! (nbody, nbody) pairs that a warning has already named
     type(skin_t) :: skin
     type(pair_t), allocatable :: pair(:)
-    logical, allocatable :: double(:) ! (nnode) another node that is not joined lies here
+    logical, allocatable :: double(:) ! (nnode) another node, not joined, lies at the same position
     integer :: n, p, npair
 
     call make_skin(mesh, contact, skin)
@@ -109,7 +109,7 @@ contains
     if (pair%overlaps) area = pair%near
   end function area_of
 
-  !> Warn about a body that comes apart, or about the elements that belong to no body.
+  !> Warn about a body that comes apart, or about elements without a body that come apart.
   subroutine warn_seam(draft, mesh, skin, pair, double)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -190,7 +190,7 @@ contains
           skin%depth(e) = 2*abs(dot_product(sum(mesh%xr(:, node), 2)/size(node) - x, n)) &
                           /max(norm2(n), tiny(n))
         end associate
-        if (skin%rigid(e)) skin%depth(e) = huge(n) ! it may be a surface alone
+        if (skin%rigid(e)) skin%depth(e) = huge(n) ! a rigid body may be only a surface
       end do
     end associate
   end subroutine find_depths
@@ -201,7 +201,7 @@ contains
     type(contact_t), intent(in) :: contact(:)
     type(skin_t), intent(inout) :: skin
     integer, allocatable :: at(:, :)  ! (6, elements of all blocks) number of each face; 0: inner
-    integer :: before(size(mesh%block)) ! elements of the blocks before
+    integer :: before(size(mesh%block)) ! elements of the previous blocks
     integer :: b, c, e, f, k, n
 
     n = 0
@@ -307,7 +307,7 @@ contains
     if (mesh%constraint%n > 0) hangs = slave_marks(mesh%constraint, mesh%nnode) > 0
     associate (s => skin%surface)
       do e = 1, s%nelem
-        if (any(hangs(s%node(s%first(e):s%first(e + 1) - 1)))) cycle ! its masters join it
+        if (any(hangs(s%node(s%first(e):s%first(e + 1) - 1)))) cycle ! masters join a hanging node
         do k = 0, NPOINT**2 - 1
           call surface_point(s, skin%shape, e, (2*[mod(k, NPOINT), k/NPOINT] + 1)/real(NPOINT, wp) &
                              - 1.0_wp, x, a, b)
@@ -377,7 +377,7 @@ contains
   end subroutine find_face
 
   !> Find the gap between a point and a face, by Newton's method within the face. It is huge if the
-  !! closest point of the face is not opposite.
+  !! closest point of the face is not opposite this point.
   subroutine measure(skin, f, x, area, gap)
     type(skin_t), intent(in) :: skin
     integer, intent(in) :: f

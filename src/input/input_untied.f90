@@ -19,14 +19,15 @@ module input_untied
 
   !> A node lies on a face if its distance, relative to the extent of the mesh, is less than this.
   real(wp), parameter :: ON_FACE = 1.0e-6_wp
-  !> Faces lie on each other if they are nearer than this fraction of their width, as flat elements
-  !! of one curved surface are, and if the cosine of their outward normals is smaller.
+  !> Faces lie on each other if their distance is less than CURVED times their width, as that of
+  !! flat elements of one curved surface is, and if the cosine of the angle between their outward
+  !! normals is less than OPPOSITE.
   real(wp), parameter :: CURVED = 0.05_wp, OPPOSITE = -0.7_wp
 
 contains
 
   !> Warn about contacts whose sides TIE has joined along a line or at single points, where the
-  !! bodies cannot part. If TIE has joined whole elements of a side, contact_start warns.
+  !! bodies cannot separate. If TIE has joined whole elements of a side, contact_start warns.
   subroutine warn_hanging(mesh, contact, tied)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
@@ -60,12 +61,12 @@ contains
     end do
   end subroutine warn_hanging
 
-  !> Warn about pairs of bodies that touch and are tied only in part, or not at all. Bodies between
+  !> Warn about pairs of bodies that touch and are tied only partly or not at all. Bodies between
   !! which a contact acts are skipped.
   subroutine warn_untied(draft, mesh, told)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
-    logical, allocatable, intent(out) :: told(:, :) !! (nbody, nbody) the pairs, first body first
+    logical, allocatable, intent(out) :: told(:, :) !! (nbody, nbody) the pairs (lower, higher)
     type(skin_t), allocatable :: skin(:)
     logical, allocatable :: on(:, :) ! (nnode, 2) loose nodes of one body and of the other
     real(wp) :: near
@@ -87,7 +88,7 @@ contains
         n = count(on)
         if (n == 0) cycle
         if (.not. (shares_face(skin(a), skin(b), on(:, 1)) .or. &
-                   shares_face(skin(b), skin(a), on(:, 2)))) cycle ! an edge or a corner
+                   shares_face(skin(b), skin(a), on(:, 2)))) cycle ! they share an edge or a corner
         told(a, b) = .true.
         tied = shared(mesh%body(a)%node, mesh%body(b)%node)
         call warn('TIE joins '//to_text(tied)//' nodes of '//quoted(mesh%body(a)%name)//' and ' &

@@ -205,14 +205,14 @@ contains
   end function body_index
 
   !> Find the nodes of a place, each once, in increasing order; after an error, the list is empty.
-  !! At a POINt, a rigid body counts only if no other body is equally near.
+  !! At a POINt, a node of a rigid body is taken only if no other body is equally near.
   subroutine find_nodes(mesh, place, node, error, all_near, no_rigid)
     type(mesh_t), intent(in) :: mesh
     type(where_t), intent(in) :: place
     integer, allocatable, intent(out) :: node(:)
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in) :: all_near !! take all nodes equally near to a POINt, otherwise the first
-    logical, intent(in) :: no_rigid !! rigid bodies do not count at a POINt
+    logical, intent(in) :: no_rigid !! ignore rigid bodies at a POINt
     logical, allocatable :: on(:), rigid(:)
     real(wp) :: gap
     integer :: g, i, n
@@ -330,8 +330,8 @@ contains
     end if
   end subroutine check_near
 
-  !> Warn about a point between nodes that are equally near. Nodes at one place, of several bodies,
-  !! are what a point may well mean.
+  !> Warn about a point between nodes that are equally near. Nodes of several bodies at the same
+  !! position cause no warning, because the point may mean all of them.
   subroutine warn_between(mesh, on, all_near, place)
     type(mesh_t), intent(in) :: mesh
     logical, intent(in) :: on(:)       !! (nnode) the nodes that are equally near
@@ -357,7 +357,7 @@ contains
     integer :: b, e, i
 
     away = norm2(mesh%xr(:, node) - x)
-    if (away <= sqrt(POINT_GAP)*extent_of(mesh, mesh%used)) return ! spares the search
+    if (away <= sqrt(POINT_GAP)*extent_of(mesh, mesh%used)) return ! no search is needed
     reach = 0.0_wp
     do b = 1, size(mesh%block)
       do e = 1, mesh%block(b)%nelem
@@ -382,12 +382,13 @@ contains
     text = 'the nearest node, '//to_text(node)//', is '//to_text(away, 3)//' away from this point'
   end function far_text
 
-  !> Warn about an element that has two layers of nodes on a plane, one behind the other.
+  !> Warn about an element with two layers of nodes near a plane, one behind the other along the
+  !! normal of the plane.
   subroutine warn_layers(mesh, direction, on, gap, place, hint)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: direction
     logical, intent(in) :: on(:)       !! (nnode) nodes that are found on the plane
-    real(wp), intent(in) :: gap        !! within which they are found [L]
+    real(wp), intent(in) :: gap        !! distance within which nodes are found [L]
     type(place_t), intent(in) :: place !! of the plane in the deck
     character(*), intent(in) :: hint
     integer, allocatable :: node(:)

@@ -195,7 +195,8 @@ contains
     call check_count(line, i - 1, i - 1, SURFACE_USAGE, error)
   end subroutine read_surfaces
 
-  !> Read BONDed [[EXCEpt] HALFspace or BOX] [GAP d]; the regions of several records intersect.
+  !> Read BONDed [[EXCEpt] HALFspace or BOX] [GAP d]; with several records, points in all of their
+  !! regions are bonded.
   subroutine read_bond(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -241,7 +242,7 @@ contains
       i = 1 ! GAP alone: all points are bonded
       call check_count(line, 2, huge(i), usage, error)
     end if
-    seen = entry%contact%bond_gap >= 0.0_wp ! one GAP holds for all records
+    seen = entry%contact%bond_gap >= 0.0_wp ! one GAP applies to all records
     do
       if (.not. allocated(error)) call next_option(line, i, BOND_OPTION, usage, seen, key, error)
       if (allocated(error)) return

@@ -74,7 +74,7 @@ contains
 
     associate (contact => entry%contact, law => entry%contact%normal)
       i = 2
-      if (line%key(2) == 'auto') i = 1 ! AUTO alone: the first law
+      if (line%key(2) == 'auto') i = 1 ! AUTO alone means the first law
       call find_law(line, i, NORMAL, law, error)
       if (allocated(error)) return
       usage = law_usage(law%law)

@@ -154,7 +154,7 @@ contains
         set%enhanced = line%key(1) == 'enha'
       case ('dens') ! DENSity [a word] rho
         call check_count(line, 2, 3, 'DENSity rho', error)
-        if (.not. allocated(error) .and. line%n > 2) then ! 1,5 is two numbers
+        if (.not. allocated(error) .and. line%n > 2) then ! a decimal comma makes two numbers
           call check_numbers(line, 2, 'DENSity rho', error, last=2)
         end if
         if (.not. allocated(error)) call get_real(deck, line, line%n, set%density, error)
