@@ -28,20 +28,20 @@ module assembly
   public :: assembler_t, sweep_t, new_assembler, form, free_part, full_vector
 
   type :: assembler_t
-    type(block_matrix_t) :: k            !! of this rank
+    type(block_matrix_t) :: k            !! tangent: the part of this rank
     !> (rank_count() + 1, nblock) rank r forms elements first(r) + 1 to first(r + 1) of a block.
     integer, allocatable :: first(:, :)
     integer :: rank = 1                  !! number of this rank
     logical :: new_pattern = .false.   !! the pattern of k has changed since its last analysis
     type(contact_work_t), allocatable :: contact(:)
     type(map_t), allocatable :: map(:)
-    type(fold_t) :: fold                 !! of constraints
+    type(fold_t) :: fold                 !! folds slaves into their masters
     real(wp), allocatable :: f_int(:, :) !! (3, nnode) internal force [F]
     real(wp), allocatable :: f_contact(:, :) !! (3, nnode) contact, a part of f_int [F]
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
     type(mass_t), allocatable :: mass(:) !! set if the model has inertia
     real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia, a part of f_int [F]
-    type(anchors_t) :: anchors           !! of bodies that contact does not hold
+    type(anchors_t) :: anchors           !! anchors of bodies that contact does not hold
     !> Wall and processor time of all sweeps, and the part of it that contact takes: search,
     !! pattern, tangent.
     real(wp) :: seconds(2) = 0.0_wp, contact_seconds(2) = 0.0_wp
@@ -54,7 +54,7 @@ module assembly
     integer :: negative = 0              !! negative eigenvalues of condensed blocks
     real(wp) :: enhanced = 0.0_wp        !! energy of the enhanced residuals [F L]
     real(wp) :: rounding = 0.0_wp        !! sum of |f||u| over elements [F L]
-    real(wp) :: largest = 0.0_wp         !! largest nodal force of an element [F]
+    real(wp) :: largest = 0.0_wp         !! largest nodal force from one element [F]
   end type sweep_t
 
 contains
@@ -116,7 +116,7 @@ contains
     end do
     n = size(clique) - 1
     call contact_cliques(asm%contact, model, step, clique(nblock + 1:n - 1))
-    associate (list => model%mesh%constraint) ! slaves are moved although no own element has them
+    associate (list => model%mesh%constraint) ! every rank moves all slaves
       if (rank_count() > 1 .and. list%n > 0) then
         clique(n)%conn = reshape(list%slave(:list%n), [1, list%n])
       else
@@ -320,8 +320,8 @@ contains
     if (asm%k%shared) call add_found(asm, model, state, b, found, sweep)
   end subroutine form_batches
 
-  !> Allocate room for what ranks tell each other about their elements. Elements that are not formed
-  !! because an earlier one failed count as failed.
+  !> Allocate the array in which the ranks exchange the results of their elements. Elements that are
+  !! not formed because an earlier one failed count as failed.
   subroutine make_room(asm, nelem, nen, found)
     type(assembler_t), intent(in) :: asm
     integer, intent(in) :: nelem, nen

@@ -6,8 +6,8 @@
 !!     K a = -R,   K b = -dR/dt,   dt = (goal - G - G'.a)/(G'.b),   du = a + dt b.
 !!
 !! As a crack advances, G grows whether loads rise or fall, so dt can be found even where load
-!! control fails. If a step first reaches the time that it must not pass, it ends there, with its
-!! load prescribed.
+!! control fails. If a step reaches the time that it must not pass before it reaches its goal, it
+!! ends at this time, with its load prescribed.
 module constrained_newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use assembly, only: free_part, full_vector
@@ -57,7 +57,7 @@ contains
       return
     end if
     call free_part(model%eq, a, newton%dx)
-    alone = abs(dot_product(newton%dx, newton%rhs)) ! without the change of time
+    alone = abs(dot_product(newton%dx, newton%rhs)) ! energy without the change of time
     a = a + dt*b
     call free_part(model%eq, a, newton%dx)
     pass%energy = max(alone, abs(dot_product(newton%dx, newton%rhs))) + pass%sweep%enhanced

@@ -119,7 +119,7 @@ contains
     end subroutine log_cut
 
     !> Can the release of bonds be controlled by varying a load? There must be bonds and a load
-    !! table, and no bond may depend on the speed. A load must already have done work, because
+    !! table, and no bond may be viscous (VISCous). A load must already have done work, because
     !! closed bonds do not show in which direction they will open.
     logical function can_control_release() result(yes)
       yes = step%continuation%method == PATH_RELEASE .and. any(model%contact(:)%cohesive%given) &

@@ -1,7 +1,7 @@
 !> Continuation of the equilibrium path when load control fails: the methods, and the changes
 !! between them.
 !!
-!! Load control goes as far as it can. If even a small step fails, the release of the bonds is
+!! Load control is used as long as it works. If even a small step fails, the release of the bonds is
 !! prescribed instead of the load. If that fails too, the arc length of the step is prescribed
 !! (LENGth does this at once), or inertia carries the model over the snap. Load control is tried
 !! again after some full steps of the deck in which the load has increased, or when the motion has
@@ -29,19 +29,19 @@ module continuation_type
   integer, parameter, public :: BY_LOAD = 0, BY_INERTIA = 1, BY_RELEASE = 2, BY_ARC = 3
 
   real(wp), parameter :: SMALL = 0.6_wp            !! load control ends when a step of at most this
-  !! size fails, relative to dt
+  !! size, relative to dt, fails
   integer, parameter :: FIRST_WAIT = 4             !! steps with inertia before the first trial
   integer, parameter :: FIRST_FORWARD = 2          !! whole steps of the deck before the first trial
   integer, parameter :: LONGEST_WAIT = 64          !! largest number of steps before a trial
-  real(wp), parameter :: QUIET = 1.0e-3_wp         !! inertia that has died down, relative to the
-  !! largest nodal force
+  real(wp), parameter :: QUIET = 1.0e-3_wp         !! force of inertia of a motion that has died
+  !! down, relative to the largest nodal force
   real(wp), parameter :: LARGEST_RELEASE = 0.01_wp !! largest fraction of the bonds released by a
   !! step
   real(wp), parameter :: SMALLEST_RELEASE = 1.0e-5_wp
   real(wp), parameter :: SMALLEST_ARC = 1.0e-3_wp  !! shortest arc length, relative to the first one
   real(wp), parameter :: LARGEST_ARC = 4.0_wp
-  integer, parameter :: FEW = 5, MANY = 9          !! the next step grows up to FEW iterations and
-  !! shrinks from MANY on
+  integer, parameter :: FEW = 5, MANY = 9          !! the next step is longer after at most FEW
+  !! iterations, and shorter after at least MANY
 
   !> A fraction of the bonds that is smaller than this counts as zero.
   real(wp), parameter :: NO_BONDS = 1.0e-3_wp
@@ -50,7 +50,7 @@ module continuation_type
 
   type :: continuation_t
     integer :: method = PATH_OFF         !! method that the deck allows
-    logical :: given = .false.           !! the deck has chosen it
+    logical :: given = .false.           !! the deck gives the method
     integer :: active = BY_LOAD          !! method in use; BY_LOAD: load control has not ended
     logical :: trial = .false.           !! the current step tries load control again
     integer :: steps = 0                 !! steps since load control failed or was last tried
@@ -66,7 +66,7 @@ module continuation_type
     integer :: opening = 0  !! consecutive steps with arc length control that released bonds
     integer :: patience = FIRST_WAIT     !! such steps before the release is controlled again
     logical :: warned = .false.          !! a warning has said that load control failed
-    logical :: warned_energy = .false.   !! a warning has said that the motion has too much energy
+    logical :: warned_energy = .false.   !! a warning has said that the kinetic energy is too large
   end type continuation_t
 
   !> A step with a prescribed measure: the release of the bonds, or the arc length in the tangent

@@ -23,8 +23,8 @@ module convergence
   real(wp), parameter :: RESIDUAL = 1.0e-9_wp !! largest residual, relative to the largest nodal
   !! force
   real(wp), parameter :: FLOOR_OF_FORCE = 16.0_wp*epsilon(1.0_wp)
-  !> Error of displacements: the softest motion of a slender body magnifies rounding errors of the
-  !! forces.
+  !> Relative rounding error of displacements. It is larger than FLOOR_OF_FORCE because the softest
+  !! motion of a slender body magnifies rounding errors of the forces.
   real(wp), parameter :: FLOOR_OF_MOTION = 1.0e3_wp*epsilon(1.0_wp)
   integer, parameter :: PATIENCE = 6 !! iterations of a step with contact before a line search is
   !! used
@@ -32,17 +32,17 @@ module convergence
   !! below minus this.
   real(wp), parameter :: OPPOSITE = 0.7_wp
   real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a shortened increment
-  !> Relative residuals of linear solves. FORCING is used if factors are not kept. With kept
-  !! factors, it is the largest and FORCING_LEAST the smallest one of an ordinary solve;
-  !! FORCING_MOVED is that of an increment with prescribed motion, FORCING_CONTACT that of an
-  !! increment with contact, FORCING_LAST that of a solve that only confirms convergence, and
-  !! FORCING_ALONE that of a solve that is not repeated or whose bodies are not held by supports.
+  !> Relative residuals to which linear systems are solved. If factors are not kept, this is
+  !! FORCING. With kept factors, an ordinary solve uses a value between FORCING_LEAST and FORCING,
+  !! an increment with prescribed motion FORCING_MOVED, and an increment with contact
+  !! FORCING_CONTACT. FORCING_LAST is for a solve that only confirms convergence, and FORCING_ALONE
+  !! for a solve that is not repeated or whose bodies are not held by supports.
   real(wp), parameter :: FORCING = 1.0e-3_wp, FORCING_MOVED = 1.0e-4_wp, FORCING_LAST = 0.1_wp
   real(wp), parameter :: FORCING_CONTACT = 1.0e-4_wp
   real(wp), parameter :: FORCING_LEAST = 1.0e-8_wp, FORCING_ALONE = 1.0e-12_wp
   real(wp), parameter :: FORCING_NEWTON = 1.0e-4_wp !! up to this, an increment is Newton's
-  real(wp), parameter :: NEARLY = 3.0_wp !! a residual is near the expected one up to this factor
-  real(wp), parameter :: MARGIN = 0.2_wp !! of the tolerance, for the residual that a solve leaves
+  real(wp), parameter :: NEARLY = 3.0_wp !! ratio up to which a residual is as expected
+  real(wp), parameter :: MARGIN = 0.2_wp !! permitted residual of a solve, relative to the tolerance
   integer, parameter :: MOST_FLIPS = 5 !! number of consecutive changes of sign that shows an
   !! alternation
 
@@ -183,11 +183,12 @@ contains
 
   !> Relative residual to which a linear system is solved (inexact Newton).
   !!
-  !! Exact factors reach far more. With kept factors every digit costs an iteration, and a solve
-  !! needs no more digits than Newton's iteration can use: where it converges quadratically, the
-  !! residual falls by the square of its last ratio. It need not fall far below the tolerance
-  !! either. If the last solve reduced the residual as it would in a linear problem, this solve
-  !! continues to the tolerance.
+  !! Exact factors give a far smaller residual. With kept factors, every digit costs an iteration of
+  !! the linear solver, and more digits than Newton's iteration can use are wasted: where Newton's
+  !! iteration converges quadratically, the residual decreases by the square of its last ratio. Nor
+  !! does the residual need to fall far below the tolerance. If the last solve reduced the residual
+  !! as it would have in a linear problem, this solve continues to the tolerance.
+  !!
   !! Source: Eisenstat and Walker 1996 [bib: eisenstat1996]
   pure real(wp) function find_forcing(newton, pass) result(eta)
     type(newton_t), intent(in) :: newton
@@ -222,7 +223,7 @@ contains
     type(pass_t), intent(in) :: pass
 
     yes = .false.
-    if (newton%damped%on) return ! the tangent is not that of the model
+    if (newton%damped%on) return ! the tangent with damping is not that of the model
     yes = is_held(newton) .or. newton%iterations - newton%before - newton%damped%count > PATIENCE &
           .or. (pass%residual <= force_tolerance(pass) .and. .not. newton%moves)
   end function needs_signs

@@ -21,7 +21,7 @@ module external_load
 
 contains
 
-  !> Compute dead loads at the current load factors, and pressures that follow the surface.
+  !> Compute the dead loads at the current load factors and the follower pressures.
   subroutine external_force(model, state, map, k, f)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -47,7 +47,7 @@ contains
     end do
     if (size(null) > MOST) text = text//' and '//to_text(size(null) - MOST)//' more'
     call find_free_bodies(model, model%mesh%xr + state%u, body)
-    if (state%dynamics%on .and. state%dt > 0.0_wp) then ! bodies with a mass are held by it
+    if (state%dynamics%on .and. state%dt > 0.0_wp) then ! inertia holds bodies with a mass
       body = pack(body, [(.not. has_mass(model, body(b)%node), b=1, size(body))])
     end if
     hopeless = .not. all(body%in_contact)

@@ -5,7 +5,7 @@
 !! opposite faces. If all of them lie within an angle a of their mean m, every force that contact
 !! with friction mu can bear lies within a + atan(mu) of m. If the loads require a force outside
 !! this cone, there is no equilibrium, however small the step is. Directions in which the body is
-!! supported do not count.
+!! supported are ignored.
 module friction_limit
   use base_kinds, only: wp
   use base_text, only: to_text
@@ -30,7 +30,7 @@ contains
   !> Name the first body that friction cannot hold, and say how it slides; empty if there is none.
   function sliding_text(model, body, x, load) result(text)
     type(model_t), intent(in) :: model
-    type(free_body_t), intent(in) :: body(:) !! those that only contact can hold
+    type(free_body_t), intent(in) :: body(:) !! bodies that only contact can hold
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) at the start of the step [L]
     real(wp), intent(in) :: load(:, :)       !! (3, nnode) [F]
     character(:), allocatable :: text

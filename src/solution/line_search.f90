@@ -64,7 +64,7 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: dx(:)      !! (neq) the whole increment
-    real(wp), intent(in) :: rhs(:)     !! (neq) the forces before it
+    real(wp), intent(in) :: rhs(:)     !! (neq) residual before the increment
     type(sweep_t), intent(inout) :: sweep
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: du(:, :), r(:)
@@ -91,10 +91,10 @@ contains
     call form(asm, model, state, sweep, error) ! its tangent is used
   end subroutine retreat
 
-  !> Is an increment too long? With the mortar scheme, a line search follows. Otherwise points with
-  !! friction would alternate between stick and slip at small pressures, where no cut-back helps,
-  !! because the friction cone is the same in a smaller step. The schemes of integration points have
-  !! a wider limit, because their points open and close one at a time.
+  !> Is an increment too long? A line search then follows. With the mortar scheme, it prevents
+  !! points with friction from alternating between stick and slip at small pressures. No cut-back
+  !! would help there, because the friction cone is the same in a smaller step. The schemes of
+  !! integration points have a wider limit, because their points open and close one at a time.
   pure logical function overshoots(model, g0, g, grows) result(yes)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: g0, g      !! du.r at the start and at the end of the increment

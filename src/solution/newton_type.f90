@@ -1,4 +1,4 @@
-!> Newton's iteration of the current step, and the outcome of one pass of it.
+!> Newton's iteration of the current step, and the outcome of one iteration.
 module newton_type
   use assembly, only: assembler_t, sweep_t
   use base_kinds, only: wp
@@ -14,10 +14,10 @@ module newton_type
     type(assembler_t) :: asm
     type(linear_system_t) :: system
     type(path_constraint_t) :: constraint !! for a step whose time is unknown
-    type(stabilisation_t) :: hold      !! of bodies that contact does not hold yet
-    type(damped_t) :: damped           !! increments of this step
+    type(stabilisation_t) :: hold      !! stabilises bodies that contact does not hold yet
+    type(damped_t) :: damped           !! damped increments of this step
     logical :: ready = .false.         !! matrix pattern and symbolic factorisation exist
-    logical :: symmetric = .true.      !! they are for a symmetric matrix
+    logical :: symmetric = .true.      !! pattern and factorisation are for a symmetric matrix
     integer :: mode = AUTO             !! FACTor
     real(wp) :: eps = 0.0_wp           !! accuracy of LOWRank
     real(wp) :: tolerance = 1.0e-16_wp !! TOL
@@ -28,8 +28,8 @@ module newton_type
     logical :: exact = .true.          !! every solve of the step used the whole tangent
     real(wp) :: largest_energy = 0.0_wp !! largest energy of an increment of this step [F L]
     real(wp) :: forcing = 0.0_wp       !! relative residual of the last solve
-    real(wp) :: before_solve = 0.0_wp  !! largest residual before it, 0: with prescribed motion [F]
-    real(wp) :: expected = 0.0_wp      !! largest residual after it if nothing is nonlinear [F]
+    real(wp) :: before_solve = 0.0_wp !! largest residual before it; 0: prescribed motion [F]
+    real(wp) :: expected = 0.0_wp      !! largest residual expected after it [F]
     integer :: sign = 0                !! sign of the last tangent's determinant; 0: not known
     integer :: flips = 0               !! consecutive iterations that changed the sign
     real(wp), allocatable :: rhs(:)    !! (neq) [F]
@@ -47,14 +47,14 @@ module newton_type
 
   !> The residual and the energy that remain because of rounding alone (see convergence).
   type :: floor_t
-    real(wp) :: force = 0.0_wp         !! of a nodal force [F]
-    real(wp) :: energy = 0.0_wp        !! of |du.r| [F L]
+    real(wp) :: force = 0.0_wp         !! rounding error of a nodal force [F]
+    real(wp) :: energy = 0.0_wp        !! rounding error of |du.r| [F L]
   end type floor_t
 
-  !> Outcome of one pass.
+  !> Outcome of one Newton iteration: the system is formed and solved once.
   type :: pass_t
     logical :: ok = .true.             !! .false.: the step must be cut
-    character(:), allocatable :: trouble !! reason for that
+    character(:), allocatable :: trouble !! reason why the step must be cut
     logical :: hopeless = .false.      !! neither a smaller step nor another method can help
     type(sweep_t) :: sweep
     type(floor_t) :: floor
@@ -62,7 +62,7 @@ module newton_type
     real(wp) :: energy = 0.0_wp        !! |du.r| [F L]
     real(wp) :: ratio = 0.0_wp         !! |du.r| / largest of the step
     real(wp) :: residual = 0.0_wp      !! largest component at a free dof [F]
-    integer :: worst(2) = 0            !! its direction and node
+    integer :: worst(2) = 0            !! direction and node of this residual
     real(wp) :: line = 1.0_wp          !! fraction of the increment that was taken
     integer :: short = 0               !! solves whose increments were shortened by `hold`
   end type pass_t

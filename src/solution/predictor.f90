@@ -21,7 +21,7 @@ module predictor
 
   !> Largest change of the rate of a load table, relative to the larger rate.
   real(wp), parameter :: SAME_RATE = 0.5_wp
-  !> Longest step, relative to the previous one.
+  !> Longest step for which displacements are predicted, relative to the previous step.
   real(wp), parameter :: LONGEST = 4.0_wp
 
 contains

@@ -1,21 +1,20 @@
 !> Bodies without sufficient supports that contact does not hold yet, or does not hold in all
 !! directions.
 !!
-!! The rigid motions v of such bodies are sorted by their stiffness v.K v/v.D v, with the tangent K
-!! and with D, the mean stiffness of each node on its diagonal.
+!! The rigid motions v of such bodies are sorted by their stiffness v.K v/v.D v, where K is the
+!! tangent and the diagonal matrix D contains the mean stiffness of each node.
 !!
-!! 1. No stiffness (below NO_STIFFNESS), and a load acts along a translation: the body "flies". It
-!!    is moved in that direction, up to the nearest other surface and then farther, by distances
-!!    that begin with a millionth of an element and grow. As soon as contact resists, Newton's
-!!    iteration continues from there. If the body does not meet any surface, the step fails.
-!! 2. Little stiffness (below WEAK, or negative): a ball can turn and slide on a plate without
-!!    friction. An anchor (module anchors) resists the motion since the start of the step. If the
-!!    anchor bears more than the fraction NO_LOAD of all loads when the iteration converges, the
-!!    motion is released, and the iteration continues.
+!! 1. If a translation has no stiffness (less than NO_STIFFNESS) and a load acts along it, the body
+!!    "flies": it is moved in that direction, up to the nearest other surface and then farther, by
+!!    distances that begin with a millionth of an element and grow. As soon as contact resists,
+!!    Newton's iteration continues from there. If the body meets no surface, the step fails.
+!! 2. If a motion has little stiffness (less than WEAK, or a negative one), an anchor (module
+!!    anchors) resists this motion from the start of the step on. An example is a ball that can turn
+!!    and slide on a plate without friction. If the anchor bears more than the fraction NO_LOAD of
+!!    all loads when the iteration converges, the motion is released, and the iteration continues.
 !! 3. Springs with the stiffness SPRING D are added to the tangent, but not to the residual. They
-!! make
-!!    every system regular. An increment whose energy is mainly that of the springs is shortened to
-!!    the distances of item 1.
+!!    make every system regular. An increment whose energy is mainly that of the springs is
+!!    shortened to the distances of item 1.
 !!
 !! None of this is done if the tangent resists every motion. All limits are relative.
 !! Theory: doc/theory/contact.md.
@@ -57,17 +56,17 @@ module stabilisation
     logical :: springs = .false.         !! the tangent of this iteration has springs
     logical :: used = .false.            !! an iteration of this step had springs
     integer :: moves = 0                 !! number of moves in this step
-    integer :: at_contact = 0            !! the last move, if it began at another surface
-    real(wp), allocatable :: shift(:, :) !! (3, body) sum of these moves [L]
+    integer :: at_contact = 0 !! number of consecutive moves that began at another surface
+    real(wp), allocatable :: shift(:, :) !! (3, body) sum of the moves of the step [L]
     !> (6, body, m) Motions that nothing resists; the 6*body coefficients of each are orthonormal.
     real(wp), allocatable :: unheld(:, :, :)
     real(wp), allocatable :: weak(:, :, :) !! (6, body, m) motions of little stiffness, v.D v = 1
     real(wp), allocatable :: released(:, :, :) !! (6, body, m) motions that are no longer anchored
-    real(wp) :: energy = 0.0_wp          !! of the anchors, sum over the steps [F L]
+    real(wp) :: energy = 0.0_wp          !! energy of the anchors, summed over the steps [F L]
     real(wp) :: work = 0.0_wp            !! of loads and supports in the same steps [F L]
     real(wp), allocatable :: kept(:, :, :) !! (3, 3, node) blocks without the springs
     logical :: warned = .false.          !! the warning about free motions was issued
-    logical :: warned_energy = .false.   !! the warning about their energy was issued
+    logical :: warned_energy = .false.   !! the warning about the energy of anchors was issued
   end type stabilisation_t
 
 contains
@@ -190,7 +189,7 @@ contains
     hold%used = .true.
   end function use_springs
 
-  !> T with T^T D T = 1 for a symmetric positive definite matrix.
+  !> T with T^T D T = 1, where D is a symmetric positive definite matrix.
   subroutine inverse_root(d, t)
     real(wp), intent(in) :: d(:, :)
     real(wp), allocatable, intent(out) :: t(:, :)

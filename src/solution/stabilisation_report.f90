@@ -128,7 +128,7 @@ contains
     end do
   end subroutine span_of
 
-  !> Why a step fails in which a body is lost.
+  !> Reason why a step fails in which a body is lost.
   function lost_text(hold) result(text)
     type(stabilisation_t), intent(in) :: hold
     character(:), allocatable :: text

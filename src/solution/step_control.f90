@@ -30,7 +30,7 @@ module step_control
   integer, parameter :: FEW = 6      !! iterations up to which a step may grow
   integer, parameter :: FAIR = 10    !! iterations up to which a step smaller than dt may grow
   integer, parameter :: MANY = 15    !! iterations above which the next step is smaller
-  integer, parameter :: PATIENCE = 8 !! steps that stay shorter than a failed one
+  integer, parameter :: PATIENCE = 8 !! number of steps that stay shorter than a failed one
   real(wp), parameter :: SHORTER = 0.75_wp !! step after a failed step longer than dt
 
 contains
@@ -165,7 +165,7 @@ contains
     possible = control%size >= control%dtmin .and. control%from + control%size > control%from
   end function cut_time
 
-  !> Try the whole step to the next target again, by other means.
+  !> Try the whole step to the next target again, with another method.
   subroutine whole_step(control)
     type(step_control_t), intent(inout) :: control
 

@@ -1,4 +1,4 @@
-!> The current step, as it is seen by the modules that control it.
+!> The current step, as seen by the modules that control it.
 module step_type
   use base_kinds, only: wp
   use continuation_type, only: continuation_t
@@ -30,7 +30,7 @@ module step_type
     type(step_control_t) :: control      !! length of the step in time
     type(continuation_t) :: continuation !! the method that follows the path
     type(newton_t) :: newton
-    type(pass_t) :: pass                 !! the last pass of Newton's iteration
+    type(pass_t) :: pass                 !! outcome of the last Newton iteration
     logical :: open = .false.            !! a step is in progress
     logical :: timed = .false.           !! a TIME began it
     logical :: retry = .false.           !! the next step repeats a step that was cut back
@@ -38,12 +38,12 @@ module step_type
     integer :: cutbacks = 0              !! cut-backs of this step, except changes of method
     logical :: needs_damping = .false.   !! some step failed at every size without damping
     logical :: damps = .false.           !! the next attempt of the step has damped increments
-    integer :: damped = 0                !! attempts of the step with them
-    logical :: exhausted = .false.       !! without them, the step has been cut to dtmin
+    integer :: damped = 0                !! attempts of the step with damped increments
+    logical :: exhausted = .false.       !! the step has been cut to dtmin without damping
     integer :: start_step = 0            !! number and time of the state at its start
     real(wp) :: start_time = 0.0_wp
-    integer :: start_iterations = 0      !! total number of iterations when it began
-    logical :: start_held = .false.      !! an earlier step had to hold a body
+    integer :: start_iterations = 0      !! total number of iterations when the step began
+    logical :: start_held = .false.      !! an earlier step had to stabilise a body
     type(step_totals_t) :: total
   end type step_t
 
