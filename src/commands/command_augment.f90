@@ -1,9 +1,9 @@
 !> AUGMent: one step of Uzawa's iteration for contact pressures (FEAP's AUGM).
 !!
 !! The multipliers take over the pressure due to the penetrations, so that the next solves leave
-!! smaller penetrations: LOOP,augment,n / LOOP,newton,m / UTAN,,1 / NEXT / AUGMent / NEXT. If no
-!! pressure would change by more than a tolerance, nothing is changed and the loop ends. Nothing is
-!! changed in the last pass of the loop either, because no solve would follow.
+!! smaller penetrations. The commands are LOOP,augment,n / LOOP,newton,m / UTAN,,1 / NEXT / AUGMent
+!! / NEXT. If no pressure would change by more than a tolerance, nothing is changed and the loop
+!! ends. Nothing is changed in the last pass of the loop either, because no solve would follow.
 module command_augment
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -96,8 +96,8 @@ contains
     end associate
   end subroutine run_augment
 
-  !> Is there a solve between the command at the counter and the next step, in the commands that
-  !! follow or in another pass of a loop that does not contain TIME?
+  !> Is there a solve between the command at the counter and the next step, either in the commands
+  !! that follow or in another pass of a loop that does not contain TIME?
   pure logical function is_followed(program) result(yes)
     type(program_t), intent(in) :: program
     character(4), parameter :: SOLVES(3) = ['tang', 'utan', 'solv']

@@ -31,7 +31,7 @@ module command_checkpoint
   type :: exchange_t
     type(named_values_t) :: values
     logical :: writes = .true.
-    logical :: whole = .true.          !! no value was missing when they were read
+    logical :: whole = .true.          !! no value was missing in the checkpoint
   end type exchange_t
 
   interface exchange

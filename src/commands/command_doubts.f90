@@ -10,7 +10,8 @@ module command_doubts
 
 contains
 
-  !> Warn about load tables without loads, and about commands that have no effect without others.
+  !> Warn about load tables without loads, and about commands that have no effect without other
+  !! commands.
   subroutine warn_commands(run)
     type(run_t), intent(in) :: run
 
@@ -57,8 +58,8 @@ contains
     end associate
   end subroutine warn_here
 
-  !> Do commands of some names come only before command i? Those in a loop around it come after it
-  !! too.
+  !> Do the commands with the given names come only before command i? In a loop that contains
+  !! command i, commands come after it too.
   pure logical function is_late(run, i, key) result(late)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i

@@ -118,8 +118,9 @@ contains
     end if
   end function is_past_data
 
-  !> Read the data of `2 n`: records of n pairs (t, p) up to a blank record. A pair 0 0 or a record
-  !! with fewer pairs is the last one, and the blank record after it may be missing (FEAP).
+  !> Read the data of a load table of type 2: after `2 n`, records of n pairs (t, p) up to a blank
+  !! record. A pair 0 0 or a record with fewer pairs is the last one, and the blank record after it
+  !! may be missing (FEAP).
   subroutine read_pairs(run, opening, table, error)
     type(run_t), intent(inout) :: run
     type(record_t), intent(in) :: opening

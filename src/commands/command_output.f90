@@ -48,8 +48,9 @@ contains
     end if
   end subroutine run_plot_or_save
 
-  !> Read OUTPut,,every n [fields]: every n-th step is written, with all fields or with those named.
-  !! A result file has a single set of fields, so every OUTPut of a deck must name the same ones.
+  !> Read OUTPut,,every n [fields]: every n-th step is written, with the fields that are named, or
+  !! else the default ones. A result file has a single set of fields, so every OUTPut of a deck must
+  !! name the same ones.
   subroutine run_output(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -91,7 +92,8 @@ contains
     end associate
   end subroutine run_output
 
-  !> Find the known fields that an OUTPut names; if it names none, all fields are meant.
+  !> Find the known fields that an OUTPut names. If it names none, all are marked, so that two such
+  !! records compare equal.
   pure function wanted_fields(record) result(wanted)
     type(record_t), intent(in) :: record
     logical :: wanted(size(known_fields()))

@@ -89,7 +89,7 @@ contains
     integer :: i
 
     associate (dynamics => run%state%dynamics)
-      stops = dynamics%on .and. dynamics%density < 0.0_wp ! else the continuation added inertia
+      stops = dynamics%on .and. dynamics%density < 0.0_wp ! otherwise the continuation added inertia
       dynamics%on = deck%on
       dynamics%method = deck%method
       dynamics%lumped = deck%lumped

@@ -45,14 +45,14 @@ module command_type
     character(12) :: word = ''
     integer :: nmax = 2                         !! largest number of fields after the word
     character(72) :: usage = ''                 !! shown in hints and by --list
-    logical :: reads = .false.                  !! it reads the fields after the option itself
+    logical :: reads = .false.                  !! the command reads the fields after the option
     procedure(command_run_i), pointer, nopass :: run => null()
     procedure(command_data_i), pointer, nopass :: data => null() !! reads its records after END
   end type command_row_t
 
   !> A loop that is being executed.
   type :: loop_t
-    integer :: at = 0                           !! its LOOP
+    integer :: at = 0                           !! position of its LOOP
     integer :: count = 0                        !! passes begun, including the current one
     integer :: limit = 0
   end type loop_t

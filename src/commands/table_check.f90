@@ -54,8 +54,8 @@ contains
 
   end subroutine check_tables
 
-  !> Check that the loads of nodes which TIE joins follow one load number. With one table, number 0
-  !! is that of the table.
+  !> Check that the loads of nodes which TIE joins follow one load number. If there is only one
+  !! table, load number 0 means this table.
   subroutine check_rivals(bc, defined, error)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: defined(:)

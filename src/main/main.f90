@@ -110,7 +110,7 @@ program main
   if (len(options%outdir) < 200) call set_default('MUMPS_OOC_TMPDIR', options%outdir)
   call set_default('MUMPS_OOC_PREFIX', 'factors')
   if (.not. allocated(refused)) call execute(job, error)
-  call job%step%newton%system%free() ! it removes its files
+  call job%step%newton%system%free() ! this removes the files of the factors
   if (allocated(refused)) call move_alloc(refused, error)
   call progress('')
   if (is_root()) call drop_reserve(job) ! the last lines of the log need space too

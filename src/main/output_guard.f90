@@ -8,7 +8,7 @@ module output_guard
   private
   public :: check_outputs
 
-  integer, parameter :: LONGEST = 255 !! bytes in the name of a file, of most file systems
+  integer, parameter :: LONGEST = 255 !! most bytes in a file name on most file systems
 
 contains
 

@@ -66,7 +66,7 @@ contains
     logical :: rewound
 
     if (allocated(job%files%kept)) then
-      call open_files(job, error) ! cuts back what a killed run wrote
+      call open_files(job, error) ! removes what a killed run wrote after its last checkpoint
       if (allocated(error)) return
     else if (.not. has_command(job, 'rest')) then
       call remove_curves(job)

@@ -2,8 +2,8 @@
 !!
 !! Objects are named by their path in the file (`VTKHDF/PointData/stress`). A dataset has a fixed
 !! number of rows, whose space on disk is allocated when the dataset is created. Rows that are
-!! written later therefore do not move anything in the file: it stays readable if the program is
-!! killed, and other programs may read it during the analysis. The rule for `error` is that of
+!! written later therefore do not move anything in the file. The file stays readable if the program
+!! is killed, and other programs may read it during the analysis. The rule for `error` is that of
 !! `hdf5_object`.
 module hdf5_file
   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc
@@ -26,7 +26,7 @@ module hdf5_file
 
   integer, parameter, public :: AS_REAL = 1, AS_INT64 = 2, AS_INT32 = 3, AS_UINT8 = 4 !! on disk
 
-  !> put(file, name, values, error[, first]) writes rows from row `first` on, which counts from 1.
+  !> put(file, name, values, error[, first]) writes rows from row `first` (counted from 1) on.
   interface put
     module procedure put_real_1, put_real_2, put_integer_1
   end interface put

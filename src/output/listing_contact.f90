@@ -3,8 +3,8 @@
 !!
 !! In the two-half-pass algorithm each side integrates its own tractions, so the two resultants
 !! differ by the discretisation error, which `sum` shows. With BALAnced or a rigid side the forces
-!! are opposite; the moments are opposite too, except for tangential forces times penetration. The
-!! forces of supports, contacts and loads add up to zero within the residual of the step.
+!! are opposite; the moments are opposite too, up to an error of tangential force times penetration.
+!! The forces of supports, contacts and loads add up to zero within the residual of the step.
 module listing_contact
   use base_kinds, only: wp
   use base_log, only: log_line

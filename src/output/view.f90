@@ -139,9 +139,9 @@ contains
     end do
   end subroutine map_field
 
-  !> Map values at the nodes of surfaces to the points on them. All other points are given zero:
-  !! a combination of nodes on and below a surface would have the opposite sign there, because the
-  !! coefficient of the surface is negative at Bezier points inside a quadratic element.
+  !> Map values at the nodes of surfaces to the points on them. All other points are given zero,
+  !! because a combination of nodes on and below a surface would have the wrong sign at Bezier
+  !! points inside a quadratic element, where the coefficient of the surface is negative.
   pure subroutine map_surface_field(view, on_surface, nodal, values)
     type(view_t), intent(in) :: view
     logical, intent(in) :: on_surface(:)  !! (nnode)

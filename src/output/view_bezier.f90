@@ -6,12 +6,12 @@
 !!   N_A W = sum_i a_iA B_i,  W = sum_i W_i B_i,  P_i = sum_A (a_iA / W_i) x_A
 !!
 !! with Bernstein polynomials B_i. The rational Bezier cell with the points P_i and weights W_i is
-!! thus identical with the element: positions, displacements and fields at the nodes are mapped by
-!! the coefficients a_iA / W_i. The cell has the degrees of the element. If only the surface is
-!! rational (an enriched element with surface weights W(xi, eta)), the degrees of W and of the bulk
-!! functions add up in their products. The degree of the cell is then higher by one or two, and the
-!! cell is still exact. Its weights are positive, because degree elevation takes means of the
-!! coefficients of W.
+!! thus identical to the element: positions, displacements and fields at the nodes are mapped by the
+!! coefficients a_iA / W_i. The cell has the degrees of the element. If only the surface is rational
+!! (an enriched element with surface weights W(xi, eta)), the degrees of W and of the bulk functions
+!! add up in their products. The degree of the cell is then higher by one or two, and the cell is
+!! still exact. Its weights are positive, because degree elevation takes means of the coefficients
+!! of W.
 !!
 !! The a_iA are found by interpolation, which needs only the functions and degrees of the element.
 module view_bezier

@@ -141,8 +141,8 @@ contains
     end do
   end subroutine write_offsets
 
-  !> Write offsets, which are 64-bit integers. They are passed as reals, which hold them exactly to
-  !! 2**53.
+  !> Write offsets, which are 64-bit integers. They are passed as reals, which hold them exactly up
+  !! to 2**53.
   subroutine write_starts(file, path, values, error, column)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: path
