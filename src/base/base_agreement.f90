@@ -1,4 +1,4 @@
-!> Agreement of all ranks on errors, so that no rank waits for another one that has ended.
+!> Agreement of all ranks on errors, so that no rank waits for one that has already stopped.
 module base_agreement
   use base_comm, only: largest, rank_count, share, this_rank
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -10,9 +10,8 @@ contains
 
   !> Copy the first error of any rank to all ranks without an error.
   !!
-  !! This must be called after anything that only the first rank does, such as writing a file. It is
-  !! also needed if all ranks do the same, as when they read the deck, because one of them may fail
-  !! alone.
+  !! Call this after any work that only the first rank does, such as writing a file, and also after
+  !! work that every rank repeats, such as reading the deck, because it may fail on one rank only.
   subroutine agree(error)
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: hint, message

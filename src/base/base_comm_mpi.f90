@@ -61,7 +61,7 @@ module base_comm
   integer, parameter :: PATIENCE = 20 !! seconds that ranks wait for each other after an error
 
   integer :: rank0 = 0, nrank = 1, nhere = 1
-  integer(c_int) :: screen = STDERR   !! where a rank shows an error that it alone has
+  integer(c_int) :: screen = STDERR   !! where a rank writes an error that it alone has met
 
 contains
 
@@ -160,8 +160,8 @@ contains
     x = sum(part)
   end subroutine total_scalar
 
-  !> Each rank gets a share of the columns from all other ranks, adds them, and sends the sums to
-  !! all.
+  !> Each rank receives its share of the columns from all other ranks, adds them up, and sends the
+  !! sums to all ranks.
   subroutine total_matrix(x)
     real(wp), intent(inout), contiguous :: x(:, :)
     real(wp), allocatable :: part(:, :, :)

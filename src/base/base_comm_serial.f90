@@ -1,8 +1,8 @@
 !> Processes (ranks) that compute one model together: the version for a single process.
 !!
 !! `make MPI=1` compiles base_comm_mpi.f90 instead. Both files contain the same module with the same
-!! names, and the comments here say what a procedure does on any number of ranks. On one rank, each
-!! procedure does nothing or returns the value of that rank.
+!! names, and the comments here say what each procedure does with any number of ranks. With a single
+!! rank, it does nothing or returns the value of that rank.
 module base_comm
   use base_kinds, only: wp
   use base_system, only: finish
@@ -11,29 +11,30 @@ module base_comm
   public :: start_comm, stop_comm, rank_count, this_rank, owns, is_root, communicator, ranks_here, &
             largest, total, share, gather_blocks
 
-  !> share(x, rank) gives all ranks the value of one rank.
+  !> share(x, rank) gives all ranks the value that x has on the given rank.
   interface share
     module procedure share_integers, share_reals, share_text
   end interface share
 
-  !> The largest of the numbers that the ranks have.
+  !> The largest value that the argument has on any rank.
   interface largest
     module procedure largest_integer, largest_real
   end interface largest
 
-  !> total(x) adds the values of all ranks in the order of the ranks, so that the sum does not
-  !! depend on which rank is faster.
+  !> total(x) replaces x by its sum over all ranks, which is added in the order of the ranks so that
+  !! it does not depend on their speed.
   interface total
     module procedure total_scalar, total_matrix
   end interface total
 
 contains
 
-  !> Join the other ranks. From then on, only the first rank writes on the screen.
+  !> Join the other ranks. From then on, only the first rank writes to the screen.
   subroutine start_comm()
   end subroutine start_comm
 
-  !> End the process together with the other ranks. Ranks that do not end are stopped after a while.
+  !> End the process when the other ranks end too. After an error, ranks that do not end within a
+  !! given time are aborted.
   subroutine stop_comm(code, text)
     integer, intent(in) :: code      !! exit code
     character(*), intent(in) :: text !! shown if the other ranks do not end
@@ -54,7 +55,8 @@ contains
     this_rank = 1
   end function this_rank
 
-  !> Does this rank form the derivatives of item i of a list that is divided among the ranks?
+  !> Does this rank compute the derivatives of item i of a list whose items are divided among the
+  !! ranks?
   pure logical function owns(i)
     integer, intent(in) :: i !! from 1
 
@@ -62,13 +64,13 @@ contains
     owns = .true.
   end function owns
 
-  !> Is this the first rank, which writes all files and writes on the screen?
+  !> Is this the first rank, which writes all files and the screen output?
   pure logical function is_root()
 
     is_root = .true.
   end function is_root
 
-  !> The ranks, in the form in which MUMPS is told of them; without MPI it ignores this number.
+  !> Communicator of all ranks, to be passed to MUMPS, which ignores it in a build without MPI.
   integer function communicator()
 
     communicator = 0
@@ -118,7 +120,7 @@ contains
     associate (unused => x, unused_too => rank); end associate
   end subroutine share_reals
 
-  !> The length may differ on the other ranks.
+  !> On entry, the length of the text may differ from rank to rank.
   subroutine share_text(text, rank)
     character(:), allocatable, intent(inout) :: text
     integer, intent(in) :: rank !! from 1
@@ -126,8 +128,8 @@ contains
     associate (unused => text, unused_too => rank); end associate
   end subroutine share_text
 
-  !> Give all ranks the columns that each rank has found; rank r has found columns first(r) + 1 to
-  !! first(r + 1).
+  !> Give every rank all columns of x. On entry, each rank r has set only its columns, first(r) + 1
+  !! to first(r + 1).
   subroutine gather_blocks(x, first)
     real(wp), intent(inout), contiguous :: x(:, :)
     integer, intent(in) :: first(:)  !! (rank_count() + 1) ascending from 0

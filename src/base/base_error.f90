@@ -22,7 +22,7 @@ module base_error
     integer :: width = 0  !! characters to underline
   end type place_t
 
-  !> A failure of the program or the deck.
+  !> An error in the deck, or a failure of the program.
   type :: error_t
     integer :: code = 0                   !! exit code of the program
     character(:), allocatable :: message  !! one sentence, lower case, no full stop
@@ -130,7 +130,7 @@ contains
     text = text//new_line('a')//repeat(' ', margin)//number//' | '//source
     if (place%column <= 0) return
     text = text//new_line('a')//repeat(' ', margin + len(number))//' | '
-    do i = 1, min(column - 1, len(source)) ! tabs stay tabs, so that the caret is in place
+    do i = 1, min(column - 1, len(source)) ! tabs are kept to align the caret
       if (source(i:i) == achar(9)) then
         text = text//achar(9)
       else if (.not. continues(source(i:i))) then
@@ -143,7 +143,7 @@ contains
     text = text//'^'//repeat('~', n - 1)
   end function head
 
-  !> The text without control characters, which would disturb the terminal; tabs stay.
+  !> The text without control characters, which would disturb the terminal; tabs are kept.
   pure function visible(text) result(plain)
     character(*), intent(in) :: text
     character(len(text)) :: plain
@@ -175,7 +175,7 @@ contains
     yes = iand(ichar(c), 192) == 128
   end function continues
 
-  !> Add an error to the list, which keeps only the first ones and counts the others.
+  !> Add an error to the list, which stores the first MOST errors and only counts the others.
   subroutine add_error(list, error)
     class(error_list_t), intent(inout) :: list
     type(error_t), intent(in) :: error

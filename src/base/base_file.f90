@@ -30,7 +30,7 @@ module base_file
   type :: input_t
     character(:), allocatable :: path
     integer(i8) :: identity(2) = 0
-    logical :: checkpoint = .false. !! the run may replace it by its own checkpoints
+    logical :: checkpoint = .false. !! the run may replace it with its own checkpoints
   end type input_t
 
   type(input_t), allocatable :: inputs(:) !! all files that the process has read
@@ -152,7 +152,7 @@ contains
   !> Record that a file is read, so that it is not replaced by output.
   subroutine note_input(path, checkpoint)
     character(*), intent(in) :: path
-    logical, intent(in), optional :: checkpoint !! a file of checkpoints
+    logical, intent(in), optional :: checkpoint !! the file contains checkpoints
     type(input_t), allocatable :: longer(:)
     type(file_t) :: file
     integer :: n
@@ -169,10 +169,10 @@ contains
     call move_alloc(longer, inputs)
   end subroutine note_input
 
-  !> The name under which the file at a path has been read; blank if it has not.
+  !> The name under which the file at a path was read; blank if it was not read.
   function input_of(path, checkpoint) result(name)
     character(*), intent(in) :: path
-    logical, intent(in), optional :: checkpoint !! ignore files of checkpoints
+    logical, intent(in), optional :: checkpoint !! ignore checkpoint files
     character(:), allocatable :: name
     type(file_t) :: file
     integer :: i
@@ -238,8 +238,8 @@ contains
     failed = c_unlink(c_text(path))
   end subroutine remove_file
 
-  !> Remove a name that is a symbolic link, or one of several names of a file, so that creating a
-  !! file under this name does not change any other file.
+  !> Remove a path that is a symbolic link, or one of several hard links to a file, so that creating
+  !! a file at this path does not change any other file.
   subroutine detach(path)
     character(*), intent(in) :: path
     integer, parameter :: REGULAR = 8, LINK = 10
@@ -275,8 +275,8 @@ contains
                   hint='wait for it, or give this run another folder (-o) or name (--name)')
         return
       end if
-      ! The last holder may have removed the file between these two calls. The lock on that file
-      ! then keeps nobody out, so the loop tries again.
+      ! Between these two calls, the previous holder of the lock may have removed the file. A lock
+      ! on a removed file excludes nobody, so the loop tries again.
       failed = c_statx(lock%fd, c_text(''), AT_EMPTY_PATH, STATX_BASIC, opened)
       call inspect(path, file)
       if (failed /= 0) exit

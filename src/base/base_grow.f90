@@ -1,7 +1,8 @@
-!> Arrays that grow while they are filled: old entries are kept, new ones are zero or false.
+!> Arrays that grow while they are filled; old entries are kept, and new ones are zero or false.
 !!
-!! The size at least doubles, so that in n single additions each entry is copied about once. The
-!! caller counts the entries in use. Arrays that are filled together grow to the same size.
+!! The size at least doubles each time, so that, on average, an entry is copied about once while n
+!! entries are added one by one. The caller keeps the number of entries in use. Arrays that are
+!! filled together always have the same size.
 module base_grow
   use base_error, only: place_t
   use base_kinds, only: wp
@@ -19,7 +20,7 @@ module base_grow
 
 contains
 
-  !> Size of an array that must hold n entries.
+  !> New size of an array of size `old` that must hold n entries.
   pure integer function next_size(old, n) result(new)
     integer, intent(in) :: old, n
 

@@ -1,4 +1,4 @@
-!> Hashes of texts, numbers and files: 16 hexadecimal digits that distinguish contents.
+!> Hashes of texts, numbers and files, written as 16 hexadecimal digits.
 module base_hash
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_kinds, only: wp, i8

@@ -23,12 +23,12 @@ module base_log
   type(error_t), allocatable :: trouble   !! error of the first line that could not be written
   integer :: nkept = 0
   integer :: nwarning = 0
-  type(message_t), allocatable :: message_of(:) !! the different warnings of the run
+  type(message_t), allocatable :: message_of(:) !! the distinct warnings of the run
   integer :: nmessage = 0                  !! number of messages in use; the array may be longer
   integer :: shown = 0                     !! characters of the progress line on the screen
   logical :: quiet = .false., asked = .false., terminal = .false.
-  logical :: muted = .false.               !! this is not the first rank: nothing is written
-  logical :: prints = .false.              !! lines go to standard output; there is no log
+  logical :: muted = .false.               !! this is not the first rank, so nothing is written
+  logical :: prints = .false.              !! lines go to standard output instead of a log
 
 contains
 
@@ -39,7 +39,8 @@ contains
     quiet = yes .or. muted
   end subroutine set_quiet
 
-  !> Only count warnings and keep their messages, because the first rank writes them.
+  !> Write nothing on this rank, and only count warnings and store their messages; the first rank
+  !! writes them.
   subroutine mute_log()
     muted = .true.
     quiet = .true.
@@ -63,8 +64,8 @@ contains
     if (allocated(kept)) deallocate (kept)
   end subroutine open_log
 
-  !> Close the log; it is an error if one of its lines could not be written, for example because the
-  !! disk is full.
+  !> Close the log, and return an error if any of its lines could not be written, for example
+  !! because the disk is full.
   subroutine close_log(error)
     type(error_t), allocatable, intent(out) :: error
 
@@ -75,7 +76,7 @@ contains
     if (allocated(trouble)) call move_alloc(trouble, error)
   end subroutine close_log
 
-  !> Write one line, or several with line ends between them.
+  !> Write one line, or several lines separated by line ends.
   subroutine log_line(text)
     character(*), intent(in) :: text
     character(:), allocatable :: longer
@@ -98,7 +99,7 @@ contains
     nkept = nkept + len(text) + 1
   end subroutine log_line
 
-  !> Write a text at once, so that the log is complete if the process is killed.
+  !> Write a text and flush it, so that the log is complete even if the process is killed.
   subroutine put(text)
     character(*), intent(in) :: text
     type(error_t), allocatable :: error
@@ -108,7 +109,7 @@ contains
     if (allocated(error) .and. .not. allocated(trouble)) call move_alloc(error, trouble)
   end subroutine put
 
-  !> Count a warning, and write it into the log and on the screen.
+  !> Count a warning, and write it to the log and the screen.
   subroutine warn(message, place, hint)
     character(*), intent(in) :: message
     type(place_t), intent(in), optional :: place
@@ -122,7 +123,7 @@ contains
     call show_above(text)
   end subroutine warn
 
-  !> Write a note, which reports no problem, into the log and on the screen.
+  !> Write a note, which does not report a problem, to the log and the screen.
   subroutine note(message)
     character(*), intent(in) :: message
     character(:), allocatable :: text
@@ -162,13 +163,13 @@ contains
     message_of(nmessage)%text = message
   end subroutine keep
 
-  !> Number of different warnings of the run.
+  !> Number of distinct warnings of the run.
   integer function message_count() result(n)
 
     n = nmessage
   end function message_count
 
-  !> The i-th of the different warnings of the run.
+  !> Get the i-th of the distinct warnings of the run.
   subroutine get_warning(i, text)
     integer, intent(in) :: i              !! 1 to message_count()
     character(:), allocatable, intent(out) :: text
@@ -204,7 +205,7 @@ contains
     call show(text//new_line('a'))
   end subroutine summary
 
-  !> Show a line that the next line overwrites; this is done only on a terminal.
+  !> Show a line that the next one overwrites. Nothing is shown unless the screen is a terminal.
   subroutine progress(text)
     character(*), intent(in) :: text
     integer, parameter :: WIDTH = 79
@@ -225,7 +226,7 @@ contains
     shown = 0
   end subroutine clear_progress
 
-  !> Write on the screen. It is not an error if the screen is closed, because everything is in the
+  !> Write to the screen. It is not an error if the screen is closed, because everything is in the
   !! log.
   subroutine show(text)
     character(*), intent(in) :: text

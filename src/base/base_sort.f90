@@ -5,7 +5,7 @@ module base_sort
   private
   public :: sort, sort_index, unique, find, hash
 
-  !> Positions that put the keys into ascending order; equal keys keep their order.
+  !> Permutation that sorts the keys in ascending order; equal keys keep their order.
   interface sort_index
     module procedure sort_index_integer, sort_index_long, sort_index_real
   end interface sort_index
@@ -60,8 +60,8 @@ contains
     end do
   end subroutine sort_index_long
 
-  !> Sort reals like the integers that have the same bits. For negative reals these bits are
-  !! inverted first.
+  !> Sort reals like the integers that have the same bits. For negative reals, all bits except the
+  !! sign are inverted first.
   pure subroutine sort_index_real(key, order)
     real(wp), intent(in) :: key(:)
     integer, intent(out) :: order(:)
@@ -108,7 +108,7 @@ contains
     values = values(:n)
   end function unique
 
-  !> Position of a value in an ascending list; 0: it is not in the list.
+  !> Position of a value in an ascending list, or 0 if the list does not contain it.
   pure function find(list, value) result(at)
     integer, intent(in) :: list(:), value
     integer :: at, low, high

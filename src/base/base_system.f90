@@ -1,5 +1,4 @@
-!> Services of the operating system (glibc, Linux): the end of the process, signals, terminal, time
-!! and memory.
+!> Services of the operating system (glibc, Linux): exit, signals, terminal, time and memory.
 module base_system
   use base_kinds, only: wp, i8
   use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_intptr_t, c_size_t, &
@@ -119,7 +118,7 @@ module base_system
   type(sigset_t) :: before               !! the signal mask before hold_signals was called
   integer(c_int), volatile :: caught = 0 !! number of the signal that requested a stop
   integer(i8) :: origin = -huge(0_i8)    !! reading of the clock when the run began
-  integer :: calls_left = huge(0)        !! calls of stop_requested until the stop of STOP_NAME
+  integer :: calls_left = huge(0)        !! calls of stop_requested until STOP_NAME stops the run
 
 contains
 
@@ -132,8 +131,8 @@ contains
     call c_exit(int(code, c_int))
   end subroutine finish
 
-  !> End the process at once. The usual clean-up of the libraries would wait forever for a thread of
-  !! OpenBLAS that is waiting for memory.
+  !> End the process at once, without the usual clean-up of the libraries, which would wait forever
+  !! for a thread of OpenBLAS that is waiting for memory.
   subroutine finish_now(code)
     integer, intent(in) :: code
 
@@ -148,8 +147,8 @@ contains
   end function stderr_is_terminal
 
   !> Let the signals of STOPS request a stop from now on; a second SIGINT ends the process. If
-  !! SIGHUP is ignored, as under nohup, it stays ignored. If a pipe is closed or a file grows too
-  !! large, the failing write reports it.
+  !! SIGHUP is ignored, as under nohup, it stays ignored. SIGPIPE and SIGXFSZ are ignored, because
+  !! the write that fails reports a closed pipe or a file that has grown too large.
   subroutine catch_signals()
     type(c_funptr) :: old
     character(24) :: text
@@ -169,13 +168,13 @@ contains
     if (io == 0) calls_left = calls
   end subroutine catch_signals
 
-  !> Hold back the signals that request a stop until catch_signals is called, either in this process
-  !! or in the program that takes its place.
+  !> Block the signals that request a stop until catch_signals is called, either by this program or
+  !! by the program that replaces it in this process.
   subroutine keep_signals_waiting()
     call block_stops(SIG_BLOCK)
   end subroutine keep_signals_waiting
 
-  !> Let signals end the process again, in a run that has nothing to be saved.
+  !> Let signals end the process again. This is for runs that have nothing to save.
   subroutine release_signals()
     type(c_funptr) :: old
     integer :: i
@@ -248,8 +247,8 @@ contains
   end function stop_signal
 
   !> Set the time at which the run began; without this call, it is the time at which the clock is
-  !! first read. If this program has taken the place of another one, the run began with that
-  !! program.
+  !! first read. If this program has replaced another one in the same process, the run began when
+  !! the other program did.
   subroutine start_clock()
     integer(i8), parameter :: LONGEST = 60 !! seconds that loading a program may take
     character(24) :: text
@@ -263,7 +262,8 @@ contains
     if (earlier <= origin .and. origin - earlier < LONGEST*rate) origin = earlier
   end subroutine start_clock
 
-  !> The beginning of the run, as start_clock reads it from the environment variable CLOCK_NAME.
+  !> The time at which the run began, in the form in which start_clock reads it from the environment
+  !! variable CLOCK_NAME.
   function clock_text() result(text)
     character(:), allocatable :: text
     character(24) :: digits
@@ -319,7 +319,7 @@ contains
     id = int(c_getpid())
   end function process_id
 
-  !> Largest memory that the process has held [MiB]; 0: unknown.
+  !> Peak memory of the process [MiB]; 0 if it is unknown.
   function peak_memory_mb() result(mb)
     real(wp) :: mb
 
@@ -335,15 +335,16 @@ contains
     done = c_mallopt(M_TRIM_THRESHOLD, huge(done))
   end subroutine keep_memory
 
-  !> Return unused memory to the system, so that other processes can use it and it counts as free.
+  !> Return unused memory to the system, so that other processes can use it and available_memory_mb
+  !! includes it.
   subroutine return_memory()
     integer(c_int) :: done
 
     done = c_malloc_trim(0_c_size_t)
   end subroutine return_memory
 
-  !> Memory that is still available [MiB], within the limits of a container and of `ulimit -v`; huge
-  !! if it is unknown.
+  !> Memory that is still available [MiB], within the limits of a container and of `ulimit -v`;
+  !! huge(1.0_wp) if it is unknown.
   function available_memory_mb() result(mb)
     real(wp) :: mb, limit, used, cache
 

@@ -13,7 +13,7 @@ module base_text
     module procedure integer_text, long_text, real_text
   end interface to_text
 
-  !> This name is generic, because the compiler has an intrinsic function of the same name.
+  !> This name is generic because Fortran has an intrinsic function of the same name.
   interface nearest
     module procedure nearest_word
   end interface nearest
@@ -42,7 +42,7 @@ contains
     key = lower(key)
   end function key_of
 
-  !> Can the text be part of the name of a file or a column? Such a text has only letters, digits, _
+  !> Can the text be part of the name of a file or a column? It must consist of letters, digits, _
   !! and -.
   pure logical function fits_name(text, longest)
     character(*), intent(in) :: text
@@ -52,7 +52,7 @@ contains
                 .and. verify(lower(text), 'abcdefghijklmnopqrstuvwxyz0123456789_-') == 0
   end function fits_name
 
-  !> A text that the user has written, quoted for a message; a long text is cut.
+  !> A text that the user has written, quoted for a message; a long text is truncated.
   pure function quoted(text) result(with_quotes)
     character(*), intent(in) :: text
     character(:), allocatable :: with_quotes
@@ -80,11 +80,11 @@ contains
     text = trim(buffer)
   end function long_text
 
-  !> A real number as C's %g writes it: without an exponent if the exponent is small, and without
-  !! trailing zeros.
+  !> A real number as C's %g writes it: without trailing zeros, and without an exponent unless the
+  !! number is very large or very small.
   pure function real_text(x, digits) result(text)
     real(wp), intent(in) :: x
-    integer, intent(in), optional :: digits !! significant ones, default 6
+    integer, intent(in), optional :: digits !! significant digits; default 6
     character(:), allocatable :: text
     character(48) :: buffer
     character(16) :: form

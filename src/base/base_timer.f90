@@ -11,7 +11,7 @@ module base_timer
   type :: one_t
     character(24) :: name = ''
     integer :: calls = 0
-    real(wp) :: wall = 0.0_wp, cpu = 0.0_wp           !! [s] so far
+    real(wp) :: wall = 0.0_wp, cpu = 0.0_wp           !! accumulated time [s]
     real(wp) :: wall_start = 0.0_wp, cpu_start = 0.0_wp
     logical :: running = .false.
   end type one_t
@@ -40,7 +40,7 @@ contains
     timers%born = wall_seconds()
   end subroutine new_timers
 
-  !> Start a timer; a new name makes a new timer.
+  !> Start a timer; a new name creates a new timer.
   subroutine start(timers, name)
     class(timers_t), intent(inout) :: timers
     character(*), intent(in) :: name

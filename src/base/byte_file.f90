@@ -1,4 +1,4 @@
-!> Files written through streams of C, because a Fortran write to a full disk fails silently
+!> Files written through C streams, because a Fortran write to a full disk fails silently
 !! (libgfortran 12 returns iostat 0 from write, flush and close).
 module byte_file
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -51,9 +51,9 @@ module byte_file
 
 contains
 
-  !> Open a file for writing: either a new file, or an existing file that is continued at its end.
-  !! If the path of a new file is a link, the link is replaced, and the file to which it leads stays
-  !! as it is.
+  !> Open a file for writing: either a new file, or an existing file to which text is appended. If
+  !! the path of a new file is a link, the link is replaced, and the file to which it points is not
+  !! changed.
   subroutine open_bytes(file, path, appends, error)
     type(byte_file_t), intent(out) :: file
     character(*), intent(in) :: path
@@ -86,8 +86,8 @@ contains
     end if
   end subroutine write_bytes
 
-  !> Pass everything that was written to the operating system, so that it survives the end of the
-  !! program.
+  !> Pass everything that was written to the operating system, so that it is not lost if the program
+  !! crashes.
   subroutine flush_bytes(file, error)
     type(byte_file_t), intent(in) :: file
     type(error_t), allocatable, intent(out) :: error
@@ -104,8 +104,8 @@ contains
     file%stream = c_null_ptr
   end subroutine close_bytes
 
-  !> Write a small file under another name and rename it, so that it exists completely or not at
-  !! all.
+  !> Write a small file under a temporary name and then rename it, so that it is either complete or
+  !! absent.
   subroutine write_whole(path, text, error)
     character(*), intent(in) :: path, text
     type(error_t), allocatable, intent(out) :: error
@@ -119,7 +119,7 @@ contains
     if (allocated(error)) call remove_file(path//'.part')
   end subroutine write_whole
 
-  !> Extend a file by `count` bytes, so that there is room for what follows.
+  !> Extend a file by `count` blanks, which reserves this much space on the disk.
   subroutine take_room(path, count, error)
     character(*), intent(in) :: path
     integer(i8), intent(in) :: count
