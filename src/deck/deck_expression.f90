@@ -360,7 +360,7 @@ contains
     if (.not. ieee_is_finite(value)) call reject(p, 'the value is too large', at, width)
   end subroutine check_size
 
-  !> Record what is wrong; only the first error counts.
+  !> Record an error in the expression; only the first one is kept.
   subroutine reject(p, message, at, width, hint)
     type(parser_t), intent(inout) :: p
     character(*), intent(in) :: message

@@ -1,8 +1,8 @@
-!> What to use in place of the words of FEAP that this program does not have. doc/manual/feap.md
-!! lists them for users.
+!> What to use instead of the words of FEAP that this program does not have. doc/manual/feap.md
+!! lists these words for users.
 !!
-!! Source: the manual of FEAPpv, and that of FEAP for words that decks use often; SPRIng is in
-!! neither, but users often try it.
+!! Source: the manual of FEAPpv, and the manual of FEAP for words that decks often contain. SPRIng
+!! is in neither manual, but users often try it.
 module deck_feap
   use base_text, only: key_of
   implicit none

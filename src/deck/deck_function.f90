@@ -1,5 +1,5 @@
-!> The functions that an expression may call. Functions whose names end in d take or return degrees,
-!! and give exact values where these are simple: cosd(90) is 0.
+!> The functions that an expression may call. Functions whose names end in d take or return degrees;
+!! sind, cosd and tand give exact values such as cosd(60) = 1/2 and cosd(90) = 0.
 module deck_function
   use base_kinds, only: wp
   use base_text, only: to_text
@@ -23,7 +23,7 @@ contains
     list = NAMES
   end function function_names
 
-  !> Position of a name in the list; 0: it is unknown. The name is in lower case.
+  !> Position of a name, which must be in lower case, in the list; 0 if the name is unknown.
   pure function function_index(name) result(f)
     character(*), intent(in) :: name
     integer :: f
@@ -33,7 +33,8 @@ contains
     end do
   end function function_index
 
-  !> Evaluate function f; `trouble` says why it has no value. Floating-point traps are off here.
+  !> Evaluate function f; `trouble` says why it has no value. The caller has switched floating-point
+  !! traps off.
   pure subroutine apply_function(f, x, value, trouble)
     integer, intent(in) :: f
     real(wp), intent(in) :: x(:) !! arguments

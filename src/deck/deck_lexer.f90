@@ -17,15 +17,15 @@ module deck_lexer
   character(*), parameter :: QUOTES = 'quotes enclose a whole field: "..."'
   character(*), parameter :: BLANKS = ' '//achar(9)
 
-  !> State of the division of the lines of a record. Positions are those in the text of the whole
-  !! file.
+  !> State of a reader that divides the lines of a record into fields. Positions refer to the text
+  !! of the whole file.
   type :: cutter_t
     integer :: at = 1              !! next character
     integer :: last = 0            !! last character of the line
     logical :: expects = .true.    !! a field is expected, so a comma here makes an empty one
     logical :: continues = .false. !! the line ends with &
     logical :: commented = .false.
-    integer :: wrong = 0           !! position of an unreadable character; 0: there is none
+    integer :: wrong = 0           !! position of the first error; 0: there is none
     character(:), allocatable :: why, hint
   end type cutter_t
 
@@ -51,7 +51,7 @@ contains
       cutter%at = source%first(line)
       cutter%last = source%last(line)
       call cut_line(source%text, record, cutter)
-      ! Comments may stand between the lines of a record.
+      ! Comment lines may stand between the lines of a record.
       if (nline > 1 .and. cutter%commented) cutter%continues = &
         verify(source%text(source%first(line):cutter%at - 1), BLANKS) == 0
       line = line + 1

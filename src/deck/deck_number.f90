@@ -42,7 +42,7 @@ contains
         if (text(at + 1:at + 1) == '-') power = -power
       end if
       power = power - fraction
-      ! Both factors are exact, so the result is correctly rounded.
+      ! Both operands are exact, so the result is correctly rounded.
       if (abs(power) <= ubound(TEN, 1)) then
         if (power >= 0) value = real(mantissa, wp)*TEN(power)
         if (power < 0) value = real(mantissa, wp)/TEN(-power)
@@ -52,8 +52,8 @@ contains
     call read_slowly(text(:n), value, trouble)
   end subroutine scan_number
 
-  !> Read a word of a foreign file, which must be one number with or without a sign; ok is .false.
-  !! if it is not a number or is too large.
+  !> Read a word of a mesh or spline file, which must be a single number with or without a sign; ok
+  !! is .false. if it is not a number or is too large.
   subroutine whole_number(word, value, ok)
     character(*), intent(in) :: word
     real(wp), intent(out) :: value

@@ -10,7 +10,7 @@ module deck_params
 
   type :: name_t
     character(:), allocatable :: text !! lower case
-    character(:), allocatable :: spelling !! as the deck last wrote it
+    character(:), allocatable :: spelling !! as in the deck's last assignment
     integer :: line = 0               !! line of the deck that last set it
   end type name_t
 
@@ -56,7 +56,7 @@ contains
   end subroutine set_parameter
 
   !> Record how the deck spells the name of a parameter that it sets, and where. The earlier
-  !! spelling and line are returned; the spelling is not allocated the first time.
+  !! spelling and its line are returned; `earlier` is not allocated if there is none.
   subroutine note_spelling(params, spelling, line, earlier, earlier_line)
     type(params_t), intent(inout) :: params
     character(*), intent(in) :: spelling
@@ -77,7 +77,7 @@ contains
     end associate
   end subroutine note_spelling
 
-  !> Find the value of a parameter; pi is known unless the deck sets it.
+  !> Find the value of a parameter; `pi` has its usual value unless the deck sets it.
   pure subroutine find_parameter(params, name, value, known)
     type(params_t), intent(in) :: params
     character(*), intent(in) :: name !! lower case

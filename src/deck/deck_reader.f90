@@ -37,7 +37,7 @@ module deck_reader
 
   type :: reader_t
     private
-    type(source_list_t) :: files !! every file that was named; all are kept
+    type(source_list_t) :: files !! every file of the deck that has been read
     integer :: nframe = 0, nloop = 0
     integer :: repeated = 0      !! records read in second and later passes, or included again
     integer :: nincluded = 0     !! INCLude records executed
@@ -47,7 +47,7 @@ module deck_reader
 
 contains
 
-  !> Start reading at the deck itself.
+  !> Start to read at the main file of the deck.
   subroutine open_reader(reader, path, error)
     type(reader_t), intent(out) :: reader
     character(*), intent(in) :: path
@@ -65,7 +65,7 @@ contains
     text = joined(reader%files)
   end function source_text
 
-  !> Read the next record as it is in the file.
+  !> Read the next record of the current file, without executing INCLude, LOOP or NEXT.
   subroutine next_record(reader, record, error)
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(out) :: record
@@ -99,7 +99,7 @@ contains
     end do
   end subroutine next_record
 
-  !> Read the next record that is not INCLude, LOOP or NEXT; these are executed.
+  !> Read the next record that is not INCLude, LOOP or NEXT, and execute those before it.
   subroutine next_unrolled(reader, params, record, error)
     type(reader_t), intent(inout) :: reader
     type(params_t), intent(in) :: params
@@ -148,8 +148,8 @@ contains
               'close it with NEXT in the same part of the deck')
   end subroutine check_loops
 
-  !> End all loops with this pass, because repeating a record with an error would only repeat the
-  !! message.
+  !> Make the current pass of every open loop its last one, because repeating a record with an error
+  !! would only repeat the message.
   subroutine cancel_loops(reader)
     type(reader_t), intent(inout) :: reader
 
@@ -166,7 +166,7 @@ contains
     reader%frame(1)%line = reader%files%item(1)%file%nline + 1
   end subroutine stop_reading
 
-  !> Continue in the file that the record names.
+  !> Continue to read in the file that an INCLude record names.
   subroutine include_file(reader, record, error)
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(in) :: record

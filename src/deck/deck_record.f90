@@ -136,7 +136,7 @@ contains
     at%width = width
   end function spot
 
-  !> Check that a record has nmin to nmax fields; `usage` shows how it is written.
+  !> Check that a record has nmin to nmax fields; `usage` shows the user how the record is written.
   subroutine check_count(record, nmin, nmax, usage, error)
     type(record_t), intent(in) :: record
     integer, intent(in) :: nmin, nmax
@@ -165,7 +165,7 @@ contains
     integer, intent(in) :: first
     character(*), intent(in) :: usage
     type(error_t), allocatable, intent(out) :: error
-    integer, intent(in), optional :: last !! last of these fields; default: all that follow
+    integer, intent(in), optional :: last !! last field to check; default: the last of the record
     integer :: i, n
 
     n = record%n
@@ -178,8 +178,8 @@ contains
     end do
   end subroutine check_numbers
 
-  !> If a record with too many fields has a decimal comma, put a remark about it in front of the
-  !! hint.
+  !> If a record with too many fields seems to have a decimal comma, put a remark about the comma in
+  !! front of the hint.
   subroutine hint_at_comma(record, error)
     type(record_t), intent(in) :: record
     type(error_t), intent(inout) :: error
@@ -213,8 +213,8 @@ contains
   end function comma_field
 
   !> Field that contains the whole part of a number that is probably written with a decimal comma,
-  !! because this comma is the only one in a record whose numbers are separated by blanks; 0: there
-  !! is none. The first two fields may be a node and its increment.
+  !! because other numbers of the record are separated by blanks. The result is 0 if there is none.
+  !! The first two fields may be a node and its increment.
   pure integer function mixed_comma(record) result(i)
     type(record_t), intent(in) :: record
     integer :: j

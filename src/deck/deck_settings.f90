@@ -49,7 +49,7 @@ contains
     end do
   end subroutine read_settings
 
-  !> Position of a parameter in the list; 0: the command line does not set it.
+  !> Position of a parameter in the list; 0 if the command line does not set it.
   pure integer function position(list, name) result(i)
     type(setting_t), intent(in) :: list(:)
     character(*), intent(in) :: name
@@ -59,9 +59,9 @@ contains
     end do
   end function position
 
-  !> Get the value that the command line gives to a parameter of the deck. It replaces the first
-  !! value that the deck gives; later assignments, such as that of a counter in a LOOP, continue
-  !! from there.
+  !> Get the value that the command line gives to a parameter of the deck. It replaces only the
+  !! first value that the deck assigns; later assignments take effect, so that a counter in a LOOP
+  !! starts from this value.
   subroutine use_setting(list, name, value, found)
     type(setting_t), intent(inout) :: list(:)
     character(*), intent(in) :: name

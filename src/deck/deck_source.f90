@@ -1,4 +1,4 @@
-!> Text files in memory, cut into lines.
+!> Text files in memory, divided into lines.
 module deck_source
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_file, only: file_t, inspect, note_input, base_name, FILE_ABSENT, FILE_REGULAR, &
@@ -16,7 +16,7 @@ module deck_source
     character(:), allocatable :: text      !! the whole file
     integer(i8) :: identity(2) = 0         !! device and inode
     integer :: nline = 0
-    integer, allocatable :: first(:), last(:) !! (nline) characters of each line, without its end
+    integer, allocatable :: first(:), last(:) !! (nline) range of each line, without its end
   end type source_t
 
   type :: entry_t
@@ -155,7 +155,7 @@ contains
     source%nline = n
   end subroutine find_lines
 
-  !> Position of a file in the list; 0: it is new.
+  !> Position of a file in the list; 0 if the file is not in it.
   pure integer function find_source(list, file) result(at)
     type(source_list_t), intent(in) :: list
     type(file_t), intent(in) :: file
@@ -181,7 +181,7 @@ contains
     if (.not. allocated(list%item)) allocate (list%item(4))
     if (list%n == size(list%item)) then
       allocate (longer(2*list%n))
-      do i = 1, list%n ! the texts move, nothing is copied
+      do i = 1, list%n ! the texts are moved, not copied
         call move_alloc(list%item(i)%file, longer(i)%file)
       end do
       call move_alloc(longer, list%item)

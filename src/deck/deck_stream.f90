@@ -18,7 +18,7 @@ module deck_stream
 
   type :: deck_t
     type(params_t) :: params          !! current parameters
-    integer :: consumed = 0           !! records handed out since the last END
+    integer :: consumed = 0           !! records returned to callers since the last END
     integer, private :: set_line = huge(1) !! first line of the PARAmeter that is being read
     type(reader_t), private :: reader
     type(setting_t), allocatable, private :: setting(:)
@@ -114,8 +114,8 @@ contains
     deck%consumed = deck%consumed - 1
   end subroutine put_back
 
-  !> Read the next record of a data set of FEAP, in which a line with only a comment counts as
-  !! blank.
+  !> Read the next record of a data set of FEAP, in which a line with only a comment is treated as a
+  !! blank line.
   subroutine next_of_set(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record
@@ -162,7 +162,7 @@ contains
     call include_file(deck%reader, record, error)
   end subroutine include_in_deck
 
-  !> End all open loops with this pass, after an error in one of their records.
+  !> After an error in a record, make the current pass of every open loop its last one.
   subroutine stop_loops(deck)
     class(deck_t), intent(inout) :: deck
 
@@ -269,13 +269,13 @@ contains
       end associate
     end do
     call compute_at(deck%params, record, first, expression, value, error)
-    if (allocated(error)) value = 1.0_wp   ! later records then know the name
+    if (allocated(error)) value = 1.0_wp   ! so that later records find the name
     call set_parameter(deck%params, name, value)
     call warn_of_name(deck, record)
   end subroutine get_assignment
 
   !> Warn if a parameter has been set before under a name that differs in case, or by another record
-  !! of the same PARAmeter whose value is not used now.
+  !! of the same PARAmeter, unless the new value is computed from the old one.
   subroutine warn_of_name(deck, record)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
@@ -297,11 +297,11 @@ contains
     end if
   end subroutine warn_of_name
 
-  !> Read the records after PARAmeters, up to a blank one; of several errors, the first is returned.
-  !! If the blank record is missing, the records that follow are read as parameters: an error in a
-  !! record without `=` says where a blank record may be missing. A record without `=` that begins
-  !! with a word of the mesh part is an error in any case, because MATErial 1 would otherwise set a
-  !! parameter.
+  !> Read the records after PARAmeters up to a blank one. If there are several errors, the first one
+  !! is returned. If the blank record is missing, the records that follow are read as parameters
+  !! too; therefore an error in a record without `=` says where a blank record may be missing. A
+  !! record without `=` that begins with a word of the mesh part is always an error, because
+  !! MATErial 1, for example, would otherwise set a parameter.
   subroutine read_parameters(deck, words, line, error)
     type(deck_t), intent(inout) :: deck
     character(*), intent(in) :: words(:) !! words of the mesh part

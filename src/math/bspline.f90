@@ -2,9 +2,10 @@
 !! interpolation.
 !!
 !! Everything follows from the blossom (polar form) of a polynomial segment: `blossom` gives the
-!! weights of the p+1 local control points in f(t_1, ..., t_p). Equal arguments evaluate the
-!! spline; new knots as arguments insert them or raise the degree; the ends of a span as
-!! arguments give its Bezier points. All of these are exact.
+!! weights of the p+1 local control points in f(t_1, ..., t_p). With equal arguments, the blossom
+!! evaluates the spline; with new knots as arguments, it inserts these knots or raises the degree;
+!! with the ends of a span as arguments, it gives the Bezier points of the span. All of these
+!! operations are exact.
 !! Source: Ramshaw 1989; Goldman and Lyche 1993; Borden et al. 2011 (Bezier extraction).
 module bspline
   use base_kinds, only: wp
@@ -147,7 +148,7 @@ contains
     real(wp) :: low(p + 1)
     integer :: q
 
-    if (p == 2 .and. .not. present(d2b)) then ! the usual degree, in the same order of operations
+    if (p == 2 .and. .not. present(d2b)) then ! the usual degree, with the same operations
       low(1) = 0.5_wp*(1.0_wp - xi)
       low(2) = 0.5_wp*(1.0_wp + xi)
       db = [-low(1), low(1) - low(2), low(2)]
@@ -172,7 +173,8 @@ contains
     end do
   end subroutine bernstein
 
-  !> Compute the second derivatives of the Bernstein polynomials from those of degree p-2.
+  !> Compute the second derivatives of the Bernstein polynomials of degree p from the polynomials of
+  !! degree p-2.
   pure subroutine second_differences(p, low, d2b)
     integer, intent(in) :: p
     real(wp), intent(in) :: low(p + 1)
@@ -268,7 +270,8 @@ contains
     end do
   end function elevated
 
-  !> Express control point i of the space `fine` by those of `s`, whose knots `fine` contains.
+  !> Express control point i of the space `fine` by the control points of `s`; `fine` contains all
+  !! knots of `s`.
   pure subroutine insertion_row(s, fine, i, first, w)
     type(spline_t), intent(in) :: s, fine
     integer, intent(in) :: i
@@ -283,8 +286,8 @@ contains
     call blossom(s%knots, s%degree, k, fine%knots(i + 1:i + s%degree), w)
   end subroutine insertion_row
 
-  !> Express control point i of `high`, which is `elevated(s)`, by those of `s`: point i is the mean
-  !! of p + 1 blossoms, each of which leaves out one knot.
+  !> Express control point i of `high`, which is `elevated(s)`, by the control points of `s`. It is
+  !! the mean of p + 1 blossoms, each of which leaves out one knot.
   pure subroutine elevation_row(s, high, i, first, w)
     type(spline_t), intent(in) :: s, high
     integer, intent(in) :: i
@@ -309,7 +312,7 @@ contains
   subroutine interpolate(s, v, ok)
     type(spline_t), intent(in) :: s
     real(wp), intent(inout) :: v(:, :) !! (n, m) values of m quantities; on exit, the coefficients
-    logical, intent(out) :: ok         !! .false.: there is no such spline
+    logical, intent(out) :: ok         !! .false. if there is no such spline
     real(wp), allocatable :: band(:, :)
     real(wp) :: g(nfunction(s)), b(s%degree + 1)
     integer :: pivot(nfunction(s)), i, k, a, p, info

@@ -14,7 +14,7 @@ module nurbs
   end type nurbs_t
 
   abstract interface
-    !> Express control point i of the space `to` by those of the space `from`.
+    !> Express control point i of the space `to` by the control points of the space `from`.
     pure subroutine row_i(from, to, i, first, w)
       import :: spline_t, wp
       implicit none
@@ -158,8 +158,8 @@ contains
     end do
   end subroutine evaluate
 
-  !> Extract a face of a trivariate patch as a bivariate patch, whose directions are the other
-  !! two, in order.
+  !> Extract a face of a trivariate patch as a bivariate patch. Its directions are the two
+  !! directions of the face, in the order in which the trivariate patch has them.
   subroutine face_of(patch, d, side, face)
     type(nurbs_t), intent(in) :: patch
     integer, intent(in) :: d     !! direction across the face

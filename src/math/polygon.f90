@@ -1,11 +1,11 @@
-!> Convex polygons in a plane: clipping, area, and points of integration.
+!> Convex polygons in a plane: clipping, area, and integration points.
 module polygon
   use base_kinds, only: wp
   implicit none
   private
   public :: clip, signed_area, integrate_polygon, MOST_CORNERS
 
-  integer, parameter :: MOST_CORNERS = 16 !! of a polygon that has been clipped by a quadrilateral
+  integer, parameter :: MOST_CORNERS = 16 !! of a clipped polygon
 
 contains
 
@@ -14,7 +14,8 @@ contains
     real(wp), intent(in) :: by(:, :)     !! (2, :) corners of the convex polygon
     integer, intent(inout) :: n          !! corners of the polygon; 0: nothing is left
     real(wp), intent(inout) :: x(2, MOST_CORNERS)
-    !> Origin of the edge from each corner to the next one: -k means edge k of `by`.
+    !> Origin of the edge from each corner to the next one: -k for edge k of `by`, otherwise as
+    !! given.
     integer, intent(inout) :: tag(MOST_CORNERS)
     real(wp) :: y(2, MOST_CORNERS), d(MOST_CORNERS), edge(2), s
     integer :: i, j, k, m, new(MOST_CORNERS)
@@ -23,7 +24,7 @@ contains
     do k = 1, size(by, 2)
       edge = by(:, mod(k, size(by, 2)) + 1) - by(:, k)
       do i = 1, n
-        d(i) = edge(1)*(x(2, i) - by(2, k)) - edge(2)*(x(1, i) - by(1, k)) ! inside: positive
+        d(i) = edge(1)*(x(2, i) - by(2, k)) - edge(2)*(x(1, i) - by(1, k)) ! positive inside
       end do
       m = 0
       do i = 1, n
@@ -36,7 +37,8 @@ contains
         end if
         if (inside .eqv. d(j) >= 0.0_wp) cycle
         s = d(i)/(d(i) - d(j))
-        ! where rounding puts the intersection at a corner: an inner corner is in the list already
+        ! An intersection that rounding has moved to the inner corner is left out, because that
+        ! corner is in the list.
         if (merge(s > 0.0_wp, s < 1.0_wp, inside) .and. m < MOST_CORNERS) then
           m = m + 1
           y(:, m) = x(:, i) + s*(x(:, j) - x(:, i))
@@ -67,14 +69,15 @@ contains
   end function signed_area
 
   !> Points and weights of a convex polygon. Lines from its first corner divide the polygon into
-  !! quadrilaterals, each with its own Gauss points. If the number of corners is odd, the last
-  !! quadrilateral is a triangle. Edge i is curved: at the parameter t it deviates from the straight
-  !! edge by sum_k bend(:,k,i) f_k(t).
+  !! quadrilaterals, each with its own Gauss points. If the number of corners is odd, the last part
+  !! is a triangle. The edges may be curved: at the parameter t, edge i deviates from the straight
+  !! line by sum_k bend(:,k,i) f_k(t).
   pure subroutine integrate_polygon(x, bend, g, w, f, df, npoint, xi, weight)
     real(wp), intent(in) :: x(:, :)       !! (2, n) corners
     real(wp), intent(in) :: bend(:, :, :) !! (2, :, n)
     real(wp), intent(in) :: g(:), w(:)    !! (order) Gauss points on [-1,1] and their weights
-    !> (:, order) f at the Gauss points, and its derivatives; f(:, order+1-j) are those at -g(j).
+    !> (:, order) f at the Gauss points, and its derivatives; column order+1-j belongs to the point
+    !! -g(j).
     real(wp), intent(in) :: f(:, :), df(:, :)
     integer, intent(out) :: npoint
     real(wp), intent(out) :: xi(:, :)     !! (2, :) points; at most MOST_CORNERS/2*order**2

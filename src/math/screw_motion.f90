@@ -1,12 +1,12 @@
-!> Rigid motions in space: finds the rigid motion that best fits the motion of a set of points, and
-!! continues this motion.
+!> Rigid motions in space: find the one that best fits the motion of a set of points, and continue
+!! it.
 !!
 !! A rigid motion x -> R (x - c0) + c1 consists of a rotation by the vector w and a translation. If
-!! the motion has a constant rate, the fraction s of it rotates by s w. With y = x - c1,
+!! the motion has a constant rate, a fraction s of it rotates by s w. With y = x - c1,
 !!
 !!   y -> R(w) y + V(w) v,   R = exp([w]),   V = int_0^1 exp([s w]) ds,
 !!
-!! so that the fraction s of the motion is (s w, s v).
+!! so that a fraction s of the motion is described by (s w, s v).
 module screw_motion
   use base_kinds, only: wp
   use lapack, only: dsyev
@@ -15,7 +15,8 @@ module screw_motion
   private
   public :: screw_t, fit_screw, continue_screw, rotate
 
-  !> Angles below this are small: the next term of a series is below rounding.
+  !> Below this angle, the first terms of a series are used, because the next term is below
+  !! rounding.
   real(wp), parameter :: SMALL_ANGLE = 1.0e-4_wp
 
   type :: screw_t
@@ -26,9 +27,9 @@ module screw_motion
 
 contains
 
-  !> The rigid motion that moves the points `from` as near as possible to the points `to`, in the
-  !! sense of least squares (Horn 1987: an eigenvector of a 4 x 4 matrix is the quaternion of the
-  !! rotation).
+  !> Find the rigid motion that moves the points `from` as near as possible to the points `to` in
+  !! the sense of least squares. The quaternion of the rotation is an eigenvector of a 4 x 4 matrix
+  !! (Horn 1987).
   subroutine fit_screw(from, to, screw)
     real(wp), intent(in) :: from(:, :), to(:, :) !! (3, n), n > 0 [L]
     type(screw_t), intent(out) :: screw
@@ -67,7 +68,7 @@ contains
     screw%v = d - 0.5_wp*c0 + f*cross(w, c0)
   end subroutine fit_screw
 
-  !> The position of the point x after the motion has continued by the fraction s of itself.
+  !> The position of the point x after the motion has been continued by a fraction s of itself.
   pure function continue_screw(screw, s, x) result(y)
     type(screw_t), intent(in) :: screw
     real(wp), intent(in) :: s, x(3)

@@ -44,7 +44,7 @@ contains
     c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
   end function cross
 
-  !> The tangent lam 1 x 1 + 2 mu I of a law with two moduli, in the order 11 22 33 12 23 31.
+  !> The tangent lam 1 x 1 + 2 mu I of a law with two moduli, in the Voigt order 11 22 33 12 23 31.
   pure function isotropic(lam, mu) result(c)
     real(wp), intent(in) :: lam, mu
     real(wp) :: c(6, 6)
@@ -87,7 +87,7 @@ contains
     end do
   end subroutine ldl_factor
 
-  !> Solve with the factors of ldl_factor, in place.
+  !> Solve a system in place with the factors that ldl_factor computed.
   pure subroutine ldl_solve(n, a, m, b)
     integer, intent(in) :: n, m
     real(wp), intent(in) :: a(n, n)
