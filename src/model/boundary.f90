@@ -9,9 +9,8 @@ module boundary
   public :: boundary_t, motion_t, pressure_t
   public :: note_load_number, place_of_number, moved_dofs
 
-  !> Rigid motion of a set of nodes (MOVE), which acts on the reference positions. Several moves of
-  !! a node are added in the order of the deck: first the rotations of the reference position, then
-  !! the translations.
+  !> Rigid motion of a set of nodes (MOVE). If a node has several motions, its reference position is
+  !! rotated by all rotations in the order of the deck, and then all translations are added.
   type :: motion_t
     integer, allocatable :: node(:)
     logical :: rotates = .false.
@@ -28,7 +27,7 @@ module boundary
     integer, allocatable :: block(:), elem(:), side(:)
     real(wp) :: value = 0.0_wp       !! [F/L^2]
     integer :: table = 0
-    logical :: follower = .false.    !! acts on the current faces, otherwise on the reference faces
+    logical :: follower = .false.    !! it acts on the current faces, not on the reference faces
     type(place_t) :: place
   end type pressure_t
 
@@ -40,7 +39,7 @@ module boundary
     type(place_t) :: place           !! place of the first force
   end type dead_load_t
 
-  !> A load number of nodes, and the place where it first occurs in the deck.
+  !> A load number that the deck gives to nodes, and the place where it first occurs.
   type :: load_number_t
     integer :: table = 0
     type(place_t) :: place
@@ -55,20 +54,19 @@ module boundary
     integer, allocatable :: table(:, :) !! (3, nnode) load number of value and force (FPRO, EPRO)
     type(motion_t), allocatable :: motion(:)
     type(pressure_t), allocatable :: pressure(:)
-    type(dead_load_t), allocatable :: dead(:) !! body forces, CSURf and dead pressures, after their
-    !! integration
+    type(dead_load_t), allocatable :: dead(:) !! from body forces, CSURf and dead pressures
     type(load_number_t), allocatable :: number(:) !! load numbers of FPRO and EPRO, each once
-    integer, allocatable :: rival(:, :) !! (3, nnode) a second load number, which FPRO gives to a
-    !! node that TIE joins; negative: none. Not allocated if no node has one.
-    logical, allocatable :: split(:, :) !! (3, nnode) nodes have loads of both numbers
-    type(place_t) :: tied                     !! place of the first TIE, if there are rivals
-    type(place_t), allocatable :: loose(:) !! records of displacements that have no restraint, or
-    !! that MOVE prescribes too
+    integer, allocatable :: rival(:, :) !! (3, nnode) second load number where TIE joins nodes with
+    !! different numbers; negative: none. Not allocated if no node has one.
+    logical, allocatable :: split(:, :) !! (3, nnode) there are loads with both numbers
+    type(place_t) :: tied                     !! place of the first TIE, if `rival` is allocated
+    type(place_t), allocatable :: loose(:) !! records that prescribe displacements at dofs without a
+    !! restraint, or at dofs that MOVE prescribes too
     integer, allocatable :: loose_kind(:) !! (size(loose)) LOOSE_FREE, ...
   end type boundary_t
 
-  !> Displacements by DISP, EDIS or CDIS at a dof that is free, at one that MOVE prescribes, and at
-  !! one that MOVE prescribes and that has a restraint.
+  !> Where DISP, EDIS or CDIS gives a displacement: at a free dof, at a dof that MOVE prescribes, or
+  !! at a dof that MOVE prescribes and that also has a restraint.
   integer, parameter, public :: LOOSE_FREE = 1, LOOSE_MOVED = 2, LOOSE_ADDED = 3
 
 contains
@@ -102,7 +100,8 @@ contains
     bc%number = [bc%number, new]
   end subroutine note_load_number
 
-  !> Find the place where a load number of nodes first occurs; it stays empty if there is none.
+  !> Find the place where a load number of nodes first occurs; the result is empty if the deck does
+  !! not use this number.
   subroutine place_of_number(bc, table, place)
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: table

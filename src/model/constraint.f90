@@ -1,4 +1,4 @@
-!> Linear constraints of nodes: x_s = sum_i c_i x_i, in the reference and in the current
+!> Linear constraints between nodes: x_s = sum_i c_i x_i, in the reference and in the current
 !! configuration (hanging nodes). The slave s has no unknowns: its displacement follows from those
 !! of its masters, and the forces on the slave act on the masters.
 module constraint
@@ -9,15 +9,16 @@ module constraint
   private
   public :: constraint_t, add_constraint, follow, fold_force, slave_marks
 
-  !> All constraints of a mesh. The masters of constraint i are master(first(i):first(i+1)-1). In a
-  !! complete mesh no master is a slave, and the coefficients of a slave sum to one.
+  !> All constraints of a mesh. The masters of constraint i are master(first(i):first(i+1)-1). Once
+  !! the mesh is complete, no master is itself a slave, and the coefficients of each slave sum to
+  !! one.
   type :: constraint_t
     integer :: n = 0
     integer, allocatable :: slave(:)       !! (n)
     integer, allocatable :: first(:)       !! (n+1)
     integer, allocatable :: master(:)
     real(wp), allocatable :: c(:)          !! (size(master)) [-]
-    type(place_t), allocatable :: place(:) !! (n) place where the constraint was given
+    type(place_t), allocatable :: place(:) !! (n) place of the constraint in the deck
   end type constraint_t
 
 contains

@@ -14,11 +14,11 @@ module curve_type
                                 Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, &
                                 Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, Q_CONTACT_AREA = 15, &
                                 Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
-  !> A term of the energy balance; `component` says which one (B_WORK to B_ERROR): work done on the
-  !! bodies; strain energy and kinetic energy; energies of pressure, friction and bonds; dissipation
-  !! of the time integration; the error of the balance; for the bonds, the stored energy and the
-  !! dissipation by damage and by VISCous; the energy that the forces of contact create; the error
-  !! of the work.
+  !> A term of the energy balance; `component` says which one. In the order of B_WORK to B_ERROR:
+  !! work done on the bodies; strain energy; kinetic energy; energies of contact pressure, of
+  !! friction and of bonds; energy dissipated by the time integration; imbalance; energy stored in
+  !! bonds; energy that bonds dissipate by damage and by VISCous; energy created by contact forces;
+  !! bound on the error of the work.
   integer, parameter, public :: Q_BOOK = 18
   integer, parameter, public :: B_WORK = 1, B_STORED = 2, B_KINETIC = 3, B_NORMAL = 4, &
                                 B_FRICTION = 5, B_COHESIVE = 6, B_INERTIA = 7, B_IMBALANCE = 8, &

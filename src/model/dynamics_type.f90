@@ -1,4 +1,4 @@
-!> Time integration: finds accelerations from displacements, and keeps the velocities and
+!> Time integration: finds accelerations from displacements, and stores the velocities and
 !! accelerations at the beginning of a step.
 module dynamics_type
   use base_kinds, only: wp
@@ -8,27 +8,30 @@ module dynamics_type
 
   integer, parameter, public :: BACKWARD_EULER = 1, NEWMARK = 2, HHT = 3
 
-  !> Rates are per unit of the deck's time. They change only when a step is accepted.
+  !> Velocities and accelerations refer to the deck's unit of time. They change only when a step is
+  !! accepted.
   type :: dynamics_t
     logical :: on = .false.
     integer :: method = BACKWARD_EULER
-    real(wp) :: beta = 0.25_wp, gamma = 0.5_wp   !! of Newmark
-    real(wp) :: alpha = 0.0_wp                   !! of Hilber, Hughes and Taylor, -1/3 to 0
+    real(wp) :: beta = 0.25_wp, gamma = 0.5_wp   !! parameters of Newmark's method
+    real(wp) :: alpha = 0.0_wp                   !! parameter of the HHT method, -1/3 to 0
     logical :: lumped = .false.
     !> Density of all bodies, which replaces the densities of their materials [M/L^3]; if it is
     !! negative, the densities of the materials are used.
     real(wp) :: density = -1.0_wp
-    !> a = c(1) (u - u_step) - c(2) v - c(3) a_step in the current step
+    !> Coefficients of the acceleration in the current step, c(1) (u - u_step) - c(2) v - c(3) a,
+    !! with the stored v and a.
     real(wp) :: c(3) = 0.0_wp
     real(wp), allocatable :: v(:, :)             !! (3, nnode) velocity when the step began [L/T]
     real(wp), allocatable :: a(:, :)             !! (3, nnode) acceleration at that time [L/T^2]
-    !> (3, nnode) Internal minus external force at that time, a share of which enters HHT [F].
+    !> (3, nnode) Internal minus external force at that time, a fraction of which enters the HHT
+    !! equations [F].
     real(wp), allocatable :: static(:, :)
   end type dynamics_t
 
 contains
 
-  !> Start from rest; from now on, the rates of nnode nodes are stored.
+  !> Allocate the velocities and accelerations of nnode nodes, and set them to zero.
   pure subroutine new_dynamics(dynamics, nnode)
     type(dynamics_t), intent(inout) :: dynamics
     integer, intent(in) :: nnode
@@ -37,7 +40,7 @@ contains
     allocate (dynamics%v(3, nnode), dynamics%a(3, nnode), dynamics%static(3, nnode), source=0.0_wp)
   end subroutine new_dynamics
 
-  !> Begin a step of length dt.
+  !> Set the coefficients of the acceleration for a step of length dt.
   pure subroutine set_rates(dynamics, dt)
     type(dynamics_t), intent(inout) :: dynamics
     real(wp), intent(in) :: dt
@@ -64,7 +67,7 @@ contains
     a = dynamics%c(1)*du - dynamics%c(2)*dynamics%v(:, node) - dynamics%c(3)*dynamics%a(:, node)
   end function acceleration
 
-  !> End a step: compute the rates at its end.
+  !> At the end of a step, compute the velocities and accelerations that it reaches.
   pure subroutine advance(dynamics, du, dt, static)
     type(dynamics_t), intent(inout) :: dynamics
     real(wp), intent(in) :: du(:, :)             !! (3, nnode) [L]
@@ -74,7 +77,7 @@ contains
     integer :: i
 
     if (.not. dt > 0.0_wp) return
-    if (.not. dynamics%on) then ! without inertia: set the rates from which a later step may start
+    if (.not. dynamics%on) then ! no inertia: only set the rates for a later dynamic step
       dynamics%v = du/dt
       dynamics%a = 0.0_wp
       dynamics%static = 0.0_wp

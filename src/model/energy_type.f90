@@ -7,16 +7,16 @@ module energy_type
   public :: energy_t, open_book, book_work
 
   !> Amounts of work are sums over the steps of mean force times displacement increment (trapezoidal
-  !! rule). The energy that contact stores and dissipates is computed from its laws instead
-  !! (contact_energy), and compared with the work of its forces.
+  !! rule). The energy that contact stores and dissipates is instead computed from the contact laws
+  !! (contact_energy), and compared with the work of the contact forces.
   type :: energy_t
     logical :: on = .false.
     real(wp) :: outer = 0.0_wp        !! work of loads and of moving supports [F L]
     real(wp) :: error = 0.0_wp        !! bound on the error of `outer` (error_of_step) [F L]
-    real(wp) :: inertia = 0.0_wp      !! work against inertia, partly dissipated in time [F L]
+    real(wp) :: inertia = 0.0_wp      !! work against inertia, partly dissipated numerically [F L]
     real(wp) :: kinetic = 0.0_wp      !! current kinetic energy [F L]
-    real(wp) :: contact = 0.0_wp      !! work against the forces of contact [F L]
-    !> The largest energy of penetration so far, and its fraction of `outer` at that time.
+    real(wp) :: contact = 0.0_wp      !! work against the contact forces [F L]
+    !> The largest energy stored in penetration so far, and its ratio to `outer` at that time.
     real(wp) :: penetration = 0.0_wp, penetration_share = 0.0_wp
     !> (3, nnode) Forces at the end of the previous step, and the change of f_outer in that step
     !! [F].
@@ -35,7 +35,7 @@ contains
     energy%on = .true.
   end subroutine open_book
 
-  !> End a step: add the work that its mean forces do along du.
+  !> At the end of a step, add the work that the mean forces of the step do along du.
   pure subroutine book_work(energy, du, du_before, f_outer, f_inert, f_contact)
     type(energy_t), intent(inout) :: energy
     real(wp), intent(in) :: du(:, :), du_before(:, :) !! (3, nnode); previous step [L]
@@ -55,15 +55,16 @@ contains
     energy%f_contact = f_contact
   end subroutine book_work
 
-  !> Bound on the error of the rule in a step, from the changes of displacement and force in this
-  !! step and in the previous one.
+  !> Bound on the error of the trapezoidal rule in a step, from the changes of displacement and
+  !! force in this step and in the previous one.
   !!
-  !! If the force varies monotonically, the work lies between those of two constant forces, equal to
-  !! its first and to its last value, so the error is at most half of |rise.du|. If the force is a
-  !! convex or a concave function of the displacement over both steps, the work also lies between
-  !! those of two linear forces: the chord of this step, and the continued chord of the previous
-  !! step. The latter changes by r rise_before, where r du_before is as long as du. A change of
-  !! direction adds to the bound. The smaller bound is used.
+  !! If the force varies monotonically, its work lies between the works of two constant forces, its
+  !! first value and its last value, so the error is at most half of |rise.du|. If the force is a
+  !! convex or a concave function of the displacement over both steps, its work also lies between
+  !! the works of two linear forces: one follows the chord of this step, the other one continues the
+  !! chord of the previous step and therefore changes by r rise_before, where r is the length of du
+  !! divided by that of du_before. If the direction of motion changes, a further term is added to
+  !! this second bound. The smaller one of the two bounds is used.
   pure real(wp) function error_of_step(du, rise, du_before, rise_before, loaded) result(error)
     real(wp), intent(in) :: du(:, :), rise(:, :), du_before(:, :), rise_before(:, :)
     logical, intent(in) :: loaded(:, :) !! (3, nnode) a support or load acts there

@@ -9,18 +9,19 @@ module face_rule
 
 contains
 
-  !> Set the Gauss points of local face `side` (xi-, xi+, eta-, eta+, zeta-, zeta+). They integrate
-  !! a constant pressure on a polynomial face of degree p exactly, that is, up to degree 3p - 1 in
-  !! each direction; with `order`, they integrate a pressure that is a polynomial of that degree in
-  !! the position, up to degree 3p - 1 + order*p. If the rule of the element has more points in a
-  !! direction (rational faces, QUADrature), the face gets the same number.
+  !> Set the Gauss points of local face `side` (xi-, xi+, eta-, eta+, zeta-, zeta+). On a polynomial
+  !! face of degree p, they integrate a constant pressure exactly: the integrand has degree 3p - 1
+  !! in each direction. If `order` is given, they integrate exactly any pressure that is a
+  !! polynomial of this degree in the position; the integrand then has degree 3p - 1 + order*p. If
+  !! the rule of the element has more points in a direction, as for rational elements or with
+  !! QUADrature, the face gets as many.
   subroutine face_points(degree, inner, side, xi, w, order)
     integer, intent(in) :: degree(3)               !! of the cell
     real(wp), intent(in) :: inner(:, :)            !! (3, n) points of the element's rule
     integer, intent(in) :: side
     real(wp), allocatable, intent(out) :: xi(:, :) !! (3, nq)
     real(wp), allocatable, intent(out) :: w(:)     !! (nq)
-    integer, intent(in), optional :: order         !! degree of the pressure in a coordinate
+    integer, intent(in), optional :: order         !! degree of the pressure in the position
     real(wp), allocatable :: plane(:, :)
     integer :: d, a, b, n1, n2, m
 

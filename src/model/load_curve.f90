@@ -5,9 +5,9 @@ module load_curve
   private
   public :: load_table_t, table_factor, table_slope, load_factor, next_corner
 
-  !> A factor that depends on time. Kind 0: p = t (only a blank record is given); kind 1: FEAP's
-  !! formula; kind 2: linear interpolation between pairs, constant before the first and after the
-  !! last.
+  !> A factor p that depends on the time t. Kind 0: p = t, if the deck gives only a blank record;
+  !! kind 1: FEAP's formula; kind 2: linear interpolation between pairs (t, p), constant before the
+  !! first pair and after the last one.
   type :: load_table_t
     integer :: kind = 0
     integer :: power = 1
@@ -34,7 +34,7 @@ contains
         if (table(i)%tmax > past) corner = min(corner, table(i)%tmax)
       case (2)
         corner = min(corner, minval(table(i)%t, mask=table(i)%t > past))
-      case default                   ! straight from beginning to end
+      case default                   ! it has no corners
       end select
     end do
   end function next_corner
@@ -52,7 +52,7 @@ contains
     case (0)
       factor = time
     case (1)
-      ! the range tolerates rounding, so that 3 x 0.1 does not count as larger than 0.3
+      ! the range has a tolerance for rounding, so that 3 x 0.1 is not taken to exceed 0.3
       gap = 8*epsilon(time)*max(abs(time), abs(table%tmin), abs(table%tmax))
       if (time < table%tmin - gap .or. time > table%tmax + gap) return
       s = time - table%tmin
@@ -78,7 +78,7 @@ contains
   pure function table_slope(table, time, ahead) result(slope)
     type(load_table_t), intent(in) :: table
     real(wp), intent(in) :: time
-    logical, intent(in) :: ahead !! at a corner, take the slope of the line that follows
+    logical, intent(in) :: ahead !! at a corner, take the slope after it, not before it
     real(wp) :: slope
     real(wp) :: gap, s
     integer :: i, k
@@ -94,7 +94,7 @@ contains
       k = max(table%power, 1)
       slope = table%a(2) + table%a(3)*k*sin(s)**(k - 1)*cos(s)*table%a(4)
     case (2)
-      ! rounding may put a target time beside the corner that it should meet
+      ! because of rounding, a target time may miss the corner at which it should lie
       gap = 8*epsilon(time)*max(abs(time), maxval(abs(table%t)))
       do i = 2, size(table%t)
         if (time > table%t(i) + gap .or. (ahead .and. time >= table%t(i) - gap)) cycle

@@ -24,8 +24,8 @@ module mesh
     type(operator_t), allocatable :: op(:)  !! distinct operators; not allocated: Lagrange functions
     integer, allocatable :: iop(:, :)       !! (3, nelem) operator of each direction; 0: none
     real(wp), allocatable :: w(:, :)        !! (ncp, nelem) weights; not allocated: all one
-    !> Distinct operators of whole surfaces (cell%c), and the operator of each element; not
-    !! allocated: none.
+    !> Distinct operators of whole surface elements (cell%c), and the index of the operator of each
+    !! element; not allocated if there are none.
     type(operator_t), allocatable :: surface(:)
     integer, allocatable :: isurface(:)     !! (nelem)
   end type extraction_t
@@ -37,7 +37,7 @@ module mesh
     integer :: material = 0        !! index into the model's materials
     integer :: body = 0            !! index into mesh%body; 0: a FEAP mesh
     integer :: nen = 0, nelem = 0
-    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; some occur twice in collapsed prisms
+    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; collapsed prisms repeat some
     integer, allocatable :: number(:)    !! (nelem) number of the element as shown to the user
     type(extraction_t) :: ext
     type(rule_t) :: rule
@@ -57,7 +57,7 @@ module mesh
     character(:), allocatable :: name
     integer, allocatable :: node(:)    !! nodes, in ascending order
     type(body_face_t) :: face          !! its element faces on the boundary; may be none
-    integer :: inner = 0               !! number of surface elements inside the body
+    integer :: inner = 0               !! number of its surface elements inside the body
   end type group_t
 
   !> A body made by PATCh or MESH. Face f = 1 to 6 is 1- 1+ 2- 2+ 3- 3+.
@@ -67,7 +67,7 @@ module mesh
     integer, allocatable :: node(:)    !! nodes and control points of the body
     integer, allocatable :: mask(:)    !! bit f-1 is set if node(i) lies on face f
     type(body_face_t) :: face(6)       !! of a mesh, face 1 is the whole boundary
-    type(group_t), allocatable :: group(:) !! groups of a mesh; not allocated: a patch
+    type(group_t), allocatable :: group(:) !! of a mesh or spline; not allocated: a patch
     integer, allocatable :: label(:)   !! (size(node)) of a mesh: ascending node numbers of its file
     real(wp) :: thickness = 0.0_wp     !! of a mesh: twice its volume over its surface area [L]
     character(:), allocatable :: note  !! of a mesh: a summary of its file
@@ -78,10 +78,11 @@ module mesh
     integer :: nnode = 0
     real(wp), allocatable :: xr(:, :) !! (3, nnode) reference positions of nodes and control points
     !! [L]
-    !> The origin from which contact measures positions, because the rounding error of a position
-    !! grows with its distance from zero. It is zero if the model is not far from zero. [L]
+    !> The origin to which contact refers positions [L]. If the model is far from zero, this is its
+    !! centre, because the rounding error of a position grows with its distance from the origin;
+    !! otherwise it is zero.
     real(wp) :: origin(3) = 0.0_wp
-    logical, allocatable :: is_control(:) !! (nnode) a control point (its position is a coefficient)
+    logical, allocatable :: is_control(:) !! (nnode) the node is a control point of a spline
     logical, allocatable :: used(:)        !! (nnode) the node belongs to an element
     type(block_t), allocatable :: block(:)
     type(body_t), allocatable :: body(:)

@@ -1,4 +1,4 @@
-!> The two aggregates: the model (fixed once built) and its current state.
+!> The two main types: the model, which does not change once it is built, and its current state.
 module model
   use base_error, only: place_t
   use base_kinds, only: wp, i8
@@ -23,9 +23,8 @@ module model
     real(wp) :: body_force(3) = 0.0_wp   !! [F/L^3] at factor 1
     integer :: body_table = 0
     logical :: enhanced = .false.        !! ENHAnced (ELEM and BLOC meshes)
-    logical :: given_formulation = .false. !! DISPlacement or ENHAnced is given (an error in a
-    !! PATCh)
-    integer :: nurbs_points(3) = 0       !! NURB interp q1 q2 q3
+    logical :: given_formulation = .false. !! DISPlacement or ENHAnced is given (error in a PATCh)
+    integer :: nurbs_points(3) = 0       !! q1 q2 q3 of the record NURB interp
     type(place_t) :: place
   end type material_set_t
 
@@ -54,7 +53,7 @@ module model
   !> History of one block; see element_form_i.
   type, public :: history_t
     real(wp), allocatable :: step(:, :)  !! (nparam, nelem) parameters at the start of the step
-    real(wp), allocatable :: iter(:, :)  !! (nhist, nelem) history at the last iteration
+    real(wp), allocatable :: iter(:, :)  !! (nhist, nelem) history after the last iteration
     real(wp), allocatable :: trial(:, :) !! (nhist, nelem) history of the trial state
   end type history_t
 
@@ -64,10 +63,10 @@ module model
     real(wp) :: time = 0.0_wp, dt = 0.0_wp
     real(wp), allocatable :: u(:, :)      !! (3, nnode) displacements [L]
     real(wp), allocatable :: u_step(:, :) !! displacements at the start of the step [L]
-    real(wp), allocatable :: last_increment(:, :) !! (3, nnode) of the last accepted step [L]
+    real(wp), allocatable :: last_increment(:, :) !! (3, nnode) u - u_step of the last accepted step
     real(wp) :: last_dt = 0.0_wp          !! length of the last accepted step in time [T]
     real(wp), allocatable :: u_base(:, :) !! displacements at the last iteration [L]
-    real(wp) :: scale = 0.0_wp            !! fraction of the Newton step in u - u_base
+    real(wp) :: scale = 0.0_wp            !! fraction of the Newton increment in u - u_base
     real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; at free
     !! dofs the residual
     real(wp), allocatable :: reaction_step(:, :) !! the same at the start of the step [F]

@@ -1,4 +1,4 @@
-!> Bodies that their supports do not hold completely, and the rigid motions that remain possible.
+!> Bodies that their supports do not fully restrain, and the rigid motions that remain possible.
 !!
 !! A body is a set of elements that are connected by common nodes or by constraints of nodes. Its
 !! small rigid motions are u(x) = t + w x (x - centre)/size, with six coefficients (t, w). The
@@ -16,26 +16,26 @@ module rigid_modes
   public :: free_body_t, find_free_bodies, is_within_body, find_motions, rigid_motion, &
             motion_text, list_text, null_vectors, find_pieces
 
-  !> Smaller eigenvalues of a matrix of supports count as zero. The matrix of a single support has
-  !! an eigenvalue of about one.
+  !> Eigenvalues of a matrix of supports below this limit are taken as zero. The matrix of a single
+  !! support has an eigenvalue of about one.
   real(wp), parameter :: UNHELD = 1.0e-12_wp
-  !> Components of a direction below this count as zero in a message.
+  !> Components of a direction below this limit are shown as zero in messages.
   real(wp), parameter :: SMALL = 1.0e-3_wp
 
   type :: free_body_t
     character(:), allocatable :: name  !! such as: body 'ball'
-    integer, allocatable :: node(:)    !! its nodes without slaves of constraints, ascending
+    integer, allocatable :: node(:)    !! its nodes in ascending order, without slaves
     logical :: in_contact = .false.    !! one of its faces belongs to a CONTact
     logical :: bonded = .false.        !! one of its faces belongs to a CONTact with COHEsive
-    real(wp) :: centre(3) = 0.0_wp     !! of its supports, or of its nodes [L]
+    real(wp) :: centre(3) = 0.0_wp     !! of its supports if it has any, or of its nodes [L]
     real(wp) :: size = 0.0_wp          !! largest distance of a node from the centre [L]
     integer :: nmotion = 0             !! number of motions that the supports permit
-    real(wp) :: motion(6, 6) = 0.0_wp  !! (t, w) of each of them, orthonormal [-]
+    real(wp) :: motion(6, 6) = 0.0_wp  !! (t, w) of each of these motions, orthonormal [-]
   end type free_body_t
 
 contains
 
-  !> Find the bodies that can move as a whole, at the positions x.
+  !> Find the bodies that can move as rigid bodies when the nodes are at the positions x.
   subroutine find_free_bodies(model, x, body)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
@@ -102,8 +102,8 @@ contains
   !> Number the connected pieces of the mesh.
   subroutine find_pieces(mesh, piece)
     type(mesh_t), intent(in) :: mesh
-    integer, allocatable, intent(out) :: piece(:) !! (nnode) piece of each node; 0: of no element
-    !! that deforms
+    integer, allocatable, intent(out) :: piece(:) !! (nnode) piece of each node; 0: the node belongs
+    !! to no deformable element
     integer, allocatable :: root(:)
     integer :: b, e, i, n, npiece
 
@@ -156,7 +156,7 @@ contains
 
       top = a
       do while (root(top) /= top)
-        root(top) = root(root(top)) ! shortens the way for later calls
+        root(top) = root(root(top)) ! shortens the path for later calls
         top = root(top)
       end do
     end function top
@@ -226,7 +226,7 @@ contains
     real(wp), intent(in) :: a(:, :)      !! (n, n)
     real(wp), intent(in) :: limit
     real(wp), allocatable, intent(out) :: kernel(:, :) !! (n, number of vectors)
-    logical, intent(in), optional :: or_less !! also below -limit
+    logical, intent(in), optional :: or_less !! include eigenvalues below -limit
     real(wp) :: vector(size(a, 1), size(a, 1)), value(size(a, 1)), work(8*size(a, 1) + 8)
     integer :: i, n, info
     logical :: all_negative
@@ -313,7 +313,7 @@ contains
     real(wp), allocatable :: kernel(:, :)
     real(wp) :: turn(3, size(motion, 2)), small_part
 
-    ! translations are the combinations without w; the other motions turn
+    ! combinations of the motions with w = 0 are translations; all others contain a rotation
     turn = motion(4:, :)
     small_part = SMALL
     if (present(tolerance)) small_part = tolerance
@@ -322,8 +322,8 @@ contains
     text = list_text(text, directions(turn, 'turn about ', small_part))
   end function motion_text
 
-  !> Name the space that the columns of v span: by coordinate axes if some of them span it,
-  !! otherwise by an orthonormal basis.
+  !> Describe the space that the columns of v span: by coordinate axes if it is spanned by such
+  !! axes, otherwise by an orthonormal basis.
   function directions(v, verb, small_part) result(text)
     real(wp), intent(in) :: v(:, :)      !! (3, m)
     character(*), intent(in) :: verb
@@ -366,7 +366,7 @@ contains
     end do
   end function directions
 
-  !> Two lists as one, with a comma between them.
+  !> Join two lists, with a comma between them unless one is empty.
   pure function list_text(a, b) result(text)
     character(*), intent(in) :: a, b
     character(:), allocatable :: text
