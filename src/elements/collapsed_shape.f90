@@ -3,8 +3,8 @@
 !!
 !! With s = (1 + xi)/2, a point of the tetrahedron is t = (s1 (1-s2) (1-s3), s2 (1-s3), s3). Then
 !! face xi- is t1 = 0, xi+ is t1 + t2 + t3 = 1, eta- is t2 = 0, and zeta- is t3 = 0; eta+ is an
-!! edge, and zeta+ a point. Without the third direction this gives a triangle, whose side eta+ is a
-!! point.
+!! edge, and zeta+ a point. Without the third direction, the map gives a triangle, whose side eta+
+!! is a point.
 !!
 !! Integrands are polynomials on the tetrahedron, so the integration rules of the tetrahedron are
 !! used: their points are mapped to the cube, and their weights are divided by the determinant of

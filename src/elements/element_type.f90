@@ -9,7 +9,8 @@ module element_type
   public :: element_batch_i
   public :: NB
 
-  !> A member of a family of elements: degrees and, for splines, Bezier extraction and weights.
+  !> One variant of an element type: its degrees and, for splines, its Bezier extraction and
+  !! weights.
   type :: cell_t
     integer :: degree(3) = 1            !! degrees in the element's own directions
     !> Extraction operator of each direction, (p+1, p+1): N = C B; not allocated for Lagrange
@@ -30,8 +31,8 @@ module element_type
     real(wp), allocatable :: wgt(:)    !! (nq)
   end type rule_t
 
-  !> Faces of a member of a family of elements, and how the member is drawn. The faces of a
-  !! hexahedral parent are numbered xi-, xi+, eta-, eta+, zeta-, zeta+ (1 to 6).
+  !> Faces of one variant of an element type (cell_t), and how VTK draws it. The faces of a
+  !! hexahedral parent cell are numbered xi-, xi+, eta-, eta+, zeta-, zeta+ (1 to 6).
   type :: topology_t
     integer :: nen = 0
     integer :: nface = 0
@@ -50,7 +51,7 @@ module element_type
 
   !> Outcome of `form` for one element.
   type :: form_report_t
-    logical :: ok = .true.          !! .false.: inverted, or condensation singular; the step is cut
+    logical :: ok = .true.          !! .false.: inverted element or singular condensation
     integer :: negative = 0         !! number of negative eigenvalues of the condensed block
     real(wp) :: enhanced = 0.0_wp   !! |r_a . K_aa^-1 r_a|: energy of the enhanced residual [F L]
   end type form_report_t
@@ -61,20 +62,22 @@ module element_type
     character(100) :: source = ''    !! formulation and reference, for the log
     logical :: spline = .false.      !! functions need Bezier extraction (cell%c1, ...)
     integer :: nmode = 0             !! number of enhanced modes, with three parameters each
-    integer :: deck_nodes = 0        !! nodes in a record of ELEMents; 0: it has no records
+    integer :: deck_nodes = 0        !! nodes in a record of ELEMents; 0: not for ELEMents
     integer :: degree = 0            !! degree of its faces; 0: it depends on the block
     integer :: deck_order(27) = 0    !! local node of each node of the deck; 0: in the same order
     procedure(element_rule_i), pointer, nopass :: rule => null()
     procedure(element_functions_i), pointer, nopass :: functions => null()
     procedure(element_topology_i), pointer, nopass :: topology => null()
     procedure(element_modes_i), pointer, nopass :: modes => null()
-    !> At least one of these two is given; if both are given, the batch is used.
+    !> A deformable element has at least one of these two procedures; if it has both, form_batch is
+    !! used.
     procedure(element_form_i), pointer, nopass :: form => null()
     procedure(element_batch_i), pointer, nopass :: form_batch => null()
   end type element_t
 
   abstract interface
-    !> Set the integration rule: q points in the plane and qz across it; 0 means the type's default.
+    !> Set the integration rule: q points in each of the directions xi and eta, and qz in zeta; 0
+    !! means the default of the type.
     subroutine element_rule_i(cell, q, qz, rule)
       import :: cell_t, rule_t
       implicit none
@@ -111,9 +114,9 @@ module element_type
     !> Compute residual and consistent tangent of one element, with its enhanced modes condensed.
     !!
     !! The history of an element with nmode > 0 has the length history_length(nen, nmode) of
-    !! solid_form. It contains the parameters a at (u - du), and the vector m = K_aa^-1 r_a and the
-    !! matrix L = K_aa^-1 K_au there. The kernel sets a_new = a - scale*m - L du, computes residual
-    !! and tangent, and returns a_new, m_new and L_new.
+    !! solid_form. It contains three results for the displacements u - du: the enhanced parameters
+    !! a, the vector m = K_aa^-1 r_a, and the matrix L = K_aa^-1 K_au. The kernel sets a_new = a -
+    !! scale*m - L du, computes residual and tangent, and returns a_new, m_new and L_new.
     pure subroutine element_form_i(basis, material, prop, xr, u, du, scale, h_old, h_new, &
                                    r, k, report)
       import :: basis_t, material_t, form_report_t, wp
@@ -124,8 +127,8 @@ module element_type
       real(wp), intent(in) :: xr(:, :)    !! (3, nen) reference positions [L]
       real(wp), intent(in) :: u(:, :)     !! (3, nen) trial displacements [L]
       real(wp), intent(in) :: du(:, :)    !! (3, nen) u minus the displacements of h_old
-      !> Fraction of the Newton step in du: 0 at the start of a step, 1 for a full step, less in a
-      !! line search.
+      !> Fraction of the Newton increment that du contains: 0 at the start of a step, 1 for a full
+      !! increment, less in a line search.
       real(wp), intent(in) :: scale
       real(wp), intent(in) :: h_old(:)    !! (nhist)
       real(wp), intent(out) :: h_new(:)   !! (nhist)

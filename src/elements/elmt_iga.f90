@@ -25,8 +25,8 @@ contains
                     //'eqs (8) to (14)')
   end function describe
 
-  !> Set p + 1 points in each direction. A q given without qz holds for all three directions,
-  !! because none of them is special.
+  !> Set p + 1 points in each direction. If q is given without qz, it is used in all three
+  !! directions, because none of them is special.
   subroutine set_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz
@@ -35,7 +35,8 @@ contains
     call tensor_rule(cell%degree + 1, q, merge(qz, q, qz > 0), rule)
   end subroutine set_rule
 
-  !> Evaluate R_A = w_A N_A / W, in which N is the product of the functions of three directions.
+  !> Evaluate R_A = w_A N_A / W, where N_A is a product of functions of the three directions and W
+  !! is the sum of all w_A N_A.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)

@@ -2,7 +2,7 @@
 !!
 !! Nodes:  base counter-clockwise seen from the apex, then the apex (FEAP, VTK and Gmsh order)
 !! Rule:   2 x 2 x 2 Gauss points: none at the apex, where the map is singular
-!! Source: functions of Q1, of which the four upper ones are added up. They are rational in the
+!! Source: the functions of Q1, with the four of the upper face added up. They are rational in the
 !!         pyramid's own coordinates, bilinear on the base and linear on the triangles, so that the
 !!         pyramid joins hexahedra and tetrahedra
 !! Limits: locks like Q1; must not be evaluated at zeta = +1

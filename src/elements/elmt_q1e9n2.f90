@@ -7,7 +7,7 @@
 !! Nodes, functions: as Q1N
 !! Rule:    (p+1) x (p+1) x 2; collapsed prisms need 3 points in zeta
 !! History: nine parameters, then m and L (element_form_i)
-!! Source:  modes as Simo and Armero 1992; the element is new here
+!! Source:  modes of Simo and Armero 1992; the element is new in this program
 module elmt_q1e9n2
   use base_kinds, only: wp
   use element_type, only: element_t

@@ -2,7 +2,8 @@
 !!
 !! Nodes:  control points of zeta = -1, xi fastest, or in the order of an operator of the whole
 !!         element (any number of them); then the corners of zeta = +1, counter-clockwise from (-,-)
-!! Rule:   (p+1) x (p+1) x 2 Gauss points, where p are the degrees of the surface after RAISe
+!! Rule:   (p+1) x (p+1) x 2 Gauss points, where p is the degree of the surface in each direction
+!!         after RAISe
 !! Source: Corbett and Sauer 2015, section 2.3, eq. (15)
 !! Limits: locks like Q1; a collapsed face zeta = +1 (prism) must not be evaluated at zeta = +1
 module elmt_q1n2
@@ -35,7 +36,8 @@ contains
     call tensor_rule([cell%degree(1) + 1, cell%degree(2) + 1, 2], q, qz, rule)
   end subroutine set_rule
 
-  !> Evaluate surface functions times (1 - zeta)/2, and the upper half of the trilinear functions.
+  !> Evaluate the surface functions times (1 - zeta)/2, and the trilinear functions of the four
+  !! upper corners.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)

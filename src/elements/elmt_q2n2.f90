@@ -2,8 +2,8 @@
 !!
 !! Nodes:  control points of zeta = -1, xi fastest; then 9 nodes of zeta = 0 and 9 of zeta = +1,
 !!         each in tensor order, xi fastest
-!! Rule:   (p+1) x (p+1) x 3 Gauss points, where p are the degrees of the surface, and at least 3
-!!         points in each direction
+!! Rule:   (p+1) x (p+1) x 3 Gauss points, where p is the degree of the surface in each direction;
+!!         at least 3 points in each direction
 !! Source: Corbett and Sauer 2015, section 2.3, eq. (16)
 module elmt_q2n2
   use base_kinds, only: wp
@@ -35,8 +35,8 @@ contains
     call tensor_rule([max(cell%degree(1), 2) + 1, max(cell%degree(2), 2) + 1, 3], q, qz, rule)
   end subroutine set_rule
 
-  !> Evaluate surface functions times the quadratic function of zeta = -1, and two planes of the
-  !! triquadratic functions.
+  !> Evaluate the surface functions times the quadratic function of zeta = -1, and the triquadratic
+  !! functions of the planes zeta = 0 and zeta = +1.
   pure subroutine functions(cell, xi, shp, dshp)
     type(cell_t), intent(in) :: cell
     real(wp), intent(in) :: xi(3)

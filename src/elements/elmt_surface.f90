@@ -1,8 +1,8 @@
 !> SURFACE: an element of a spline surface without a body, for rigid surfaces. It has no unknowns.
 !!
 !! Nodes:  control points, in the order of the operator of the element
-!! Faces:  only zeta+ (6): a_1 x a_2 is its outward normal
-!! Cell:   a Bezier quadrilateral of VTK, exact
+!! Faces:  only zeta+ (6), whose outward normal is a_1 x a_2
+!! Cell:   a Bezier quadrilateral of VTK, which represents the surface exactly
 module elmt_surface
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t

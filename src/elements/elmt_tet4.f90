@@ -4,7 +4,7 @@
 !! Parent: cube, see collapsed_shape
 !! Rule:   one point; QUADrature q > 1: q x q x q points of the cube
 !! Source: Zienkiewicz and Taylor 2005
-!! Limits: locks in bending and above nu = 0.4, unlike TET10
+!! Limits: locks in bending, and in volume for nu above 0.4; TET10 does not
 module elmt_tet4
   use base_kinds, only: wp
   use collapsed_shape, only: fold_tetrahedron, unfold_rule, collapsed_rule

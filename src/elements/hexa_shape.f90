@@ -22,7 +22,7 @@ module hexa_shape
                         reshape([CORNER(1, :) < 0, CORNER(1, :) > 0, CORNER(2, :) < 0, &
                                  CORNER(2, :) > 0, CORNER(3, :) < 0, CORNER(3, :) > 0], [8, 6])
 
-  !> Entries of an extraction operator below this fraction of the largest are zero up to rounding.
+  !> Entries of an extraction operator below this fraction of the largest entry are taken as zero.
   real(wp), parameter :: ZERO_SHARE = 1.0e-12_wp
 
 contains
@@ -36,7 +36,8 @@ contains
     df = [-0.5_wp, 0.5_wp]
   end subroutine linear
 
-  !> Evaluate the quadratic Lagrange functions of the nodes -1, 0, 1, eq. (18) in another order.
+  !> Evaluate the quadratic Lagrange functions of the nodes -1, 0, 1; eq. (18) lists them in another
+  !! order.
   pure subroutine quadratic(x, f, df)
     real(wp), intent(in) :: x
     real(wp), intent(out) :: f(3), df(3)
@@ -132,8 +133,8 @@ contains
     end do
   end subroutine make_rational
 
-  !> Evaluate the nine enhanced modes as three covectors, each to be multiplied by a vector:
-  !! (xi,0,0), (0,eta,0), (0,0,zeta).
+  !> Evaluate the nine enhanced modes in the form of three covectors, (xi,0,0), (0,eta,0) and
+  !! (0,0,zeta), each of which is multiplied by a vector of three parameters.
   pure subroutine nine_modes(xi, mode)
     real(wp), intent(in) :: xi(3)
     real(wp), intent(out) :: mode(:, :) !! (3, 3)

@@ -1,8 +1,9 @@
 !> solid_form for NB eight-node elements at a time, side by side in the vector registers.
 !!
-!! The formulas are those of solid_form; the first index of every array is the element. A loop over
-!! the elements is straight-line code or contains one inner loop, so that the compiler vectorises
-!! it. Points are processed in groups of at most NC, whose gradients stay in the first-level cache.
+!! The formulas are those of solid_form; the first index of every array is the element. The body of
+!! each loop over the elements is straight-line code or a single inner loop, so that the compiler
+!! vectorises the loop over the elements. Points are processed in groups of at most NC, whose
+!! gradients stay in the first-level cache.
 module solid_batch
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -48,7 +49,8 @@ contains
     if (.not. all(report%ok)) call clear_failed(report%ok, r, k)
   end subroutine form_batch
 
-  !> Sum over the points; of k and kaa, only the upper triangle of blocks is computed.
+  !> Sum the contributions of all points; of k and kaa, only the upper triangle of blocks is
+  !! computed.
   pure subroutine integrate(basis, material, prop, xr, u, a, r, k, ra, kua, kaa, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
@@ -93,7 +95,7 @@ contains
     end do
   end subroutine integrate
 
-  !> Set the sums to those over the first group.
+  !> Set the sums to the contributions of the first group.
   pure subroutine set_sums(nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
     integer, intent(in) :: nmode
     logical, intent(in) :: last
@@ -117,7 +119,7 @@ contains
     end do
   end subroutine set_sums
 
-  !> Add the sums over a further group, for rules with more than NC points.
+  !> Add the contributions of a further group, for rules with more than NC points.
   pure subroutine add_sums(nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
     integer, intent(in) :: nmode
     logical, intent(in) :: last
@@ -189,7 +191,7 @@ contains
     call set_gradients(basis, material%finite, q, n, t, dg, m, g, gm)
   end subroutine evaluate_point
 
-  !> c = a b.
+  !> Compute c = a b.
   pure subroutine multiply(a, b, c)
     real(wp), intent(in) :: a(NB, 3, 3), b(NB, 3, 3)
     real(wp), intent(out) :: c(NB, 3, 3)
@@ -206,7 +208,8 @@ contains
     end do
   end subroutine multiply
 
-  !> Compute the modes' covectors at a point, and add their part to the displacement gradient.
+  !> Compute the covectors of the modes at a point, and add the contribution of the modes to the
+  !! displacement gradient.
   pure subroutine enhance(basis, q, centre, jac0, jac, a, m, dg)
     type(basis_t), intent(in) :: basis
     integer, intent(in) :: q
@@ -231,7 +234,7 @@ contains
     end do
   end subroutine enhance
 
-  !> Compute the gradients of functions and modes, in the configuration on which the stress acts.
+  !> Compute the gradients of functions and modes, in the configuration to which the stress refers.
   pure subroutine set_gradients(basis, finite, q, n, t, dg, m, g, gm)
     type(basis_t), intent(in) :: basis
     logical, intent(in) :: finite

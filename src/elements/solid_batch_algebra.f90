@@ -8,7 +8,7 @@ module solid_batch_algebra
 
   integer, parameter, public :: NEN = 8 !! nodes
   integer, parameter, public :: NM = 3  !! enhanced modes, if any
-  integer, parameter, public :: NC = 8  !! points in a group; constant for vectorised loops
+  integer, parameter, public :: NC = 8  !! points in a group; a constant, so that loops vectorise
 
 contains
 
@@ -46,8 +46,8 @@ contains
   end subroutine scale_group
 
   !> Compute the blocks (a, b), a = 1 to n, of one function b:
-  !! sum_q (g_a . y g_b) 1 + lam g_a x g_b + mus g_b x g_a, with the weights in y, lam and mus.
-  !! There is one loop body, so that the nine sums of a block stay in registers.
+  !! sum_q (g_a . y g_b) 1 + lam g_a x g_b + mus g_b x g_a, with the weights in y, lam and mus. All
+  !! nine sums of a block are formed in one loop body, so that they stay in registers.
   pure subroutine set_column(n, g, gb, y, lam, mus, k)
     integer, intent(in) :: n
     real(wp), intent(in) :: g(NB, 3, NC, n), gb(NB, 3, NC)
@@ -88,8 +88,8 @@ contains
     end do
   end subroutine set_column
 
-  !> Compute products of function b for set_column: y g_b, lam g_b, mus g_b, and the sum of the last
-  !! two.
+  !> Compute the products that set_column needs for function b: y g_b, lam g_b, mus g_b, and the sum
+  !! of the last two.
   pure subroutine weigh(gb, y, lam, mus, t, gl, gm, gs)
     real(wp), intent(in) :: gb(NB, 3, NC), y(NB, 6, NC), lam(NB, NC), mus(NB, NC)
     real(wp), intent(out), dimension(NB, 3, NC) :: t, gl, gm, gs
@@ -142,7 +142,7 @@ contains
     end do
   end subroutine set_force
 
-  !> Compute sum_a x_a x dN_a.
+  !> Compute map(:, i, j) = sum_a x(:, i, a) dshp(j, a).
   pure subroutine set_map(dshp, x, map)
     real(wp), intent(in) :: dshp(3, NEN), x(NB, 3, NEN)
     real(wp), intent(out) :: map(NB, 3, 3)
@@ -184,8 +184,8 @@ contains
     end do
   end subroutine set_map
 
-  !> Invert in place. If a determinant is not positive and finite, `ok` becomes .false. and the
-  !! numbers stay finite.
+  !> Invert in place. If a determinant is not positive and finite, `ok` becomes .false., and the
+  !! results stay finite.
   pure subroutine invert(a, det, ok)
     real(wp), intent(inout) :: a(NB, 3, 3)
     real(wp), intent(out) :: det(NB)

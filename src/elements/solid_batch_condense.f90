@@ -30,7 +30,8 @@ contains
     end do
   end subroutine advance_batch
 
-  !> Eliminate the enhanced parameters as `condense` does, from upper blocks only.
+  !> Eliminate the enhanced parameters as `condense` does, but from the upper blocks of k and kaa
+  !! only.
   pure subroutine condense_batch(a, ra, kua, kaa, r, k, h_new, report)
     real(wp), intent(in) :: a(NB, NP), ra(NB, NP)
     real(wp), intent(in) :: kua(NB, 3, 3, NEN, NM) !! node direction, mode direction, node, mode
@@ -39,7 +40,8 @@ contains
     real(wp), intent(out) :: h_new(:, :) !! (history, NB)
     type(form_report_t), intent(inout) :: report(NB)
 
-    ! Right-hand sides in groups of three: K_au of each node; the last group has r_a and two zeros.
+    ! Right-hand sides in groups of three: one group for K_au of each node, and a last one with r_a
+    ! and two columns of zeros.
     real(wp) :: y(NB, NP, 3, NEN + 1), x(NB, NP, 3, NEN + 1)
     real(wp) :: f(NB, NP, NP)
     logical :: ok(NB)
@@ -115,7 +117,7 @@ contains
       lost = .not. abs(f(:, j, j)) > NP*epsilon(1.0_wp)*scale(:, j)
       if (any(lost)) then
         ok = ok .and. .not. lost
-        where (lost) f(:, j, j) = 1.0_wp ! harmless, as the element is refused
+        where (lost) f(:, j, j) = 1.0_wp ! harmless, because the element is rejected
       end if
       where (f(:, j, j) < 0.0_wp) negative = negative + 1
       c = 1.0_wp/f(:, j, j)
@@ -192,8 +194,8 @@ contains
     end do
   end subroutine subtract_forces
 
-  !> Compute the upper blocks of K - K_ua L and mirror them. There is one loop body, so that the
-  !! nine sums of a block stay in registers.
+  !> Compute the upper blocks of K - K_ua L and mirror them. All nine sums of a block are formed in
+  !! one loop body, so that they stay in registers.
   pure subroutine subtract_blocks(y, x, k)
     real(wp), intent(in) :: y(NB, NP, 3, NEN + 1) !! K_au
     real(wp), intent(in) :: x(NB, NP, 3, NEN + 1) !! L

@@ -47,13 +47,13 @@ contains
     x = full(:nd, nd + 1:)
     k = full(:nd, :nd)
     call dgemm('N', 'N', nd, nd, np, -1.0_wp, x, nd, l, np, 1.0_wp, k, nd)
-    do j = 1, nd ! rounding must not make the matrix unsymmetric
+    do j = 1, nd ! makes the matrix symmetric to the last bit
       k(j, :j - 1) = k(:j - 1, j)
     end do
   end subroutine condense
 
-  !> Compute x K_aa^-1 with the factors of ldl_factor. Unlike ldl_solve, this handles all rows of x
-  !! at once.
+  !> Compute x K_aa^-1 with the factors of ldl_factor. Unlike ldl_solve, this procedure treats all
+  !! rows of x at once.
   pure subroutine solve_rows(nd, np, f, x)
     integer, intent(in) :: nd, np
     real(wp), intent(in) :: f(np, np)

@@ -1,16 +1,16 @@
 !> Residual and consistent tangent of any solid element.
 !!
-!! The functions come from a table at the integration points (basis_t), the stress and the tangent
-!! at a point from the law. With the spatial gradients g (reference gradients at small strain) and
-!! the reference volumes w0,
+!! The shape functions come from a table of their values at the integration points (basis_t), the
+!! stress and the tangent at a point from the material law. With the spatial gradients g (reference
+!! gradients at small strain) and the reference volumes w0,
 !!
 !!   r_a  = sum_q w0 tau g_a
 !!   K_ab = sum_q w0 [(g_a . (tau + mus 1) g_b) 1 + lam g_a x g_b + mus g_b x g_a]
 !!
 !! if the tangent of the law is lam 1 x 1 + 2 mus I. Otherwise K_ab consists of B^T c B and
-!! (g_a . tau g_b) 1. At small strain there is no geometric part tau. For neo-Hooke, tau + mus 1 is
-!! mu b. The sums over points are products of panels (functions by points), computed by BLAS.
-!! Enhanced modes enter like further functions.
+!! (g_a . tau g_b) 1. At small strains, the geometric part is left out: tau in (tau + mus 1) is
+!! zero. For the neo-Hookean law, tau + mus 1 is mu b. The sums over points are products of panels
+!! (functions by points), computed by BLAS. Enhanced modes are treated like additional functions.
 module solid_form
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -88,7 +88,8 @@ contains
     end do
   end subroutine advance
 
-  !> Sum over the points; modes come after the functions. All sums are zero if not ok.
+  !> Sum the contributions of all points. In r and k, the modes follow the functions. If `ok` is
+  !! .false., r and k are zero.
   pure subroutine integrate(basis, material, prop, xr, u, a, r, k, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material

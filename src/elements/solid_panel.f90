@@ -6,11 +6,12 @@ module solid_panel
   private
   public :: add_moduli, add_general, add_symmetric, fold
 
-  integer, parameter, public :: CHUNK = 27 !! points in a panel, which must stay in the cache
+  integer, parameter, public :: CHUNK = 27 !! points in a panel, which must fit in the cache
 
 contains
 
-  !> Add p_ij += G_i lam G_j^T + G_j mus G_i^T, i <= j: the parts lam g_a x g_b + mus g_b x g_a.
+  !> Add G_i lam G_j^T + G_j mus G_i^T to p_ij, i <= j, where G_i is the panel of direction i. These
+  !! are the parts lam g_a x g_b + mus g_b x g_a of the tangent.
   pure subroutine add_moduli(first, n, nq, g, w, lam, mus, p)
     logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq
@@ -42,7 +43,7 @@ contains
     end do
   end subroutine add_moduli
 
-  !> Add all blocks of p += B^T c B with a full 6 by 6 tangent.
+  !> Add B^T c B to p (all blocks), where c is a full 6 x 6 tangent.
   pure subroutine add_general(first, n, nq, g, w, c, p)
     logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq
@@ -74,7 +75,7 @@ contains
     end do
   end subroutine add_general
 
-  !> Add s += g_a . (tau + mus 1) g_b.
+  !> Add g_a . (tau + mus 1) g_b to s.
   pure subroutine add_symmetric(first, n, nq, g, w, tau, mus, s)
     logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq
@@ -94,7 +95,8 @@ contains
     call dgemm('N', 'T', n, n, 3*nq, 1.0_wp, g, n, t, n, merge(0.0_wp, 1.0_wp, first), s, n)
   end subroutine add_symmetric
 
-  !> Build the element matrix from blocks p and the part s; the dofs of a function are adjacent.
+  !> Build the element matrix from the blocks p, and from s, which is added for each direction; the
+  !! dofs of a function are adjacent.
   pure subroutine fold(n, upper, p, s, k)
     integer, intent(in) :: n
     logical, intent(in) :: upper !! only p_ij with i <= j are set, and the result is symmetric

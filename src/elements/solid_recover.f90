@@ -13,11 +13,11 @@ module solid_recover
   type :: recovered_t
     real(wp) :: xr(3) = 0.0_wp    !! reference position [L]
     real(wp) :: xc(3) = 0.0_wp    !! current position [L]
-    real(wp) :: dg(3, 3) = 0.0_wp !! deformation gradient with enhanced modes [-]
+    real(wp) :: dg(3, 3) = 0.0_wp !! deformation gradient including enhanced modes [-]
     real(wp) :: sig(6) = 0.0_wp   !! Cauchy stress, Voigt order 11 22 33 12 23 31 [F/L^2]
     real(wp) :: mises = 0.0_wp    !! von Mises stress [F/L^2]
     real(wp) :: energy = 0.0_wp   !! stored energy per reference volume [F/L^2]
-    real(wp) :: volume = 0.0_wp   !! weight times det J: the share of the reference volume [L^3]
+    real(wp) :: volume = 0.0_wp   !! weight times det J: reference volume of the point [L^3]
   end type recovered_t
 
 contains
@@ -32,7 +32,7 @@ contains
     real(wp), intent(in) :: u(:, :)   !! (3, nen)
     real(wp), intent(in) :: param(:)  !! (3*nmode or more) history, which begins with the parameters
     type(recovered_t), intent(out) :: point(:) !! (nq)
-    logical, intent(out) :: ok        !! .false.: inverted at a point, whose stress is then zero
+    logical, intent(out) :: ok        !! .false.: inverted at a point; the stress there is zero
 
     real(wp) :: a(3, basis%nmode), m(3, basis%nmode), centre(3, 3), inverse(3, 3), jac0, jac
     real(wp) :: xu(6, basis%nen)

@@ -1,5 +1,5 @@
-!> The batch kernel for this processor. The Makefile compiles solid_batch three times: under its own
-!! name for any processor, as solid_batch_v3 for AVX2, and as solid_batch_v4 for AVX-512.
+!> Chooses the batch kernel for this processor. The Makefile compiles solid_batch three times: under
+!! its own name for any processor, as solid_batch_v3 for AVX2, and as solid_batch_v4 for AVX-512.
 module solid_simd
   use base_cpu, only: vector_level
   use element_type, only: element_batch_i

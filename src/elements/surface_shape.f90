@@ -1,5 +1,6 @@
-!> Functions of the isogeometric surface of an element: a tensor product, or any number of functions
-!! that have their own extraction operator (at extraordinary points and T-junctions).
+!> Functions of the isogeometric surface of an element: either a tensor product, or any number of
+!! functions with an extraction operator for the whole element (at extraordinary points and
+!! T-junctions).
 module surface_shape
   use base_kinds, only: wp
   use bspline, only: bernstein
@@ -10,7 +11,7 @@ module surface_shape
   private
   public :: surface_functions, surface_count, surface_touches, layer_functions, layer_faces
 
-  !> Entries of an operator below this are zero up to rounding; the largest entry is about one.
+  !> Entries of an operator below this limit are taken as zero; the largest entry is about one.
   real(wp), parameter :: NOTHING = 1.0e-12_wp
 
 contains
@@ -141,7 +142,8 @@ contains
     topology%vtk = VTK_BEZIER_HEXAHEDRON
   end subroutine layer_faces
 
-  !> Does a Bernstein polynomial of the edge contribute to the function?
+  !> Is a function nonzero on an edge? Its coefficients for the Bernstein polynomials of the edge
+  !! are c.
   pure logical function lives(c)
     real(wp), intent(in) :: c(:)
 

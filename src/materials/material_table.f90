@@ -15,7 +15,8 @@ contains
     allocate (table(0))
     block; use mate_linear, only: describe; table = [table, describe()]; end block
     block; use mate_neohooke, only: describe; table = [table, describe()]; end block
-    ! The batch procedure of neo-Hooke is compiled three times: for any processor, AVX2 and AVX-512.
+    ! The batch procedure of the neo-Hookean law is compiled three times: for any processor, for
+    ! AVX2, and for AVX-512.
     select case (vector_level())
     case (4)
       block; use mate_neohooke_v4, only: describe; call take_batch(table, describe()); end block

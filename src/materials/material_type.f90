@@ -6,7 +6,7 @@ module material_type
   public :: material_t, constant_error_t, material_usage
 
   integer, parameter, public :: MAX_PROP = 16 !! length of a row of properties
-  integer, parameter, public :: NB = 8 !! points or elements side by side in the vector registers
+  integer, parameter, public :: NB = 8 !! number of points or elements in a batch
 
   !> Why a law rejects its constants.
   type :: constant_error_t
@@ -20,7 +20,7 @@ module material_type
   type :: material_t
     character(16) :: name = ''    !! deck word
     character(48) :: numbers = '' !! names of the numbers in the record ELAStic, for hints
-    integer :: nvalue = 0         !! how many numbers there are
+    integer :: nvalue = 0         !! number of these constants
     character(80) :: source = ''  !! formula and reference, for the log
     logical :: finite = .true.    !! .false.: small strain
     logical :: volumetric = .false. !! the law has several volumetric functions (VOLUme k of FINIte)
@@ -30,9 +30,10 @@ module material_type
     procedure(material_set_i), pointer, nopass :: set => null()
     procedure(material_stiffness_i), pointer, nopass :: stiffness => null()
     procedure(material_stress_i), pointer, nopass :: stress => null()
-    !> Optional, but faster, for laws whose spatial tangent is lam 1 x 1 + 2 mus I (two scalars).
+    !> An optional, faster alternative to `stress` for laws whose spatial tangent is lam 1 x 1 + 2
+    !! mus I, with two scalars lam and mus.
     procedure(material_moduli_i), pointer, nopass :: moduli => null()
-    !> Optional, for laws with `moduli`: the same at NB points at a time.
+    !> Optional, for laws with `moduli`: the same computation at NB points at a time.
     procedure(material_batch_i), pointer, nopass :: moduli_batch => null()
     procedure(material_energy_i), pointer, nopass :: energy => null()
   end type material_t
@@ -63,8 +64,8 @@ module material_type
       real(wp), intent(in) :: prop(:)   !! (nprop)
       real(wp), intent(in) :: dg(3, 3)  !! deformation gradient [-]
       real(wp), intent(out) :: tau(6)   !! stress [F/L^2]
-      real(wp), intent(out) :: c(6, 6)  !! tangent [F/L^2]: Lie derivative of tau with respect to
-      !! the rate of deformation; at small strain d tau/d eps
+      real(wp), intent(out) :: c(6, 6)  !! tangent [F/L^2]: Lie derivative of tau = c : rate of
+      !! deformation; at small strains, c = d tau/d eps
       logical, intent(out) :: ok        !! .false.: there is no stress for this dg (det <= 0)
     end subroutine material_stress_i
 
