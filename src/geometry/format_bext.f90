@@ -1,10 +1,10 @@
 !> BEXT 2.0 text files of extracted surfaces, in the format that *IGA_INCLUDE_BEZIER of LS-DYNA
 !! reads.
 !!
-!! The reader uses the sizes, the control points, the elements in groups of equal sizes, and the
-!! dense and sparse coefficient vectors that the elements share; everything after these is ignored.
-!! Numbers are separated by blanks, and `$` starts a comment. `etype` is ignored: files of
-!! tensor-product elements have 0 or 1.
+!! The reader uses the sizes, the control points, the elements (in groups with equal sizes), and the
+!! dense and sparse coefficient vectors that the elements share. Everything after the vectors is
+!! ignored. Numbers are separated by blanks, and `$` starts a comment. `etype`, which is 0 or 1 in
+!! files of tensor-product elements, is ignored.
 !! Source: LS-DYNA keyword manual, *IGA_INCLUDE_BEZIER
 module format_bext
   use base_error, only: error_t
@@ -22,16 +22,16 @@ module format_bext
 
   character(*), parameter :: BEXT_HEAD = 'B E X T 2.0'
 
-  !> Vector i is value(first(i) : first(i+1)-1).
+  !> Coefficient vectors. Vector i is value(first(i) : first(i+1)-1).
   type :: vectors_t
     integer :: n = 0
-    integer :: ndense = 0      !! later vectors are sparse, without trailing zeros
+    integer :: ndense = 0      !! vectors after these are sparse and have no trailing zeros
     integer, allocatable :: first(:)
     real(wp), allocatable :: value(:)
   end type vectors_t
 
-  !> Element e has the control points node(first(e) : first(e+1)-1), and `vector` has the same
-  !! range.
+  !> Elements. Element e has the control points node(first(e) : first(e+1)-1) and, in the same range
+  !! of `vector`, their coefficient vectors.
   type :: elements_t
     integer :: n = 0
     integer, allocatable :: degree(:, :)     !! (2, >= n)
@@ -84,14 +84,14 @@ contains
     call finish_surface(text, surface, error)
   end subroutine read_bext
 
-  !> Read neb; etype ne nn ncv pr ps of each group; and the control points and vectors of each
-  !! element.
+  !> Read the number of groups, neb; then etype ne nn ncv pr ps of each group; then the control
+  !! points and vectors of each element.
   subroutine read_elements(text, nelem, elements, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: nelem           !! expected number
     type(elements_t), intent(inout) :: elements
     type(error_t), allocatable, intent(out) :: error
-    integer, allocatable :: number(:), nf(:), degree(:, :) !! elements, functions, degrees
+    integer, allocatable :: number(:), nf(:), degree(:, :) !! of the groups
     integer :: g, e, i, n, nvector, etype
 
     call next_count(text, 'the number of groups of elements', n, error)
@@ -144,10 +144,10 @@ contains
     end do
   end subroutine read_elements
 
-  !> Read ndcvb nscvb; the number and length of the vectors of each block; the dense vectors, then
-  !! the sparse ones. For sparse vectors, `length` is the number of their entries, which follow as
-  !! positions and then values; the length of the vector itself follows only from the elements that
-  !! use it.
+  !> Read the numbers of dense and sparse blocks, ndcvb nscvb; then the number and length of the
+  !! vectors of each block; then the dense vectors, and the sparse ones. For a sparse vector,
+  !! `length` is the number of its entries, and the file gives their positions and then their
+  !! values. The full length of a sparse vector is known only from the elements that use it.
   subroutine read_vectors(text, nvector, vectors, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: nvector      !! expected number

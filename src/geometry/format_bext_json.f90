@@ -1,7 +1,7 @@
-!> BEXT 2.0 files in JSON: nodes, elements in blocks, coefficient vectors, sets. All numbering
-!! starts at 0.
+!> BEXT 2.0 files in JSON: nodes, elements in blocks, coefficient vectors, and sets. All numbers
+!! start at 0.
 !!
-!! A sparse vector has its positions in `indices` and its values in `components`.
+!! A sparse vector has the positions of its entries in `indices` and their values in `components`.
 !! Source: files of the package CoreformIGA.jl
 module format_bext_json
   use base_kinds, only: wp
@@ -127,8 +127,8 @@ contains
     if (e > 0) call fail_in_file(text, 'the list has more elements than the blocks', error)
   end subroutine read_elements
 
-  !> Get the numbers of nodes or operators of an element, which are counted from 0 in the file and
-  !! from 1 here.
+  !> Get the numbers of the nodes or coefficient vectors of an element, which start at 0 in the file
+  !! and at 1 here.
   subroutine get_ids(text, json, e, name, id, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json

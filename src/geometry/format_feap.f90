@@ -51,7 +51,7 @@ contains
     end if
   end subroutine read_feap
 
-  !> Go to the beginning of the next line, which has `n` words before a comment.
+  !> Go to the beginning of the next line, and count its words before a comment.
   subroutine next_line(text, n)
     type(text_t), intent(inout) :: text
     integer, intent(out) :: n
@@ -90,7 +90,8 @@ contains
     file%node_spot = file%node_spot(:file%nnode)
   end subroutine read_nodes
 
-  !> Read the number and the generation increment, which must be 0, of a record of n words.
+  !> Read the first two numbers of a record of n words: its own number, and the increment of
+  !! generation, which must be 0.
   subroutine read_head(text, n, least, most, usage, number, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: n, least, most

@@ -30,7 +30,7 @@ contains
     real(wp), allocatable :: x(:), w(:)
     integer :: d, first, i, last, n, tag
 
-    first = index(text%all, '<!--') ! blank out comments: lines keep their numbers
+    first = index(text%all, '<!--') ! blank out comments, so that line numbers stay correct
     do while (first > 0)
       last = first + index(text%all(first:), '-->') + 1
       if (last == first + 1) last = len(text%all)
@@ -41,7 +41,7 @@ contains
     end do
     call find_geometry(text, name, ndir, first, last, error)
     if (allocated(error)) return
-    text%all = text%all(:last) ! the next geometry is cut off
+    text%all = text%all(:last) ! leave out the next geometry
     text%at = first
     n = 1
     do d = 1, ndir
@@ -73,7 +73,7 @@ contains
     if (.not. allocated(error)) call new_nurbs(patch, dir, reshape(x, [3, n]), w)
   end subroutine read_gismo
 
-  !> Find the part of the file that holds the geometry.
+  !> Find the part of the file that contains the geometry.
   subroutine find_geometry(text, name, ndir, first, last, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
@@ -171,11 +171,11 @@ contains
     part%at = tag + index(text%all(tag:), '>')
     length = index(text%all(part%at:), '<')
     if (length == 0) length = len(text%all) - part%at + 2
-    part%all = text%all(:part%at + length - 2) ! keeps the lines before it
+    part%all = text%all(:part%at + length - 2) ! with the text before it, for line numbers
     text%at = part%at
   end subroutine enter
 
-  !> Read numbers that must fill a part of the file.
+  !> Read numbers, after which this part of the file must end.
   subroutine read_all(part, what, x, error)
     type(text_t), intent(inout) :: part
     character(*), intent(in) :: what

@@ -2,8 +2,8 @@
 !!
 !! The sections $MeshFormat, $PhysicalNames, $Entities, $Nodes and $Elements are read; others are
 !! skipped. Physical groups become named groups; version 2.2 repeats an element for each of its
-!! groups. The topology of an element says which Gmsh type it corresponds to, and in which order
-!! Gmsh numbers its nodes (mesh_shape).
+!! groups. The topology of an element type (mesh_shape) gives the corresponding Gmsh type and the
+!! order in which Gmsh numbers the nodes.
 !! Source: Geuzaine and Remacle 2009; Gmsh reference manual, section MSH file format
 module format_gmsh
   use base_error, only: error_t
@@ -49,7 +49,7 @@ contains
       case ('$Elements')
         call read_elements(text, is_new, entity, file, error)
       case default
-        ! a section that holds no mesh
+        ! a section without mesh data
         i = index(text%all(text%at:), '$End'//section(2:))
         if (section(1:1) /= '$') then
           call fail_in_file(text, 'expected a section, found '//quoted(section), error, &
@@ -114,8 +114,8 @@ contains
     call next_integer(text, 'the size of reals', size_of, error)
   end subroutine read_format
 
-  !> Read the dimension, tag and quoted name of each physical group. They are kept in `names`,
-  !! separately from the groups of the file.
+  !> Read the dimension, tag and quoted name of each physical group. They are stored in `names`,
+  !! separately from the groups to which elements of the file belong.
   subroutine read_names(text, names, error)
     type(text_t), intent(inout) :: text
     type(mesh_file_t), intent(out) :: names
@@ -142,8 +142,8 @@ contains
     end do
   end subroutine read_names
 
-  !> Read the points, curves, surfaces and volumes of version 4.1: tag, position or box, physical
-  !! groups and (except for points) the boundary.
+  !> Read the points, curves, surfaces and volumes of version 4.1. Each has a tag, a position or
+  !! bounding box, physical groups and (except for points) a boundary.
   subroutine read_entities(text, entity, error)
     type(text_t), intent(inout) :: text
     integer, allocatable, intent(out) :: entity(:, :) !! (3, n) dimension, tag, physical group
@@ -248,7 +248,7 @@ contains
                       shape_hint(file%shapes))
   end subroutine check_type
 
-  !> Read the nodes of an element and bring them into the order of its row.
+  !> Read the nodes of an element, and put them into the order of its row in the table of elements.
   subroutine read_element(text, gmsh, label, file, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: gmsh   !! type of the element
@@ -270,9 +270,9 @@ contains
     call add_element(file, s, label, own, spot)
   end subroutine read_element
 
-  !> Read node numbers and coordinates. Version 4.1 has blocks, each with its entity and number of
-  !! nodes, then the node numbers, and then the coordinates, possibly followed by parameters of the
-  !! entity.
+  !> Read node numbers and coordinates. Version 4.1 has blocks. Each of them gives its entity and
+  !! number of nodes, then the node numbers, and then the coordinates, which may be followed by
+  !! parameters on the entity.
   subroutine read_nodes(text, is_new, file, error)
     type(text_t), intent(inout) :: text
     logical, intent(in) :: is_new

@@ -1,4 +1,5 @@
-!> `.iga` files of spline surfaces: control points, and the functions of each element row by row.
+!> `.iga` files of spline surfaces: control points, and for each element the extraction coefficients
+!! of its functions, row by row.
 !!
 !! The reader uses `type` (surface or plane), `nodeN`, `elemN`, `node` and `belem`. Sets may follow,
 !! and are ignored. `#` starts a comment.
@@ -50,7 +51,8 @@ contains
       if (allocated(error)) return
     end do
     do i = 1, nelem
-      ! belem nshl p q, control points from 0, and a row of coefficients for each of them
+      ! belem nshl p q; control points, numbered from 0; a row of coefficients for each control
+      ! point
       call next_keyword(text, 'belem', error)
       if (allocated(error)) return
       at = text%at
@@ -81,7 +83,7 @@ contains
     call next_word(text, word)
     if (len(word) == 0 .or. word == 'set') then
       call finish_surface(text, surface, error)
-    else ! further elements would be lost
+    else ! otherwise further elements would be ignored
       call fail_in_file(text, 'unexpected '//quoted(word)//' after the last element', error, &
                         'elemN may be too small')
     end if

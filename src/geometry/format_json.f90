@@ -1,8 +1,8 @@
 !> Reads JSON files as a tree of values; error messages give the line of the file.
 !!
 !! Values are numbered in the order of the file: i + 1 is the first member or element of value i.
-!! Names and strings are not decoded: escape sequences stay as they are. The depth of nesting and
-!! the number of values are limited.
+!! Names and strings are not decoded; they keep their escape sequences. The depth of nesting and the
+!! number of values are limited.
 !! Source: RFC 8259
 module format_json
   use base_error, only: error_t
@@ -24,7 +24,7 @@ module format_json
     integer :: n = 0
     integer, allocatable :: type(:)      !! JSON_NULL to JSON_OBJECT
     integer, allocatable :: at(:)        !! position in the file
-    integer, allocatable :: key(:)       !! position of a member's name in the file; 0: it has none
+    integer, allocatable :: key(:)       !! position of a member's name in the file; 0: no name
     integer, allocatable :: next(:)      !! the next member or element of the same parent; 0: none
     integer, allocatable :: length(:)    !! number of members or elements
     real(wp), allocatable :: number(:)
@@ -48,7 +48,7 @@ contains
                                                     //'JSON value', error)
   end subroutine parse_json
 
-  !> First member or element of value i; 0: it has none.
+  !> First member or element of value i; 0 if it has none.
   pure integer function first_of(json, i)
     type(json_t), intent(in) :: json
     integer, intent(in) :: i
@@ -59,7 +59,7 @@ contains
     end if
   end function first_of
 
-  !> Member of an object by its name; 0: there is none.
+  !> Member of object i that has a given name; 0 if there is none.
   pure integer function member(text, json, i, name)
     type(text_t), intent(in) :: text
     type(json_t), intent(in) :: json
@@ -114,7 +114,7 @@ contains
     if (text%at <= len(text%all)) c = text%all(text%at:text%at)
   end subroutine look
 
-  !> Read a value with all its parts.
+  !> Read a value with all its members or elements.
   recursive subroutine read_value(text, json, depth, i, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(inout) :: json
@@ -343,7 +343,7 @@ contains
     end do
   end subroutine get_reals
 
-  !> If the file gives a number, check that it equals n.
+  !> If object i has a member `name`, check that this member is the number n.
   subroutine check_number(text, json, i, name, n, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json

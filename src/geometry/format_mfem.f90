@@ -1,13 +1,13 @@
 !> Files `MFEM NURBS mesh v1.0`: NURBS blocks whose control points have a common numbering.
 !!
 !! The reader uses the dimension, elements (cubes), edges, vertices, knotvectors, weights and
-!! positions, which are not multiplied by the weights; the boundary is skipped. A knot vector runs
-!! in the direction in which its edge is written.
+!! positions. The positions are not multiplied by the weights. The boundary is skipped. A knot
+!! vector runs along its edge from the first vertex given to the second one.
 !!
 !! The control points are numbered in this order: the vertices; the inner points of the edges, in
 !! the order of the section `edges`, each from its lower to its higher vertex; the inner points of
-!! the faces, in the order in which the faces first occur in the elements, along the first vertices
-!! of each face; the inner points of the elements.
+!! the faces, in the order in which the faces first occur in the elements, numbered on each face
+!! first along the edge between its first two vertices; the inner points of the elements.
 !! Source: mfem.org, mesh format; the files in the data folder of MFEM
 module format_mfem
   use base_kinds, only: wp, i8
@@ -28,8 +28,8 @@ module format_mfem
   !! points of a face.
   integer, parameter :: QUAD(4, 6) = reshape([3, 2, 1, 0, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, &
                                               3, 0, 4, 7, 4, 5, 6, 7], [4, 6])
-  !> Positions, in the list of vertices, of the neighbours of the first vertex in the three
-  !! directions.
+  !> Indices, in the list of an element's vertices, of the neighbours of the first vertex in the
+  !! three directions.
   integer, parameter :: NEIGHBOUR(3) = [2, 4, 5]
 
   !> The content of a file.
@@ -39,8 +39,8 @@ module format_mfem
     integer, allocatable :: edge(:, :)    !! (3, nedge) knot vector and two vertices, from 0
     type(spline_t), allocatable :: dir(:) !! knot vectors
     real(wp), allocatable :: w(:), x(:, :) !! (n), (3, n)
-    integer, allocatable :: face(:, :)    !! (4, nface) vertices, as in the first element with it
-    integer, allocatable :: first_edge(:) !! (nedge+1) number of points before those of the edge
+    integer, allocatable :: face(:, :)    !! (4, nface) vertices, as in its first element
+    integer, allocatable :: first_edge(:) !! (nedge+1) number of points before those of each edge
     integer, allocatable :: first_face(:) !! (nface+1)
     integer, allocatable :: first_elem(:) !! (nelem+1)
   end type mfem_t
@@ -331,7 +331,7 @@ contains
     end do
   end subroutine directions
 
-  !> The edge between two vertices; 0: there is none.
+  !> The edge between two vertices; 0 if there is none.
   pure integer function find_edge(mfem, a, b) result(i)
     type(mfem_t), intent(in) :: mfem
     integer, intent(in) :: a, b
@@ -343,7 +343,7 @@ contains
     i = 0
   end function find_edge
 
-  !> The face that has four vertices, in any order; 0: there is none.
+  !> The face that has the four given vertices, in any order; 0 if there is none.
   pure integer function find_face(face, v) result(i)
     integer, intent(in) :: face(:, :), v(4)
     integer :: a
@@ -404,7 +404,7 @@ contains
 
   contains
 
-    !> Index from 1 along the direction from vertex p to vertex q.
+    !> Index of the point among the inner points from vertex p to vertex q, from 1.
     pure integer function inner_index(p, q)
       integer, intent(in) :: p, q
       integer :: d

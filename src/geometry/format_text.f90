@@ -17,7 +17,7 @@ module format_text
   type :: text_t
     character(:), allocatable :: path
     character(:), allocatable :: all
-    integer :: at = 1            !! next character; 0: errors name no line
+    integer :: at = 1            !! next character; 0: error messages give no line
     type(place_t) :: place       !! the deck's record that names the file
     character :: comment = ' '   !! character that starts a comment; blank: none
   end type text_t
@@ -117,7 +117,7 @@ contains
     end do
   end subroutine next_line
 
-  !> Number of words between the position and the end of its line.
+  !> Number of words between the current position and the end of its line.
   pure integer function words_left(text) result(n)
     type(text_t), intent(in) :: text
     integer :: i
@@ -139,7 +139,7 @@ contains
     is_blank = iachar(c) <= 32
   end function is_blank
 
-  !> Read the next word as an integer; `what` says what the number is.
+  !> Read the next word as an integer; `what` describes the number in error messages.
   subroutine next_integer(text, what, n, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: what
@@ -155,7 +155,8 @@ contains
     if (status /= 0) call fail_word(text, what, word, error)
   end subroutine next_integer
 
-  !> Read the next word as a number of things, each of which takes at least one byte of the file.
+  !> Read the next word as a number of items. It must not exceed the size of the file in bytes,
+  !! because each item takes at least one byte.
   subroutine next_count(text, what, n, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: what

@@ -29,7 +29,7 @@ module mesh_body
   type :: mesh_spec_t
     type(patch_spec_t) :: spec             !! name, place, placement and type of the hexahedra
     type(mesh_file_t) :: file
-    type(text_t) :: text                   !! text of the file, for error messages
+    type(text_t) :: text                   !! its text, for error messages
     type(mesh_material_t), allocatable :: material(:)
     type(constraint_t) :: constraint       !! hanging nodes, with node numbers of the file
     type(place_t) :: constraint_place
@@ -37,7 +37,7 @@ module mesh_body
 
 contains
 
-  !> Append the body of a MESH to the mesh, which stays unchanged on an error.
+  !> Append the body of a MESH to the mesh of the model, which is not changed if there is an error.
   subroutine build_mesh(spec, mesh, error)
     type(mesh_spec_t), intent(inout) :: spec
     type(mesh_t), intent(inout) :: mesh
@@ -76,7 +76,7 @@ contains
     end associate
   end subroutine build_mesh
 
-  !> Find the index of the material of each element; later records replace earlier ones.
+  !> Find the index of the material of each element; a later MATErial replaces an earlier one.
   subroutine find_materials(spec, material, error)
     type(mesh_spec_t), intent(in) :: spec
     integer, allocatable, intent(out) :: material(:) !! (nelem)
@@ -111,7 +111,7 @@ contains
     end do
   end subroutine find_materials
 
-  !> Make a block for each shape and material, in the order in which they appear.
+  !> Make a block for each combination of shape and material, in the order in which they appear.
   subroutine make_blocks(file, material, mesh, block, place)
     type(mesh_file_t), intent(in) :: file
     integer, intent(in) :: material(:)               !! (nelem)
@@ -158,7 +158,7 @@ contains
     end do
   end subroutine make_blocks
 
-  !> Find the groups of a file that have a given name.
+  !> Mark the groups of a file that have a given name.
   pure function group_named(file, name) result(yes)
     type(mesh_file_t), intent(in) :: file
     character(*), intent(in) :: name
@@ -244,7 +244,7 @@ contains
     face%side = faces%side(list)
   end subroutine take_faces
 
-  !> Set the nodes, the whole boundary as face 1, and the mean thickness of the body.
+  !> Set the nodes of the body, its face 1, which is the whole boundary, and its mean thickness.
   subroutine set_boundary(file, faces, place, volume, nnode, body)
     type(mesh_file_t), intent(in) :: file
     type(faces_t), intent(in) :: faces

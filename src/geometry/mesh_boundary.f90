@@ -1,6 +1,6 @@
-!> Outer faces of all elements. The outer faces of bodies are known. For elements that belong to no
-!! body (BLOCk, ELEMents), they are the faces whose corners are not shared with another such
-!! element.
+!> Outer faces of all elements. The outer faces of bodies are already known. For elements that
+!! belong to no body (BLOCk, ELEMents), a face is an outer face unless another one of these elements
+!! has a face with the same corners.
 module mesh_boundary
   use base_kinds, only: i8
   use base_sort, only: hash, sort_index, unique
@@ -18,7 +18,7 @@ contains
   subroutine find_outer_faces(mesh, block, elem, side, by_material)
     type(mesh_t), intent(in) :: mesh
     integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
-    logical, intent(in), optional :: by_material !! faces between two materials count as outer faces
+    logical, intent(in), optional :: by_material !! faces between two materials are outer faces too
     integer, allocatable :: corner(:, :) ! (MOST, n) in ascending order; a triangle begins with 0
     integer(i8), allocatable :: key(:)
     integer, allocatable :: order(:), node(:)

@@ -1,4 +1,4 @@
-!> Checks of the elements of a mesh file: known shapes, and a positive volume everywhere.
+!> Checks that the elements of a mesh file have known shapes and positive Jacobians.
 module mesh_check
   use base_kinds, only: wp
   use base_error, only: error_t
@@ -13,13 +13,13 @@ module mesh_check
   private
   public :: check_shapes, check_elements
 
-  !> A Jacobian counts as zero if it is below this fraction of the Jacobian of a cube of the size of
-  !! the element: such a value is due to the rounding of the coordinates.
+  !> A Jacobian is taken as zero if it is below this fraction of the Jacobian of a cube with the
+  !! size of the element, because a value this small comes from the rounding of the coordinates.
   real(wp), parameter :: FLAT = 1.0e-12_wp
 
 contains
 
-  !> Check that there is a body, and that the table of elements contains all of its shapes.
+  !> Check that the file has solid elements, and that the table of elements contains their shapes.
   subroutine check_shapes(file, text, error)
     type(mesh_file_t), intent(in) :: file
     type(text_t), intent(inout) :: text

@@ -1,5 +1,5 @@
 !> Faces in a mesh file: finds the faces that bound the body, and those to which surface elements
-!!                       refer.
+!! refer.
 module mesh_faces
   use base_kinds, only: i8
   use base_error, only: error_t
@@ -20,7 +20,7 @@ module mesh_faces
     integer, allocatable :: corner(:, :)   !! (4, n) nodes in descending order; triangles end with 0
     integer, allocatable :: elem(:)        !! (n) index of the element in the file
     integer, allocatable :: side(:)        !! (n) local face of the element
-    logical, allocatable :: bounds(:)      !! (n) it belongs to only one element
+    logical, allocatable :: bounds(:)      !! (n) the face belongs to only one element
   end type faces_t
 
 contains
@@ -87,7 +87,7 @@ contains
     end do
   end subroutine find_boundary
 
-  !> Make a key that does not depend on the order of the corners.
+  !> Compute a key of a face that does not depend on the order of its corners.
   pure subroutine make_key(node, corner, key)
     integer, intent(in) :: node(:)         !! corners of the face
     integer, intent(out) :: corner(MOST)   !! the same in descending order; a triangle ends with 0
@@ -105,7 +105,7 @@ contains
     end do
   end subroutine make_key
 
-  !> The boundary face that has the nodes of surface element e; 0: there is none.
+  !> The boundary face that has the nodes of surface element e; 0 if there is none.
   pure integer function face_of(faces, file, e) result(f)
     type(faces_t), intent(in) :: faces
     type(mesh_file_t), intent(in) :: file

@@ -18,8 +18,8 @@ module mesh_file
     character(:), allocatable :: name
   end type file_group_t
 
-  !> The nodes of element e are node(first(e):first(e+1)-1). They are numbers of the file until
-  !! sort_nodes replaces them by positions in x.
+  !> The mesh of a file. The nodes of element e are node(first(e):first(e+1)-1). They are the node
+  !! numbers of the file until sort_nodes replaces them by indices into x.
   type :: mesh_file_t
     integer :: nnode = 0, nelem = 0
     integer, allocatable :: number(:)    !! (nnode) node numbers of the file; ascending once sorted
@@ -31,7 +31,7 @@ module mesh_file
     integer, allocatable :: node(:)
     integer, allocatable :: label(:)     !! (>= nelem) number of the element in the file
     integer, allocatable :: spot(:)      !! (>= nelem) position in the text
-    logical, allocatable :: solid(:)     !! (nelem) in the body, and not a repetition
+    logical, allocatable :: solid(:)     !! (nelem) a solid element, and not a repetition
     type(file_group_t), allocatable :: group(:)
     integer :: nmember = 0
     integer, allocatable :: member(:, :) !! (2, >= nmember) element and group
@@ -72,7 +72,7 @@ contains
     file%first(e + 1) = last + 1
   end subroutine add_element
 
-  !> Put the last element into the physical group (dim, tag), which is created if it is new.
+  !> Put the last element into the physical group (dim, tag), and create this group if it is new.
   subroutine add_member(file, dim, tag)
     type(mesh_file_t), intent(inout) :: file
     integer, intent(in) :: dim, tag
@@ -99,8 +99,8 @@ contains
     file%member(:, n) = [file%nelem, g]
   end subroutine add_member
 
-  !> Sort the nodes by their numbers and make elements refer to positions. The numbers of nodes must
-  !! be unique, and elements must refer to nodes that exist.
+  !> Sort the nodes by their numbers, and replace the node numbers of the elements by indices. The
+  !! numbers of nodes must be unique, and the nodes of elements must exist.
   subroutine sort_nodes(file, text, error)
     type(mesh_file_t), intent(inout) :: file
     type(text_t), intent(inout) :: text
@@ -134,8 +134,8 @@ contains
     end do
   end subroutine sort_nodes
 
-  !> Mark the elements of the body. Gmsh 2.2 repeats an element for each of its groups: the first
-  !! one is kept and becomes a member of all these groups.
+  !> Mark the elements of the body. Gmsh 2.2 repeats an element for each of its groups; only the
+  !! first one is marked, and it becomes a member of all these groups.
   subroutine mark_solids(file)
     type(mesh_file_t), intent(inout) :: file
     integer(i8), allocatable :: key(:)

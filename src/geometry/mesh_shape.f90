@@ -1,4 +1,5 @@
-!> Shapes that elements of a mesh file can have: those in the table of elements, and others of Gmsh.
+!> Shapes that elements of a mesh file can have: those in the table of elements, and others that
+!! Gmsh knows.
 module mesh_shape
   use base_sort, only: sort_index, unique
   use base_text, only: to_text
@@ -11,10 +12,11 @@ module mesh_shape
   type :: shape_t
     character(12) :: name = ''       !! point, line, triangle, quadrangle or topology%shape
     integer :: gmsh = 0              !! element type in Gmsh; 0: there is none
-    integer :: dim = 0               !! dimension; 3: part of a body
+    integer :: dim = 0               !! dimension; 3 for elements of a body
     integer :: nen = 0               !! number of nodes
     integer :: ncorner = 0           !! number of corners, which come first in a surface element
-    type(element_t) :: row           !! row of the table of elements; empty name: none
+    !> Row of the table of elements; its name is empty if there is no row for this shape.
+    type(element_t) :: row
     type(cell_t) :: cell             !! its degrees
     type(topology_t) :: topology     !! its topology
   end type shape_t
@@ -26,7 +28,7 @@ module mesh_shape
                               'point     ', 'line      ', 'triangle  ', 'quadrangle', &
                               'line      ', 'triangle  ', 'quadrangle', 'quadrangle', &
                               'wedge     ', 'hexahedron']
-  !> Type, dimension, number of nodes and number of corners of each of them.
+  !> Gmsh type, dimension, number of nodes and number of corners of each of these shapes.
   integer, parameter :: OTHER(4, 10) = reshape([15, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 2, 4, 4, &
                                                 8, 1, 3, 2, 9, 2, 6, 3, 10, 2, 9, 4, 16, 2, 8, 4, &
                                                 13, 3, 18, 6, 17, 3, 20, 8], [4, 10])
@@ -34,7 +36,7 @@ module mesh_shape
 contains
 
   !> Load all shapes: rows in the order of their Gmsh types, then the others. If several rows have
-  !! the same shape and number of nodes, the first one of the table is used.
+  !! the same shape and number of nodes, only the first one in the table is used.
   subroutine load_shapes(shapes)
     type(shape_t), allocatable, intent(out) :: shapes(:)
     type(element_t), allocatable :: table(:)
@@ -65,7 +67,7 @@ contains
     shapes = shapes(:n)
   end subroutine load_shapes
 
-  !> Gmsh type of a row, by which rows are sorted; rows without one come last.
+  !> Gmsh type of a row, by which rows are sorted; rows without a Gmsh type come last.
   integer function gmsh_type(row)
     type(element_t), intent(in) :: row
     type(shape_t) :: new
@@ -89,7 +91,7 @@ contains
     new%ncorner = size(new%topology%corner)
   end subroutine describe_row
 
-  !> Index of the shape with a Gmsh type; 0: unknown.
+  !> Index of the shape with a given Gmsh type; 0 if there is none.
   pure integer function gmsh_shape(shapes, gmsh) result(s)
     type(shape_t), intent(in) :: shapes(:)
     integer, intent(in) :: gmsh
@@ -98,7 +100,7 @@ contains
     if (gmsh < 1) s = 0
   end function gmsh_shape
 
-  !> Index of the solid shape with `nen` nodes; 0: unknown.
+  !> Index of the solid shape with `nen` nodes; 0 if there is none.
   pure integer function solid_shape(shapes, nen) result(s)
     type(shape_t), intent(in) :: shapes(:)
     integer, intent(in) :: nen
@@ -106,7 +108,7 @@ contains
     s = findloc(shapes%dim == 3 .and. shapes%nen == nen, .true., 1)
   end function solid_shape
 
-  !> Use the row `name`, which TYPE of a MESH selects, for elements of its shape.
+  !> For elements of the same shape, use the row `name`, which TYPE of a MESH selects.
   subroutine choose_row(shapes, name)
     type(shape_t), intent(inout) :: shapes(:)
     character(*), intent(in) :: name

@@ -20,7 +20,7 @@ module patch_body
 
 contains
 
-  !> Append the body of a patch to the mesh, which stays unchanged on an error.
+  !> Append the body of a patch to the mesh, which is not changed if there is an error.
   subroutine build_body(spec, mesh, error)
     type(patch_spec_t), intent(in) :: spec
     type(mesh_t), intent(inout) :: mesh
@@ -85,7 +85,7 @@ contains
     end if
   end subroutine turn_records
 
-  !> Give the faces of direction 3 the names that they had before the reversal.
+  !> Give the faces of direction 3 the names that they had before this direction was reversed.
   pure subroutine turn_faces(draft)
     type(draft_t), intent(inout) :: draft
     type(body_face_t) :: face
@@ -102,8 +102,8 @@ contains
     end do
   end subroutine turn_faces
 
-  !> Make the control points, the block and the faces of a body of type IGA p, by k-refinement of
-  !! the geometry.
+  !> Make the control points, the block and the faces of a body of type IGA p by k-refinement
+  !! (degree elevation, then knot insertion) of the geometry.
   subroutine build_iga(spec, geo, draft, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo

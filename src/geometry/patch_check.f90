@@ -15,7 +15,7 @@ module patch_check
 
 contains
 
-  !> A face as the deck writes it.
+  !> Name of a face, as in the deck.
   pure function face_name(f) result(name)
     integer, intent(in) :: f
     character(2) :: name
@@ -23,11 +23,11 @@ contains
     name = FACE(f)
   end function face_name
 
-  !> Check geometry, type and numbers of elements, before anything is allocated.
+  !> Check the geometry, the element type and the numbers of elements, before anything is allocated.
   subroutine check_patch(spec, error)
     type(patch_spec_t), intent(in) :: spec
     type(error_t), allocatable, intent(out) :: error
-    integer(i8) :: n, along !! nodes; nodes that an element adds along an edge
+    integer(i8) :: n, along !! nodes of the body; nodes that an element adds along an edge
     integer :: d
 
     select case (spec%geometry)
@@ -185,7 +185,7 @@ contains
     end do
   end subroutine check_record
 
-  !> Check two ENRIch records together; an error is reported for b, the later one.
+  !> Check that two ENRIch records agree; an error is reported at b, the later one.
   subroutine check_pair(spec, a, b, error)
     type(patch_spec_t), intent(in) :: spec
     type(enrich_t), intent(in) :: a, b

@@ -1,4 +1,4 @@
-!> A body while it is being meshed: its nodes, blocks and faces are numbered from 1, until
+!> A body while it is being meshed. Its nodes, blocks and faces are numbered from 1 until
 !! append_draft adds them to the end of the mesh.
 module patch_draft
   use base_error, only: error_t, fail, DECK_ERROR
@@ -22,7 +22,7 @@ module patch_draft
     integer, allocatable :: mask(:)        !! bit f-1 is set if the node lies on face f
     type(block_t), allocatable :: block(:)
     type(operator_t), allocatable :: op(:) !! distinct extraction operators
-    type(body_face_t) :: face(6)           !! the lists have room for at least nface element faces
+    type(body_face_t) :: face(6)           !! element faces, of which nface are in use
     integer :: nface(6) = 0
   end type draft_t
 
@@ -52,7 +52,8 @@ contains
     draft%mask(node) = mask
   end subroutine add_node
 
-  !> Append a block with room for nelem elements; `block%nelem` counts those that it already has.
+  !> Append a block with room for nelem elements; `block%nelem` is the number of elements added so
+  !! far.
   subroutine new_block(draft, spec, name, row, degree, nen, nelem, ib)
     type(draft_t), intent(inout) :: draft
     type(patch_spec_t), intent(in) :: spec
@@ -155,7 +156,7 @@ contains
         b%number = [(number + i, i=1, b%nelem)]
         number = number + b%nelem
         if (.not. allocated(b%ext%iop)) cycle
-        new = [(0, i=0, size(draft%op))] ! the block gets the operators that it uses
+        new = [(0, i=0, size(draft%op))] ! the block gets only the operators that it uses
         n = 0
         do i = 1, size(draft%op)
           if (.not. any(b%ext%iop == i)) cycle

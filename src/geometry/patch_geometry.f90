@@ -13,13 +13,13 @@ module patch_geometry
 
   !> The map from parameters to points.
   type :: geometry_t
-    integer :: type = 0               !! GEO_BOX and so on
-    logical :: sampled = .false.      !! nodes are points of the map itself, not of its spline
+    integer :: type = 0               !! GEO_BOX, GEO_HEMISPHERE or GEO_NURBS
+    logical :: sampled = .false.      !! nodes lie on the exact map, not on its spline
     real(wp) :: origin(3) = 0.0_wp    !! corner of a box, centre of a hemisphere [L]
     real(wp) :: length(3) = 0.0_wp    !! edge lengths of a box [L]
     real(wp) :: radius = 0.0_wp       !! outer radius of a hemisphere [L]
     real(wp) :: inner = 0.0_wp        !! inner radius divided by the outer one [-]
-    type(nurbs_t) :: coarse           !! the patch before elevation and knot insertion
+    type(nurbs_t) :: coarse           !! the patch before degree elevation and knot insertion
     integer :: n(3) = 0               !! number of elements
     type(knot_list_t) :: breaks(3)    !! ends of the elements, n(d)+1 parameters
     type(knot_list_t) :: insert(3)    !! knots that `coarse` does not have
@@ -30,7 +30,7 @@ module patch_geometry
 
 contains
 
-  !> Make the geometry of a specification; `degree` is that of the surface of a hemisphere.
+  !> Make the geometry of a patch; `degree` is the degree of the surface of a hemisphere.
   subroutine new_geometry(spec, degree, geo, error)
     type(patch_spec_t), intent(in) :: spec
     integer, intent(in) :: degree
@@ -54,7 +54,7 @@ contains
           geo%breaks(d)%u = [0.0_wp, spec%knots(d)%u, 1.0_wp]
           call check_rising(spec, d, geo%breaks(d)%u, error)
           if (allocated(error)) return
-        else ! whole numbers: equal spans are exactly equal
+        else ! whole numbers, so that all spans are exactly equal
           geo%breaks(d)%u = [(real(i, wp), i=0, spec%nelem(d))]
         end if
         allocate (geo%insert(d)%u(0))
@@ -84,8 +84,8 @@ contains
     end select
   end subroutine new_geometry
 
-  !> Make the patch of a hemisphere: the surface space interpolates the map at its Greville points,
-  !! and direction 3 is linear.
+  !> Make the patch of a hemisphere. The surface spline interpolates the map `hemisphere` at its
+  !! Greville points, and direction 3 is linear.
   subroutine hemisphere_patch(geo, degree)
     type(geometry_t), intent(inout) :: geo
     integer, intent(in) :: degree
@@ -121,8 +121,8 @@ contains
     call new_nurbs(geo%coarse, dir, x)
   end subroutine hemisphere_patch
 
-  !> Map the unit square to the lower unit hemisphere: an elliptical map to the disc, then an
-  !! azimuthally equidistant one.
+  !> Map the unit square to the lower unit hemisphere: an elliptical map to the unit disc, followed
+  !! by an azimuthal equidistant map to the hemisphere.
   pure function hemisphere(u, v) result(x)
     real(wp), intent(in) :: u, v !! in [0,1]
     real(wp) :: x(3)
@@ -152,7 +152,7 @@ contains
     if (geo%type == GEO_BOX) then
       do d = 1, 3
         associate (last => geo%breaks(d)%u(geo%n(d) + 1))
-          x(d) = geo%origin(d) + geo%length(d) ! exact at the end
+          x(d) = geo%origin(d) + geo%length(d) ! exact at the upper end
           if (u(d) < last) x(d) = geo%origin(d) + geo%length(d)*u(d)/last
         end associate
       end do
@@ -172,7 +172,7 @@ contains
   subroutine greville_points(geo, space, dir, fixed, x)
     type(geometry_t), intent(in) :: geo
     type(nurbs_t), intent(in) :: space            !! has size(dir) directions
-    integer, intent(in) :: dir(:)                 !! directions of the patch that it spans
+    integer, intent(in) :: dir(:)                 !! the corresponding directions of the patch
     real(wp), intent(in) :: fixed(3)              !! parameters of the other directions
     real(wp), allocatable, intent(out) :: x(:, :) !! (3, ncp), direction 1 fastest [L]
     type(knot_list_t) :: g(3)
@@ -189,7 +189,7 @@ contains
       do j = 1, n(3)
         do i = 1, n(2)
           a = a + 1
-          if (geo%type == GEO_BOX) then ! no rounding of knot insertion
+          if (geo%type == GEO_BOX) then ! avoids the rounding errors of knot insertion
             u = fixed
             u(dir(1)) = g(1)%u(i)
             u(dir(2)) = g(2)%u(j)
@@ -224,7 +224,7 @@ contains
     integer, intent(in) :: d
     real(wp), allocatable, intent(out) :: breaks(:), insert(:)
     type(error_t), allocatable, intent(out) :: error
-    real(wp), parameter :: SAME = 1.0e-10_wp ! of the range; closer knots count as equal
+    real(wp), parameter :: SAME = 1.0e-10_wp ! of the range; closer knots are taken as equal
     real(wp), allocatable :: old(:)
     logical, allocatable :: is_old(:)
     integer, allocatable :: k(:)

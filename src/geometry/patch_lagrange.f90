@@ -1,4 +1,4 @@
-!> Bodies of Lagrange elements, with a layer of enriched elements at spline faces.
+!> Bodies of Lagrange elements, with a layer of enriched elements at each spline face.
 !!
 !! The Lagrange nodes are points of the geometry on a lattice over the elements. A cell at one
 !! enriched face becomes one enriched hexahedron. A cell at two enriched faces is divided into two
@@ -18,7 +18,7 @@ module patch_lagrange
   private
   public :: build_lagrange
 
-  !> The lattice of nodes: element c in a direction spans the lattice lines m (c-1) to m c.
+  !> The lattice of nodes. Along each direction, element c extends from lattice line m (c-1) to m c.
   type :: lattice_t
     integer :: m = 1                        !! intervals in an element: its degree
     integer :: n(3) = 0                     !! total number of intervals
@@ -176,13 +176,13 @@ contains
         if (spec%type == 'Q2') name = 'Q2N'
         call find_row(spec, name, row, error)
         if (allocated(error)) return
-        name = 'Q1N' ! reported as Q1N2, Q1N2.1, Q1E9N2, Q1E9N2T, Q2N2
+        name = 'Q1N' ! name in reports: Q1N2, Q1N2.1, Q1E9N2, Q1E9N2T or Q2N2
         if (e%eas) name = 'Q1E9N'
         if (spec%type == 'Q2') name = 'Q2N'
         name = name//to_text(e%degree)
         if (e%raise > 0) name = name//'.'//to_text(e%raise)
         if (e%tapered) name = name//'T'
-        if (row%nmode == 0) then ! equal rules share one block
+        if (row%nmode == 0) then ! the same rule serves both, so they share one block
           call layer_block(spec, surface, name, row, m, nhexa(s) + nprism(s), 0, draft, &
                            layer%hexa(s))
           layer%prism(s) = layer%hexa(s)
@@ -290,8 +290,9 @@ contains
     end associate
   end subroutine add_enriched
 
-  !> Find the Lagrange node (i,j,l) of an enriched element: i counts along xi, j along eta, and l
-  !! from the surface. In a prism, all lines of constant xi (or eta) end at the opposite edge.
+  !> Find the Lagrange node (i,j,l) of an enriched element: i is its index along xi, j along eta,
+  !! and l across the layer, from the surface. In a prism, all lines that start at the surface end
+  !! at the opposite edge.
   subroutine find_node(geo, layer, cell, is, it, ijl, draft, node)
     type(geometry_t), intent(in) :: geo
     type(layer_t), intent(inout) :: layer
@@ -309,7 +310,7 @@ contains
       if (it > 0) then
         associate (t => layer%surface(it))
           depth = i(t%axis) - m*(cell(t%axis) - 1)
-          if (t%side /= 0) depth = m - depth ! counted from the other surface
+          if (t%side /= 0) depth = m - depth ! depth below the other surface
           if (m == 2 .and. ijl(3) == 1 .and. depth == 1) then
             ! inside a Q2 prism, half way between the surface and the opposite edge
             third = 6 - s%axis - t%axis
@@ -327,7 +328,8 @@ contains
             layer%middle(i(third), is, it) = node
             return
           end if
-          ! level l of the line from the surface point at this depth to the opposite edge
+          ! the point at level l on the line from the surface point at this depth to the opposite
+          ! edge
           depth = depth + (m - depth)*ijl(3)/m
           i(t%axis) = m*(cell(t%axis) - 1) + merge(depth, m - depth, t%side == 0)
         end associate

@@ -100,7 +100,8 @@ contains
     end if
   end subroutine check_orientation
 
-  !> Reverse direction 3 of a left-handed patch; files of other programs may contain such patches.
+  !> Reverse direction 3 of a patch if it is left-handed, as patches from files of other programs
+  !! may be.
   subroutine turn_right_handed(patch, turned)
     type(nurbs_t), intent(inout) :: patch
     logical, intent(out) :: turned
@@ -123,8 +124,8 @@ contains
     v = (knots(1) + knots(size(knots))) - u(size(u):1:-1)
   end function mirrored
 
-  !> Find the smallest and the largest Jacobian of a patch, each multiplied by the extent of its
-  !! knot span, and the span that has the smallest one.
+  !> Find the smallest and the largest Jacobian of a patch, each multiplied by the size of its knot
+  !! span, and the span with the smallest one.
   subroutine jacobian_range(patch, least, most, bad)
     type(nurbs_t), intent(in) :: patch
     real(wp), intent(out) :: least, most
@@ -152,7 +153,7 @@ contains
   end subroutine jacobian_range
 
   !> Find the smallest and the largest Jacobian at the Gauss points of a knot span, multiplied by
-  !! the extent of the span. Values that may be rounding errors count as zero.
+  !! the size of the span. Values that may be rounding errors are taken as zero.
   function span_jacobian(patch, k) result(range)
     type(nurbs_t), intent(in) :: patch
     integer, intent(in) :: k(3)

@@ -1,5 +1,5 @@
-!> The data of a PATCh or SPLIne block before it is meshed, and the map of its ROTAte, TRANslate and
-!! SCALe records.
+!> The data of a PATCh or SPLIne block before it is meshed, and the map that its ROTAte, TRANslate
+!! and SCALe records define.
 module patch_spec
   use base_kinds, only: wp
   use base_error, only: place_t
@@ -10,14 +10,15 @@ module patch_spec
   private
   public :: patch_spec_t, enrich_t, placement_t, compose
 
-  !> The data of a SPLIne block that a PATCh block does not have.
+  !> The data that a SPLIne block has but a PATCh block does not.
   type :: spline_spec_t
     type(spline_surface_t) :: surface
     logical :: reverse = .false.          !! REVErse: the normal is reversed
     type(place_t) :: reverse_place
     logical :: has_layer = .false.
     integer, allocatable :: inner(:, :)   !! (4, nelem) inner nodes, as numbered in the mesh
-    character(:), allocatable :: mesh     !! MESH of these nodes; not allocated: nodes of the deck
+    !> MESH that contains the inner nodes; not allocated if they are nodes of the deck.
+    character(:), allocatable :: mesh
     type(place_t) :: layer_place, mesh_place
     type(constraint_t) :: constraint      !! CONStraint, with node numbers of the mesh
     type(place_t) :: constraint_place
@@ -42,7 +43,7 @@ module patch_spec
     real(wp) :: point(3) = 0.0_wp  !! point on the axis, or the translation [L]
     real(wp) :: axis(3) = 0.0_wp   !! unit vector along the axis
     real(wp) :: angle = 0.0_wp     !! [rad]
-    real(wp) :: scale = 0.0_wp     !! factor of SCALe in a MESH; 0: none
+    real(wp) :: scale = 0.0_wp     !! factor of SCALe; 0: not a SCALe record
   end type placement_t
 
   !> Interior knots of one direction, as KNOTs gives them.
@@ -60,7 +61,7 @@ module patch_spec
     type(nurbs_t) :: nurbs                             !! NPATch or FILE
     type(placement_t), allocatable :: placement(:)
     integer :: nelem(3) = 0                            !! ELEMents
-    type(knot_list_t) :: knots(3)                      !! KNOTs,dir (then nelem(dir) is size + 1)
+    type(knot_list_t) :: knots(3)                      !! KNOTs,dir; they make size + 1 elements
     type(spline_spec_t) :: spline                      !! SPLIne
     character(8) :: type = ''                          !! Q1 Q1E9 Q2 IGA RIGID, LAYER of a SPLIne
     integer :: degree = 1                              !! degree of IGA
@@ -121,7 +122,7 @@ contains
     r(3, 1) = r(3, 1) - s*axis(2)
   end function rotation
 
-  !> A cosine that is exact for right angles.
+  !> Correct the rounding error of a cosine or sine that should be 0, 1 or -1.
   pure elemental real(wp) function clean(c)
     real(wp), intent(in) :: c
 

@@ -55,8 +55,8 @@ contains
   end function local_side
 
   !> Make the spaces and control points of all enriched faces; two faces share the control points of
-  !! their common edge. The order is elevated first, then knots are inserted, then RAISe is applied
-  !! (Corbett and Sauer 2015, section 2.5).
+  !! their common edge. First the degree is elevated, then knots are inserted, and then RAISe
+  !! elevates the degree again (Corbett and Sauer 2015, section 2.5).
   subroutine make_surfaces(spec, geo, draft, surface)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
@@ -127,7 +127,7 @@ contains
     end if
   end subroutine share_edge
 
-  !> Index of the first or last row of control points.
+  !> Index of the first (side 0) or last (side 1) row of control points in direction d.
   pure integer function at_end(s, d, side)
     type(surface_t), intent(in) :: s
     integer, intent(in) :: d, side

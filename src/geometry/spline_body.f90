@@ -1,5 +1,5 @@
-!> Elements of a spline surface: a layer of enriched hexahedra between the surface and inner nodes
-!! of a mesh, or only a rigid surface.
+!> Elements of a spline surface: either a layer of enriched hexahedra between the surface and inner
+!! nodes of a mesh, or a rigid surface alone.
 module spline_body
   use base_kinds, only: wp
   use base_error, only: error_t
@@ -26,7 +26,7 @@ module spline_body
 
 contains
 
-  !> Append the body to the mesh, which stays unchanged on an error.
+  !> Append the body to the mesh, which is not changed if there is an error.
   subroutine build_spline(spec, inner, mesh, error)
     type(patch_spec_t), intent(inout) :: spec
     integer, intent(inout) :: inner(:, :)     !! (4, nelem) nodes of the mesh; (4, 0): no layer
@@ -59,7 +59,7 @@ contains
         end do
         call orient_tool(s, spec%spline%reverse)
       end if
-      used = .false. ! control points of the file that have no functions are left out
+      used = .false. ! control points that belong to no element are left out
       used(s%node(:s%first(s%nelem + 1) - 1)) = .true.
       allocate (new(s%nnode), source=0)
       do a = 1, s%nnode
@@ -70,7 +70,8 @@ contains
     end associate
     call append_draft(draft, spec, mesh)
     call put_sets(spec%spline%surface, new, igroup, OUTER, mesh)
-    ! Elements are reported with their numbers in the file, which follow those of other bodies.
+    ! Elements are numbered for the user in the order of the file, after the elements of other
+    ! bodies.
     first = size(mesh%block) - size(group)
     number = minval(mesh%block(first + 1)%number) - 1
     do g = 1, size(group)
@@ -78,8 +79,8 @@ contains
     end do
   end subroutine build_spline
 
-  !> Group the elements and make a block for each group; its name is Q1N3, Q1E9N3, Q1E9N3T or RIGId
-  !! in reports.
+  !> Group the elements, and make a block for each group. The name of a block in reports is, for
+  !! example, Q1N3, Q1E9N3, Q1E9N3T or RIGId.
   subroutine make_blocks(spec, row, is_layer, group, igroup, draft)
     type(patch_spec_t), intent(in) :: spec
     type(element_t), intent(in) :: row

@@ -16,12 +16,13 @@ module spline_check
   public :: check_layer, orient_layer, orient_tool, number_corners, corner_point, &
             surface_measures, surface_at, spline_thickness
 
-  real(wp), parameter :: NOTHING = 1.0e-12_wp  !! smaller values at a corner count as zero
-  real(wp), parameter :: ALIKE = 1.0e-9_wp     !! tolerance of function values, which sum to one
+  real(wp), parameter :: NOTHING = 1.0e-12_wp  !! smaller values at a corner are taken as zero
+  real(wp), parameter :: ALIKE = 1.0e-9_wp     !! function values this close are taken as equal
   integer, parameter :: MORE = 6               !! additional Gauss points, for rational functions
   integer, parameter :: MOST_SAMPLES = 3000
   real(wp), parameter :: OPPOSITE = -0.5_wp, STRAIGHT = 0.8_wp !! cosines
-  real(wp), parameter :: CLOSED = 1.0e-6_wp    !! largest |sum of area vectors|/area if closed
+  !> A surface is closed if |sum of area vectors|/area is below this limit.
+  real(wp), parameter :: CLOSED = 1.0e-6_wp
 
   !> The functions that do not vanish at a corner, sorted by control point, and their values.
   type :: corner_t
@@ -31,8 +32,8 @@ module spline_check
 
 contains
 
-  !> Make the normal of a rigid surface point outwards: out of a closed surface, or along a_1 x a_2
-  !! of an open one; REVErse turns it around.
+  !> Orient the normal of a rigid surface: out of the volume that a closed surface encloses, or
+  !! along a_1 x a_2 of an open surface. REVErse reverses this normal.
   subroutine orient_tool(s, reverse)
     type(spline_surface_t), intent(inout) :: s
     logical, intent(in) :: reverse
@@ -83,8 +84,8 @@ contains
     end associate
   end subroutine orient_layer
 
-  !> Check that inner nodes are listed in the order of the corners, and that corners of elements at
-  !! the same point have the same inner node.
+  !> Check that the inner nodes of each element are listed in the order of its corners, and that
+  !! corners of different elements at the same point have the same inner node.
   subroutine check_layer(spec, xr, inner, error)
     type(patch_spec_t), intent(in) :: spec
     real(wp), intent(in) :: xr(:, :)
@@ -101,7 +102,7 @@ contains
         do i = 1, 4
           x(:, i) = corner_point(s, e, i)
         end do
-        do k = 1, 4 ! fail if another order brings the nodes nearer to the corners
+        do k = 1, 4 ! fail if another order would bring the nodes nearer to the corners
           way(k) = sum(norm2(xr(:, inner(:, e)) - cshift(x, k - 1, 2), 1))
         end do
         if (way(1) > minval(way(2:))) then
@@ -130,8 +131,9 @@ contains
     end associate
   end subroutine check_layer
 
-  !> Number the points at the corners of all elements, counter-clockwise from (-,-). Two corners are
-  !! the same point if the same functions have the same values there.
+  !> Number the points at the corners of all elements. The corners of an element are listed
+  !! counter-clockwise from (-,-). Two corners are the same point if the same functions have the
+  !! same values there.
   subroutine number_corners(s, point)
     type(spline_surface_t), intent(in) :: s
     integer, allocatable, intent(out) :: point(:, :) !! (4, nelem)

@@ -1,5 +1,4 @@
-!> Reads spline surfaces and patches from files, whose formats are recognised by their first
-!! characters.
+!> Reads spline surfaces and patches from files, whose formats are recognised by their contents.
 !!
 !! Surfaces: BEXT 2.0 as text or JSON, `.iga`, G+Smo. Trivariate patches: MFEM NURBS, G+Smo.
 module spline_file

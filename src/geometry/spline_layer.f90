@@ -15,8 +15,8 @@ module spline_layer
 
 contains
 
-  !> Read the inner nodes: a record consists of an element and its inner nodes at (-,-) (+,-) (+,+)
-  !! (-,+).
+  !> Read the inner nodes. A record consists of an element number and the inner nodes at the corners
+  !! (-,-) (+,-) (+,+) (-,+) of the element.
   subroutine read_layer(path, nelem, inner, place, error)
     character(*), intent(in) :: path
     integer, intent(in) :: nelem
@@ -63,7 +63,7 @@ contains
     end do
   end subroutine read_layer
 
-  !> Read hanging nodes: a record consists of the slave, the number of its masters, and each master
+  !> Read hanging nodes. A record consists of the slave, the number of its masters, and each master
   !! with its coefficient. A negative master is a control point of the surface.
   subroutine read_constraints(path, list, place, error)
     character(*), intent(in) :: path

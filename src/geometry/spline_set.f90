@@ -13,7 +13,7 @@ module spline_set
 
 contains
 
-  !> Read "sets": {"name": [elements from 0], ...}, which is optional in a file.
+  !> Read the optional member "sets": {"name": [elements from 0], ...} of a file.
   subroutine read_sets(text, json, surface, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
@@ -46,7 +46,7 @@ contains
       do i = 1, size(set(n)%elem)
         call to_integer(text, json, e, set(n)%name, set(n)%elem(i), error)
         if (allocated(error)) return
-        set(n)%elem(i) = set(n)%elem(i) + 1 ! numbers count from 1 here
+        set(n)%elem(i) = set(n)%elem(i) + 1 ! numbers start at 1 here
         if (set(n)%elem(i) < 1 .or. set(n)%elem(i) > surface%nelem) then
           text%at = json%at(e)
           call fail_in_file(text, 'set '//quoted(set(n)%name)//' contains element ' &
@@ -84,8 +84,8 @@ contains
               place, hint)
   end subroutine check_set
 
-  !> Add the sets as groups to the last body of the mesh, which is that of the surface. A side lists
-  !! its element faces block by block, in the order of the elements.
+  !> Add the sets as groups to the last body of the mesh, which is the body of the surface. The face
+  !! of the body lists its element faces block by block, in the order of the elements.
   subroutine put_sets(s, new, iblock, side, mesh)
     type(spline_surface_t), intent(in) :: s
     integer, intent(in) :: new(:)      !! (nnode of the file) number in the body; 0: none
@@ -112,7 +112,7 @@ contains
           group%face%block = body%face(side)%block(place(elem))
           group%face%elem = body%face(side)%elem(place(elem))
           group%face%side = body%face(side)%side(place(elem))
-          on = .false. ! nodes of the body that elements of the set have
+          on = .false. ! marks the nodes of the body that belong to elements of the set
           do i = 1, size(elem)
             e = elem(i)
             on(new(s%node(s%first(e):s%first(e + 1) - 1))) = .true.

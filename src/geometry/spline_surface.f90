@@ -1,5 +1,5 @@
-!> A spline surface in the form in which files of extracted splines describe it: by the functions of
-!! each element.
+!> A spline surface in the form in which files of extracted splines describe it, namely by the
+!! functions of each element.
 module spline_surface
   use base_error, only: error_t
   use base_grow, only: grow
@@ -15,8 +15,8 @@ module spline_surface
 
   integer, parameter :: MOST_FUNCTIONS = 256 !! of one element
   integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! of one function
-  !> Tolerance for the sum of the functions; it can be small because files give coefficients in full
-  !! precision.
+  !> Tolerance for the sum of the functions. It is small, because files give the coefficients in
+  !! full precision.
   real(wp), parameter :: UNITY = 1.0e-9_wp
 
   !> A named set of elements.
@@ -26,7 +26,8 @@ module spline_surface
   end type spline_set_t
 
   !> Functions of element e: N = C B with C = op(iop(e)) and Bernstein polynomials B on [-1,1]^2,
-  !! the first direction fastest. They belong to the control points node(first(e) : first(e+1)-1).
+  !! the first direction fastest. The functions belong to the control points node(first(e) :
+  !! first(e+1)-1).
   type :: spline_surface_t
     integer :: nnode = 0, nelem = 0
     real(wp), allocatable :: x(:, :)      !! (3, nnode) control points, not weighted [L]
@@ -108,7 +109,8 @@ contains
     s%nelem = e
   end subroutine add_element
 
-  !> Check degrees and number of functions before anything is allocated for them.
+  !> Check the degrees and the number of functions of an element before anything is allocated for
+  !! it.
   subroutine check_sizes(text, e, degree, nf, error)
     type(text_t), intent(in) :: text
     integer, intent(in) :: e, degree(2), nf
@@ -154,7 +156,7 @@ contains
     iop = s%nop
   end subroutine find_operator
 
-  !> A key that is the same for equal operators.
+  !> A hash key, which is the same for equal operators.
   pure integer(i8) function hash(c)
     real(wp), intent(in) :: c(:, :)
     integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
