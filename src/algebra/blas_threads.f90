@@ -28,8 +28,9 @@ contains
   !> Use n threads in factorisations.
   !!
   !! A thread of OpenBLAS allocates its buffer when it starts; the first thread does so at its first
-  !! product. If memory is short, a thread retries forever, so the available memory is tested first.
-  !! Products of small matrices need no buffer.
+  !! product. If memory is short, a thread repeats the attempt forever, so the available memory is
+  !! tested first. The product at the end makes the first thread allocate its buffer; smaller
+  !! matrices would not need one.
   subroutine set_threads(n, error)
     integer, intent(in) :: n
     type(error_t), allocatable, intent(out) :: error
@@ -37,7 +38,7 @@ contains
     !! Address space in MB: the first thread takes a little more than 128, each further thread up to
     !! 400.
     real(wp), allocatable :: a(:, :), c(:, :)
-    character(:), allocatable :: room !! never used, so that it takes no memory
+    character(:), allocatable :: room !! never written to, so that it takes no memory
     integer :: megabytes, status
 
     megabytes = BUFFER_MB + FURTHER_MB*max(n - 1, 0)

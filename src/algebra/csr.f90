@@ -22,8 +22,8 @@ module csr
     module procedure map_all
   end interface element_map
 
-  !> Groups of nodes that are all coupled with each other; each column has one group. These are the
-  !! elements of a block, or pairs in contact.
+  !> Groups of nodes, one in each column of conn; all nodes of a group are coupled with each other.
+  !! A group is an element of a block, or a pair in contact.
   type :: clique_t
     integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a node may occur twice
   end type clique_t
@@ -34,8 +34,8 @@ module csr
     integer, allocatable :: row(:)         !! (nnode+1) index of the first block of each row
     integer, allocatable :: col(:)         !! (nblock) column node of each block
     real(wp), allocatable :: val(:, :, :)  !! (3, 3, nblock) row dof, column dof, block
-    logical :: shared = .false.            !! the matrix is the sum of those of all ranks
-    real(wp), allocatable, private :: diagonal(:, :, :) !! (3, 3, nnode) of this sum
+    logical :: shared = .false.            !! the matrix is the sum of the parts of all ranks
+    real(wp), allocatable, private :: diagonal(:, :, :) !! (3, 3, nnode) blocks of this sum
   end type block_matrix_t
 
   !> The cliques to which each node belongs.
@@ -60,7 +60,7 @@ contains
 
     a%nnode = nnode
     a%symmetric = symmetric
-    allocate (count(nnode)) ! first of the cliques of every node
+    allocate (count(nnode)) ! at first, the number of cliques of each node
     count = 0
     do g = 1, size(cliques)
       if (size(cliques(g)%conn) == 0) cycle
@@ -120,7 +120,7 @@ contains
     type(clique_t), intent(in) :: cliques(:)
     type(incidence_t), intent(in) :: inc
     integer, intent(inout) :: count(:) !! (nnode) blocks found so far in each row
-    logical, intent(in) :: counting    !! .true.: this is the first pass, and no column is stored
+    logical, intent(in) :: counting    !! .true.: only count the blocks, and store no columns
     integer, allocatable :: mark(:)
     integer :: i, j, k, b
 
@@ -171,7 +171,7 @@ contains
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:, :)     !! (nen, nelem)
     integer, intent(out) :: map(:, :, :)  !! (nen, nen, nelem)
-    type(error_t), allocatable, intent(out), optional :: error !! a pair is missing from the pattern
+    type(error_t), allocatable, intent(out), optional :: error !! if a pair is not in the pattern
     integer :: e
 
     do e = 1, size(conn, 2)
@@ -184,8 +184,8 @@ contains
   !> Find the positions, in the matrix, of the 3x3 blocks of all pairs of nodes of one element.
   !!
   !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2), or 0 if a symmetric
-  !! matrix stores the transpose instead. If b1 /= b2 are the same node, both pairs map to its
-  !! diagonal block.
+  !! matrix stores the transpose instead. If b1 and b2 differ but are the same node, both pairs map
+  !! to the diagonal block of this node.
   subroutine map_one(a, conn, map, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:)    !! (nen)
@@ -235,8 +235,8 @@ contains
     a%val = 0.0_wp
   end subroutine set_zero
 
-  !> For a matrix that ranks share, add up the diagonal blocks of all ranks; diagonal_block uses the
-  !! sums.
+  !> For a matrix that ranks share, add up the diagonal blocks of all ranks; diagonal_block then
+  !! returns the sums.
   subroutine sum_diagonal(a)
     type(block_matrix_t), intent(inout) :: a
     real(wp), allocatable :: list(:, :)
@@ -361,8 +361,8 @@ contains
     end do
   end subroutine multiply_free
 
-  !> Sum the absolute values of each free row over the free columns. If ranks share an entry, the
-  !! absolute value of each rank's part is added.
+  !> Sum the absolute values of each free row over the free columns. If several ranks have parts of
+  !! an entry, the absolute values of these parts are added.
   subroutine row_sums(a, eq, total)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)       !! (3, nnode)
@@ -420,7 +420,8 @@ contains
     call add_batch_to(size(map, 1), size(map, 3), size(a%val, 3), map, k, a%val)
   end subroutine add_batch
 
-  !> Do the same with explicit shapes, which let the compiler compute the addresses.
+  !> Do the work of add_batch with arrays of explicit shape, for which the compiler produces faster
+  !! code.
   pure subroutine add_batch_to(nen, n, nblock, map, k, val)
     integer, intent(in) :: nen, n, nblock
     integer, intent(in) :: map(nen, nen, n)

@@ -9,8 +9,8 @@ module csr_coupling
 
 contains
 
-  !> Find the block positions of pairs of a row node and a column node. If a position is negative,
-  !! the transpose is stored there; if it is 0, the pair is not in the pattern.
+  !> Find the block positions of pairs of a row node and a column node. A negative position means
+  !! that the matrix stores the transpose of the block, and 0 that the pair is not in the pattern.
   pure subroutine coupling_map(a, rows, cols, map)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: rows(:), cols(:) !! nodes

@@ -1,8 +1,8 @@
-!> Linear constraints in a block matrix: K becomes T^T K T, where T expresses slaves by their
-!! masters.
+!> Linear constraints in a block matrix: K becomes T^T K T, where T expresses the displacements of
+!! slaves by those of their masters.
 !!
-!! The matrix is assembled as if slaves were free. Then each block of a slave is moved to its
-!! masters, and the row and the column of the slave become zero.
+!! The matrix is assembled as if slaves were free. Then each block of a slave is added to the blocks
+!! of its masters, and the row and the column of the slave become zero.
 module csr_fold
   use base_kinds, only: wp
   use base_error, only: error_t, fail, BUG

@@ -1,4 +1,4 @@
-!> The whole pattern of a matrix that ranks share, on the first rank.
+!> Collects, on the first rank, the whole pattern of a matrix that the ranks share.
 module csr_whole
   use base_agreement, only: agree
   use base_comm, only: is_root, rank_count, share, this_rank
@@ -10,10 +10,10 @@ module csr_whole
 
 contains
 
-  !> Join the patterns of all ranks; the values are zero. All ranks must call this.
+  !> Join the patterns of all ranks in a matrix of zeros. All ranks must call this procedure.
   subroutine gather_pattern(a, whole, error)
     type(block_matrix_t), intent(in) :: a
-    type(block_matrix_t), intent(out) :: whole !! on the other ranks it is empty
+    type(block_matrix_t), intent(out) :: whole !! empty on the other ranks
     type(error_t), allocatable, intent(out) :: error
     type(clique_t) :: pairs(rank_count()) ! of nodes with a block
     integer, allocatable :: row(:), col(:)

@@ -1,10 +1,11 @@
-!> Uses kept factors to find out whether a matrix is still positive definite.
+!> Uses the factors of an earlier matrix to find out whether the current one is still positive
+!! definite.
 !!
-!! The factors are those of an older matrix that was positive definite. They precondition conjugate
-!! gradients for an irregular load, which therefore contains all modes; half of the load is weighted
-!! with the softness of the modes. If an eigenvalue has become zero or negative, the residual of its
-!! mode does not fall before a direction of negative curvature is found. If the residual falls fast,
-!! there is no such eigenvalue. This costs about as much as solving one system.
+!! The earlier matrix was positive definite. Its factors precondition conjugate gradients for an
+!! irregular load, which therefore contains all modes; one half of the load contains each mode in
+!! proportion to its flexibility. If an eigenvalue has become zero or negative, the residual in its
+!! mode does not fall until a direction of negative curvature is found. If the residual falls fast,
+!! there is no such eigenvalue. The test costs about as much as solving one system.
 module definiteness
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -15,8 +16,8 @@ module definiteness
   private
   public :: is_still_definite
 
-  integer, parameter :: MOST = 8          !! iterations; more of them would not be fast
-  real(wp), parameter :: SHARE = 0.1_wp   !! allowed residual, relative to a mode's share
+  integer, parameter :: MOST = 8          !! largest number of iterations
+  real(wp), parameter :: SHARE = 0.1_wp   !! allowed residual, relative to the share of one mode
 
 contains
 
@@ -24,9 +25,9 @@ contains
     type(block_matrix_t), intent(in) :: a      !! symmetric
     integer, intent(in) :: eq(:, :)            !! (3, nnode) equation numbers, 0: prescribed
     class(solver_t), intent(inout) :: solver   !! with factors that have no negative pivot
-    real(wp), allocatable, intent(inout) :: load(:) !! (neq) if absent, it is made for the factors
+    real(wp), allocatable, intent(inout) :: load(:) !! (neq) if not allocated, it is made here
     logical, intent(out) :: definite           !! .false.: not known; exact factors must decide
-    integer, intent(inout) :: iterations       !! solves with the factors so far
+    integer, intent(inout) :: iterations       !! number of solves with the factors so far
     type(error_t), allocatable, intent(out) :: error
     type(krylov_report_t) :: run
     real(wp), allocatable :: x(:)

@@ -1,13 +1,14 @@
-!> A correction of kept factors where the matrix has changed most, as it does in a contact.
+!> Corrects kept factors at the nodes where the matrix has changed most, usually nodes in contact.
 !!
-!! Kept factors M solve for the whole matrix A approximately. Then the equations S of the nodes
-!! whose stiffness has changed since M was made are solved exactly, with the current block A_SS:
+!! The kept factors M give an approximate solution for the whole matrix A. Then the equations S of
+!! all nodes whose stiffness has changed since M was made are solved exactly with the current block
+!! A_SS:
 !!
 !!   z = M^-1 r,   z_S <- z_S + A_SS^-1 (r - A z)_S .
 !!
-!! A contact that opens, closes, slips or moves on changes a few rows of A by its penalty, which M
-!! does not know; iterations with M alone then find each such motion one by one. A_SS is small and
-!! is factorised for each matrix. S grows until M is renewed.
+!! When a contact opens, closes, slips or moves on, the penalty changes a few rows of A. M does not
+!! contain these changes, and iterations with M alone find the corresponding motions only one by
+!! one. A_SS is small, and is factorised for each matrix. S grows until M is renewed.
 module factor_correction
   use base_agreement, only: agree
   use base_comm, only: largest
@@ -21,16 +22,16 @@ module factor_correction
   private
   public :: correction_t, note_matrix, correct, add_correction, forget_correction
 
-  !> A node has changed if its diagonal block has, by this fraction.
+  !> A node belongs to S if its diagonal block has changed by more than this fraction.
   real(wp), parameter :: CHANGED = 0.1_wp
-  !> The correction is not made if more than this fraction of all equations have changed.
+  !> The correction is not made if S contains more than this fraction of all equations.
   real(wp), parameter :: LARGEST_PART = 0.4_wp
 
   type :: correction_t
-    logical :: acts = .false.              !! for the current matrix
-    real(wp), allocatable, private :: known(:, :, :) !! (3, 3, nnode) diagonal blocks that M knows
+    logical :: acts = .false.              !! it is used for the current matrix
+    real(wp), allocatable, private :: known(:, :, :) !! (3, 3, nnode) diagonal when M was made
     integer, allocatable, private :: eq(:, :)        !! (3, nnode) equations of A_SS, 0: not in S
-    integer, allocatable, private :: whole(:)        !! (ns) their numbers in A
+    integer, allocatable, private :: whole(:)        !! (ns) numbers of these equations in A
     integer, allocatable, private :: col(:)          !! pattern of the last analysis
     type(entries_t), private :: list
     type(solver_mumps_t) :: solver         !! of A_SS
@@ -38,7 +39,7 @@ module factor_correction
 
 contains
 
-  !> Note the matrix that is factorised.
+  !> Record the diagonal of the matrix that is factorised.
   subroutine note_matrix(correction, a)
     type(correction_t), intent(inout) :: correction
     type(block_matrix_t), intent(in) :: a
@@ -51,12 +52,12 @@ contains
     end do
   end subroutine note_matrix
 
-  !> Make the correction for a matrix. It does not act if nothing or too much has changed.
+  !> Make the correction for a matrix. It is not used if nothing or too much has changed.
   subroutine correct(correction, a, eq, most, error)
     type(correction_t), intent(inout) :: correction
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)        !! (3, nnode) equation numbers, 0: prescribed
-    real(wp), intent(in) :: most           !! largest number of operations of a factorisation
+    real(wp), intent(in) :: most           !! largest number of operations to factorise A_SS
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: values(:)
     logical :: analysed
@@ -81,7 +82,7 @@ contains
 
   contains
 
-    !> Without memory there is no correction.
+    !> If there is too little memory, go on without the correction.
     subroutine leave_out(error)
       type(error_t), allocatable, intent(inout) :: error
 
@@ -96,7 +97,7 @@ contains
     type(correction_t), intent(inout) :: correction
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
-    logical, intent(out) :: analysed       !! neither S nor the pattern has changed
+    logical, intent(out) :: analysed       !! .true.: neither S nor the pattern has changed
     integer :: i, n, ns
     logical :: grown
 
@@ -149,7 +150,7 @@ contains
     if (.not. allocated(error)) correction%col = a%col
   end subroutine analyse_part
 
-  !> Release all memory; nothing is known of the factors.
+  !> Release all memory, and forget the diagonal of the matrix that was factorised.
   subroutine forget_correction(correction)
     type(correction_t), intent(inout) :: correction
 
@@ -161,7 +162,7 @@ contains
     correction%list = entries_t()
   end subroutine forget_correction
 
-  !> Solve z = A_SS^-1 (r - A z)_S for the kept factors' z, and add it.
+  !> Add A_SS^-1 (r - A z)_S to z_S, where z is the solution with the kept factors.
   subroutine add_correction(correction, a, eq, r, z, y, xn, yn, error)
     type(correction_t), intent(inout) :: correction
     type(block_matrix_t), intent(in) :: a

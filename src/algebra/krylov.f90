@@ -1,5 +1,5 @@
-!> Krylov methods that use a factorisation as the preconditioner. The factors are those of an older
-!! matrix, or are in single precision, or are compressed. With exact factors of the same matrix, the
+!> Krylov methods that use a factorisation as the preconditioner. The factors may be those of an
+!! older matrix, in single precision, or compressed. With exact factors of the same matrix, the
 !! methods amount to iterative refinement.
 module krylov
   use base_error, only: error_t
@@ -15,7 +15,7 @@ module krylov
   type :: krylov_report_t
     logical :: converged = .false.
     logical :: indefinite = .false.    !! conjugate gradients met a direction of negative curvature
-    logical :: slow = .false.          !! the solve was abandoned early
+    logical :: slow = .false.          !! the solve was abandoned because it was slow
     integer :: iterations = 0          !! number of applications of the preconditioner
     real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed rather than estimated
   end type krylov_report_t
@@ -40,7 +40,7 @@ contains
     real(wp), intent(in) :: tolerance             !! tolerance of |b - A x| / |b|
     type(krylov_report_t), intent(out) :: report
     type(error_t), allocatable, intent(out) :: error
-    logical, intent(in), optional :: hurries !! give up early if the limit would be passed
+    logical, intent(in), optional :: hurries !! give up early if the limit will not suffice
     real(wp), allocatable :: r(:), z(:, :), p(:), q(:), xn(:, :), yn(:, :)
     real(wp) :: rz, pq, alpha, goal, before
     integer :: cycle_number
@@ -79,13 +79,13 @@ contains
   end subroutine conjugate_gradients
 
   !> Solve by restarted GMRES with the preconditioner on the right; x starts at zero. The
-  !! preconditioned vectors are kept (the flexible form), which saves one solve in each cycle.
+  !! preconditioned vectors are stored (the flexible form), which saves one solve in each cycle.
   !! Source: Saad 1993 [bib: saad1993]
   subroutine gmres(a, eq, solver, correction, b, x, limit, tolerance, report, error, hurries)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
     class(solver_t), intent(inout) :: solver
-    type(correction_t), intent(inout) :: correction !! of the solver, if it acts
+    type(correction_t), intent(inout) :: correction !! of the factors; used if it acts
     real(wp), intent(in) :: b(:)
     real(wp), intent(out) :: x(:)
     integer, intent(in) :: limit
@@ -144,15 +144,15 @@ contains
     end do
   end subroutine gmres
 
-  !> Would an iteration that may give up early pass its limit, judging by the digits that it has
-  !! gained?
+  !> Judging by the digits gained so far, would an iteration that may give up early need more than
+  !! `limit` iterations?
   pure logical function is_slow(reached, tolerance, iterations, limit, hurries)
     real(wp), intent(in) :: reached    !! relative residual
     real(wp), intent(in) :: tolerance
     integer, intent(in) :: iterations, limit
     logical, intent(in), optional :: hurries
     integer, parameter :: TRIAL = 6            !! iterations that are made in any case
-    real(wp), parameter :: ALLOWANCE = 1.5_wp  !! it may become faster
+    real(wp), parameter :: ALLOWANCE = 1.5_wp  !! factor, because convergence may become faster
 
     is_slow = .false.
     if (present(hurries)) is_slow = hurries
@@ -160,7 +160,8 @@ contains
     if (is_slow) is_slow = iterations*log(tolerance) < ALLOWANCE*limit*log(reached)
   end function is_slow
 
-  !> Make column j of the Hessenberg matrix triangular by Givens rotations; g carries the residual.
+  !> Make column j of the Hessenberg matrix triangular by Givens rotations, and apply them to the
+  !! right-hand side g.
   pure subroutine rotate(h, rotation, g, j)
     real(wp), intent(inout) :: h(:), rotation(:, :), g(:)
     integer, intent(in) :: j
@@ -193,7 +194,7 @@ contains
   !! if it has stagnated.
   !!
   !! Rounding alone leaves a residual of about eps |A| |x|, which may be above the goal if |x| is
-  !! large (slender bodies). A residual that cannot be improved counts as converged.
+  !! large (slender bodies). A residual that cannot be improved is accepted as converged.
   logical function stops(a, eq, b, x, r, goal, before, exhausted, report)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
@@ -202,7 +203,8 @@ contains
     logical, intent(in) :: exhausted
     type(krylov_report_t), intent(inout) :: report
     real(wp), parameter :: ROUNDING = 10*epsilon(1.0_wp)
-    real(wp), parameter :: WORST = 1e-6_wp !! above this the matrix is practically singular
+    !> If the relative residual is larger, the matrix is practically singular.
+    real(wp), parameter :: WORST = 1e-6_wp
     real(wp) :: total(size(b))
 
     report%residual = norm2(r)/norm2(b)

@@ -14,18 +14,20 @@
 !!
 !! The solution meets the same tolerance in every mode.
 !!
-!! AUTO chooses between FULL and SINGLE by the counts of the analysis. If factors in single
-!! precision turn out not to suffice, they are made in double precision from then on. If the caller
-!! needs the signs of the pivots or of the determinant, AUTO finds them as FULL does.
+!! AUTO chooses between FULL and SINGLE by the numbers of operations and entries that the analysis
+!! finds. If factors in single precision turn out not to suffice, they are made in double precision
+!! from then on. If the caller needs the signs of the pivots or of the determinant, AUTO finds them
+!! as FULL does.
 !!
-!! If kept factors no longer suffice, they are corrected where the matrix has changed most, as it
-!! does in a contact (factor_correction), before they are given up.
+!! If kept factors no longer suffice, they are first corrected at the nodes where the matrix has
+!! changed most, usually nodes in contact (factor_correction). They are replaced only if this does
+!! not suffice either.
 !!
-!! A kept factorisation becomes less useful as the matrix changes. The cost of a digit, averaged
-!! over the life of a factorisation, is least if the factorisation is replaced as soon as a digit
-!! costs more than the average so far. Costs are counted in iterations; the operation count of a
-!! factorisation is converted to iterations. Times are not measured, so that runs can be repeated
-!! exactly.
+!! A kept factorisation becomes less useful as the matrix changes. The cost of gaining one decimal
+!! digit, averaged over the life of a factorisation, is least if the factorisation is replaced as
+!! soon as a digit costs more than the average so far. Costs are expressed in iterations; the
+!! operations of a factorisation are converted to iterations. Times are not measured, so that runs
+!! can be repeated exactly.
 module linear_system
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
@@ -46,21 +48,24 @@ module linear_system
 
   integer, parameter, public :: FULL = 1, REUSE = 2, SINGLE = 3, LOWRANK = 4, AUTO = 5
 
-  real(wp), parameter :: SMALLEST = 1.0e-100_wp, LARGEST = 1.0e100_wp !! of unscaled loads
-  !> With old factors, with their correction, with new factors, with exact ones.
+  !> Loads outside this range are scaled.
+  real(wp), parameter :: SMALLEST = 1.0e-100_wp, LARGEST = 1.0e100_wp
+  !> Largest number of attempts at a solve: with old factors, with corrected old factors, with new
+  !! factors, and with exact factors.
   integer, parameter :: MOST_ATTEMPTS = 4
-  !> Largest number of operations of a correction, relative to those of new factors.
+  !> Largest number of operations of a correction, relative to a new factorisation.
   real(wp), parameter :: WORTHWHILE = 0.3_wp
   integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
-  real(wp), parameter :: FEWEST_DIGITS = 2.0_wp !! of a solve; iterations are whole numbers
-  integer, parameter :: LEAST_LIMIT = 10 !! smallest limit on the iterations with other factors
-  !> A factorisation costs as much as PREPARATION iterations, because it assembles the entries, plus
-  !! one iteration for each OPERATIONS_AN_ENTRY operations per entry of the factors. Measured costs
-  !! of cubes with 3, 26 and 86 thousand equations are 14, 18 and 26 iterations.
+  !> A solve is taken to gain at least this many digits, because iterations are whole numbers.
+  real(wp), parameter :: FEWEST_DIGITS = 2.0_wp
+  integer, parameter :: LEAST_LIMIT = 10 !! smallest limit on iterations with old or inexact factors
+  !> The cost of a factorisation in iterations is estimated as PREPARATION, for the assembly of the
+  !! entries, plus one iteration for each OPERATIONS_AN_ENTRY operations per entry of the factors.
+  !! The measured costs for cubes with 3, 26 and 86 thousand equations are 14, 18 and 26 iterations.
   real(wp), parameter :: PREPARATION = 10.0_wp, OPERATIONS_AN_ENTRY = 110.0_wp
-  !> AUTO keeps factors if a factorisation costs more iterations than this, which is so from about
-  !! 12,000 equations on with linear hexahedra. Smaller models would gain too, but their runs are
-  !! short.
+  !> AUTO keeps factors if a factorisation costs more iterations than this. With linear hexahedra,
+  !! this is the case for more than about 12,000 equations. Smaller models would gain too, but their
+  !! runs are short.
   real(wp), parameter :: KEEPING = 15.0_wp
   real(wp), parameter :: COMPRESSION = 1e-4_wp !! AUTO: relative error of compressed blocks
   type(storage_t), parameter :: AUTO_WAYS(4) = [ & !! in the order in which AUTO tries them
@@ -68,27 +73,27 @@ module linear_system
                                 storage_t(single=.true.), &
                                 storage_t(single=.true., eps=COMPRESSION), &
                                 storage_t(single=.true., on_disk=.true.)]
-  integer, parameter :: LIKELY = 12000 !! AUTO usually keeps factors of more equations
+  integer, parameter :: LIKELY = 12000 !! with more equations, AUTO usually keeps factors
 
   !> The costs of a factorisation and of its use so far.
   type :: reuse_policy_t
     logical :: due = .true.         !! the next solve factorises
     real(wp) :: worth = 0.0_wp      !! cost of the factorisation, in iterations
-    real(wp) :: spent = 0.0_wp      !! total cost so far with the factorisation, in iterations
+    real(wp) :: spent = 0.0_wp      !! cost of the factorisation and of all solves with it
     real(wp) :: digits = 0.0_wp     !! decimal digits that all solves so far have gained
   end type reuse_policy_t
 
   !> A system with its pattern, its factors and the costs of their use.
   type :: linear_system_t
     integer :: neq = 0
-    integer :: mode = FULL                 !! for AUTO, the mode that it chose
-    logical, private :: automatic = .false. !! AUTO
+    integer :: mode = FULL                 !! if AUTO is given, the mode that it chose
+    logical, private :: automatic = .false. !! AUTO is given
     type(factors_t), private :: factors
     logical, private :: current = .false.  !! the factors are those of the last matrix
     type(reuse_policy_t), private :: policy
     type(correction_t), private :: correction
-    logical, private :: corrects = .false. !! solves correct the factors: once it was needed
-    real(wp), allocatable, private :: probe(:) !! (neq) load that shows indefiniteness
+    logical, private :: corrects = .false. !! kept factors are corrected before use
+    real(wp), allocatable, private :: probe(:) !! (neq) load of is_still_definite
   contains
     procedure :: solve
     procedure :: find_signs
@@ -184,8 +189,8 @@ contains
     estimate_mb = self%factors%estimate_mb
   end function estimate_mb
 
-  !> AUTO's ways of storing factors, from the one that needs most memory to the one that needs
-  !! least, with the memory of a factorisation in each.
+  !> List AUTO's ways of storing factors, from the one that needs most memory to the one that needs
+  !! least, with the memory that a factorisation needs in each of them.
   subroutine list_memory(self, a, way, mb, error)
     class(linear_system_t), intent(in) :: self
     type(block_matrix_t), intent(in) :: a
@@ -275,7 +280,7 @@ contains
     call note_solve(ls%policy, run%iterations, max(FEWEST_DIGITS, -log10(tolerance)), &
                     cost_of_correction(ls, run%iterations))
     if (ls%policy%due .and. .not. ls%corrects .and. ls%mode /= FULL) then
-      ls%corrects = .true. ! the next solve is given a chance with a correction
+      ls%corrects = .true. ! the next solve tries a correction first
       ls%policy%due = .false.
     end if
   end subroutine solve
@@ -314,7 +319,8 @@ contains
     report%gave_up_single = report%gave_up_single .or. (inexact .and. ls%factors%exact)
   end subroutine find_signs
 
-  !> Factorise the matrix, and report the time of this and of the analyses since the last report.
+  !> Factorise the matrix, and report the time that this takes, and that of the analyses since the
+  !! last report.
   subroutine factorise(ls, a, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -343,8 +349,8 @@ contains
     call describe(ls, report)
   end subroutine factorise
 
-  !> Find the signs of all pivots: they are known if kept factors show that the matrix is positive
-  !! definite; otherwise the matrix is factorised.
+  !> Find the signs of all pivots. They are known if kept factors show that the matrix is positive
+  !! definite; otherwise the next solve factorises the matrix.
   subroutine prove_definite(ls, a, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -397,8 +403,8 @@ contains
     run%converged = .true.
     most = maxval(abs(rhs))
     if (.not. most > 0.0_wp) return
-    ! The squares in the norms of very small or large loads are not representable. A power of two
-    ! changes no digit.
+    ! Very small and very large loads are scaled, because the squares in their norms are not
+    ! representable. Scaling by a power of two changes no digit.
     power = 0
     if (most < SMALLEST .or. most > LARGEST) power = exponent(most)
     b = rhs
@@ -512,7 +518,7 @@ contains
     policy%digits = policy%digits + digits
   end subroutine note_solve
 
-  !> Number of iterations after which a solve is given up.
+  !> Number of iterations after which a solve is abandoned.
   pure integer function iteration_limit(policy, same_matrix, exact) result(limit)
     type(reuse_policy_t), intent(in) :: policy
     logical, intent(in) :: same_matrix !! the factors are those of this matrix

@@ -26,8 +26,8 @@ module mumps_instance
   !> Low-rank blocks are formed in the order of elimination. Otherwise MUMPS 5.5 would pass an
   !! uninitialised graph to SCOTCH 7, which sometimes crashes.
   integer, parameter :: CLUSTERING = 482, PLAIN = 3 !! an index and a value of KEEP
-  !> A pivot of the scaled matrix below this is zero up to rounding (an equation without stiffness).
-  !! The pivots of free bodies are larger; see null_space.
+  !> A pivot of the scaled matrix below this limit is taken as zero; it belongs to an equation
+  !! without stiffness. The pivots of free bodies are larger; see null_space.
   real(wp), parameter :: NULL_PIVOT = 1e-18_wp, NULL_PIVOT_SINGLE = 1e-12_wp
 
   character(*), parameter :: COARSER = 'use a coarser mesh or a machine with more memory'
@@ -38,7 +38,7 @@ module mumps_instance
     type(dmumps_struc), pointer, private :: d => null()
     type(smumps_struc), pointer, private :: s => null()
     integer, private :: neq = 0
-    real(wp), private :: scale = 1.0_wp !! power of two that divides the single matrix
+    real(wp), private :: scale = 1.0_wp !! divides the values of a single-precision matrix
     integer :: infog(80) = 0            !! INFOG of the last call
     real(wp) :: rinfog(40) = 0.0_wp
   end type mumps_t
@@ -94,7 +94,7 @@ contains
     logical, intent(in) :: symmetric
     real(wp), intent(in) :: low_rank !! relative error of compressed blocks; 0: none
     integer, intent(in) :: ordering
-    logical, intent(in) :: on_disk   !! keep the factors in files, in MUMPS_OOC_TMPDIR
+    logical, intent(in) :: on_disk   !! store the factors in files, in MUMPS_OOC_TMPDIR
 
     if (associated(m%s)) then
       call set_controls(m%s%icntl, symmetric, low_rank > 0.0_wp, ordering)
@@ -134,9 +134,9 @@ contains
   end subroutine set_controls
 
   !> Before the analysis, make the fronts smaller than by default: nodes of the elimination tree are
-  !! merged up to a smaller number of pivots. For cubes with 26 and 82 thousand equations, this
-  !! saved 9 and 7 % of the operations and of the entries. KEEP is not described in the guide;
-  !! dini_defaults.F of MUMPS has had these values since 5.0.
+  !! merged only up to a smaller number of pivots. For cubes with 26 and 82 thousand equations, this
+  !! saved 9 and 7 % of the operations and of the entries. KEEP is not described in the guide; the
+  !! entries used here are set in dini_defaults.F of MUMPS, since version 5.0.
   pure subroutine set_fronts(keep)
     integer, intent(inout) :: keep(:)
 
@@ -205,7 +205,8 @@ contains
     end if
   end subroutine give_values
 
-  !> Power of two that scales the largest value to about 1; it is 1 if this value is zero.
+  !> Power of two by which values are divided, so that the largest one becomes about 1. It is 1 if
+  !! the largest value is zero.
   pure real(wp) function power_of_two(largest)
     real(wp), intent(in) :: largest
 
@@ -231,9 +232,9 @@ contains
   end subroutine narrow_panels
 
   !> After the analysis of a symmetric matrix, make the inner panels narrower than by default (16
-  !! and 32 columns). Inside a panel MUMPS updates column by column, which took a fifth of the time;
-  !! everything else is done by dgemm. This saved 15 % of a factorisation with 26 thousand
-  !! equations.
+  !! and 32 columns). Inside a panel, MUMPS updates column by column, which took a fifth of the
+  !! time; everything else is done by dgemm. Narrower panels saved 15 % of the time of a
+  !! factorisation with 26 thousand equations.
   pure subroutine set_panels(keep)
     integer, intent(inout) :: keep(:)
 
@@ -250,8 +251,8 @@ contains
     if (associated(m%s)) then
       m%s%job = job
       ! Numbers below the normal range are flushed to zero during this call. In single precision,
-      ! the factors of a matrix with a dominant diagonal decay into that range, and a factorisation
-      ! then took seven times as long.
+      ! the factors of a matrix with a dominant diagonal decay into that range, and without
+      ! flushing, a factorisation took seven times as long.
       flush = ieee_support_underflow_control(1.0_sp)
       if (flush) then
         call ieee_get_underflow_mode(gradual)
@@ -309,7 +310,7 @@ contains
 
     allocate (list(m%infog(28)), source=0)
     if (size(list) == 0) return
-    if (is_root()) then ! MUMPS gives it the list
+    if (is_root()) then ! MUMPS gives the list to the first rank only
       if (associated(m%s)) list = m%s%pivnul_list(:size(list))
       if (associated(m%d)) list = m%d%pivnul_list(:size(list))
     end if
@@ -408,7 +409,8 @@ contains
     end select
   end subroutine describe_failure
 
-  !> An amount of memory, which MUMPS gives in millions with a negative sign if it is large.
+  !> Text of a number of reals or integers, which MUMPS gives in millions with a negative sign if it
+  !! is large.
   pure function amount(n) result(text)
     integer, intent(in) :: n
     character(:), allocatable :: text

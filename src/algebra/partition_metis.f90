@@ -1,10 +1,10 @@
 !> Fill-reducing ordering of the equations by METIS.
 !!
-!! The graph has one vertex for each node with free dofs. It has about a third of the vertices of
-!! the graph of the equations, and keeps the dofs of a node together. Several Linux distributions
-!! build MUMPS without METIS, and MUMPS then silently replaces METIS by another ordering. Therefore
-!! the ordering is computed here and passed to MUMPS. Source: Karypis and Kumar 1998 [bib:
-!! karypis1998], METIS_NodeND
+!! The graph has one vertex for each node with free dofs. This graph has about a third of the
+!! vertices of the graph of the equations, and it keeps the dofs of a node together. Several Linux
+!! distributions build MUMPS without METIS, and MUMPS then silently replaces METIS by another
+!! ordering. Therefore the ordering is computed here and passed to MUMPS. Source: Karypis and Kumar
+!! 1998 [bib: karypis1998], METIS_NodeND
 module partition_metis
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
@@ -71,8 +71,8 @@ contains
     end do
   end subroutine elimination_order
 
-  !> Build the adjacency lists of the vertices, in both directions and without loops, counted from 0
-  !! as METIS does.
+  !> Build the adjacency lists of the vertices, in both directions and without loops. Vertices are
+  !! numbered from 0, as METIS expects.
   subroutine build_graph(a, vertex, nvertex, first, neighbour)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: vertex(:)
@@ -138,9 +138,9 @@ contains
               hint='there may be too little memory')
   end subroutine order_graph
 
-  !> Does METIS use integers of 64 bits, rather than 32? A library is built for one of the two and
-  !! does not say for which. However, it fills an array of options, and the end of the filled part
-  !! shows the size of its integers.
+  !> Does METIS use integers of 64 bits, rather than 32? A library is built for one of the two
+  !! sizes, and has no function that tells which. However, it fills an array of options, and the
+  !! length of the filled part shows the size of its integers.
   logical function has_long_integers()
     integer(c_int32_t), target :: buffer(2*NOPTION)
     integer(c_int) :: status

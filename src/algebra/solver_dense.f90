@@ -115,7 +115,7 @@ contains
     end if
   end subroutine factorise
 
-  !> Numbers that are smaller than this, relative to the largest one, count as zero.
+  !> Numbers below this fraction of the largest one are taken as zero.
   pure real(wp) function relative_rounding(self)
     type(solver_dense_t), intent(in) :: self
 

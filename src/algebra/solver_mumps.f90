@@ -18,7 +18,7 @@ module solver_mumps
   public :: solver_mumps_t, new_solver_mumps, ORDER_AMD, ORDER_PORD
 
   integer, parameter :: LAST_MARGIN = 1000    !! largest work space in excess of the estimate [%]
-  !> Values of INFOG(1) if there was too little work space.
+  !> Values of INFOG(1) that report too little work space.
   integer, parameter :: TOO_NARROW(4) = [-8, -9, -14, -15]
 
   type, extends(solver_t) :: solver_mumps_t
@@ -38,7 +38,7 @@ module solver_mumps
 
 contains
 
-  !> Choose the precision, the compression and the place of the factors.
+  !> Choose the precision, the compression and the storage of the factors.
   subroutine new_solver_mumps(solver, single, low_rank, ordering, on_disk)
     type(solver_mumps_t), intent(out) :: solver
     logical, intent(in) :: single              !! the factors are in single precision
@@ -88,7 +88,7 @@ contains
     end associate
   end subroutine analyse
 
-  !> A count, which MUMPS gives in millions with a negative sign if it is large.
+  !> A number of entries, which MUMPS gives in millions with a negative sign if it is large.
   pure real(wp) function count_of(n)
     integer, intent(in) :: n
 

@@ -14,15 +14,15 @@ module solver_type
     real(wp) :: used_mb = 0.0_wp      !! memory in use [MB]
     integer :: negative = 0           !! number of negative pivots (symmetric matrices)
     integer :: determinant = 0        !! sign of the determinant (unsymmetric matrices; 0: singular)
-    integer, allocatable :: null(:)   !! equations with zero pivots; empty: it is regular
+    integer, allocatable :: null(:)   !! equations with zero pivots; empty: regular matrix
   end type factor_info_t
 
-  !> A solver analyses a pattern, factorises matrices that have it, and solves any number of systems
-  !! with each matrix.
+  !> A solver analyses a pattern, factorises matrices with this pattern, and solves any number of
+  !! systems with each matrix.
   type, abstract :: solver_t
     integer :: neq = 0
     logical :: symmetric = .true.
-    logical :: pins_null_pivots = .false. !! it can also solve with a singular matrix
+    logical :: pins_null_pivots = .false. !! solves with singular matrices too
     type(factor_info_t) :: info
   contains
     procedure(analyse_i), deferred :: analyse
@@ -40,7 +40,7 @@ module solver_type
       integer, intent(in) :: neq
       logical, intent(in) :: symmetric
       integer, intent(in) :: row(:), col(:) !! (nnz)
-      integer, intent(in) :: order(:)       !! (neq) position in the elimination; empty: any
+      integer, intent(in) :: order(:)       !! (neq) positions in the elimination; empty: any order
       type(error_t), allocatable, intent(out) :: error
     end subroutine analyse_i
 

@@ -50,7 +50,7 @@ module tangent_factors
     !> Wall and processor time [s]. The time of the analysis includes analyses before this solve.
     real(wp) :: seconds_analyse(2) = 0.0_wp, seconds_factor(2) = 0.0_wp, seconds_solve(2) = 0.0_wp
     real(wp) :: memory_mb = 0.0_wp         !! memory held by the factors [MB]
-    character(:), allocatable :: storage   !! a sentence, if memory was too short for the first way
+    character(:), allocatable :: storage   !! a sentence, if there was no memory for the first way
   end type solve_report_t
 
   integer, parameter :: SMALL = 24 !! largest number of equations for the dense solver
@@ -163,7 +163,7 @@ contains
     if (way%on_disk) text = text//' on disk'
   end function describe_storage
 
-  !> Analyse the pattern of the free dofs for the present way of storing the factors: for a dense
+  !> Analyse the pattern of the free dofs for the current way of storing the factors: for a dense
   !! solver if there are only a few equations, otherwise for a sparse solver with the ordering of
   !! METIS.
   subroutine analyse_way(factors, a, error)
@@ -280,7 +280,7 @@ contains
     factors%proved = factors%valid
   end subroutine renew
 
-  !> Memory of a factorisation whose factors are stored in another way, as estimated by an analysis
+  !> Memory of a factorisation whose factors are stored in a given way, as estimated by an analysis
   !! [MB].
   subroutine memory_of(factors, a, way, mb, error)
     type(factors_t), intent(in) :: factors !! with an analysed pattern
@@ -307,11 +307,12 @@ contains
     if (memory_mb > 0.0_wp) return
     memory_mb = memory_of_all()
     if (memory_mb + factors%solver%info%used_mb >= factors%estimate_mb) return
-    call return_memory() ! which earlier solvers have freed
+    call return_memory() ! memory that earlier solvers have freed
     memory_mb = memory_of_all()
   end function memory_mb
 
-  !> Memory that is available now on all machines [MB]; each rank counts its share of its machine.
+  !> Memory that is available now on all machines [MB]; each rank adds its share of the memory of
+  !! its machine.
   real(wp) function memory_of_all()
     real(wp), parameter :: MEBIBYTE = 1.048576_wp
 
