@@ -3,11 +3,11 @@
     python -m verification.performance.bench [--n 16] [--rounds 2] [--parts PROGRAM ...]
 
 All programs solve the cube of cube.inp with one thread. Every run is made between two runs of bezel
-with full Newton iteration (A B A), and only ratios within such a triple are compared with the targets,
-so that other work on the machine hardly matters. The results are medians over the rounds. They are
-written to build/bench/bench.json and bench.md and compared with record.json; `--record` makes this run
-the record. A slow run is not an error: the exit code is 0 if bezel runs and its force agrees with
-that of FElupe.
+with full Newton iteration (A B A), and the targets concern only ratios within such a triple, so
+that other work on the machine hardly matters. The results, medians over the rounds, are written to
+build/bench/bench.json and bench.md and compared with record.json; with `--record` they replace it.
+A slow run is not an error: the exit code is 0 if bezel runs and its force agrees with that of
+FElupe.
 """
 
 import argparse
@@ -25,24 +25,24 @@ from verification.performance import bench_table as table
 HERE = pathlib.Path(__file__).resolve().parent
 RECORD = HERE / "record.json"
 FULL = "full"
-OURS = {  # name: element, FACTor
+OURS = {  # name of a run: element, FACTor
     "default": ("Q1", "AUTO"),
     "reuse": ("Q1", "REUSe"),
     "single": ("Q1", "SINGle"),
     "reuse, Q1E9": ("Q1E9", "REUSe"),
 }
 OTHERS = ("felupe", "felupe, symmetric", "calculix")
-PROJECTIONS = (  # columns of bench_projection
+PROJECTIONS = (  # the columns that bench_projection prints
     "projection, {}, from a hundredth of an element away",
     "projection, {}, from a tenth of an element away",
     "projection, {}, from the grid",
     "update of a surface, {}, an element",
 )
-SAME_FORCE = 1e-6  # relative, between bezel and FElupe
+SAME_FORCE = 1e-6  # relative difference allowed between bezel and FElupe
 
 
 def main():
-    """Run, print and compare."""
+    """Time all programs, print the results and compare them with the record."""
     o = parser().parse_args()
     folder = pathlib.Path(o.out).resolve()
     folder.mkdir(parents=True, exist_ok=True)
@@ -53,7 +53,7 @@ def main():
         arguments = [str(o.n)] if "solver" in program.name else []
         for _ in range(
             1 if arguments else 3
-        ):  # the kernels take seconds only, and their times vary
+        ):  # the kernels take only seconds, and their times vary
             found = runs.run_program(program.resolve(), folder, arguments)
             parts[program.name] = parts.get(program.name, "") + found
     if o.only:
@@ -73,7 +73,7 @@ def main():
 
 
 def add_part(name, bezel, folder, parts, keep):
-    """Time contact or debonding and the parts again; the rest is taken from the record."""
+    """Time contact or debonding, and the parts, anew; take everything else from the record."""
     result = json.loads(RECORD.read_text())
     result["missing"] = []
     if name == "peel":
@@ -85,26 +85,28 @@ def add_part(name, bezel, folder, parts, keep):
 
 
 def parser():
-    """The command line."""
+    """The options of the command line."""
     p = argparse.ArgumentParser(
         prog="python -m verification.performance.bench", description=__doc__.split("\n\n")[0]
     )
     p.add_argument("--bezel", default="build/release/bezel")
-    p.add_argument("--out", default="build/bench", help="folder of all files")
+    p.add_argument("--out", default="build/bench", help="folder for all files")
     p.add_argument("--n", type=int, default=16, help="elements along half an edge (8 is quick)")
     p.add_argument("--rounds", type=int, default=2)
-    p.add_argument("--parts", nargs="*", default=[], help="programs that time a part")
+    p.add_argument("--parts", nargs="*", default=[], help="programs that each time a part of bezel")
     p.add_argument(
         "--only",
         choices=["contact", "peel"],
-        help="time this and the parts; take the rest from the record",
+        help="time only this and the parts; take everything else from the record",
     )
-    p.add_argument("--record", action="store_true", help="keep this run as record.json")
+    p.add_argument("--record", action="store_true", help="save this run as record.json")
     return p
 
 
 def time_cube(bezel, folder, n, rounds, missing):
-    """{name: {"wall", "cpu", ..., "ratio_cpu", "ratio_wall"}}; ratios to the adjacent full runs."""
+    """{name: {"wall", "cpu", ..., "ratio_cpu", "ratio_wall"}}, with ratios to the adjacent full
+    runs.
+    """
     samples, pairs = {}, {}
     names = [*OURS, *OTHERS]
 
@@ -132,7 +134,7 @@ def time_cube(bezel, folder, n, rounds, missing):
 
 
 def run_one(bezel, folder, name, n):
-    """Make one run other than that with full Newton iteration."""
+    """Make one run that is not the one with full Newton iteration."""
     if name in OURS:
         element, factor = OURS[name]
         return runs.run_bezel(bezel, folder, name.replace(", ", "_"), n, element, factor)
@@ -157,7 +159,7 @@ def note(samples, name, found):
 
 
 def summary(samples):
-    """Medians, and the values that do not vary between rounds."""
+    """Medians over the rounds, and those values that do not vary between rounds."""
     row = dict(samples[-1])
     for key in ("wall", "cpu", "share", "memory"):
         if key in row:
@@ -167,7 +169,7 @@ def summary(samples):
 
 
 def ratios(triples, clock):
-    """Medians of (other run / full run) and of the same ratio per iteration."""
+    """Medians of (other run / full run), and of the same ratio per iteration."""
     whole, each = [], []
     for before, other, after in triples:
         full_run = (before[clock] + after[clock]) / 2
@@ -177,7 +179,9 @@ def ratios(triples, clock):
 
 
 def read_kernels(parts):
-    """{"dgemm": GFLOP/s, element and law: us} from the output of bench_kernel; best of its runs."""
+    """{"dgemm": GFLOP/s, element and law: us} from the output of bench_kernel; the best of its
+    runs.
+    """
     found = {}
 
     def note_value(key, value):
@@ -195,7 +199,7 @@ def read_kernels(parts):
 
 
 def finish(result, folder, parts, keep):
-    """Write, print and compare the result; return the exit code."""
+    """Write and print the result, compare it with the record; return the exit code."""
     record = json.loads(RECORD.read_text()) if RECORD.exists() else None
     text = table.render(result, record, SAME_FORCE)
     (folder / "bench.json").write_text(json.dumps(result, indent=1) + "\n")

@@ -1,10 +1,9 @@
 """Contact in `make bench`: the hemisphere of section 5 twisted on its block, also with CalculiX.
 
-Runs with two half passes, as in the paper, are the reference of the ratios; the default scheme is
-run as well. It runs mesh 2 without and with friction, on one thread. Every run of another program
-or element is made between two runs of bezel with Q1E9+Q1N2 (A B A), and ratios are taken within
-such a triple. Then the fraction of the time of an iteration that contact takes in bezel is measured
-on mesh 3.
+The ratios refer to runs with two half passes, as in the paper; the default scheme is run as well.
+Mesh 2 is run without and with friction, on one thread. Every run of another program or element is
+made between two runs of bezel with Q1E9+Q1N2 (A B A), and ratios are taken within such a triple.
+Finally the share of contact in the time of an iteration is measured for bezel on mesh 3.
 """
 
 import json
@@ -36,7 +35,7 @@ ENOUGH = 180.0 - 1e-3  # degrees of a complete run
 
 
 def time_contact(bezel, folder, missing):
-    """{"runs": {"name, mu": numbers}, "share": of mesh 3}."""
+    """{"runs": {"name, mu": numbers}, "share": numbers for mesh 3}."""
     folder = folder / "contact"
     folder.mkdir(exist_ok=True)
     rows, load = {}, [round(x, 1) for x in os.getloadavg()]
@@ -68,7 +67,7 @@ def time_contact(bezel, folder, missing):
 
 
 def run_one(bezel, folder, name, mu):
-    """Make a run other than the reference of the ratios."""
+    """Make a run that is not the one to which the ratios refer."""
     if name in (DEFAULT, Q1E9):
         return run_bezel(bezel, folder, name, mu, MESH_2)
     place = folder / name.replace(", ", "_").replace(" ", "_")
@@ -87,7 +86,7 @@ def per_degree(row):
 
 
 def deck_of(stem, folder):
-    """The deck of a run; for the default scheme, it is the deck of the reference without its record
+    """The deck of a run; for the default scheme, it is the reference deck without its record
     SCHEme.
     """
     if stem != DEFAULT:
@@ -101,7 +100,9 @@ def deck_of(stem, folder):
 
 
 def run_bezel(bezel, folder, stem, mu, mesh):
-    """Time a whole process; return also force and torque of the supports while all points slide."""
+    """Time a whole process; also return the force and torque of the supports while all points
+    slide.
+    """
     settings = [f"--set={name}={value}" for name, value in (mesh | {"mu": mu}).items()]
     command = [bezel, "--quiet", "--threads", "1", "-o", str(folder), *settings]
     wall, cpu, _, code, _, errors = runs.measure([*command, str(deck_of(stem, folder))], folder)
@@ -123,7 +124,9 @@ def run_bezel(bezel, folder, stem, mu, mesh):
 
 
 def sliding_means(path):
-    """Mean force and torque of the supports over the part of the turn in which all points slide."""
+    """Mean force and torque of the supports over that part of the turn in which all points
+    slide.
+    """
     names = path.read_text().splitlines()[0].strip("# ").split()
     data = dict(zip(names, np.loadtxt(path, unpack=True)))
     late = calculix.DEGREES * data["factor_2"] >= calculix.SLIDING - 1e-6
@@ -136,7 +139,7 @@ def sliding_means(path):
 
 
 def run_calculix(place, mu, swapped):
-    """The same with CalculiX."""
+    """The same run with CalculiX."""
     program = shutil.which("ccx")
     if not program:
         raise runs.Unavailable("CalculiX is not installed (apt install calculix-ccx)")
@@ -155,9 +158,9 @@ def table(contact):
         "A hollow hemisphere is pressed on a block and turned by 180 degrees (mesh 2 of section 5).",
         "",
         "- The increments are 3 degrees. bezel uses 5 x 5 integration points per surface element, CalculiX its own.",
-        "- The times are those of whole processes. Ratios refer to the runs with two half passes just before and after, for an iteration and for a degree of rotation. "
+        "- The times are those of whole processes. Ratios, per iteration and per degree of rotation, refer to the runs with two half passes just before and after. "
         f"The load averages were {contact['load']}.",
-        "- Forces and torques are those of the supports at the rim and at the base, means from 120 degrees on.",
+        "- Forces and torques are those of the supports at the rim and at the base, averaged from 120 degrees on.",
         "",
         "| run | mu | increments | iterations | CPU s | CPU ms per iteration | iteration, ratio | run, ratio "
         "| force, rim | force, base | torque, rim | torque, base |",
@@ -190,7 +193,7 @@ def table(contact):
 
 
 def beside(rows):
-    """Torques of CalculiX divided by those of Q1E9+Q1N2."""
+    """A line with the torques of CalculiX divided by those of Q1E9+Q1N2."""
     mu = f", {FRICTION[-1]:g}"
     ours = rows[OURS + mu]
     lines = []
@@ -206,7 +209,7 @@ def beside(rows):
 
 
 def targets(result):
-    """(target, required, measured, met) of contact."""
+    """(target, required, measured, met) for each target of contact."""
     found = []
     contact = result.get("contact")
     if contact:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write doc/verification/performance.md from record.json; `bench --record` does so too."""
+"""Write doc/verification/performance.md from record.json, as `bench --record` also does."""
 
 import json
 import pathlib
@@ -16,10 +16,10 @@ INTRO = """# Performance
 
 ## Summary
 
-- **Measured:** run time and memory of bezel on one thread, for a cube, a sliding hemisphere and a peeled strip, and the times of kernels.
+- **Measured:** run time and memory of bezel on one thread for a cube, a sliding hemisphere and a peeled strip, and the times of kernels.
 - **Against:** FElupe and CalculiX on the same meshes, and the targets of the project.
-- **Main result:** one iteration takes {result} the CPU time of bezel.
-- **Does not meet its target:** {missed}.
+- **Main result:** the CPU time per iteration of the other programs, divided by that of bezel, is {result}.
+- **Targets missed:** {missed}.
 - **Command:** `make bench`.
 
 ## Method
@@ -31,8 +31,8 @@ make bench ARGS="--n {n} --rounds {rounds} --record"
 ```
 
 - Without `--record` the run is compared with the recorded one instead.
-- Every run of the cube stands between two full Newton runs of bezel, and the ratios are taken within such a triple. The seconds are those of
-  one machine; the ratios carry over to others.
+- Every run of the cube is made between two full Newton runs of bezel, and ratios are taken within such a triple. The seconds depend on the
+  machine; the ratios depend on it far less.
 """
 
 MISSED = """
@@ -45,28 +45,28 @@ KERNELS = """## Kernels
 
 - Times are given in microseconds for one element (residual and tangent) or for one point. Each is the best of several runs.
 - The rate of dgemm is given for comparison.
-- A projection starts a hundredth or a tenth of an element away from the closest point, or from the search grid.
+- A projection starts at a point a hundredth or a tenth of an element away from the closest point, or from the search grid.
 
 """
 
-WHY = {  # the beginning of a target's text: the reason for missing it
+WHY = {  # the beginning of a target's text: the reason why it is missed
     "CPU time per iteration, 'FElupe, Pardiso on the upper": "The recommended solver of FElupe, in the row above, factorises "
     "an unsymmetric matrix. Here a solver function that is not part of FElupe passes the upper triangle to Pardiso.",
 }
 
 
 def summary(result):
-    """The headline of the page: the CPU time per iteration of the other programs divided by that of
+    """The main result: the CPU time per iteration of the other programs relative to that of
     bezel.
     """
     rows, contact = result["runs"], result.get("contact", {}).get("runs", {})
     found = [
-        f"{rows[name]['iteration_cpu']:.2f} times ({title})"
+        f"{rows[name]['iteration_cpu']:.2f} ({title})"
         for name, title in (("felupe", "FElupe, cube"), ("calculix", "CalculiX, cube"))
         if name in rows
     ]
     found += [
-        f"{contact[key]['ratio']:.2f} times (CalculiX, contact, mu = {key.split(', ')[1]})"
+        f"{contact[key]['ratio']:.2f} (CalculiX, contact, mu = {key.split(', ')[1]})"
         for key in ("calculix, 0", "calculix, 0.5")
         if key in contact
     ]
@@ -74,13 +74,13 @@ def summary(result):
 
 
 def missed_names(result):
-    """The missed targets in one phrase."""
+    """The missed targets, joined in one phrase."""
     rows = (row for row in table.targets(result).splitlines() if "(missed)" in row)
     return "; ".join(row.strip("|").split("|")[0].strip() for row in rows) or "none"
 
 
 def missed(result):
-    """A line for each missed target, with the reason where one is known."""
+    """A line for each missed target, with the reason if one is known."""
     lines = []
     for row in table.targets(result).splitlines():
         if "(missed)" not in row:

@@ -1,4 +1,6 @@
-"""Debonding in `make bench`: the strip of section 5.1, mesh 2, IGA2, peeled to its end. One thread."""
+"""Debonding in `make bench`: the strip of section 5.1, mesh 2, IGA2, peeled to its end. One
+thread.
+"""
 
 import json
 import pathlib
@@ -10,7 +12,7 @@ DECKS = pathlib.Path(__file__).resolve().parents[1] / "benchmark/section5_debond
 
 
 def time_peel(bezel, folder):
-    """Time a whole process: seconds, steps, iterations, fraction of contact."""
+    """Time a whole process: seconds, steps, iterations, and the share of contact."""
     print("bench: debonding, mesh 2, IGA2", flush=True)
     folder = folder / "peel"
     folder.mkdir(exist_ok=True)
@@ -26,7 +28,7 @@ def time_peel(bezel, folder):
 
 
 def table(r):
-    """One row."""
+    """The table, which has one row."""
     return (
         "A strip is peeled off a plate until it is free (section 5.1, mesh 2, IGA2, 10 x 10 integration points, `BALAnced`). "
         "The times are those of the whole process.\n\n"

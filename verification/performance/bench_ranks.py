@@ -2,10 +2,11 @@
 
     .venv/bin/python -m verification.performance.bench_ranks [--n 24] [--rounds 2] [--deck DECK ...]
 
-The runs of a round follow each other, and only their ratios are printed, as medians over the
-rounds, so that other work on the machine hardly matters. Without DECK it solves two steps of the
-cube of cube.inp, with kept factors and with a factorisation in every iteration. The times of the
-parts of the runs, from the logs, follow: they show what the second rank does not make faster.
+The runs of a round follow each other directly, and only their ratios are printed, as medians over
+the rounds, so that other work on the machine hardly matters. Without DECK, two steps of the cube of
+cube.inp are solved, once with factors that are kept and once with a factorisation in every
+iteration. Below the ratios, the times of the parts of a run (from the logs) show what a second rank
+does not speed up.
 """
 
 import argparse
@@ -25,7 +26,7 @@ PARTS = ("assembly", "contact", "analyse", "factorise", "solve", "krylov", "outp
 
 
 def run(command, out, deck, options):
-    """Run once. Return the seconds and the seconds of the parts."""
+    """Make one run; return its seconds in all and by part."""
     begin = time.perf_counter()
     subprocess.run([*command, "--quiet", "-o", str(out), *options, str(deck)], check=True)
     seconds = time.perf_counter() - begin
@@ -35,7 +36,7 @@ def run(command, out, deck, options):
 
 
 def compare(name, programs, deck, options, rounds, top):
-    """Print the ratios of a deck."""
+    """Print the ratios for a deck."""
     times = {kind: [] for kind in programs}
     parts = {}
     for _ in range(rounds):

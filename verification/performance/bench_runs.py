@@ -1,4 +1,4 @@
-"""Runs of `make bench`: one process and one thread each, with wall and CPU seconds."""
+"""The runs of `make bench`: one process and one thread each, with wall-clock and CPU seconds."""
 
 import json
 import os
@@ -18,11 +18,13 @@ LIMIT = 3600  # seconds after which a run is stopped
 
 
 class Unavailable(Exception):
-    """A program is missing or does not work; the text is one sentence."""
+    """A program is missing or does not work; the text is one sentence about it."""
 
 
 def measure(command, folder, limit_mb=None):
-    """Run a command; return (wall seconds, CPU seconds, peak MB, exit code, output, errors)."""
+    """Run a command; return (wall-clock seconds, CPU seconds, peak MB, exit code, output,
+    errors).
+    """
 
     def limit_memory():
         if limit_mb:
@@ -75,7 +77,7 @@ def run_bezel(bezel, folder, name, n, element="Q1", factor="", steps=5, limit_mb
 
 
 def run_felupe(folder, n, solver):
-    """The same with FElupe; the seconds are those of the iterations alone."""
+    """The same run with FElupe; the seconds are those of the iterations alone."""
     command = [sys.executable, str(HERE / "felupe_cube.py"), str(n), solver]
     _, _, memory, code, output, errors = measure(command, folder)
     if code:
@@ -85,7 +87,7 @@ def run_felupe(folder, n, solver):
 
 
 def run_calculix(folder, n):
-    """The same with CalculiX; the seconds are those of the whole process."""
+    """The same run with CalculiX; the seconds are those of the whole process."""
     program = shutil.which("ccx")
     if not program:
         raise Unavailable("CalculiX is not installed (apt install calculix-ccx)")
@@ -98,13 +100,13 @@ def run_calculix(folder, n):
 
 
 def run_program(path, folder, arguments):
-    """Run a program that times a part; return its output."""
+    """Run a program that times a part of bezel; return its output."""
     *_, code, output, errors = measure([str(path), *arguments], folder)
     return output if code == 0 else f"exit code {code}\n{errors}"
 
 
 def machine(bezel_programs):
-    """Processor, memory, load, versions, BLAS kernel."""
+    """Processor, memory, load, versions and BLAS kernel."""
     info = pathlib.Path("/proc/cpuinfo").read_text()
     cpu = re.search(r"model name\s*:\s*(.*)", info)
     family = re.search(r"cpu family\s*:\s*(\d+)", info)
@@ -125,7 +127,7 @@ def machine(bezel_programs):
 
 
 def library_version(stem):
-    """The version in the file name of an installed library, or an empty text."""
+    """The version in the file name of an installed library, or an empty string."""
     for path in sorted(pathlib.Path("/usr/lib").glob(f"**/{stem}*.so*")):
         found = re.search(r"(\d+\.\d+\.\d+)", path.resolve().name)
         if found:

@@ -1,11 +1,11 @@
-"""Time and memory of one load step over the size of the model: `make bench ARGS=--scale`.
+"""Time and memory of one load step against the size of the model: `make bench ARGS=--scale`.
 
     python -m verification.performance.bench_scale [--bezel PROGRAM] [--out DIR] [--sizes 8 16 ...]
 
-The cube of section 4 with n x n x 2n elements takes one step by default (FACTor AUTO), on one thread.
-A size that was measured before with the same program is not measured again, so that the study
-continues after an interruption. --record keeps the results and writes doc/verification/scale.md and
-its figure.
+The cube of section 4 with n x n x 2n elements takes one step with default settings (FACTor AUTO),
+on one thread. A size already measured with the same program is not measured again, so that an
+interrupted study can be continued. --record saves the results and writes doc/verification/scale.md
+and its figure.
 """
 
 import argparse
@@ -23,22 +23,23 @@ HERE = pathlib.Path(__file__).resolve().parent
 DOC = HERE.parents[1] / "doc/verification"
 RECORD = HERE / "scale.json"
 SIZES = (8, 12, 16, 24, 32, 40, 56)
-WAYS_AT = 32  # size at which the ways to store factors are compared
-#: FACTor and limit of the address space [MB] that makes the program take each way at WAYS_AT.
+WAYS_AT = 32  # size at which the ways of storing factors are compared
+#: FACTor, and the limit of the address space [MB] that makes the program choose each way at
+#: WAYS_AT.
 WAYS = (("FULL", None), ("AUTO", None), ("FULL", 2200), ("AUTO", 1500))
 NOTE = "factors are made "
-DGEMM = "dgemm 500 [GFLOP/s]"  # in record.json, in double precision
+DGEMM = "dgemm 500 [GFLOP/s]"  # the entry of record.json, in double precision
 PARTS = ("assembly", "analyse", "factorise", "solve")
 
 PAGE = """# Size of models
 
 ## Summary
 
-- **Measured:** CPU time and memory of one load step of a cube with {small:,} to {large:,} equations, by default, on one thread.
+- **Measured:** CPU time and memory of one load step of a cube with {small:,} to {large:,} equations, with default settings, on one thread.
 - **Main result:** {main}
 - **Command:** `make bench ARGS=--scale`; `--record` after it writes this page from `verification/performance/scale.json`.
 
-## One step over the size
+## One step, by size
 
 {machine}
 
@@ -47,32 +48,32 @@ precision are made once and kept, and iterations with the tangent and the residu
 
 {sizes}
 
-![CPU time and memory over the number of equations](figures/scale.png)
+![CPU time and memory against the number of equations](figures/scale.png)
 
-- Between the two largest models the CPU time grows with the power {time_power:.2f} of the number of equations, and the memory with {memory_power:.2f}. Nested
-  dissection of a cube gives 2 for the operations and 4/3 for the entries of the factors in the limit.
-- If the error of the force fell with the second power of the element size, n = {fit[0]} and n = {fit[1]} would give {predicted:.9f} for n = {fit[2]};
-  the run gives {found:.9f} (relative difference {difference:.1e}). The clamped edges make the true power a little smaller.
+- Between the two largest models the CPU time grows as the number of equations to the power {time_power:.2f}, and the memory to the power {memory_power:.2f}.
+  For nested dissection of a cube the limits are 2 for the operations and 4/3 for the entries of the factors.
+- If the error of the force decreased as the square of the element size, n = {fit[0]} and n = {fit[1]} would give {predicted:.9f} for n = {fit[2]};
+  the run gives {found:.9f} (relative difference {difference:.1e}). Because of the clamped edges the true power is a little smaller.
 
-## Where memory is short
+## When memory is short
 
-One step with n = {ways_at} in four ways. The limit is one of `ulimit -v`; the program chooses the way by itself and says so in the log.
+One step with n = {ways_at} is solved in four ways. The limit is that of `ulimit -v`; the program chooses the way itself and names it in the log.
 
 {ways}
 
-## On paper: ten million unknowns and a thousand ranks
+## Extrapolation: ten million unknowns and a thousand ranks
 
-The constants are those measured above for {large:,} equations: {per_equation:.1f} KB of memory per equation in all. `--check` of that model, which holds
-mesh, state, pattern and analysis but no factors, takes {state_kb:.1f} KB per equation. What follows is a model and was not run.
+This section is an estimate; nothing in it was run. Its constants are those measured above for {large:,} equations: {per_equation:.1f} KB of memory per equation in all.
+`--check` of that model, which stores mesh, state, pattern and analysis but no factors, takes {state_kb:.1f} KB per equation.
 
-- **The factors** of $10^7$ equations ($n = {n_big}$) take {factors_big:,.0f} GiB in single precision, by the power 4/3, and {hours_big:,.0f} hours of the core that was
-  measured, by the power 2. A thousand ranks with an efficiency of 0.5 would take {minutes_big:.1f} minutes for a factorisation.
-- **The root front** belongs to a separator of about $3 n^2$ = {root:,.0f} unknowns: {root_gb:.1f} GiB in single precision. MUMPS distributes it in two
-  dimensions only with ScaLAPACK, which bezel switches off because the count of negative pivots needs the usual elimination. One rank takes
-  {root_minutes:.1f} minutes for it at the measured rate of dgemm, so that no number of ranks is more than {speed_up:,.0f} times as fast as one.
-- **The replicated state:** with `MPI=1` every rank holds mesh, state and pattern, {state_gb:.0f} GiB for $10^7$ equations. A node with 64 ranks would
-  need {node_gb:,.0f} GiB for that alone, so that few ranks per node with several threads each are the limit of this design. Beyond it the mesh has to be
-  distributed too.
+- **The factors** of $10^7$ equations ($n = {n_big}$) take {factors_big:,.0f} GiB in single precision, by the power 4/3, and {hours_big:,.0f} hours on one core of the
+  machine used, by the power 2. On a thousand ranks with an efficiency of 0.5, one factorisation would take {minutes_big:.1f} minutes.
+- **The root front** belongs to a separator of about $3 n^2$ = {root:,.0f} unknowns and takes {root_gb:.1f} GiB in single precision. MUMPS distributes it in two
+  dimensions only with ScaLAPACK, which bezel switches off because only the usual elimination counts negative pivots. At the measured rate of dgemm
+  one rank takes {root_minutes:.1f} minutes for it, so no number of ranks can be more than {speed_up:,.0f} times as fast as one.
+- **The replicated state:** with `MPI=1` every rank stores mesh, state and pattern, which is {state_gb:.0f} GiB for $10^7$ equations. A node with 64 ranks would
+  need {node_gb:,.0f} GiB for that alone, so this design is limited to a few ranks per node with several threads each. Larger models need a
+  distributed mesh as well.
 """
 
 
@@ -106,7 +107,7 @@ def machine():
 
 
 def table(rows):
-    """A row for each size."""
+    """One row for each size."""
     lines = [
         "| n | equations | iterations | CPU s | assembly | analysis | factors | solves | wall s | peak GiB | force |",
         "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
@@ -121,7 +122,7 @@ def table(rows):
 
 
 def ways_table(rows):
-    """A row for each way of storing factors."""
+    """One row for each way of storing factors."""
     lines = [
         "| FACTor | limit MB | factors | CPU s | wall s | peak GiB | force against the first |",
         "|---|--:|---|--:|--:|--:|--:|",
@@ -136,8 +137,8 @@ def ways_table(rows):
 
 
 def extrapolate(rows):
-    """The force at the largest n, extrapolated from the two smaller sizes, because the error falls
-    with n squared.
+    """The force at the largest n, extrapolated from the two smaller sizes for an error that
+    decreases as 1/n^2.
     """
     a, b, c = rows[-3:]
     slope = (a["force"] - b["force"]) / (a["n"] ** -2 - b["n"] ** -2)
@@ -145,7 +146,7 @@ def extrapolate(rows):
 
 
 def on_paper(row, check, dgemm):
-    """The numbers of the model for 1e7 equations; dgemm is the measured rate in single precision."""
+    """The estimates for 1e7 equations; dgemm is the measured rate in single precision."""
     growth = 1e7 / row["equations"]
     n = row["n"] * growth ** (1 / 3)
     root = 3 * n**2
@@ -178,7 +179,7 @@ def memory_of_check(bezel, folder, n):
 
 
 def draw(rows, path):
-    """CPU time and memory over the number of equations, compared with the powers of nested
+    """Plot CPU time and memory against the number of equations, with the powers of nested
     dissection.
     """
     with _style.styled() as plt:
@@ -226,9 +227,9 @@ def page(record):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
     parser.add_argument("--bezel", default="build/release/bezel")
-    parser.add_argument("--out", default="build/bench/scale", help="folder of all files")
+    parser.add_argument("--out", default="build/bench/scale", help="folder for all files")
     parser.add_argument("--sizes", type=int, nargs="+", default=SIZES)
-    parser.add_argument("--record", action="store_true", help="keep the results and write the page")
+    parser.add_argument("--record", action="store_true", help="save the results and write the page")
     o = parser.parse_args()
     bezel, folder = str(pathlib.Path(o.bezel).resolve()), pathlib.Path(o.out).resolve()
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""The tables of `make bench` in markdown: measured values, targets, and the change against the record."""
+"""The tables of `make bench` in Markdown: measured values, targets, and changes from the record."""
 
 from verification.performance import bench_contact, bench_peel
 
@@ -15,7 +15,9 @@ TITLES = {
 
 
 def same_force(result, tolerance):
-    """Whether bezel's solvers agree with each other and with FElupe; Q1E9 and CalculiX solve another problem."""
+    """Whether bezel's solvers agree with each other and with FElupe; Q1E9 and CalculiX are
+    different problems.
+    """
     rows = result["runs"]
     same = [n for n in ("default", "reuse", "single", "felupe", "felupe, symmetric") if n in rows]
     return all(difference(rows, name) <= tolerance for name in same)
@@ -27,7 +29,7 @@ def difference(rows, name):
 
 
 def render(result, record, tolerance):
-    """The whole text."""
+    """The whole text of bench.md."""
     parts = [head(result), cube(result, tolerance), targets(result), kernels(result)]
     if "contact" in result:
         parts.append(bench_contact.table(result["contact"]))
@@ -92,7 +94,7 @@ def cube(result, tolerance):
 
 
 def targets(result):
-    """The targets of the project and what was measured."""
+    """The targets of the project, and what was measured."""
     rows, lines = result["runs"], ["| target | required | measured |", "|---|--:|--:|"]
 
     def line(text, wanted, found, good):
@@ -121,7 +123,7 @@ def targets(result):
 
 
 def kernels(result):
-    """Microseconds per element."""
+    """The times of the kernels in microseconds."""
     if not result["kernels"]:
         return ""
     lines = ["| kernel | |", "|---|--:|"]
@@ -130,7 +132,7 @@ def kernels(result):
 
 
 def change(result, record):
-    """The change against the record."""
+    """A table of the changes from the record."""
     if record["n"] != result["n"]:
         return f"The record of {record['date']} has n = {record['n']}, so there is no comparison.\n"
     lines = [

@@ -1,8 +1,8 @@
-"""The cube of cube.inp with CalculiX: write the input and read the results.
+"""The cube of cube.inp with CalculiX: write its input and read its results.
 
-CalculiX's neo-Hooke has W = C10 (I1 J^(-2/3) - 3) + (J - 1)^2/D1. C10 = mu/2 and D1 = 2/K make it
-the same material at small strains; at 25 % compression the force differs by some per cent.
-Elements are C3D8 with eight points. Debian's CalculiX solves with SPOOLES.
+The neo-Hooke law of CalculiX is W = C10 (I1 J^(-2/3) - 3) + (J - 1)^2/D1. With C10 = mu/2 and D1 =
+2/K it is the same material at small strains; at 25 % compression the force differs by some per
+cent. Elements are C3D8 with eight integration points. Debian's CalculiX solves with SPOOLES.
 """
 
 import re
@@ -13,7 +13,7 @@ LIFT = -0.25
 
 
 def write_input(path, n):
-    """Write mesh, material, supports and one step of five increments."""
+    """Write the mesh, the material, the supports and one step of five increments."""
     row, layer = n + 1, (n + 1) ** 2
 
     def node(i, j, k):
@@ -53,7 +53,7 @@ def write_input(path, n):
 
 
 def read_output(folder, output):
-    """Force on the top, iterations, version."""
+    """(force on the top, iterations, version)."""
     forces = re.findall(r"total force.*?\n\s*\n(.*)\n", (folder / "cube.dat").read_text())
     rows = [line.split() for line in (folder / "cube.sta").read_text().splitlines()[2:]]
     version = re.search(r"CalculiX\s+Version\s+([\d.]+)", output)

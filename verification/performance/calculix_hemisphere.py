@@ -1,11 +1,11 @@
-"""The hemisphere that is pressed on a block and twisted, section 5 of Corbett and Sauer 2015, with
-CalculiX: write the input and read the results.
+"""The hemisphere that is pressed on a block and twisted (section 5 of Corbett and Sauer 2015), with
+CalculiX: write its input and read its results.
 
-The nodes are those of bezel's Q1 mesh. Elements are C3D8 with eight points, and contact is of the
-type surface to surface, with the hemisphere as the slave, linear pressure and the stick slope eps.
-Increments are 1/20 of the downward motion and 3 degrees. The rim is turned by means of amplitudes,
-two per node. The neo-Hooke law is that of calculix_cube.py, with (J - 1)^2 instead of the (ln J)^2
-of bezel.
+The nodes are those of bezel's Q1 mesh. Elements are C3D8 with eight integration points. Contact is
+of the type surface to surface, with the hemisphere as the slave, a linear pressure-overclosure
+relation and the stick slope eps. Increments are 1/20 of the downward motion, then 3 degrees. The
+rim is turned by means of amplitudes, two per node. The neo-Hooke law is that of calculix_cube.py,
+with (J - 1)^2 instead of the (ln J)^2 of bezel.
 """
 
 import math
@@ -13,14 +13,16 @@ import re
 
 DOWN, TURN = 20, 60  # increments
 DEGREES = 180.0
-SLIDING = 120.0  # degrees from which all points slide
-HEMI, BLOCK = 5.0, 1.0  # Young's moduli
+SLIDING = 120.0  # angle [degrees] from which all points slide
+HEMI, BLOCK = 5.0, 1.0  # Young's moduli of the hemisphere and of the block
 NU = 0.3
 INNER = 2 / 3  # radius of the inner surface
 
 
 def outer_point(u, v):
-    """Point of the unit sphere below (0, 0, 1), by an elliptical map to the disc and then the sphere."""
+    """Point of the lower unit hemisphere for (u, v), by an elliptical map to the disc and one to
+    the sphere.
+    """
     x, y = 2 * u - 1, 2 * v - 1
     a, b = x * math.sqrt(1 - y * y / 2), y * math.sqrt(1 - x * x / 2)
     r = math.hypot(a, b)
@@ -29,7 +31,9 @@ def outer_point(u, v):
 
 
 class Mesh:
-    """Nodes (x, y, z) and hexahedra of a lattice of nx x ny x nz elements, numbered from `first`."""
+    """Nodes (x, y, z) and hexahedra of a lattice of nx x ny x nz elements, numbered from
+    `first_...` on.
+    """
 
     def __init__(self, size, first_node, first_element, place):
         self.size, self.first_node, self.first_element = size, first_node, first_element
@@ -58,13 +62,13 @@ class Mesh:
 
 
 def meshes(n, m, k):
-    """Hemisphere (layer 0 is the inner one) and block."""
+    """The hemisphere (whose layer 0 is the inner one) and the block."""
 
     def shell(i, j, layer):
         radius = INNER + (1 - INNER) * layer / m
         x, y, z = outer_point(
             i / n, 1 - j / n
-        )  # mirrored: outward is up and the elements stay right-handed
+        )  # mirrored, so that the third direction points outward and the elements are right-handed
         return radius * x, radius * y, 1 + radius * z
 
     def box(i, j, layer):
@@ -98,7 +102,7 @@ def contact(eps, mu, swapped):
 
 
 def write_input(path, mesh, mu, swapped=False):
-    """Write the mesh {n, m, k, eps}, a step that moves down and a step that turns; swapped: the
+    """Write the mesh (n, m, k, eps), a step that moves down and a step that turns; swapped: the
     block is the slave.
     """
     n, m, k = (mesh[name] for name in "nmk")
@@ -158,7 +162,9 @@ def step(increments, records):
 
 
 def read_output(folder, output, mesh):
-    """Iterations, final angle, and mean forces and torques of rim and base while all points slide."""
+    """Iterations, final angle, and mean forces and torques of rim and base while all points
+    slide.
+    """
     tables = read_tables(folder / "hemisphere.dat")
     rows = [line.split() for line in (folder / "hemisphere.sta").read_text().splitlines()[2:]]
     rows = [row for row in rows if len(row) > 6]
@@ -180,7 +186,7 @@ def read_output(folder, output, mesh):
 
 
 def read_tables(path):
-    """{time: {"rim" or "base": {node: [displacements, forces]}}} of the .dat file."""
+    """{time: {"rim" or "base": {node: [displacements, forces]}}} from the .dat file."""
     tables, rows = {}, None
     for line in path.read_text().splitlines():
         if head := re.search(
@@ -194,7 +200,7 @@ def read_tables(path):
 
 
 def resultant(rows, nodes):
-    """Force along z and torque about the axis, at current positions."""
+    """Force along z and torque about the axis, at the current positions."""
     force = torque = 0.0
     for a, (u, f) in rows.items():
         force += f[2]

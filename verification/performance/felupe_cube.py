@@ -1,8 +1,9 @@
 """Solve the cube of cube.inp with FElupe and print JSON: `felupe_cube.py n SOLVER`.
 
 SOLVER is pardiso, which the documentation of FElupe recommends; symmetric, which is Pardiso for a
-symmetric matrix given by its upper triangle; or superlu, the default of FElupe (scipy). The seconds
-are those of the Newton iterations, without the imports and the making of the mesh.
+symmetric matrix given by its upper triangle; or superlu, the default of FElupe (from scipy). The
+seconds are those of the Newton iterations, without imports and without the construction of the
+mesh.
 """
 
 import json
@@ -16,11 +17,11 @@ import scipy.sparse
 STEPS = 5
 LIFT = -0.25
 E, NU = 1.0, 0.2
-TOLERANCE = 1e-9  # of the residual's norm over the reactions' norm
+TOLERANCE = 1e-9  # norm of the residual relative to that of the reactions
 
 
 def linear_solver(name):
-    """A function (A, b) -> x for FElupe."""
+    """A function (A, b) -> x to pass to FElupe."""
     if name == "superlu":
         return scipy.sparse.linalg.spsolve
     import pypardiso
@@ -32,7 +33,7 @@ def linear_solver(name):
 
 
 def main(n, name):
-    """Solve and print."""
+    """Solve the cube and print the results."""
     mesh = fem.Cube(a=(0, 0, 0), b=(0.5, 0.5, 1), n=(n + 1, n + 1, 2 * n + 1))
     field = fem.FieldContainer([fem.Field(fem.RegionHexahedron(mesh), dim=3)])
     law = fem.NeoHookeCompressible(mu=E / 2 / (1 + NU), lmbda=E * NU / (1 + NU) / (1 - 2 * NU))

@@ -1,13 +1,13 @@
-"""Print the numbers of this implementation, and on request those of the program.
+"""Print the results of this implementation and, on request, those of the program.
 
     .venv/bin/python -m verification.reference section4 [--n 1 2 4]
     .venv/bin/python -m verification.reference hemisphere [--mu 0 0.5] [--degrees 180] [--mesh 1]
     .venv/bin/python -m verification.reference strip [--lift 1]
     .venv/bin/python -m verification.reference all --compare build/release/bezel
 
-With --compare the program runs the decks of verification/benchmark, its numbers are printed below,
-and the differences are relative to the largest value of the column in that run. The exit code is 1
-if a difference exceeds BOUND. --elements NAME ... selects elements.
+With --compare, the program runs the decks of verification/benchmark, and its results are printed
+below ours. Differences are relative to the largest value of the column in that run. The exit code
+is 1 if a difference exceeds BOUND. --elements NAME ... selects elements.
 """
 
 import argparse
@@ -23,11 +23,11 @@ from verification import TOP
 from verification.reference import hemisphere, section4, strip
 
 DECKS = TOP / "verification/benchmark"
-BOUND = 1e-8  # of the differences; the largest that were measured are on the page reference.md
+BOUND = 1e-8  # of the differences; the largest ones measured are on the page reference.md
 
 
 def main(argv=None):
-    """Run the scenes, print a table of each, return the exit code."""
+    """Run the chosen problems, print a table of each, return the exit code."""
     o = parser().parse_args(argv)
     scenes = {"section4": run_section4, "hemisphere": run_hemisphere, "strip": run_strip}
     worst = 0.0
@@ -47,19 +47,27 @@ def parser():
     p.add_argument("--compare", metavar="BEZEL", help="the program to compare with")
     p.add_argument("--elements", nargs="+", metavar="NAME")
     p.add_argument("--n", nargs="+", type=int, default=[1, 2, 4], help="meshes of section 4")
-    p.add_argument("--prism-points", type=int, default=3, help="of prisms Q1E9N2 along zeta")
+    p.add_argument("--prism-points", type=int, default=3, help="points of prisms Q1E9N2 along zeta")
     p.add_argument("--mu", nargs="+", type=float, default=[0.0, 0.5], help="friction coefficients")
     p.add_argument(
         "--degrees",
         type=int,
         default=180,
-        help="turn, a multiple of 3; every 15 degrees are printed",
+        help="final rotation, a multiple of 3; every 15 degrees are printed",
     )
-    p.add_argument("--down", type=int, default=20, help="steps of the impression")
-    p.add_argument("--slide", default="exact", choices=("exact", "tangent"), help="see contact.py")
+    p.add_argument("--down", type=int, default=20, help="number of steps of the indentation")
+    p.add_argument(
+        "--slide",
+        default="exact",
+        choices=("exact", "tangent"),
+        help="update of sliding points, see contact.py",
+    )
     p.add_argument("--mesh", type=int, default=1, choices=(1, 2), help="mesh of the hemisphere")
     p.add_argument(
-        "--lift", type=float, default=1.0, help="of the strip, a multiple of 0.25 up to 5"
+        "--lift",
+        type=float,
+        default=1.0,
+        help="final lift of the strip, a multiple of 0.25 up to 5",
     )
     return p
 
@@ -124,7 +132,7 @@ def chosen(o, names):
 
 
 def deck_name(elements):
-    """The name of the deck of a type of elements.
+    """The name of the deck of an element type.
 
     >>> deck_name("Q1E9+Q1N2.1"), deck_name("Q1N2 on 1+ and 2+")
     ('q1e9_q1n2.1', 'q1n2_2')
@@ -135,7 +143,7 @@ def deck_name(elements):
 
 
 def program(bezel, deck, curve, **values):
-    """The columns of a curve of the program, which runs the deck with these parameters."""
+    """The columns of a curve of the program, for a deck run with these parameters."""
     sets = [w for k, v in values.items() for w in ("--set", f"{k}={v:g}")]
     with tempfile.TemporaryDirectory() as folder:
         command = [
@@ -153,7 +161,7 @@ def program(bezel, deck, curve, **values):
 
 
 def pick(column, wanted):
-    """The rows at which a column has the wanted values."""
+    """The rows in which a column has the wanted values."""
     at = abs(column[:, None] - wanted).argmin(axis=0)
     if (abs(column[at] - wanted) > 1e-9).any():
         sys.exit("reference: error: the program has no row at one of the steps")
@@ -161,7 +169,9 @@ def pick(column, wanted):
 
 
 class Rows:
-    """A table that is printed while it grows: a row of numbers, below it those of the program."""
+    """A table that is printed as it grows: a row of our numbers, and below it those of the
+    program.
+    """
 
     def __init__(self, heading, labels, compare):
         self.compare, self.worst = compare, 0.0
@@ -176,7 +186,9 @@ class Rows:
         print("  ".join([w.rjust(n) for w, n in zip(words, self.widths)] + last), flush=True)
 
     def add(self, labels, numbers, other=None, shown=slice(None)):
-        """Rows of one run; only those of the slice are printed, all of them are compared."""
+        """Add the rows of one run; only those in the slice `shown` are printed, but all are
+        compared.
+        """
         numbers = np.asarray(numbers)
         values = lambda row: [f"{v:.9f}" if abs(v) > 5e-10 else "0" for v in row]
         if other is not None:

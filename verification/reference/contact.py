@@ -1,8 +1,8 @@
 """Contact in two half passes: penalty (26), Coulomb friction (27)-(29), debonding (30)-(31).
 
-Each side is integrated separately: the traction at a point of side k comes from its foot on side l
-and loads side k only. The derivatives of the traction are taken by complex steps of the vectors
-that it depends on; the foot is obtained by one Newton step, which gives the exact first derivative.
+Each side is integrated separately: the traction at a point of side k depends on its foot on side l,
+and loads side k only. The traction is differentiated by complex steps in the vectors on which it
+depends. The foot is found by one Newton step, whose first derivative is exact.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from verification.reference.surface import Surface, metric, newton_step, orthogonality
 from verification.reference.system import scatter
 
-STEP = 1e-30  # of the complex derivative
+STEP = 1e-30  # length of the complex step
 
 
 def dot(a, b):
@@ -18,32 +18,33 @@ def dot(a, b):
 
 
 def norm(a):
-    """The length of vectors; no conjugate, so that it can be differentiated by complex steps."""
+    """The length of vectors, without conjugation so that complex steps can differentiate it."""
     return np.sqrt(dot(a, a))
 
 
 class HalfPass:
     """The points of side k (own) against the surface of side l (other), with their history.
 
-    exact: a slipping point's sliding point is moved exactly, otherwise to first order; see _behind.
+    exact: update the sliding point of a slipping point exactly instead of to first order; see
+    _behind.
     """
 
     def __init__(self, own, other, penalty, mu=0.0, depth=np.inf, exact=True):
         self.exact = exact
         self.own, self.other, self.penalty, self.mu, self.depth = own, other, penalty, mu, depth
-        self.sliding = None  # parameters of the sliding points, from the first accepted step on
+        self.sliding = None  # parameters of the sliding points; set when a step is first accepted
         self.bond = None
 
     def traction(self, y, fixed):
         """Traction times current area at the active points.
 
-        y: x, a_1, a_2 of side k, x_p, a_1, a_2 of side l, the sliding point; (P, 3) each.
-        fixed: a_11, a_12, a_22 and H of the projection, the weights.
+        y: the position x and a_1, a_2 of side k; x_p, a_1, a_2 of side l; the sliding point; (P, 3)
+        each. fixed: a_11, a_12, a_22 and H of the projection, and the weights.
         """
         x, k1, k2, s, l1, l2, stuck = y
         second, H, w = fixed
         r = np.concatenate([dot(x - s, l1), dot(x - s, l2)], axis=1)
-        d = np.linalg.solve(H, r[:, :, None])  # the foot moves by d
+        d = np.linalg.solve(H, r[:, :, None])  # increment of the foot's parameters
         s = s + l1 * d[:, 0] + l2 * d[:, 1]
         l1 = l1 + second[:, 0] * d[:, 0] + second[:, 1] * d[:, 1]
         l2 = l2 + second[:, 1] * d[:, 0] + second[:, 2] * d[:, 1]
@@ -54,7 +55,7 @@ class HalfPass:
         if self.friction:
             D = (x - stuck) - dot(x - stuck, n) * n  # the reversible slip of eq. (27)
             length = norm(D)
-            # eq. (29); a point that slipped is at the limit when a step begins, and counts as slipping
+            # eq. (29); a point that has slipped starts a step at the limit, and counts as slipping
             slips = self.penalty * length.real > self.mu * p.real * (1 - 1e-9)
             ratio = np.where(slips, self.mu * p / np.where(slips, length, 1), self.penalty)
             t = t - ratio * D  # stick, or eq. (28)
@@ -101,7 +102,7 @@ class HalfPass:
         )  # fmt: skip
 
     def accept(self):
-        """Keep the history of a converged step: sticking points keep their sliding points."""
+        """Store the history of a converged step; sticking points keep their sliding points."""
         if not self.mu:
             return
         old, self.sliding = self.sliding, self.foot.copy()
@@ -112,7 +113,7 @@ class HalfPass:
                 self.sliding[self.active[moves]] = self._behind(moves)
 
     def _behind(self, moves):
-        """Sliding points at which the reversible slip D is mu p / eps_t along the old D.
+        """Move the sliding points to where the reversible slip D is mu p / eps_t along the old D.
 
         This takes one step in the tangent plane at the foot, as in Sauer and De Lorenzis; with
         `exact`, the step is repeated until D has that value.
@@ -153,12 +154,12 @@ class HalfPass:
         return abs(np.einsum("pa,pa->p", functions[:, 0], T[nodes])).max()
 
     def resultant(self):
-        """The force of the contact tractions on side k and their moment about the origin."""
+        """The force of the contact tractions on side k, and their moment about the origin."""
         return self.force.sum(axis=0), np.cross(self.place, self.force).sum(axis=0)
 
 
 class Bond:
-    """The exponential law (31) between points of side k and their reference feet on side l."""
+    """The exponential law (31) between the points of side k and their reference feet on side l."""
 
     def __init__(self, half, X, T0, g0, bonded):
         side, other = half.own, half.other
@@ -171,7 +172,7 @@ class Bond:
         self.T0, self.g0 = T0, g0
 
     def add(self, half, x, points, f, K):
-        """Add T_c dA and its derivative; nothing but the gap vector g^0 varies."""
+        """Add T_c dA and its derivative, in which nothing but the gap vector g^0 varies."""
         side, on = half.own, self.on
         g = points[on] - np.einsum("pa,pai->pi", self.functions, x[self.nodes])
         r = norm(g)
@@ -188,7 +189,9 @@ class Bond:
 
 
 def load(f, K, nodes, functions, force, slopes):
-    """Put the forces (P, 3) of points on nodes, and their derivatives [(nodes, (P, 3, A, 3))]."""
+    """Assemble the forces (P, 3) at points to nodes, with their derivatives [(nodes, (P, 3, A,
+    3))].
+    """
     dofs = lambda m: (3 * m[:, :, None] + np.arange(3)).reshape(len(m), -1)
     P, A = nodes.shape
     fe = -functions[:, :, None] * force[:, None, :]
@@ -199,7 +202,7 @@ def load(f, K, nodes, functions, force, slopes):
 
 
 class Contact:
-    """Both half passes between two faces."""
+    """Both half passes of the contact between two faces."""
 
     def __init__(self, faces, signs, q, *law, **options):
         one, two = (Surface(face, sign, q) for face, sign in zip(faces, signs))

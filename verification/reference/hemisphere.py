@@ -9,33 +9,37 @@ from verification.reference.system import System, advance
 
 MESHES = {1: (3, 1, 2, 125.0), 2: (7, 2, 4, 250.0)}  # n, m, k, penalty: Table 4
 ELEMENTS = ("IGA2", "Q1E9+Q1N2", "Q1E9+Q1N3", "Q1E9+Q1N2.1")
-DEPTH = 1.0  # of the impression, in L0
+DEPTH = 1.0  # depth of the indentation, in L0
 
 
 def sphere(u, v):
-    """The unit square on the lower unit hemisphere: elliptical map to the disc, then azimuthal."""
+    """Map the unit square to the lower unit hemisphere: elliptically to the disc, then
+    azimuthally.
+    """
     x, y = 2 * u - 1, 2 * v - 1
     a, b = x * np.sqrt(1 - y**2 / 2), y * np.sqrt(1 - x**2 / 2)
     angle = np.pi / 2 * np.hypot(a, b)
-    scale = np.pi / 2 * np.sinc(angle / np.pi)  # sin(angle) over the radius in the disc
+    scale = np.pi / 2 * np.sinc(angle / np.pi)  # sin(angle) divided by the radius in the disc
     return np.stack([a * scale, b * scale, -np.cos(angle)], axis=-1)
 
 
 def outer_surface(p, n, t):
-    """Space and control points (A, A, 3) of the spline that interpolates the map, raised t times."""
+    """Space and control points (A, A, 3) of the spline that interpolates the map, elevated t
+    times.
+    """
     space = Space(p, n)
     g = space.greville
     inverse = np.linalg.inv(space.matrix(g))
     C = np.einsum("ai,bj,ijc->abc", inverse, inverse, sphere(g[:, None], g[None, :]))
     raised = space.elevated(t)
-    if t:  # the raised space holds the spline, so that interpolation is exact
+    if t:  # the elevated space contains the spline, so that interpolation is exact
         M = np.linalg.inv(raised.matrix(raised.greville)) @ space.matrix(raised.greville)
         C = np.einsum("ai,bj,ijc->abc", M, M, C)
     return raised, C
 
 
 def hemisphere(name, n, m):
-    """Patch and positions; direction 3 runs from the outer surface inwards to 2/3 of it."""
+    """Patch and positions; direction 3 runs from the outer surface inwards to 2/3 of its radius."""
     if name == "IGA2":
         patch, (p, t) = body(name, (n, n, m)), (2, 0)
     else:
@@ -45,7 +49,7 @@ def hemisphere(name, n, m):
     u, v, w = patch.parameters.T
     if name == "IGA2":
         x = np.repeat(C.reshape(-1, 3), patch.faces[0, 0].nodes.shape[1], axis=0)
-    else:  # inner nodes: points of the spline; the face itself: its control points
+    else:  # inner nodes lie on the spline; the nodes of the face are its control points
         x = np.einsum("pa,pb,abc->pc", space.matrix(u), space.matrix(v), C)
         x[patch.faces[2, 0].nodes] = C
     return patch, x * (1 - w / 3)[:, None] + (0, 0, 1)
@@ -88,7 +92,7 @@ def run(name, mu, mesh=1, degrees=180, exact=True, down=20):
         (f1, m1), (f2, m2) = (side.resultant() for side in sides)
         return angle, f1[2], m1[2], f2[2], m2[2], sides[0].largest(0), sides[1].largest(0)
 
-    system.contact.accept()  # all points stick at first: each sliding point is its foot
+    system.contact.accept()  # all points stick at first, so each sliding point is the foot
     yield row(0.0)
     turn = advance(
         system, lambda t: place(1, t * degrees), round(degrees / 3), system.contact.accept

@@ -1,4 +1,4 @@
-"""Patches whose layers at some faces are enriched, eqs. (15) and (16)."""
+"""Patches with enriched layers at some of their faces, eqs. (15) and (16)."""
 
 import numpy as np
 
@@ -18,9 +18,10 @@ from verification.reference.spline import Space
 def layered_patch(counts, enriched, base="Q1", layer="Q1N2", prism_points=None):
     """Elements Q1, Q1E9 or Q2 whose layers at the faces `enriched` are Q1Np.t, Q2Np.t or Q1E9Np.t.
 
-    Where two enriched faces meet, each element of the edge column becomes two prisms (section 4.1):
-    the inner face of the enriched hexahedron collapses onto the inner line where both layers meet.
-    prism_points: integration points of the prisms along zeta, if not those of the other elements.
+    Where two enriched faces meet, each element of the column along their edge becomes two prisms
+    (section 4.1): the inner face of the enriched hexahedron collapses onto the line where both
+    layers meet. prism_points: integration points of the prisms along zeta, if different from those
+    of other elements.
     """
     b = int(base[1])  # degree of the Lagrange functions
     if b == 2 and len(enriched) > 1:
@@ -42,7 +43,7 @@ def layered_patch(counts, enriched, base="Q1", layer="Q1N2", prism_points=None):
         for i, j in np.ndindex(nodes.shape):
             where = np.insert([plane[0].greville[i], plane[1].greville[j]], d, float(side))
             key = tuple(where.round(12))
-            if key not in known:  # the control points of a common edge belong to both faces
+            if key not in known:  # faces share the control points of their common edge
                 known[key] = len(parameters)
                 parameters.append(where)
             nodes[i, j] = known[key]
@@ -59,7 +60,7 @@ def layered_patch(counts, enriched, base="Q1", layer="Q1N2", prism_points=None):
 
 
 def _at(d, index):
-    """The index of a plane of a grid: number `index` of direction d."""
+    """The index that selects plane number `index` of a grid in direction d."""
     return (slice(None),) * d + (index,)
 
 
@@ -76,7 +77,7 @@ def _layer(grid, b, face, d, side, enriched, enhanced, prism_points):
     numbers = [Space(b, s.n, b).basis(flat[:, i])[0] for i, s in enumerate(spaces)]
     for i, axis in enumerate([i for i in range(3) if i != d]):
         low, high = ((axis, 0) in enriched), grid.shape[axis] - 1 - ((axis, 1) in enriched)
-        moved = np.clip(numbers[i], low, high)  # a corner below another enriched face moves inside
+        moved = np.clip(numbers[i], low, high)  # corners below another enriched face move
         prism |= (moved != numbers[i]).any(axis=1).reshape(len(x), -1).any(axis=1)
         numbers[i] = moved
     for j in range(1, b + 1):
@@ -101,7 +102,8 @@ def _layer(grid, b, face, d, side, enriched, enhanced, prism_points):
 def layer_slopes(spaces, b, x, zeta):
     """Derivatives (E, Q, A, 3) of the enriched functions, eqs. (15) and (16), at x (E, Q, 2).
 
-    First those of the surface, then a plane of Lagrange functions for each further node in zeta.
+    The derivatives of the surface functions come first, then one plane of Lagrange functions for
+    each further node in zeta.
     """
     flat = x.reshape(-1, 2)
     lagrange = [Space(b, s.n, b) for s in spaces]
@@ -110,7 +112,7 @@ def layer_slopes(spaces, b, x, zeta):
     )
     if b == 1:  # eq. (17)
         line, slope = ((1 - zeta) / 2, (1 + zeta) / 2), (-0.5, 0.5)
-    else:  # eq. (18), in the order of the nodes
+    else:  # eq. (18), with the functions in the order of the nodes
         line = ((zeta**2 - zeta) / 2, 1 - zeta**2, (zeta**2 + zeta) / 2)
         slope = (zeta - 0.5, -2 * zeta, zeta + 0.5)
     parts = [outer] + [inner] * b

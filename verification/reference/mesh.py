@@ -1,4 +1,5 @@
-"""Patches of hexahedra with tensor products of splines, eq. (14), and what all patches consist of.
+"""Patches of hexahedra with tensor products of splines, eq. (14), and the parts of which patches
+consist.
 
 A block is a batch of elements with the same number of functions. Its functions are given by their
 derivatives with respect to the parameters of the patch at the integration points.
@@ -28,7 +29,9 @@ class Block:
 
 @dataclass
 class Face:
-    """A face as a surface: spaces of its two directions and the numbers of its control points."""
+    """A face as a surface: the spaces of its two directions, and the numbers of its control
+    points.
+    """
 
     spaces: tuple
     nodes: np.ndarray
@@ -43,7 +46,7 @@ class Patch:
     faces: dict
 
     def shifted(self, first):
-        """The blocks and faces with node numbers from `first` on."""
+        """The same blocks and faces, with node numbers that start from `first`."""
         for block in self.blocks:
             block.nodes = block.nodes + first
         for face in self.faces.values():
@@ -52,7 +55,7 @@ class Patch:
 
 
 def tensor(functions):
-    """Values and derivatives of products: functions of 1 to 3 directions, (P, 3, A) each.
+    """Values and derivatives of products of functions of 1 to 3 directions, (P, 3, A) each.
 
     Returns values (P, A) and first derivatives (P, A, d); the first direction varies slowest.
     """
@@ -65,7 +68,9 @@ def tensor(functions):
 
 
 def grid_numbers(numbers, shape):
-    """Numbers of a grid from the numbers (P, a) in each direction, in the order of `tensor`."""
+    """Node numbers in a grid from the numbers (P, a) in each direction, in the order of
+    `tensor`.
+    """
     result = numbers[0]
     for n, size in zip(numbers[1:], shape[1:]):
         result = (result[:, :, None] * size + n[:, None, :]).reshape(len(result), -1)
@@ -87,7 +92,7 @@ def rule(spaces, points):
 
 
 def tensor_block(spaces, points, grid):
-    """The elements of a tensor-product patch whose control points have the numbers grid."""
+    """The elements of a tensor-product patch whose control points have the numbers in `grid`."""
     x, w = rule(spaces, points)
     flat = x.reshape(-1, 3)
     found = [s.basis(flat[:, i]) for i, s in enumerate(spaces)]
@@ -98,7 +103,7 @@ def tensor_block(spaces, points, grid):
 
 
 def tensor_patch(spaces, points):
-    """A patch of splines in all directions: Q1, Q2 and IGAp."""
+    """A patch of splines in all directions: Q1, Q2 or IGAp."""
     shape = tuple(s.size for s in spaces)
     grid = np.arange(np.prod(shape)).reshape(shape)
     parameters = np.stack(np.meshgrid(*[s.greville for s in spaces], indexing="ij"), axis=-1)
@@ -111,7 +116,7 @@ def tensor_patch(spaces, points):
 
 
 def q1_modes(spaces):
-    """The data for the nine enhanced modes: xi at the points (Q, 3), and derivatives at the
+    """The data for the nine enhanced modes: xi at the points (Q, 3), and the derivatives at the
     centre.
     """
     line = np.polynomial.legendre.leggauss(2)[0]

@@ -8,7 +8,7 @@ from verification.reference.spline import Space
 from verification.reference.system import System, advance
 
 LIFTS = {"compression": -0.25, "extension": 1.0}
-#: name: its meshes; the order of the paper's figures
+#: element type: its meshes; in the order of the paper's figures
 ELEMENTS = (
     "Q1", "Q2", "IGA2", "Q1E9", "Q1N2 on 1+", "Q1N2 on 1+ and 2+",
     "Q1E9+Q1N2 on 1+", "Q1E9+Q1N2 on 1+ and 2+", "Q2N2 on 1+",
@@ -17,7 +17,7 @@ ELEMENTS = (
 
 
 def body(name, counts, prism_points=3):
-    """A patch of n1 x n2 x n3 elements; name: Q1, Q1E9, Q2, IGA2, or like "Q1+Q1N2 on 1+ and
+    """A patch of n1 x n2 x n3 elements; name: Q1, Q1E9, Q2, IGA2, or of the form "Q1+Q1N2 on 1+ and
     2+".
     """
     kind, _, faces = name.partition(" on ")
@@ -26,7 +26,7 @@ def body(name, counts, prism_points=3):
             ({"1": 0, "2": 1, "3": 2}[f[0]], int(f[1] == "+")) for f in faces.split(" and ")
         ]
         base, _, layer = kind.rpartition("+")
-        points = prism_points if "E9" in layer else None  # j0/j is rational in the prisms
+        points = prism_points if "E9" in layer else None  # j0/j is a rational function in prisms
         return layered_patch(counts, enriched, base or layer[:2], layer, points)
     p, repeat = {"Q1": (1, 1), "Q1E9": (1, 1), "Q2": (2, 2), "IGA2": (2, 1)}[kind]
     spaces = [Space(p, n, repeat) for n in counts]

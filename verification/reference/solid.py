@@ -1,21 +1,23 @@
-"""Bulk of the bodies: neo-Hooke, eqs. (32)-(33), in large deformation, and enhanced strains.
+"""Bulk elements: neo-Hooke at large deformations, eqs. (32) and (33), and enhanced strains.
 
 The enhanced deformation gradient of Simo and Armero (1992),
     F = F_u + j0/j sum_i a_i (x) xi_i J0^-T e_i,
-has the form of three more nodes of an element, with the "displacements" a_i and the "gradients"
-j0/j xi_i J0^-T e_i. So the nine parameters are three more unknown vectors of the whole system, and
-nothing is condensed.
+is what three further nodes of an element would contribute, with the "displacements" a_i and the
+"gradients" j0/j xi_i J0^-T e_i. The nine parameters are therefore treated as three more unknown
+vectors of the whole system, and nothing is condensed.
 """
 
 import numpy as np
 
 
 class Inverted(Exception):
-    """A determinant of the deformation gradient is not positive."""
+    """The deformation gradient has a determinant that is not positive."""
 
 
 class Solid:
-    """The elements of one block: gradients (E, Q, A, 3) and weights (E, Q) in the reference state."""
+    """The elements of one block: gradients (E, Q, A, 3) and weights (E, Q) in the reference
+    state.
+    """
 
     def __init__(self, block, X, E, nu, first_mode):
         jacobian = np.einsum("eai,eqaj->eqij", X[block.nodes], block.derivatives)

@@ -1,8 +1,8 @@
-"""B-splines of one direction (sections 2.2 and 2.5 of the paper), by the recursion of Cox and de Boor.
+"""B-splines in one direction (sections 2.2 and 2.5 of the paper), by the Cox-de Boor recursion.
 
 The paper writes the same functions as Bernstein polynomials times extraction operators, eq. (8).
-Lagrange elements are splines too: degree 1, and degree 2 with every interior knot repeated, span
-the spaces of Q1 and Q2. All weights are one, so that R = N in eq. (12).
+Lagrange elements are splines too: those of degree 1, and those of degree 2 with every interior knot
+repeated, span the spaces of Q1 and Q2. All weights are one, so that R = N in eq. (12).
 """
 
 from dataclasses import dataclass
@@ -34,9 +34,9 @@ class Space:
         return np.array([self.knots[i + 1 : i + self.p + 1].mean() for i in range(self.size)])
 
     def basis(self, x):
-        """The p+1 functions that are not zero at x (P,), their first and second derivatives.
+        """The p+1 functions that are not zero at x (P,), with their first and second derivatives.
 
-        Returns their numbers (P, p+1) and their values (P, 3, p+1).
+        Return their numbers (P, p+1) and their values (P, 3, p+1).
         """
         k, p = self.knots, self.p
         span = np.clip(np.searchsorted(k, x, side="right") - 1, p, self.size - 1)
@@ -55,14 +55,16 @@ class Space:
         return numbers, values.transpose(1, 0, 2)
 
     def matrix(self, x):
-        """The values of all functions at x, (P, size)."""
+        """The values of all functions at x, as a matrix (P, size)."""
         numbers, values = self.basis(x)
         full = np.zeros((len(x), self.size))
         np.put_along_axis(full, numbers, values[:, 0], axis=1)
         return full
 
     def elevated(self, t):
-        """The space after t order elevations (section 2.5, step 4): knots gain multiplicity."""
+        """The space after t degree elevations (section 2.5, step 4): the multiplicity of knots
+        grows by t.
+        """
         return Space(self.p + t, self.n, self.repeat + t)
 
 

@@ -1,4 +1,4 @@
-"""Section 5.1: the first lift of a strip that is bonded to a plate, mesh 1 of Table 1."""
+"""Section 5.1: the first lift of a strip that is bonded to a plate, on mesh 1 of Table 1."""
 
 import numpy as np
 
@@ -9,11 +9,11 @@ from verification.reference.system import System, advance
 ELEMENTS = ("IGA2", "Q1E9+Q1N2")
 T0, G0, PENALTY = 0.1, 0.08, 10.0
 AXIS = np.array([np.cos(np.radians(43)), np.sin(np.radians(43)), 0.0])
-FRONT = 0.21 * 19.5 - 9.75  # 21 % of the interface is debonded
+FRONT = 0.21 * 19.5 - 9.75  # initially 21 % of the interface is debonded
 
 
 def build(name):
-    """The system, the nodes of the lifted edge and those of the clamped side."""
+    """The system, the nodes of the lifted edge, and those of the clamped side."""
     face = "" if name == "IGA2" else " on 3"
     strip = body(name + (face and face + "-"), (10, 2, 2))
     plate = body(name + (face and face + "+"), (10, 10, 2))

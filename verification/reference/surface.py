@@ -1,4 +1,6 @@
-"""Surfaces of contact: functions, integration points and the closest-point projection (section 2.6)."""
+"""Contact surfaces: functions, integration points and the closest-point projection (section
+2.6).
+"""
 
 import numpy as np
 
@@ -6,9 +8,9 @@ from verification.reference.mesh import grid_numbers, rule
 
 
 class Surface:
-    """A face of a patch with q x q points an element; `sign` turns a_1 x a_2 outwards.
+    """A face of a patch with q x q points per element; `sign` makes a_1 x a_2 point outwards.
 
-    At the points: nodes (P, A), functions (P, 6, A) as in `at`, weights (P,) in the parameters.
+    For the points: nodes (P, A), functions (P, 6, A) as in `at`, weights (P,) in the parameters.
     """
 
     def __init__(self, face, sign, q):
@@ -29,10 +31,11 @@ class Surface:
         return nodes, np.stack(f, axis=1)
 
     def project(self, X, points, steps=60):
-        """Parameters of the closest points, (x - x_p) . a_alpha = 0, and whether the foot is inside.
+        """Parameters of the closest points, where (x - x_p) . a_alpha = 0, and whether the foot is
+        inside.
 
-        Newton's method starts from the nearest of the sampled points and stays within the patch. On
-        the border, a foot is inside only if the orthogonality holds there too.
+        Newton's method starts from the nearest of the sampled points and stays within the patch. A
+        foot on the border counts as inside only if the orthogonality holds there too.
         """
         nodes, functions = self.sampled
         sampled = np.einsum("pa,pai->pi", functions[:, 0], X[nodes])
@@ -66,7 +69,9 @@ def metric(s):
 
 
 def orthogonality(x, s):
-    """r_alpha = (x - s) . a_alpha and its derivative -H with H = a_alpha . a_beta - g . a_alphabeta."""
+    """r_alpha = (x - s) . a_alpha and its derivative -H with H = a_alpha . a_beta - g .
+    a_alphabeta.
+    """
     g = x - s[:, 0]
     r = np.einsum("pi,pai->pa", g, s[:, 1:3])
     bend = np.einsum("pi,pai->pa", g, s[:, 3:6].real)
@@ -74,7 +79,7 @@ def orthogonality(x, s):
 
 
 def newton_step(r, H):
-    """H^-1 r; where H is not positive definite, a step along r."""
+    """H^-1 r or, where H is not positive definite, a step along r."""
     trace = abs(H[:, 0, 0]) + abs(H[:, 1, 1])
     det = H[:, 0, 0] * H[:, 1, 1] - H[:, 0, 1] * H[:, 1, 0]
     good = (det > 1e-10 * trace**2) & (H[:, 0, 0] > 0)

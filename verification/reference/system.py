@@ -1,4 +1,4 @@
-"""All bodies as one dense system, and Newton's iteration on it."""
+"""All bodies as one dense system, solved by Newton's method."""
 
 import numpy as np
 
@@ -6,11 +6,13 @@ from verification.reference.solid import Inverted, Solid
 
 
 class Diverged(Exception):
-    """Newton's iteration found no solution."""
+    """Newton's method found no solution."""
 
 
 class System:
-    """Patches in one vector of unknowns: displacements of the nodes, then enhanced parameters."""
+    """Several patches with one vector of unknowns: nodal displacements, then enhanced
+    parameters.
+    """
 
     def __init__(self, patches, positions, materials):
         self.patches = []
@@ -32,7 +34,9 @@ class System:
         self.value = np.zeros((first, 3))
 
     def prescribe(self, nodes, directions, values):
-        """Fix directions of nodes at values, from the next solution on."""
+        """Prescribe values of displacements in the given directions of nodes, from the next
+        solution on.
+        """
         for d in directions:
             self.fixed[nodes, d] = True
             self.value[nodes, d] = np.asarray(values)[..., d] if np.ndim(values) else values
@@ -48,10 +52,11 @@ class System:
         return f, K
 
     def solve(self, damped=False, tolerance=1e-11):
-        """Newton's iteration; the first solution moves the prescribed nodes with the tangent.
+        """Newton's method; the first increment uses the tangent to apply the prescribed
+        displacements.
 
-        damped: take half of each further increment until the residual is small, which ends most
-        cycles between states of contact.
+        damped: halve each further increment until the residual is small, which ends most cycles
+        between contact states.
         """
         u, free = self.u.copy(), ~self.fixed.ravel()
         step = np.where(self.fixed, self.value - u, 0.0).ravel()
@@ -86,8 +91,8 @@ def scatter(f, K, rows, fe, columns, Ke):
 
 def advance(system, move, steps, accept=lambda: None):
     """Take steps from 0 to 1: move(t) prescribes displacements, and accept() is called after each
-    step; yields the ends of the steps. A step that even the damped Newton iteration does not solve
-    is halved.
+    step; yield the end of each step. A step is halved if even the damped Newton method does not
+    solve it.
     """
     for step in range(steps):
         t, ends = step / steps, [(step + 1) / steps]
@@ -106,7 +111,7 @@ def advance(system, move, steps, accept=lambda: None):
 
 
 def attempt(system):
-    """Whether Newton's iteration, plain or damped, finds the next state."""
+    """Whether Newton's method, plain or damped, finds the next state."""
     for damped in (False, True):
         try:
             system.solve(damped)

@@ -4,13 +4,14 @@
 
 1. SIGTERM during the run gives exit code 4; after --restart, curves and fields are equal.
 2. --time-limit does the same, with as many restarts as needed.
-3. After kill -9 at random moments, every row and field written before the kill is readable,
-   the last checkpoint can be restarted, and the restarted run ends like the uninterrupted one.
-4. A restart from a checkpoint that is older than the results, stopped before it makes a step, truncates
-   the results to the checkpoint; continuing it ends like the uninterrupted run.
-5. Files that cannot grow beyond a size, as on a full disk, give exit code 3.
+3. After kill -9 at random moments, every row and field written before the kill is readable, the
+   last checkpoint can be restarted, and the restarted run ends like the uninterrupted one.
+4. A restart from a checkpoint older than the results truncates the results to the checkpoint, even
+   if it is stopped before its first step; when continued, it ends like the uninterrupted run.
+5. If files cannot grow beyond a certain size, as on a full disk, the exit code is 3.
 
-It prints a line per check and `N passed, N failed`. It needs h5py (the .venv of the project has it).
+It prints one line per check, then `N passed, N failed`. It needs h5py, which is in the project's
+.venv.
 """
 
 import argparse
@@ -44,8 +45,8 @@ DECKS = [
 
 
 def run(bezel, deck, out, *options, wait=None, how=signal.SIGTERM, room=None):
-    """Run a deck; with `wait`, send a signal after that many seconds; `room` limits the bytes of a
-    file. Return the exit code.
+    """Run a deck and return the exit code; `wait`: seconds after which to send the signal `how`;
+    `room`: largest size of a file in bytes.
     """
     limit = room and (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)))
     process = subprocess.Popen(
@@ -73,7 +74,7 @@ def fields(path):
 
 
 def same(a, b, stem):
-    """The reason why curves or fields of two folders differ, or None."""
+    """The reason why the curves or fields in two folders differ, or None."""
     if (a / f"{stem}_force.dat").read_bytes() != (b / f"{stem}_force.dat").read_bytes():
         return "the curves differ"
     for path in [a / f"{stem}.pvd", *sorted(a.glob(f"{stem}_*.vtu"))]:
@@ -81,14 +82,14 @@ def same(a, b, stem):
             return f"{path.name} differs"
     left, right = fields(a / f"{stem}.vtkhdf"), fields(b / f"{stem}.vtkhdf")
     if left.keys() != right.keys():
-        return "the result files hold different datasets"
+        return "the result files contain different datasets"
     for name in left:
         one, other = left[name], right[name]
         if one.shape != other.shape:
             return f"the fields differ in the size of {name}: {one.shape} and {other.shape}"
         if one.tobytes() != other.tobytes():
             rows = np.unique(np.nonzero(one != other)[0])
-            return f"the fields differ in {name}, rows {rows[:3]} and {len(rows)} in all"
+            return f"the fields differ in {len(rows)} rows of {name}, of which the first are {rows[:3]}"
     return None
 
 
@@ -101,7 +102,7 @@ def whole(folder, stem):
         ]
         rows = np.loadtxt(lines, ndmin=2)
         if not np.isfinite(rows).all():
-            return "a row holds a number that is not finite"
+            return "a row contains a number that is not finite"
     if result.exists():
         try:
             fields(result)
@@ -142,7 +143,7 @@ def main():
     )
     parser.add_argument("bezel")
     parser.add_argument("--kills", type=int, default=4)
-    parser.add_argument("--deck", action="append", choices=DECKS, help="only this one")
+    parser.add_argument("--deck", action="append", choices=DECKS, help="run only this deck")
     args = parser.parse_args()
     random.seed(1)
     passed = failed = 0
@@ -179,7 +180,7 @@ def main():
             limit = 0.4 * seconds
             codes = [run(args.bezel, deck, part, "--time-limit", f"{limit:.3f}")]
             while codes[-1] == 4 and len(codes) < 20:
-                limit *= 1.2  # the machine may be busy now
+                limit *= 1.2  # other work may slow the machine down now
                 codes.append(
                     run(
                         args.bezel,
@@ -219,7 +220,7 @@ def main():
                 code = go_on(args.bezel, deck, part)
                 trouble = same(whole_run, part, stem) if code == 0 else f"exit code {code}"
             report(f"{stem}: from a checkpoint older than the results", trouble)
-            code = go_on(args.bezel, deck, part)  # with no step left
+            code = go_on(args.bezel, deck, part)  # no step is left
             ends = [
                 json.loads((at / f"{stem}.report.json").read_text()) for at in (whole_run, part)
             ]

@@ -1,4 +1,4 @@
-"""Make the tables of doc/verification/section3.md: meshes below surfaces, and runs on them.
+"""Make the tables of doc/verification/section3.md: meshes below surfaces, and their use in runs.
 
     .venv/bin/python -m verification.section3 mesh [--net FILE --name NAME]
     .venv/bin/python -m verification.section3 bend [--net FILE]
@@ -6,14 +6,14 @@
     .venv/bin/python -m verification.section3 hertz [--largest N]
     .venv/bin/python -m verification.section3 check
 
-`mesh` meshes the bodies of VARIANTS below the net of input/rocker_arm.py, or another net, and
-writes verification/section3/mesh_NAME.csv. `bend` meshes the hexahedra of a rocker arm's file, or
-of a curved bar, solves its bending with tetrahedra and with those hexahedra, and writes
+`mesh` meshes the bodies of VARIANTS below the net of input/rocker_arm.py or another net, and writes
+verification/section3/mesh_NAME.csv. `bend` takes the hexahedra of a curved bar, or of a rocker arm
+from a file, solves the bending of the body with tetrahedra and with those hexahedra, and writes
 verification/section3/bend.csv. `slide` runs the deck of `make demo-rocker` with the spline on the
 arm and with plain faces of the same net, and writes verification/section3/slide.csv and a figure;
 it reuses runs in the work folder. `hertz` presses spheres of input/sphere_net.py between planes and
-writes verification/section3/hertz.csv. `check`, a part of `make verify-all`, repeats those of these
-runs that are quick, and tries broken files.
+writes verification/section3/hertz.csv. `check`, a part of `make verify-all`, repeats those of the
+runs above that are quick, and tries broken files.
 """
 
 import argparse
@@ -52,7 +52,7 @@ COLUMNS = (
 
 
 def entry(report, path):
-    """A number of a report by 'part.entry', or '' if the report has none."""
+    """The number in a report with the name 'part.entry', or '' if the report does not have it."""
     value = report
     for key in path.split("."):
         value = value.get(key, "") if isinstance(value, dict) else ""
@@ -82,7 +82,9 @@ def mesh(net, name, out):
 
 
 def slide(bezel, out, work):
-    """Compare force, friction and largest pressure on the spline and on plain faces as the pin slides."""
+    """Compare force, friction and largest pressure of the sliding pin on the spline and on plain
+    faces.
+    """
     table = ["surface,dofs,force_down,pressure_down,force_rms,friction_rms,pressure_rms,iterations"]
     curves = {}
     for surface in ("spline", "plain"):
@@ -129,10 +131,14 @@ def _draw_slide(curves, path):
             axes[0].plot(t, values[1], label=f"{surface}, friction", **line | {"linestyle": ":"})
             axes[1].plot(t, values[2], label=surface, **line)
         axes[0].set(
-            xlabel="time (down to 1, then along)", ylabel="force on the arm", ylim=(0, None)
+            xlabel="time (pressed until 1, then slid along)",
+            ylabel="force on the arm",
+            ylim=(0, None),
         )
         axes[1].set(
-            xlabel="time (down to 1, then along)", ylabel="largest pressure", ylim=(0, None)
+            xlabel="time (pressed until 1, then slid along)",
+            ylabel="largest pressure",
+            ylim=(0, None),
         )
         for ax in axes:
             ax.legend()
@@ -146,7 +152,7 @@ def main():
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     p.add_argument("part", choices=("mesh", "bend", "slide", "hertz", "check"))
-    p.add_argument("--net", help="use another net; bend: the hexahedra of a rocker arm")
+    p.add_argument("--net", help="another net; for bend, the hexahedra of a rocker arm")
     p.add_argument("--name", default="arm", help="name of the table")
     p.add_argument(
         "--largest",

@@ -1,8 +1,8 @@
 """Bending of bodies from a file of hexahedra: `python -m verification.section3 bend`.
 
-The same surface and layer are placed on tetrahedra and on the hexahedra of the file, and the forces
-at the tip are compared, for a rocker arm whose mesh was made elsewhere and for a curved bar, which
-`check` also runs.
+The same surface and layer are combined with tetrahedra and with the hexahedra of the file, and the
+forces at the tip are compared. This is done for a rocker arm, whose mesh comes from another
+program, and for a curved bar, which `check` also runs.
 """
 
 import subprocess
@@ -25,11 +25,13 @@ CURVe,force
 INTERIORS = ("tets", "hexes")
 ARM = ["foot=box:-9,-9,-9,9,9,-0.45", "tip=box:-9,-9,0.45,9,9,9"]
 BAR = ["foot=box:-9,-9,-9,9,0.15,9", "tip=box:-9,-9,-9,0.15,9,9"]
-BAR_ELEMENTS = (8, 30, 8)  # through the thickness, around, across
+BAR_ELEMENTS = (8, 30, 8)  # through the thickness, along the arc, across the width
 
 
 def bend(bezel, out, work, net=None):
-    """Write new rows of bend.csv, for the arm in the file `net` or for the bar; keep the others."""
+    """Write new rows of bend.csv, for the arm in the file `net` or for the bar; retain the other
+    rows.
+    """
     table = out / "bend.csv"
     rows = table.read_text().splitlines()
     if net is None:
@@ -42,14 +44,14 @@ def bend(bezel, out, work, net=None):
 
 
 def curved_bar_rows(bezel, work):
-    """A row for each type of interior."""
+    """One row for each type of interior."""
     net = curved_bar(work / "bar.vtk")
     for interior in INTERIORS:
         yield row("bar", net, BAR, interior, bezel, work)
 
 
 def row(name, net, groups, interior, bezel, work):
-    """body,interior,dofs,force,mesh_cpu_seconds,solve_cpu_seconds,iterations."""
+    """The row body,interior,dofs,force,mesh_cpu_seconds,solve_cpu_seconds,iterations."""
     start = cpu_seconds()
     body = body_of(net, interior=interior, groups=groups)
     place = work / f"bend_{name}_{interior}"
@@ -75,7 +77,7 @@ def solved(bezel, place):
 
 
 def curved_bar(path):
-    """Write a quarter of a ring, mean radius 3, section 1 x 1, in hexahedra (VTK)."""
+    """Write a VTK file with hexahedra in a quarter of a ring of mean radius 3 and section 1 x 1."""
     x, cells = grid(BAR_ELEMENTS)
     radius, angle, z = (x / BAR_ELEMENTS + [-0.5, 0, -0.5]).T * [[1], [np.pi / 2], [1]]
     radius = radius + 3
@@ -85,6 +87,6 @@ def curved_bar(path):
 
 
 def cpu_seconds():
-    """CPU seconds of this process and of the programs that it started."""
+    """CPU seconds of this process and of the programs that it has started."""
     children = getrusage(RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime

@@ -1,9 +1,10 @@
 """The checks of section 3 in `make verify-all`: `python -m verification.section3 check`.
 
-For broken files, the command must print one sentence and write nothing. Bodies below the net of the
-arm must agree with the committed table, and the contact of the coarse sphere with its committed
-ratios to Hertz' solution; the forces on the same body with tetrahedra and with hexahedra must agree
-with each other. Checks that need Gmsh or TetGen are reported as skipped if these are not installed.
+For a broken file, the command must print one sentence and write nothing. Bodies below the net of
+the arm must agree with the committed table, and the contact of the coarse sphere with the committed
+ratios to Hertz's solution. The forces on the same body with tetrahedra and with hexahedra must
+agree with each other. Checks that need Gmsh or TetGen are reported as skipped if these are not
+installed.
 """
 
 import csv
@@ -16,14 +17,16 @@ from verification import TOP
 from verification.section3.bend import curved_bar_rows
 from verification.section3.hertz import case, make
 
-EXACT = 1e-12  # sums of volumes relative to the integral over the surface
-TOLERANCE = 0.01  # of ratios to Hertz' solution: another version of Gmsh makes other tetrahedra
+EXACT = 1e-12  # difference of the sum of volumes from the integral over the surface, relative
+TOLERANCE = 0.01  # of ratios to Hertz's solution; other versions of Gmsh make other tetrahedra
 SKIPPED = object()  # marks a skipped check
-APART = 0.015  # forces of the bar: linear tetrahedra are 1.0 % stiffer than hexahedra
+APART = 0.015  # of the bar's forces; linear tetrahedra are 1.0 % stiffer than hexahedra
 
 
 def broken():
-    """{what is wrong: (file, its text, words of the message)} from the net of a patch test."""
+    """{what is wrong: (file, its text, words of the message)}, made from the net of a patch
+    test.
+    """
     folder = TOP / "verification/patch/unstructured"
     good = (folder / "net.off").read_text()
     lines = good.splitlines()
@@ -86,7 +89,7 @@ def without_element(text):
 
 
 def check_broken(work):
-    """(what, trouble or None) of each broken file."""
+    """Yield (what, trouble or None) for each broken file."""
     folder = work / "broken"
     folder.mkdir(parents=True, exist_ok=True)
     for what, (name, text, words) in broken().items():
@@ -105,8 +108,8 @@ def check_broken(work):
 
 
 def check_bodies(net, variants, table):
-    """Compare bodies of the arm with the committed table: counts (except those that depend on the
-    mesher), sums, shapes.
+    """Compare bodies of the arm with the committed table: their shapes, sums, and those counts that
+    do not depend on the mesher.
     """
     rows = {row["variant"]: row for row in csv.DictReader(table.open())}
     for name, options in variants.items():
@@ -148,7 +151,9 @@ def check_hertz(bezel, work, table):
 
 
 def check_interiors(bezel, work, table):
-    """Compare the bent bar on tetrahedra and on hexahedra with each other and with the table."""
+    """Compare the bent bar with tetrahedra and with hexahedra, with each other and with the
+    table.
+    """
     if not _tets.available("gmsh"):
         yield "bar on tetrahedra and hexahedra: gmsh is not installed", SKIPPED
         return
@@ -169,7 +174,7 @@ def check_interiors(bezel, work, table):
 
 
 def check(bezel, work, net, variants):
-    """Print a line for each check; returns the exit code."""
+    """Print a line for each check; return the exit code."""
     tables = TOP / "verification/section3"
     marks = []
     for part in (

@@ -1,9 +1,9 @@
 """Hertz contact of a sphere below a net: `python -m verification.section3 hertz`.
 
 Bodies below nets of input/sphere_net.py are pressed between two rigid planes
-(verification/section3/hertz.inp) and compared with Hertz' formulas. The approach of a whole sphere is
-smaller, namely d = a^2/R minus Boussinesq's displacement by the load of the other pole, at depth 2 R
-and radius a, (F/(pi E)) (2 (1+nu) R^2/q^3 + (1-nu^2)/q) with q^2 = a^2 + 4 R^2.
+(verification/section3/hertz.inp) and compared with Hertz's formulas. The approach at one pole of a
+whole sphere is smaller than Hertz's a^2/R by Boussinesq's displacement due to the load at the other
+pole, at depth 2 R and radius a: (F/(pi E)) (2 (1+nu) R^2/q^3 + (1-nu^2)/q) with q^2 = a^2 + 4 R^2.
 """
 
 import json
@@ -17,10 +17,10 @@ from post.mesh import _report, _write, body_of
 from verification import TOP
 
 NU = 0.3
-POLE = 0.16  # of the net: size of the quads at the poles relative to a uniform net
+POLE = 0.16  # size of the quads at the poles, relative to a uniform net
 CASES = ((12, 0.1), (16, 0.1), (16, 0.05), (16, 0.2), (24, 0.1))  # quads along an edge, a/R
-FINE_RADIUS = 0.15  # tetrahedra within this distance of a pole are as long as the quads there
-NEAR = "sphere:0,0,1,0.3+sphere:0,0,-1,0.3"  # the part that stays a spline
+FINE_RADIUS = 0.15  # within this distance of a pole, tetrahedra are as small as the quads there
+NEAR = "sphere:0,0,1,0.3+sphere:0,0,-1,0.3"  # the part that remains a spline
 
 
 def hertz(bezel, out, work, largest):
@@ -52,8 +52,8 @@ def make(folder, n):
 
 
 def case(bezel, folder, n, a):
-    """A row: the force relative to Hertz' force, and the pressure and radius relative to those that
-    Hertz gives for this force.
+    """A row: the force relative to Hertz's force, and the pressure and radius relative to those of
+    Hertz's solution for this force.
     """
     name = f"hertz_{a:g}".replace(".", "_")
     command = [bezel, "--quiet", "-o", folder, "--name", name, "--set", f"a={a}"]
@@ -79,7 +79,7 @@ def case(bezel, folder, n, a):
 
 
 def radius_of(force):
-    """Hertz' contact radius for a force, with R = E = 1.
+    """Hertz's contact radius for a force, with R = E = 1.
 
     >>> round(float(radius_of(0.00146520146)), 6)
     0.1
@@ -88,7 +88,9 @@ def radius_of(force):
 
 
 def approach_of(force):
-    """Approach of a plane to the centre of the sphere: Hertz minus the effect of the other pole."""
+    """Approach of a plane to the sphere's centre: that of Hertz minus the effect of the other
+    pole.
+    """
     a = radius_of(force)
     q = a * a + 4
     return a * a - (2 * (1 + NU) / q**1.5 + (1 - NU**2) / q**0.5) * force / np.pi

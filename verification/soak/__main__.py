@@ -1,10 +1,11 @@
-"""Make trials for some minutes, or a given number of trials, and print what failed.
+"""Make trials for some minutes, or a given number of them, and print what failed.
 
     python -m verification.soak [--minutes 60] [--seed 1] [--only KIND] [--trial KIND.NUMBER] [--write]
     python -m verification.soak --mutants 500 --bezel build/sanitize/bezel
 
-A failing input is minimised and kept in build/soak/failures/. `--trial deck.17 --seed 1` repeats a
-trial. --write puts the counts into results.csv and doc/verification/reliability.md.
+A failing input is minimised and saved in build/soak/failures/. `--trial deck.17 --seed 1` repeats
+trial 17 of the kind `deck`. --write puts the counts into results.csv and
+doc/verification/reliability.md.
 """
 
 import argparse
@@ -36,7 +37,7 @@ def main(argv=None):
     if not bezel.is_file():
         print(f"soak: error: there is no program '{bezel}'", file=sys.stderr)
         return 1
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # folders and mounts are cleared up
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # removes folders and mounts
     kept = Path(o.keep).resolve()
     kinds = FUZZ if o.mutants else o.only or list(KINDS)
     work = schedule(o.seed, kinds)
@@ -93,7 +94,7 @@ def main(argv=None):
 
 
 def keep(folder, failure, seed, kind, number):
-    """Write the files that show a failure, and how to repeat it."""
+    """Write the files that reproduce a failure, and the commands to repeat it."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     for name, content in failure.files.items():
@@ -106,7 +107,7 @@ def keep(folder, failure, seed, kind, number):
 
 
 def write(rows):
-    """Replace the rows of these seeds in results.csv, and the table of the page."""
+    """Replace the rows of these seeds in results.csv, and the table in the page."""
     old = []
     if TABLE.exists():
         with open(TABLE, newline="") as file:
@@ -134,12 +135,12 @@ def parser():
     )
     p.add_argument("--bezel", default=str(TOP / "build/release/bezel"), metavar="PROGRAM")
     p.add_argument("--minutes", type=float, default=1.0, metavar="N", help="(default 1)")
-    p.add_argument("--mutants", type=int, metavar="N", help="only so many decks, meshes and splines, with generous limits of time: for builds with checks")  # fmt: skip
+    p.add_argument("--mutants", type=int, metavar="N", help="make only N trials of mutated decks, meshes and splines, with generous time limits: for builds with checks")  # fmt: skip
     p.add_argument("--seed", default="1", metavar="S")
     p.add_argument("--only", action="append", choices=KINDS, metavar="KIND", help=" ".join(KINDS))
     p.add_argument("--trial", metavar="KIND.NUMBER", help="repeat one trial of this seed")
     p.add_argument("--jobs", type=int, default=1, metavar="N", help="(default 1)")
-    p.add_argument("--keep", default=str(TOP / "build/soak/failures"), metavar="DIR", help="folder of failures (default build/soak/failures)")  # fmt: skip
+    p.add_argument("--keep", default=str(TOP / "build/soak/failures"), metavar="DIR", help="folder for failures (default build/soak/failures)")  # fmt: skip
     p.add_argument("--write", action="store_true", help="write results.csv and the table of the page")  # fmt: skip
     return p
 

@@ -10,14 +10,14 @@ EXTREMES = (
     "0 -1 1 -0 0.0 1e308 -1e308 1e309 1e-300 1e-320 nan inf -inf 2147483647 2147483648 -2147483648 "
     "99999999999999999999 4294967297 1e9 100000000 0x10 1d3 1.e 1e 1.2.3 + - . 007"
 ).split()
-SELF = "itself.inc"  # stands for the name of the file that is mutated
+SELF = "itself.inc"  # stands for the name of the mutated file
 NAMES = ("é💥ß", "\u202e", "a" * 300, "a" * 70000, '"a b"', "a/b", "../x", "%s%n", "$(x)", "-o")
 WORD = re.compile(r"[^\s,=]+")
 NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?$")
 
 
 def words_of(lines):
-    """Places of all words: [(line, match)]."""
+    """Where words are: [(line, match)]."""
     return [(i, match) for i, line in enumerate(lines) for match in WORD.finditer(line)]
 
 
@@ -63,13 +63,13 @@ def strange_word(lines, chance):
 
 
 def other_word(lines, chance):
-    """Insert another word of the same file, so that the grammar is nearly right."""
+    """Insert another word of the same file, so that the grammar is almost right."""
     places = words_of(lines)
     return put(lines, chance.choice(places), chance.choice(places)[1][0]) if places else lines
 
 
 def move_block(lines, chance):
-    """Move or repeat some records that belong together."""
+    """Move or repeat a block of records that belong together."""
     if len(lines) < 4:
         return lines
     a = chance.randrange(len(lines) - 2)
@@ -81,7 +81,7 @@ def move_block(lines, chance):
 
 
 def line_ends(lines, chance):
-    """Change the line ends or separators: CR LF, CR, tabs, blanks at the end, a byte order mark."""
+    """Change the line ends or separators: CR LF, CR, tabs, trailing blanks, a byte order mark."""
     what = chance.randrange(5)
     if what == 0:
         return [line + "\r" for line in lines]
@@ -97,7 +97,7 @@ def line_ends(lines, chance):
 
 
 def include(lines, chance):
-    """Make the deck read itself, a folder, a missing file, or a device."""
+    """Make the deck include itself, a folder, a missing file, or a device."""
     what = chance.choice((SELF, SELF, ".", "missing.inc", "/dev/zero", "/dev/null", "", "a" * 5000))
     lines.insert(chance.randrange(len(lines) + 1), f"INCLude {what}")
     return lines
@@ -146,8 +146,8 @@ def mutate_bytes(data, chance):
 
 
 def mutate_text(data, chance, name="", includes=True):
-    """One mutation of a file with that name, given and returned as bytes: by grammar, by junk, or
-    of single bytes; includes: the file may contain records of a deck.
+    """One mutation of a file named `name`, given and returned as bytes: of its grammar, with junk,
+    or of single bytes; includes: whether the file may contain records of a deck.
     """
     kind = chance.random()
     if kind < 0.15:
@@ -221,4 +221,4 @@ def mutate_checkpoint(path, chance):
         value = chance.choice(bad)
         values.flat[chance.randrange(values.size)] = value
         item[...] = values
-        return f"{name} holds {value}"
+        return f"{name} contains {value}"

@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 
 from verification.mutate import has_nan
 
-BUSY = 6  # largest ratio of wall to CPU seconds
-CODES = {0: "done", 2: "no_solution", 3: "failed", 4: "stopped"}  # and the status of the report
+BUSY = 6  # largest ratio of wall-clock to CPU seconds
+CODES = {0: "done", 2: "no_solution", 3: "failed", 4: "stopped"}  # exit code: status in the report
 PARTIAL = (".lock", ".part")
 CRASH = re.compile(
     r"Backtrace for|Program received signal|SIGSEGV|Fortran runtime error|AddressSanitizer"
     r"|LeakSanitizer|runtime error:|terminate called|double free|HDF5-DIAG|Error in `"
 )
-#: Errors of a deck that no line of the deck can be blamed for.
+#: Messages of errors that are not the fault of a particular line of the deck.
 NO_PLACE = (
     "cannot be read",
     "is a folder",
@@ -40,17 +40,18 @@ HEAD = re.compile(r"^(?:(?P<place>[^\n]*?:\d+(?::\d+)?): )?error: (?P<text>.*)$"
 class Call:
     """The outcome of one call."""
 
-    code: int | None  # None: it did not end in time; negative: number of the signal that ended it
+    code: int | None  # None: it did not end in time; negative: minus the signal that ended it
     stderr: str = ""
     seconds: float = 0.0
     files: list = field(default_factory=list)
-    ready: bool = True  # the program heeded the signal that was sent, or kept it waiting
+    ready: bool = True  # whether the program caught or blocked the signal when it was sent
 
 
 def call(bezel, home, out, *arguments, seconds=20, limits=(), send=None, stop=None):
     """Run the program in the folder `home` with its results in `out`.
 
-    limits: pairs of a resource and a number; send: (signal, delay); stop: see verification.recover."""
+    limits: pairs of a resource and a number; send: (signal, delay); stop: see verification.recover.
+    """
     env = {k: v for k, v in os.environ.items() if not k.startswith(("BEZEL_", "OPENBLAS_NUM"))}
     env["OMP_NUM_THREADS"] = "1"
     if stop:
@@ -88,8 +89,8 @@ def call(bezel, home, out, *arguments, seconds=20, limits=(), send=None, stop=No
 
 
 def heeds(process, number):
-    """Does a process catch or block a signal now? It does neither while the system is still loading
-    it.
+    """Whether a process catches or blocks a signal at present; while the system is still loading
+    the program, it does neither.
     """
     try:
         text = pathlib.Path(f"/proc/{process}/status").read_text()
@@ -100,7 +101,9 @@ def heeds(process, number):
 
 
 def errors(stderr):
-    """The error messages on stderr: [('column', 'line' or '', has a caret, text)]."""
+    """The error messages on standard error: [('column', 'line' or '', whether it has a caret,
+    text)].
+    """
     lines, found = stderr.split("\n"), []
     for i, line in enumerate(lines):
         match = HEAD.match(line)
@@ -113,7 +116,7 @@ def errors(stderr):
 
 
 def inputs_of(home):
-    """{path: bytes} of everything that a run may read."""
+    """{path: bytes} of every file that a run may read."""
     return {f: f.read_bytes() for f in sorted(pathlib.Path(home).rglob("*")) if f.is_file()}
 
 
@@ -121,7 +124,8 @@ def judge(done, out, codes=(0, 1, 2, 3), before=None, place=True):
     """What is wrong with a call, in one line that begins with a word for the kind of failure; empty
     if nothing is wrong.
 
-    before: inputs_of before the call; place: an error of the deck must name a line."""
+    before: inputs_of before the call; place: whether an error of the deck must name a line.
+    """
     if done.code is None or -done.code in (signal.SIGXCPU, signal.SIGKILL):
         return "hang: it did not end in time"
     if done.code < 0:
@@ -180,7 +184,7 @@ def judge_files(done, out):
 
 
 def check_curve(path):
-    """Every complete row of a curve must have as many numbers as there are columns."""
+    """Require that every complete row of a curve has as many numbers as there are columns."""
     head, *rows = path.read_text().splitlines(keepends=True)
     for row in rows:
         if row.endswith("\n"):

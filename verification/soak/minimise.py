@@ -1,10 +1,12 @@
-"""The smallest text that still fails: delta debugging on lines, then on words (Zeller and Hildebrandt 2002)."""
+"""The smallest text that still fails: delta debugging on lines, then on words (Zeller and
+Hildebrandt 2002).
+"""
 
 import time
 
 
 def ddmin(parts, fails, until):
-    """A list from which no chunk can be removed without making `fails` false."""
+    """A list that fails, but no longer fails if any one chunk of it is removed."""
     n = 2
     while len(parts) >= 2 and time.monotonic() < until:
         size = max(1, len(parts) // n)
@@ -23,7 +25,7 @@ def ddmin(parts, fails, until):
 
 
 def minimise(data, fails, seconds=40):
-    """The shortest bytes, found within some seconds, for which fails(bytes) is true."""
+    """The shortest bytes found within some seconds for which fails(bytes) is true."""
     until = time.monotonic() + seconds
     lines = ddmin(data.split(b"\n"), lambda part: fails(b"\n".join(part)), until)
     for i in range(len(lines)):

@@ -1,7 +1,7 @@
-"""The kinds of trials. Each is a function of a context and a generator of random numbers; it returns
-the exit code of the run that counts, and a Failure or None.
+"""The kinds of trials. Each is a function of a context and a generator of random numbers; it
+returns the exit code of the run that counts, and a Failure or None.
 
-A deck that is to be killed, stopped and run in other units needs only an entry in KILLED.
+To have a deck killed, stopped and run in other units, add an entry for it to KILLED.
 """
 
 import json
@@ -28,7 +28,8 @@ from verification.soak.minimise import minimise
 HERE = Path(__file__).resolve().parent
 SMALL = HERE / "decks"
 
-#: Decks that are killed and stopped, and the units of the quantities of their curve `force`: powers
+#: Decks that are killed and stopped, with the units of the quantities of their curve `force` as
+#: powers
 #: of length, stress and time. They have the parameters l, s and t, and save every step.
 KILLED = {
     SMALL / "friction.inp": ((2, 1, 0), (2, 1, 0), (2, 1, 0), (1, 0, 0)),
@@ -46,10 +47,10 @@ STOPS = (
     signal.SIGXCPU,
 )
 STOPPED = 4
-LIMIT = ("--time-limit", "3")  # a mutated deck may mean a long run, which must heed its limit
-ROOM = ((resource.RLIMIT_AS, 3 * 2**30),)  # and a large one, which must fit or end with code 3
-EQUAL = 1e-9  # curves in other units, relative to the largest value of a column
-EARLY = 0.03  # seconds in which a deck is still being read
+LIMIT = ("--time-limit", "3")  # a mutated deck may describe a long run, which must obey its limit
+ROOM = ((resource.RLIMIT_AS, 3 * 2**30),)  # or a large one, which must fit or end with code 3
+EQUAL = 1e-9  # difference of curves in other units, relative to the largest value of a column
+EARLY = 0.03  # seconds during which a deck is still being read
 
 OPTIONS = "--set --name --threads --time-limit --restart --check --list --quiet --x -q".split()
 MESHES = (".msh", ".inc", ".txt")
@@ -59,12 +60,12 @@ SPLINES = (".iga", ".bxt", ".json", ".xml", ".layer", ".txt")
 @dataclass
 class Failure:
     what: str
-    files: dict = field(default_factory=dict)  # {name: bytes} that show it
+    files: dict = field(default_factory=dict)  # {name: bytes} of the files that reproduce it
     how: str = ""  # arguments of the program
 
 
 class Context:
-    """The program under test, a temporary folder, and runs that many trials need."""
+    """The program under test, a temporary folder, and the runs that many trials need."""
 
     def __init__(self, bezel, top, slow=1.0):
         self.bezel, self.top, self.slow = bezel, Path(top), slow
@@ -80,7 +81,7 @@ class Context:
         self.files = {kind: self.pairs(kind) for kind in (MESHES, SPLINES)}
 
     def pairs(self, kinds):
-        """[(deck, file that it reads)] of these kinds of files."""
+        """[(deck, file that it reads)] for files of these kinds."""
         found = []
         for deck in sorted({d for group in self.decks for d in group}):
             found += [(deck, f) for f in companions(deck) if f.name.endswith(kinds)]
@@ -112,7 +113,7 @@ def is_spline(deck):
 
 
 def companions(deck):
-    """Files that the deck names."""
+    """Files named in the deck."""
     text = deck.read_text(errors="replace")
     words = set(re.findall(r"[\w./-]+\.\w+", text))
     found = [deck.parent / w for w in sorted(words) if (deck.parent / w).is_file()]
@@ -120,7 +121,7 @@ def companions(deck):
 
 
 def set_up(context, deck):
-    """A folder with the deck and what it reads, under the same names."""
+    """Make a folder with the deck and the files it reads, under the same names."""
     home = context.folder()
     names = {deck.name: deck.read_bytes()}
     waiting = companions(deck)
@@ -139,7 +140,7 @@ def set_up(context, deck):
 
 # --- mutated files -------------------------------------------------------------------------------
 def mutated(context, chance, deck, file):
-    """Run a deck one of whose files is mutated; if the run fails a check, the file is minimised."""
+    """Run a deck after mutating one of its files; if something is wrong, minimise that file."""
     home, names = set_up(context, deck)
     name = os.path.relpath(file, deck.parent)
     if name not in names:
@@ -181,14 +182,14 @@ def spline_trial(context, chance):
 
 
 def restart_trial(context, chance):
-    """A damaged checkpoint is rejected, or read as if it were intact."""
+    """A damaged checkpoint must be rejected, or be read as if it were intact."""
     deck = chance.choice(list(KILLED))
     whole, _, commands = context.whole(deck)
     key = ("stopped", deck)
     with context.lock:
         if key not in context.known:
             at = context.folder()
-            # a stop near the end, so that a restarted run is short
+            # a stop near the end, so that the restarted run is short
             stop = int(0.9 * commands)
             while context.call(at, at / "out", deck, stop=stop, seconds=60).code != STOPPED:
                 stop = int(0.8 * stop)
@@ -201,7 +202,7 @@ def restart_trial(context, chance):
     damaged = checkpoint.read_bytes()
     before = inputs_of(home)
     done = context.call(home, "out", "--restart", checkpoint, deck, limits=ROOM)
-    if checkpoint.read_bytes() == damaged:  # it is no output of this run
+    if checkpoint.read_bytes() == damaged:  # the checkpoint is not an output of this run
         done.files.remove(checkpoint)
     wrong = ""
     if done.code == 1:
@@ -253,9 +254,7 @@ def options_trial(context, chance):
 
 # --- kills, stops and signals --------------------------------------------------------------------
 def readable(out):
-    """After a kill, say which of the files written so far cannot be read; empty if all can be
-    read.
-    """
+    """After a kill, which of the files written so far cannot be read; empty if all can be."""
     for file in sorted(out.glob("*")):
         try:
             if file.suffix == ".dat" and b"\n" in file.read_bytes():
@@ -274,7 +273,7 @@ def go_on(context, home, deck, **more):
 
 
 def finished(context, home, deck, history, wrong=""):
-    """Continue to the end, and compare with the uninterrupted run."""
+    """Continue a run to its end, and compare it with the uninterrupted run."""
     whole, _, _ = context.whole(deck)
     done = None
     if not wrong:
@@ -291,7 +290,7 @@ def finished(context, home, deck, history, wrong=""):
 
 
 def kill_trial(context, chance):
-    """SIGKILL at one to three random moments."""
+    """Send SIGKILL at one to three random moments."""
     deck = chance.choice(list(KILLED))
     _, seconds, _ = context.whole(deck)
     home, history, wrong = context.folder(), [], ""
@@ -306,7 +305,7 @@ def kill_trial(context, chance):
 
 
 def stop_trial(context, chance):
-    """A stop before exact commands: between iterations, cut-backs and output."""
+    """Stop before given commands: between iterations, cut-backs and output."""
     deck = chance.choice(list(KILLED))
     _, _, commands = context.whole(deck)
     home, history, wrong = context.folder(), [], ""
@@ -321,7 +320,7 @@ def stop_trial(context, chance):
 
 
 def signal_trial(context, chance):
-    """A signal at a random moment; in every third trial, while the deck is being read."""
+    """Send a signal at a random moment; in every third trial, while the deck is being read."""
     deck = chance.choice(list(KILLED))
     _, seconds, _ = context.whole(deck)
     number = chance.choice(STOPS)
@@ -340,8 +339,8 @@ def signal_trial(context, chance):
 
 # --- limits --------------------------------------------------------------------------------------
 def disk_trial(context, chance):
-    """A disk or a limit on the file size that is too small: code 3, and everything written before
-    can be read.
+    """A disk, or a limit on the size of a file, that is too small: the exit code must be 3, and
+    everything written before must be readable.
     """
     deck = chance.choice(list(KILLED))
     whole, _, _ = context.whole(deck)
@@ -357,7 +356,7 @@ def disk_trial(context, chance):
         limits = ((resource.RLIMIT_FSIZE, 0 if chance.random() < 0.05 else room),)
     try:
         done = context.call(home, "out", deck, limits=limits, seconds=60)
-        # with no room for the report a run may end without it
+        # if there is no room for the report, a run may end without one
         wrong = judge(done, home / "out", (0, 3))
         wrong = wrong or readable(home / "out")
     finally:
@@ -375,7 +374,9 @@ def can_mount():
 
 
 def memory_trial(context, chance):
-    """An address space that is too small: code 3, and the program does not wait forever."""
+    """An address space that is too small: the exit code must be 3, and the program must not wait
+    forever.
+    """
     deck = chance.choice(list(KILLED))
     threads = chance.choice((1, 1, 2))
     megabytes = int(60 * (2000 / 60) ** chance.random())
@@ -392,15 +393,15 @@ def memory_trial(context, chance):
 
 
 def loads(context, megabytes):
-    """Is this address space large enough for the program to start? If it is not, the loader of the
-    system, the Fortran library or another library gives up with a code and a message of its own.
+    """Whether this address space is large enough for the program to start. If not, the system's
+    loader, the Fortran library or another library ends with a code and a message of its own.
     """
     limits = ((resource.RLIMIT_AS, megabytes * 2**20),)
     return context.call(context.folder(), None, "--version", limits=limits).code == 0
 
 
 def units_trial(context, chance):
-    """Lengths, stresses and times in units of 1e-9 to 1e12: the same curves."""
+    """Lengths, stresses and times in units of 1e-9 to 1e12 must give the same curves."""
     deck = chance.choice(list(KILLED))
     whole, _, _ = context.whole(deck)
     unit = [chance.choice((1.0, chance.uniform(1, 10))) * 10.0 ** chance.randint(-9, 12) for _ in "lst"]  # fmt: skip
@@ -435,7 +436,7 @@ def in_units(one, other, powers, unit):
     return ""
 
 
-#: Trials of a round; a run makes whole rounds in a shuffled order as long as there is time.
+#: Trials in each round; a run repeats whole rounds, each in random order, as long as there is time.
 KINDS = {
     "deck": (deck_trial, 50),
     "mesh": (mesh_trial, 9),

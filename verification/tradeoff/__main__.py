@@ -1,19 +1,20 @@
-"""Accuracy and cost: run the hemisphere on the block with the options of contact, and write errors and
-CPU seconds to benchmark/tradeoff/results.csv. `make tradeoff` runs it.
+"""Accuracy and cost: run the hemisphere on the block with the options of contact, and write errors
+and CPU seconds to benchmark/tradeoff/results.csv. `make tradeoff` runs this.
 
     python3 -m verification.tradeoff --bezel PROGRAM [--only WORD] [--mesh 1 2] [--again]
 
-A run that exists in --out is not made again, so that an interrupted study continues. CPU seconds are
-user and system time of the process, the best of two on mesh 1. Errors are root mean squares over the
-turn for both sides of the contact, relative to the mean of the reference:
+A run that exists in --out is not repeated, so that an interrupted study can be continued. CPU
+seconds are user and system time of the process; on mesh 1, the better of two runs is taken. Errors
+are root mean squares over the turn and over both sides of the contact, relative to the mean of the
+reference:
 
     force      z force, 0 to 180 degrees
     torque     120 to 180 degrees, where all points slide
     traction   largest smoothed t_x of each side, 120 to 180 degrees
 
-They are errors relative to benchmark/tradeoff/reference.csv (`--reference` computes it again in
+They are errors relative to benchmark/tradeoff/reference.csv (which `--reference` computes anew in
 half an hour), and relative to the run `beside`, which differs in one setting. CPU seconds are
-divided by those of a plain run made immediately afterwards.
+divided by those of an ordinary run made immediately afterwards.
 """
 
 import argparse
@@ -36,7 +37,7 @@ from verification.tradeoff import grid  # noqa: E402
 
 DECKS = TOP / "verification/benchmark/tradeoff"
 RESULTS, REFERENCE = DECKS / "results.csv", DECKS / "reference.csv"
-#: The control points of the spline are too far apart for the peaks of its smoothed traction.
+#: A spline's control points are too far apart to resolve the peaks of the smoothed traction.
 PEAKS = TOP / "verification/benchmark/section5_contact/runs/3_Q1E9+Q1N2.1_0.5.dat"
 SIDES = {"force": "force_3", "torque": "torque", "traction": "tangential_1"}
 SIGNS = {"force": (1, -1), "torque": (1, -1), "traction": (1, 1)}
@@ -51,7 +52,7 @@ COLUMNS = (
 class Curve:
     """The curve of a run while the hemisphere turns.
 
-    degree (n); force, torque, traction (2, n) of both sides, of one sign; penetration (n).
+    degree (n); force, torque, traction (2, n) of both sides, with the same sign; penetration (n).
     """
 
     def __init__(self, path):
@@ -65,14 +66,15 @@ class Curve:
         self.penetration = np.max(deep, axis=0)
 
     def mean(self, name):
-        """The mean of both sides over the degrees that count."""
+        """The mean of both sides over the angles that count for this quantity."""
         return getattr(self, name)[:, self.degree >= FROM[name] - 1e-6].mean()
 
 
 def difference(curve, other, name, pooled=True):
-    """Root mean square of curve - other at common degrees, relative to the mean of other.
+    """Root mean square of curve - other at common angles, relative to the mean of other.
 
-    pooled: the two sides of other are replaced by their mean."""
+    pooled: whether the two sides of other are replaced by their mean.
+    """
     mine, its = np.rint(1e3 * curve.degree), np.rint(1e3 * other.degree)
     both = [d for d in np.intersect1d(mine, its) if d >= 1e3 * FROM[name] - 1]
     if not both:
@@ -98,7 +100,7 @@ class Reference(Curve):
 
 
 def main(argv=None):
-    """Make the missing runs, then write all rows for which there are files or old rows."""
+    """Make the missing runs, then write all rows for which there are results or old rows."""
     o = parser().parse_args(argv)
     bezel, out = pathlib.Path(o.bezel).resolve(), pathlib.Path(o.out).resolve()
     if not os.access(bezel, os.X_OK):
@@ -128,13 +130,13 @@ def parser():
         prog="python -m verification.tradeoff", description=__doc__.splitlines()[0]
     )
     p.add_argument("--bezel", default=TOP / "build/release/bezel")
-    p.add_argument("--out", default=TOP / "build/tradeoff", help="folder of the runs")
+    p.add_argument("--out", default=TOP / "build/tradeoff", help="folder for the runs")
     p.add_argument(
         "--only",
         nargs="*",
         default=[""],
         metavar="WORD",
-        help="run only groups or decks whose name contains this",
+        help="run only groups or decks whose name contains this word",
     )
     p.add_argument("--mesh", nargs="*", type=int, default=[1, 2])
     p.add_argument("--again", action="store_true", help="repeat runs that exist")
@@ -161,7 +163,7 @@ def call(bezel, place, run):
 
 
 def time_run(bezel, out, run, again):
-    """Time a run, the best of two on mesh 1, and write time.json."""
+    """Time a run (on mesh 1, the better of two) and write time.json."""
     place = out / run.key
     if (place / "time.json").exists() and not again:
         return
@@ -171,8 +173,8 @@ def time_run(bezel, out, run, again):
 
 
 def time_round(bezel, out, run, again):
-    """Measure the CPU seconds relative to those of the plain run; the two runs are made one after
-    the other.
+    """Measure the CPU seconds of a run relative to those of the ordinary run, which is made
+    directly after it.
     """
     place = out / run.key
     known = place / "time.json"
@@ -186,8 +188,8 @@ def time_round(bezel, out, run, again):
 
 
 def write_reference(out):
-    """Write reference.csv, the means of both sides; the traction comes from a different run than
-    the other columns.
+    """Write reference.csv, the means of both sides; the traction comes from another run than the
+    other columns.
     """
     curve, peaks = Curve(out / grid.REFERENCE.key / "run_sole.dat"), Curve(PEAKS)
     with open(REFERENCE, "w", newline="") as file:
@@ -205,7 +207,9 @@ def write_reference(out):
 
 
 def write_rows(out):
-    """Write results.csv: a row per run of the grid; a case without a new run keeps its row."""
+    """Write results.csv with one row per run of the grid; a case without a new run keeps its old
+    row.
+    """
     old = {}
     if RESULTS.exists():
         with open(RESULTS, newline="") as file:

@@ -1,11 +1,11 @@
-"""The runs of `python -m verification.tradeoff`: starting from the settings of the paper, one
-option varies at a time.
+"""The runs of `python -m verification.tradeoff`: one option at a time is varied from the settings
+of the paper.
 """
 
 import re
 from dataclasses import dataclass, field
 
-LIMIT = 1500  # wall seconds of a run
+LIMIT = 1500  # wall-clock seconds that a run may take
 #: Table 4 of Corbett and Sauer 2015.
 MESHES = {
     1: {"n": 3, "m": 1, "k": 2, "eps": 125},
@@ -19,9 +19,9 @@ ELEMENTS = (
     "Q1E9+Q1N3.1", "Q1E9+Q1E9N2.1", "Q2", "Q2+Q2N2.1", "IGA2", "IGA3",
 )  # fmt: skip
 
-#: The first word of the deck, and its option of contact.
+#: The beginning of the name of a deck, and the contact option that it uses.
 SCHEMES = {"mortar": "MORTar", "balanced": "BALAnced", "refined": "REFIne 3"}
-#: What is not run with every element type.
+#: Decks that are not run with every element type.
 SOME = {
     "balanced": ("Q1E9", "Q1E9+Q1N2", ENRICHED, SPLINE, "Q2"),
     "refined": (ENRICHED, SPLINE),
@@ -56,7 +56,7 @@ class Run:
 
     @property
     def key(self):
-        """The name of its folder."""
+        """The name of the run's folder."""
         said = {"mesh": self.mesh, **{k: v for k, v in self.settings.items() if k not in "nmk"}}
         words = [self.deck.removesuffix(".inp"), *(f"{k}{v:g}" for k, v in said.items())]
         return re.sub(r"[^\w.+-]", "_", "_".join(words))
@@ -92,14 +92,14 @@ def runs():
 
 
 def elements():
-    """Element type, order and continuity of the layer."""
+    """Element types, with the degree and the continuity of the layer."""
     for mesh, types in ((1, ELEMENTS), (2, BEST)):
         for name in types:
             yield new_run("elements", name, mesh, name)
 
 
 def fine():
-    """Runs on mesh 3, made only on request because each of them takes many minutes."""
+    """Runs on mesh 3, which are made only on request because each takes many minutes."""
     for name in ("Q1E9", "Q1E9+Q1N2", ENRICHED, SPLINE):
         yield new_run("elements", name, 3, name)
 
@@ -114,8 +114,8 @@ def points():
 
 
 def penalties():
-    """Multiples of the paper's penalty, compared with the largest one with which the same mesh
-    runs.
+    """Multiples of the paper's penalty, compared with the largest one at which the same mesh
+    converges.
     """
     for mesh, types, factors in (
         (1, (ENRICHED, SPLINE), (0.1, 0.3, 1, 3, 10)),
@@ -130,7 +130,7 @@ def penalties():
 
 
 def schemes():
-    """Two half passes, the default scheme, BALAnced (with larger penalties too), and subcells at
+    """Two half passes, the default scheme, BALAnced (also with larger penalties), and subcells at
     the boundary.
     """
     for mesh, types in ((1, (*BEST, "Q2")), (2, BEST)):
@@ -153,7 +153,7 @@ def schemes():
 
 
 def steps():
-    """Degrees per step, compared with one degree."""
+    """Degrees per step, compared with steps of one degree."""
     for mesh in (1, 2):
         beside = new_run("steps", "1 deg", mesh, ENRICHED, degrees=1)
         for degrees in (1, 3, 6, 9):

@@ -1,4 +1,4 @@
-"""Writes the tables of doc/verification/tradeoff.md from results.csv.
+"""Write the tables of doc/verification/tradeoff.md from results.csv.
 
 The text between the marks `<!-- table: name -->` and `<!-- end -->` is replaced; all other text is
 edited in the page itself. The table `bonds` is written by debonding_points.
@@ -18,7 +18,7 @@ ERRORS = {"e_force": "force", "e_torque": "torque", "e_traction": "traction"}
 CHANGES = {"d_force": "force", "d_torque": "torque", "d_traction": "traction"}
 WORK = {"iterations": "iterations", "cpu_s": "CPU s"}
 RUN = {"mesh": "mesh", "elements": "elements"}
-#: group: columns of its table and their headings
+#: group: the columns of its table with their headings
 TABLES = {
     "elements": {**RUN, "dofs": "dofs", **WORK, **ERRORS, "force_imbalance": "imbalance",
                  "inertia": "inertia"},

@@ -1,3 +1,3 @@
 """Runs that must not go wrong silently: files, signals, limits and restarts (here), and decks
-(`silent`).
+(in `silent`).
 """

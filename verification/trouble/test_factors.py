@@ -1,5 +1,5 @@
-"""The factors that FACTor AUTO keeps give the same solution as FULL, and the same bits in every
-run.
+"""The factors that FACTor AUTO keeps lead to the same solution as FULL, and to identical bits in
+every run.
 """
 
 import json
@@ -12,10 +12,12 @@ CUBE = TOP / "verification" / "performance" / "cube.inp"
 
 
 class Kept(Folder):
-    """The cube has 14,000 equations, about the smallest number for which AUTO keeps factors."""
+    """The cube has 14,000 equations, slightly more than the number from which AUTO keeps
+    factors.
+    """
 
     def solve(self, name, factor="", n=13, steps=2):
-        """Return the report, the bytes of the curve, the log."""
+        """Return the report, the bytes of the curve, and the log."""
         text = CUBE.read_text().replace("BATCh\n", f"BATCh\n  {factor}\n")
         (self.at / f"{name}.inp").write_text(text)
         done = self.run_bezel("--set", f"n={n}", "--set", f"steps={steps}", f"{name}.inp")

@@ -1,4 +1,4 @@
-"""Fields of contact have no values that are artefacts of the format of the result file."""
+"""Fields of contact contain no artefacts of the format of the result file."""
 
 from post._fields import read_fields
 from verification.trouble.test_files import HERE, Folder

@@ -52,7 +52,7 @@ class Folder(unittest.TestCase):
 
 class Hints(Folder):
     def test_a_symmetric_tangent_of_friction_that_fails_names_utan(self):
-        """Without the hint, a deck with TANG is advised to take smaller steps, which do not help."""
+        """Without the hint, a user of TANG is advised to take smaller steps, which do not help."""
         deck = (HERE / "tangent_friction.inp").read_text()
         (self.at / "tang.inp").write_text(deck)
         done = self.run_bezel("tang.inp")
@@ -65,7 +65,7 @@ class Hints(Folder):
 
 class Inputs(Folder):
     def refused(self, *arguments):
-        """The run ends with code 1 and leaves every file as it was."""
+        """The run must end with code 1 and leave every file as it was."""
         before = {path.name: path.read_text() for path in self.at.iterdir()}
         done = self.run_bezel(*arguments)
         self.assertEqual(done.returncode, 1, done.stderr)
@@ -109,7 +109,7 @@ class Inputs(Folder):
         self.assertFalse((out / "box.log").is_symlink())
 
     def test_curves_of_an_earlier_run_are_removed_and_nothing_else(self):
-        """Old curves used to stay beside the log of a run that closed no step, as if they were its
+        """If a run closed no step, old curves used to remain beside its log as if they were its
         own.
         """
         self.assertEqual(self.run_bezel("-o", "out", "--name", "a", "box.inp").returncode, 0)
@@ -184,9 +184,7 @@ class Limits(Folder):
 
     @unittest.skipUnless(os.geteuid() == 0 and shutil.which("mount"), "only root mounts a disk")
     def test_a_full_disk_leaves_no_unfinished_file(self):
-        """If there was not even room for its first bytes, an empty file of fields used to be
-        left.
-        """
+        """If there was no room even for its first bytes, an empty field file used to be left."""
         (self.at / "box.inp").write_text(self.deck.replace("    SAVE\n", "    PLOT\n    SAVE\n"))
         for pages in range(2, 12):
             out = self.at / str(pages)
@@ -247,7 +245,7 @@ def heed():
 
 class Signals(Folder):
     def stopped(self, number, delay, *arguments, ignore=None):
-        """Exit code of a run that gets a signal after a delay."""
+        """The exit code of a run to which a signal is sent after a delay."""
         process = subprocess.Popen(
             [BEZEL, "--quiet", *arguments, "box.inp"],
             cwd=self.at,

@@ -1,4 +1,4 @@
-"""Hints, notes and reasons for failures on the screen fit the deck to which they refer."""
+"""Hints, notes and reasons for failures on the screen must fit the deck that they are about."""
 
 import json
 import pathlib
@@ -8,7 +8,7 @@ from verification.trouble.test_files import Folder
 
 HERE = pathlib.Path(__file__).resolve().parent
 SILENT = HERE / "silent"
-FINE = 14.06  # the force of 12 x 12 x 12 Q1E9; 8 x 8 x 8 Q2 give 14.54
+FINE = 14.06  # the force with 12 x 12 x 12 elements Q1E9; 8 x 8 x 8 elements Q2 give 14.54
 SQUEEZED = (
     (SILENT / "locking.inp").read_text().replace("0.4999", "0.499").replace("0 0 0.02", "0 0 -0.1")
 )
@@ -51,8 +51,8 @@ class Locking(Folder):
         return report["final"]["force"]["force_3"], done.stderr
 
     def test_what_the_hint_recommends_does_not_lock(self):
-        """The hint must not recommend layers on Q1 or quadratic splines, which give 7.5 and 1.6
-        times the force of a fine mesh.
+        """The hint must recommend neither layers on Q1 nor quadratic splines, which give 7.5 and
+        1.6 times the force of a fine mesh.
         """
         _, said = self.force("q1", "TYPE Q1\n")
         self.assertIn(
@@ -72,8 +72,8 @@ class Locking(Folder):
 
 class Contact(Folder):
     def run_deck(self, name, *changes):
-        """Run a deck of the folder `silent` with changes; return what the screen and the log
-        say.
+        """Run a deck of the folder `silent` with changes; return the texts of the screen and of
+        the log.
         """
         deck = (SILENT / f"{name}.inp").read_text()
         for old, new in changes:
@@ -85,7 +85,7 @@ class Contact(Folder):
         return done.stderr, (self.at / f"{name}.log").read_text()
 
     def test_a_contact_that_never_closes_is_noted_with_its_smallest_gap(self):
-        """The punch stops 0.02 above the block, or moves away from it, or faces away from it."""
+        """The punch stops 0.02 above the block, moves away from it, or faces away from it."""
         said, log = self.run_deck("narrow", ("0 0 -0.06", "0 0 -0.03"))
         note = "note: contact 'c' has not closed in any step: the smallest gap was 0.02 at "
         self.assertIn(note, said)
@@ -113,8 +113,8 @@ class Contact(Folder):
                 self.assertNotIn("note:", self.run_deck(name)[0])
 
     def test_the_log_says_in_words_what_touches_without_points(self):
-        """The cells of the default scheme may touch between the integration points, none of which
-        is then closed.
+        """With the default scheme, cells between the integration points may touch while no point
+        is closed.
         """
         _, log = self.run_deck("narrow", ("0 0 -0.06", "0 0 -0.03"))
         self.assertIn("  nothing is in contact\n", log)
@@ -123,8 +123,8 @@ class Contact(Folder):
         self.assertNotIn("in contact 0 + 0", log)
 
     def test_schemes_without_cells_do_not_see_a_narrow_punch(self):
-        """With these schemes no integration point faces the punch unless there are more elements;
-        cells need no such point.
+        """With these schemes a fine mesh is needed for an integration point to face the punch;
+        cells do not need such a point.
         """
         surfaces = "  SURFaces punch 3-  low 3+\n"
         alarm = "punch 3- lies between the integration points of low 3+ at the start"
@@ -136,9 +136,7 @@ class Contact(Folder):
                 self.assertNotIn("warning:", said)
 
     def test_a_rigid_spline_that_faces_away_is_told_of_its_reverse(self):
-        """The hint must name REVErse, because a spline has no opposite face that could be
-        chosen.
-        """
+        """The hint must name REVErse, because a spline has no opposite face to choose instead."""
         shutil.copy(HERE / "../../input/manual/spli_tool.iga", self.at)
         away = "tool ALL faces away from block 3+"
         (self.at / "tool.inp").write_text(TOOL)
@@ -151,7 +149,7 @@ class Contact(Folder):
 
 class Sliding(Folder):
     def slide(self, *changes):
-        """What the screen says about a block that is pushed sideways."""
+        """The screen's text for a block that is pushed sideways."""
         deck = (HERE / "slides.inp").read_text()
         for old, new in changes:
             self.assertIn(old, deck)
@@ -162,8 +160,8 @@ class Sliding(Folder):
         return done.stderr
 
     def test_a_body_beyond_its_friction_is_named_with_its_motion(self):
-        """The block is pushed by half of the load from above, and friction bears a twentieth of
-        that load.
+        """The block is pushed with half of the load from above, and friction bears a twentieth
+        of that load.
         """
         said = self.slide()
         self.assertIn("body 'up' slides along x, where only friction holds it", said)
@@ -175,8 +173,8 @@ class Sliding(Folder):
         self.assertIn("slides along x", self.slide(("FIX,low", "FIX,up,2- 0 1 0\nFIX,low")))
 
     def test_a_body_that_is_not_held_by_friction_alone_is_not_named(self):
-        """A support in the direction of the push holds the block; the run fails because it has too
-        few iterations.
+        """A support in the direction of the push holds the block; the run fails because it is
+        allowed too few iterations.
         """
         said = self.slide(("FIX,low", "FIX,up,1+ 1 0 0\nFIX,low"), ("newton,25", "newton,1"))
         self.assertNotIn("slides along", said)
@@ -184,7 +182,9 @@ class Sliding(Folder):
 
 class Moved(Folder):
     def displacement(self, *changes):
-        """The displacement of a face that MOVE and EDISplacement prescribe, and the screen."""
+        """The displacement of a face that MOVE and EDISplacement prescribe, and the screen's
+        text.
+        """
         deck = (SILENT / "moved_twice.inp").read_text()
         for old, new in (("END\n\nBATCh", "CURVe,u\n  DISP bar 1+ 1\n\nEND\n\nBATCh"), *changes):
             self.assertIn(old, deck)
@@ -196,7 +196,9 @@ class Moved(Folder):
         return report["final"]["u"]["disp_1"], done.stderr
 
     def test_the_hint_does_not_double_the_motion(self):
-        """Each of its two ways gives the motion that the deck prescribes twice."""
+        """Each of the two ways that the hint gives must lead to the motion that the deck
+        prescribes twice.
+        """
         move = "MOVE,bar,1+ TRANslate 0.01 0 0\n"
         _, said = self.displacement()
         self.assertIn("hint: remove this record, because MOVE prescribes the whole motion", said)
@@ -217,7 +219,7 @@ class Moved(Folder):
         self.assertIn("at a dof that MOVE moves too: the two are added", said)
 
     def test_a_restraint_of_what_move_moves_is_noted(self):
-        """FIX of the same face as MOVE is a habit; of another face, the common edge is a conflict."""
+        """FIX of the same face as MOVE is usual; of another face, the common edge is a conflict."""
         remove = ("EDISplacement\n  1 4.0  0.01 0 0\n", "")
         move = "MOVE,bar,1+ TRANslate 0.01 0 0\n"
         found, said = self.displacement(remove, (move, f"FIX,bar,1+ 1 0 0\n{move}"))
@@ -232,7 +234,7 @@ class Moved(Folder):
 
 class Overlap(Folder):
     def check(self, name, *changes):
-        """What the screen says of a deck of the folder `silent` with changes, without a run."""
+        """The screen's text for a deck of the folder `silent` with changes, read but not run."""
         deck = (SILENT / f"{name}.inp").read_text()
         for old, new in changes:
             self.assertIn(old, deck)
@@ -243,7 +245,9 @@ class Overlap(Folder):
         return done.stderr
 
     def test_bodies_that_overlap_are_named(self):
-        """Deep or inside, and also if all outer faces of one lie on those of the other."""
+        """Bodies may overlap deeply, or lie inside each other; all outer faces of one may even lie
+        on those of the other.
+        """
         alarm = "'low' and 'up' overlap at the start"
         up = "0.5 0.5 0.6  1 1 1"
         for place in (up, "0.5 0.5 0  1 1 1", "1.6 1.6 -0.1  2 2 2", "0 0 0  2 2 1"):
@@ -262,7 +266,7 @@ class Overlap(Folder):
         self.assertNotIn("overlap", self.check("same_room", tied, ("FIX,low", "TIE\n\nFIX,low")))
 
     def test_independent_models_in_one_deck_may_overlap(self):
-        """Two pairs of bodies in contact, one of them moved by a part of its width."""
+        """Two pairs of bodies in contact, one pair shifted by a part of its width."""
         patch = "PATCh,{}\n  BOX 0 {} {}  1 1 1\n  ELEMents 2 2 2\n  TYPE Q1\n  MATErial 1\n\n"
         more = "".join(
             patch.format(name, y, z)

@@ -1,4 +1,4 @@
-"""What `make install PREFIX=` puts into a folder works there."""
+"""What `make install PREFIX=` installs into a folder works there."""
 
 import gzip
 import os
@@ -23,7 +23,9 @@ class Install(Folder):
                   f"PREFIX={self.prefix}", cwd=TOP)  # fmt: skip
 
     def call(self, *command, cwd=None):
-        """The output of a command that must succeed; make must not take over the jobs of another make."""
+        """The output of a command that must succeed; make must not use the job server of another
+        make.
+        """
         env = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))}
         done = subprocess.run(
             [*map(str, command)], cwd=cwd or self.at, env={**env, "PYTHON": sys.executable},
@@ -49,7 +51,9 @@ class Install(Folder):
 
 class Goals(unittest.TestCase):
     def test_every_goal_that_needs_the_program_knows_the_uses_of_modules(self):
-        """A goal without depend.mk compiled what had changed, and linked old users of its modules."""
+        """A goal without depend.mk compiled only what had changed, and linked outdated users of
+        its modules.
+        """
         rules = "".join(
             (TOP / name).read_text()
             for name in ("Makefile", "tools/packages/packages.mk", "verification/unit/unit.mk")

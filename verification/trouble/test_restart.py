@@ -1,5 +1,5 @@
-"""A checkpoint is read only by its own model, a damaged checkpoint is rejected in one sentence, and
-a run that is stopped anywhere ends like an uninterrupted run.
+"""A checkpoint is accepted only by its own model, a damaged checkpoint is rejected in one sentence,
+and a run that is stopped anywhere ends like an uninterrupted run.
 """
 
 import json
@@ -24,7 +24,7 @@ class Restart(Folder):
         self.checkpoint = self.at / "box.restart.h5"
 
     def continued(self, *settings, word="", text=None):
-        """Run a deck with RESTart and with other parameters or another text."""
+        """Run a deck with RESTart, with other parameters or another text."""
         deck = (text or self.deck).replace("BATCh", f"BATCh\n  RESTart,box.restart.h5{word}")
         (self.at / "next.inp").write_text(deck)
         more = [part for setting in settings for part in ("--set", setting)]
@@ -141,8 +141,9 @@ class Restart(Folder):
 
 class Stops(Folder):
     def stopped(self, deck, *commands):
-        """Stop a run before each of these commands; the restarted run must be equal bit for bit, with the
-        same numbers of iterations and cut-backs."""
+        """Stop a run before each of these commands; the restarted run must be equal bit for bit,
+        with the same numbers of iterations and cut-backs.
+        """
         call = Run(f"stop/{deck.stem}", deck)
         self.assertEqual(run(BEZEL, call, self.at / "whole"), 0)
         for command in commands:
@@ -158,15 +159,15 @@ class Stops(Folder):
         self.stopped(TOP / "input/manual/arcl.inp", 59, 349)
 
     def test_within_an_iteration_that_started_from_a_prediction(self):
-        """The energy of the step is measured with the reactions at its start."""
+        """The energy of the step is measured with the reactions at the start of the step."""
         self.stopped(TOP / "verification/soak/decks/friction.inp", 126)
 
     def test_where_a_step_has_found_that_a_body_must_be_held(self):
         self.stopped(TOP / "verification/trouble/silent/pressed.inp", 3, 28)
 
     def test_warnings_given_before_the_stop_are_in_the_report(self):
-        """Each warning is there once, even the one about the work that penetration has taken, which
-        is issued only at the end.
+        """Each warning is there once, even the one about the work taken by penetration, which is
+        issued only at the end.
         """
         deck = TOP / "verification/trouble/silent/soft_penalty.inp"
         self.stopped(deck, 20)

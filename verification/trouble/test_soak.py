@@ -1,5 +1,5 @@
-"""The soak test detects what it must detect: a judge that finds nothing, or that cannot be trusted,
-tests nothing.
+"""The soak test detects what it must detect; a judge that finds nothing, or that cannot be trusted,
+would test nothing.
 """
 
 import os
@@ -138,8 +138,9 @@ class Trials(Folder):
         self.assertTrue(os.access(BEZEL, os.X_OK))
 
     def test_self_contact_with_line_searches_does_not_depend_on_units(self):
-        # Rounding takes the iteration another way through its line searches; the cells of the
-        # converged state must not remember it.
+        # Round-off leads the line searches another way; the contact cells of the converged state
+        # must
+        # not depend on that way.
         deck = next(d for d in KILLED if d.stem == "self")
         unit = (3.0, 7e-6, 5e3)
         curves = []

@@ -1,4 +1,6 @@
-"""The second implementation against closed forms, finite differences and the program (BEZEL=...)."""
+"""The second implementation against closed forms, finite differences and the program
+(BEZEL=...).
+"""
 
 import contextlib
 import io
@@ -17,7 +19,7 @@ BEZEL = os.environ.get("BEZEL", TOP / "build/release/bezel")
 
 
 def differences(scene, *words):
-    """The largest difference from the program in a scene."""
+    """The largest difference from the program in one problem."""
     options = tables.parser().parse_args([*words, "--compare", str(BEZEL)])
     with contextlib.redirect_stdout(io.StringIO()):
         return scene(options)
@@ -53,9 +55,7 @@ class Parts(unittest.TestCase):
         self.assertEqual(strip.build("Q1E9+Q1N2")[0].dofs, 1500)
 
     def test_tangent_is_the_derivative_of_the_forces(self):
-        """Compare at a state with contact, stick, slip and enhanced strains that is not an
-        equilibrium.
-        """
+        """The state has contact, stick, slip and enhanced strains, and is not an equilibrium."""
         system, place = hemisphere.build("Q1E9+Q1N2", 1, 0.5)
         place(0.1, 0)
         system.solve()
@@ -80,7 +80,7 @@ class Parts(unittest.TestCase):
         np.testing.assert_allclose(K @ way.ravel(), difference, atol=1e-6 * abs(difference).max())
 
     def test_state_of_a_held_load_does_not_creep(self):
-        """This holds if the sliding point is moved exactly; if it is moved to first order, the load
+        """The load is steady if sliding points are moved exactly; if only to first order, it
         creeps.
         """
         creep = {}
@@ -99,19 +99,21 @@ class Parts(unittest.TestCase):
 
 class Stored(unittest.TestCase):
     def test_section4(self):
-        """Compare with the numbers of reference.csv, in which prisms have two points along zeta."""
+        """Compare with the numbers of reference.csv, for which prisms have two points along
+        zeta.
+        """
         rows = read_table(TOP / "verification/benchmark/section4/reference.csv").columns
         for test, name, dofs, force in zip(
             rows["test"], rows["elements"], rows["dofs"], rows["force_quarter"]
         ):
-            if not name.startswith("Q2"):  # they take longer than all others
+            if not name.startswith("Q2"):  # Q2 takes longer than all other elements together
                 found = section4.solve(name, 2, section4.LIFTS[test], prism_points=2)
                 self.assertEqual(found[1], dofs)
                 self.assertAlmostEqual(found[0] / force, 1, delta=1e-9)
 
 
 class Program(unittest.TestCase):
-    """The same numbers as the program, on the smallest meshes."""
+    """The program gives the same numbers, on the smallest meshes."""
 
     def test_section4(self):
         scene = tables.run_section4

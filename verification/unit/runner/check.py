@@ -1,5 +1,4 @@
-"""Check the runner itself: read the output of its tests, each of which is named after what it must
-do.
+"""Check the runner itself: read the output of its tests, whose names say how each of them must end.
 
 usage: RUN test_funit -v | check.py
 """

@@ -2,10 +2,11 @@
 
 usage: pf.py test IN.pf OUT.f90         one module of tests
        pf.py join IN.pf OUT.pf          each assertion on one line, as pFUnit's own translator requires
-       pf.py driver OUT.f90 IN.pf ...   the program that runs them all
+       driver OUT.f90 IN.pf ...   the program that runs all tests
 
-The subset: @test, @before, @after on a line of their own before a subroutine without arguments,
-and the assertions of funit.f90. Lines keep their numbers, so the compiler points at the .pf file.
+The subset consists of @test, @before and @after on a line of their own before a subroutine without
+arguments, and of the assertions of funit.f90. Line numbers are preserved, so the compiler's
+messages point into the .pf file.
 """
 
 import re
@@ -30,11 +31,11 @@ MARKS = ("test", "before", "after")
 
 
 class BadTest(Exception):
-    """The file is not within the subset; the text says where and why."""
+    """The file goes beyond the subset; the text says where and why."""
 
 
 def without_comment(line):
-    """The line up to a `!` that is not inside quotes."""
+    """The part of a line before a `!` that is not inside quotes."""
     quote = ""
     for i, char in enumerate(line):
         if quote:
@@ -47,7 +48,7 @@ def without_comment(line):
 
 
 def joined(path):
-    """(number, text) of each line, assertions that are continued with & on their first line."""
+    """(number, text) of each line; an assertion continued with & is joined into its first line."""
     lines = path.read_text().splitlines()
     i = 0
     while i < len(lines):
@@ -66,7 +67,7 @@ def joined(path):
 
 
 def tests_of(path):
-    """Module name and the subroutines marked @test, @before and @after."""
+    """The name of the module, and its subroutines marked @test, @before and @after."""
     module, mark, marked = "", "", {"test": [], "before": [], "after": []}
     for number, text in joined(path):
         code = without_comment(text).strip()
@@ -92,8 +93,8 @@ def tests_of(path):
 
 
 def compact(arguments):
-    """The two values in parentheses, that is copied: gfortran 12 loses the distance of the elements
-    of a section such as list%n when it passes it as `class(*)`.
+    """The two values, of which an array section in parentheses is a copy: gfortran 12 loses the
+    stride of a section such as list%n when it is passed as `class(*)`.
 
     >>> compact("[1, 2], list(:)%n, 'one, two'")
     "([1, 2]), (list(:)%n), 'one, two'"
@@ -118,7 +119,7 @@ def compact(arguments):
 
 
 def translate(path):
-    """Fortran text of a .pf file."""
+    """The Fortran text of a .pf file."""
     tests_of(path)
     out, expected = [], 1
     for number, text in joined(path):
@@ -150,7 +151,9 @@ def translate(path):
 
 
 def driver(paths):
-    """Program text: every test of every file through run_test of module funit."""
+    """The text of the program that runs every test of every file through run_test of module
+    funit.
+    """
     out = [
         "program run_unit_tests",
         "  use funit, only: start_tests, run_test, stop_tests, no_fixture",
