@@ -24,7 +24,7 @@ module cell_border
   real(wp), parameter :: CONVERGED = 1.0e-13_wp, STALLED = 1.0e-9_wp
   !> Edges count as parallel if the sine of the angle between them is smaller than this.
   real(wp), parameter :: PARALLEL = 1.0e-3_wp
-  integer, parameter :: MOST_STEPS = 12      !! of Newton's method
+  integer, parameter :: MOST_STEPS = 12      !! largest number of Newton steps
   !> Index of the parameter that is constant on each of the edges 1 to 4 of a facet, which are
   !! numbered counter-clockwise.
   integer, parameter :: FIXED(4) = [2, 1, 2, 1]

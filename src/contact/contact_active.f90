@@ -20,8 +20,8 @@ module contact_active
   !> Positions of the blocks of one pair in the tangent matrix.
   type :: map_t
     integer, allocatable :: at(:, :)     !! (nk, nl)
-    integer, allocatable :: back(:, :)   !! (nl, nk) with BALAnced: rows of the partner
-    integer, allocatable :: there(:, :)  !! (nl, nl) with BALAnced: diagonal block of the partner
+    integer, allocatable :: back(:, :)   !! (nl, nk) rows of the partner, with BALAnced
+    integer, allocatable :: there(:, :)  !! (nl, nl) diagonal block of the partner, with BALAnced
   end type map_t
 
   !> Pairs of an element of one side and an element of the other side. The pairs of an element form
@@ -34,7 +34,7 @@ module contact_active
     integer, allocatable :: partner(:)   !! (>= n) element of the other side
     integer, allocatable :: used(:)      !! (>= n) last step in which the pair was needed
     type(map_t), allocatable :: map(:)   !! (n) positions in the current pattern
-    type(map_t), allocatable :: self(:)  !! (nelem) for elements with pairs: their diagonal blocks
+    type(map_t), allocatable :: self(:)  !! (nelem) diagonal blocks of elements with pairs
   end type pairs_t
 
 contains
@@ -61,7 +61,7 @@ contains
     end do
   end function find_pair
 
-  !> Mark a pair as needed in a step; `grown` becomes true if it is new.
+  !> Mark a pair as needed in a step; `grown` becomes true if the pair is new.
   subroutine need_pair(pairs, e, partner, step, grown)
     type(pairs_t), intent(inout) :: pairs
     integer, intent(in) :: e, partner, step
@@ -95,7 +95,7 @@ contains
     has_idle = any(pairs%used(:pairs%n) < step)
   end function has_idle
 
-  !> Begin a step, or repeat it: no pair has been needed in it so far.
+  !> Begin a step, or repeat it: no pair has been needed in this step so far.
   pure subroutine forget_need(pairs)
     type(pairs_t), intent(inout) :: pairs
 
@@ -222,7 +222,7 @@ contains
   subroutine project_side(contact, k, shape, grid, x, feet, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
-    type(shape_t), intent(in) :: shape             !! of the other side
+    type(shape_t), intent(in) :: shape             !! shape of the other side
     type(grid_t), intent(in) :: grid
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
     type(foot_t), intent(inout) :: feet(:)         !! (np) projections

@@ -46,7 +46,7 @@ module contact_assembly
     type(pairs_t) :: pairs(2)
     type(work_t) :: element(2)
     !> Surfaces at the start of the step. Points that come into contact in this step get their
-    !! sliding points on them.
+    !! sliding points on these surfaces.
     logical :: started = .false.         !! the surfaces have been found in this step
     type(shape_t) :: start(2)
     type(grid_t) :: start_grid(2)
@@ -112,7 +112,7 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     logical, intent(out) :: grown
-    logical, intent(in), optional :: only_forces   !! for a line search, which needs no tangent
+    logical, intent(in), optional :: only_forces !! skip the tangent (line search)
     real(wp), allocatable :: x(:, :)
     logical :: slides, trial
     integer :: c, k
@@ -148,14 +148,14 @@ contains
     end do
   end subroutine find_contact
 
-  !> Give sliding points to the points that touch the other side and have none: all points in the
-  !! first step, and later those that were far from the other side when the previous step was
-  !! accepted.
+  !> Give sliding points to the points that touch the other side and have none. In the first step,
+  !! these are all points that touch; later, they are those that were far from the other side when
+  !! the previous step was accepted.
   subroutine enter_slides(work, model, c, k, u_step, points)
     type(contact_work_t), intent(inout) :: work
     type(model_t), intent(in) :: model
     integer, intent(in) :: c, k                !! side k of contact c
-    real(wp), intent(in) :: u_step(:, :)       !! (3, nnode) at the start of the step [L]
+    real(wp), intent(in) :: u_step(:, :)       !! (3, nnode) u at the start of the step [L]
     type(contact_points_t), intent(inout) :: points
     real(wp), allocatable :: x(:, :)
     integer :: i
@@ -261,7 +261,7 @@ contains
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
     real(wp), intent(inout) :: rounding, largest   !! see sweep_t
-    logical, intent(in), optional :: only_forces   !! with MORTar, do not add the tangent
+    logical, intent(in), optional :: only_forces   !! skip the tangent (MORTar)
     real(wp), allocatable :: x(:, :)
     logical :: tangent
     integer :: c, k

@@ -4,10 +4,10 @@
 !! surface. Gauss points of whole elements integrate it badly: blocks with different meshes then
 !! fail the patch test (Puso and Laursen 2004; Farah, Popp and Wall 2015). Here both surfaces are
 !! divided into facets that are nearly flat (contact_facets). Each facet of the integrated side is
-!! clipped, in its own plane, by the facets of the other side that face it, and the pieces are
-!! mapped back to the chart of the element (surface_chart), whose coordinates are the parameters or,
-!! on a triangle, coordinates of the triangle. Parts of a facet beyond the border of the other
-!! surface belong to no cell.
+!! clipped, in its own plane, by the facets of the other side that face it. The pieces are mapped
+!! back to the chart of the element (surface_chart), whose coordinates are the parameters or, on a
+!! triangle, coordinates of the triangle. Parts of a facet beyond the border of the other surface
+!! belong to no cell.
 !!
 !! The points of the cells have reference areas as weights, so that only the positions vary as long
 !! as the cells are kept.
@@ -28,13 +28,13 @@ module contact_cells
 
   real(wp), parameter :: NO_AREA = 1.0e-12_wp  !! negligible area of a piece, relative to its facet
   real(wp), parameter :: ON_EDGE = 1.0e-10_wp  !! distance to an edge, relative to its length
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp  !! when a number of points is rounded up
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp  !! tolerance for rounding up a number of points
   !> Permitted relative error of the integration over a cell where the functions of a side are not
   !! polynomials.
   real(wp), parameter :: ACCURACY = 1.0e-10_wp
   real(wp), parameter :: EVEN = 1.0e-8_wp !! a smaller change of the tangents is due to rounding
   real(wp), parameter :: MOST_UNEVEN = 0.9_wp
-  integer, parameter :: MOST_STEPS = 20        !! of Newton's method
+  integer, parameter :: MOST_STEPS = 20        !! largest number of Newton steps
   integer, parameter :: USUAL_POINTS = 5       !! default of QUADrature
   !> A piece whose map is not a polynomial has one more point in each direction by default. If an
   !! exact result would need more than MANY further points, as on strongly deformed surfaces, the
@@ -43,10 +43,10 @@ module contact_cells
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
 
-  !> Gauss points of every order, and the values at these points of the functions that bend the
-  !! edges of cells.
+  !> Gauss points of every order, and the functions that bend the edges of cells, evaluated at these
+  !! points.
   type :: rule_t
-    real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) of order n
+    real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) rule of order n
     real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
     integer :: least = 1                    !! points needed for polynomials of both surfaces
     integer :: further = 0                  !! points of QUADrature beyond the default
@@ -57,7 +57,7 @@ module contact_cells
   type :: cells_t
     integer :: n = 0
     type(rule_t) :: rule
-    integer, allocatable :: first(:)        !! (nelem+1) where the points of an element begin
+    integer, allocatable :: first(:)        !! (nelem+1) first point of each element
     integer, allocatable :: elem(:)         !! (n)
     real(wp), allocatable :: xi(:, :)       !! (2, n)
     real(wp), allocatable :: weight(:)      !! (n) reference area [L^2]
@@ -74,9 +74,9 @@ contains
   subroutine cut_cells(contact, k, shape, reference, facets, reach, cells)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
-    type(shape_t), intent(in) :: shape(2)   !! of both sides
-    type(shape_t), intent(in) :: reference  !! of side k, before it deformed
-    type(facets_t), intent(in) :: facets(2) !! of both sides
+    type(shape_t), intent(in) :: shape(2)   !! shapes of both sides
+    type(shape_t), intent(in) :: reference  !! shape of side k before it deformed
+    type(facets_t), intent(in) :: facets(2) !! facets of both sides
     real(wp), intent(in) :: reach           !! facets farther apart than this do not touch [L]
     type(cells_t), intent(inout) :: cells   !! replaces the earlier cells
     real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
@@ -174,7 +174,7 @@ contains
   !! many as it needs.
   pure integer function order_of_piece(rule, corner, part, mine, i, theirs, j) result(n)
     type(rule_t), intent(in) :: rule
-    real(wp), intent(in) :: corner(:, :)    !! (2, m) in the chart of the element
+    real(wp), intent(in) :: corner(:, :)    !! (2, m) corners in the chart of the element
     type(part_t), intent(in) :: part        !! facet i
     type(facets_t), intent(in) :: mine, theirs
     integer, intent(in) :: i, j

@@ -27,7 +27,7 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(shape_t), intent(in) :: shape(2)
-    type(grid_t), intent(in) :: grid           !! of the other side
+    type(grid_t), intent(in) :: grid           !! grid of the other side
     type(contact_points_t), intent(in) :: points
     type(foot_t) :: foot
     real(wp) :: x(3), a(3, 2), b(3, 3)

@@ -39,7 +39,7 @@ module contact_facets
     !> Buckets along the longest axis of the surface, for the search.
     integer :: axis = 1
     real(wp) :: span(2) = 0.0_wp            !! range of `low` along the axis [L]
-    integer, allocatable :: bucket(:)       !! (n+1) where the facets of each bucket begin
+    integer, allocatable :: bucket(:)       !! (n+1) first facet of each bucket
     integer, allocatable :: order(:)        !! (n)
   end type facets_t
 
@@ -127,7 +127,7 @@ contains
     integer, intent(in) :: e
     real(wp) :: x(3), a(3, 2), b(3, 3), n(3, 9), p(3, 9), bend, turn, length, uneven, middle(3, 2)
     integer :: i, j, q
-    !> Numbers, among the 3 x 3 points, of the beginning, the middle and the end of each edge and of
+    !> Indices, among the 3 x 3 points, of the beginning, the middle and the end of each edge and of
     !! each line through the middle.
     integer, parameter :: LINES(3, 6) = reshape([1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 4, 7, 2, 5, 8, &
                                                  3, 6, 9], [3, 6])

@@ -1,10 +1,10 @@
 !> History of the integration points of a contact: how it is allocated, accepted with a step, and
 !! restored by a cut-back.
 !!
-!! Its arrays are those of contact_points_t (contact_pair); those that end in `_step` hold the state
-!! at the start of the step. Friction keeps a sliding point on the other surface, which moves only
-!! when a step is accepted (accept_slides). See also contact_assembly (fills the arrays in an
-!! iteration), contact_smooth and contact_resultant (compute fields and sums from them) and
+!! Its arrays are those of contact_points_t (contact_pair); arrays whose names end in `_step` hold
+!! the state at the start of the step. Friction needs a sliding point on the other surface, which
+!! moves only when a step is accepted (accept_slides). See also contact_assembly (fills the arrays
+!! in an iteration), contact_smooth and contact_resultant (compute fields and sums from them) and
 !! contact_augment (changes the multipliers).
 module contact_history
   use base_kinds, only: wp
@@ -181,9 +181,9 @@ contains
   subroutine enter_slide(contact, k, shape, grid, x_start, i, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, i
-    type(shape_t), intent(in) :: shape           !! of the other side at the start of the step
+    type(shape_t), intent(in) :: shape           !! other side at the start of the step
     type(grid_t), intent(in) :: grid
-    real(wp), intent(in) :: x_start(:, :)        !! (3, nnode) at the start of the step [L]
+    real(wp), intent(in) :: x_start(:, :)        !! (3, nnode) x at the start of the step [L]
     type(contact_points_t), intent(inout) :: points
     type(foot_t) :: foot
     real(wp) :: xp(3, 1)
@@ -207,7 +207,7 @@ contains
   !! boundary, so that friction acts in the step in which the point crosses the boundary.
   pure subroutine accept_slides(own, other, shape, x, feet, points)
     type(surface_t), intent(in) :: own, other
-    type(shape_t), intent(in) :: shape           !! of the other side
+    type(shape_t), intent(in) :: shape           !! shape of the other side
     real(wp), intent(in) :: x(:, :)              !! (3, nnode) current positions [L]
     type(foot_t), intent(in) :: feet(:)          !! (np)
     type(contact_points_t), intent(inout) :: points

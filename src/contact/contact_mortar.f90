@@ -14,10 +14,10 @@
 !! eps_1 of the penalty acts at points and resolves the edge of the contact area. If the penalty is
 !! stiff, the rest of it, eps_2, acts at control points, where it does not cause locking.
 !!
-!! Friction acts at the points of the cells too, so that its limit is mu times their pressure. When
-!! cells are cut, each new point is given an elastic slip that is interpolated from the points of
-!! the previous step in the same element. The sliding point of a new point is its projection at the
-!! start of the step, moved back by this elastic slip.
+!! Friction too acts at the points of the cells, so that its limit at a point is mu times the
+!! pressure at this point. When cells are cut, each new point is given an elastic slip that is
+!! interpolated from the points of the previous step in the same element. The sliding point of a new
+!! point is its projection at the start of the step, moved back by this elastic slip.
 module contact_mortar
   use base_comm, only: is_root, owns
   use base_kinds, only: wp
@@ -55,8 +55,8 @@ module contact_mortar
   real(wp), parameter :: MOVED = 1.0e-8_wp
   !> Largest number of times that the cells of a step are cut again after the iteration has settled.
   integer, parameter :: MOST_CUTS = 8
-  !> A point of a surface moves at most this many times as far as the nodes, because functions may
-  !! be negative.
+  !> A point of a surface moves at most this many times as far as the nodes, because shape functions
+  !! may be negative.
   real(wp), parameter :: OVERSHOOT = 2.0_wp
 
 contains
@@ -68,7 +68,7 @@ contains
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)           !! (3, nnode) current positions [L]
-    real(wp), intent(in) :: x_start(:, :)     !! (3, nnode) at the start of the step [L]
+    real(wp), intent(in) :: x_start(:, :)     !! (3, nnode) x at the start of the step [L]
     integer, intent(in) :: step
     logical, intent(in) :: slides             !! friction acts
     logical, intent(in) :: trial              !! trial of a line search, which needs only forces
@@ -160,8 +160,8 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :), travel
-    type(shape_t), intent(in) :: reference    !! of side k, before it deformed
-    type(shape_t), intent(in) :: shape        !! of the other side
+    type(shape_t), intent(in) :: reference    !! shape of side k before it deformed
+    type(shape_t), intent(in) :: shape        !! shape of the other side
     type(grid_t), intent(in) :: grid
     type(mortar_side_t), intent(inout) :: side
     real(wp) :: at(3), from(3)                ! from: the last projected point [L]
@@ -213,7 +213,7 @@ contains
 
   !> Find, to first order, where the projection of a point moves when the point moves.
   pure subroutine move_foot(foot, from, to, xi)
-    type(foot_t), intent(in) :: foot          !! of the point at `from`
+    type(foot_t), intent(in) :: foot          !! projection of the point at `from`
     real(wp), intent(in) :: from(3), to(3)    !! [L]
     real(wp), intent(out) :: xi(2)
     real(wp) :: h(3, 2), c(2, 2), g(3)
@@ -437,7 +437,7 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :), u(:, :)  !! (3, nnode) current positions, displacements [L]
-    real(wp), intent(in) :: dt                !! of the step [T]
+    real(wp), intent(in) :: dt                !! length of the step [T]
     logical, intent(in) :: tangent            !! .false.: forces only
     type(contact_state_t), intent(inout) :: state
     type(pairs_t), intent(in) :: pairs

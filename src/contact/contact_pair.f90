@@ -26,7 +26,7 @@ module contact_pair
     integer :: degree(2) = 1
     integer :: nsf = 0                       !! functions
     real(wp), allocatable :: c(:, :)         !! (nsf, nb) extraction, nb = (degree+1)(degree+1)
-    real(wp), allocatable :: shp(:, :)       !! (nsf, nq) at the integration points, without weights
+    real(wp), allocatable :: shp(:, :) !! (nsf, nq) N at the integration points, without weights
     real(wp), allocatable :: dshp(:, :, :)   !! (2, nsf, nq)
   end type surface_basis_t
 
@@ -42,18 +42,18 @@ module contact_pair
   type :: surface_t
     character(:), allocatable :: name        !! as in the deck, such as: hemi 3-
     logical :: rigid = .false.               !! rigid: its nodes are prescribed, no integration
-    real(wp) :: thickness = 0.0_wp           !! of the body behind it [L]; 0: unknown or rigid
+    real(wp) :: thickness = 0.0_wp !! thickness of the body behind it [L]; 0: unknown or rigid
     integer :: nelem = 0
     type(surface_basis_t), allocatable :: basis(:)
     integer, allocatable :: ibasis(:)        !! (nelem)
-    integer, allocatable :: first(:)         !! (nelem+1) where an element's nodes begin in `node`
+    integer, allocatable :: first(:) !! (nelem+1) position in `node` of an element's first node
     integer, allocatable :: node(:)          !! nodes and control points of all elements
     real(wp), allocatable :: w(:)            !! (size(node)) weights; not allocated: all one
     integer, allocatable :: block(:), elem(:), face(:) !! (nelem) block, element, local face
     real(wp), allocatable :: width(:)        !! (nelem) root of the reference area [L]
     !> (4, nelem) element across an edge; 0: the edge belongs to the outer boundary.
     integer, allocatable :: neighbour(:, :)
-    integer, allocatable :: edge(:, :)       !! (4, nelem) its edge; negative: opposite direction
+    integer, allocatable :: edge(:, :)       !! (4, nelem) edge of the neighbour; negative: reversed
     !> If an edge meets several edges, or only a part of one edge, its parts are listed. Those of
     !! edge k of element e begin at part_first(4(e-1)+k), and `neighbour` is one of the adjoining
     !! elements. The arrays are not allocated if there is no such edge.
@@ -62,15 +62,15 @@ module contact_pair
     !> (4, nelem) the edge is collapsed to a point (prisms); not allocated: no edge is collapsed.
     logical, allocatable :: point(:, :)
     integer, allocatable :: vertex(:, :)     !! (4, nelem) vertex at each corner
-    integer, allocatable :: ring_first(:)    !! (nvertex+1) where the elements around a vertex begin
+    integer, allocatable :: ring_first(:)    !! (nvertex+1) first element around each vertex
     integer, allocatable :: ring_elem(:)     !! elements around the vertices
     integer, allocatable :: ring_corner(:)   !! corners of these elements that lie at the vertex
     logical, allocatable :: outer(:)         !! (nvertex) the vertex lies on the outer boundary
-    !> Control points of pressure and friction (MORTar): the nodes, or the vertices with bilinear
-    !! functions (`hats`) where the functions of the surface are negative somewhere.
+    !> Control points of pressure and friction (MORTar): the nodes or, if some function of the
+    !! surface is negative somewhere, the vertices with bilinear functions (`hats`).
     integer :: ncontrol = 0
     logical :: hats = .false.
-    integer, allocatable :: control_first(:) !! (nelem+1) where those of an element begin
+    integer, allocatable :: control_first(:) !! (nelem+1) first control point of each element
     integer, allocatable :: control(:)       !! control points of the elements
   end type surface_t
 
@@ -107,8 +107,8 @@ module contact_pair
     real(wp) :: taper = 0.0_wp               !! BORDer: width relative to an element [-]; 0: none
     integer :: scheme = 0                    !! HALFPASS, BALANCED or MORTAR; 0: not given
     logical :: balanced = .false.            !! BALANCED, and no side is rigid
-    !> MORTAR: the penalties that act at points and at control points [F/L^3]. Their sum is that of
-    !! the deck, or more with AUGMent.
+    !> MORTAR: the penalties that act at points and at control points [F/L^3]. Their sum is the
+    !! penalty of the deck; it may be larger with AUGMent.
     real(wp) :: point_penalty = 0.0_wp, control_penalty = 0.0_wp
     real(wp) :: after = -huge(1.0_wp)        !! AFTEr: earliest start of a step with friction [T]
     type(bond_t), allocatable :: bond(:) !! bonded points are in all these regions
@@ -137,7 +137,7 @@ module contact_pair
     integer, allocatable :: slide(:)         !! (np)
     real(wp), allocatable :: slide_xi(:, :)  !! (2, np)
     real(wp), allocatable :: multiplier(:)   !! (np) pressure of the augmentation [F/L^2]
-    real(wp), allocatable :: multiplier_step(:) !! (np) at the start of the step
+    real(wp), allocatable :: multiplier_step(:) !! (np) multiplier at the start of the step
     !> (np) `state` at the end of the previous step. A point that slipped begins the next step with
     !! the tangent of slip.
     integer, allocatable :: state_step(:)
@@ -155,9 +155,9 @@ module contact_pair
     real(wp), allocatable :: bond_xi(:, :)   !! (2, np)
     real(wp), allocatable :: area0(:)        !! (np) reference area of the point [L^2]
     real(wp), allocatable :: past(:, :)      !! (MAX_PAST, np) history of the cohesive law
-    real(wp), allocatable :: past_step(:, :) !! (MAX_PAST, np) at the start of the step
+    real(wp), allocatable :: past_step(:, :) !! (MAX_PAST, np) past at the start of the step
     real(wp), allocatable :: opening(:)      !! (np) current distance to the partner [L]
-    real(wp), allocatable :: opening_step(:) !! (np) at the start of the step
+    real(wp), allocatable :: opening_step(:) !! (np) opening at the start of the step
     real(wp), allocatable :: energy(:, :) !! (3, np) elastic, damage, viscosity; per area [F/L]
     real(wp), allocatable :: bond_traction(:, :) !! (3, np) on area0 [F/L^2]
     !> Results of the last assembly.
@@ -170,7 +170,7 @@ module contact_pair
     real(wp), allocatable :: elastic(:, :)
     real(wp), allocatable :: slip(:)         !! (np) length of the slip [L]
     real(wp), allocatable :: limit(:)        !! (np) friction at which the point slips [F/L^2]
-    real(wp), allocatable :: limit_step(:)   !! (np) at the start of the step
+    real(wp), allocatable :: limit_step(:)   !! (np) limit at the start of the step
     real(wp), allocatable :: pressed(:)      !! (np) energy of the pressure, times the area [F L]
     real(wp), allocatable :: area(:)         !! (np) current area of the point [L^2]
     !> MORTAR: (NSPREAD, n) sums for smooth fields (contact_smooth), taken over the points of the
@@ -182,8 +182,8 @@ module contact_pair
   !> MORTAR: multipliers of the control points of one side, and results of the last assembly there.
   type :: control_points_t
     real(wp), allocatable :: multiplier(:)   !! (n) pressure of the augmentation [F/L^2]
-    real(wp), allocatable :: multiplier_step(:) !! (n) at the start of the step
-    real(wp), allocatable :: pressure(:)     !! (n) of the control points themselves [F/L^2]
+    real(wp), allocatable :: multiplier_step(:) !! (n) multiplier at the start of the step
+    real(wp), allocatable :: pressure(:)     !! (n) pressure of the control point itself [F/L^2]
     real(wp), allocatable :: gap(:)          !! (n) weighted gap [L]; huge where there is no overlap
   end type control_points_t
 
@@ -213,9 +213,9 @@ module contact_pair
     !! of its points [L].
     real(wp) :: area(2) = 0.0_wp, sticks(2) = 0.0_wp, slips(2) = 0.0_wp, penetration(2) = 0.0_wp
     logical :: depth_warned = .false.        !! warned about points deeper than `depth`
-    !> Over all steps: largest |F1 + F2| relative to the larger force, and largest penetration
-    !! relative to the width of an element or the thickness, whichever is smaller [-]; the largest
-    !! force [F].
+    !> Over all steps: largest |F1 + F2| of the forces on both sides, relative to the larger force,
+    !! and largest penetration relative to the width of an element or the thickness, whichever is
+    !! smaller [-]; the largest force [F].
     real(wp) :: balance = 0.0_wp, deepest = 0.0_wp, largest_force = 0.0_wp
     !> As long as the contact has not closed in any step: the smallest gap of all steps [L], the
     !! point where it occurs, and its step.

@@ -26,7 +26,7 @@ module contact_point
     logical :: slides = .false.        !! friction acts, and there is a stored sliding point
     real(wp) :: xs(3) = 0.0_wp         !! position of the sliding point [L]
     real(wp) :: ahead = -1.0_wp        !! [L] see friction_law_i
-    real(wp) :: multiplier = 0.0_wp    !! of the augmentation [F/L^2]
+    real(wp) :: multiplier = 0.0_wp    !! multiplier of the augmentation [F/L^2]
     real(wp) :: full = -1.0_wp         !! [L] depth from which the pressure decreases; negative: it
     !! never does
     real(wp) :: last = 0.0_wp          !! [L] depth beyond which nothing acts, > 2*full
@@ -43,10 +43,10 @@ module contact_point
 
   !> Derivatives of a vector with respect to the independent variations.
   type :: traction_derivatives_t
-    real(wp) :: x(3, 3) = 0.0_wp       !! with respect to x
-    real(wp) :: p(3, 3) = 0.0_wp       !! with respect to x_p at fixed xi_p
-    real(wp) :: a(3, 3, 2) = 0.0_wp    !! with respect to the tangents of l there
-    real(wp) :: s(3, 3) = 0.0_wp       !! with respect to x_s at fixed xi_s
+    real(wp) :: x(3, 3) = 0.0_wp       !! derivative with respect to x
+    real(wp) :: p(3, 3) = 0.0_wp       !! derivative with respect to x_p at fixed xi_p
+    real(wp) :: a(3, 3, 2) = 0.0_wp    !! derivative with respect to the tangents of l there
+    real(wp) :: s(3, 3) = 0.0_wp       !! derivative with respect to x_s at fixed xi_s
   end type traction_derivatives_t
 
 contains
@@ -82,8 +82,8 @@ contains
   !> Add the frictional traction at a point that carries a pressure, and its derivatives.
   pure subroutine add_friction(contact, dn, dpdx, point, dt)
     type(contact_t), intent(in) :: contact
-    type(traction_derivatives_t), intent(in) :: dn !! of the normal point%n
-    real(wp), intent(in) :: dpdx(3)  !! with respect to x; that with respect to x_p is the opposite
+    type(traction_derivatives_t), intent(in) :: dn !! derivatives of the normal point%n
+    real(wp), intent(in) :: dpdx(3)  !! dp/dx, which is the opposite of dp/dx_p
     type(point_t), intent(inout) :: point
     type(traction_derivatives_t), intent(inout) :: dt
     real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
@@ -201,7 +201,7 @@ contains
     real(wp), intent(in) :: x(3)           !! the point
     real(wp), intent(out) :: h(3, 2)       !! [1/L]
     real(wp), intent(out) :: c(2, 2)       !! [1/L^2]
-    real(wp), intent(out) :: g(3)          !! from the projection to the point [L]
+    real(wp), intent(out) :: g(3)          !! vector from the projection to the point [L]
     real(wp) :: metric(2, 2), hess(2, 2)
 
     g = x - foot%x

@@ -28,7 +28,7 @@ contains
     real(wp), intent(in) :: scale                  !! opening d of the law [L]
     type(contact_points_t), intent(in) :: points
     real(wp), intent(inout) :: released            !! [L^2]
-    real(wp), intent(inout) :: slope(:, :)         !! (3, nnode) its derivative [L]
+    real(wp), intent(inout) :: slope(:, :)         !! (3, nnode) derivative of the release [L]
     type(work_t) :: work
     real(wp) :: g(3), up(3, 2), xp(3), c, r, area
     integer :: e, i, m, n, q

@@ -272,7 +272,7 @@ contains
   !> Do the same as find_jump for one contact of two surfaces.
   subroutine find_jump_through(contact, x_start, x, gap, side)
     type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now
+    real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start and now [L]
     real(wp), intent(out) :: gap                   !! gap of the point [L]; positive: there is none
     integer, intent(out) :: side                   !! the side to which the point belongs
     type(shape_t) :: shape(2), start(2)

@@ -2,11 +2,11 @@
 !! of the contact quantities of a CURVe.
 !!
 !! The tractions of side k are those that act on side k: a body that is pressed down onto another
-!! one is pushed up, and a negative z force acts on the other body. Force and moment are those of
-!! the nodal forces of the side. If the points of the other side load it too (with BALAnced, or if
-!! it is rigid), their forces act at their projections. The moments of the two sides then differ by
-!! the forces along the surface (friction, BORDer) times the penetration. A rigid side has no points
-!! of its own: areas and numbers of points are those of the other side.
+!! one is pushed up, and a negative z force acts on the other body. Force and moment are the
+!! resultants of the nodal forces of the side. If the points of the other side load it too (with
+!! BALAnced, or if it is rigid), their forces act at their projections. The moments of the two sides
+!! then differ by the forces along the surface (friction, BORDer) times the penetration. A rigid
+!! side has no points of its own: areas and numbers of points are those of the other side.
 module contact_resultant
   use base_kinds, only: wp
   use contact_history, only: side_positions
@@ -69,7 +69,7 @@ contains
   subroutine find_resultant(contact, k, points, x, about, total)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
-    type(contact_points_t), intent(in) :: points(2) !! of both sides
+    type(contact_points_t), intent(in) :: points(2) !! points of both sides
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
     real(wp), intent(in) :: about(3)               !! point about which moments are taken [L]
     type(resultant_t), intent(out) :: total
@@ -110,7 +110,7 @@ contains
   subroutine sum_points(contact, k, points, x, about, total)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
-    type(contact_points_t), intent(in) :: points   !! of side k
+    type(contact_points_t), intent(in) :: points   !! points of side k
     real(wp), intent(in) :: x(:, :), about(3)
     type(resultant_t), intent(inout) :: total
     real(wp) :: xp(3, contact%nq), df(3), dm(3)

@@ -20,10 +20,10 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e
     type(work_t), intent(in) :: part
-    type(pairs_t), intent(in) :: pairs             !! of side k
+    type(pairs_t), intent(in) :: pairs             !! pairs of side k
     real(wp), intent(in) :: x(:, :), u(:, :)       !! (3, nnode) positions, displacements [L]
     logical, intent(in) :: tangent                 !! false: only the forces are added
-    type(contact_state_t), intent(inout) :: state  !! its forces and moments
+    type(contact_state_t), intent(inout) :: state  !! gets forces and moments
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
     real(wp), intent(inout) :: rounding, largest   !! see sweep_t

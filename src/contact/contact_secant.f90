@@ -63,7 +63,7 @@ contains
     real(wp), intent(in) :: past(:)         !! history of the point at the start of the step
     real(wp), intent(out) :: now(:)         !! history at the end of the step
     type(cohesion_t), intent(out) :: c
-    procedure(potential_i), optional :: potential !! for a reversible law
+    procedure(potential_i), optional :: potential !! energy of a reversible law
     real(wp) :: d(2), gt(3), k(2), s(2), ds(2, 2), work
 
     d(1) = dot_product(n, g)

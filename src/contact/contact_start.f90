@@ -218,7 +218,7 @@ contains
     type(start_t), intent(out) :: start
     type(shape_t) :: shape(2)
     type(grid_t) :: grid(2)
-    real(wp), allocatable :: gap(:)      ! of the points that have a projection [L]
+    real(wp), allocatable :: gap(:)      ! gaps of points with a projection [L]
     integer, allocatable :: away(:)      ! the side that faces away there; 0: none
     real(wp), allocatable :: reach_of(:, :) ! distance of an element to the other surface [L]
     logical, allocatable :: behind(:)    ! the point is behind the other body

@@ -3,9 +3,9 @@
 !! or opposite nothing, and no projection shows that they have been inside.
 !!
 !! The motion of each surface is described by the rigid motion that fits it best, plus a remainder
-!! that grows linearly in the step. Straight paths would not do, because they would cut through a
-!! shaft that turns in its hole. The faces of the other surface are divided into triangles, which
-!! are described in a frame that moves with that surface. A point enters the body where its distance
+!! that grows linearly in the step. Straight paths would be wrong: they would cut through a shaft
+!! that turns in its hole. The faces of the other surface are divided into triangles, which are
+!! described in a frame that moves with that surface. A point enters the body where its distance
 !! from a triangle changes from positive to negative, and leaves it where it changes back.
 module contact_sweep
   use base_kinds, only: wp
@@ -50,7 +50,7 @@ contains
   !! side = 0 if there is none. Self-contact is not examined.
   subroutine find_sweep(contact, x_start, x, depth, side)
     type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start of the step, and now
+    real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start and now [L]
     real(wp), intent(out) :: depth                 !! depth of the point along its path [L]
     integer, intent(out) :: side                   !! side to which the point belongs
     type(screw_t) :: screw(2)
@@ -114,8 +114,8 @@ contains
     real(wp), intent(in) :: x_start(:, :), x(:, :)
     real(wp), intent(out) :: depth            !! 0: there is none
     type(triangles_t) :: other
-    type(shape_t), allocatable :: shape(:)    ! of side k at the ends of the stages
-    type(shape_t) :: far_shape(2)             ! of the other side at the start and now
+    type(shape_t), allocatable :: shape(:)    ! shapes of side k at the ends of the stages
+    type(shape_t) :: far_shape(2)             ! the other side at the start and now
     type(grid_t) :: grid(2)
     type(crossing_t) :: crossing(MOST_CROSSINGS)
     real(wp), allocatable :: y(:, :)          ! positions in the frame [L]
@@ -175,11 +175,11 @@ contains
   subroutine measure_depth(contact, opposite, shape, grid, other, p, n, crossing, depth)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: opposite
-    type(shape_t), intent(in) :: shape(2)     !! of the other side at the start and now
+    type(shape_t), intent(in) :: shape(2)     !! shapes of the other side at the start and now
     type(grid_t), intent(in) :: grid(2)
     type(triangles_t), intent(in) :: other
     real(wp), intent(in) :: p(:, 0:), n(:, 0:) !! (3, 0:m) path of the point, and its normal
-    type(crossing_t), intent(in) :: crossing(:) !! in chronological order
+    type(crossing_t), intent(in) :: crossing(:) !! crossings in chronological order
     real(wp), intent(out) :: depth
     type(foot_t) :: foot, start
     real(wp) :: out(3)
@@ -224,7 +224,8 @@ contains
     end do
   end function is_near
 
-  !> Project a point onto a surface; no point is deeper below it than `deepest`.
+  !> Project a point onto a surface. A point deeper below the surface than `deepest` has no
+  !! projection.
   subroutine find_foot(surface, shape, grid, x, deepest, foot)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -246,7 +247,8 @@ contains
     if (yes) yes = foot%gap <= 0.0_wp .and. dot_product(foot%n, normal) > 0.0_wp
   end function is_pushed
 
-  !> Divide the elements of a surface into triangles, more of them for higher degrees.
+  !> Divide the elements of a surface into triangles. Elements of higher degree are divided into
+  !! more triangles.
   subroutine divide(surface, x_start, x, mesh)
     type(surface_t), intent(in) :: surface
     real(wp), intent(in) :: x_start(:, :), x(:, :)
@@ -344,7 +346,7 @@ contains
     first = 0
   end function first_entry
 
-  !> Insert a crossing in chronological order; the list may be full.
+  !> Insert a crossing in chronological order, unless the list is full.
   pure subroutine insert(new, list, n)
     type(crossing_t), intent(in) :: new
     type(crossing_t), intent(inout) :: list(:)

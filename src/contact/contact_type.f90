@@ -45,8 +45,8 @@ module contact_type
   !> Result of a cohesive law at a point, on the reference area.
   type :: cohesion_t
     real(wp) :: t(3) = 0.0_wp          !! traction [F/L^2]
-    real(wp) :: dtdg(3, 3) = 0.0_wp    !! its derivative with respect to the gap [F/L^3]
-    real(wp) :: dtdn(3, 3) = 0.0_wp    !! and with respect to the partner's normal [F/L^2]
+    real(wp) :: dtdg(3, 3) = 0.0_wp    !! derivative of t with respect to the gap [F/L^3]
+    real(wp) :: dtdn(3, 3) = 0.0_wp !! derivative of t with respect to the partner's normal [F/L^2]
     real(wp) :: stored = 0.0_wp        !! energy that unloading returns [F/L]
     real(wp) :: spent = 0.0_wp         !! energy dissipated by damage so far [F/L]
     real(wp) :: viscous = 0.0_wp       !! energy dissipated by VISCous so far [F/L]
@@ -59,7 +59,7 @@ module contact_type
       implicit none
       real(wp), intent(in) :: prop(:)     !! (nprop)
       real(wp), intent(in) :: gap         !! [L] negative: penetration
-      real(wp), intent(in) :: multiplier  !! [F/L^2] of the augmentation; 0 if there is none
+      real(wp), intent(in) :: multiplier  !! multiplier of the augmentation [F/L^2]; 0: none
       real(wp), intent(out) :: p          !! [F/L^2]
       real(wp), intent(out) :: dp         !! dp/dgap [F/L^3]
       real(wp), intent(out) :: energy  !! [F/L] integral of p from the gap at which p becomes zero
@@ -70,11 +70,11 @@ module contact_type
       import :: wp
       implicit none
       real(wp), intent(in) :: prop(:)
-      real(wp), intent(in) :: d(3)        !! [L] from the sliding point, in the tangent plane
+      real(wp), intent(in) :: d(3)        !! vector from the sliding point, in the tangent plane [L]
       real(wp), intent(in) :: p           !! [F/L^2] pressure, > 0
-      !> [L] In the first iteration of a step: the slip that is expected in the step. The point then
-      !! slips, whatever d is. In other iterations it is negative, and d decides between stick and
-      !! slip.
+      !> [L] In the first iteration of a step, the slip that is expected in the step; the point then
+      !! slips, whatever d is. In other iterations, a negative number; d then decides between stick
+      !! and slip.
       real(wp), intent(in) :: ahead
       real(wp), intent(out) :: t(3)       !! [F/L^2]
       real(wp), intent(out) :: dtdd(3, 3) !! [F/L^3]

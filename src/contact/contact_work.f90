@@ -127,7 +127,7 @@ contains
     energy_share = merge(1.0_wp, 0.5_wp, any(contact%side%rigid))
   end function energy_share
 
-  !> Do the points of a side load the other one too?
+  !> Do the points of a side load the other side too?
   pure logical function loads_both(contact)
     type(contact_t), intent(in) :: contact
 
@@ -253,7 +253,7 @@ contains
   !! the point and to its area.
   pure subroutine add_own(t, dtdx, up, da, work)
     real(wp), intent(in) :: t(3)                 !! traction [F/L^2]
-    real(wp), intent(in) :: dtdx(3, 3)           !! with respect to the point
+    real(wp), intent(in) :: dtdx(3, 3)           !! derivative with respect to the point
     real(wp), intent(in) :: up(3, 2), da         !! contravariant tangents, area [L^2]
     type(work_t), intent(inout) :: work
     real(wp) :: v(3)
@@ -276,8 +276,8 @@ contains
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
-    real(wp), intent(in) :: dtdx(3, 3)           !! with respect to the point xi of the element
-    real(wp), intent(in) :: dtda(3, 3, 2), da    !! with respect to the tangents there; area [L^2]
+    real(wp), intent(in) :: dtdx(3, 3)           !! derivative with respect to the point xi of e
+    real(wp), intent(in) :: dtda(3, 3, 2), da !! derivative with respect to the tangents; area [L^2]
     type(work_t), intent(inout) :: work
     integer :: b, n, slot
 
@@ -292,7 +292,7 @@ contains
     call spread_rows(work%nk, n, work%own, work%q, da, size(work%kl, 1), work%kl(:, :, slot))
   end subroutine add_partner
 
-  !> Find the slot of a partner. A partner that has none is assigned a new one.
+  !> Find the slot of a partner. A partner without a slot is assigned a new one.
   pure subroutine find_slot(e, work)
     integer, intent(in) :: e
     type(work_t), intent(inout) :: work
@@ -315,14 +315,15 @@ contains
   end subroutine find_slot
 
   !> With BALAnced, add the opposite force on the partner of the last add_partner. add_own and
-  !! add_partner must have been called for this traction, because their columns are used.
+  !! add_partner must have been called for this traction, because the columns that they set are
+  !! used.
   pure subroutine add_back(other, e, t, da, work, foot, x)
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
     real(wp), intent(in) :: t(3)                 !! traction on the side of the point [F/L^2]
     real(wp), intent(in) :: da                   !! as in add_own
     type(work_t), intent(inout) :: work
-    type(foot_t), intent(in), optional :: foot   !! where the force acts, if it moves on the surface
+    type(foot_t), intent(in), optional :: foot   !! projection where the force acts, if it moves
     real(wp), intent(in), optional :: x(3)       !! the point [L]
     real(wp) :: h(3, 2), c(2, 2), g(3), q(3, 3, size(work%shp)), slope(size(work%shp))
     integer :: a, b, n

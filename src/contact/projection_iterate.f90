@@ -84,7 +84,7 @@ contains
   !! distance would decrease further.
   pure subroutine find_active(iterate, edge, push)
     type(iterate_t), intent(in) :: iterate
-    integer, intent(out) :: edge(2)     !! for each parameter; 0: none
+    integer, intent(out) :: edge(2)     !! active bound of each parameter; 0: none
     real(wp), intent(out) :: push(2)    !! how far the distance would decrease, as a change of
     !! the parameter
     integer :: i

@@ -20,10 +20,10 @@ module projection_search
     real(wp) :: low(3) = 0.0_wp, high(3) = 0.0_wp !! box around the surface [L]
     real(wp) :: width = 1.0_wp                    !! width of a cell [L]
     integer :: n(3) = 0  !! number of cells; 0: the surface is empty or not finite
-    integer, allocatable :: first(:)              !! where the samples of a cell begin
+    integer, allocatable :: first(:)              !! first sample of each cell
     integer, allocatable :: elem(:)               !! (ns) element of a sample
-    real(wp), allocatable :: xi(:, :)             !! (2, ns) its parameters
-    real(wp), allocatable :: x(:, :)              !! (3, ns) its position [L]
+    real(wp), allocatable :: xi(:, :)             !! (2, ns) parameters of a sample
+    real(wp), allocatable :: x(:, :)              !! (3, ns) position of a sample [L]
     !> Work arrays for the sorting.
     integer, allocatable :: cell(:)               !! (ns)
     real(wp), allocatable :: sample(:, :)         !! (3, ns)

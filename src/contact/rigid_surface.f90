@@ -14,8 +14,8 @@ contains
   !> Add the forces that the points of one element of the other side exert.
   subroutine react(rigid, feet, points, before, f)
     type(surface_t), intent(in) :: rigid
-    type(foot_t), intent(in) :: feet(:)          !! (nq) of an element of the other side
-    type(contact_points_t), intent(in) :: points !! of the other side
+    type(foot_t), intent(in) :: feet(:)          !! (nq) projections of points of one element
+    type(contact_points_t), intent(in) :: points !! points of the other side
     integer, intent(in) :: before                !! number of points before those of the element
     real(wp), intent(inout) :: f(:, :)           !! (3, nnode) internal forces [F]
     real(wp) :: at_partner(3), at_closest(3)

@@ -36,7 +36,7 @@ module self_contact
   real(wp), parameter :: ACROSS = 0.25_wp
   !> Assumption: no body is compressed to less than 1/MOST_COMPRESSED of its thickness.
   real(wp), parameter :: MOST_COMPRESSED = 4.0_wp
-  !> Number of bisections that find an edge to about rounding.
+  !> Number of bisections after which an edge is known up to about the rounding error.
   integer, parameter :: BISECTIONS = 40
 
 contains
@@ -91,9 +91,9 @@ contains
     n = n/max(norm2(n), tiny(1.0_wp))
   end subroutine place
 
-  !> Project the point xi of element e onto the part of its own surface where `foot` is. There is no
-  !! projection (element 0) if the surface does not face the point where the search ends, or if the
-  !! point and its projection are on opposite faces of the body.
+  !> Project the point xi of element e onto the part of its own surface on which `foot` lies. There
+  !! is no projection (element 0) if the surface does not face the point where the search ends, or
+  !! if the point and its projection are on opposite faces of the body.
   pure subroutine project_on_itself(contact, shape, reference, e, xi, foot, through)
     type(contact_t), intent(in) :: contact
     type(shape_t), intent(in) :: shape, reference !! now, and before the deformation
@@ -171,7 +171,7 @@ contains
     call place(contact%side(1), reference, e, xi, x, n)
     call place(contact%side(1), reference, foot%elem, foot%xi, y, m)
     far = norm2(y - x)
-    height = [dot_product(y - x, n), dot_product(x - y, m)] ! of each point above the other
+    height = [dot_product(y - x, n), dot_product(x - y, m)] ! height of each point above the other
     yes = far < MOST_COMPRESSED*contact%depth .and. all(height < 0.0_wp) .and. &
           sum(height) < -2*ACROSS*far .and. &
           sum(height) < -2*MISFIT*maxval(reference%high(:, e) - reference%low(:, e))

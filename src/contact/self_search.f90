@@ -138,8 +138,8 @@ contains
   subroutine find_own_jump(contact, xr, x_start, x, far, gap)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :)          !! (3, nnode) before the deformation [L]
-    real(wp), intent(in) :: x_start(:, :)     !! at the start of the step [L]
-    real(wp), intent(in) :: x(:, :)           !! now [L]
+    real(wp), intent(in) :: x_start(:, :)     !! (3, nnode) x at the start of the step [L]
+    real(wp), intent(in) :: x(:, :)           !! (3, nnode) current positions [L]
     real(wp), intent(in) :: far               !! distance that points may have moved [L]
     real(wp), intent(out) :: gap              !! gap of the point [L]; positive: there is none
     type(shape_t) :: reference, shape, start
