@@ -37,8 +37,8 @@ contains
     end associate
   end subroutine run_loop
 
-  !> End a pass of a loop. If the step ended before its target, the pass is repeated; if it passed
-  !! several targets, it counts as that many passes.
+  !> End a pass of a loop. If the step ended before its target, the pass is repeated; if the step
+  !! passed several targets, as many passes are counted.
   subroutine run_next(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

@@ -107,7 +107,7 @@ module command_type
     type(curve_file_t), allocatable :: curve(:)
     type(byte_file_t) :: out                    !! FEAP's tables
     logical :: curves_open = .false., result_open = .false., out_open = .false.
-    type(row_t), allocatable :: last_row(:)     !! of every curve, for the report
+    type(row_t), allocatable :: last_row(:)     !! last row of every curve, for the report
     integer, allocatable :: kept  !! last step before the restart; not allocated: there is none
   end type files_t
 

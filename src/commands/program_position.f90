@@ -13,7 +13,7 @@ contains
   !> Save the position: a step begins with the command at the counter.
   subroutine save_position(program, params)
     type(program_t), intent(inout) :: program
-    type(params_t), intent(in) :: params !! of the deck
+    type(params_t), intent(in) :: params !! parameters of the deck
 
     associate (position => program%step_start)
       position%counter = program%counter

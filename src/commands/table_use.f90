@@ -15,7 +15,7 @@ module table_use
   !> The first load or motion that follows a table.
   type :: use_t
     integer :: table = 0               !! 0: the sum of all tables
-    character(:), allocatable :: what  !! such as: MOVE
+    character(:), allocatable :: what  !! word of the load, such as MOVE
     logical :: acts = .false.          !! some load or motion of this table is not zero
     type(place_t) :: place             !! without a file if it is not known
   end type use_t
@@ -124,7 +124,7 @@ contains
     type(run_t), intent(in) :: run
     integer, intent(in) :: k               !! number of the table
     type(load_table_t), intent(in) :: new
-    type(place_t), intent(in) :: place     !! of the PROP
+    type(place_t), intent(in) :: place     !! place of the PROP in the deck
     type(use_t), allocatable :: uses(:)
     real(wp) :: before, after
 

@@ -44,9 +44,9 @@ contains
               call check_material(draft, p%mesh%material(j)%number, p%mesh%material(j)%place)
               call check_words(draft, p%mesh%material(j)%number, .false.)
             end do
-            cycle ! its nodes are counted at the end, like those of a spline
+            cycle ! the nodes of an NPATch are counted at the end
           end if
-          if (.not. allocated(p%material_place%file)) cycle ! its record has an error already
+          if (.not. allocated(p%material_place%file)) cycle ! the record has an error already
           call check_material(draft, p%material, p%material_place)
           call check_words(draft, p%material, .false.)
         end if

@@ -1,8 +1,8 @@
 !> Conditions at nodes and control points, which are given by number or by position.
 !!
 !! The order is that of FEAP: BOUN, FORC, DISP and FPRO act as they are read; then the records of
-!! EBOU, EDIS, EFOR, EPRO, CBOU, CFOR, CDIS and CSUR act, one word after another, those of each word
-!! in deck order.
+!! EBOU, EDIS, EFOR, EPRO, CBOU, CFOR, CDIS and CSUR act, in this order of the words; the records of
+!! one word act in deck order.
 !!
 !! Nodes that TIE joins share the conditions that BOUN, FORC, DISP and FPRO give to any of them, and
 !! count as one node for the words that find nodes by their position. Different displacements, or
@@ -30,8 +30,8 @@ module input_conditions
 
   real(wp), parameter :: ROUNDING = 1.0e-9_wp !! relative difference of displacements that are equal
 
-  !> Names of R_EBOU to R_CSUR; then, for C_FIXED to C_TABLE, the words by node number and the names
-  !! of the values.
+  !> Names of the words R_EBOU to R_CSUR; then, for C_FIXED to C_TABLE, names of the words that give
+  !! these conditions by node number, and names of their values.
   character(13), parameter :: &
     WORDS(8) = ['EBOUndary    ', 'EDISplacement', 'EFORce       ', 'EPROportional', &
                 'CBOUndary    ', 'CFORce       ', 'CDISplacement', 'CSURface     '], &
@@ -63,7 +63,7 @@ contains
     end if
     do i = 1, draft%named_nodes%place%n ! nodes that records referred to before they were defined
       n = draft%named_nodes%node(i)
-      if (n > draft%nodes%top .and. n <= mesh%nnode) cycle ! it belongs to a patch
+      if (n > draft%nodes%top .and. n <= mesh%nnode) cycle ! the node belongs to a patch
       if (n <= draft%nodes%top) then
         if (draft%nodes%given(n)) cycle
       end if
@@ -161,7 +161,7 @@ contains
   end subroutine check_displacements
 
   !> Mark the nodes that FEAP would find. These are all nodes with a position, except control points
-  !! that only define geometry, and except the nodes of rigid patches, which MOVE moves.
+  !! that only define geometry and nodes of rigid patches, which MOVE moves.
   subroutine mark_active(draft, mesh, active)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

@@ -180,8 +180,8 @@ contains
     end do
   end subroutine make_sides
 
-  !> Set the penalties that the deck leaves to AUTO, and the part of the penalty that MORTar applies
-  !! at control points, because more than LOCKS times the penalty of AUTO would cause locking at
+  !> Set the penalties that the deck leaves to AUTO. With MORTar, the part of the penalty that
+  !! exceeds LOCKS times that of AUTO acts at control points, because it would cause locking at
   !! integration points.
   subroutine set_penalties(model, start, contact)
     type(model_t), intent(in) :: model

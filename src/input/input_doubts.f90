@@ -36,7 +36,7 @@ module input_doubts
 contains
 
   !> Reject elements of one material that have the same nodes, and warn about elements in the same
-  !! place, because the stiffness there counts twice.
+  !! place, because the stiffness is added twice there.
   subroutine check_twice(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -51,7 +51,7 @@ contains
     call list_members(mesh, list)
     if (size(list) < 2) return
     allocate (key(size(list)), order(size(list)))
-    do i = 1, size(list) ! along a direction in which centres seldom coincide
+    do i = 1, size(list) ! position along a direction in which centres seldom coincide
       key(i) = dot_product(list(i)%centre, [1.0_wp, 0.7320508075688772_wp, 0.4142135623730951_wp])
     end do
     call sort_index(key, order)
@@ -185,8 +185,9 @@ contains
   end function place_of
 
   !> Warn about hexahedra with opposite faces that are turned against each other, usually because
-  !! the nodes of one face begin at another edge than those of the other face. After a quarter of a
-  !! turn, an element still has two thirds of its volume, and its Jacobian is positive everywhere.
+  !! the nodes of one face begin at a different edge from those of the other face. After a quarter
+  !! of a turn, an element still has two thirds of its volume, and its Jacobian is positive
+  !! everywhere.
   subroutine warn_twisted(draft, mesh)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -341,7 +342,7 @@ contains
   !> Warn about one kind of element with a nearly incompressible material.
   subroutine doubt(m, name, what, hint)
     type(material_set_t), intent(in) :: m
-    character(*), intent(in) :: name !! of the elements
+    character(*), intent(in) :: name !! name of the elements
     character(*), intent(in) :: what !! what these elements do
     character(*), intent(in) :: hint
 

@@ -35,7 +35,7 @@ module input_draft
     type(patch_spec_t) :: spec
     integer :: material = 0            !! the user's number
     integer :: npatch = 0  !! NPATch that gives its geometry; 0: none
-    type(mesh_spec_t) :: mesh          !! of a MESH
+    type(mesh_spec_t) :: mesh          !! spec of a MESH
     type(place_t) :: material_place, npatch_place
   end type patch_entry_t
 
@@ -45,7 +45,7 @@ module input_draft
     integer :: n(3) = 0                !! control points
     integer :: knot(3) = 0             !! numbers of the knot vectors
     integer, allocatable :: node(:, :, :) !! (n1, n2, n3)
-    logical :: is_geometry = .false.   !! it is the geometry of a PATCh, not a body of its own
+    logical :: is_geometry = .false.   !! .true.: geometry of a PATCh, not a body of its own
     type(place_t) :: place
   end type npatch_entry_t
 
@@ -90,7 +90,7 @@ module input_draft
     type(contact_t) :: contact
     type(where_t) :: at(2)             !! SURFaces
     type(place_t) :: scheme_place
-    type(place_t) :: bond_place, pair_place, refine_place !! of BONDed, PAIR, REFIne, and
+    type(place_t) :: bond_place, pair_place, refine_place !! places of BONDed, PAIR, REFIne,
     !! without a file if there is no such record
   end type contact_entry_t
 
@@ -107,7 +107,7 @@ module input_draft
   !> A record of EBOU, EDIS, EFOR, EPRO, CBOU, CDIS, CFOR or CSUR. Such a condition is given by
   !! position and is applied at the END of the mesh.
   type :: condition_entry_t
-    integer :: word = 0                !! its word: R_EBOU to R_CSUR
+    integer :: word = 0                !! number of the word: R_EBOU to R_CSUR
     logical :: adds = .false.          !! add the values to those of other records
     logical :: sets = .false.          !! the deck says SET
     integer :: direction = 0           !! normal of a plane; 0: a point or a surface

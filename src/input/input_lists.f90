@@ -17,7 +17,7 @@ module input_lists
     integer :: top = 0                       !! largest number with a position
     real(wp), allocatable :: x(:, :)         !! (3, n) [L]
     logical, allocatable :: given(:)         !! (n)
-    real(wp), allocatable :: weight(:)       !! (n) of control points; 0: a plain node
+    real(wp), allocatable :: weight(:)       !! (n) weight of a control point; 0: a plain node
     integer, allocatable :: code(:, :)       !! (3, n) BOUN
     real(wp), allocatable :: force(:, :)     !! (3, n) FORC [F]
     logical, allocatable :: forced(:)        !! (n) named in a record of FORC, not generated
@@ -32,7 +32,7 @@ module input_lists
   !> Elements 1 to `top`; `nen` is 0 for numbers that the deck leaves out.
   type :: element_list_t
     integer :: top = 0
-    integer, allocatable :: node(:, :)       !! (8 or 27, n) in FEAP's order
+    integer, allocatable :: node(:, :)       !! (8 or 27, n) nodes in FEAP's order
     integer, allocatable :: nen(:)           !! (n) number of nodes
     integer, allocatable :: material(:)      !! (n) the user's number
     integer, allocatable :: place(:)         !! (n) index into the list of places

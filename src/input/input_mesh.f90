@@ -43,8 +43,8 @@ contains
   subroutine compare(draft, announced, found, name, what)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: announced, found
-    character(*), intent(in) :: name !! its name in the control record
-    character(*), intent(in) :: what !! in the plural
+    character(*), intent(in) :: name !! name in the control record
+    character(*), intent(in) :: what !! name of the objects in the plural
     type(error_t), allocatable :: error
 
     if (announced == 0 .or. found <= announced) return
@@ -234,9 +234,9 @@ contains
   !! control point k of its surface.
   subroutine add_constraints(draft, spec, list, place, mesh, error)
     type(draft_t), intent(in) :: draft
-    type(patch_spec_t), intent(in) :: spec   !! of the body
-    type(constraint_t), intent(in) :: list   !! with the node numbers of the table
-    type(place_t), intent(in) :: place       !! of the table
+    type(patch_spec_t), intent(in) :: spec   !! patch of the body
+    type(constraint_t), intent(in) :: list   !! constraints with the node numbers of the table
+    type(place_t), intent(in) :: place       !! place of the table in the deck
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: node(:)
@@ -275,8 +275,8 @@ contains
   subroutine resolve_node(draft, mesh, spec, place, node, error)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
-    type(patch_spec_t), intent(in) :: spec   !! of the body that the table belongs to
-    type(place_t), intent(in) :: place       !! of the table
+    type(patch_spec_t), intent(in) :: spec   !! patch of the body to which the table belongs
+    type(place_t), intent(in) :: place       !! place of the table in the deck
     integer, intent(inout) :: node
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: name

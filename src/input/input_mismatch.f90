@@ -21,8 +21,8 @@ module input_mismatch
   !> Faces of elements.
   type :: faces_t
     integer :: n = 0
-    integer, allocatable :: block(:), elem(:) !! (n) where each face is
-    integer, allocatable :: node(:, :)        !! (MOST, n) its nodes in ascending order, then zeros
+    integer, allocatable :: block(:), elem(:) !! (n) block and element of each face
+    integer, allocatable :: node(:, :)        !! (MOST, n) nodes in ascending order, then zeros
     logical, allocatable :: corner(:, :)      !! (MOST, n) is the node a corner?
     integer, allocatable :: first(:), at(:)   !! faces of each node: at(first(i):first(i + 1) - 1)
   end type faces_t

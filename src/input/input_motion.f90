@@ -1,9 +1,9 @@
 !> Nodes that several MOVEs name, such as those on the common edge of two faces.
 !!
-!! The MOVEs of one place add up: a face may be pressed by one record and dragged by another. If
-!! several places share a node, such as a node of a tied edge, and give it the same motion, this
-!! motion is applied there only once. If they give the node different motions in one direction,
-!! these add up, and a warning is issued.
+!! The MOVEs of one place (WHERE) add up: a face may be pressed by one record and dragged by
+!! another. If several places share a node, such as a node of a tied edge, and give it the same
+!! motion, this motion is applied there only once. If they give the node different motions in one
+!! direction, these add up, and a warning is issued.
 !!
 !! MOVE takes precedence over FIX where both act on a node in the same direction. This is noted if
 !! both records name the same nodes, and there is a warning if they share only some nodes.

@@ -148,7 +148,7 @@ contains
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: k
     type(nurbs_t), intent(in) :: patch
-    integer, intent(in) :: node(:, :, :) !! its control points
+    integer, intent(in) :: node(:, :, :) !! control points of the NPATch
     type(block_t), intent(inout) :: block
     integer, allocatable :: first1(:), first2(:), first3(:), iop1(:), iop2(:), iop3(:)
     type(element_t), allocatable :: rows(:)

@@ -33,7 +33,7 @@ contains
     type(contact_t), intent(in) :: contact(:)
     logical, intent(in) :: told(:, :)  !! (nbody, nbody) pairs that a warning has named already
     type(skin_t), allocatable :: skin(:)
-    logical, allocatable :: may(:, :) ! (0:nbody, 0:nbody) (lower, higher)
+    logical, allocatable :: may(:, :) ! (0:nbody, 0:nbody) pairs a < b
     real(wp) :: x(3)
     logical :: overlap
     integer :: a, b, n, nbody
@@ -71,7 +71,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
     logical, intent(in) :: told(:, :)
-    logical, allocatable, intent(out) :: may(:, :) !! (0:nbody, 0:nbody) (lower, higher)
+    logical, allocatable, intent(out) :: may(:, :) !! (0:nbody, 0:nbody) pairs a < b
     integer, allocatable :: owner(:) ! (nnode) first body of a node; -1: none
     logical, allocatable :: on(:, :) ! (0:nbody, 2) bodies on the sides of a contact
     real(wp) :: low(3, 0:size(mesh%body)), high(3, 0:size(mesh%body))

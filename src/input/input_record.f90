@@ -11,7 +11,7 @@ module input_record
   !! program all use the words of one array of this type.
   type :: record_word_t
     character(12) :: name              !! spelling in the manual; only its first four letters count
-    logical :: repeats = .false.       !! it may occur more than once
+    logical :: repeats = .false.       !! the word may occur more than once
   end type record_word_t
 
   interface check_record

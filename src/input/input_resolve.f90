@@ -79,7 +79,7 @@ contains
     end do
   end subroutine resolve_loads
 
-  !> Warn if the last of some pressures is equal to an earlier one.
+  !> Warn if the last of the given pressures is equal to an earlier one.
   subroutine warn_repeated(pressure)
     type(pressure_t), intent(in) :: pressure(:)
     integer :: i

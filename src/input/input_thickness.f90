@@ -25,7 +25,7 @@ contains
   !! before it is refined and placed; placement does not change distances.
   function body_thickness(draft, name, mask) result(thickness)
     type(draft_t), intent(in) :: draft
-    character(*), intent(in) :: name  !! of a PATCh or NPATch
+    character(*), intent(in) :: name  !! name of a PATCh or NPATch
     integer, intent(in) :: mask       !! bit f-1 for each face f
     real(wp) :: thickness
     type(nurbs_t) :: patch

@@ -170,7 +170,7 @@ contains
     allocate (grid%next(mesh%nnode), source=0)
     allocate (class(mesh%nnode), source=0)
     do b = 1, size(mesh%block)
-      number = 0 ! for rigid bodies
+      number = 0 ! no material, because the body is rigid
       if (.not. is_rigid(mesh%block(b))) then
         number = draft%model%material(mesh%block(b)%material)%number
       end if

@@ -39,11 +39,11 @@ module input_touching
     integer, allocatable :: body(:)    !! (nelem) body of each face; 0: the elements have none
     logical, allocatable :: rigid(:)   !! (nelem)
     real(wp), allocatable :: width(:)  !! (nelem) largest extent of a face [L]
-    real(wp), allocatable :: depth(:)  !! (nelem) of the element behind a face [L]
+    real(wp), allocatable :: depth(:)  !! (nelem) depth of the element behind a face [L]
     integer, allocatable :: side(:, :) !! (nelem, ncontact) bits 0 and 1: sides of the face
     real(wp) :: low(3) = 0.0_wp, cell = 1.0_wp !! corner and width of the buckets [L]
     integer :: n(3) = 1                !! number of buckets
-    integer, allocatable :: first(:)   !! where the faces of a bucket begin
+    integer, allocatable :: first(:)   !! first face of each bucket
     integer, allocatable :: face(:)
   end type skin_t
 
@@ -51,7 +51,7 @@ module input_touching
   type :: pair_t
     integer :: body(2) = 0
     integer :: face = 0                !! a face of the second body that touches the first
-    real(wp) :: area(2) = 0.0_wp       !! of each body that touches the other [L^2]
+    real(wp) :: area(2) = 0.0_wp       !! area of each body that touches the other one [L^2]
     real(wp) :: near(2) = 0.0_wp       !! the same with distances up to CURVED [L^2]
     logical :: overlaps = .false.      !! elements overlap at some of these points
   end type pair_t

@@ -19,9 +19,9 @@ module input_untied
 
   !> A node lies on a face if its distance, relative to the extent of the mesh, is less than this.
   real(wp), parameter :: ON_FACE = 1.0e-6_wp
-  !> Faces lie on each other if their distance is less than CURVED times their width, as that of
-  !! flat elements of one curved surface is, and if the cosine of the angle between their outward
-  !! normals is less than OPPOSITE.
+  !> Faces lie on each other if their distance is less than CURVED times their width (flat elements
+  !! of one curved surface may be that far apart), and if the cosine of the angle between their
+  !! outward normals is less than OPPOSITE.
   real(wp), parameter :: CURVED = 0.05_wp, OPPOSITE = -0.7_wp
 
 contains
@@ -66,7 +66,7 @@ contains
   subroutine warn_untied(draft, mesh, told)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
-    logical, allocatable, intent(out) :: told(:, :) !! (nbody, nbody) the pairs (lower, higher)
+    logical, allocatable, intent(out) :: told(:, :) !! (nbody, nbody) pairs of bodies a < b
     type(skin_t), allocatable :: skin(:)
     logical, allocatable :: on(:, :) ! (nnode, 2) loose nodes of one body and of the other
     real(wp) :: near

@@ -31,7 +31,7 @@ module input_where
   !! name of a face; the body must then be a MESH or a SPLIne.
   type :: where_t
     integer :: type = 0                !! W_FACES to W_GROUP
-    character(:), allocatable :: body  !! its name as written
+    character(:), allocatable :: body  !! name of the body as written
     character(:), allocatable :: face  !! name of a face or a group as written
     integer :: mask = 0                !! bit f-1 of each face f
     integer :: node = 0
@@ -336,7 +336,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     logical, intent(in) :: on(:)       !! (nnode) the nodes that are equally near
     logical, intent(in) :: all_near    !! all of them are taken, otherwise the first
-    type(place_t), intent(in) :: place !! of the point in the deck
+    type(place_t), intent(in) :: place !! place of the point in the deck
     character(:), allocatable :: taken
 
     if (extent_of(mesh, on) <= sqrt(POINT_GAP)*extent_of(mesh, mesh%used)) return
@@ -351,8 +351,8 @@ contains
   subroutine warn_far(mesh, x, node, place)
     type(mesh_t), intent(in) :: mesh
     real(wp), intent(in) :: x(3)       !! the point [L]
-    integer, intent(in) :: node        !! its nearest node
-    type(place_t), intent(in) :: place !! of the point in the deck
+    integer, intent(in) :: node        !! node nearest to the point
+    type(place_t), intent(in) :: place !! place of the point in the deck
     real(wp) :: away, reach
     integer :: b, e, i
 
@@ -389,7 +389,7 @@ contains
     integer, intent(in) :: direction
     logical, intent(in) :: on(:)       !! (nnode) nodes that are found on the plane
     real(wp), intent(in) :: gap        !! distance within which nodes are found [L]
-    type(place_t), intent(in) :: place !! of the plane in the deck
+    type(place_t), intent(in) :: place !! place of the plane in the deck
     character(*), intent(in) :: hint
     integer, allocatable :: node(:)
     real(wp) :: x(3)

@@ -39,7 +39,7 @@ module word_block
     integer :: n(3) = 0              !! intervals between nodes
     integer :: node = 0, element = 0, material = 0, type = 0
     logical :: given(27) = .false.   !! master nodes that are given
-    real(wp) :: x(3, 27) = 0.0_wp    !! (3, 27) in FEAP's master order [L]
+    real(wp) :: x(3, 27) = 0.0_wp    !! (3, 27) master nodes in FEAP's order [L]
   end type block_spec_t
 
 contains

@@ -27,7 +27,7 @@ module word_material
   !> The law and the type of strains as they were read. They are combined later, because their
   !! records may come in any order.
   type :: law_entry_t
-    type(material_t) :: law                !! its name is empty until ELAStic is read
+    type(material_t) :: law                !! law; its name is empty until ELAStic is read
     integer :: strain = 0                  !! SMALL or FINITE
     integer :: nvalue = 0                  !! how many numbers are given
     real(wp) :: value(MAX_PROP + 1) = 0.0_wp

@@ -19,7 +19,7 @@ module word_position
   integer, parameter, public :: R_EBOU = 1, R_EDIS = 2, R_EFOR = 3, R_EPRO = 4, R_CBOU = 5, &
                                 R_CFOR = 6, R_CDIS = 7, R_CSUR = 8 !! in FEAP's order
   character(4), parameter :: WORD(8) = ['ebou', 'edis', 'efor', 'epro', 'cbou', 'cfor', 'cdis', &
-                                        'csur'] !! of these requests
+                                        'csur'] !! words of these records
 
   !> Records of the words that select planes, of the words that select points, of CBOUndary and of
   !! CSURface.

@@ -12,8 +12,8 @@ module curve_file
   private
   public :: curve_file_t, open_curve, write_row, close_curve, curve_names
 
-  integer, parameter :: WIDTH = 25  !! of a column of reals
-  integer, parameter :: NARROW = 12 !! of a column of integers
+  integer, parameter :: WIDTH = 25  !! width of a column of reals
+  integer, parameter :: NARROW = 12 !! width of a column of integers
 
   type :: curve_file_t
     type(byte_file_t) :: file

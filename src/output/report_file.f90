@@ -34,8 +34,9 @@ module report_file
     character(:), allocatable :: name
     integer :: points = 0               !! number of integration points, both sides
     integer :: closed = 0               !! number of these that are in contact
-    !> Over all steps: largest |F1 + F2| relative to the larger force, and largest penetration
-    !! relative to the width of an element or the thickness, whichever is smaller [-].
+    !> Over all steps: largest |F1 + F2| of the forces on both sides, relative to the larger force,
+    !! and largest penetration relative to the width of an element or the thickness, whichever is
+    !! smaller [-].
     real(wp) :: balance = 0.0_wp, largest_penetration = 0.0_wp
   end type contact_row_t
 
@@ -50,7 +51,7 @@ module report_file
     integer :: steps = 0, iterations = 0, cutbacks = 0
     integer :: dofs = 0                 !! including constrained ones
     integer :: equations = 0
-    integer :: negative_pivots = 0      !! of the last factorisation
+    integer :: negative_pivots = 0      !! negative pivots of the last factorisation
     real(wp) :: peak_memory_mb = 0.0_wp
     type(named_count_t), allocatable :: element(:)
     type(named_real_t), allocatable :: seconds(:), cpu_seconds(:)

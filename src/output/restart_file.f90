@@ -30,14 +30,14 @@ module restart_file
   type :: fingerprint_t
     character(:), allocatable :: version, deck_hash
     integer :: sizes(4) = 0 !! nodes, blocks, elements, equations
-    character(16) :: hash(NPART) = '' !! of the parts of the model
+    character(16) :: hash(NPART) = '' !! hashes of the parts of the model
   end type fingerprint_t
 
 contains
 
   subroutine make_fingerprint(version, deck_text, model, print)
     character(*), intent(in) :: version
-    character(*), intent(in) :: deck_text !! with included files and settings of the command line
+    character(*), intent(in) :: deck_text !! deck, included files, settings of the command line
     type(model_t), intent(in) :: model
     type(fingerprint_t), intent(out) :: print
 
@@ -124,7 +124,7 @@ contains
                              changed)
     character(*), intent(in) :: path
     type(fingerprint_t), intent(in) :: print
-    type(state_t), intent(inout) :: state !! at time 0, to give the sizes of the model
+    type(state_t), intent(inout) :: state !! state at time 0 with the sizes of the model
     type(named_values_t), intent(out) :: values
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: before

@@ -24,7 +24,7 @@ contains
   !> Build the view. The files are created with the first step. Old files of that name are removed;
   !! a restarted run keeps their steps up to number `keep`.
   subroutine open_result(result, stem, model, deck_text, error, keep)
-    type(result_file_t), intent(inout) :: result !! its fields may have been chosen
+    type(result_file_t), intent(inout) :: result !! its fields may have been chosen before
     character(*), intent(in) :: stem             !! folder and name
     type(model_t), intent(in) :: model
     character(*), intent(in) :: deck_text

@@ -22,7 +22,7 @@ module view
     type(point_list_t) :: point             !! combinations of nodes, and rational weights
     integer :: npoint = 0, ncell = 0
     logical :: has_bezier = .false.         !! some cells have degrees and weights
-    integer, allocatable :: first(:)        !! (ncell+1) where a cell's points begin in `conn`
+    integer, allocatable :: first(:)        !! (ncell+1) position in `conn` of a cell's first point
     integer, allocatable :: conn(:)         !! points of the cells, from 1
     integer, allocatable :: vtk(:)          !! (ncell) VTK cell type
     integer, allocatable :: degree(:, :)    !! (3, ncell)
@@ -37,7 +37,7 @@ module view
   type :: class_t
     logical :: done = .false.
     integer :: vtk = 0, degree(3) = 1
-    real(wp), allocatable :: coef(:, :)     !! (nen, npoint) of the nodes in each point [-]
+    real(wp), allocatable :: coef(:, :) !! (nen, npoint) coefficients of the nodes in each point [-]
     real(wp), allocatable :: weight(:)      !! (npoint) rational weights [-]
   end type class_t
 

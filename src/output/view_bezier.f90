@@ -28,7 +28,7 @@ contains
     type(element_t), intent(in) :: row
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: nen
-    integer, intent(out) :: degree(3)                  !! of the Bezier cell
+    integer, intent(out) :: degree(3)                  !! degrees of the Bezier cell
     real(wp), allocatable, intent(out) :: coef(:, :)   !! (nen, npoint)
     real(wp), allocatable, intent(out) :: weight(:)    !! (npoint)
     real(wp), allocatable :: a(:, :, :, :) !! (nen+1, n1, n2, n3); last row: W

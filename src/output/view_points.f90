@@ -11,7 +11,7 @@ module view_points
 
   type :: point_list_t
     integer :: npoint = 0
-    integer, allocatable :: first(:)   !! (npoint+1) where the entries of a point begin
+    integer, allocatable :: first(:)   !! (npoint+1) first entry of each point
     integer, allocatable :: node(:)    !! ascending within a point
     real(wp), allocatable :: coef(:)   !! coefficients of the nodes [-]
     real(wp), allocatable :: weight(:) !! (npoint) rational weight [-]

@@ -17,9 +17,9 @@ module vtu_file
   public :: vtu_series_t, open_series, append_series
 
   type :: vtu_series_t
-    character(:), allocatable :: stem     !! with the folder
+    character(:), allocatable :: stem     !! folder and name of the files
     integer, allocatable :: step(:)       !! steps written
-    real(wp), allocatable :: time(:)      !! of these steps [T]
+    real(wp), allocatable :: time(:)      !! times of these steps [T]
   end type vtu_series_t
 
   character(*), parameter :: LF = new_line('a')

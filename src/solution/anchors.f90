@@ -26,7 +26,7 @@ contains
   !> Set anchors for the weak motions that were not released.
   subroutine set_anchors(body, weak, released, eq, x, k, anchors)
     type(free_body_t), intent(in) :: body(:)
-    real(wp), intent(in) :: weak(:, :, :)     !! (6, body, n) with v.D v = 1
+    real(wp), intent(in) :: weak(:, :, :)     !! (6, body, n) weak motions, v.D v = 1
     real(wp), intent(in) :: released(:, :, :) !! (6, body, m)
     integer, intent(in) :: eq(:, :)           !! (3, nnode) equation numbers, 0: prescribed
     real(wp), intent(in) :: x(:, :)           !! (3, nnode) positions [L]

@@ -164,7 +164,7 @@ contains
           call adapt_release(path, step%newton%iterations - step%newton%before)
         end if
         off = is_all_released(model, state)
-        off = off .and. state%dt > 0.0_wp ! at a decreasing load the bonds would close again
+        off = off .and. state%dt > 0.0_wp ! if the load decreased, the bonds would close again
         if (off .and. path%method == PATH_RELEASE) then
           call end_trial(path)
           call log_line('path: load control takes over again at time '//to_text(state%time) &

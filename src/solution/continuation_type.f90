@@ -3,9 +3,9 @@
 !!
 !! Load control is used as long as it works. If even a small step fails, the release of the bonds is
 !! prescribed instead of the load. If that fails too, the arc length of the step is prescribed
-!! (LENGth does this at once), or inertia carries the model over the snap. Load control is tried
-!! again after some full steps of the deck in which the load has increased, or when the motion has
-!! died down. After each failed trial, the number of steps before the next trial doubles.
+!! (LENGth does this at once), or the model snaps through with inertia. Load control is tried again
+!! after some full steps of the deck in which the load has increased, or when the motion has died
+!! down. After each failed trial, the number of steps before the next trial doubles.
 !!
 !! Under control of the release or of the arc length, a step is constrained: a measure of the step
 !! is prescribed, and the time at its end is unknown (constrained_newton).
@@ -56,7 +56,7 @@ module continuation_type
     integer :: steps = 0                 !! steps since load control failed or was last tried
     integer :: wait = FIRST_WAIT         !! steps before the next trial
     integer :: next_wait = FIRST_WAIT    !! steps before the first trial after the next snap
-    real(wp) :: density = -1.0_wp        !! of the deck [M/L^3]; negative: found from the work done
+    real(wp) :: density = -1.0_wp !! density of the deck [M/L^3]; negative: from the work done
     real(wp) :: release = 0.0_wp         !! fraction of the bonds that the next step releases
     real(wp) :: largest_release = LARGEST_RELEASE
     real(wp) :: length = 0.0_wp          !! arc length of the next step [L]
@@ -64,7 +64,7 @@ module continuation_type
     real(wp) :: multiple = LARGEST_ARC   !! longest arc length, relative to the first one
     real(wp) :: released = 0.0_wp        !! fraction of the bonds released under arc length control
     integer :: opening = 0  !! consecutive steps with arc length control that released bonds
-    integer :: patience = FIRST_WAIT     !! such steps before the release is controlled again
+    integer :: patience = FIRST_WAIT !! number of such steps before the release is controlled again
     logical :: warned = .false.          !! a warning has said that load control failed
     logical :: warned_energy = .false.   !! a warning has said that the kinetic energy is too large
   end type continuation_t
@@ -73,7 +73,7 @@ module continuation_type
   !! plane (the component along the previous increment).
   type :: path_constraint_t
     logical :: on = .false.
-    real(wp) :: increment = 0.0_wp       !! of the measure in the step: [L^2] or [L]
+    real(wp) :: increment = 0.0_wp       !! increment of the measure: [L^2] or [L]
     real(wp) :: goal = 0.0_wp            !! value of the measure at the end of the step
     real(wp), allocatable :: direction(:, :) !! (3, nnode) unit vector along the previous step; not
     !! allocated if the release is prescribed
@@ -87,7 +87,7 @@ contains
   !> May another method replace load control after a failed step?
   pure logical function may_leave(path, size)
     type(continuation_t), intent(in) :: path
-    real(wp), intent(in) :: size         !! of the step, relative to dt
+    real(wp), intent(in) :: size         !! size of the step, relative to dt
 
     may_leave = path%method /= PATH_OFF .and. path%active == BY_LOAD .and. size <= SMALL
   end function may_leave
@@ -133,7 +133,7 @@ contains
   !> After a constrained step, has the load risen for long enough?
   logical function is_forward(path, whole)
     type(continuation_t), intent(inout) :: path
-    logical, intent(in) :: whole         !! it was a whole step of the deck
+    logical, intent(in) :: whole         !! the step was a whole step of the deck
 
     path%steps = merge(path%steps + 1, 0, whole)
     is_forward = path%steps >= path%wait

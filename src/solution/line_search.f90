@@ -18,7 +18,7 @@ module line_search
 
 contains
 
-  !> Displacements differ by s du from those of the previous iteration.
+  !> Set the displacements to those of the previous iteration plus s du.
   pure subroutine step_by(state, du, s)
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: du(:, :), s
@@ -27,8 +27,8 @@ contains
     state%scale = s
   end subroutine step_by
 
-  !> FEAP's line search: a fraction s of the increment with |du.r(s)| <= 0.8 |du.r(0)|; it is halved
-  !! first while an element inverts.
+  !> FEAP's line search: find a fraction s of the increment with |du.r(s)| <= 0.8 |du.r(0)|. First,
+  !! the fraction is halved as long as an element is inverted.
   subroutine search_line(asm, model, state, dx, du, g0, s, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -88,7 +88,7 @@ contains
     du = (state%u - state%u_base)/s
     call close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
     if (allocated(error)) return
-    call form(asm, model, state, sweep, error) ! its tangent is used
+    call form(asm, model, state, sweep, error) ! the next solve uses this tangent
   end subroutine retreat
 
   !> Is an increment too long? A line search then follows. With the mortar scheme, it prevents

@@ -55,7 +55,7 @@ contains
   !> Begin a step; number, time and load factors become those at its end.
   subroutine open_step(state, time)
     type(state_t), intent(inout) :: state
-    real(wp), intent(in) :: time !! at the end of the step
+    real(wp), intent(in) :: time !! time at the end of the step
 
     state%dt = time - state%time
     state%time = time
@@ -81,7 +81,7 @@ contains
   !> Derivatives of the load factors with respect to time.
   pure function factor_slopes(state, ahead) result(slope)
     type(state_t), intent(in) :: state
-    logical, intent(in) :: ahead !! at a corner of a table, take the slope after it
+    logical, intent(in) :: ahead !! take the slope after a corner of a table
     real(wp) :: slope(size(state%table))
     integer :: i
 

@@ -9,7 +9,7 @@
 !!    distances that begin with a millionth of an element and grow. As soon as contact resists,
 !!    Newton's iteration continues from there. If the body meets no surface, the step fails.
 !! 2. If a motion has little stiffness (less than WEAK, or a negative one), an anchor (module
-!!    anchors) resists this motion from the start of the step on. An example is a ball that can turn
+!!    anchors) resists this motion since the start of the step. An example is a ball that can turn
 !!    and slide on a plate without friction. If the anchor bears more than the fraction NO_LOAD of
 !!    all loads when the iteration converges, the motion is released, and the iteration continues.
 !! 3. Springs with the stiffness SPRING D are added to the tangent, but not to the residual. They
@@ -63,7 +63,7 @@ module stabilisation
     real(wp), allocatable :: weak(:, :, :) !! (6, body, m) motions of little stiffness, v.D v = 1
     real(wp), allocatable :: released(:, :, :) !! (6, body, m) motions that are no longer anchored
     real(wp) :: energy = 0.0_wp          !! energy of the anchors, summed over the steps [F L]
-    real(wp) :: work = 0.0_wp            !! of loads and supports in the same steps [F L]
+    real(wp) :: work = 0.0_wp            !! work of loads and supports in the same steps [F L]
     real(wp), allocatable :: kept(:, :, :) !! (3, 3, node) blocks without the springs
     logical :: warned = .false.          !! the warning about free motions was issued
     logical :: warned_energy = .false.   !! the warning about the energy of anchors was issued
@@ -218,7 +218,7 @@ contains
     end do
   end subroutine orthonormalise
 
-  !> Does a load act along a translation that nothing resists? Then `du` is the translation in the
+  !> Does a load act along a translation that nothing resists? If so, `du` is the translation in the
   !! direction of the load, of length one.
   subroutine find_flight(hold, model, state, force, floor, du, loaded)
     type(stabilisation_t), intent(in) :: hold
@@ -259,7 +259,7 @@ contains
     du = du/sqrt(maxval(sum(du**2, 1)))
   end subroutine find_flight
 
-  !> Do the anchors bear a load that is not small? Then the motion along this load is released for
+  !> Do the anchors bear a load that is not small? If so, the motion along this load is released for
   !! the rest of the step.
   subroutine release_loaded(hold, model, state, anchors, scale, loaded)
     type(stabilisation_t), intent(inout) :: hold

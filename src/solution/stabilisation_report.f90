@@ -81,7 +81,7 @@ contains
   pure logical function has_friction(model, state, node)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    integer, intent(in) :: node(:) !! of the body
+    integer, intent(in) :: node(:) !! nodes of the body
     logical :: inside(model%mesh%nnode)
     integer :: c, k
 
@@ -140,7 +140,7 @@ contains
            //', and contact does not stop it'
   end function lost_text
 
-  !> The direction of a vector: -z, or its unit vector.
+  !> Direction of a vector as text: an axis such as -z, or else the unit vector.
   function direction_text(v) result(text)
     real(wp), intent(in) :: v(3)
     character(:), allocatable :: text

@@ -62,7 +62,7 @@ contains
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time
     integer, intent(in) :: left
-    real(wp), intent(in), optional :: corner !! of a load table; absent: there is none
+    real(wp), intent(in), optional :: corner !! corner of a load table; absent: there is none
     real(wp) :: to, gap
     integer :: nstep
 

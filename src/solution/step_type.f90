@@ -10,10 +10,10 @@ module step_type
 
   !> Outcome of a step.
   integer, parameter, public :: STEP_IDLE = 0      !! there was no step, or nothing was solved in it
-  integer, parameter, public :: STEP_GOES_ON = 1   !! its iteration is not complete
-  integer, parameter, public :: STEP_CONVERGED = 2 !! its iteration has passed the convergence test
-  integer, parameter, public :: STEP_ACCEPTED = 3  !! it is closed
-  integer, parameter, public :: STEP_REWOUND = 4   !! it failed, and the state at its start is
+  integer, parameter, public :: STEP_GOES_ON = 1   !! the iteration is not complete
+  integer, parameter, public :: STEP_CONVERGED = 2 !! the iteration has passed the convergence test
+  integer, parameter, public :: STEP_ACCEPTED = 3  !! the step is closed
+  integer, parameter, public :: STEP_REWOUND = 4   !! the step failed, and the state at its start is
   !! restored
 
   !> Totals of the whole run.
@@ -34,7 +34,7 @@ module step_type
     logical :: open = .false.            !! a step is in progress
     logical :: timed = .false.           !! a TIME began it
     logical :: retry = .false.           !! the next step repeats a step that was cut back
-    logical :: solved = .false.          !! at least one system was solved in it
+    logical :: solved = .false.          !! at least one system was solved in the step
     integer :: cutbacks = 0              !! cut-backs of this step, except changes of method
     logical :: needs_damping = .false.   !! some step failed at every size without damping
     logical :: damps = .false.           !! the next attempt of the step has damped increments
